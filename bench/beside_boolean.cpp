@@ -29,14 +29,14 @@ struct Hole {
   }
 };
 
-Hole hole_of(const Recording& r, double ball_radius_mm) {
+Hole hole_of(const haptics::Recording& r, double ball_radius_mm) {
   Hole h;
   double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
-  for (const ServoFrame& f : r.frames) {
-    if (!(f.buttons & Drilling::pedal) || f.faults != 0) continue;
+  for (const haptics::ServoFrame& f : r.frames) {
+    if (!(f.buttons & haptics::Drilling::pedal) || f.faults != 0) continue;
     if (h.axis == Vec3{}) {
       h.axis = normalized(vec(f.axis));
-      const Mat3 frame = frame_along(h.axis);
+      const Mat3 frame = haptics::frame_along(h.axis);
       h.u = frame.column[0];
       h.v = frame.column[1];
       h.middle = vec(f.tip_mm);
@@ -55,18 +55,18 @@ Hole hole_of(const Recording& r, double ball_radius_mm) {
 }
 
 // A voxel's part of the bone, with the ramp taken as shape_volume_mm3 does.
-double bone_in(const HapticDecoder& d, const HapticVolume& v, std::uint64_t bits, int i, int j, int k) {
+double bone_in(const voxel::HapticDecoder& d, const voxel::HapticVolume& v, std::uint64_t bits, int i, int j, int k) {
   double o = 0;
-  for (const HapticShape& s : v.shapes)
+  for (const voxel::HapticShape& s : v.shapes)
     if (bits >> s.number & 1) o += d.occupancy(s.number, i, j, k);
   return std::clamp(0.5 + 2 * (o - 0.5), 0.0, 1.0);
 }
 
 // mm3 that only the first, only the second and both have taken from `before`, within `reach` of the axis.
-void compare(const char* what, const HapticVolume& before, const HapticVolume& one, const HapticVolume& other,
-             std::uint64_t bits, const Hole& hole, double reach_mm) {
-  const HapticDecoder was(before), a(one), b(other);
-  const Lattice& l = before.voxels;
+void compare(const char* what, const voxel::HapticVolume& before, const voxel::HapticVolume& one,
+             const voxel::HapticVolume& other, std::uint64_t bits, const Hole& hole, double reach_mm) {
+  const voxel::HapticDecoder was(before), a(one), b(other);
+  const grid::Lattice& l = before.voxels;
   double only_one = 0, only_other = 0, both = 0;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -89,39 +89,40 @@ void compare(const char* what, const HapticVolume& before, const HapticVolume& o
 
 }  // namespace
 
-std::uint64_t bits_of(const DrillShapes& shapes) {
+std::uint64_t bits_of(const drill::DrillShapes& shapes) {
   std::uint64_t bits = 0;
   for (std::size_t n = 1; n < shapes.size(); ++n)
     if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
   return bits;
 }
 
-void beside_boolean(const HapticVolume& before, const HapticVolume& after, const DrillShapes& shapes,
-                    const Recording& recording, double ball_radius_mm, const std::string& drilled_case) {
+void beside_boolean(const voxel::HapticVolume& before, const voxel::HapticVolume& after,
+                    const drill::DrillShapes& shapes, const haptics::Recording& recording, double ball_radius_mm,
+                    const std::string& drilled_case) {
   const std::uint64_t bits = bits_of(shapes);
   const Hole h = hole_of(recording, ball_radius_mm);
-  HapticVolume cut = copy_without_hardness(before), was = copy_without_hardness(before),
-               is = copy_without_hardness(after);
+  voxel::HapticVolume cut = voxel::copy_without_hardness(before), was = voxel::copy_without_hardness(before),
+                      is = voxel::copy_without_hardness(after);
   // The cylinder from the lowest place of the tip outwards.
   constexpr double out_mm = 30;
   const auto solid = [&](Vec3 p) {
     const double along = dot(p - h.middle, h.axis);
     return std::max({h.across(p) - h.radius_mm, h.lowest_mm - along, along - h.lowest_mm - out_mm});
   };
-  Bounds bounds;
+  surface::Bounds bounds;
   for (const double along : {h.lowest_mm, h.lowest_mm + out_mm}) {
     const Vec3 r{h.radius_mm, h.radius_mm, h.radius_mm}, p = h.middle + h.axis * along;
-    include(bounds, Bounds{p - r, p + r});
+    surface::include(bounds, surface::Bounds{p - r, p + r});
   }
   std::vector<int> numbers;
-  for (const HapticShape& s : before.shapes)
+  for (const voxel::HapticShape& s : before.shapes)
     if (bits >> s.number & 1) numbers.push_back(s.number);
   Report report;
-  cut_volume(cut, solid, bounds, numbers, report);
+  voxel::cut_volume(cut, solid, bounds, numbers, report);
   std::printf("  hole of %.2f mm; walls beside the cylinder's, where the burr is at its widest:\n", 2 * h.radius_mm);
   // Along rays from the axis: where the wall of bone is.
-  ContactVolume felt(is), uncut(was);
-  const TouchableFaces faces{bits, 0};
+  contact::ContactVolume felt(is), uncut(was);
+  const contact::TouchableFaces faces{bits, 0};
   std::vector<double> off;
   int standing = 0;
   const double side = felt.smallest_side_mm();
@@ -135,7 +136,7 @@ void beside_boolean(const HapticVolume& before, const HapticVolume& after, const
         ++standing;
         continue;
       }
-      const Contact c = felt.intersect(p, p + way * (h.radius_mm + 3), faces);
+      const contact::Contact c = felt.intersect(p, p + way * (h.radius_mm + 3), faces);
       off.push_back(c.hit ? norm(c.point_mm - p) - h.radius_mm : 3);
     }
   if (!off.empty()) {
@@ -152,9 +153,9 @@ void beside_boolean(const HapticVolume& before, const HapticVolume& after, const
   }
   compare("beside a cylinder of that width, to the tip's depth", was, is, cut, bits, h, h.radius_mm + 3);
   if (drilled_case.empty()) return;
-  const LoadedCase other = load_case(drilled_case);
+  const cases::LoadedCase other = cases::load_case(drilled_case);
   if (other.manifest.burr_holes.empty()) throw std::runtime_error(drilled_case + " has no burr hole");
-  const CaseBurrHole& b = other.manifest.burr_holes.front();
+  const cases::CaseBurrHole& b = other.manifest.burr_holes.front();
   const double angle = std::acos(std::clamp(-dot(b.direction, h.axis), -1.0, 1.0)) * 180 / M_PI;
   // Both axes where they meet the outer table.
   const auto table = [&](Vec3 p, Vec3 out) { return uncut.intersect(p + out * 30, p - out * 30, faces).point_mm; };
@@ -167,17 +168,17 @@ void beside_boolean(const HapticVolume& before, const HapticVolume& after, const
   compare("beside the case's own hole", was, is, other.haptic, bits, h, 40);
 }
 
-void beside_contour(const HapticVolume& after, int number, const LiveSurface& followed) {
-  const LiveSurface fresh(after, number);
+void beside_contour(const voxel::HapticVolume& after, int number, const drill::LiveSurface& followed) {
+  const drill::LiveSurface fresh(after, number);
   std::size_t differ = 0;
   for (std::size_t n = 0; n < fresh.layout().count(); ++n) {
-    const BrickMesh &a = fresh.brick(n), &b = followed.brick(n);
+    const drill::BrickMesh &a = fresh.brick(n), &b = followed.brick(n);
     differ += a.indices != b.indices || a.vertices.size() != b.vertices.size() ||
               (!a.vertices.empty() &&
-               std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(LiveVertex)) != 0);
+               std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(drill::LiveVertex)) != 0);
   }
   // Vertices of both lie on edges between voxel centres: by the edge.
-  const Lattice& l = after.voxels;
+  const grid::Lattice& l = after.voxels;
   std::map<std::array<int, 4>, Vec3> of_edge;
   const auto edge_of = [&](Vec3 world) {
     const Vec3 i = l.to_index(world);
@@ -189,11 +190,11 @@ void beside_contour(const HapticVolume& after, int number, const LiveSurface& fo
     e[std::size_t(axis)] = int(std::floor(i[axis]));
     return e;
   };
-  ContourParams params;
+  meshing::ContourParams params;
   params.min_component_mm3 = 0;
   params.keep_cavities = true;
   Report report;
-  const TriMesh contoured = contour(shape_field(after, number), params, report);
+  const surface::TriMesh contoured = meshing::contour(voxel::shape_field(after, number), params, report);
   for (std::size_t n = 0; n < contoured.points_mm.size(); ++n) {
     const Vec3 i = l.to_index(contoured.world_mm(n));
     int between = 0;  // an ambiguous cell's own points lie on no edge
@@ -203,7 +204,7 @@ void beside_contour(const HapticVolume& after, int number, const LiveSurface& fo
   std::size_t vertices = 0, alone = 0;
   std::vector<double> off;
   for (std::size_t n = 0; n < followed.layout().count(); ++n)
-    for (const LiveVertex& p : followed.brick(n).vertices) {
+    for (const drill::LiveVertex& p : followed.brick(n).vertices) {
       const Vec3 at{p.position_mm[0], p.position_mm[1], p.position_mm[2]};
       const Vec3 world = l.origin_mm + l.direction * at;
       const Vec3 index = l.to_index(world);

@@ -36,7 +36,7 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 double random_of(std::uint64_t n) { return unit_of_bits(splitmix64_mixed(n * splitmix64_step + 0x1234567)); }
 
 /// Where the ray first meets the surface beyond `after`; Moeller and Trumbore.
-double first_hit(const TriMesh& m, Vec3 from, Vec3 along, double after) {
+double first_hit(const surface::TriMesh& m, Vec3 from, Vec3 along, double after) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& t : m.triangles) {
     const Vec3 a = m.world_mm(t[0]), u = m.world_mm(t[1]) - a, v = m.world_mm(t[2]) - a;
@@ -51,19 +51,19 @@ double first_hit(const TriMesh& m, Vec3 from, Vec3 along, double after) {
 }
 
 /// Of what looks outwards within the radius.
-Vec3 mean_normal(const TriMesh& m, Vec3 at, Vec3 outwards, double radius) {
+Vec3 mean_normal(const surface::TriMesh& m, Vec3 at, Vec3 outwards, double radius) {
   Vec3 sum;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
     const auto& v = m.triangles[t];
-    const Vec3 n = triangle_normal(m, t);
+    const Vec3 n = surface::triangle_normal(m, t);
     if (dot(n, outwards) > 0 && norm((m.world_mm(v[0]) + m.world_mm(v[1]) + m.world_mm(v[2])) / 3 - at) < radius)
       sum += n;
   }
   return sum == Vec3{} ? outwards : normalized(sum);
 }
 
-Cutter hole_at(const TriMesh& m, std::uint64_t number, double radius) {
-  const Bounds b = bounds_of(m);
+boolean::Cutter hole_at(const surface::TriMesh& m, std::uint64_t number, double radius) {
+  const surface::Bounds b = surface::bounds_of(m);
   const Vec3 middle = (b.min_mm + b.max_mm) / 2;
   for (std::uint64_t k = 0;; ++k) {
     const double z = 2 * random_of(number * 1000 + 2 * k) - 1,
@@ -72,7 +72,7 @@ Cutter hole_at(const TriMesh& m, std::uint64_t number, double radius) {
     const Vec3 start = middle + out * 500;
     const double d = first_hit(m, start, -out, 0);
     if (!(d < 450)) continue;
-    Cutter c;
+    boolean::Cutter c;
     c.position_mm = start - out * d;
     c.direction = -mean_normal(m, c.position_mm, out, radius);
     c.radius_mm = radius;
@@ -83,31 +83,31 @@ Cutter hole_at(const TriMesh& m, std::uint64_t number, double radius) {
 }
 
 /// The hole of that number in many shapes: see above.
-std::vector<Cutter> many(Cutter c, std::uint64_t number) {
+std::vector<boolean::Cutter> many(boolean::Cutter c, std::uint64_t number) {
   const auto u = [&](int n) { return random_of(number * 977 + 31 * n + 500000000); };
   c.radius_mm *= 0.3 + 1.1 * u(0);
   const double z = 2 * u(1) - 1, a = 6.283185307179586 * u(2), s = std::sqrt(1 - z * z);
   const Vec3 aside = Vec3{s * std::cos(a), s * std::sin(a), z};
   c.direction = normalized(c.direction + aside * (0.55 * u(3)));
-  Cutter e;
-  e.kind = Cutter::Kind::ellipsoid;
+  boolean::Cutter e;
+  e.kind = boolean::Cutter::Kind::ellipsoid;
   e.position_mm = c.position_mm;
   e.direction = c.direction;
   e.across = normalized(cross(c.direction, std::abs(c.direction.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   e.radii_mm = {c.radius_mm * (0.8 + u(4)), c.radius_mm, c.radius_mm * (0.6 + u(5))};
   if (u(6) < 0.15) return {e};
   if (u(6) > 0.3) return {c};
-  Cutter d = c;
+  boolean::Cutter d = c;
   d.position_mm += e.across * (c.radius_mm * (0.3 + 1.4 * u(7)));
   e.position_mm -= e.across * (c.radius_mm * 1.2 * u(8));
   return {c, d, e};
 }
 
 /// The field around the cutters.
-Field patch_around(const Field& field, const std::vector<Cutter>& cutters) {
-  Box box{field.size, {0, 0, 0}};
-  for (const Cutter& c : cutters) {
-    const Bounds b = bounds_of(c);
+grid::Field patch_around(const grid::Field& field, const std::vector<boolean::Cutter>& cutters) {
+  grid::Box box{field.size, {0, 0, 0}};
+  for (const boolean::Cutter& c : cutters) {
+    const surface::Bounds b = boolean::bounds_of(c);
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 p = field.to_index({corner & 1 ? b.max_mm.x : b.min_mm.x, corner & 2 ? b.max_mm.y : b.min_mm.y,
                                      corner & 4 ? b.max_mm.z : b.min_mm.z});
@@ -118,7 +118,7 @@ Field patch_around(const Field& field, const std::vector<Cutter>& cutters) {
       }
     }
   }
-  return crop(field, box);
+  return grid::crop(field, box);
 }
 
 /// Cut in the field, then contoured, against what was cut out of the mesh.
@@ -126,22 +126,25 @@ struct Comparison {
   int holes = 0;
   double worst_volume = 0, volume = 0, worst_max = 0, max = 0, rms = 0, more_triangles = 0, field_s = 0, mesh_s = 0;
 
-  void add(Field patch, const TriMesh& whole, const TriMesh& cut, const std::vector<Cutter>& cutters, double cut_s) {
+  void add(grid::Field patch, const surface::TriMesh& whole, const surface::TriMesh& cut,
+           const std::vector<boolean::Cutter>& cutters, double cut_s) {
     const double start = seconds();
     Report ignored;
-    for (const Cutter& c : cutters) cut_field(patch, distance_to(c), bounds_of(c), ignored);
-    TriMesh other;
+    for (const boolean::Cutter& c : cutters)
+      voxel::cut_field(patch, boolean::distance_to(c), boolean::bounds_of(c), ignored);
+    surface::TriMesh other;
     try {
-      other = contour(patch, {}, ignored);
+      other = meshing::contour(patch, {}, ignored);
     } catch (const Error&) {
       return;  // nothing is left
     }
     field_s += seconds() - start;
     mesh_s += cut_s;
-    const double removed = volume_mm3(whole) - volume_mm3(cut), of_field = volume_mm3(whole) - volume_mm3(other);
-    DeviationParams samples;
+    const double removed = surface::volume_mm3(whole) - surface::volume_mm3(cut),
+                 of_field = surface::volume_mm3(whole) - surface::volume_mm3(other);
+    metrics::DeviationParams samples;
     samples.sample_count = 20000;
-    const Deviation d = measure_deviation(other, cut, samples);
+    const metrics::Deviation d = metrics::measure_deviation(other, cut, samples);
     ++holes;
     const double off = std::abs(of_field - removed) / std::max(removed, 50.0);
     worst_volume = std::max(worst_volume, off);
@@ -169,42 +172,42 @@ int main(int argc, char** argv) try {
   run_child_if_asked(argc, argv);
   if (argc < 2)
     return std::fprintf(stderr, "bench_burr_holes SKULL.vtp [holes [diameter_mm [first [FIELD.nrrd]]]]\n"), 64;
-  const TriMesh skull = read_vtp(argv[1]);
+  const surface::TriMesh skull = meshio::read_vtp(argv[1]);
   const bool patches = argc > 5;
-  Field field;
-  if (patches) field = read_field_nrrd(argv[5]);
+  grid::Field field;
+  if (patches) field = grid::read_field_nrrd(argv[5]);
   Comparison comparison;
   const int holes = argc > 2 ? std::atoi(argv[2]) : 100, first = argc > 4 ? std::atoi(argv[4]) : 0;
   const double radius = (argc > 3 ? std::atof(argv[3]) : 14) / 2;
   int valid = 0, invalid = 0, refused = 0, over_limit = 0, empty = 0, again = 0, narrow = 0;
-  double triangles = 0, moved = 0, worst = 0, least_free = 1e9;
+  double triangles = 0, moved = 0, worst = 0, min_free = 1e9;
   std::vector<double> times;
   for (int i = first; i < first + holes; ++i) {
-    Cutter c = hole_at(skull, std::uint64_t(i), radius);
-    std::vector<Cutter> cutters{c};
-    TriMesh around;
-    Field patch;
+    boolean::Cutter c = hole_at(skull, std::uint64_t(i), radius);
+    std::vector<boolean::Cutter> cutters{c};
+    surface::TriMesh around;
+    grid::Field patch;
     if (patches) {
       cutters = many(c, std::uint64_t(i));
       c = cutters.front();
       patch = patch_around(field, cutters);
       Report ignored;
       try {
-        around = contour(patch, {}, ignored);
+        around = meshing::contour(patch, {}, ignored);
       } catch (const Error& e) {
         std::printf("hole %d: no patch: %s\n", i, e.line("").c_str());
         ++empty;
         continue;
       }
     }
-    const TriMesh& whole = patches ? around : skull;
+    const surface::TriMesh& whole = patches ? around : skull;
     triangles += double(whole.triangles.size());
     const double start = seconds();
     try {
       Report r;
-      const TriMesh out = cut_surface(whole, cutters, {}, r);
+      const surface::TriMesh out = boolean::cut_surface(whole, cutters, {}, r);
       times.push_back(seconds() - start);
-      const Validity v = check_validity(out);
+      const meshing::Validity v = meshing::check_validity(out);
       (v.valid() && v.float32 ? valid : invalid)++;
       if (!v.valid()) std::printf("hole %d: INVALID: %s\n", i, v.text().c_str());
       for (std::size_t n = 0; n < cutters.size(); ++n) {
@@ -215,9 +218,9 @@ int main(int argc, char** argv) try {
       }
       again += std::get<std::int64_t>(*r.find("tries_count")) > std::int64_t(cutters.size());
       moved = std::max(moved, std::get<double>(*r.find("moved_mm")));
-      const double free = free_radius_mm(out, c);
-      if (c.kind == Cutter::Kind::cylinder) {
-        least_free = std::min(least_free, free - c.radius_mm);
+      const double free = boolean::free_radius_mm(out, c);
+      if (c.kind == boolean::Cutter::Kind::cylinder) {
+        min_free = std::min(min_free, free - c.radius_mm);
         if (free < c.radius_mm - 0.5) {
           ++narrow;
           std::printf("hole %d: a probe of %.3f mm passes, not %.3f\n", i, free, c.radius_mm);
@@ -240,7 +243,7 @@ int main(int argc, char** argv) try {
       "without bone; %d needed another try, moved at most %.4f mm; volume off by %.4f %% at most; least free radius "
       "%.3f mm below the cutter's, %d too narrow; %.2f s a cut (median), %.2f s at most\n",
       holes, triangles / double(times.size()), valid, invalid, refused, over_limit, empty, again, moved, 100 * worst,
-      -least_free, narrow, times[times.size() / 2], times.back());
+      -min_free, narrow, times[times.size() / 2], times.back());
   comparison.print();
   return invalid == 0 ? 0 : 1;
 } catch (const Error& e) {

@@ -56,7 +56,7 @@ double timed(const std::function<void()>& f) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-TriMesh by_cgal(const TriMesh& mesh, std::size_t triangles, double& seconds) {
+surface::TriMesh by_cgal(const surface::TriMesh& mesh, std::size_t triangles, double& seconds) {
   CgalMesh m;
   for (const Vec3 p : mesh.points_mm) m.add_vertex({p.x, p.y, p.z});
   for (const auto& t : mesh.triangles)
@@ -71,7 +71,7 @@ TriMesh by_cgal(const TriMesh& mesh, std::size_t triangles, double& seconds) {
         CGAL::parameters::get_cost(policies.get_cost()).get_placement(policies.get_placement()).filter(filter));
   });
   m.collect_garbage();
-  TriMesh out;
+  surface::TriMesh out;
   out.origin_mm = mesh.origin_mm;
   for (const auto v : m.vertices()) out.points_mm.push_back({m.point(v).x(), m.point(v).y(), m.point(v).z()});
   for (const auto f : m.faces()) {
@@ -83,7 +83,7 @@ TriMesh by_cgal(const TriMesh& mesh, std::size_t triangles, double& seconds) {
   return out;
 }
 
-vtkNew<vtkPolyData> to_vtk(const TriMesh& mesh) {
+vtkNew<vtkPolyData> to_vtk(const surface::TriMesh& mesh) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   for (const Vec3 p : mesh.points_mm) points->InsertNextPoint(p.x, p.y, p.z);
@@ -99,14 +99,14 @@ vtkNew<vtkPolyData> to_vtk(const TriMesh& mesh) {
 }
 
 template <class Filter>
-TriMesh by_vtk(const TriMesh& mesh, std::size_t triangles, double& seconds) {
+surface::TriMesh by_vtk(const surface::TriMesh& mesh, std::size_t triangles, double& seconds) {
   const vtkNew<vtkPolyData> data = to_vtk(mesh);
   vtkNew<Filter> filter;
   filter->SetInputData(data);
   filter->SetTargetReduction(1 - double(triangles) / double(mesh.triangles.size()));
   if constexpr (std::is_same_v<Filter, vtkDecimatePro>) filter->PreserveTopologyOn();
   seconds = timed([&] { filter->Update(); });
-  TriMesh out;
+  surface::TriMesh out;
   out.origin_mm = mesh.origin_mm;
   vtkPolyData* result = filter->GetOutput();
   for (vtkIdType i = 0; i < result->GetNumberOfPoints(); ++i) {
@@ -118,7 +118,7 @@ TriMesh by_vtk(const TriMesh& mesh, std::size_t triangles, double& seconds) {
   const vtkIdType* ids = nullptr;
   for (result->GetPolys()->InitTraversal(); result->GetPolys()->GetNextCell(n, ids);)
     out.triangles.push_back({std::uint32_t(ids[0]), std::uint32_t(ids[1]), std::uint32_t(ids[2])});
-  drop_unused_points(out);
+  surface::drop_unused_points(out);
   return out;
 }
 
@@ -147,10 +147,11 @@ double peak_mib() {
   return static_cast<double>(r.ru_maxrss) / 1024;
 }
 
-void print_row(const char* name, double seconds, double mib, const TriMesh& mesh, const TriMesh& input) {
-  const Validity v = check_validity(mesh);
-  const Deviation d = measure_deviation(mesh, input);
-  const DeviationStats &to = d.mesh_to_reference, &from = d.reference_to_mesh;
+void print_row(const char* name, double seconds, double mib, const surface::TriMesh& mesh,
+               const surface::TriMesh& input) {
+  const meshing::Validity v = meshing::check_validity(mesh);
+  const metrics::Deviation d = metrics::measure_deviation(mesh, input);
+  const metrics::DeviationStats &to = d.mesh_to_reference, &from = d.reference_to_mesh;
   std::printf("| %s | %.2f | %.0f | %zu | %zu | %zu | %zu | %.3f / %.3f / %.4f | %.3f / %.3f / %.4f | %.3f / %.4f |\n",
               name, seconds, mib, mesh.triangles.size(), v.topology.boundary_edges,
               v.topology.nonmanifold_edges + v.topology.nonmanifold_points + v.topology.duplicate_triangles,
@@ -158,10 +159,10 @@ void print_row(const char* name, double seconds, double mib, const TriMesh& mesh
               d.both.p99_mm, d.both.rms_mm);
 }
 
-void contours(const Grid<std::int16_t>& grid, double isovalue) {
-  TriMesh ours;
-  const double seconds =
-      timed([&] { ours = marching_cubes(grid, isovalue, find_inside(grid, isovalue), 0.002, Progress()); });
+void contours(const grid::Grid<std::int16_t>& grid, double isovalue) {
+  surface::TriMesh ours;
+  const double seconds = timed(
+      [&] { ours = meshing::marching_cubes(grid, isovalue, meshing::find_inside(grid, isovalue), 0.002, Progress()); });
   std::printf("%-28s %7.2f s %8zu\n", "marching cubes, ours", seconds, ours.triangles.size());
   vtkNew<vtkImageData> image;
   image->SetDimensions(grid.size.data());
@@ -190,7 +191,7 @@ void exchange(std::FILE* file, Array& v, bool write) {
     if (std::fread(v.data(), sizeof(T), n, file) != n) v.clear();
   }
 }
-void exchange(const char* name, TriMesh& mesh, bool write) {
+void exchange(const char* name, surface::TriMesh& mesh, bool write) {
   std::FILE* file = std::fopen(name, write ? "wb" : "rb");
   if (!file) throw Error(ExitCode::cannot_create, name, "", std::strerror(errno));
   exchange(file, mesh.points_mm, write);
@@ -199,36 +200,36 @@ void exchange(const char* name, TriMesh& mesh, bool write) {
 }
 
 void contour_to(const char* surface, const char* volume_file, double isovalue) {
-  const HuVolume volume = read_hu_nrrd(volume_file);
-  ContourParams c;
+  const grid::HuVolume volume = grid::read_hu_nrrd(volume_file);
+  meshing::ContourParams c;
   c.isovalue_hu = isovalue;
   c.min_component_mm3 = 1e9;
-  if (const auto* grid = std::get_if<Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
+  if (const auto* grid = std::get_if<grid::Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
   Report report;
-  TriMesh mesh;
-  const double seconds = timed([&] { mesh = contour(volume, c, report); });
+  surface::TriMesh mesh;
+  const double seconds = timed([&] { mesh = meshing::contour(volume, c, report); });
   std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, mesh.triangles.size());
-  const double checking = timed([&] { check_validity(mesh); });
+  const double checking = timed([&] { meshing::check_validity(mesh); });
   std::printf("%-28s %7.2f s\n\n", "check_validity", checking);
   exchange(surface, mesh, true);
 }
 
 struct Row {
   const char* name;
-  std::function<TriMesh(const TriMesh& input, double& seconds)> decimator;
+  std::function<surface::TriMesh(const surface::TriMesh& input, double& seconds)> decimator;
 };
 
 std::vector<Row> rows_of(std::size_t count, double bound_mm) {
   const auto ours = [count](double most_mm) {
-    return [=](const TriMesh& input, double& s) {
-      DecimateParams d;
+    return [=](const surface::TriMesh& input, double& s) {
+      meshing::DecimateParams d;
       d.target_triangles_count = static_cast<std::int64_t>(count);
       d.max_deviation_mm = most_mm;
-      require_valid(input);  // as after contour, which has checked it: decimate does not check again
-      TriMesh out;
+      meshing::require_valid(input);  // as after contour, which has checked it: decimate does not check again
+      surface::TriMesh out;
       s = timed([&] {
         Report r;
-        out = decimate(input, d, r);
+        out = meshing::decimate(input, d, r);
       });
       return out;
     };
@@ -236,14 +237,14 @@ std::vector<Row> rows_of(std::size_t count, double bound_mm) {
   return {{"ours, count", ours(0)},
           {"ours, count and bound", ours(bound_mm)},
           {"vtkDecimatePro, topology preserved",
-           [=](const TriMesh& input, double& s) { return by_vtk<vtkDecimatePro>(input, count, s); }},
+           [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkDecimatePro>(input, count, s); }},
           {"vtkQuadricDecimation",
-           [=](const TriMesh& input, double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); }},
+           [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); }},
 #ifdef BENCH_MESHOPTIMIZER
           {"meshoptimizer", [=](const TriMesh& input, double& s) { return by_meshoptimizer(input, count, s); }},
 #endif
           {"CGAL edge_collapse, Garland-Heckbert",
-           [=](const TriMesh& input, double& s) { return by_cgal(input, count, s); }}};
+           [=](const surface::TriMesh& input, double& s) { return by_cgal(input, count, s); }}};
 }
 
 /// Contouring and each row run in a process of their own, so that a row's peak of memory is its own (with the input's,
@@ -269,10 +270,10 @@ int main(int argc, char** argv) try {
   const std::vector<Row> rows = rows_of(count, number(one ? 6 : 4, 0.3));
   if (one) {
     const Row& row = rows.at(static_cast<std::size_t>(std::atoi(argv[2])));
-    TriMesh input;
+    surface::TriMesh input;
     exchange(argv[3], input, false);
     double seconds = 0;
-    const TriMesh out = row.decimator(input, seconds);
+    const surface::TriMesh out = row.decimator(input, seconds);
     print_row(row.name, seconds, peak_mib(), out, input);
     return 0;
   }
@@ -280,7 +281,7 @@ int main(int argc, char** argv) try {
   const ScratchFolder folder;
   const std::string surface = folder.path() / "surface";
   if (!in_own_process({"bench_decimate", "--contour", surface, argv[1], isovalue})) return 1;
-  TriMesh input;
+  surface::TriMesh input;
   exchange(surface.c_str(), input, false);
   std::printf(
       "| %zu triangles to %zu | s | peak MiB | triangles | open edges | non-manifold | intersecting pairs | result to "

@@ -29,10 +29,11 @@ constexpr int finer = 4;
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 // The centres of the ball while it cut, no two neighbours nearer than a fifth of a fine step.
-std::vector<Vec3> centres_of(const Recording& r, double radius_mm, double apart_mm) {
+std::vector<Vec3> centres_of(const haptics::Recording& r, double radius_mm, double apart_mm) {
   std::vector<Vec3> out;
-  for (const ServoFrame& f : r.frames) {
-    if (!(f.buttons & Drilling::pedal) || (f.buttons & haptic_button::lifted) || f.faults != 0) continue;
+  for (const haptics::ServoFrame& f : r.frames) {
+    if (!(f.buttons & haptics::Drilling::pedal) || (f.buttons & haptics::haptic_button::lifted) || f.faults != 0)
+      continue;
     const Vec3 at = vec(f.tip_mm) + normalized(vec(f.axis)) * radius_mm;
     if (out.empty() || norm(at - out.back()) > apart_mm) out.push_back(at);
   }
@@ -43,10 +44,10 @@ struct Volumes {
   double swept_mm3 = 0, standing_mm3 = 0;  // of the drillable shapes within the swept solid: before, and after
 };
 
-Volumes volumes(const HapticVolume& before, const HapticVolume& after, const DrillShapes& shapes,
+Volumes volumes(const voxel::HapticVolume& before, const voxel::HapticVolume& after, const drill::DrillShapes& shapes,
                 const std::vector<Vec3>& centres, double radius_mm) {
-  const Lattice& l = before.voxels;
-  Box box{{l.size[0], l.size[1], l.size[2]}, {0, 0, 0}};
+  const grid::Lattice& l = before.voxels;
+  grid::Box box{{l.size[0], l.size[1], l.size[2]}, {0, 0, 0}};
   for (const Vec3 c : centres)
     for (std::size_t a = 0; a < 3; ++a) {
       const double at = l.to_index(c)[int(a)], reach = radius_mm / l.spacing_mm[int(a)] + 1;
@@ -77,7 +78,7 @@ Volumes volumes(const HapticVolume& before, const HapticVolume& after, const Dri
           swept[index(x, y, z)] = true;
       }
   }
-  const HapticDecoder was(before), is(after);
+  const voxel::HapticDecoder was(before), is(after);
   const double share = l.voxel_volume_mm3() / (finer * finer * finer);
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
@@ -90,8 +91,8 @@ Volumes volumes(const HapticVolume& before, const HapticVolume& after, const Dri
                                    finer * (k - box.begin[2]) + z)];
         if (cells == 0) continue;
         double first = 0, last = 0;
-        for (const HapticShape& s : before.shapes) {
-          const DrillShape& d = shapes[std::size_t(s.number)];
+        for (const voxel::HapticShape& s : before.shapes) {
+          const drill::DrillShape& d = shapes[std::size_t(s.number)];
           if (!d.cuttable || !(d.energy_j_per_mm3 > 0)) continue;
           first += was.occupancy(s.number, i, j, k);
           last += is.occupancy(s.number, i, j, k);
@@ -103,33 +104,33 @@ Volumes volumes(const HapticVolume& before, const HapticVolume& after, const Dri
 }
 
 void look_at(const char* folder, const char* file, const std::string& drilled_case) {
-  const Recording r = read_recording(file);
-  const RecordingHeader& h = r.header;
-  FeltCase felt = felt_again(folder, file, h);
-  HapticVolume before;
+  const haptics::Recording r = haptics::read_recording(file);
+  const haptics::RecordingHeader& h = r.header;
+  session::FeltCase felt = session::felt_again(folder, file, h);
+  voxel::HapticVolume before;
   before.encoding = felt.loaded.haptic.encoding;
   before.voxels = felt.loaded.haptic.voxels;
   before.shapes = felt.loaded.haptic.shapes;
-  ContactVolume contact(felt.loaded.haptic, h.contact), uncut(before);
-  const DrillShapes shapes = drill_shapes_of(felt.loaded.manifest.haptic);
-  DirtyBricks marks(before.voxels);
-  Rerun rerun(felt, contact, file, h, &marks);
-  std::vector<std::pair<int, std::unique_ptr<LiveSurface>>> surfaces;
-  for (const HapticShape& s : before.shapes)
+  contact::ContactVolume contact(felt.loaded.haptic, h.contact), uncut(before);
+  const drill::DrillShapes shapes = haptics::drill_shapes_of(felt.loaded.manifest.haptic);
+  drill::DirtyBricks marks(before.voxels);
+  session::Rerun rerun(felt, contact, file, h, &marks);
+  std::vector<std::pair<int, std::unique_ptr<drill::LiveSurface>>> surfaces;
+  for (const voxel::HapticShape& s : before.shapes)
     if (bits_of(shapes) >> s.number & 1)
-      surfaces.emplace_back(s.number, std::make_unique<LiveSurface>(felt.loaded.haptic, s.number));
+      surfaces.emplace_back(s.number, std::make_unique<drill::LiveSurface>(felt.loaded.haptic, s.number));
   std::vector<std::size_t> marked;
   rerun.run(r.frames);
   marks.take(marked);
   for (const auto& [number, surface] : surfaces) surface->update(marked);
   if (!rerun.drilling()) throw std::runtime_error("the tool of this recording does not cut");
-  const double radius_mm = 0.5 * own_tool(h.tool).tool_diameter_mm;
+  const double radius_mm = 0.5 * haptics::own_tool(h.tool).tool_diameter_mm;
   const Volumes v = volumes(before, felt.loaded.haptic, shapes, centres_of(r, radius_mm, 0.02), radius_mm);
-  const DrillingOutcome& o = rerun.drilling()->outcome();
+  const haptics::DrillingOutcome& o = rerun.drilling()->outcome();
   double removed = 0;
-  for (const HapticShape& s : before.shapes)
+  for (const voxel::HapticShape& s : before.shapes)
     if (shapes[std::size_t(s.number)].energy_j_per_mm3 > 0)
-      removed += double(o.units[std::size_t(s.number)]) / haptic_full * before.voxels.voxel_volume_mm3();
+      removed += double(o.units[std::size_t(s.number)]) / voxel::haptic_full * before.voxels.voxel_volume_mm3();
   std::printf(
       "%s: %.1f s, drilled %.1f s, stalled %.1f s; removed %.1f mm3, swept bone %.1f mm3: %+.2f %%; of it %.1f "
       "mm3 stand\n",
@@ -142,16 +143,16 @@ void look_at(const char* folder, const char* file, const std::string& drilled_ca
     return;
   }
   // The inner table along the tool's axis, either way from where the breach was noticed.
-  TouchableFaces inner{0, 0};
+  contact::TouchableFaces inner{0, 0};
   for (std::size_t n = 1; n < shapes.size(); ++n)
     if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) inner.back |= std::uint64_t{1} << n;
-  const TouchableFaces both{inner.back, inner.back};
+  const contact::TouchableFaces both{inner.back, inner.back};
   const auto at = std::find_if(r.frames.begin(), r.frames.end(),
-                               [&](const ServoFrame& f) { return f.time_s >= o.breach_time_s - 1e-9; });
+                               [&](const haptics::ServoFrame& f) { return f.time_s >= o.breach_time_s - 1e-9; });
   const Vec3 axis = at == r.frames.end() ? Vec3{0, 0, 1} : normalized(vec(at->axis));
   double nearest = 5;
   for (const double sign : {1.0, -1.0})
-    if (const Contact c = uncut.intersect(o.breach_mm, o.breach_mm + axis * (sign * 5), both); c.hit)
+    if (const contact::Contact c = uncut.intersect(o.breach_mm, o.breach_mm + axis * (sign * 5), both); c.hit)
       nearest = std::min(nearest, norm(c.point_mm - o.breach_mm));
   std::printf("  breach after %.2f s, %.3f mm from the inner table\n", o.breach_time_s, nearest);
 }

@@ -48,9 +48,9 @@ double median(std::vector<double> v) {
   return v.empty() ? 0 : v[v.size() / 2];
 }
 
-OrbitCamera camera_at(const SceneData& scene, int frame) {
-  OrbitCamera camera;
-  camera.look(ViewPreset::front, scene.bounds, {}, {});
+scene::OrbitCamera camera_at(const scene::SceneData& scene, int frame) {
+  scene::OrbitCamera camera;
+  camera.look(scene::ViewPreset::front, scene.bounds, {}, {});
   camera.orbit(0.02 * frame, 0);
   return camera;
 }
@@ -81,15 +81,15 @@ struct Result {
   double ms = 0, covered = 0;
 };
 
-Result by_vtk(const SceneData& scene, int frames) {
+Result by_vtk(const scene::SceneData& scene, int frames) {
   vtkNew<vtkRenderer> renderer;
   renderer->SetBackground(0, 0, 0);
-  for (const SceneSurface& s : scene.surfaces) {
+  for (const scene::SceneSurface& s : scene.surfaces) {
     vtkNew<vtkPoints> points;
     points->SetDataTypeToFloat();
     vtkNew<vtkFloatArray> normals;
     normals->SetNumberOfComponents(3);
-    for (const SceneVertex& v : s.vertices) {
+    for (const scene::SceneVertex& v : s.vertices) {
       points->InsertNextPoint(v.position_mm);
       const float n[3] = {v.normal[0] / 127.f, v.normal[1] / 127.f, v.normal[2] / 127.f};
       normals->InsertNextTuple(n);
@@ -118,8 +118,8 @@ Result by_vtk(const SceneData& scene, int frames) {
   window->AddRenderer(renderer);
   Result r;
   r.ms = measured(frames, [&](int n) {
-    const OrbitCamera c = camera_at(scene, n);
-    const EyeView eye = c.eye(width, height, scene.bounds);
+    const scene::OrbitCamera c = camera_at(scene, n);
+    const scene::EyeView eye = c.eye(width, height, scene.bounds);
     const Vec3 at = c.target_mm - scene.centre_mm, from = c.eye_mm() - scene.centre_mm;
     vtkCamera* camera = renderer->GetActiveCamera();
     camera->SetFocalPoint(at.x, at.y, at.z);
@@ -137,15 +137,15 @@ Result by_vtk(const SceneData& scene, int frames) {
   return r;
 }
 
-Result by_us(const SceneData& scene, int frames, const RenderQuality& quality, bool tool = false) {
-  const OffscreenContext context;
-  Renderer renderer(scene, quality);
-  ToolParams burr;
+Result by_us(const scene::SceneData& scene, int frames, const render::RenderQuality& quality, bool tool = false) {
+  const render::OffscreenContext context;
+  render::Renderer renderer(scene, quality);
+  haptics::ToolParams burr;
   burr.tool = "burr";
-  renderer.set_tool(solid_of(own_tool(burr)));
+  renderer.set_tool(scene::solid_of(haptics::own_tool(burr)));
   renderer.set_background({0, 0, 0});
-  OffscreenPicture target(width, height);
-  SceneState state;
+  render::OffscreenPicture target(width, height);
+  scene::SceneState state;
   state.opacity.assign(scene.surfaces.size(), 1);
   state.tool_shown = tool;
   state.tip_mm = {scene.centre_mm.x, scene.bounds.min_mm.y - 5, scene.centre_mm.z};
@@ -155,7 +155,7 @@ Result by_us(const SceneData& scene, int frames, const RenderQuality& quality, b
     renderer.draw(camera_at(scene, n).eye(width, height, scene.bounds), state, width, height);
     target.bind();
     renderer.present(0, 0, width, height);
-    wait_for_driver();
+    render::wait_for_driver();
   });
   const std::uint8_t black[3] = {0, 0, 0};
   r.covered = covered(target.read().rgb.data(), std::size_t(width) * height, black);
@@ -168,14 +168,15 @@ int main(int argc, char** argv) {
   if (argc < 2) return 64;
   ::setenv("LP_NUM_THREADS", "1", 0);
   const int frames = argc > 2 ? std::atoi(argv[2]) : 15;
-  LoadedCase loaded = load_case(argv[1]);
-  for (CaseShape& shape : loaded.manifest.haptic.shapes) shape.displayed = "surface";  // VTK cannot follow a drill
-  SceneData scene = scene_of(loaded);
+  cases::LoadedCase loaded = cases::load_case(argv[1]);
+  for (cases::CaseShape& shape : loaded.manifest.haptic.shapes)
+    shape.displayed = "surface";  // VTK cannot follow a drill
+  scene::SceneData scene = scene::scene_of(loaded);
   std::size_t triangles = 0;
-  for (const SceneSurface& s : scene.surfaces) triangles += s.indices.size() / 3;
+  for (const scene::SceneSurface& s : scene.surfaces) triangles += s.indices.size() / 3;
   struct Row {
     const char* what;
-    RenderQuality quality;
+    render::RenderQuality quality;
     bool tool;
     std::vector<double> ms;
   };
@@ -197,9 +198,9 @@ int main(int argc, char** argv) {
     }
   }
   {
-    const OffscreenContext context;
+    const render::OffscreenContext context;
     std::cout << fmt::format("{} surfaces, {} triangles, {} x {}, {} pictures in each of 3 rounds, {}\n",
-                             scene.surfaces.size(), triangles, width, height, frames, driver_facts().renderer);
+                             scene.surfaces.size(), triangles, width, height, frames, render::driver_facts().renderer);
   }
   std::cout << fmt::format("covered by VTK {:.4f}, by us {:.4f}\n", a.covered, b.covered);
   const auto row = [](const char* what, const std::vector<double>& ms) {

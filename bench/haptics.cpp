@@ -50,8 +50,9 @@ struct Sway {
 };
 
 // The device goes along the path at that speed, `ticks` times.
-std::vector<HapticInput> inputs_of(const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway) {
-  std::vector<HapticInput> inputs;
+std::vector<haptics::HapticInput> inputs_of(const std::vector<Vec3>& path, double mm_a_frame, int ticks,
+                                            const Sway& sway) {
+  std::vector<haptics::HapticInput> inputs;
   std::size_t next = 0;
   Vec3 x = path[0];
   for (int n = 0; n < ticks; ++n) {
@@ -67,7 +68,7 @@ std::vector<HapticInput> inputs_of(const std::vector<Vec3>& path, double mm_a_fr
       left -= length;
       next = next + 1 < path.size() ? next + 1 : 1;
     }
-    HapticInput in;
+    haptics::HapticInput in;
     in.tip_mm = x;
     // At 1 Hz about both axes across: up to 6 times its angle in rad/s.
     const double a = 2 * M_PI * n / 1000;
@@ -77,9 +78,10 @@ std::vector<HapticInput> inputs_of(const std::vector<Vec3>& path, double mm_a_fr
   return inputs;
 }
 
-Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway = {}) {
+Times measure(haptics::Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks,
+              const Sway& sway = {}) {
   constexpr std::size_t unmeasured = 2000;
-  const std::vector<HapticInput> inputs = inputs_of(path, mm_a_frame, ticks + int(unmeasured), sway);
+  const std::vector<haptics::HapticInput> inputs = inputs_of(path, mm_a_frame, ticks + int(unmeasured), sway);
   proxy.reset();
   double row = 0;
   for (std::size_t n = 0; n < inputs.size(); ++n) {
@@ -123,15 +125,15 @@ void head(const char* what) {
 }
 
 // Nested bumpy shells, the outermost always the same: what lies inside must not matter.
-HapticVolume shells(int n, int shapes) {
-  HapticVolume v;
-  Lattice l;
+voxel::HapticVolume shells(int n, int shapes) {
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = {n, n, n};
   const double side = 160.0 / n;
   l.spacing_mm = {side, side, side};
   l.origin_mm = Vec3{1, 1, 1} * (-0.5 * side * (n - 1));
-  v.voxels = Grid<std::int16_t>(l, haptic_empty);
-  for (int s = 1; s <= shapes; ++s) v.shapes.push_back(occupancy_shape("shape_" + std::to_string(s), s));
+  v.voxels = grid::Grid<std::int16_t>(l, voxel::haptic_empty);
+  for (int s = 1; s <= shapes; ++s) v.shapes.push_back(voxel::occupancy_shape("shape_" + std::to_string(s), s));
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
@@ -145,8 +147,8 @@ HapticVolume shells(int n, int shapes) {
   return v;
 }
 
-CaseFace bone() {
-  CaseFace f;
+cases::CaseFace bone() {
+  cases::CaseFace f;
   f.stiffness_n_per_mm = 1;
   f.damping_n_s_per_mm = 0.0003;
   f.static_friction_ratio = 0.35;
@@ -156,20 +158,22 @@ CaseFace bone() {
 
 struct Method {
   const char* name;
-  ContactParams params;
+  contact::ContactParams params;
 };
-const Method methods[] = {{"exact, subvoxel", {}},
-                          {"exact, nearest", {ContactParams::Walk::exact, ContactParams::Surface::nearest, 1}},
-                          {"stepped, subvoxel", {ContactParams::Walk::stepped, ContactParams::Surface::subvoxel, 0.5}},
-                          {"stepped, nearest", {ContactParams::Walk::stepped, ContactParams::Surface::nearest, 0.5}}};
+const Method methods[] = {
+    {"exact, subvoxel", {}},
+    {"exact, nearest", {contact::ContactParams::Walk::exact, contact::ContactParams::Surface::nearest, 1}},
+    {"stepped, subvoxel", {contact::ContactParams::Walk::stepped, contact::ContactParams::Surface::subvoxel, 0.5}},
+    {"stepped, nearest", {contact::ContactParams::Walk::stepped, contact::ContactParams::Surface::nearest, 0.5}}};
 
 // Over the surface at 1 mm of depth for what a hand does; for what it does not, to and fro through everything.
-std::vector<Vec3> path_for(const ContactVolume& contact, const TouchableFaces& faces, double mm_a_frame) {
-  HandPathParams task;
+std::vector<Vec3> path_for(const contact::ContactVolume& contact, const contact::TouchableFaces& faces,
+                           double mm_a_frame) {
+  device::HandPathParams task;
   task.radius_mm = 20;
-  std::vector<Vec3> path = path_over(contact, faces, task).points_mm;
+  std::vector<Vec3> path = device::path_over(contact, faces, task).points_mm;
   if (mm_a_frame < 1) return path;
-  const Lattice& l = contact.volume().voxels;
+  const grid::Lattice& l = contact.volume().voxels;
   std::mt19937_64 rng(1);
   const auto uniform = [&] { return double(rng() >> 11) * 0x1p-53; };
   path.clear();
@@ -179,8 +183,8 @@ std::vector<Vec3> path_for(const ContactVolume& contact, const TouchableFaces& f
 }
 
 // A ball's outside, even.
-Tool ball(int points) {
-  Tool t;
+haptics::Tool ball(int points) {
+  haptics::Tool t;
   const double r = 2.5;
   t.points_mm.push_back({});
   for (int n = 1; n < points; ++n) {
@@ -192,18 +196,18 @@ Tool ball(int points) {
 }
 
 // A rod, its points 1 mm apart.
-Tool rod(int points) {
-  Tool t;
+haptics::Tool rod(int points) {
+  haptics::Tool t;
   for (int n = 0; n < points; ++n) t.points_mm.push_back({0, 0, double(n)});
   t.length_mm = points - 1;
   return t;
 }
 
 // Over the surface at 1 mm of depth and 20 mm/s, swaying: what a tick costs by the points of the tool.
-void tools_over(const ContactVolume& contact, const Feels& feels) {
-  const std::vector<Vec3> path = path_for(contact, touchable_of(feels), 0.02);
-  const auto run = [&](const std::string& what, const Tool& tool, const Sway& sway) {
-    Proxy proxy(contact, feels, ForceParams{}, {}, tool);
+void tools_over(const contact::ContactVolume& contact, const haptics::Feels& feels) {
+  const std::vector<Vec3> path = path_for(contact, haptics::touchable_of(feels), 0.02);
+  const auto run = [&](const std::string& what, const haptics::Tool& tool, const Sway& sway) {
+    haptics::Proxy proxy(contact, feels, haptics::ForceParams{}, {}, tool);
     print(what, measure(proxy, path, 0.02, 40000, sway));
   };
   for (const int n : {1, 16, 64, 256}) {
@@ -211,36 +215,37 @@ void tools_over(const ContactVolume& contact, const Feels& feels) {
     run("ball of " + std::to_string(n) + ", swaying", ball(n), {{0, 0, 1}, 0.2});
     run("rod of " + std::to_string(n) + ", flat, swaying", rod(n), {{1, 0, 0}, 0.2});
   }
-  for (const ToolKind& kind : all_tool_kinds()) {
+  for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     if (!(kind.length_mm > 0)) continue;
-    ToolParams p;
+    haptics::ToolParams p;
     p.tool = kind.name;
-    const Tool tool = make_tool(p);
+    const haptics::Tool tool = haptics::make_tool(p);
     run(p.tool + (", " + std::to_string(tool.points_mm.size()) + " points, swaying"), tool, {{0, 0, 1}, 0.2});
   }
 }
 
 void synthetic(bool tools_only) {
-  Feels feels;
-  for (ShapeFeel& f : feels) f.front = f.back = bone();
-  const ForceParams force;
-  const auto run = [&](HapticVolume& v, const Method& m, double speed, const std::string& what) {
-    const ContactVolume contact(v, m.params);
-    Proxy proxy(contact, feels, force);
-    print(what, measure(proxy, path_for(contact, touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
+  haptics::Feels feels;
+  for (haptics::ShapeFeel& f : feels) f.front = f.back = bone();
+  const haptics::ForceParams force;
+  const auto run = [&](voxel::HapticVolume& v, const Method& m, double speed, const std::string& what) {
+    const contact::ContactVolume contact(v, m.params);
+    haptics::Proxy proxy(contact, feels, force);
+    print(what,
+          measure(proxy, path_for(contact, haptics::touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
   };
-  HapticVolume v = shells(256, 8);
+  voxel::HapticVolume v = shells(256, 8);
   head("points of the tool (256^3, 8 shapes, 0.02 mm a frame, exact, subvoxel)");
-  tools_over(ContactVolume(v), feels);
+  tools_over(contact::ContactVolume(v), feels);
   if (tools_only) return;
   head("shapes (256^3, 0.02 mm a frame, exact, subvoxel)");
   for (const int shapes : {1, 2, 4, 8}) {
-    HapticVolume v = shells(256, shapes);
+    voxel::HapticVolume v = shells(256, shapes);
     run(v, methods[0], 0.02, std::to_string(shapes) + (shapes == 1 ? " shape" : " shapes"));
   }
   head("size (8 shapes, 0.02 mm a frame, exact, subvoxel)");
   for (const int n : {128, 256, 512}) {
-    HapticVolume v = shells(n, 8);
+    voxel::HapticVolume v = shells(n, 8);
     run(v, methods[0], 0.02, std::to_string(n) + "^3");
   }
   head("speed and method (256^3, 8 shapes)");
@@ -253,27 +258,28 @@ void synthetic(bool tools_only) {
 }
 
 void of_case(const std::string& folder, bool tools_only, const std::string& only) {
-  LoadedCase c = load_case(folder);
-  const Feels all = feels_of(c.manifest.haptic);
+  cases::LoadedCase c = cases::load_case(folder);
+  const haptics::Feels all = haptics::feels_of(c.manifest.haptic);
   if (only.empty()) {
     head((folder + ": points of the tool, all shapes felt (0.02 mm a frame, exact, subvoxel)").c_str());
-    tools_over(ContactVolume(c.haptic), all);
+    tools_over(contact::ContactVolume(c.haptic), all);
   }
   if (tools_only) return;
   head((folder + ": shape felt, method, speed").c_str());
-  for (const HapticShape& s : c.haptic.shapes) {
+  for (const voxel::HapticShape& s : c.haptic.shapes) {
     if (!only.empty() && s.name != only) continue;
-    Feels feels = all;
-    for (const HapticShape& o : c.haptic.shapes)
+    haptics::Feels feels = all;
+    for (const voxel::HapticShape& o : c.haptic.shapes)
       if (o.number != s.number)
         feels[std::size_t(o.number)].front.touchable = feels[std::size_t(o.number)].back.touchable = false;
     for (const Method& m : methods)
       for (const double speed : {0.02, 100.0}) {
-        const ContactVolume contact(c.haptic, m.params);
-        Proxy proxy(contact, feels, ForceParams{});
+        const contact::ContactVolume contact(c.haptic, m.params);
+        haptics::Proxy proxy(contact, feels, haptics::ForceParams{});
         char what[120];
         std::snprintf(what, sizeof what, "%s, %s, %g mm a frame", s.name.c_str(), m.name, speed);
-        print(what, measure(proxy, path_for(contact, touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
+        print(what, measure(proxy, path_for(contact, haptics::touchable_of(feels), speed), speed,
+                            speed < 1 ? 100000 : 20000));
       }
   }
 }

@@ -39,19 +39,18 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 int make_series(const fs::path& folder, const std::string& encoding, int slices) {
-  using namespace phantom;
-  ScanParams p;
+  phantom::ScanParams p;
   p.slices_count = 64;
   p.slice_step_mm = 2;
-  const Scan some = scan(Head(HeadParams{}), p);
+  const phantom::Scan some = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
   // To and fro through the head until there are enough: neighbours are neighbours everywhere.
-  Scan all = some;
+  phantom::Scan all = some;
   const std::size_t pixels = std::size_t(some.columns) * std::size_t(some.rows);
   all.slices.clear();
   all.hu.clear();
   for (int k = 0; k < slices; ++k) {
     const int n = k % 126, from = n < 64 ? n : 126 - n;
-    SlicePose pose = some.slices[0];
+    phantom::SlicePose pose = some.slices[0];
     pose.origin_mm.z += 0.5 * k;
     all.slices.push_back(pose);
     all.hu.insert(all.hu.end(), some.hu.begin() + static_cast<std::ptrdiff_t>(pixels * std::size_t(from)),
@@ -59,26 +58,26 @@ int make_series(const fs::path& folder, const std::string& encoding, int slices)
   }
   p.slice_step_mm = 0.5;
   p.slices_count = slices;
-  SeriesParams series;
-  series.encoding = encoding == "raw" ? Encoding::none : Encoding::jpeg_ls;
-  write_series(folder, all, p, series, "bench");
+  phantom::SeriesParams series;
+  series.encoding = encoding == "raw" ? phantom::Encoding::none : phantom::Encoding::jpeg_ls;
+  phantom::write_series(folder, all, p, series, "bench");
   return 0;
 }
 
 /// One reader in this process.
 int read_with(const std::string& how, const std::string& folder, const std::string& out) {
   if (how == "trephine" || how == "trephine+write") {
-    const ImportResult r = import_series(folder, {});
-    if (how == "trephine+write") write_nrrd(out + "/volume.nrrd", r.volume);
-    return lattice_of(r.volume).count() > 0 ? 0 : 1;
+    const dicom::ImportResult r = dicom::import_series(folder, {});
+    if (how == "trephine+write") grid::write_nrrd(out + "/volume.nrrd", r.volume);
+    return grid::lattice_of(r.volume).count() > 0 ? 0 : 1;
   }
 #ifdef BENCH_ITK
   if (how == "itk") {
-    using Image = itk::Image<short, 3>;
-    auto names = itk::GDCMSeriesFileNames::New();
+    using Image = ::itk::Image<short, 3>;
+    auto names = ::itk::GDCMSeriesFileNames::New();
     names->SetDirectory(folder);
-    auto reader = itk::ImageSeriesReader<Image>::New();
-    reader->SetImageIO(itk::GDCMImageIO::New());
+    auto reader = ::itk::ImageSeriesReader<Image>::New();
+    reader->SetImageIO(::itk::GDCMImageIO::New());
     reader->SetFileNames(names->GetInputFileNames());
     reader->Update();
     return reader->GetOutput()->GetLargestPossibleRegion().GetNumberOfPixels() > 0 ? 0 : 1;
@@ -154,7 +153,7 @@ int main(int argc, char** argv) {
   const int repetitions = words.size() > 1 ? std::atoi(words[1].c_str()) : 3;
   std::string scratch = (fs::temp_directory_path() / "bench-import-XXXXXX").string();
   if (!mkdtemp(scratch.data())) return 73;
-  const auto list = list_series(words[0]).series;
+  const auto list = dicom::list_series(words[0]).series;
   const auto& n = list.at(0).size;
   const double volume_mb = 2.0 * n[0] * n[1] * n[2] / (1 << 20);
   std::printf("%s, %s: int16 volume %.0f MB\n", list[0].token.c_str(), list[0].transfer_syntax.c_str(), volume_mb);

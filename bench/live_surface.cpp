@@ -36,13 +36,13 @@ double cpu_us() {
 }
 
 // A bumpy shell of bone, 8 mm thick.
-HapticVolume synthetic() {
-  HapticVolume v;
-  Lattice l;
+voxel::HapticVolume synthetic() {
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = {256, 256, 256};
   l.spacing_mm = {0.8, 0.8, 0.8};
-  v.voxels = Grid<std::int16_t>(l, haptic_empty);
-  v.shapes = {occupancy_shape("bone", 1)};
+  v.voxels = grid::Grid<std::int16_t>(l, voxel::haptic_empty);
+  v.shapes = {voxel::occupancy_shape("bone", 1)};
   for (int k = 0; k < 256; ++k)
     for (int j = 0; j < 256; ++j)
       for (int i = 0; i < 256; ++i) {
@@ -59,18 +59,18 @@ double quantile(std::vector<double> t, double share) {
   return t[std::size_t(share * double(t.size() - 1))];
 }
 
-const char* name_of(const HapticVolume& v, int number) {
-  for (const HapticShape& s : v.shapes)
+const char* name_of(const voxel::HapticVolume& v, int number) {
+  for (const voxel::HapticShape& s : v.shapes)
     if (s.number == number) return s.name.c_str();
   return "";
 }
 
 #ifdef BENCH_RENDER
 double clock_ms(const std::function<void()>& what) {
-  wait_for_driver();
+  render::wait_for_driver();
   const auto begin = std::chrono::steady_clock::now();
   what();
-  wait_for_driver();
+  render::wait_for_driver();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
@@ -78,49 +78,49 @@ double clock_ms(const std::function<void()>& what) {
 struct Place {
   Vec3 at, out;
 };
-std::vector<Place> places_on(const HapticVolume& v, int number, std::size_t wanted) {
-  const LiveSurface s(v, number);
+std::vector<Place> places_on(const voxel::HapticVolume& v, int number, std::size_t wanted) {
+  const drill::LiveSurface s(v, number);
   std::vector<std::size_t> bricks;
   for (std::size_t b = 0; b < s.layout().count(); ++b)
     if (!s.brick(b).vertices.empty()) bricks.push_back(b);
   std::vector<Place> out;
   for (std::size_t n = 0; n < wanted && !bricks.empty(); ++n) {
-    const LiveVertex& p = s.brick(bricks[(2 * n + 1) * bricks.size() / (2 * wanted)]).vertices.front();
-    const Lattice& l = v.voxels;
+    const drill::LiveVertex& p = s.brick(bricks[(2 * n + 1) * bricks.size() / (2 * wanted)]).vertices.front();
+    const grid::Lattice& l = v.voxels;
     out.push_back({l.origin_mm + l.direction * Vec3{p.position_mm[0], p.position_mm[1], p.position_mm[2]},
                    normalized(l.direction * Vec3{p.normal[0], p.normal[1], p.normal[2]})});
   }
   return out;
 }
 
-void draw_beside(const HapticVolume& whole, int number, const DrillShapes& shapes) {
-  std::unique_ptr<OffscreenContext> context;
+void draw_beside(const voxel::HapticVolume& whole, int number, const drill::DrillShapes& shapes) {
+  std::unique_ptr<render::OffscreenContext> context;
   try {
-    context = std::make_unique<OffscreenContext>();
-    std::printf("  drawn by %s\n", driver_facts().renderer.c_str());
+    context = std::make_unique<render::OffscreenContext>();
+    std::printf("  drawn by %s\n", render::driver_facts().renderer.c_str());
   } catch (const Error& e) {
     std::printf("  no OpenGL: %s\n", e.what());
     return;
   }
   for (const std::size_t burrs : {1, 4, 9}) {
-    HapticVolume v = whole;
-    DirtyBricks marks(v.voxels);
-    Cutter cutter;
+    voxel::HapticVolume v = whole;
+    drill::DirtyBricks marks(v.voxels);
+    drill::Cutter cutter;
     cutter.radius_mm = 3.5;
     const std::vector<Place> places = places_on(v, number, burrs);
-    std::vector<std::unique_ptr<Drill>> drills;
+    std::vector<std::unique_ptr<drill::Drill>> drills;
     for (std::size_t n = 0; n < places.size(); ++n)
-      drills.push_back(std::make_unique<Drill>(v, shapes, cutter, DrillParams{}, &marks));
-    std::unique_ptr<SurfaceMaker> makers[2];
-    const double whole_ms[2] = {clock_ms([&] { makers[0] = processor_maker(v, number, {}); }),
-                                clock_ms([&] { makers[1] = compute_maker(v, number, {}); })};
+      drills.push_back(std::make_unique<drill::Drill>(v, shapes, cutter, drill::DrillParams{}, &marks));
+    std::unique_ptr<render::SurfaceMaker> makers[2];
+    const double whole_ms[2] = {clock_ms([&] { makers[0] = render::processor_maker(v, number, {}); }),
+                                clock_ms([&] { makers[1] = render::compute_maker(v, number, {}); })};
     std::vector<double> frames[2];
     std::vector<std::size_t> marked;
     std::size_t made = 0;
     for (int frame = 0; frame < 60; ++frame) {
       for (int tick = 17 * frame; tick < 17 * frame + 17; ++tick)
         for (std::size_t n = 0; n < drills.size(); ++n) {
-          ToolPose pose;
+          drill::ToolPose pose;
           const Place& p = places[n];
           const Vec3 along = normalized(cross(p.out, std::abs(p.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
           pose.tip_mm = p.at + along * (0.02 * tick) - p.out * (0.001 * tick) - pose.frame.column[2] * cutter.radius_mm;
@@ -141,31 +141,31 @@ void draw_beside(const HapticVolume& whole, int number, const DrillShapes& shape
 void draw_beside(const HapticVolume&, int, const DrillShapes&) {}
 #endif
 
-void run(const HapticVolume& whole, int number, const DrillShapes& shapes) {
+void run(const voxel::HapticVolume& whole, int number, const drill::DrillShapes& shapes) {
   const auto begin = std::chrono::steady_clock::now();
-  const LiveSurface first(whole, number);
+  const drill::LiveSurface first(whole, number);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
   std::printf("%s: whole surface %.0f ms, %zu triangles\n", name_of(whole, number), took.count(), first.triangles());
   // A place on the surface, and two ways along it.
-  const Lattice& l = whole.voxels;
+  const grid::Lattice& l = whole.voxels;
   std::size_t brick = first.layout().count() / 2;
   while (brick + 1 < first.layout().count() && first.brick(brick).vertices.empty()) ++brick;
   if (first.brick(brick).vertices.empty()) return;
-  const LiveVertex& at = first.brick(brick).vertices.front();
+  const drill::LiveVertex& at = first.brick(brick).vertices.front();
   const Vec3 start = l.origin_mm + l.direction * Vec3{at.position_mm[0], at.position_mm[1], at.position_mm[2]};
   const Vec3 out = normalized(l.direction * Vec3{at.normal[0], at.normal[1], at.normal[2]});
   const Vec3 along = normalized(cross(out, std::abs(out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   for (const double diameter : {3.0, 5.0, 7.0, 14.0}) {
-    HapticVolume v = whole;
-    DirtyBricks marks(v.voxels);
-    LiveSurface live(v, number);
-    Cutter cutter;
+    voxel::HapticVolume v = whole;
+    drill::DirtyBricks marks(v.voxels);
+    drill::LiveSurface live(v, number);
+    drill::Cutter cutter;
     cutter.radius_mm = 0.5 * diameter;
-    Drill drill(v, shapes, cutter, {}, &marks);
+    drill::Drill drill(v, shapes, cutter, {}, &marks);
     std::vector<double> ticks, frames;
     std::vector<std::size_t> marked;
     std::size_t made = 0;
-    ToolPose pose;
+    drill::ToolPose pose;
     for (int n = 0; n < 2000; ++n) {
       const double way = 0.02 * (n < 1000 ? n : 2000 - n);
       pose.tip_mm = start + along * way - out * (0.001 * n) - pose.frame.column[2] * cutter.radius_mm;
@@ -191,15 +191,15 @@ void run(const HapticVolume& whole, int number, const DrillShapes& shapes) {
 int main(int argc, char** argv) {
   try {
     if (argc < 2) {
-      DrillShapes shapes;
+      drill::DrillShapes shapes;
       shapes[1] = {true, 0.1};
       run(synthetic(), 1, shapes);
       return 0;
     }
-    const LoadedCase c = load_case(argv[1]);
-    for (const CaseShape& s : c.manifest.haptic.shapes) {
+    const cases::LoadedCase c = cases::load_case(argv[1]);
+    for (const cases::CaseShape& s : c.manifest.haptic.shapes) {
       if (!s.cuttable || !(s.material.removal_energy_j_per_mm3 > 0)) continue;
-      DrillShapes shapes;
+      drill::DrillShapes shapes;
       shapes[std::size_t(s.number)] = {true, s.material.removal_energy_j_per_mm3};
       run(c.haptic, s.number, shapes);
     }

@@ -35,7 +35,7 @@ constexpr double curvature_mm = 0.2;
 struct Cost {
   double wall = 1e9, cpu = 0;
   int iterations = 0;
-  Field field;
+  grid::Field field;
 };
 
 double cpu_seconds() {
@@ -55,8 +55,8 @@ void measure(Cost& best, F&& f) {
   if (c.wall < best.wall) best = std::move(c);
 }
 
-double dice(const Field& a, const Field& b) {
-  const Field c = fit(b, static_cast<const Lattice&>(a), -1.f);
+double dice(const grid::Field& a, const grid::Field& b) {
+  const grid::Field c = grid::fit(b, static_cast<const grid::Lattice&>(a), -1.f);
   std::size_t n = 0, m = 0, both = 0;
   for (std::size_t v = 0; v < a.count(); ++v) {
     n += a.voxels[v] > 0;
@@ -67,10 +67,10 @@ double dice(const Field& a, const Field& b) {
 }
 
 #ifdef BENCH_ITK
-using Image = itk::Image<float, 3>;
-using Function = itk::ThresholdSegmentationLevelSetFunction<Image, Image>;
+using Image = ::itk::Image<float, 3>;
+using Function = ::itk::ThresholdSegmentationLevelSetFunction<Image, Image>;
 
-Image::Pointer itk_image(const Field& field, float sign) {
+Image::Pointer itk_image(const grid::Field& field, float sign) {
   auto image = Image::New();
   image->SetRegions(
       Image::RegionType(Image::SizeType{{Image::SizeValueType(field.size[0]), Image::SizeValueType(field.size[1]),
@@ -81,14 +81,14 @@ Image::Pointer itk_image(const Field& field, float sign) {
 }
 
 /// ITK's are negative inside.
-Field field_of(const Image* image, const Lattice& lattice) {
-  Field field(lattice);
+grid::Field field_of(const Image* image, const grid::Lattice& lattice) {
+  grid::Field field(lattice);
   for (std::size_t v = 0; v < field.count(); ++v) field.voxels[v] = -image->GetBufferPointer()[v];
   return field;
 }
 
-Field itk_threshold(const Field& speed, const Field& start, int iterations, int& done) {
-  auto filter = itk::ThresholdSegmentationLevelSetImageFilter<Image, Image>::New();
+grid::Field itk_threshold(const grid::Field& speed, const grid::Field& start, int iterations, int& done) {
+  auto filter = ::itk::ThresholdSegmentationLevelSetImageFilter<Image, Image>::New();
   filter->SetInput(itk_image(start, -1));
   filter->SetFeatureImage(itk_image(speed, 1));
   filter->SetLowerThreshold(0);
@@ -105,19 +105,19 @@ Field itk_threshold(const Field& speed, const Field& start, int iterations, int&
   return field_of(filter->GetOutput(), speed);
 }
 
-Field itk_parallel(const Field& speed, const Field& start, int iterations, int& done) {
+grid::Field itk_parallel(const grid::Field& speed, const grid::Field& start, int iterations, int& done) {
   auto function = Function::New();
   function->SetFeatureImage(itk_image(speed, 1));
   function->SetLowerThreshold(0);
   function->SetUpperThreshold(10);
   function->SetEdgeWeight(0);
-  function->Initialize(itk::Size<3>{{1, 1, 1}});  // sets the weights to its own: before ours
+  function->Initialize(::itk::Size<3>{{1, 1, 1}});  // sets the weights to its own: before ours
   function->SetPropagationWeight(1);
   function->SetCurvatureWeight(float(curvature_mm / voxel_mm));
   function->SetAdvectionWeight(0);
   function->AllocateSpeedImage();
   function->CalculateSpeedImage();
-  auto filter = itk::ParallelSparseFieldLevelSetImageFilter<Image, Image>::New();
+  auto filter = ::itk::ParallelSparseFieldLevelSetImageFilter<Image, Image>::New();
   filter->SetInput(itk_image(start, -1));
   filter->SetDifferenceFunction(function);
   filter->SetIsoSurfaceValue(0);
@@ -130,9 +130,9 @@ Field itk_parallel(const Field& speed, const Field& start, int iterations, int& 
 }
 #endif
 
-Field ours(const Field& speed, const Field& start, SnakeParams params, int& done) {
+grid::Field ours(const grid::Field& speed, const grid::Field& start, segmentation::SnakeParams params, int& done) {
   Report report;
-  Field field = evolve_snake(speed, start, params, report);
+  grid::Field field = segmentation::evolve_snake(speed, start, params, report);
   done = int(std::get<std::int64_t>(*report.find("iterations_count")));
   return field;
 }
@@ -150,14 +150,14 @@ int main(int argc, char** argv) {
   scan.slices_count = 120;
   scan.pixel_mm = scan.slice_step_mm = scan.slice_thickness_mm = voxel_mm;
   scan.centre_mm = {0, -5, 55};
-  const HuVolume volume = phantom::volume_of(phantom::scan(phantom::Head(head), scan));
-  PresegmentParams window;
+  const grid::HuVolume volume = phantom::volume_of(phantom::scan(phantom::Head(head), scan));
+  segmentation::PresegmentParams window;
   window.lower_hu = 15;
   window.upper_hu = 75;
   window.smoothing_sigma_mm = 1;
   Report ignored;
-  const Field speed = presegment(volume, {}, window, ignored);
-  Field start(static_cast<const Lattice&>(speed));
+  const grid::Field speed = segmentation::presegment(volume, {}, window, ignored);
+  grid::Field start(static_cast<const grid::Lattice&>(speed));
   for (int k = 0; k < start.size[2]; ++k)
     for (int j = 0; j < start.size[1]; ++j)
       for (int i = 0; i < start.size[0]; ++i) {
@@ -165,12 +165,12 @@ int main(int argc, char** argv) {
         start.at(i, j, k) = float((1 - norm({p.x / 45, p.y / 60, p.z / 40})) * 45 / voxel_mm);
       }
 
-  SnakeParams all;
+  segmentation::SnakeParams all;
   all.curvature = curvature_mm;
   all.max_iterations_count = iterations;
   all.coarse_levels_count = 0;
   all.min_change_mm = 0;
-  SnakeParams usual;
+  segmentation::SnakeParams usual;
   usual.curvature = curvature_mm;
   usual.max_iterations_count = iterations;
   Cost full, converged, threshold, parallel;

@@ -48,16 +48,16 @@ void timed(const char* name, int repetitions, F&& f) {
 
 int main(int argc, char** argv) try {
   if (argc < 2) return std::fprintf(stderr, "bench_validity SURFACE.vtp [repetitions]\n"), 64;
-  const TriMesh mesh = read_vtp(argv[1]);
+  const surface::TriMesh mesh = meshio::read_vtp(argv[1]);
   const int repetitions = argc > 2 ? std::max(1, std::atoi(argv[2])) : 3;
   std::printf("%zu triangles\n", mesh.triangles.size());
-  Validity v;
-  timed("check_validity, all of it", repetitions, [&] { v = check_validity(mesh); });
+  meshing::Validity v;
+  timed("check_validity, all of it", repetitions, [&] { v = meshing::check_validity(mesh); });
   std::printf("  %s\n", v.text().c_str());
   std::size_t pairs = 0;
-  timed("  of it topology_of", repetitions, [&] { topology_of(mesh); });
+  timed("  of it topology_of", repetitions, [&] { surface::topology_of(mesh); });
   std::printf("\n");
-  timed("  of it self_intersections", repetitions, [&] { pairs = self_intersections(mesh).size(); });
+  timed("  of it self_intersections", repetitions, [&] { pairs = meshing::self_intersections(mesh).size(); });
   std::printf("  %zu pairs\n", pairs);
 
   Mesh theirs;

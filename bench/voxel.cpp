@@ -46,10 +46,10 @@ double cpu_timed(const std::function<void()>& f) {
 }
 
 // Mean CPU time of a sample, over points within `near_mm` of the shape's surface, or anywhere.
-void time_decoder(const HapticVolume& volume, const TriMesh* surface) {
+void time_decoder(const voxel::HapticVolume& volume, const surface::TriMesh* surface) {
   std::mt19937_64 rng(1);
   const auto uniform = [&](double a, double b) { return a + (b - a) * double(rng() >> 11) * 0x1p-53; };
-  const Lattice& l = volume.voxels;
+  const grid::Lattice& l = volume.voxels;
   std::vector<Vec3> points(1 << 20);
   for (Vec3& p : points) {
     do {
@@ -63,7 +63,7 @@ void time_decoder(const HapticVolume& volume, const TriMesh* surface) {
       if (i.x > 0 && i.y > 0 && i.z > 0 && i.x < l.size[0] - 1 && i.y < l.size[1] - 1 && i.z < l.size[2] - 1) break;
     } while (true);
   }
-  const HapticDecoder decoder(volume);
+  const voxel::HapticDecoder decoder(volume);
   double sum = 0;
   const auto per_sample = [&](const char* name, const std::function<void(Vec3)>& f) {
     const double s = cpu_timed([&] {
@@ -91,47 +91,47 @@ int main(int argc, char** argv) try {
                  "bench_voxel SKIN.vtp SKULL.vtp BRAIN.vtp VENTRICLES.vtp [spacing_mm [voxels a side [OUT.nrrd]]]\n");
     return 64;
   }
-  std::vector<TriMesh> mesh;
-  for (int n = 1; n <= 4; ++n) mesh.push_back(read_vtp(argv[n]));
+  std::vector<surface::TriMesh> mesh;
+  for (int n = 1; n <= 4; ++n) mesh.push_back(meshio::read_vtp(argv[n]));
   const double spacing = argc > 5 ? std::atof(argv[5]) : 0.8;
   const int side = argc > 6 ? std::atoi(argv[6]) : 256;
-  const TriMesh &skin = mesh[0], &skull = mesh[1], &brain = mesh[2], &ventricles = mesh[3];
-  const Bounds b = bounds_of(brain);
-  Lattice l;
+  const surface::TriMesh &skin = mesh[0], &skull = mesh[1], &brain = mesh[2], &ventricles = mesh[3];
+  const surface::Bounds b = surface::bounds_of(brain);
+  grid::Lattice l;
   l.size = {side, side, side};
   l.spacing_mm = {spacing, spacing, spacing};
   l.origin_mm = (b.min_mm + b.max_mm) * 0.5 - Vec3{1, 1, 1} * (0.5 * spacing * (side - 1));
 
   Report report;
-  HapticVolume v;
-  const std::vector<VoxelizeShape> list{
+  voxel::HapticVolume v;
+  const std::vector<voxel::VoxelizeShape> list{
       {"ventricles", &ventricles}, {"skull", &skull}, {"brain", &brain}, {"skin", &skin, &brain, 5}};
   for (const int threads : {1, 0}) {
     set_thread_count(threads);
-    const double s = timed([&] { v = voxelize(l, list, report = {}); });
+    const double s = timed([&] { v = voxel::voxelize(l, list, report = {}); });
     row(threads == 1 ? "voxelize, 4 shapes, one thread" : "voxelize, 4 shapes", s);
   }
   for (const auto& f : report.figures) std::printf("  %-30s %s\n", f.first.c_str(), to_text(f.second).c_str());
-  row("check_haptic_volume", timed([&] { check_haptic_volume(v); }));
+  row("check_haptic_volume", timed([&] { voxel::check_haptic_volume(v); }));
   std::string bytes;
-  row("encode_haptic", timed([&] { bytes = encode_haptic(v); }));
-  row("decode_haptic, checked", timed([&] { decode_haptic(bytes); }));
+  row("encode_haptic", timed([&] { bytes = voxel::encode_haptic(v); }));
+  row("decode_haptic, checked", timed([&] { voxel::decode_haptic(bytes); }));
   time_decoder(v, &skull);
   time_decoder(v, nullptr);
   for (std::size_t n = 0; n < list.size(); ++n) {
-    Mismatch m;
-    const double s = timed([&] { m = measure_mismatch(*list[n].surface, v, v.shapes[n]); });
+    voxel::Mismatch m;
+    const double s = timed([&] { m = voxel::measure_mismatch(*list[n].surface, v, v.shapes[n]); });
     std::printf("mismatch of %-22s %9.3f s  bias %+.4f  RMS %.4f  p99 %.4f  max %.3f mm  missed %.4f of %d\n",
                 list[n].name.c_str(), s, m.bias_mm, m.rms_mm, m.p99_mm, m.max_mm, m.missed_ratio, int(m.samples));
   }
-  if (argc > 7) write_haptic(argv[7], v);
+  if (argc > 7) voxel::write_haptic(argv[7], v);
   const Vec3 at{(b.min_mm.x + b.max_mm.x) / 2 + 30, (b.min_mm.y + b.max_mm.y) / 2, b.max_mm.z};
   const auto hole = [&](Vec3 p) {
     const double across = std::hypot(p.x - at.x, p.y - at.y) - 7, along = std::abs(p.z - at.z) - 20;
     return std::max(across, along);
   };
-  const Bounds bounds{at - Vec3{7, 7, 20}, at + Vec3{7, 7, 20}};
-  row("cut_volume, burr hole of 14 mm", timed([&] { cut_volume(v, hole, bounds, {2, 4}, report = {}); }));
+  const surface::Bounds bounds{at - Vec3{7, 7, 20}, at + Vec3{7, 7, 20}};
+  row("cut_volume, burr hole of 14 mm", timed([&] { voxel::cut_volume(v, hole, bounds, {2, 4}, report = {}); }));
   for (const auto& f : report.figures) std::printf("  %-30s %s\n", f.first.c_str(), to_text(f.second).c_str());
   return 0;
 } catch (const Error& e) {

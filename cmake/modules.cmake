@@ -104,6 +104,7 @@ endfunction()
 function(trephine_registry target type suffix header)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARGV4}/*_${suffix}.cpp)
   list(SORT sources)
+  get_filename_component(room ${header} DIRECTORY)  # its namespace
   set(declarations "")
   set(calls "")
   foreach(source ${sources})
@@ -115,7 +116,7 @@ function(trephine_registry target type suffix header)
   file(CONFIGURE OUTPUT ${file} @ONLY CONTENT [[// Made by cmake/modules.cmake from the names of the sources.
 #include "@header@"
 
-namespace trephine {
+namespace trephine::@room@ {
 
 @declarations@
 const std::vector<@type@>& @suffix@_types() {
@@ -124,7 +125,7 @@ const std::vector<@type@>& @suffix@_types() {
   return types;
 }
 
-}  // namespace trephine
+}  // namespace trephine::@room@
 ]])
   target_sources(${target} PRIVATE ${file})
 endfunction()

@@ -5,17 +5,18 @@
 namespace trephine {
 namespace {
 
-Program declare() {
-  Program program;
+cli::Program declare() {
+  cli::Program program;
   program.name = "trephine-sim";
   program.version = TREPHINE_VERSION;
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
-  program.commands = {check_command(), servo_command(),  replay_command(),   lesson_command(),
-                      score_command(), fluoro_command(), exercise_command(), calibrate_command()};
+  program.commands = {commands::check_command(),    commands::servo_command(),    commands::replay_command(),
+                      commands::lesson_command(),   commands::score_command(),    commands::fluoro_command(),
+                      commands::exercise_command(), commands::calibrate_command()};
 #ifdef TREPHINE_WITH_DISPLAY
-  program.commands.push_back(play_command());
-  program.commands.push_back(render_command());
+  program.commands.push_back(commands::play_command());
+  program.commands.push_back(commands::render_command());
 #endif
   return program;
 }
@@ -23,4 +24,4 @@ Program declare() {
 }  // namespace
 }  // namespace trephine
 
-int main(int argc, char** argv) { return trephine::run_program("trephine-sim", trephine::declare, argc, argv); }
+int main(int argc, char** argv) { return trephine::cli::run_program("trephine-sim", trephine::declare, argc, argv); }

@@ -18,7 +18,7 @@
 namespace trephine {
 namespace {
 
-using Volume = Grid<std::int16_t>;
+using Volume = grid::Grid<std::int16_t>;
 
 const Volume& head() {
   static const Volume v = [] {
@@ -30,13 +30,13 @@ const Volume& head() {
   return v;
 }
 
-Field skin_of(const HuVolume& volume) {
+grid::Field skin_of(const grid::HuVolume& volume) {
   Report report;
-  return fit(segment(volume, {}, head_recipe::skin(), report), lattice_of(volume), -1000.f);
+  return grid::fit(segmentation::segment(volume, {}, head_recipe::skin(), report), grid::lattice_of(volume), -1000.f);
 }
 
-const Grid<float>& inside_mm() {
-  static const Grid<float> d = segmentation::signed_distance_mm(skin_of(head()));
+const grid::Grid<float>& inside_mm() {
+  static const grid::Grid<float> d = mask::signed_distance_mm(skin_of(head()));
   return d;
 }
 
@@ -82,9 +82,9 @@ struct Compared {
   double mean_mm = 0;       ///< mean distance of the two skins
 };
 
-Compared compare(const HuVolume& cleaned) {
-  const Field after = skin_of(cleaned);
-  const Grid<float> new_mm = segmentation::signed_distance_mm(after);
+Compared compare(const grid::HuVolume& cleaned) {
+  const grid::Field after = skin_of(cleaned);
+  const grid::Grid<float> new_mm = mask::signed_distance_mm(after);
   Compared c;
   double sum = 0, count = 0;
   const double ml = after.voxel_volume_mm3() / 1000;
@@ -103,13 +103,13 @@ Compared compare(const HuVolume& cleaned) {
 
 TEST(Body, AHeadWithoutApparatusStaysAsItIs) {
   Report report;
-  EXPECT_TRUE(std::get<Volume>(keep_body(head(), {}, report)) == head());
+  EXPECT_TRUE(std::get<Volume>(body::keep_body(head(), {}, report)) == head());
   EXPECT_LT(figure(report, "apparatus_ml"), 0.5);
 }
 
 TEST(Body, AMaskOnTheSkinGoesAndTheSkinStays) {
   Report report;
-  const HuVolume out = keep_body(with(mask), {}, report);
+  const grid::HuVolume out = body::keep_body(with(mask), {}, report);
   EXPECT_GT(figure(report, "apparatus_ml"), 60);
   EXPECT_GT(figure(report, "thin_apparatus_ml"), 60);
   const Compared c = compare(out);
@@ -128,10 +128,11 @@ double pressed_mask(Vec3 p, double outside_mm) {
 
 TEST(Body, StrandsPressedOntoTheSkinGo) {
   const Volume scan = with(pressed_mask);
-  BodyParams keep_strands;
+  body::BodyParams keep_strands;
   keep_strands.strand_mm = 0;
   Report report, before;
-  const Compared c = compare(keep_body(scan, {}, report)), was = compare(keep_body(scan, keep_strands, before));
+  const Compared c = compare(body::keep_body(scan, {}, report)),
+                 was = compare(body::keep_body(scan, keep_strands, before));
   EXPECT_GT(figure(report, "strands_on_skin_ml"), 10);
   EXPECT_FALSE(before.find("strands_on_skin_ml"));
   EXPECT_GT(was.mean_mm, 0.3);
@@ -155,7 +156,7 @@ TEST(Body, BoneThatReachesTheSkinIsNoStrand) {
   ASSERT_GT(pin.size(), 50u);
   for (const std::size_t v : pin) scan.voxels[v] = 900;
   Report report;
-  const Volume out = std::get<Volume>(keep_body(scan, {}, report));
+  const Volume out = std::get<Volume>(body::keep_body(scan, {}, report));
   ASSERT_TRUE(report.find("strands_on_skin_ml"));
   for (const std::size_t v : pin) EXPECT_EQ(out.voxels[v], 900);
 }
@@ -165,17 +166,17 @@ TEST(Body, ASheetWithoutHolesIsNotTakenForAMask) {
     return p.y < 60 && outside_mm > 2.6 && outside_mm < 4.5 ? 30 : -1e6;
   };
   Report report;
-  const Compared c = compare(keep_body(with(sheet), {}, report));
+  const Compared c = compare(body::keep_body(with(sheet), {}, report));
   EXPECT_FALSE(report.find("strands_on_skin_ml"));
   EXPECT_LT(c.lost_ml, 1);
 }
 
 TEST(Body, CouchHolderAndClampGoTogetherWithAMask) {
   Report report;
-  const HuVolume out = keep_body(with([](Vec3 p, double d) {
-                                   return std::max({mask(p, d), couch(p, d), holder(p, d)});
-                                 }),
-                                 {}, report);
+  const grid::HuVolume out = body::keep_body(with([](Vec3 p, double d) {
+                                               return std::max({mask(p, d), couch(p, d), holder(p, d)});
+                                             }),
+                                             {}, report);
   const Compared c = compare(out);
   EXPECT_LT(c.apparatus_ml, 6);  // where the block lies on the skin
   EXPECT_LT(c.lost_ml, 3);
@@ -199,7 +200,7 @@ TEST(Body, DensePlatesThatTheEarsTouchGo) {
     return beside && std::abs(p.y - 30) < 55 && std::abs(p.z) < 40 ? 330 : -1e6;
   };
   Report report;
-  const HuVolume out = keep_body(with(plates), {}, report);
+  const grid::HuVolume out = body::keep_body(with(plates), {}, report);
   EXPECT_GT(figure(report, "apparatus_ml"), 50);  // two plates of 3.6 x 110 x 80 mm hold 63 ml
   const Compared c = compare(out);
   EXPECT_LT(c.apparatus_ml, 2);  // an ear's edge on the plate
@@ -211,7 +212,7 @@ TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
   Volume air(head(), std::int16_t(-1000));
   air.at(5, 5, 5) = 40;
   Report report;
-  EXPECT_TRUE(std::get<Volume>(keep_body(air, {}, report)) == air);
+  EXPECT_TRUE(std::get<Volume>(body::keep_body(air, {}, report)) == air);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no body was found"), std::string::npos);
 }
@@ -220,9 +221,9 @@ TEST(Body, TheSameBytesWithOneAndFourThreads) {
   const Volume scan = with(mask);
   Report one, four;
   set_thread_count(1);
-  const HuVolume a = keep_body(scan, {}, one);
+  const grid::HuVolume a = body::keep_body(scan, {}, one);
   set_thread_count(4);
-  const HuVolume b = keep_body(scan, {}, four);
+  const grid::HuVolume b = body::keep_body(scan, {}, four);
   set_thread_count(0);
   EXPECT_TRUE(std::get<Volume>(a) == std::get<Volume>(b));
   EXPECT_EQ(one.figures, four.figures);
@@ -230,12 +231,12 @@ TEST(Body, TheSameBytesWithOneAndFourThreads) {
 
 TEST(HeadRegion, TheHeadIsKeptAndTheAirAroundItGoes) {
   Report report;
-  const HuVolume out = head_region(head(), {}, report);
+  const grid::HuVolume out = head::head_region(head(), {}, report);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings[0];
-  const Lattice& l = lattice_of(out);
-  const Field after = skin_of(out), before = skin_of(head());
+  const grid::Lattice& l = grid::lattice_of(out);
+  const grid::Field after = skin_of(out), before = skin_of(head());
   EXPECT_LT(l.count(), head().count());
-  const Box at = place_in(l, head());
+  const grid::Box at = grid::place_in(l, head());
   std::size_t beyond = 0;
   for (int k = at.begin[2]; k < head().size[2]; ++k)
     for (int j = 0; j < head().size[1]; ++j)
@@ -245,11 +246,11 @@ TEST(HeadRegion, TheHeadIsKeptAndTheAirAroundItGoes) {
 }
 
 TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
-  Box box = whole_box(head());
+  grid::Box box = grid::whole_box(head());
   box.end[2] -= 40;
   box.end[0] -= 45;
   Report report;
-  head_region(crop(head(), box), {}, report);
+  head::head_region(grid::crop(head(), box), {}, report);
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_NE(report.warnings[0].find("the vertex is missing"), std::string::npos) << report.warnings[0];
   EXPECT_NE(report.warnings[1].find("cuts the head on its left side"), std::string::npos) << report.warnings[1];
@@ -261,10 +262,10 @@ TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {
     for (int j = 0; j < head().size[1]; ++j)
       for (int i = 0; i < head().size[0]; ++i)
         if (inside_mm().at(i, j, k) > 0) top = k;
-  Box box = whole_box(head());
+  grid::Box box = grid::whole_box(head());
   box.end[2] = top - 2;  // 3 to 4.5 mm below the vertex
   Report report;
-  head_region(crop(head(), box), {}, report);
+  head::head_region(grid::crop(head(), box), {}, report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("the skin of the vertex is missing"), std::string::npos) << report.warnings[0];
 }
@@ -272,7 +273,7 @@ TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {
 TEST(HeadRegion, AScanWithoutACraniumStaysAndIsSaid) {
   const Volume water(head(), 20);
   Report report;
-  EXPECT_TRUE(std::get<Volume>(head_region(water, {}, report)) == water);
+  EXPECT_TRUE(std::get<Volume>(head::head_region(water, {}, report)) == water);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no cranial cavity"), std::string::npos);
 }

@@ -11,7 +11,7 @@
 namespace trephine {
 namespace {
 
-using namespace body;
+using namespace bodies;
 
 struct Spine {
   double period_mm = 30, body_mm = 22, arch_mm = 14;  ///< the rest is disc, and foramina
@@ -36,7 +36,7 @@ struct Spine {
   float hu(Vec3 p) const { return bone(p) ? 500.f : canal_mm(p) > 0 ? 20.f : 50.f; }
 };
 
-Lattice raster(Vec3 spacing_mm) {
+grid::Lattice raster(Vec3 spacing_mm) {
   const auto n = [](double mm, double step) { return int(std::lround(mm / step)); };
   return lattice(n(90, spacing_mm.x), n(120, spacing_mm.y), n(120, spacing_mm.z), spacing_mm, {-45, -75, -60});
 }
@@ -53,19 +53,20 @@ class Canals : public testing::TestWithParam<Trial> {};
 TEST_P(Canals, LieWithinTheirBoundOfTheTruth) {
   const Trial t = GetParam();
   const Spine spine;
-  const HuVolume volume = scanned(drawn(raster(t.spacing_mm), [&](Vec3 p) { return spine.hu(p); }), 0.6, t.noise_hu);
-  SegmentParams p;
+  const grid::HuVolume volume =
+      scanned(drawn(raster(t.spacing_mm), [&](Vec3 p) { return spine.hu(p); }), 0.6, t.noise_hu);
+  segmentation::SegmentParams p;
   p.lower_hu = 250;
   p.seed_lower_hu = 350;
-  p.edge = SegmentEdge::half_maximum;
+  p.edge = segmentation::SegmentEdge::half_maximum;
   p.min_component_ml = 0.5;
   p.smoothing_sigma_mm = t.smoothing_mm;
   Report bone_report, report;
-  const Field bone = segment(volume, {}, p, bone_report);
-  const Field canal = find_canal(volume, bone, {}, report);
+  const grid::Field bone = segmentation::segment(volume, {}, p, bone_report);
+  const grid::Field canal = trunk::find_canal(volume, bone, {}, report);
   // Not the ends: how far it is made there depends on where the scan cuts.
   const auto counts = [](Vec3 q) { return q.z > -37 && q.z < 37; };
-  Field drawn_truth(lattice_of(volume));
+  grid::Field drawn_truth(grid::lattice_of(volume));
   for (int k = 0; k < drawn_truth.size[2]; ++k)
     for (int j = 0; j < drawn_truth.size[1]; ++j)
       for (int i = 0; i < drawn_truth.size[0]; ++i)
@@ -97,29 +98,29 @@ INSTANTIATE_TEST_SUITE_P(LongNoise, Canals,
 
 TEST(Canal, IsTheSameWhateverTheThreadCountAndLeavesBoneAlone) {
   const Spine spine;
-  const HuVolume volume = scanned(drawn(raster({1, 1, 2}), [&](Vec3 p) { return spine.hu(p); }), 0.6, 20);
+  const grid::HuVolume volume = scanned(drawn(raster({1, 1, 2}), [&](Vec3 p) { return spine.hu(p); }), 0.6, 20);
   Report r;
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 250;
-  const Field bone = segment(volume, {}, p, r);
+  const grid::Field bone = segmentation::segment(volume, {}, p, r);
   const int before = thread_count();
   set_thread_count(1);
-  const Field one = find_canal(volume, bone, {}, r);
+  const grid::Field one = trunk::find_canal(volume, bone, {}, r);
   set_thread_count(4);
-  const Field four = find_canal(volume, bone, {}, r);
+  const grid::Field four = trunk::find_canal(volume, bone, {}, r);
   set_thread_count(before);
   EXPECT_TRUE(one == four);
-  const Box at = place_in(one, bone);
+  const grid::Box at = grid::place_in(one, bone);
   for (int k = 0; k < one.size[2]; ++k)
     for (int j = 0; j < one.size[1]; ++j)
       for (int i = 0; i < one.size[0]; ++i)
         ASSERT_FALSE(one.at(i, j, k) > 0 && bone.at(i + at.begin[0], j + at.begin[1], k + at.begin[2]) > 0);
 }
 
-ExitCode code_of(const HuVolume& volume, const Field& bone, std::string& what) {
+ExitCode code_of(const grid::HuVolume& volume, const grid::Field& bone, std::string& what) {
   Report r;
   try {
-    find_canal(volume, bone, {}, r);
+    trunk::find_canal(volume, bone, {}, r);
   } catch (const Error& e) {
     what = e.field() + ": " + e.what();
     return e.code();
@@ -128,19 +129,19 @@ ExitCode code_of(const HuVolume& volume, const Field& bone, std::string& what) {
 }
 
 TEST(Canal, OfWhatIsNoSpineIsRefused) {
-  const Lattice l = lattice(60, 60, 60, {1, 1, 1}, {0, 0, 0});
-  const HuVolume volume = Grid<std::int16_t>(l, 40);
+  const grid::Lattice l = lattice(60, 60, 60, {1, 1, 1}, {0, 0, 0});
+  const grid::HuVolume volume = grid::Grid<std::int16_t>(l, 40);
   std::string what;
-  EXPECT_EQ(code_of(volume, Field(l, -1.f), what), ExitCode::quality);
+  EXPECT_EQ(code_of(volume, grid::Field(l, -1.f), what), ExitCode::quality);
   EXPECT_NE(what.find("empty"), std::string::npos) << what;
-  EXPECT_EQ(code_of(volume, Field(l, 1.f), what), ExitCode::quality) << "all bone";
-  Field ball(l, -1.f);
+  EXPECT_EQ(code_of(volume, grid::Field(l, 1.f), what), ExitCode::quality) << "all bone";
+  grid::Field ball(l, -1.f);
   for (int k = 0; k < 60; ++k)
     for (int j = 0; j < 60; ++j)
       for (int i = 0; i < 60; ++i) ball.at(i, j, k) = float(20 - norm(Vec3{i - 30., j - 30., k - 30.})) + 0.01f;
   EXPECT_EQ(code_of(volume, ball, what), ExitCode::quality);
   EXPECT_NE(what.find("min_length_mm"), std::string::npos) << what;
-  Field elsewhere = ball;
+  grid::Field elsewhere = ball;
   elsewhere.origin_mm = {0.4, 0, 0};
   EXPECT_EQ(code_of(volume, elsewhere, what), ExitCode::bad_input);
 }

@@ -12,7 +12,7 @@
 namespace trephine {
 namespace {
 
-using namespace body;
+using namespace bodies;
 
 struct Chest {
   double vein_contrast_hu = 0;
@@ -41,9 +41,9 @@ struct Chest {
 
   std::vector<Vec3> clavicle_line[2] = {clavicle(-1), clavicle(1)}, vein_line[2] = {vein(-1), vein(1)};
 
-  Field truth(const Lattice& l, const std::vector<Vec3> lines[2], double radius_mm) const {
-    Field out = distances(l, lines[0], 2 * radius_mm);
-    const Field other = distances(l, lines[1], 2 * radius_mm);
+  grid::Field truth(const grid::Lattice& l, const std::vector<Vec3> lines[2], double radius_mm) const {
+    grid::Field out = distances(l, lines[0], 2 * radius_mm);
+    const grid::Field other = distances(l, lines[1], 2 * radius_mm);
     for (std::size_t v = 0; v < out.count(); ++v)
       out.voxels[v] = float(radius_mm) - std::min(out.voxels[v], other.voxels[v]);
     return out;
@@ -78,11 +78,11 @@ struct Chest {
       if (norm(Vec3{(p.x - s * 28) / 22, (p.y + 2) / 40, (p.z + 60) / 45}) < 1) return -850;  // lungs
     return 50;
   }
-  HuVolume volume(double noise_hu, Vec3 spacing_mm = {1, 1, 1}) const {
+  grid::HuVolume volume(double noise_hu, Vec3 spacing_mm = {1, 1, 1}) const {
     const auto n = [](double mm, double step) { return int(std::lround(mm / step)); };
-    const Lattice l =
+    const grid::Lattice l =
         lattice(n(310, spacing_mm.x), n(160, spacing_mm.y), n(90, spacing_mm.z), spacing_mm, {-155, -95, -45});
-    Grid<float> g = drawn(l, [&](Vec3 p) { return around_hu(p); });
+    grid::Grid<float> g = drawn(l, [&](Vec3 p) { return around_hu(p); });
     for (int side : {0, 1}) {
       draw_tube(g, vein_line[side], vein_mm, float(50 + vein_contrast_hu));
       if (clavicles) draw_tube(g, clavicle_line[side], clavicle_mm, 700);
@@ -92,18 +92,18 @@ struct Chest {
 };
 
 /// As pipelines/chest.yaml.
-Field bone_of(const HuVolume& volume) {
-  SegmentParams p;
+grid::Field bone_of(const grid::HuVolume& volume) {
+  segmentation::SegmentParams p;
   p.lower_hu = 200;
   p.smoothing_sigma_mm = 0.7;
   p.seed_lower_hu = 350;
-  p.edge = SegmentEdge::half_maximum;
+  p.edge = segmentation::SegmentEdge::half_maximum;
   p.min_component_ml = 0.5;
-  p.fill = SegmentFill::cavities_and_cut;
+  p.fill = segmentation::SegmentFill::cavities_and_cut;
   p.fill_close_mm = 2;
   p.fill_max_ml = 150;
   Report r;
-  return segment(volume, {}, p, r);
+  return segmentation::segment(volume, {}, p, r);
 }
 
 double figure(const Report& r, const std::string& name) {
@@ -118,10 +118,10 @@ std::string text(const Report& r, const std::string& name) {
 TEST(Clavicle, BothArePartedFromSternumAndScapula) {
   for (const double noise : {60.}) {
     const Chest chest;
-    const HuVolume volume = chest.volume(noise);
-    const Field bone = bone_of(volume);
+    const grid::HuVolume volume = chest.volume(noise);
+    const grid::Field bone = bone_of(volume);
     Report report;
-    const Field found = find_clavicles(bone, {}, report);
+    const grid::Field found = trunk::find_clavicles(bone, {}, report);
     const auto all = [](Vec3) { return true; };
     // The bridges, 3 mm thin, belong to nobody.
     const auto counts = [&](Vec3 p) {
@@ -131,7 +131,7 @@ TEST(Clavicle, BothArePartedFromSternumAndScapula) {
       return true;
     };
     const Distances d = surface_distance(
-        found, chest.truth(lattice_of(volume), chest.clavicle_line, Chest::clavicle_mm),
+        found, chest.truth(grid::lattice_of(volume), chest.clavicle_line, Chest::clavicle_mm),
         [&](Vec3 p) { return chest.clavicles_mm(p); }, counts);
     double length = 0;
     for (std::size_t n = 1; n < chest.clavicle_line[0].size(); ++n)
@@ -147,33 +147,33 @@ TEST(Clavicle, BothArePartedFromSternumAndScapula) {
     EXPECT_LT(figure(report, "left_joint_mm2"), 60);
 
     Report rest_report;
-    ClavicleParams rest;
-    rest.part = ClaviclePart::rest;
-    const Field other = find_clavicles(bone, rest, rest_report);
+    trunk::ClavicleParams rest;
+    rest.part = trunk::ClaviclePart::rest;
+    const grid::Field other = trunk::find_clavicles(bone, rest, rest_report);
     EXPECT_NEAR(volume_mm3(other, all) + volume_mm3(found, all), volume_mm3(bone, all), 1);
-    const Field no_bone = find_clavicles(bone, rest, rest_report, {}, &found);
+    const grid::Field no_bone = trunk::find_clavicles(bone, rest, rest_report, {}, &found);
     EXPECT_TRUE(no_bone == other) << "without what is none of it anyway";
   }
 }
 
 TEST(Clavicle, OneSideIsThePatientsOwn) {
   const Chest chest;
-  const Field bone = bone_of(chest.volume(10, {1.2, 1.2, 2}));
-  for (const BodySide side : {BodySide::left, BodySide::right}) {
-    ClavicleParams p;
+  const grid::Field bone = bone_of(chest.volume(10, {1.2, 1.2, 2}));
+  for (const trunk::BodySide side : {trunk::BodySide::left, trunk::BodySide::right}) {
+    trunk::ClavicleParams p;
     p.side = side;
     Report report;
-    const Field found = find_clavicles(bone, p, report);
+    const grid::Field found = trunk::find_clavicles(bone, p, report);
     const double left_mm3 = volume_mm3(found, [](Vec3 q) { return q.x > 0; });
     const double right_mm3 = volume_mm3(found, [](Vec3 q) { return q.x < 0; });
-    EXPECT_GT(side == BodySide::left ? left_mm3 : right_mm3, 10000);
-    EXPECT_EQ(side == BodySide::left ? right_mm3 : left_mm3, 0);
-    const auto courses = clavicle_courses(bone, p);
+    EXPECT_GT(side == trunk::BodySide::left ? left_mm3 : right_mm3, 10000);
+    EXPECT_EQ(side == trunk::BodySide::left ? right_mm3 : left_mm3, 0);
+    const auto courses = trunk::clavicle_courses(bone, p);
     ASSERT_EQ(courses.size(), 1u);
     EXPECT_LT(std::abs(courses[0].points_mm.front().x), 35) << "the sternal end comes first";
     EXPECT_GT(std::abs(courses[0].points_mm.back().x), 105);
     for (std::size_t n = 10; n + 10 < courses[0].points_mm.size(); ++n) {
-      EXPECT_LT(to_line(chest.clavicle_line[side == BodySide::left], courses[0].points_mm[n]), 1.5);
+      EXPECT_LT(to_line(chest.clavicle_line[side == trunk::BodySide::left], courses[0].points_mm[n]), 1.5);
       EXPECT_NEAR(courses[0].radius_mm[n], Chest::clavicle_mm, 1.5);
     }
   }
@@ -183,7 +183,7 @@ TEST(Clavicle, FusedWithOtherBoneIsSaidSo) {
   Chest chest;
   chest.bridge_mm = 8;  // thicker than the clavicle itself
   Report report;
-  const Field found = find_clavicles(bone_of(chest.volume(10, {1.2, 1.2, 2})), {}, report);
+  const grid::Field found = trunk::find_clavicles(bone_of(chest.volume(10, {1.2, 1.2, 2})), {}, report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings.front().find("clavicle"), std::string::npos);
 }
@@ -201,19 +201,19 @@ std::string refused(F&& f) {
 TEST(Clavicle, WhereThereIsNoneIsRefusedAndSoIsItsVein) {
   Chest chest;
   chest.clavicles = false;
-  const HuVolume volume = chest.volume(10, {1.2, 1.2, 2});
-  const Field bone = bone_of(volume);
+  const grid::HuVolume volume = chest.volume(10, {1.2, 1.2, 2});
+  const grid::Field bone = bone_of(volume);
   Report r;
-  std::string what = refused([&] { find_clavicles(bone, {}, r); });
+  std::string what = refused([&] { trunk::find_clavicles(bone, {}, r); });
   EXPECT_EQ(what.rfind("clavicle", 0), 0u) << what;
-  what = refused([&] { find_vein(volume, bone, {}, r); });
+  what = refused([&] { trunk::find_vein(volume, bone, {}, r); });
   EXPECT_EQ(what.rfind("vein", 0), 0u) << what;
-  const Lattice& l = bone;
-  what = refused([&] { find_clavicles(Field(l, -1.f), {}, r); });
+  const grid::Lattice& l = bone;
+  what = refused([&] { trunk::find_clavicles(grid::Field(l, -1.f), {}, r); });
   EXPECT_NE(what.find("empty"), std::string::npos) << what;
-  what = refused([&] { find_clavicles(Field(l, 1.f), {}, r); });
+  what = refused([&] { trunk::find_clavicles(grid::Field(l, 1.f), {}, r); });
   EXPECT_EQ(what.rfind("clavicle", 0), 0u) << what;
-  what = refused([&] { find_vein(volume, Field(l, -1.f), {}, r); });
+  what = refused([&] { trunk::find_vein(volume, grid::Field(l, -1.f), {}, r); });
   EXPECT_NE(what.find("empty"), std::string::npos) << what;
 }
 
@@ -228,16 +228,16 @@ TEST_P(Veins, WithContrastLieWhereTheyAre) {
   const Trial t = GetParam();
   Chest chest;
   chest.vein_contrast_hu = t.contrast_hu;
-  const HuVolume volume = chest.volume(t.noise_hu);
-  const Field bone = bone_of(volume);
+  const grid::HuVolume volume = chest.volume(t.noise_hu);
+  const grid::Field bone = bone_of(volume);
   Report report;
-  const Field found = find_vein(volume, bone, {}, report);
+  const grid::Field found = trunk::find_vein(volume, bone, {}, report);
   EXPECT_EQ(text(report, "left_source"), "contrast");
   EXPECT_EQ(text(report, "right_source"), "contrast");
   EXPECT_TRUE(report.warnings.empty()) << report.warnings.front();
   // Along the clavicle; how far it goes on is not the truth's.
   const auto counts = [&](Vec3 p) { return std::abs(p.x) > 22 && std::abs(p.x) < 70; };
-  const Field true_field = chest.truth(lattice_of(volume), chest.vein_line, Chest::vein_mm);
+  const grid::Field true_field = chest.truth(grid::lattice_of(volume), chest.vein_line, Chest::vein_mm);
   const Distances d = surface_distance(
       found, true_field, [&](Vec3 p) { return chest.veins_mm(p); }, counts);
   const double percent = 100 * (volume_mm3(found, counts) / volume_mm3(true_field, counts) - 1);
@@ -256,20 +256,20 @@ INSTANTIATE_TEST_SUITE_P(LongContrast, Veins,
 
 TEST(Vein, ASideThatShowsNoLungIsSaid) {
   const Chest chest;
-  const HuVolume volume = chest.volume(0);
-  const Lattice l = lattice_of(volume);
+  const grid::HuVolume volume = chest.volume(0);
+  const grid::Lattice l = grid::lattice_of(volume);
   // 100 ml on the left, and what is no more than a windpipe's end on the right.
-  Field lung(l, -1.f);
+  grid::Field lung(l, -1.f);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
         const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
         if (norm(p - Vec3{50, 0, -10}) < 29 || norm(p - Vec3{-30, 0, -20}) < 10) lung.at(i, j, k) = 1;
       }
-  VeinParams estimated;
-  estimated.source = VeinSource::estimated;
+  trunk::VeinParams estimated;
+  estimated.source = trunk::VeinSource::estimated;
   Report report;
-  find_vein(volume, bone_of(volume), estimated, report, {}, &lung);
+  trunk::find_vein(volume, bone_of(volume), estimated, report, {}, &lung);
   EXPECT_NEAR(figure(report, "left_lung_ml"), 102, 5);
   EXPECT_NEAR(figure(report, "right_lung_ml"), 4, 1);
   const auto said = [&](const std::string& part) {
@@ -283,11 +283,11 @@ TEST(Vein, ASideThatShowsNoLungIsSaid) {
 TEST(Vein, WithoutContrastIsEstimatedAndSaysSo) {
   for (const double noise : {60.}) {
     const Chest chest;
-    const HuVolume volume = chest.volume(noise);
-    const Field bone = bone_of(volume);
+    const grid::HuVolume volume = chest.volume(noise);
+    const grid::Field bone = bone_of(volume);
     Report report;
-    VeinParams p;
-    const Field found = find_vein(volume, bone, p, report);
+    trunk::VeinParams p;
+    const grid::Field found = trunk::find_vein(volume, bone, p, report);
     EXPECT_EQ(text(report, "left_source"), "estimated") << noise;
     EXPECT_EQ(text(report, "right_source"), "estimated") << noise;
     ASSERT_GE(report.warnings.size(), 2u);
@@ -310,15 +310,15 @@ TEST(Vein, WithoutContrastIsEstimatedAndSaysSo) {
 TEST(Vein, IsTheSameWhateverTheThreadCount) {
   Chest chest;
   chest.vein_contrast_hu = 150;
-  const HuVolume volume = chest.volume(20, {1.2, 1.2, 2});
-  const Field bone = bone_of(volume);
+  const grid::HuVolume volume = chest.volume(20, {1.2, 1.2, 2});
+  const grid::Field bone = bone_of(volume);
   Report r;
   const int before = thread_count();
   set_thread_count(1);
-  const Field one = find_vein(volume, bone, {}, r), clavicles = find_clavicles(bone, {}, r);
+  const grid::Field one = trunk::find_vein(volume, bone, {}, r), clavicles = trunk::find_clavicles(bone, {}, r);
   set_thread_count(4);
-  EXPECT_TRUE(one == find_vein(volume, bone, {}, r));
-  EXPECT_TRUE(clavicles == find_clavicles(bone, {}, r));
+  EXPECT_TRUE(one == trunk::find_vein(volume, bone, {}, r));
+  EXPECT_TRUE(clavicles == trunk::find_clavicles(bone, {}, r));
   set_thread_count(before);
 }
 

@@ -15,8 +15,8 @@ namespace {
 using phantom::Spine;
 using phantom::SpineParams;
 
-Field field_of(const Lattice& l, const std::function<double(Vec3)>& inside) {
-  Field f(l);
+grid::Field field_of(const grid::Lattice& l, const std::function<double(Vec3)>& inside) {
+  grid::Field f(l);
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
@@ -25,17 +25,17 @@ Field field_of(const Lattice& l, const std::function<double(Vec3)>& inside) {
   });
   return f;
 }
-Lattice lattice_of_spine(const Spine& spine) { return phantom::lattice_about(spine, {0.7, 0.7, 1}, 42); }
+grid::Lattice lattice_of_spine(const Spine& spine) { return phantom::lattice_about(spine, {0.7, 0.7, 1}, 42); }
 
-void expect_truth(const Spine& spine, const std::vector<PedicleAxis>& found, double most_mm, double most_deg) {
+void expect_truth(const Spine& spine, const std::vector<trunk::PedicleAxis>& found, double most_mm, double max_deg) {
   const auto truth = spine.pedicles();
   ASSERT_EQ(found.size(), truth.size());
   for (const Spine::Pedicle& t : truth)
-    for (const PedicleAxis& p : found) {
+    for (const trunk::PedicleAxis& p : found) {
       if (p.vertebra != t.vertebra + 1 || p.left != t.left) continue;
       const Vec3 way = normalized(p.target_mm - p.entry_mm), d = t.middle_mm - p.entry_mm;
       EXPECT_LT(norm(d - way * dot(d, way)), most_mm) << p.vertebra << " " << p.left;
-      EXPECT_LT(std::acos(std::min(1.0, dot(way, t.forwards))) * 180 / M_PI, most_deg) << p.vertebra << " " << p.left;
+      EXPECT_LT(std::acos(std::min(1.0, dot(way, t.forwards))) * 180 / M_PI, max_deg) << p.vertebra << " " << p.left;
       EXPECT_NEAR(p.half_width_mm, t.half_width_mm, 0.35);
       EXPECT_GT(p.confidence, 0.5) << p.doubt;
       // Entry and target lie on the surface behind and in the body.
@@ -53,10 +53,10 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
   askew.turned_deg = 8;
   for (const SpineParams& params : {SpineParams(), narrow, askew}) {
     const Spine spine(params);
-    const Lattice l = lattice_of_spine(spine);
+    const grid::Lattice l = lattice_of_spine(spine);
     Report report;
-    const auto found = find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                     field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
+    const auto found = trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                            field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
     expect_truth(spine, found, 1, 2);
     EXPECT_EQ(found.front().vertebra, 1);
     EXPECT_EQ(found.back().vertebra, 3);
@@ -66,14 +66,14 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
 
 TEST(Pedicles, OneThatTheScanCutsIsLeftOutAndSaid) {
   const Spine spine;
-  Lattice l = lattice_of_spine(spine);
+  grid::Lattice l = lattice_of_spine(spine);
   // From the upper half of the lowest pedicles on.
   const double low = spine.level(0) + 6;
   l.size[2] -= int(low - l.origin_mm.z);
   l.origin_mm.z = low;
   Report report;
-  const auto found = find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                   field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
+  const auto found = trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                          field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
   EXPECT_EQ(found.size(), 4u);
   EXPECT_EQ(found.front().vertebra, 1);  // counted from the lowest that is seen
   ASSERT_FALSE(report.warnings.empty());
@@ -82,25 +82,27 @@ TEST(Pedicles, OneThatTheScanCutsIsLeftOutAndSaid) {
 
 TEST(Pedicles, WhatIsNoneIsDoubtfulOrRefused) {
   const Spine spine;
-  const Lattice l = lattice_of_spine(spine);
-  const Field canal = field_of(l, [&](Vec3 p) { return spine.canal(p); });
+  const grid::Lattice l = lattice_of_spine(spine);
+  const grid::Field canal = field_of(l, [&](Vec3 p) { return spine.canal(p); });
   Report report;
   // Without bone beside the canal.
   try {
-    find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal, {}, report);
+    trunk::find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal, {},
+                         report);
     ADD_FAILURE() << "found";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
   }
   // One side alone; and a wall of bone along the whole canal, as a graft makes it.
-  for (const PedicleAxis& p :
-       find_pedicles(field_of(l, [&](Vec3 p) { return p.x > 5 && p.y > 12 ? -1 : spine.bone(p); }), canal, {}, report))
+  for (const trunk::PedicleAxis& p : trunk::find_pedicles(
+           field_of(l, [&](Vec3 p) { return p.x > 5 && p.y > 12 ? -1 : spine.bone(p); }), canal, {}, report))
     EXPECT_LT(p.confidence, 0.5) << p.vertebra << p.left;
-  const Field wall = field_of(l, [&](Vec3 p) {
+  const grid::Field wall = field_of(l, [&](Vec3 p) {
     return std::max(spine.bone(p), std::min(4 - std::abs(std::abs(p.x) - 17), 10 - std::abs(p.y - 22)));
   });
   try {
-    for (const PedicleAxis& p : find_pedicles(wall, canal, {}, report)) EXPECT_LT(p.confidence, 0.5) << p.doubt;
+    for (const trunk::PedicleAxis& p : trunk::find_pedicles(wall, canal, {}, report))
+      EXPECT_LT(p.confidence, 0.5) << p.doubt;
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
   }
@@ -110,11 +112,12 @@ TEST(Pedicles, ThinOnesAreDoubtful) {
   SpineParams params;
   params.half_width_mm = 0.9;
   const Spine spine(params);
-  const Lattice l = lattice_of_spine(spine);
+  const grid::Lattice l = lattice_of_spine(spine);
   Report report;
   try {
-    for (const PedicleAxis& p : find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                              field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report))
+    for (const trunk::PedicleAxis& p :
+         trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                              field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report))
       EXPECT_LT(p.confidence, 0.5) << p.half_width_mm;
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -123,13 +126,13 @@ TEST(Pedicles, ThinOnesAreDoubtful) {
 
 TEST(Pedicles, AGivenAxisIsMeasured) {
   const Spine spine;
-  const Lattice l = lattice_of_spine(spine);
-  const Field bone = field_of(l, [&](Vec3 p) { return spine.bone(p); });
+  const grid::Lattice l = lattice_of_spine(spine);
+  const grid::Field bone = field_of(l, [&](Vec3 p) { return spine.bone(p); });
   const auto t = spine.pedicles()[0];
   const Vec3 entry = t.middle_mm - t.forwards * 20, target = t.middle_mm + t.forwards * 25;
-  EXPECT_NEAR(clearance_along(bone, entry, target), 4.5, 0.4);
-  EXPECT_NEAR(clearance_along(bone, entry + Vec3{2, 0, 0}, target + Vec3{2, 0, 0}), 2.5, 0.5);
-  EXPECT_LT(clearance_along(bone, entry + Vec3{8, 0, 0}, target + Vec3{8, 0, 0}), 0);
+  EXPECT_NEAR(trunk::clearance_along(bone, entry, target), 4.5, 0.4);
+  EXPECT_NEAR(trunk::clearance_along(bone, entry + Vec3{2, 0, 0}, target + Vec3{2, 0, 0}), 2.5, 0.5);
+  EXPECT_LT(trunk::clearance_along(bone, entry + Vec3{8, 0, 0}, target + Vec3{8, 0, 0}), 0);
 }
 
 }  // namespace

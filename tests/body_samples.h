@@ -11,7 +11,7 @@
 #include "mask/filters.h"
 #include "random.h"
 
-namespace trephine::body {
+namespace trephine::bodies {
 
 inline double gauss(Random& r) {  // Box and Muller
   const double u = std::max(r(), 1e-12), v = r();
@@ -19,8 +19,8 @@ inline double gauss(Random& r) {  // Box and Muller
 }
 
 /// HU of each voxel: mean of 2 x 2 x 2 points.
-inline Grid<float> drawn(const Lattice& l, const std::function<float(Vec3)>& hu) {
-  Grid<float> g(l);
+inline grid::Grid<float> drawn(const grid::Lattice& l, const std::function<float(Vec3)>& hu) {
+  grid::Grid<float> g(l);
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
@@ -35,9 +35,9 @@ inline Grid<float> drawn(const Lattice& l, const std::function<float(Vec3)>& hu)
 }
 
 /// Blurred, with white noise, rounded.
-inline HuVolume scanned(Grid<float> g, double blur_mm, double noise_hu, std::uint64_t seed = 1) {
-  if (blur_mm > 0) segmentation::gaussian(g, blur_mm);
-  Grid<std::int16_t> out(g);
+inline grid::HuVolume scanned(grid::Grid<float> g, double blur_mm, double noise_hu, std::uint64_t seed = 1) {
+  if (blur_mm > 0) mask::gaussian(g, blur_mm);
+  grid::Grid<std::int16_t> out(g);
   Random random(seed);
   for (std::size_t v = 0; v < g.count(); ++v)
     out.voxels[v] = std::int16_t(std::lround(g.voxels[v] + noise_hu * gauss(random)));
@@ -55,8 +55,8 @@ inline double to_line(const std::vector<Vec3>& line, Vec3 p) {
 }
 
 /// The distance to the line, exact up to reach_mm, which stands for all beyond.
-inline Grid<float> distances(const Lattice& l, const std::vector<Vec3>& line, double reach_mm) {
-  Grid<float> d(l, float(reach_mm));
+inline grid::Grid<float> distances(const grid::Lattice& l, const std::vector<Vec3>& line, double reach_mm) {
+  grid::Grid<float> d(l, float(reach_mm));
   for (std::size_t n = 1; n < line.size(); ++n) {
     const std::vector<Vec3> piece{line[n - 1], line[n]};
     int from[3], to[3];
@@ -76,8 +76,8 @@ inline Grid<float> distances(const Lattice& l, const std::vector<Vec3>& line, do
 }
 
 /// A tube around the line, with its share of the voxels at its surface.
-inline void draw_tube(Grid<float>& g, const std::vector<Vec3>& line, double radius_mm, float hu) {
-  const Grid<float> d = distances(g, line, radius_mm + 3);
+inline void draw_tube(grid::Grid<float>& g, const std::vector<Vec3>& line, double radius_mm, float hu) {
+  const grid::Grid<float> d = distances(g, line, radius_mm + 3);
   const double voxel_mm = std::cbrt(g.voxel_volume_mm3());
   for (std::size_t v = 0; v < g.count(); ++v) {
     const float share = float(std::clamp(0.5 + (radius_mm - d.voxels[v]) / voxel_mm, 0.0, 1.0));
@@ -86,7 +86,7 @@ inline void draw_tube(Grid<float>& g, const std::vector<Vec3>& line, double radi
 }
 
 /// The points where the field changes sign on the lattice's edges.
-inline std::vector<Vec3> crossings(const Field& f) {
+inline std::vector<Vec3> crossings(const grid::Field& f) {
   std::vector<Vec3> points;
   for (int k = 0; k < f.size[2]; ++k)
     for (int j = 0; j < f.size[1]; ++j)
@@ -160,7 +160,7 @@ inline Distances summary(std::vector<double> d) {
 
 /// Both ways: the field's surface to the truth's (a signed distance), and the truth's (crossings of `true_field`, the
 /// same distance on a lattice of voxels) to the field's. `counts` says where to look.
-inline Distances surface_distance(const Field& field, const Field& true_field,
+inline Distances surface_distance(const grid::Field& field, const grid::Field& true_field,
                                   const std::function<double(Vec3)>& truth_mm,
                                   const std::function<bool(Vec3)>& counts) {
   const std::vector<Vec3> found = crossings(field), truth = crossings(true_field);
@@ -173,7 +173,7 @@ inline Distances surface_distance(const Field& field, const Field& true_field,
   return summary(std::move(d));
 }
 
-inline double volume_mm3(const Field& f, const std::function<bool(Vec3)>& counts) {
+inline double volume_mm3(const grid::Field& f, const std::function<bool(Vec3)>& counts) {
   double n = 0;
   for (int k = 0; k < f.size[2]; ++k)
     for (int j = 0; j < f.size[1]; ++j)
@@ -182,12 +182,12 @@ inline double volume_mm3(const Field& f, const std::function<bool(Vec3)>& counts
   return n * f.voxel_volume_mm3();
 }
 
-inline Lattice lattice(int x, int y, int z, Vec3 spacing_mm, Vec3 origin_mm) {
-  Lattice l;
+inline grid::Lattice lattice(int x, int y, int z, Vec3 spacing_mm, Vec3 origin_mm) {
+  grid::Lattice l;
   l.size = {x, y, z};
   l.spacing_mm = spacing_mm;
   l.origin_mm = origin_mm;
   return l;
 }
 
-}  // namespace trephine::body
+}  // namespace trephine::bodies

@@ -17,35 +17,36 @@
 namespace trephine {
 namespace {
 
-using Side = BurrHoleRequest::Side;
+using Side = boolean::BurrHoleRequest::Side;
 using Marks = std::map<std::string, Vec3>;
 
 struct Surfaces {
-  TriMesh skin, skull;
+  surface::TriMesh skin, skull;
 };
 
 /// As pipelines/ventriculostomy.yaml does.
-Surfaces surfaces_of(const HuVolume& volume) {
+Surfaces surfaces_of(const grid::HuVolume& volume) {
   Report report;
-  const Field outside = segment(volume, {}, head_recipe::skin(), report);
-  SegmentMasks masks;
+  const grid::Field outside = segmentation::segment(volume, {}, head_recipe::skin(), report);
+  segmentation::SegmentMasks masks;
   masks.within = &outside;
-  return {contour(outside, {}, report), contour(segment(volume, masks, head_recipe::skull(), report), {}, report)};
+  return {meshing::contour(outside, {}, report),
+          meshing::contour(segmentation::segment(volume, masks, head_recipe::skull(), report), {}, report)};
 }
 
-void expect_kocher(const phantom::PhantomParams& params, const HuVolume& volume, const char* what) {
+void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& volume, const char* what) {
   const phantom::Head head(params.head);
   const Surfaces s = surfaces_of(volume);
   Marks marks;
   for (const auto& l : head.landmarks()) marks[l.first] = l.second;
   for (const Side side : {Side::left, Side::right}) {
     const char* name = side == Side::left ? "kocher_left" : "kocher_right";
-    BurrHoleRequest r;
+    boolean::BurrHoleRequest r;
     r.side = side;
     r.lateral_mm = 30;  // the truth's
     r.toward_mm = marks.at(side == Side::left ? "monro_left" : "monro_right");
     Report report;
-    const BurrHole hole = place_burr_hole(r, marks, &s.skin, s.skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull, report);
     const double off = norm(hole.skin_mm - marks.at(name));
     const double beside_skull = head.signed_distance_mm(phantom::Anatomy::skull, hole.position_mm);
     EXPECT_LT(off, 1) << what;
@@ -54,7 +55,7 @@ void expect_kocher(const phantom::PhantomParams& params, const HuVolume& volume,
     EXPECT_LT(norm(way - hole.direction * dot(way, hole.direction)), 1e-6);
     r.toward_mm.reset();
     Report square;
-    const BurrHole upright = place_burr_hole(r, marks, &s.skin, s.skull, square);
+    const boolean::BurrHole upright = boolean::place_burr_hole(r, marks, &s.skin, s.skull, square);
     Vec3 normal;
     head.implicit_mm(phantom::Anatomy::skull, head.project_mm(phantom::Anatomy::skull, upright.position_mm), normal);
     const double tilt = std::acos(std::min(1.0, -dot(normalized(normal), upright.direction))) * 180 / std::acos(-1.0);
@@ -67,7 +68,7 @@ void expect_kocher(const phantom::PhantomParams& params, const HuVolume& volume,
 
 TEST(BurrHoleScan, OfTheSampleCase) {
   const phantom::PhantomParams p = phantom::sample_phantom();
-  const auto imported = import_series(std::string(TREPHINE_SOURCE_DIR) + "/sample_dicom", {});
+  const auto imported = dicom::import_series(std::string(TREPHINE_SOURCE_DIR) + "/sample_dicom", {});
   expect_kocher(p, imported.volume, "sample");
 }
 
@@ -82,7 +83,7 @@ TEST(LongBurrHoleScan, OfATiltedSmallVariantAndOfOneScannedObliquely) {
     if (!tilted) p.scan.rotation_deg = {15, -8, 20};
     const ScratchFolder folder;
     phantom::make_phantom(folder.path(), p);
-    const auto imported = import_series(folder.path() / "dicom", {});
+    const auto imported = dicom::import_series(folder.path() / "dicom", {});
     expect_kocher(p, imported.volume, tilted ? "gantry tilt" : "oblique");
   }
 }
@@ -92,14 +93,14 @@ void expect_plausible(const char* name, const Marks& marks) {
   const char *own = std::getenv("TREPHINE_DATA"), *home = std::getenv("HOME");
   const auto path = std::filesystem::path(own ? own : std::string(home ? home : "") + "/.cache/trephine-data") / name;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real data at " << path;
-  const Surfaces s = surfaces_of(import_series(path, {}).volume);
-  BurrHole holes[2];
+  const Surfaces s = surfaces_of(dicom::import_series(path, {}).volume);
+  boolean::BurrHole holes[2];
   for (const Side side : {Side::left, Side::right}) {
-    BurrHoleRequest r;
+    boolean::BurrHoleRequest r;
     r.side = side;
     Report report;
-    BurrHole& hole = holes[side == Side::left];
-    hole = place_burr_hole(r, marks, &s.skin, s.skull, report);
+    boolean::BurrHole& hole = holes[side == Side::left];
+    hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull, report);
     const double soft = norm(hole.position_mm - hole.skin_mm);
     std::printf(
         "%s %s: skin [%.1f, %.1f, %.1f], direction [%.3f, %.3f, %.3f], soft tissue %.2f, bone %.2f, depth %.2f\n", name,

@@ -15,8 +15,8 @@
 namespace trephine {
 namespace {
 
-using At = BurrHoleRequest::At;
-using Side = BurrHoleRequest::Side;
+using At = boolean::BurrHoleRequest::At;
+using Side = boolean::BurrHoleRequest::Side;
 using Marks = std::map<std::string, Vec3>;
 const double pi = std::acos(-1.0);
 
@@ -25,7 +25,7 @@ double degrees_between(Vec3 a, Vec3 b) {
 }
 
 /// A sphere as rings of points; turned inside out where `inwards`.
-void add_sphere(TriMesh& mesh, Vec3 centre, double radius, bool inwards, int rings = 96) {
+void add_sphere(surface::TriMesh& mesh, Vec3 centre, double radius, bool inwards, int rings = 96) {
   const auto first = static_cast<std::uint32_t>(mesh.points_mm.size());
   const int around = 2 * rings;
   const auto at = [&](int i, int j) -> std::uint32_t {
@@ -55,7 +55,7 @@ void add_sphere(TriMesh& mesh, Vec3 centre, double radius, bool inwards, int rin
 /// Bone from 74 to 80 mm, skin at 86 mm, about (5, -7, 11).
 struct Shell {
   Vec3 centre{5, -7, 11};
-  TriMesh skull, skin;
+  surface::TriMesh skull, skin;
   Shell() {
     add_sphere(skull, {}, 80, false);
     add_sphere(skull, {}, 74, true);
@@ -79,8 +79,8 @@ std::string refused(const std::function<void()>& f, ExitCode code = ExitCode::qu
 
 TEST(RayColumn, SpansOfNestedSpheresAreExactAndGapsMerge) {
   const Shell s;
-  const detail::RayColumn column(s.skull, s.centre, {0, 0, -1}, 12);
-  for (const auto& p : detail::disc_samples(50, 8)) {
+  const surface::detail::RayColumn column(s.skull, s.centre, {0, 0, -1}, 12);
+  for (const auto& p : surface::detail::disc_samples(50, 8)) {
     const double r = 10 * std::hypot(p[0], p[1]);
     const auto spans = column.spans(10 * p[0], 10 * p[1], 0);
     ASSERT_EQ(spans.size(), 2u);
@@ -93,25 +93,25 @@ TEST(RayColumn, SpansOfNestedSpheresAreExactAndGapsMerge) {
 
 TEST(OuterCurve, ArcsOnASphereAreExact) {
   const Shell s;
-  const auto curve = detail::outer_curve(s.skin, {s.centre, {0, -1, 0}, {0, 0, 1}});
+  const auto curve = boolean::detail::outer_curve(s.skin, {s.centre, {0, -1, 0}, {0, 0, 1}});
   for (const double length : {0.0, 1.0, 60.0, 110.0, 200.0}) {
-    const auto p = detail::point_along(curve, length);
+    const auto p = surface::point_along(curve, length);
     ASSERT_TRUE(p);
     const double angle = length / 86;
     EXPECT_LT(norm(*p - s.centre - Vec3{0, -std::cos(angle), std::sin(angle)} * 86), 0.05) << length;
   }
-  EXPECT_FALSE(detail::point_along(curve, 400));
+  EXPECT_FALSE(surface::point_along(curve, 400));
 }
 
 TEST(BurrHole, OnAShellTheAxisIsRadialAndTheHoleEndsJustInside) {
   const Shell s;
   for (const Side side : {Side::left, Side::right}) {
     for (const double diameter : {1.0, 14.0, 40.0}) {
-      BurrHoleRequest r;
+      boolean::BurrHoleRequest r;
       r.side = side;
       r.diameter_mm = diameter;
       Report report;
-      const BurrHole hole = place_burr_hole(r, s.marks(), &s.skin, s.skull, report);
+      const boolean::BurrHole hole = boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull, report);
       // 110 mm along the great circle, then 27.5 mm along the one square to it.
       const double a = 110.0 / 86, b = 27.5 / 86, x = side == Side::left ? 1 : -1;
       const Vec3 up{0, -std::cos(a), std::sin(a)};
@@ -132,12 +132,12 @@ TEST(BurrHole, OnAShellTheAxisIsRadialAndTheHoleEndsJustInside) {
 
 TEST(BurrHole, ByPositionTowardsATargetAndByDirection) {
   const Shell s;
-  BurrHoleRequest r;
+  boolean::BurrHoleRequest r;
   r.at = At::position;
   r.position_mm = s.centre + Vec3{0, 0, 80};
   r.toward_mm = s.centre + Vec3{20, 10, 0};
   Report report;
-  const BurrHole hole = place_burr_hole(r, {}, &s.skin, s.skull, report);
+  const boolean::BurrHole hole = boolean::place_burr_hole(r, {}, &s.skin, s.skull, report);
   // The axis passes through the target, and through the position.
   const Vec3 to_target = *r.toward_mm - hole.position_mm;
   EXPECT_LT(norm(to_target - hole.direction * dot(to_target, hole.direction)), 1e-6);
@@ -150,27 +150,28 @@ TEST(BurrHole, ByPositionTowardsATargetAndByDirection) {
   r.toward_mm.reset();
   r.direction = Vec3{0, 0, -1};
   r.position_mm = s.centre + Vec3{3, 4, 84};  // above the bone, within the skin
-  const BurrHole straight = place_burr_hole(r, {}, nullptr, s.skull, report);
+  const boolean::BurrHole straight = boolean::place_burr_hole(r, {}, nullptr, s.skull, report);
   EXPECT_NEAR(straight.position_mm.z - s.centre.z, std::sqrt(6400.0 - 25), 0.05);
   EXPECT_EQ(straight.direction, (Vec3{0, 0, -1}));
   EXPECT_EQ(straight.skin_mm, straight.position_mm);
   EXPECT_GE(straight.cutter.above_mm, 20);
 
   r.direction.reset();
-  EXPECT_LT(degrees_between(place_burr_hole(r, {}, &s.skin, s.skull, report).direction, Vec3{-3, -4, -84}), 0.1);
+  EXPECT_LT(degrees_between(boolean::place_burr_hole(r, {}, &s.skin, s.skull, report).direction, Vec3{-3, -4, -84}),
+            0.1);
 }
 
 TEST(BurrHole, CellsOfTheDiploeDoNotEndTheBoneWiderGapsDo) {
   for (const double gap : {2.0, 4.0}) {
     Shell s;
-    TriMesh skull;
+    surface::TriMesh skull;
     add_sphere(skull, {}, 80, false);
     add_sphere(skull, {}, 78, true);
     add_sphere(skull, {}, 78 - gap, false);
     add_sphere(skull, {}, 72, true);
     skull.origin_mm = s.centre;
     Report report;
-    const BurrHole hole = place_burr_hole({}, s.marks(), &s.skin, skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole({}, s.marks(), &s.skin, skull, report);
     EXPECT_NEAR(hole.bone_thickness_mm, gap < 3 ? 8 : 2, 0.05);
   }
 }
@@ -185,11 +186,11 @@ TEST(BurrHole, PitsAndKnobsOfTheOuterTableDoNotTiltTheAxis) {
     if (norm(p - at) < 2.5) p = p * ((80 - 4) / 80.0);
     if (norm(p - (outwards * 80 + cross(outwards, beside) * 4)) < 2.5) p = p * ((80 + 3) / 80.0);
   }
-  BurrHoleRequest r;
+  boolean::BurrHoleRequest r;
   r.at = At::position;
   r.position_mm = s.centre + outwards * 80;
   Report report;
-  const BurrHole hole = place_burr_hole(r, {}, &s.skin, s.skull, report);
+  const boolean::BurrHole hole = boolean::place_burr_hole(r, {}, &s.skin, s.skull, report);
   EXPECT_LT(degrees_between(hole.direction, -outwards), 0.5);
   EXPECT_NEAR(hole.bone_thickness_mm, 6, 0.05);
 }
@@ -197,8 +198,8 @@ TEST(BurrHole, PitsAndKnobsOfTheOuterTableDoNotTiltTheAxis) {
 TEST(BurrHole, RefusesNamingWhatIsMissingOrWrong) {
   const Shell s;
   Report report;
-  const auto place = [&](const BurrHoleRequest& r, const Marks& marks) {
-    return refused([&] { place_burr_hole(r, marks, &s.skin, s.skull, report); });
+  const auto place = [&](const boolean::BurrHoleRequest& r, const Marks& marks) {
+    return refused([&] { boolean::place_burr_hole(r, marks, &s.skin, s.skull, report); });
   };
   EXPECT_NE(place({}, {}).find("landmarks: {nasion: [x, y, z], inion: [x, y, z]}"), std::string::npos);
   EXPECT_NE(place({}, {{"nasion", {}}}).find("landmarks: {inion: [x, y, z]}"), std::string::npos);
@@ -207,7 +208,7 @@ TEST(BurrHole, RefusesNamingWhatIsMissingOrWrong) {
   off["nasion"] = off["nasion"] + Vec3{0, -30, 0};
   EXPECT_NE(place({}, off).find("30.0 mm from the skin"), std::string::npos);
 
-  BurrHoleRequest r;
+  boolean::BurrHoleRequest r;
   r.name = "left";
   r.at = At::position;
   r.position_mm = s.centre + Vec3{0, 0, 160};
@@ -224,12 +225,12 @@ TEST(BurrHole, RefusesNamingWhatIsMissingOrWrong) {
   Marks exchanged = s.marks();
   exchanged["tragus_left"] = s.centre + Vec3{-80, 0, 0};
   exchanged["tragus_right"] = s.centre + Vec3{80, 0, 0};
-  EXPECT_NE(refused([&] { place_burr_hole({}, exchanged, &s.skin, s.skull, report); }, ExitCode::bad_config)
+  EXPECT_NE(refused([&] { boolean::place_burr_hole({}, exchanged, &s.skin, s.skull, report); }, ExitCode::bad_config)
                 .find("exchanged"),
             std::string::npos);
   r = {};
   r.diameter_mm = 61;
-  EXPECT_NE(refused([&] { place_burr_hole(r, s.marks(), &s.skin, s.skull, report); }, ExitCode::bad_config)
+  EXPECT_NE(refused([&] { boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull, report); }, ExitCode::bad_config)
                 .find("diameter_mm"),
             std::string::npos);
 }
@@ -238,7 +239,7 @@ TEST(BurrHole, WithoutSkinTheArcRunsOverTheSkull) {
   const Shell s;
   Report report;
   Marks marks{{"nasion", s.centre + Vec3{0, -80, 0}}, {"vertex", s.centre + Vec3{0, 0, 80}}};
-  const BurrHole hole = place_burr_hole({}, marks, nullptr, s.skull, report);
+  const boolean::BurrHole hole = boolean::place_burr_hole({}, marks, nullptr, s.skull, report);
   const double a = 110.0 / 80, b = 27.5 / 80;
   const Vec3 expected = Vec3{0, -std::cos(a), std::sin(a)} * std::cos(b) - Vec3{1, 0, 0} * std::sin(b);
   EXPECT_LT(norm(hole.position_mm - s.centre - expected * 80), 0.1);
@@ -249,7 +250,7 @@ TEST(BurrHole, WithoutSkinTheArcRunsOverTheSkull) {
 /// The phantom's upper head as truth's meshes, turned and moved about.
 struct Patient {
   phantom::Head head;
-  TriMesh skin, skull;
+  surface::TriMesh skin, skull;
   Marks marks;
   Mat3 turn;
   Vec3 shift;
@@ -267,10 +268,10 @@ Mat3 turned_by(Vec3 axis, double degrees) {
 
 Patient patient(const phantom::HeadParams& who, const Mat3& turn, Vec3 shift, double step_mm, double top_mm = 300) {
   Patient p{phantom::Head(who), {}, {}, {}, turn, shift};
-  const Bounds box{{-120, -150, -10}, {120, 150, top_mm}};
-  p.skin = truth_mesh(p.head, phantom::Anatomy::skin, box, step_mm);
-  p.skull = truth_mesh(p.head, phantom::Anatomy::skull, box, step_mm);
-  for (TriMesh* mesh : {&p.skin, &p.skull}) {
+  const surface::Bounds box{{-120, -150, -10}, {120, 150, top_mm}};
+  p.skin = phantom::truth_mesh(p.head, phantom::Anatomy::skin, box, step_mm);
+  p.skull = phantom::truth_mesh(p.head, phantom::Anatomy::skull, box, step_mm);
+  for (surface::TriMesh* mesh : {&p.skin, &p.skull}) {
     for (auto& point : mesh->points_mm) point = turn * point;
     mesh->origin_mm = p.world(mesh->origin_mm);
   }
@@ -283,7 +284,7 @@ Vec3 truth_normal(const Patient& p, Vec3 at, Vec3 axis, double radius) {
   const Vec3 across = normalized(cross(axis, std::fabs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   const Vec3 upwards = cross(axis, across);
   Vec3 sum;
-  for (const auto& s : detail::disc_samples(400, 0)) {
+  for (const auto& s : surface::detail::disc_samples(400, 0)) {
     const Vec3 start = p.own(at + across * (radius * s[0]) + upwards * (radius * s[1]) - axis * 3.0);
     const Vec3 foot = p.head.project_mm(phantom::Anatomy::skull, start);
     Vec3 normal;
@@ -295,11 +296,11 @@ Vec3 truth_normal(const Patient& p, Vec3 at, Vec3 axis, double radius) {
 
 void expect_kocher(const Patient& p, const char* what) {
   for (const Side side : {Side::left, Side::right}) {
-    BurrHoleRequest r;
+    boolean::BurrHoleRequest r;
     r.side = side;
     r.lateral_mm = 30;  // the truth's
     Report report;
-    const BurrHole hole = place_burr_hole(r, p.marks, &p.skin, p.skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole(r, p.marks, &p.skin, p.skull, report);
     const Vec3 truth = p.marks.at(side == Side::left ? "kocher_left" : "kocher_right");
     const double off = norm(hole.skin_mm - truth);
     const double tilt = degrees_between(hole.direction, -truth_normal(p, hole.position_mm, hole.direction, 7));
@@ -308,8 +309,8 @@ void expect_kocher(const Patient& p, const char* what) {
     EXPECT_LT(std::fabs(p.head.signed_distance_mm(phantom::Anatomy::skull, p.own(hole.position_mm))), 0.1) << what;
     // Just through: the end of the cutter lies outside the bone everywhere, its start outside the skin.
     double through = 0;
-    for (const auto& s : detail::disc_samples(60, 60)) {
-      const detail::RayColumn frame({}, hole.position_mm, hole.direction, 7);
+    for (const auto& s : surface::detail::disc_samples(60, 60)) {
+      const surface::detail::RayColumn frame({}, hole.position_mm, hole.direction, 7);
       const Vec3 beside = frame.across() * (7 * s[0]) + frame.upwards() * (7 * s[1]);
       const Vec3 end = p.own(hole.position_mm + beside + hole.direction * hole.cutter.depth_mm);
       const Vec3 begin = p.own(hole.position_mm + beside - hole.direction * hole.cutter.above_mm);
@@ -335,22 +336,23 @@ TEST(BurrHolePhantom, OfASmallVariantTurnedAndMoved) {
 TEST(BurrHolePhantom, TheScansEdgeIsNotTakenForTheHead) {
   // The vertex was not scanned: 110 mm from the nasion lie beyond the cut.
   const Patient p = patient({}, turned_by({0, 1, 0.2}, 10), {}, 2.5, 75);
-  EXPECT_GE(detail::cut_faces(p.skin).size(), 2u);
+  EXPECT_GE(boolean::detail::cut_faces(p.skin).size(), 2u);
   Report report;
-  const auto what = refused([&] { place_burr_hole({}, p.marks, &p.skin, p.skull, report); });
+  const auto what = refused([&] { boolean::place_burr_hole({}, p.marks, &p.skin, p.skull, report); });
   EXPECT_NE(what.find("runs over the scan's edge"), std::string::npos) << what;
   // A hole beside the cut leaves the volume, one farther down does not.
-  BurrHoleRequest r;
+  boolean::BurrHoleRequest r;
   r.at = At::position;
   const auto frontal = [&](double z) {
     Vec3 at{0, -60, z};
     return p.world(p.head.project_mm(phantom::Anatomy::skull, at + Vec3{0, -30, 0}));
   };
   r.position_mm = frontal(70);
-  EXPECT_NE(refused([&] { place_burr_hole(r, {}, &p.skin, p.skull, report); }).find("leave the scanned volume"),
-            std::string::npos);
+  EXPECT_NE(
+      refused([&] { boolean::place_burr_hole(r, {}, &p.skin, p.skull, report); }).find("leave the scanned volume"),
+      std::string::npos);
   r.position_mm = frontal(55);
-  EXPECT_NO_THROW(place_burr_hole(r, {}, &p.skin, p.skull, report));
+  EXPECT_NO_THROW(boolean::place_burr_hole(r, {}, &p.skin, p.skull, report));
 }
 
 }  // namespace

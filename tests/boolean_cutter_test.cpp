@@ -11,15 +11,15 @@
 #include "surface_shapes.h"
 
 using namespace trephine;
-using Kind = Cutter::Kind;
+using Kind = boolean::Cutter::Kind;
 
 namespace {
 
 /// One of each kind, in any pose.
-std::vector<Cutter> cutters(Random& r) {
-  std::vector<Cutter> all;
+std::vector<boolean::Cutter> cutters(Random& r) {
+  std::vector<boolean::Cutter> all;
   for (const Kind k : {Kind::cylinder, Kind::cone, Kind::cone, Kind::ellipsoid, Kind::sphere, Kind::mesh}) {
-    Cutter c;
+    boolean::Cutter c;
     c.kind = k;
     c.position_mm = {100 * r(), -50 * r(), 200 * r() - 100};
     c.direction = r.direction();
@@ -29,7 +29,7 @@ std::vector<Cutter> cutters(Random& r) {
     c.depth_mm = 10 + 10 * r();
     c.above_mm = 5 * r();
     c.radii_mm = {1 + 9 * r(), 1 + 9 * r(), 1 + 9 * r()};
-    if (k == Kind::mesh) c.mesh = std::make_shared<TriMesh>(shapes::sphere(3, 6, c.position_mm));
+    if (k == Kind::mesh) c.mesh = std::make_shared<surface::TriMesh>(shapes::sphere(3, 6, c.position_mm));
     all.push_back(c);
   }
   return all;
@@ -40,14 +40,14 @@ std::vector<Cutter> cutters(Random& r) {
 TEST(Cutter, TheMeshIsValidHasTheVolumeAndLiesWithinTheDeviation) {
   Random r(1);
   for (int i = 0; i < 10; ++i)
-    for (const Cutter& c : cutters(r)) {
+    for (const boolean::Cutter& c : cutters(r)) {
       const double dev = i % 2 ? 0.02 : 0.1;
-      check_cutter(c, ExitCode::bad_input);
-      const TriMesh m = mesh_of(c, dev);
-      EXPECT_TRUE(check_validity(m).valid()) << int(c.kind) << " " << check_validity(m).text();
-      EXPECT_NEAR(volume_mm3(m) / volume_mm3(c), 1, 1e-9);
-      const DistanceFunction d = distance_to(c);
-      const Bounds b = bounds_of(c);
+      boolean::check_cutter(c, ExitCode::bad_input);
+      const surface::TriMesh m = boolean::mesh_of(c, dev);
+      EXPECT_TRUE(meshing::check_validity(m).valid()) << int(c.kind) << " " << meshing::check_validity(m).text();
+      EXPECT_NEAR(surface::volume_mm3(m) / boolean::volume_mm3(c), 1, 1e-9);
+      const surface::DistanceFunction d = boolean::distance_to(c);
+      const surface::Bounds b = boolean::bounds_of(c);
       for (const auto& t : m.triangles)
         for (int k = 0; k < 4; ++k) {
           const Vec3 p = k < 3 ? m.world_mm(t[k]) : (m.world_mm(t[0]) + m.world_mm(t[1]) + m.world_mm(t[2])) / 3;
@@ -62,8 +62,8 @@ TEST(Cutter, TheMeshIsValidHasTheVolumeAndLiesWithinTheDeviation) {
 
 TEST(Cutter, BoundsAreTight) {
   Random r(2);
-  for (const Cutter& c : cutters(r)) {
-    const Bounds b = bounds_of(c), m = bounds_of(mesh_of(c, 0.002));
+  for (const boolean::Cutter& c : cutters(r)) {
+    const surface::Bounds b = boolean::bounds_of(c), m = surface::bounds_of(boolean::mesh_of(c, 0.002));
     for (int a = 0; a < 3; ++a) {
       EXPECT_NEAR(b.min_mm[a], m.min_mm[a], 0.02) << int(c.kind);
       EXPECT_NEAR(b.max_mm[a], m.max_mm[a], 0.02) << int(c.kind);
@@ -73,10 +73,10 @@ TEST(Cutter, BoundsAreTight) {
 
 TEST(Cutter, DistancesAgreeWithThoseToAFineMesh) {
   Random r(3);
-  for (const Cutter& c : cutters(r)) {
-    const TriMesh fine = mesh_of(c, 0.002);
-    const PointToMesh tree(fine);
-    const DistanceFunction d = distance_to(c);
+  for (const boolean::Cutter& c : cutters(r)) {
+    const surface::TriMesh fine = boolean::mesh_of(c, 0.002);
+    const surface::PointToMesh tree(fine);
+    const surface::DistanceFunction d = boolean::distance_to(c);
     for (int i = 0; i < 2000; ++i) {
       const Vec3 p = c.position_mm + r.direction() * (25 * r());
       EXPECT_NEAR(d(p), tree.signed_distance_mm(p), 0.0021) << int(c.kind);
@@ -88,7 +88,7 @@ TEST(Cutter, EllipsoidDistanceIsThatOfItsNearestPoint) {
   // Points along the normal of a surface point, within the least radius of curvature, have it as their nearest.
   Random r(4);
   for (int i = 0; i < 2000; ++i) {
-    Cutter c;
+    boolean::Cutter c;
     c.kind = Kind::ellipsoid;
     c.position_mm = {10, 20, 30};
     c.direction = {0, 0, 1};
@@ -103,14 +103,14 @@ TEST(Cutter, EllipsoidDistanceIsThatOfItsNearestPoint) {
     const Vec3 n = normalized({on.x / (e[0] * e[0]), on.y / (e[1] * e[1]), on.z / (e[2] * e[2])});
     const double least = std::min({e[0], e[1], e[2]}), most = std::max({e[0], e[1], e[2]});
     const double h = (2 * r() - 1) * least * least / most;
-    EXPECT_NEAR(distance_to(c)(c.position_mm + on + n * h), h, 1e-9 * most);
+    EXPECT_NEAR(boolean::distance_to(c)(c.position_mm + on + n * h), h, 1e-9 * most);
   }
 }
 
 TEST(Cutter, WhatIsWrongIsNamed) {
-  const auto field_of = [](const Cutter& c) -> std::string {
+  const auto field_of = [](const boolean::Cutter& c) -> std::string {
     try {
-      check_cutter(c, ExitCode::bad_config);
+      boolean::check_cutter(c, ExitCode::bad_config);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);
       return e.field();
@@ -118,10 +118,10 @@ TEST(Cutter, WhatIsWrongIsNamed) {
     return "";
   };
   const double nan = std::nan("");
-  Cutter c;
+  boolean::Cutter c;
   EXPECT_EQ(field_of(c), "");
   for (const double bad : {0.0, -1.0, 1e5, nan, HUGE_VAL}) {
-    Cutter d;
+    boolean::Cutter d;
     d.radius_mm = bad;
     EXPECT_EQ(field_of(d), "radius_mm");
     d = c;
@@ -148,9 +148,9 @@ TEST(Cutter, WhatIsWrongIsNamed) {
   c = {};
   c.kind = Kind::mesh;
   EXPECT_EQ(field_of(c), "mesh");
-  TriMesh open = shapes::sphere(2, 5);
+  surface::TriMesh open = shapes::sphere(2, 5);
   open.triangles.pop_back();
-  c.mesh = std::make_shared<TriMesh>(open);
+  c.mesh = std::make_shared<surface::TriMesh>(open);
   EXPECT_EQ(field_of(c), "mesh");
 }
 
@@ -159,13 +159,13 @@ TEST(Cutter, JsonComesBackAsItWas) {
   auto all = cutters(r);
   all[0].name = "burr_hole_1";
   all.back().mesh_file = "meshes/bit.stl";
-  const std::string json = cutters_json(all);
-  const auto back = parse_cutters_json(json);
+  const std::string json = boolean::cutters_json(all);
+  const auto back = boolean::parse_cutters_json(json);
   ASSERT_EQ(back.size(), all.size());
-  EXPECT_EQ(cutters_json(back), json);
+  EXPECT_EQ(boolean::cutters_json(back), json);
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     EXPECT_EQ(back[i].kind, all[i].kind);
-    EXPECT_EQ(volume_mm3(back[i]), volume_mm3(all[i]));
+    EXPECT_EQ(boolean::volume_mm3(back[i]), boolean::volume_mm3(all[i]));
     EXPECT_TRUE(back[i].position_mm == all[i].position_mm);
   }
   EXPECT_EQ(back[0].name, "burr_hole_1");
@@ -173,7 +173,7 @@ TEST(Cutter, JsonComesBackAsItWas) {
 
   const auto field_of = [](const std::string& text) -> std::string {
     try {
-      parse_cutters_json(text);
+      boolean::parse_cutters_json(text);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.field();

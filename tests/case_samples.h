@@ -23,16 +23,16 @@ namespace case_samples {
 using namespace trephine;
 
 struct MemoryCase {
-  CaseManifest manifest;
+  cases::CaseManifest manifest;
   std::map<std::string, std::string> files;  ///< by name; case.json among them once seal() was called
 
   /// Writes case.json anew, with the size and SHA-256 of every file as it is now.
   void seal() {
-    for (CaseFile& f : manifest.files) {
+    for (cases::CaseFile& f : manifest.files) {
       f.sha256 = sha256_of_bytes(files.at(f.name));
       f.bytes = files.at(f.name).size();
     }
-    files["case.json"] = to_json(manifest);
+    files["case.json"] = cases::to_json(manifest);
   }
   /// case.json with `from` replaced (the first time) and the checksum that belongs to it.
   void edit_json(const std::string& from, const std::string& to) {
@@ -48,7 +48,7 @@ struct MemoryCase {
     for (const auto& f : files) n += f.second.size();
     return n;
   }
-  CaseFileReader reader() const {
+  cases::CaseFileReader reader() const {
     return [this](const std::string& name, std::uint64_t) {
       const auto found = files.find(name);
       if (found == files.end()) throw Error(ExitCode::no_input, name, "", "not found");
@@ -67,10 +67,10 @@ struct MemoryCase {
 inline double bump(Vec3 unit) { return 1 + 0.04 * unit.x * unit.y + 0.03 * unit.z * unit.z; }
 
 /// About 4 rings^2 triangles.
-inline TriMesh ball(double radius_mm, int rings) {
+inline surface::TriMesh ball(double radius_mm, int rings) {
   const double pi = 3.14159265358979323846;
   const int segments = 2 * rings;
-  TriMesh m;
+  surface::TriMesh m;
   const auto add = [&](double theta, double phi) {
     const Vec3 unit{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
     m.points_mm.push_back(unit * (radius_mm * bump(unit)));
@@ -99,16 +99,16 @@ struct Ball {
 };
 
 /// Balls from the outermost to the innermost as shapes 1, 2, ...; the lattice of n voxels a side covers them all.
-inline HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, int n) {
-  HapticVolume v;
+inline voxel::HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, int n) {
+  voxel::HapticVolume v;
   const double side = 2.2 * balls[0].radius_mm / n;
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {n, n, n};
   lattice.spacing_mm = {side, side, side};
   lattice.origin_mm = center_mm - Vec3{1, 1, 1} * (side * (n - 1) / 2.0);
-  v.voxels = Grid<std::int16_t>(lattice);
-  v.hardness = Mask(lattice);
-  for (std::size_t b = 0; b < balls.size(); ++b) v.shapes.push_back(occupancy_shape(balls[b].name, int(b) + 1));
+  v.voxels = grid::Grid<std::int16_t>(lattice);
+  v.hardness = grid::Mask(lattice);
+  for (std::size_t b = 0; b < balls.size(); ++b) v.shapes.push_back(voxel::occupancy_shape(balls[b].name, int(b) + 1));
   parallel_for(0, n, 1, [&](std::int64_t k, std::int64_t) {
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
@@ -122,7 +122,7 @@ inline HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, in
         for (std::size_t b = balls.size(); b-- > 0;) {
           if (share(b) < (b == 0 ? 0.002 : 0.5)) continue;
           const int occupancy = std::max(1, int(std::lround(255 * std::min(share(b), 1 - share(b + 1)))));
-          v.voxels.at(i, j, int(k)) = std::int16_t(haptic_base_step * (int(b) + 1) + occupancy);
+          v.voxels.at(i, j, int(k)) = std::int16_t(voxel::haptic_base_step * (int(b) + 1) + occupancy);
           v.hardness.at(i, j, int(k)) = std::uint8_t(40 * b);
           break;
         }
@@ -133,7 +133,7 @@ inline HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, in
 
 inline MemoryCase make_case(const std::vector<Ball>& balls, int voxels) {
   MemoryCase c;
-  CaseManifest& m = c.manifest;
+  cases::CaseManifest& m = c.manifest;
   m.case_token = "sample";
   m.center_mm = {1, -20, 300};
   m.program_version = "trephine 0.1.0";
@@ -142,35 +142,35 @@ inline MemoryCase make_case(const std::vector<Ball>& balls, int voxels) {
   m.landmarks = {{"nasion", {1, -110, 300}, 1, "given"}};
   m.targets = {{"middle", {1, -20, 300}, 0.8, balls.back().name}};
   const auto add_file = [&](const std::string& stem, const std::string& extension, const std::string& bytes) {
-    m.files.push_back(describe_case_file(stem, extension, bytes));
+    m.files.push_back(cases::describe_case_file(stem, extension, bytes));
     c.files[m.files.back().name] = bytes;
     return m.files.back().name;
   };
   for (const Ball& b : balls) {
-    TriMesh mesh = ball(b.radius_mm, b.rings);
+    surface::TriMesh mesh = ball(b.radius_mm, b.rings);
     mesh.origin_mm = m.center_mm;
-    GlbParams params;
+    cases::GlbParams params;
     params.center_mm = m.center_mm;
     params.name = b.name;
-    CaseAnatomy a;
+    cases::CaseAnatomy a;
     a.name = b.name;
-    a.file = add_file("meshes/" + b.name, ".glb", make_glb(mesh, params));
+    a.file = add_file("meshes/" + b.name, ".glb", cases::make_glb(mesh, params));
     a.triangles = mesh.triangles.size();
     a.points = mesh.points_mm.size();
-    a.volume_ml = volume_mm3(mesh) / 1000;
-    a.area_cm2 = area_mm2(mesh) / 100;
+    a.volume_ml = surface::volume_mm3(mesh) / 1000;
+    a.area_cm2 = surface::area_mm2(mesh) / 100;
     a.deviation = {0.2, 0.1, 0.05};
     a.budget_asked_mm = 0.3;
     a.budget_used_mm = 0.2;
     m.anatomies.push_back(a);
   }
-  const HapticVolume volume = haptic_of(balls, m.center_mm, voxels);
-  m.haptic.file = add_file("haptic", ".nrrd", encode_haptic(volume));
-  m.haptic.hardness_file = add_file("hardness", ".nrrd", encode_hardness(volume));
+  const voxel::HapticVolume volume = haptic_of(balls, m.center_mm, voxels);
+  m.haptic.file = add_file("haptic", ".nrrd", voxel::encode_haptic(volume));
+  m.haptic.hardness_file = add_file("hardness", ".nrrd", voxel::encode_hardness(volume));
   m.haptic.size = volume.voxels.size;
   m.haptic.spacing_mm = volume.voxels.spacing_mm;
-  for (const HapticShape& s : volume.shapes) {
-    CaseShape shape;
+  for (const voxel::HapticShape& s : volume.shapes) {
+    cases::CaseShape shape;
     shape.name = s.name;
     shape.number = s.number;
     shape.window_low = s.window_low;
@@ -192,7 +192,7 @@ inline MemoryCase minimal_case() { return make_case({{"outer", 80, 7}, {"inner",
 /// A ball of bone around one of brain, in voxels of 0.64 mm, with a place to drill on top.
 inline MemoryCase drill_case() {
   MemoryCase c = make_case({{"skull", 14, 12}, {"brain", 8, 8}}, 48);
-  CaseShape& skull = c.manifest.haptic.shapes[0];
+  cases::CaseShape& skull = c.manifest.haptic.shapes[0];
   skull.cuttable = true;
   skull.material.removal_energy_j_per_mm3 = 0.1;
   skull.material.front.pop_through_n = 0;
@@ -204,8 +204,8 @@ inline MemoryCase drill_case() {
 /// Scalp that an incision takes away, a skull that is drilled and shown from its voxels of 1.2 mm, and a brain.
 inline MemoryCase play_case() {
   MemoryCase c = make_case({{"scalp", 40, 40}, {"skull", 35, 30}, {"brain", 28, 24}}, 72);
-  CaseManifest& m = c.manifest;
-  CaseShape &scalp = m.haptic.shapes[0], &skull = m.haptic.shapes[1];
+  cases::CaseManifest& m = c.manifest;
+  cases::CaseShape &scalp = m.haptic.shapes[0], &skull = m.haptic.shapes[1];
   scalp.cuttable = skull.cuttable = true;
   skull.displayed = "haptic";
   skull.mismatch = {};

@@ -19,8 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using cases_test::sample_manifest;
 
-TriMesh tetrahedron() {
-  TriMesh m;
+surface::TriMesh tetrahedron() {
+  surface::TriMesh m;
   m.origin_mm = {10, 20, 30};
   m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
@@ -37,20 +37,20 @@ void put(const fs::path& f, const std::string& bytes) { std::ofstream(f, std::io
 class CaseTest : public testing::Test {
  protected:
   // A published case of one surface; returns what was written.
-  CaseManifest publish() const {
-    CaseManifest m = sample_manifest();
-    GlbParams p;
+  cases::CaseManifest publish() const {
+    cases::CaseManifest m = sample_manifest();
+    cases::GlbParams p;
     p.name = "skull";
     p.center_mm = m.center_mm;
-    m.files = {write_case_file(folder_, "meshes/skull", ".glb", make_glb(tetrahedron(), p))};
+    m.files = {cases::write_case_file(folder_, "meshes/skull", ".glb", cases::make_glb(tetrahedron(), p))};
     m.anatomies[0].file = m.files[0].name;
-    publish_case(folder_, m);
+    cases::publish_case(folder_, m);
     return m;
   }
   // "" where the case reads, else code and file.
   std::string refusal() const {
     try {
-      read_case(folder_);
+      cases::read_case(folder_);
     } catch (const Error& e) {
       return std::to_string(int(e.code())) + " " + fs::path(e.file()).lexically_relative(folder_).string();
     }
@@ -61,12 +61,12 @@ class CaseTest : public testing::Test {
 };
 
 TEST_F(CaseTest, PublishedAndRead) {
-  const CaseManifest m = publish();
-  const CaseManifest back = read_case(folder_);
-  EXPECT_EQ(to_json(back), to_json(m));
+  const cases::CaseManifest m = publish();
+  const cases::CaseManifest back = cases::read_case(folder_);
+  EXPECT_EQ(cases::to_json(back), cases::to_json(m));
   ASSERT_EQ(back.files.size(), 1u);
   EXPECT_EQ(back.files[0].name, "meshes/skull-" + back.files[0].sha256.substr(0, 16) + ".glb");
-  const GlbMesh mesh = read_glb(read_case_file(folder_, back.files[0]));
+  const cases::GlbMesh mesh = cases::read_glb(cases::read_case_file(folder_, back.files[0]));
   EXPECT_EQ(mesh.mesh.triangles, tetrahedron().triangles);
   // Published again: the same bytes.
   const std::string before = slurp(folder_ / "case.json");
@@ -75,7 +75,7 @@ TEST_F(CaseTest, PublishedAndRead) {
 }
 
 TEST_F(CaseTest, EveryDamageNamesItsFile) {
-  const CaseManifest m = publish();
+  const cases::CaseManifest m = publish();
   const fs::path glb = folder_ / m.files[0].name, json = folder_ / "case.json";
   const std::string glb_bytes = slurp(glb), json_bytes = slurp(json);
   for (const auto& [path, bytes] : {std::make_pair(glb, glb_bytes), std::make_pair(json, json_bytes)}) {
@@ -98,19 +98,19 @@ TEST_F(CaseTest, EveryDamageNamesItsFile) {
 }
 
 TEST_F(CaseTest, NothingIsPublishedWithoutItsFiles) {
-  CaseManifest m = publish();
+  cases::CaseManifest m = publish();
   const std::string before = slurp(folder_ / "case.json");
   m.files[0].bytes += 1;
-  EXPECT_THROW(publish_case(folder_, m), Error);
-  m.files[0] = describe_case_file("meshes/skull", ".glb", "never written");
+  EXPECT_THROW(cases::publish_case(folder_, m), Error);
+  m.files[0] = cases::describe_case_file("meshes/skull", ".glb", "never written");
   m.anatomies[0].file = m.files[0].name;
-  EXPECT_THROW(publish_case(folder_, m), Error);
+  EXPECT_THROW(cases::publish_case(folder_, m), Error);
   EXPECT_EQ(slurp(folder_ / "case.json"), before);
   EXPECT_EQ(refusal(), "");
 }
 
 TEST_F(CaseTest, DamagedContentIsWrittenAnew) {
-  const CaseManifest m = publish();
+  const cases::CaseManifest m = publish();
   std::string damaged = slurp(folder_ / m.files[0].name);
   damaged[100] = static_cast<char>(damaged[100] ^ 1);
   put(folder_ / m.files[0].name, damaged);
@@ -120,16 +120,16 @@ TEST_F(CaseTest, DamagedContentIsWrittenAnew) {
 }
 
 TEST_F(CaseTest, OldFilesStayUntilCollected) {
-  const CaseManifest m = publish();
-  const CaseFile old = write_case_file(folder_, "meshes/skull", ".glb", "an older surface");
+  const cases::CaseManifest m = publish();
+  const cases::CaseFile old = cases::write_case_file(folder_, "meshes/skull", ".glb", "an older surface");
   put(folder_ / "notes.txt", "the user's own");
   publish();
   EXPECT_TRUE(fs::exists(folder_ / old.name));
-  EXPECT_EQ(remove_unnamed_case_files(folder_), 1);
+  EXPECT_EQ(cases::remove_unnamed_case_files(folder_), 1);
   EXPECT_FALSE(fs::exists(folder_ / old.name));
   EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
-  EXPECT_EQ(to_json(read_case(folder_)), to_json(m));
-  EXPECT_THROW(write_case_file(folder_, "../skull", ".glb", "x"), Error);
+  EXPECT_EQ(cases::to_json(cases::read_case(folder_)), cases::to_json(m));
+  EXPECT_THROW(cases::write_case_file(folder_, "../skull", ".glb", "x"), Error);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace trephine {
 namespace {
 
 // A bumpy grid over the unit square, closed below by one point.
-TriMesh cushion(int n) {
-  TriMesh m;
+surface::TriMesh cushion(int n) {
+  surface::TriMesh m;
   m.origin_mm = {100, -200, 300};
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) m.points_mm.push_back({i * 0.7, j * 0.9, 3 * std::sin(i * 0.3) * std::cos(j * 0.2)});
@@ -27,8 +27,8 @@ TriMesh cushion(int n) {
   return m;
 }
 
-GlbParams params() {
-  GlbParams p;
+cases::GlbParams params() {
+  cases::GlbParams p;
   p.name = "skull";
   p.center_mm = {99.5, -199.25, 301};
   p.colour_rgb = {0.93, 0.5, 0.02};
@@ -54,10 +54,10 @@ std::string with_json(const std::string& glb, const std::string& from, const std
 
 TEST(Glb, RoundTrip) {
   for (const int n : {5, 300}) {  // uint16 and uint32 indices
-    const TriMesh m = cushion(n);
-    const std::string bytes = make_glb(m, params());
-    EXPECT_EQ(make_glb(m, params()), bytes);
-    const GlbMesh back = read_glb(bytes);
+    const surface::TriMesh m = cushion(n);
+    const std::string bytes = cases::make_glb(m, params());
+    EXPECT_EQ(cases::make_glb(m, params()), bytes);
+    const cases::GlbMesh back = cases::read_glb(bytes);
     EXPECT_EQ(back.mesh.triangles, m.triangles);
     ASSERT_EQ(back.mesh.points_mm.size(), m.points_mm.size());
     EXPECT_EQ(back.mesh.origin_mm, params().center_mm);
@@ -74,7 +74,7 @@ TEST(Glb, RoundTrip) {
 }
 
 TEST(Glb, NormalsOfASphereAreExact) {
-  TriMesh m;
+  surface::TriMesh m;
   for (int i = 0; i < 6; ++i) {
     Vec3 p;
     p[i / 2] = i % 2 ? -1 : 1;
@@ -88,28 +88,28 @@ TEST(Glb, NormalsOfASphereAreExact) {
         else
           m.triangles.push_back({x, z, y});
       }
-  const GlbMesh back = read_glb(make_glb(m, params()));
+  const cases::GlbMesh back = cases::read_glb(cases::make_glb(m, params()));
   for (std::size_t i = 0; i < 6; ++i) EXPECT_LT(norm(back.mesh.normals[i] - m.points_mm[i]), 1e-7);
 }
 
 TEST(Glb, TheMeshsOwnNormalsAreKept) {
-  TriMesh m = cushion(3);
+  surface::TriMesh m = cushion(3);
   m.normals.assign(m.points_mm.size(), normalized({1, 2, 3}));
-  const GlbMesh back = read_glb(make_glb(m, params()));
+  const cases::GlbMesh back = cases::read_glb(cases::make_glb(m, params()));
   for (const Vec3 v : back.mesh.normals) EXPECT_LT(norm(v - m.normals[0]), 1e-7);
 }
 
 TEST(Glb, WhatCannotBePublished) {
-  const auto code_of = [](const TriMesh& m) {
+  const auto code_of = [](const surface::TriMesh& m) {
     try {
-      make_glb(m, params());
+      cases::make_glb(m, params());
     } catch (const Error& e) {
       return e.code();
     }
     return ExitCode::ok;
   };
-  EXPECT_EQ(code_of(TriMesh()), ExitCode::quality);
-  TriMesh m = cushion(4);
+  EXPECT_EQ(code_of(surface::TriMesh()), ExitCode::quality);
+  surface::TriMesh m = cushion(4);
   EXPECT_EQ(code_of(m), ExitCode::ok);
   m.points_mm[1] = m.points_mm[0] + Vec3{1e-9, 0, 0};  // one point in float32
   EXPECT_EQ(code_of(m), ExitCode::quality);
@@ -125,9 +125,9 @@ TEST(Glb, WhatCannotBePublished) {
 }
 
 TEST(Glb, HostileFilesAreRefused) {
-  const std::string good = make_glb(cushion(4), params());
-  EXPECT_NO_THROW(read_glb(good));
-  EXPECT_NO_THROW(read_glb(with_json(good, "\"generator\":\"trephine\"", "\"generator\":\"another\"")));
+  const std::string good = cases::make_glb(cushion(4), params());
+  EXPECT_NO_THROW(cases::read_glb(good));
+  EXPECT_NO_THROW(cases::read_glb(with_json(good, "\"generator\":\"trephine\"", "\"generator\":\"another\"")));
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
            {"\"count\":25", "\"count\":26"},
            {"\"count\":25", "\"count\":4294967295"},
@@ -163,47 +163,47 @@ TEST(Glb, HostileFilesAreRefused) {
            {"\"max\":[", "\"max\":[1,"},
            {"\"asset\"", "\"extensionsRequired\":[\"X\"],\"asset\""},
            {"{", "[[[[[["}}) {
-    EXPECT_THROW(read_glb(with_json(good, from, to)), Error) << to;
+    EXPECT_THROW(cases::read_glb(with_json(good, from, to)), Error) << to;
   }
 }
 
 TEST(Glb, DamageIsRefusedOrHarmless) {
-  const TriMesh m = cushion(3);
-  const std::string good = make_glb(m, params());
+  const surface::TriMesh m = cushion(3);
+  const std::string good = cases::make_glb(m, params());
   for (std::size_t i = 0; i < good.size(); ++i) {
-    EXPECT_THROW(read_glb(std::string_view(good).substr(0, i)), Error) << i;
+    EXPECT_THROW(cases::read_glb(std::string_view(good).substr(0, i)), Error) << i;
     for (int bit = 0; bit < 8; ++bit) {
       std::string damaged = good;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
       // Without the checksum a flipped bit may make another valid mesh; it never makes an invalid one.
       try {
-        check_mesh(read_glb(damaged).mesh);
+        surface::check_mesh(cases::read_glb(damaged).mesh);
       } catch (const Error& e) {
         EXPECT_EQ(e.code(), ExitCode::bad_input);
       }
     }
   }
-  EXPECT_THROW(read_glb(good + std::string(4, '\0')), Error);
+  EXPECT_THROW(cases::read_glb(good + std::string(4, '\0')), Error);
 }
 
 TEST(Glb, IndicesAndNumbersInTheDataAreChecked) {
-  const std::string good = make_glb(cushion(4), params());
+  const std::string good = cases::make_glb(cushion(4), params());
   // 25 positions and normals of 12 bytes, then 96 uint16 indices.
   const std::size_t data = good.size() - (25 * 24 + 96 * 2);
   std::string bad = good;
   bad[data + 600] = 25;
-  EXPECT_THROW(read_glb(bad), Error);
+  EXPECT_THROW(cases::read_glb(bad), Error);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const std::size_t at : {data, data + 300}) {
     bad = good;
     std::memcpy(bad.data() + at, &nan, 4);
-    EXPECT_THROW(read_glb(bad), Error);
+    EXPECT_THROW(cases::read_glb(bad), Error);
   }
 }
 
 TEST(Glb, MissingFile) {
   try {
-    read_glb_file("/nonexistent/skull.glb");
+    cases::read_glb_file("/nonexistent/skull.glb");
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::no_input);

@@ -20,9 +20,9 @@ namespace fs = std::filesystem;
 using case_samples::MemoryCase;
 
 // "" where it loads, else the code, the file and the field.
-std::string refusal(const CaseFileReader& read) {
+std::string refusal(const cases::CaseFileReader& read) {
   try {
-    load_case_through(read);
+    cases::load_case_through(read);
   } catch (const Error& e) {
     return std::to_string(int(e.code())) + " " + e.file() + ": " + e.field();
   }
@@ -31,7 +31,7 @@ std::string refusal(const CaseFileReader& read) {
 std::string refusal(const MemoryCase& c) { return refusal(c.reader()); }
 
 // The case's reader with one file in another state.
-CaseFileReader with(const MemoryCase& c, const std::string& name, const std::string& content) {
+cases::CaseFileReader with(const MemoryCase& c, const std::string& name, const std::string& content) {
   return [&, read = c.reader()](const std::string& asked, std::uint64_t most) {
     return asked == name ? std::vector<char>(content.begin(), content.end()) : read(asked, most);
   };
@@ -45,18 +45,19 @@ TEST(LoadCase, WhatWasPublishedIsLoaded) {
   const MemoryCase c = case_samples::minimal_case();
   ScratchFolder folder;
   c.write(folder.path());
-  const LoadedCase loaded = load_case(folder.path());
-  EXPECT_EQ(to_json(loaded.manifest), c.files.at("case.json"));
+  const cases::LoadedCase loaded = cases::load_case(folder.path());
+  EXPECT_EQ(cases::to_json(loaded.manifest), c.files.at("case.json"));
   EXPECT_EQ(loaded.bytes, c.bytes());
   ASSERT_EQ(loaded.surfaces.size(), 2u);
-  const TriMesh* outer = loaded.find_surface("outer");
+  const surface::TriMesh* outer = loaded.find_surface("outer");
   ASSERT_TRUE(outer);
   EXPECT_EQ(outer->triangles.size(), c.manifest.anatomies[0].triangles);
   EXPECT_EQ(outer->origin_mm, c.manifest.center_mm);
   EXPECT_EQ(outer->normals.size(), outer->points_mm.size());
   EXPECT_FALSE(loaded.find_surface("nobody"));
   ASSERT_TRUE(loaded.has_haptic());
-  const HapticVolume made = case_samples::haptic_of({{"outer", 80, 7}, {"inner", 40, 4}}, c.manifest.center_mm, 10);
+  const voxel::HapticVolume made =
+      case_samples::haptic_of({{"outer", 80, 7}, {"inner", 40, 4}}, c.manifest.center_mm, 10);
   EXPECT_EQ(loaded.haptic.voxels, made.voxels);
   EXPECT_EQ(loaded.haptic.hardness, made.hardness);
   EXPECT_EQ(loaded.haptic.find_shape("inner")->number, 2);
@@ -68,7 +69,7 @@ TEST(LoadCase, WithoutAHapticVolume) {
   c.seal();
   // Its files are named still: they are checked, and nobody reads them.
   EXPECT_EQ(refusal(c), "");
-  EXPECT_FALSE(load_case_through(c.reader()).has_haptic());
+  EXPECT_FALSE(cases::load_case_through(c.reader()).has_haptic());
   c.files.at(c.manifest.files[2].name) += "x";
   EXPECT_EQ(refusal(c), "65 " + c.manifest.files[2].name + ": size");
 }
@@ -83,7 +84,7 @@ TEST(LoadCase, MissingFilesAreNamed) {
     c.write(folder.path());
     fs::remove(folder.path() / name);
     try {
-      load_case(folder.path());
+      cases::load_case(folder.path());
       ADD_FAILURE() << name;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::no_input);
@@ -130,7 +131,7 @@ TEST(LoadCase, L1EverySingleBitFlipIsRefusedNamingTheFile) {
 // name; it never crashes, and never asks for more memory than a small multiple of what there is to read.
 TEST(LoadCase, L2ContentWithARightChecksumIsRefusedOrHarmless) {
   const MemoryCase good = case_samples::minimal_case();
-  const std::uint64_t most_requested = 16 * good.bytes() + (1 << 20);
+  const std::uint64_t max_requested = 16 * good.bytes() + (1 << 20);
   std::mt19937_64 random(7);
   std::map<std::string, int> refused;
   int loaded = 0;
@@ -167,7 +168,7 @@ TEST(LoadCase, L2ContentWithARightChecksumIsRefusedOrHarmless) {
       }
     }
   }
-  EXPECT_LE(largest, most_requested);
+  EXPECT_LE(largest, max_requested);
   EXPECT_GT(loaded, 250);  // coordinates and colours that are a little different
   for (const auto& [name, content] : good.files) EXPECT_GT(refused[name], 250) << name;
 }
@@ -233,7 +234,7 @@ TEST(LoadCase, L2ASizeThatOnlyTheManifestClaimsNamesTheFile) {
   EXPECT_EQ(refusal(c), "65 " + name + ": size");
   ScratchFolder folder;
   c.write(folder.path());
-  EXPECT_THROW(load_case(folder.path()), Error);
+  EXPECT_THROW(cases::load_case(folder.path()), Error);
   EXPECT_LE(requested_bytes() - before, 1u << 21);
 }
 
@@ -241,13 +242,13 @@ TEST(LoadCase, L2FilesThatContradictCaseJsonAreRefused) {
   const MemoryCase good = case_samples::minimal_case();
   const std::string volume = good.manifest.haptic.file, hardness = good.manifest.haptic.hardness_file,
                     outer = good.manifest.anatomies[0].file, inner = good.manifest.anatomies[1].file;
-  const auto refused = [&](const std::function<void(CaseManifest&)>& change) {
+  const auto refused = [&](const std::function<void(cases::CaseManifest&)>& change) {
     MemoryCase c = good;
     change(c.manifest);
     c.seal();
     return refusal(c);
   };
-  using M = CaseManifest;
+  using M = cases::CaseManifest;
   EXPECT_EQ(refused([](M& m) { m.anatomies[0].triangles += 1; }), "65 " + outer + ": triangles");
   EXPECT_EQ(refused([](M& m) { m.anatomies[1].points -= 1; }), "65 " + inner + ": points");
   EXPECT_EQ(refused([](M& m) { m.anatomies[0].volume_ml *= 1.01; }), "65 " + outer + ": volume_ml");
@@ -273,7 +274,7 @@ TEST(LoadCase, L3AnOlderCaseLoads) {
   c.manifest.burr_holes[0].figures.clear();
   c.seal();
   c.edit_json(",\n   \"cut\": []", "");  // 1.0 had neither
-  const LoadedCase loaded = load_case_through(c.reader());
+  const cases::LoadedCase loaded = cases::load_case_through(c.reader());
   EXPECT_EQ(loaded.manifest.version_minor, 0);
   EXPECT_EQ(loaded.surfaces.size(), 2u);
   EXPECT_FALSE(loaded.has_haptic());
@@ -281,15 +282,15 @@ TEST(LoadCase, L3AnOlderCaseLoads) {
 
 TEST(LoadCase, L3ANewerMinorVersionLoadsWithoutWhatIsUnknown) {
   MemoryCase c = case_samples::minimal_case();
-  c.manifest.version_minor = case_version_minor() + 6;
+  c.manifest.version_minor = cases::case_version_minor() + 6;
   const std::string dose = "dose-0123456789abcdef.bin";
   c.files[dose] = "what a later version needs";
   c.manifest.files.push_back({dose, "", 0});
   c.seal();
   c.edit_json(" \"landmarks\"", " \"dose\": {\"file\": \"" + dose + "\", \"unit\": [\"Gy\", {}]},\n \"landmarks\"");
   c.edit_json("\"cuttable\"", "\"conductivity_s_per_m\": {\"x\": 1},\n    \"cuttable\"");
-  const LoadedCase loaded = load_case_through(c.reader());
-  EXPECT_EQ(loaded.manifest.version_minor, case_version_minor() + 6);
+  const cases::LoadedCase loaded = cases::load_case_through(c.reader());
+  EXPECT_EQ(loaded.manifest.version_minor, cases::case_version_minor() + 6);
   EXPECT_TRUE(loaded.has_haptic());
   EXPECT_EQ(loaded.surfaces.size(), 2u);
   // It is a file of the case all the same.
@@ -299,11 +300,11 @@ TEST(LoadCase, L3ANewerMinorVersionLoadsWithoutWhatIsUnknown) {
 
 TEST(LoadCase, L3ANewerMajorVersionIsRefusedWithBothVersions) {
   MemoryCase c = case_samples::minimal_case();
-  c.manifest.version_major = case_version_major + 1;
+  c.manifest.version_major = cases::case_version_major + 1;
   c.manifest.version_minor = 4;
   c.seal();
   try {
-    load_case_through(c.reader());
+    cases::load_case_through(c.reader());
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -336,10 +337,10 @@ TEST(LongLoadCase, AFullSizeCaseLoadsWithin600Milliseconds) {
   std::size_t triangles = 0;
   for (int i = 0; i < 5; ++i) {
     const auto begin = std::chrono::steady_clock::now();
-    const LoadedCase loaded = load_case(folder.path());
+    const cases::LoadedCase loaded = cases::load_case(folder.path());
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     triangles = 0;
-    for (const TriMesh& m : loaded.surfaces) triangles += m.triangles.size();
+    for (const surface::TriMesh& m : loaded.surfaces) triangles += m.triangles.size();
     EXPECT_EQ(loaded.haptic.voxels.count(), std::size_t{256} * 256 * 256);
   }
   EXPECT_GE(triangles, 210000u);

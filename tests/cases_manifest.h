@@ -10,11 +10,11 @@
 namespace trephine::cases_test {
 
 /// A manifest with something of everything but the haptic part.
-inline CaseManifest sample_manifest() {
-  CaseManifest m;
+inline cases::CaseManifest sample_manifest() {
+  cases::CaseManifest m;
   m.case_token = "sample";
   m.center_mm = {10, 20.5, -30.1};
-  CaseAnatomy a;
+  cases::CaseAnatomy a;
   a.name = "skull";
   a.colour_rgb = {0.93, 0.89, 0.78};
   a.triangles = 4;

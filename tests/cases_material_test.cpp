@@ -10,8 +10,8 @@
 namespace trephine {
 namespace {
 
-MaterialParams bone() {
-  MaterialParams m;
+cases::MaterialParams bone() {
+  cases::MaterialParams m;
   m.front.stiffness_n_per_mm = 1;
   m.front.damping_n_s_per_mm = 0.0003;
   m.front.static_friction_ratio = 0.35;
@@ -23,28 +23,30 @@ MaterialParams bone() {
 }
 
 TEST(Material, FaultsNameFaceAndValue) {
-  const auto fault = [](const std::function<void(MaterialParams&)>& spoil) {
-    MaterialParams m = bone();
+  const auto fault = [](const std::function<void(cases::MaterialParams&)>& spoil) {
+    cases::MaterialParams m = bone();
     spoil(m);
-    return fault_of(parameters_of<MaterialParams>(), &m);
+    return fault_of(parameters_of<cases::MaterialParams>(), &m);
   };
-  EXPECT_EQ(fault([](MaterialParams&) {}), "");
+  EXPECT_EQ(fault([](cases::MaterialParams&) {}), "");
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(fault([&](MaterialParams& m) { m.front.stiffness_n_per_mm = nan; }).rfind("front.stiffness_n_per_mm: ", 0),
-            0u);
-  EXPECT_EQ(fault([&](MaterialParams& m) { m.back.damping_n_s_per_mm = inf; }).rfind("back.damping_n_s_per_mm: ", 0),
-            0u);
-  EXPECT_EQ(fault([](MaterialParams& m) { m.drag_n_s_per_mm = -1; }),
+  EXPECT_EQ(
+      fault([&](cases::MaterialParams& m) { m.front.stiffness_n_per_mm = nan; }).rfind("front.stiffness_n_per_mm: ", 0),
+      0u);
+  EXPECT_EQ(
+      fault([&](cases::MaterialParams& m) { m.back.damping_n_s_per_mm = inf; }).rfind("back.damping_n_s_per_mm: ", 0),
+      0u);
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.drag_n_s_per_mm = -1; }),
             "drag_n_s_per_mm: -1, must be a number from 0 to 1");
-  EXPECT_EQ(fault([&](MaterialParams& m) { m.colour_rgb[1] = 1.5; }),
+  EXPECT_EQ(fault([&](cases::MaterialParams& m) { m.colour_rgb[1] = 1.5; }),
             "colour_rgb: [0.8, 1.5, 0.8], must be 3 numbers, each from 0 to 1");
-  EXPECT_EQ(fault([](MaterialParams& m) { m.front.dynamic_friction_ratio = 0.5; }),
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.front.dynamic_friction_ratio = 0.5; }),
             "front.dynamic_friction_ratio: 0.5, at most static_friction_ratio, 0.35");
-  EXPECT_EQ(fault([](MaterialParams& m) { m.back.stiffness_n_per_mm = 0; }),
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.back.stiffness_n_per_mm = 0; }),
             "back.stiffness_n_per_mm: 0, must be more where the face is touchable");
-  EXPECT_EQ(fault([](MaterialParams& m) { m.front.stiffness_n_per_mm = 0.05; }),
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.front.stiffness_n_per_mm = 0.05; }),
             "front.pop_through_n: 2 N are met 40 mm deep, at most 30 mm");
-  EXPECT_EQ(fault([](MaterialParams& m) {
+  EXPECT_EQ(fault([](cases::MaterialParams& m) {
               m.back = {};
               m.back.touchable = false;
             }),

@@ -31,7 +31,7 @@ void seal_with(MemoryCase& c, const Json& body) {
 /// "" where it loads, else the field.
 std::string refusal(const MemoryCase& c) {
   try {
-    load_case_through(c.reader());
+    cases::load_case_through(c.reader());
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input) << e.line("");
     return e.field().empty() ? "?" : e.field();
@@ -130,8 +130,8 @@ TEST(CaseMeaning, WhatIsAcceptedMeansWhatItSays) {
       seal_with(c, changed);
       ++tried;
       try {
-        const LoadedCase loaded = load_case_through(c.reader());
-        Json again = Json::parse(to_json(loaded.manifest));
+        const cases::LoadedCase loaded = cases::load_case_through(c.reader());
+        Json again = Json::parse(cases::to_json(loaded.manifest));
         again.erase("format");
         again.erase("checksum");
         EXPECT_TRUE(nlohmann::json(again) == nlohmann::json(changed)) << pointer << ": " << other;

@@ -19,8 +19,8 @@ std::string case_json(int minor) {
   return {bytes.begin(), bytes.end()};
 }
 
-LoadedCase load(int minor, const std::string& json) {
-  return load_case_through([&](const std::string& name, std::uint64_t most) {
+cases::LoadedCase load(int minor, const std::string& json) {
+  return cases::load_case_through([&](const std::string& name, std::uint64_t most) {
     return name == "case.json" ? std::vector<char>(json.begin(), json.end()) : read_file(old / "case-1.4" / name, most);
   });
 }
@@ -28,8 +28,8 @@ LoadedCase load(int minor, const std::string& json) {
 TEST(CasesOld, EveryFormatIsRead) {
   for (int minor = 0; minor <= 4; ++minor) {
     SCOPED_TRACE(minor);
-    const LoadedCase c = load(minor, case_json(minor));
-    const CaseManifest& m = c.manifest;
+    const cases::LoadedCase c = load(minor, case_json(minor));
+    const cases::CaseManifest& m = c.manifest;
     EXPECT_EQ(m.version_minor, minor);
     ASSERT_EQ(m.anatomies.size(), 2u);
     EXPECT_EQ(c.surfaces[0].triangles.size(), m.anatomies[0].triangles);
@@ -43,13 +43,13 @@ TEST(CasesOld, EveryFormatIsRead) {
     EXPECT_EQ(m.ct.file.empty(), minor < 3);
     EXPECT_EQ(m.missing.size(), minor >= 4 ? 1u : 0u);
     if (minor == 0) continue;
-    const CaseShape& bone = m.haptic.shapes[0];
+    const cases::CaseShape& bone = m.haptic.shapes[0];
     EXPECT_EQ(bone.material.name, "bone");
     EXPECT_TRUE(bone.cuttable);
     EXPECT_EQ(bone.material.front.static_friction_ratio, 0.4);
     EXPECT_EQ(bone.material.removal_energy_j_per_mm3, 0.01);
     EXPECT_EQ(bone.mismatch.samples, 50000u);
-    EXPECT_EQ(to_json(m), case_json(minor)) << "written again, the same bytes";
+    EXPECT_EQ(cases::to_json(m), case_json(minor)) << "written again, the same bytes";
   }
 }
 

@@ -17,9 +17,9 @@ namespace {
 using cases_test::sample_manifest;
 
 // With everything that a case of 1.4 can hold.
-CaseManifest full_manifest() {
-  CaseManifest m = sample_manifest();
-  CaseShape skin, skull;
+cases::CaseManifest full_manifest() {
+  cases::CaseManifest m = sample_manifest();
+  cases::CaseShape skin, skull;
   skin.name = "skin";
   skin.number = 1;
   skin.window_low = 1001;
@@ -56,10 +56,10 @@ CaseManifest full_manifest() {
 }
 
 TEST(CaseJson, RoundTripIsExact) {
-  const CaseManifest m = sample_manifest();
-  const std::string json = to_json(m);
-  const CaseManifest back = parse_case_json(json);
-  EXPECT_EQ(to_json(back), json);
+  const cases::CaseManifest m = sample_manifest();
+  const std::string json = cases::to_json(m);
+  const cases::CaseManifest back = cases::parse_case_json(json);
+  EXPECT_EQ(cases::to_json(back), json);
   EXPECT_EQ(back.center_mm, m.center_mm);
   EXPECT_EQ(back.anatomies[0].volume_ml, 0.1 + 0.2);
   EXPECT_EQ(back.anatomies[0].deviation.rms_mm, 1 / 3.0);
@@ -73,10 +73,10 @@ TEST(CaseJson, RoundTripIsExact) {
 }
 
 TEST(CaseJson, TheHapticPartRoundTripsExactly) {
-  const CaseManifest m = full_manifest();
-  const std::string json = to_json(m);
-  const CaseManifest back = parse_case_json(json);
-  EXPECT_EQ(to_json(back), json);
+  const cases::CaseManifest m = full_manifest();
+  const std::string json = cases::to_json(m);
+  const cases::CaseManifest back = cases::parse_case_json(json);
+  EXPECT_EQ(cases::to_json(back), json);
   ASSERT_EQ(back.missing.size(), 1u);
   EXPECT_EQ(back.missing[0].anatomy, "brainstem");
   EXPECT_EQ(back.missing[0].why, "where it lies is not sure");
@@ -85,7 +85,7 @@ TEST(CaseJson, TheHapticPartRoundTripsExactly) {
   EXPECT_EQ(back.haptic.size, m.haptic.size);
   EXPECT_EQ(back.haptic.spacing_mm, m.haptic.spacing_mm);
   ASSERT_EQ(back.haptic.shapes.size(), 2u);
-  const CaseShape &skin = back.haptic.shapes[0], &skull = back.haptic.shapes[1];
+  const cases::CaseShape &skin = back.haptic.shapes[0], &skull = back.haptic.shapes[1];
   EXPECT_EQ(skin.displayed, "haptic");
   EXPECT_TRUE(skin.cuttable);
   EXPECT_EQ(skin.material.front.pop_through_n, 2.5);
@@ -104,34 +104,34 @@ TEST(CaseJson, TheHapticPartRoundTripsExactly) {
 }
 
 TEST(CaseJson, TheOrderOfFilesIsTheirNames) {
-  CaseManifest m = sample_manifest(), n = m;
-  const CaseFile a{"meshes/a-0123456789abcdef.glb", sha256_of_bytes("a"), 1};
-  const CaseFile b{"meshes/b-0123456789abcdef.glb", sha256_of_bytes("b"), 1};
+  cases::CaseManifest m = sample_manifest(), n = m;
+  const cases::CaseFile a{"meshes/a-0123456789abcdef.glb", sha256_of_bytes("a"), 1};
+  const cases::CaseFile b{"meshes/b-0123456789abcdef.glb", sha256_of_bytes("b"), 1};
   m.files = {a, b};
   n.files = {b, a};
-  EXPECT_EQ(to_json(m), to_json(n));
+  EXPECT_EQ(cases::to_json(m), cases::to_json(n));
 }
 
 TEST(CaseJson, EveryBitFlipAndTruncationIsRefused) {
-  const std::string json = to_json(sample_manifest());
+  const std::string json = cases::to_json(sample_manifest());
   for (std::size_t i = 0; i < json.size(); ++i) {
-    EXPECT_THROW(parse_case_json(std::string_view(json).substr(0, i)), Error) << i;
+    EXPECT_THROW(cases::parse_case_json(std::string_view(json).substr(0, i)), Error) << i;
     for (int bit = 0; bit < 8; ++bit) {
       std::string damaged = json;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
-      EXPECT_THROW(parse_case_json(damaged), Error) << i;
+      EXPECT_THROW(cases::parse_case_json(damaged), Error) << i;
     }
   }
-  EXPECT_THROW(parse_case_json(json + "\n"), Error);
+  EXPECT_THROW(cases::parse_case_json(json + "\n"), Error);
 }
 
 TEST(CaseJson, Versions) {
-  CaseManifest m = sample_manifest();
-  m.version_minor = case_version_minor() + 1;
-  EXPECT_EQ(parse_case_json(to_json(m)).version_minor, case_version_minor() + 1);
-  m.version_major = case_version_major + 1;
+  cases::CaseManifest m = sample_manifest();
+  m.version_minor = cases::case_version_minor() + 1;
+  EXPECT_EQ(cases::parse_case_json(cases::to_json(m)).version_minor, cases::case_version_minor() + 1);
+  m.version_major = cases::case_version_major + 1;
   try {
-    parse_case_json(to_json(m));
+    cases::parse_case_json(cases::to_json(m));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -141,8 +141,8 @@ TEST(CaseJson, Versions) {
 }
 
 // `text` put into a valid case.json before its first anatomies, with the checksum that belongs to it.
-std::string edited(const std::string& from, const std::string& to, const CaseManifest& m = sample_manifest()) {
-  std::string json = to_json(m);
+std::string edited(const std::string& from, const std::string& to, const cases::CaseManifest& m = sample_manifest()) {
+  std::string json = cases::to_json(m);
   json.replace(json.find(from), from.size(), to);
   const auto tail = json.rfind(",\n \"checksum\"");
   json.resize(tail);
@@ -150,17 +150,18 @@ std::string edited(const std::string& from, const std::string& to, const CaseMan
 }
 
 TEST(CaseJson, ANewerMinorVersionMayHoldMore) {
-  const CaseManifest m = parse_case_json(edited("\"case\":", "\"dose\": {\"file\": [1, {}]},\n \"case\":"));
+  const cases::CaseManifest m =
+      cases::parse_case_json(edited("\"case\":", "\"dose\": {\"file\": [1, {}]},\n \"case\":"));
   EXPECT_EQ(m.case_token, "sample");
 }
 
 TEST(CaseJson, AnOlderMinorVersionMayHoldLess) {
   // As 1.0 wrote it: no haptic part, no `cut` or `figures` of a burr hole.
-  CaseManifest older = sample_manifest();
+  cases::CaseManifest older = sample_manifest();
   older.version_minor = 0;
   older.burr_holes[0].cut.clear();
   older.burr_holes[0].figures.clear();
-  const CaseManifest m = parse_case_json(edited(",\n   \"cut\": []", "", older));
+  const cases::CaseManifest m = cases::parse_case_json(edited(",\n   \"cut\": []", "", older));
   EXPECT_EQ(m.version_minor, 0);
   EXPECT_TRUE(m.haptic.file.empty());
   EXPECT_TRUE(m.burr_holes[0].cut.empty());
@@ -187,16 +188,16 @@ TEST(CaseJson, HostileContentWithARightChecksumIsRefused) {
            {"\"opacity\": 1.0", "\"opacity\": null"},
            {"\"name\": \"skull\"", "\"name\": \"skull\", \"file\": \"meshes/none.glb\""},
            {"\"frame\"", "\"frme\""}}) {
-    ASSERT_NE(to_json(sample_manifest()).find(from), std::string::npos) << from;
-    EXPECT_THROW(parse_case_json(edited(from, to)), Error) << to;
+    ASSERT_NE(cases::to_json(sample_manifest()).find(from), std::string::npos) << from;
+    EXPECT_THROW(cases::parse_case_json(edited(from, to)), Error) << to;
   }
 }
 
 TEST(CaseJson, EveryFaultOfTheHapticPartIsNamed) {
   const auto field_of = [](const std::string& from, const std::string& to) -> std::string {
-    EXPECT_NE(to_json(full_manifest()).find(from), std::string::npos) << from;
+    EXPECT_NE(cases::to_json(full_manifest()).find(from), std::string::npos) << from;
     try {
-      parse_case_json(edited(from, to, full_manifest()));
+      cases::parse_case_json(edited(from, to, full_manifest()));
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input) << to;
       return e.field();
@@ -247,7 +248,7 @@ TEST(CaseJson, EveryFaultOfTheHapticPartIsNamed) {
 
 TEST(CaseJson, WhatWouldTakeMuchMemoryOrTimeIsRefused) {
   const auto refused = [](const std::string& text) {
-    EXPECT_THROW(parse_case_json(edited("\"case\":", "\"more\": " + text + ",\n \"case\":")), Error);
+    EXPECT_THROW(cases::parse_case_json(edited("\"case\":", "\"more\": " + text + ",\n \"case\":")), Error);
   };
   refused(std::string(100000, '[') + std::string(100000, ']'));
   std::string keys = "{", values = "[";
@@ -258,31 +259,31 @@ TEST(CaseJson, WhatWouldTakeMuchMemoryOrTimeIsRefused) {
 }
 
 TEST(CaseJson, ContradictionsAreNotWritten) {
-  CaseManifest m = sample_manifest();
+  cases::CaseManifest m = sample_manifest();
   m.anatomies[0].volume_ml = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(to_json(m), Error);
+  EXPECT_THROW(cases::to_json(m), Error);
   m = sample_manifest();
   m.anatomies[0].file = "meshes/none-0123456789abcdef.glb";
-  EXPECT_THROW(to_json(m), Error);
+  EXPECT_THROW(cases::to_json(m), Error);
   m = sample_manifest();
   m.anatomies.push_back(m.anatomies[0]);
-  EXPECT_THROW(to_json(m), Error);
+  EXPECT_THROW(cases::to_json(m), Error);
   m = sample_manifest();
   m.parameters.push_back(m.parameters[0]);
-  EXPECT_THROW(to_json(m), Error);
+  EXPECT_THROW(cases::to_json(m), Error);
   m = sample_manifest();
   m.face_reason = "\xff\xfe";
-  EXPECT_THROW(to_json(m), Error);
+  EXPECT_THROW(cases::to_json(m), Error);
 }
 
 TEST(CaseToken, OnlyWhatIsSafeAsAName) {
   for (const char* good :
        {"a", "0", "sample", "case-12_b", "a123456789012345678901234567890123456789012345678901234567890123"})
-    EXPECT_NO_THROW(validate_case_token(good, ExitCode::usage)) << good;
+    EXPECT_NO_THROW(cases::validate_case_token(good, ExitCode::usage)) << good;
   for (const char* bad : {"", "-a", "_a", "A", "a.b", "a/b", "..", "a b", "\xc3\xa4",
                           "a1234567890123456789012345678901234567890123456789012345678901234"}) {
     try {
-      validate_case_token(bad, ExitCode::bad_config);
+      cases::validate_case_token(bad, ExitCode::bad_config);
       ADD_FAILURE() << bad;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);

@@ -15,18 +15,18 @@ namespace {
 using case_samples::MemoryCase;
 
 // A case with a CT of 2 mm around everything, and what edits it before it is sealed.
-MemoryCase case_with_ct(const std::function<void(Grid<std::int16_t>&, CaseManifest&)>& edit = {}) {
+MemoryCase case_with_ct(const std::function<void(grid::Grid<std::int16_t>&, cases::CaseManifest&)>& edit = {}) {
   MemoryCase c = case_samples::minimal_case();
-  CaseManifest& m = c.manifest;
-  Lattice l;
+  cases::CaseManifest& m = c.manifest;
+  grid::Lattice l;
   l.size = {90, 90, 90};
   l.spacing_mm = {2, 2, 2};
   l.origin_mm = m.center_mm - Vec3{89, 89, 89};
-  Grid<std::int16_t> ct(l, 40);
+  grid::Grid<std::int16_t> ct(l, 40);
   m.ct = {"", ct.size, ct.spacing_mm};
   if (edit) edit(ct, m);
-  const std::string bytes = encode_nrrd(ct, {}, NrrdEncoding::gzip);
-  m.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  const std::string bytes = grid::encode_nrrd(ct, {}, grid::NrrdEncoding::gzip);
+  m.files.push_back(cases::describe_case_file("ct", ".nrrd", bytes));
   m.ct.file = m.files.back().name;
   c.files[m.ct.file] = bytes;
   c.seal();
@@ -35,7 +35,7 @@ MemoryCase case_with_ct(const std::function<void(Grid<std::int16_t>&, CaseManife
 
 std::string whole_refusal(const MemoryCase& c) {
   try {
-    load_case_through(c.reader(), whole_case);
+    cases::load_case_through(c.reader(), cases::whole_case);
   } catch (const Error& e) {
     return std::to_string(int(e.code())) + " " + e.field();
   }
@@ -44,19 +44,19 @@ std::string whole_refusal(const MemoryCase& c) {
 
 TEST(LoadCase, EveryFileIsReadAsItsConsumersReadIt) {
   EXPECT_EQ(whole_refusal(case_with_ct()), "");
-  using Ct = Grid<std::int16_t>;
-  const auto faults = [](const std::function<void(Ct&, CaseManifest&)>& edit) {
+  using Ct = grid::Grid<std::int16_t>;
+  const auto faults = [](const std::function<void(Ct&, cases::CaseManifest&)>& edit) {
     return whole_refusal(case_with_ct(edit));
   };
-  EXPECT_EQ(faults([](Ct& ct, CaseManifest&) { ct.spacing_mm = {4, 2, 2}; }), "65 spacing_mm");
-  EXPECT_EQ(faults([](Ct&, CaseManifest& m) { m.ct.spacing_mm = {2, 2, 4}; }), "65 spacing_mm");
-  EXPECT_EQ(faults([](Ct&, CaseManifest& m) { m.ct.size = {90, 90, 91}; }), "65 size");
+  EXPECT_EQ(faults([](Ct& ct, cases::CaseManifest&) { ct.spacing_mm = {4, 2, 2}; }), "65 spacing_mm");
+  EXPECT_EQ(faults([](Ct&, cases::CaseManifest& m) { m.ct.spacing_mm = {2, 2, 4}; }), "65 spacing_mm");
+  EXPECT_EQ(faults([](Ct&, cases::CaseManifest& m) { m.ct.size = {90, 90, 91}; }), "65 size");
   // Where file and manifest agree, the CT still has to lie where the rest does.
-  EXPECT_EQ(faults([](Ct& ct, CaseManifest& m) {
+  EXPECT_EQ(faults([](Ct& ct, cases::CaseManifest& m) {
               ct.spacing_mm = m.ct.spacing_mm = {0.5, 0.5, 0.5};
             }),
             "65 space origin");
-  EXPECT_EQ(faults([](Ct& ct, CaseManifest&) { ct.origin_mm.x += 1000; }), "65 space origin");
+  EXPECT_EQ(faults([](Ct& ct, cases::CaseManifest&) { ct.origin_mm.x += 1000; }), "65 space origin");
   // Bytes that are no volume at all.
   MemoryCase c = case_with_ct();
   for (const std::size_t at : {std::size_t{0}, std::size_t{40}, c.files.at(c.manifest.ct.file).size() - 5}) {
@@ -65,15 +65,15 @@ TEST(LoadCase, EveryFileIsReadAsItsConsumersReadIt) {
     bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
     broken.seal();
     EXPECT_EQ(whole_refusal(broken).substr(0, 2), "65") << at;
-    EXPECT_NO_THROW(load_case_through(broken.reader())) << "who does not ask for the CT has it hashed alone";
+    EXPECT_NO_THROW(cases::load_case_through(broken.reader())) << "who does not ask for the CT has it hashed alone";
   }
 }
 
 TEST(LoadCase, FiguresThatStandTwiceAreCompared) {
   MemoryCase c = case_samples::minimal_case();
-  CaseShape& outer = c.manifest.haptic.shapes[0];
-  const HapticVolume felt = load_case_through(c.reader()).haptic;
-  outer.volume_ml = shape_volume_mm3(felt, outer.number) / 1000;
+  cases::CaseShape& outer = c.manifest.haptic.shapes[0];
+  const voxel::HapticVolume felt = cases::load_case_through(c.reader()).haptic;
+  outer.volume_ml = voxel::shape_volume_mm3(felt, outer.number) / 1000;
   c.manifest.figures = {{"outer_ml", c.manifest.anatomies[0].volume_ml}};
   c.seal();
   EXPECT_EQ(whole_refusal(c), "");

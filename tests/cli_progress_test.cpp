@@ -51,12 +51,12 @@ class Captured {
   std::string text_;
 };
 
-using Style = ProgressDisplay::Style;
+using Style = cli::ProgressDisplay::Style;
 
 TEST(ProgressDisplay, PlainLines) {
   Captured out;
   {
-    ProgressDisplay d(false, out.fd());
+    cli::ProgressDisplay d(false, out.fd());
     const Progress p = d.start("skull.decimate", nullptr);
     for (int i = 0; i <= 1000; ++i) p.report(i / 1000.0);
     log_warning("thin\x1b bone");
@@ -79,7 +79,7 @@ int percent_of_all(const std::string& line) {
 TEST(ProgressDisplay, TheShareOfTheWholeGrowsWithThePlanAndNeverFalls) {
   Captured out;
   {
-    ProgressDisplay d(false, out.fd(), Style::terminal);
+    cli::ProgressDisplay d(false, out.fd(), Style::terminal);
     d.plan({{"import", 1}, {"skull.decimate", 6}, {"brain.decimate", 3}});
     d.start("import", nullptr);
     d.finish("import");
@@ -112,7 +112,7 @@ TEST(ProgressDisplay, TheShareOfTheWholeGrowsWithThePlanAndNeverFalls) {
 
 TEST(ProgressDisplay, QuietSaysNothing) {
   Captured out;
-  ProgressDisplay d(true, out.fd(), Style::terminal);
+  cli::ProgressDisplay d(true, out.fd(), Style::terminal);
   d.start("a", nullptr).report(0.5);
   d.finish("a", "x");
   EXPECT_EQ(out.text(), "");
@@ -121,7 +121,7 @@ TEST(ProgressDisplay, QuietSaysNothing) {
 TEST(ProgressDisplay, TheTerminalsLineIsRepainted) {
   Captured out;
   {
-    ProgressDisplay d(false, out.fd(), Style::terminal);
+    cli::ProgressDisplay d(false, out.fd(), Style::terminal);
     const Progress a = d.start("skull.decimate", nullptr), b = d.start("brain.segment", nullptr);
     a.report(0.4);
     b.report(0.6);
@@ -143,14 +143,14 @@ TEST(ProgressDisplay, TheTerminalsLineIsRepainted) {
 
 TEST(ProgressDisplay, Cancels) {
   std::atomic<bool> cancel{true};
-  ProgressDisplay d(true);
+  cli::ProgressDisplay d(true);
   EXPECT_THROW(d.start("a", &cancel).report(0.1), Cancelled);
 }
 
 TEST(ProgressDisplay, FromManyThreads) {
   Captured out;
   {
-    ProgressDisplay d(false, out.fd(), Style::plain);
+    cli::ProgressDisplay d(false, out.fd(), Style::plain);
     std::vector<std::thread> threads;
     for (int t = 0; t < 8; ++t)
       threads.emplace_back([&d, t] {
@@ -169,12 +169,12 @@ TEST(ProgressDisplay, FromManyThreads) {
 }
 
 TEST(ProgressDisplay, Durations) {
-  EXPECT_EQ(duration_text(0.04), "0 s");
-  EXPECT_EQ(duration_text(9.94), "9.9 s");
-  EXPECT_EQ(duration_text(9.96), "10 s");
-  EXPECT_EQ(duration_text(59.6), "1 min 00 s");
-  EXPECT_EQ(duration_text(65), "1 min 05 s");
-  EXPECT_EQ(duration_text(7380), "2 h 03 min");
+  EXPECT_EQ(cli::duration_text(0.04), "0 s");
+  EXPECT_EQ(cli::duration_text(9.94), "9.9 s");
+  EXPECT_EQ(cli::duration_text(9.96), "10 s");
+  EXPECT_EQ(cli::duration_text(59.6), "1 min 00 s");
+  EXPECT_EQ(cli::duration_text(65), "1 min 05 s");
+  EXPECT_EQ(cli::duration_text(7380), "2 h 03 min");
   EXPECT_EQ(grouped_text(80000), "80,000");
   EXPECT_EQ(grouped_text(-1234567), "-1,234,567");
   EXPECT_EQ(grouped_text(-123), "-123");

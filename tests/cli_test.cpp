@@ -41,12 +41,12 @@ struct SampleParams {
 
 class Cli : public testing::Test {
  protected:
-  using Kind = Argument::Kind;
+  using Kind = cli::Argument::Kind;
   Cli() {
     program_.name = "prog";
     program_.version = "1.2.3";
     program_.summary = "Does things";
-    Command c;
+    cli::Command c;
     c.name = "reduce";
     c.summary = "Reduce a surface";
     c.description = "A paragraph.\n\nAnother one.";
@@ -54,9 +54,9 @@ class Cli : public testing::Test {
                    {"series", Kind::in_folder, "The series.", false, false, false, {}},
                    {"out", Kind::out_file, "The result.", true, false, false, {}},
                    {"set", Kind::text, "An override.", false, false, true, {}}};
-    c.groups = {ParameterGroup::of<SampleParams>("Reduction")};
+    c.groups = {cli::ParameterGroup::of<SampleParams>("Reduction")};
     c.examples = {"prog reduce a.yaml --out b.vtp"};
-    c.run = [this](const ParsedCommand& p) {
+    c.run = [this](const cli::ParsedCommand& p) {
       parsed_ = p;
       return action_ ? action_() : ExitCode::ok;
     };
@@ -76,7 +76,7 @@ class Cli : public testing::Test {
     lines_.clear();
     const LogSink before = set_log_sink([this](const std::string& line) { lines_.push_back(line); });
     testing::internal::CaptureStdout();
-    const int code = run_program(
+    const int code = cli::run_program(
         program_.name.c_str(), [this] { return program_; }, static_cast<int>(words.size()), argv.data());
     stdout_ = testing::internal::GetCapturedStdout();
     set_log_sink(before);
@@ -97,8 +97,8 @@ class Cli : public testing::Test {
   const SampleParams& params() const { return parsed_.params<SampleParams>(); }
 
   ScratchFolder scratch_;
-  Program program_;
-  ParsedCommand parsed_;
+  cli::Program program_;
+  cli::ParsedCommand parsed_;
   std::function<ExitCode()> action_;
   std::string config_, out_, stdout_;
   std::vector<std::string> lines_;

@@ -20,9 +20,9 @@ bool left_out(int i, int j, int k) { return ((i >> 2) * 7 + (j >> 2) * 5 + (k >>
 
 std::vector<Cell> cells_of(Vec3 p, Vec3 q, bool skip) {
   std::vector<Cell> out;
-  walk_over_cells<2>(p, q, [&](int i, int j, int k, double t0, double t1) {
+  contact::walk_over_cells<2>(p, q, [&](int i, int j, int k, double t0, double t1) {
     out.emplace_back(i, j, k, t0, t1);
-    return skip && left_out(i, j, k) ? WalkStep::block : WalkStep::cell;
+    return skip && left_out(i, j, k) ? contact::WalkStep::block : contact::WalkStep::cell;
   });
   return out;
 }

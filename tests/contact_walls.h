@@ -21,8 +21,8 @@ inline Vec3 unit_vector(std::mt19937_64& rng) {
 }
 
 /// A lattice of n^3 voxels of those sides, turned and shifted.
-inline Lattice lattice(int n, Vec3 spacing_mm, Vec3 origin_mm = {-31.7, 12.3, 8.9}) {
-  Lattice l;
+inline grid::Lattice lattice(int n, Vec3 spacing_mm, Vec3 origin_mm = {-31.7, 12.3, 8.9}) {
+  grid::Lattice l;
   l.size = {n, n, n};
   l.spacing_mm = spacing_mm;
   l.origin_mm = origin_mm;
@@ -35,21 +35,21 @@ inline Lattice lattice(int n, Vec3 spacing_mm, Vec3 origin_mm = {-31.7, 12.3, 8.
 
 struct Wall {
   std::string name;
-  HapticVolume volume;
+  voxel::HapticVolume volume;
   std::vector<std::array<int, 3>> voxels;  ///< of the wall
   std::vector<int> side;                   ///< by voxel: 0 wall, 1 and 2 the two sides
 };
 
 /// The wall between the voxels whose centres (index less the middle) have level < 0 and the others, made of those that
 /// touch the others' side by a face, so that no way from face to face avoids it.
-inline Wall make_wall(const std::string& name, const Lattice& l, HapticEncoding encoding,
+inline Wall make_wall(const std::string& name, const grid::Lattice& l, voxel::HapticEncoding encoding,
                       const std::function<double(Vec3)>& level) {
   Wall w;
   w.name = name;
-  const bool hu = encoding == HapticEncoding::hu;
+  const bool hu = encoding == voxel::HapticEncoding::hu;
   w.volume.encoding = encoding;
-  w.volume.voxels = Grid<std::int16_t>(l, hu ? std::int16_t(-1000) : haptic_empty);
-  w.volume.shapes = {hu ? HapticShape{"wall", 3, 300, 2000} : occupancy_shape("wall", 3)};
+  w.volume.voxels = grid::Grid<std::int16_t>(l, hu ? std::int16_t(-1000) : voxel::haptic_empty);
+  w.volume.shapes = {hu ? voxel::HapticShape{"wall", 3, 300, 2000} : voxel::occupancy_shape("wall", 3)};
   w.side.assign(l.count(), 0);
   const Vec3 middle{0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), 0.5 * (l.size[2] - 1)};
   const auto below = [&](int i, int j, int k) { return level(Vec3{double(i), double(j), double(k)} - middle) < 0; };
@@ -61,12 +61,12 @@ inline Wall make_wall(const std::string& name, const Lattice& l, HapticEncoding 
         w.side[l.index(i, j, k)] = edge ? 0 : below(i, j, k) ? 1 : 2;
         if (!edge) continue;
         w.voxels.push_back({i, j, k});
-        w.volume.voxels.at(i, j, k) = std::int16_t(hu ? 1400 : 3 * haptic_base_step + haptic_full);
+        w.volume.voxels.at(i, j, k) = std::int16_t(hu ? 1400 : 3 * voxel::haptic_base_step + voxel::haptic_full);
       }
   return w;
 }
 
-inline std::vector<Wall> all_walls(const Lattice& l, HapticEncoding encoding) {
+inline std::vector<Wall> all_walls(const grid::Lattice& l, voxel::HapticEncoding encoding) {
   const auto plane = [](Vec3 n, double at) { return [=](Vec3 p) { return dot(n, p) - at; }; };
   std::vector<Wall> out;
   out.push_back(make_wall("flat", l, encoding, plane({0, 0, 1}, 0.3)));

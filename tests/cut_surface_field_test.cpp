@@ -15,12 +15,12 @@
 namespace trephine {
 namespace {
 
-using Kind = Cutter::Kind;
+using Kind = boolean::Cutter::Kind;
 constexpr double voxel_mm = 0.6;
 
 /// Signed distance, in mm, on voxels around the north pole of balls about the origin: a vault of bone, or skin.
-Field around_the_pole(const std::function<double(double radius)>& distance) {
-  Field f;
+grid::Field around_the_pole(const std::function<double(double radius)>& distance) {
+  grid::Field f;
   f.size = {72, 72, 44};
   f.spacing_mm = {voxel_mm, voxel_mm, voxel_mm};
   f.origin_mm = {-21.3, -21.3, 50.1};
@@ -33,27 +33,29 @@ Field around_the_pole(const std::function<double(double radius)>& distance) {
 }
 
 /// Cuts both ways and compares: removed volume, distance between the two results, triangles.
-void compare(const Field& field, const std::vector<Cutter>& cutters, const char* what) {
+void compare(const grid::Field& field, const std::vector<boolean::Cutter>& cutters, const char* what) {
   Report r;
-  const TriMesh whole = contour(field, {}, r);
+  const surface::TriMesh whole = meshing::contour(field, {}, r);
   Report cut_report;
-  const TriMesh of_mesh = cut_surface(whole, cutters, {}, cut_report);
-  Field cut = field;
-  for (const Cutter& c : cutters) cut_field(cut, distance_to(c), bounds_of(c), r);
-  const TriMesh of_field = contour(cut, {}, r);
-  for (const TriMesh* m : {&of_mesh, &of_field}) {
-    const Validity v = check_validity(*m);
+  const surface::TriMesh of_mesh = boolean::cut_surface(whole, cutters, {}, cut_report);
+  grid::Field cut = field;
+  for (const boolean::Cutter& c : cutters) voxel::cut_field(cut, boolean::distance_to(c), boolean::bounds_of(c), r);
+  const surface::TriMesh of_field = meshing::contour(cut, {}, r);
+  for (const surface::TriMesh* m : {&of_mesh, &of_field}) {
+    const meshing::Validity v = meshing::check_validity(*m);
     EXPECT_TRUE(v.valid() && v.float32) << what << ": " << v.text();
   }
   // Of overlapping cutters a ridge is left whose crest is thinner than a voxel: the field loses it, and may pierce it.
   const bool ridge = cutters.size() > 1;
   if (!ridge) {
-    EXPECT_EQ(check_validity(of_field).topology.genus, check_validity(of_mesh).topology.genus) << what;
+    EXPECT_EQ(meshing::check_validity(of_field).topology.genus, meshing::check_validity(of_mesh).topology.genus)
+        << what;
   }
-  const double by_mesh = volume_mm3(whole) - volume_mm3(of_mesh), by_field = volume_mm3(whole) - volume_mm3(of_field);
-  DeviationParams samples;
+  const double by_mesh = surface::volume_mm3(whole) - surface::volume_mm3(of_mesh),
+               by_field = surface::volume_mm3(whole) - surface::volume_mm3(of_field);
+  metrics::DeviationParams samples;
   samples.sample_count = 50000;
-  const Deviation d = measure_deviation(of_field, of_mesh, samples);
+  const metrics::Deviation d = metrics::measure_deviation(of_field, of_mesh, samples);
   std::printf(
       "%s: mesh removes %.2f mm3, field %.2f (%.2f %%); deviation max %.3f, p99 %.3f, RMS %.4f mm; %zu and %zu "
       "triangles\n",
@@ -66,8 +68,8 @@ void compare(const Field& field, const std::vector<Cutter>& cutters, const char*
   EXPECT_GT(by_mesh, 50) << what;
 }
 
-Cutter cylinder(Vec3 position, Vec3 direction, double radius, double depth) {
-  Cutter c;
+boolean::Cutter cylinder(Vec3 position, Vec3 direction, double radius, double depth) {
+  boolean::Cutter c;
   c.position_mm = position;
   c.direction = normalized(direction);
   c.radius_mm = radius;
@@ -76,8 +78,8 @@ Cutter cylinder(Vec3 position, Vec3 direction, double radius, double depth) {
   return c;
 }
 
-Cutter ellipsoid(Vec3 centre, Vec3 radii) {
-  Cutter c;
+boolean::Cutter ellipsoid(Vec3 centre, Vec3 radii) {
+  boolean::Cutter c;
   c.kind = Kind::ellipsoid;
   c.position_mm = centre;
   c.direction = {0, 0, -1};
@@ -87,13 +89,13 @@ Cutter ellipsoid(Vec3 centre, Vec3 radii) {
 }
 
 TEST(MeshAgainstField, BurrHoleInAVault) {
-  const Field skull = around_the_pole([](double r) { return 3.5 - std::abs(r - 66); });
+  const grid::Field skull = around_the_pole([](double r) { return 3.5 - std::abs(r - 66); });
   compare(skull, {cylinder({0.3, 0.2, 70}, {0.05, -0.1, -1}, 7, 12)}, "burr hole of 14 mm");
   compare(skull, {cylinder({4, -5, 70}, {0.4, 0.3, -1}, 3, 14)}, "tilted hole of 6 mm");
 }
 
 TEST(MeshAgainstField, SeveralCuttersAtOnce) {
-  const Field skull = around_the_pole([](double r) { return 3.5 - std::abs(r - 66); });
+  const grid::Field skull = around_the_pole([](double r) { return 3.5 - std::abs(r - 66); });
   compare(skull,
           {cylinder({-5, 0.2, 70}, {0, 0, -1}, 5, 14), cylinder({5, 1, 70}, {0.1, 0, -1}, 5, 14),
            ellipsoid({0, -8, 68}, {9, 4, 3})},
@@ -101,7 +103,7 @@ TEST(MeshAgainstField, SeveralCuttersAtOnce) {
 }
 
 TEST(MeshAgainstField, EllipsoidInTheSkin) {
-  const Field skin = around_the_pole([](double r) { return 70 - r; });
+  const grid::Field skin = around_the_pole([](double r) { return 70 - r; });
   compare(skin, {ellipsoid({1, 2, 69}, {11, 8, 6})}, "ellipsoid in the skin");
   compare(skin, {ellipsoid({-7, 2, 69}, {8, 6, 5}), ellipsoid({7, -3, 68}, {9, 7, 6})}, "two ellipsoids in the skin");
 }

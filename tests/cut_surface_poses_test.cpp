@@ -19,21 +19,21 @@ struct Counts {
 };
 
 Counts run(int poses, std::uint64_t seed) {
-  const TriMesh surfaces[] = {vault(3), plate(70, 10, 5), sphere(2, 38.3)};
+  const surface::TriMesh surfaces[] = {vault(3), plate(70, 10, 5), sphere(2, 38.3)};
   Random r(seed);
   Counts n;
   for (int i = 0; i < poses; ++i) {
-    TriMesh m = surfaces[i % 3];
-    snap_to_float32(m);
-    const Cutter c = any_cutter(r, i % 3 == 1 ? 20 : 38);
+    surface::TriMesh m = surfaces[i % 3];
+    meshing::snap_to_float32(m);
+    const boolean::Cutter c = any_cutter(r, i % 3 == 1 ? 20 : 38);
     Report report;
     try {
-      const TriMesh out = cut_surface(m, {c}, {}, report);
+      const surface::TriMesh out = boolean::cut_surface(m, {c}, {}, report);
       ++n.done;
-      const Validity v = check_validity(out);
+      const meshing::Validity v = meshing::check_validity(out);
       EXPECT_TRUE(v.valid() && v.float32) << i << ": " << v.text();
-      const double removed = volume_mm3(m) - volume_mm3(out) - figure(report, "dropped_mm3");
-      const double exact = overlap_mm3(m, mesh_of(c, 0.01), {0.2, 0.5, 0.7});
+      const double removed = surface::volume_mm3(m) - surface::volume_mm3(out) - figure(report, "dropped_mm3");
+      const double exact = boolean::overlap_mm3(m, boolean::mesh_of(c, 0.01), {0.2, 0.5, 0.7});
       EXPECT_NEAR(removed, exact, std::max(0.5, 0.0105 * exact)) << i;
       n.touched += removed > 0;
       n.retried += figure(report, "tries_count") > 1;
@@ -41,8 +41,8 @@ Counts run(int poses, std::uint64_t seed) {
       // The same once more meets its own facets everywhere.
       Report again;
       ++n.twice;
-      const TriMesh twice = cut_surface(out, {c}, {}, again);
-      EXPECT_TRUE(check_validity(twice).valid()) << i;
+      const surface::TriMesh twice = boolean::cut_surface(out, {c}, {}, again);
+      EXPECT_TRUE(meshing::check_validity(twice).valid()) << i;
       EXPECT_LE(figure(again, "removed_mm3"), std::max(0.5, 0.01 * exact)) << i;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << i;

@@ -21,7 +21,7 @@ inline double figure(const Report& r, const std::string& name) {
   return std::get<double>(*v);
 }
 
-inline void join(TriMesh& to, const TriMesh& m, bool inside_out = false) {
+inline void join(surface::TriMesh& to, const surface::TriMesh& m, bool inside_out = false) {
   const auto n = std::uint32_t(to.points_mm.size());
   for (const Vec3 p : m.points_mm) to.points_mm.push_back(p + (m.origin_mm - to.origin_mm));
   for (const auto& t : m.triangles) {
@@ -33,17 +33,17 @@ inline void join(TriMesh& to, const TriMesh& m, bool inside_out = false) {
 }
 
 /// A lumpy bone of 4 to 9 mm, radius about 40: an outer and an inner surface.
-inline TriMesh vault(int level) {
+inline surface::TriMesh vault(int level) {
   const auto lumps = [](Vec3 u) { return std::sin(7 * u.x + 1) * std::sin(6 * u.y) + 0.4 * std::sin(19 * u.z); };
-  TriMesh m = geodesic(level, [&](Vec3 u) { return 40 + 1.5 * lumps(u); });
+  surface::TriMesh m = geodesic(level, [&](Vec3 u) { return 40 + 1.5 * lumps(u); });
   join(m, geodesic(level, [&](Vec3 u) { return 33.5 + 1.2 * lumps({u.y, u.z, u.x}); }), true);
-  snap_to_float32(m);
+  meshing::snap_to_float32(m);
   return m;
 }
 
 /// A plate of that thickness, its upper side at z = 0, n x n cells of 2 triangles a side.
-inline TriMesh plate(double side_mm, double thick_mm, int n) {
-  TriMesh m;
+inline surface::TriMesh plate(double side_mm, double thick_mm, int n) {
+  surface::TriMesh m;
   const auto point = [&](int i, int j, int k) { return std::uint32_t((k * (n + 1) + j) * (n + 1) + i); };
   for (int k = 0; k < 2; ++k)
     for (int j = 0; j <= n; ++j)
@@ -64,13 +64,13 @@ inline TriMesh plate(double side_mm, double thick_mm, int n) {
     quad(point(0, i + 1, 0), point(0, i, 0), point(0, i, 1), point(0, i + 1, 1));
     quad(point(n, i, 0), point(n, i + 1, 0), point(n, i + 1, 1), point(n, i, 1));
   }
-  snap_to_float32(m);
+  meshing::snap_to_float32(m);
   return m;
 }
 
 /// A ring about the z axis: what a trephine's crown or a craniotome takes away.
-inline TriMesh tube(double inner, double outer, double z0, double z1, std::uint32_t n) {
-  TriMesh m;
+inline surface::TriMesh tube(double inner, double outer, double z0, double z1, std::uint32_t n) {
+  surface::TriMesh m;
   for (const double z : {z0, z1})
     for (const double r : {inner, outer})
       for (std::uint32_t i = 0; i < n; ++i) {
@@ -91,8 +91,8 @@ inline TriMesh tube(double inner, double outer, double z0, double z1, std::uint3
   return m;
 }
 
-inline Cutter cylinder(Vec3 at, Vec3 direction, double radius, double above, double depth) {
-  Cutter c;
+inline boolean::Cutter cylinder(Vec3 at, Vec3 direction, double radius, double above, double depth) {
+  boolean::Cutter c;
   c.position_mm = at;
   c.direction = direction;
   c.radius_mm = radius;
@@ -102,13 +102,13 @@ inline Cutter cylinder(Vec3 at, Vec3 direction, double radius, double above, dou
 }
 
 /// Any kind in any pose within `reach` of the centre.
-inline Cutter any_cutter(Random& r, double reach) {
-  Cutter c;
+inline boolean::Cutter any_cutter(Random& r, double reach) {
+  boolean::Cutter c;
   const int kind = int(r() * 5);
-  c.kind = kind == 0   ? Cutter::Kind::sphere
-           : kind == 1 ? Cutter::Kind::cone
-           : kind == 2 ? Cutter::Kind::ellipsoid
-                       : Cutter::Kind::cylinder;
+  c.kind = kind == 0   ? boolean::Cutter::Kind::sphere
+           : kind == 1 ? boolean::Cutter::Kind::cone
+           : kind == 2 ? boolean::Cutter::Kind::ellipsoid
+                       : boolean::Cutter::Kind::cylinder;
   c.position_mm = r.direction() * (reach * (0.8 + 0.4 * r()));
   // Mostly as a drill stands.
   c.direction = normalized(r() < 0.3 ? r.direction() : normalized(c.position_mm) * -1.0 + r.direction() * 0.5);

@@ -15,22 +15,23 @@
 
 using namespace trephine;
 using namespace trephine::shapes;
-using Kind = Cutter::Kind;
+using Kind = boolean::Cutter::Kind;
 
 namespace {
 
-TriMesh cut(const TriMesh& m, const std::vector<Cutter>& c, Report& r, CutSurfaceParams p = {}) {
-  TriMesh out = cut_surface(m, c, p, r);
-  const Validity v = check_validity(out);
+surface::TriMesh cut(const surface::TriMesh& m, const std::vector<boolean::Cutter>& c, Report& r,
+                     boolean::CutSurfaceParams p = {}) {
+  surface::TriMesh out = boolean::cut_surface(m, c, p, r);
+  const meshing::Validity v = meshing::check_validity(out);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
   return out;
 }
 
-ExitCode code_of(const TriMesh& m, const std::vector<Cutter>& c, CutSurfaceParams p = {}) {
+ExitCode code_of(const surface::TriMesh& m, const std::vector<boolean::Cutter>& c, boolean::CutSurfaceParams p = {}) {
   try {
     Report r;
-    cut_surface(m, c, p, r);
+    boolean::cut_surface(m, c, p, r);
   } catch (const Error& e) {
     return e.code();
   }
@@ -38,8 +39,9 @@ ExitCode code_of(const TriMesh& m, const std::vector<Cutter>& c, CutSurfaceParam
 }
 
 /// removed_mm3 is the change of volume and lies within M9's bound of the exact one.
-void expect_removed(const TriMesh& before, const TriMesh& after, const Report& r, double exact) {
-  EXPECT_NEAR(volume_mm3(before) - volume_mm3(after), figure(r, "removed_mm3") + figure(r, "dropped_mm3"), 1e-6);
+void expect_removed(const surface::TriMesh& before, const surface::TriMesh& after, const Report& r, double exact) {
+  EXPECT_NEAR(surface::volume_mm3(before) - surface::volume_mm3(after),
+              figure(r, "removed_mm3") + figure(r, "dropped_mm3"), 1e-6);
   EXPECT_NEAR(figure(r, "removed_mm3"), exact, std::max(0.5, 0.01 * exact));
 }
 
@@ -53,54 +55,54 @@ TEST(Overlap, OfTwoBoxesIsTheirBox) {
     double exact = 1;
     for (int k = 0; k < 3; ++k) exact *= std::min(b[k], d[k]) - std::max(a[k], c[k]);
     const Vec3 direction = i % 5 == 0 ? Vec3{0, 0, 1} : r.direction();
-    TriMesh second = box(c, d);
+    surface::TriMesh second = box(c, d);
     second.origin_mm = {1, 2, 3};
     for (Vec3& p : second.points_mm) p = p - second.origin_mm;
-    EXPECT_NEAR(overlap_mm3(box(a, b), second, direction), exact, 1e-9);
-    EXPECT_NEAR(overlap_mm3(second, box(a, b), direction), exact, 1e-9);
+    EXPECT_NEAR(boolean::overlap_mm3(box(a, b), second, direction), exact, 1e-9);
+    EXPECT_NEAR(boolean::overlap_mm3(second, box(a, b), direction), exact, 1e-9);
   }
 }
 
 TEST(Overlap, OfASolidWithItselfAndWithNothing) {
-  const TriMesh m = vault(3);
-  EXPECT_NEAR(overlap_mm3(m, m, {0.1, 0.2, 1}), volume_mm3(m), 1e-6);
-  EXPECT_NEAR(overlap_mm3(m, sphere(3, 20), {0, 0, 1}), 0, 1e-6);               // in its cavity
-  EXPECT_NEAR(overlap_mm3(m, sphere(3, 20, {100, 0, 0}), {1, 0, 0}), 0, 1e-6);  // beside it
-  EXPECT_NEAR(overlap_mm3(m, sphere(3, 100), {1, 0, 0}), volume_mm3(m), 1e-6);  // around it
+  const surface::TriMesh m = vault(3);
+  EXPECT_NEAR(boolean::overlap_mm3(m, m, {0.1, 0.2, 1}), surface::volume_mm3(m), 1e-6);
+  EXPECT_NEAR(boolean::overlap_mm3(m, sphere(3, 20), {0, 0, 1}), 0, 1e-6);                        // in its cavity
+  EXPECT_NEAR(boolean::overlap_mm3(m, sphere(3, 20, {100, 0, 0}), {1, 0, 0}), 0, 1e-6);           // beside it
+  EXPECT_NEAR(boolean::overlap_mm3(m, sphere(3, 100), {1, 0, 0}), surface::volume_mm3(m), 1e-6);  // around it
 }
 
 TEST(Overlap, OfTwoBallsIsTheirLens) {
   const double a = 10, b = 7, d = 12;
   const double exact = pi * std::pow(a + b - d, 2) * (d * d + 2 * d * (a + b) - 3 * (a - b) * (a - b)) / (12 * d);
-  Cutter s;
+  boolean::Cutter s;
   s.kind = Kind::sphere;
   s.radius_mm = a;
-  const TriMesh ma = mesh_of(s, 0.003);
+  const surface::TriMesh ma = boolean::mesh_of(s, 0.003);
   s.radius_mm = b;
   s.position_mm = {4, -4, std::sqrt(d * d - 32)};
-  EXPECT_NEAR(overlap_mm3(ma, mesh_of(s, 0.003), {0.3, 0.4, 1}), exact, 0.003 * exact);
+  EXPECT_NEAR(boolean::overlap_mm3(ma, boolean::mesh_of(s, 0.003), {0.3, 0.4, 1}), exact, 0.003 * exact);
 }
 
 TEST(CutSurface, ABurrHoleThroughAPlate) {
   for (const double tilt : {0.0, 0.2, 0.7}) {
-    const TriMesh m = plate(60, 6, 9);
-    const Cutter c = cylinder({1.3, 0.4, 0}, {std::sin(tilt), 0, -std::cos(tilt)}, 7, 20, 20);
+    const surface::TriMesh m = plate(60, 6, 9);
+    const boolean::Cutter c = cylinder({1.3, 0.4, 0}, {std::sin(tilt), 0, -std::cos(tilt)}, 7, 20, 20);
     Report r;
-    const TriMesh out = cut(m, {c}, r);
+    const surface::TriMesh out = cut(m, {c}, r);
     expect_removed(m, out, r, pi * 49 * 6 / std::cos(tilt));
-    EXPECT_EQ(topology_of(out).genus, 1);
+    EXPECT_EQ(surface::topology_of(out).genus, 1);
     EXPECT_EQ(figure(r, "cutters_count"), 1);
     EXPECT_EQ(figure(r, "triangles_count"), out.triangles.size());
-    EXPECT_NEAR(free_radius_mm(out, c), 7, 0.06);
-    EXPECT_GE(free_radius_mm(out, c), 6.5);
-    EXPECT_EQ(free_radius_mm(m, c), 0);
+    EXPECT_NEAR(boolean::free_radius_mm(out, c), 7, 0.06);
+    EXPECT_GE(boolean::free_radius_mm(out, c), 6.5);
+    EXPECT_EQ(boolean::free_radius_mm(m, c), 0);
   }
 }
 
 TEST(CutSurface, OtherKindsIntoAPlate) {
-  const TriMesh m = plate(60, 20, 7);
+  const surface::TriMesh m = plate(60, 20, 7);
   Report r;
-  Cutter c;
+  boolean::Cutter c;
   c.kind = Kind::sphere;
   c.radius_mm = 8;
   c.position_mm = {2, 3, 3};  // a cap of height 5
@@ -123,40 +125,40 @@ TEST(CutSurface, OtherKindsIntoAPlate) {
 
   c = {};
   c.kind = Kind::mesh;
-  c.mesh = std::make_shared<TriMesh>(box({-3.1, -4.2, -5.3}, {6.4, 7.5, 8.6}));
+  c.mesh = std::make_shared<surface::TriMesh>(box({-3.1, -4.2, -5.3}, {6.4, 7.5, 8.6}));
   r = {};
   expect_removed(m, cut(m, {c}, r), r, 9.5 * 11.7 * 5.3);
 }
 
 TEST(CutSurface, AHoleThroughASkullJoinsItsSurfaces) {
-  const TriMesh m = vault(4);
-  ASSERT_EQ(topology_of(m).components, 2);
-  const Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
+  const surface::TriMesh m = vault(4);
+  ASSERT_EQ(surface::topology_of(m).components, 2);
+  const boolean::Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
   Report r;
-  const TriMesh out = cut(m, {c}, r);
-  EXPECT_EQ(topology_of(out).components, 1);
-  EXPECT_EQ(topology_of(out).genus, 0);
-  EXPECT_GE(free_radius_mm(out, c), 6.5);
+  const surface::TriMesh out = cut(m, {c}, r);
+  EXPECT_EQ(surface::topology_of(out).components, 1);
+  EXPECT_EQ(surface::topology_of(out).genus, 0);
+  EXPECT_GE(boolean::free_radius_mm(out, c), 6.5);
   // Through both walls: two holes, of one cutter.
-  const Cutter both = cylinder({0, 0, 50}, {0, 0, -1}, 7, 10, 110);
+  const boolean::Cutter both = cylinder({0, 0, 50}, {0, 0, -1}, 7, 10, 110);
   r = {};
-  const TriMesh twice = cut(m, {both}, r);
-  EXPECT_EQ(topology_of(twice).genus, 1);
-  EXPECT_NEAR(figure(r, "removed_mm3"), overlap_mm3(m, mesh_of(both, 0.002), {0.1, 0.3, 1}), 5);
+  const surface::TriMesh twice = cut(m, {both}, r);
+  EXPECT_EQ(surface::topology_of(twice).genus, 1);
+  EXPECT_NEAR(figure(r, "removed_mm3"), boolean::overlap_mm3(m, boolean::mesh_of(both, 0.002), {0.1, 0.3, 1}), 5);
   // A blind hole is as free as it is wide, a hole that was not drilled is not.
-  const Cutter blind = cylinder({42, 0, 0}, {-1, 0, 0}, 4, 10, 4);
+  const boolean::Cutter blind = cylinder({42, 0, 0}, {-1, 0, 0}, 4, 10, 4);
   r = {};
-  EXPECT_GE(free_radius_mm(cut(m, {blind}, r), blind), 3.5);
+  EXPECT_GE(boolean::free_radius_mm(cut(m, {blind}, r), blind), 3.5);
 }
 
 TEST(CutSurface, WhatTheCutDoesNotTouchStaysAsItIs) {
-  TriMesh m = vault(4);
+  surface::TriMesh m = vault(4);
   Report r;
-  compute_normals(m, {}, r);
+  meshing::compute_normals(m, {}, r);
   r = {};
-  const Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
-  const TriMesh out = cut(m, {c}, r);
-  const auto corners = [](const TriMesh& s, std::size_t t) {
+  const boolean::Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
+  const surface::TriMesh out = cut(m, {c}, r);
+  const auto corners = [](const surface::TriMesh& s, std::size_t t) {
     std::array<std::array<double, 3>, 3> k;
     for (int i = 0; i < 3; ++i) {
       const Vec3 p = s.world_mm(s.triangles[t][i]);
@@ -167,7 +169,7 @@ TEST(CutSurface, WhatTheCutDoesNotTouchStaysAsItIs) {
   };
   std::set<std::array<std::array<double, 3>, 3>> after;
   for (std::size_t t = 0; t < out.triangles.size(); ++t) after.insert(corners(out, t));
-  const DistanceFunction d = distance_to(c);
+  const surface::DistanceFunction d = boolean::distance_to(c);
   std::size_t far = 0;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
     const auto k = corners(m, t);
@@ -180,31 +182,32 @@ TEST(CutSurface, WhatTheCutDoesNotTouchStaysAsItIs) {
   EXPECT_GT(far, 9000u);
   ASSERT_EQ(out.normals.size(), out.points_mm.size());
   // At the rim of the bore no normal is left of what was there before.
-  TriMesh again = out;
-  compute_normals(again, {}, r);
+  surface::TriMesh again = out;
+  meshing::compute_normals(again, {}, r);
   EXPECT_TRUE(std::equal(again.normals.begin(), again.normals.end(), out.normals.begin()));
 }
 
 TEST(CutSurface, TheSameWhateverTheThreadsAndTheRun) {
-  const TriMesh m = vault(4);
-  const std::vector<Cutter> c{cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15), cylinder({40, 3, 0}, {-1, 0, 0}, 3, 10, 15)};
+  const surface::TriMesh m = vault(4);
+  const std::vector<boolean::Cutter> c{cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15),
+                                       cylinder({40, 3, 0}, {-1, 0, 0}, 3, 10, 15)};
   Report r;
   const int threads = thread_count();
   set_thread_count(1);
-  const TriMesh one = cut(m, c, r);
+  const surface::TriMesh one = cut(m, c, r);
   set_thread_count(4);
-  const TriMesh four = cut(m, c, r);
+  const surface::TriMesh four = cut(m, c, r);
   set_thread_count(threads);
   EXPECT_TRUE(one.points_mm == four.points_mm);
   EXPECT_TRUE(one.triangles == four.triangles);
 }
 
 TEST(CutSurface, DegeneratePoses) {
-  const TriMesh m = plate(60, 6, 6);
+  const surface::TriMesh m = plate(60, 6, 6);
   const double r7 = pi * 49;
   struct Case {
     const char* name;
-    Cutter cutter;
+    boolean::Cutter cutter;
     double exact;
   };
   const Case cases[] = {
@@ -223,7 +226,7 @@ TEST(CutSurface, DegeneratePoses) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     Report r;
-    const TriMesh out = cut(m, {c.cutter}, r);
+    const surface::TriMesh out = cut(m, {c.cutter}, r);
     expect_removed(m, out, r, c.exact);
     EXPECT_LE(figure(r, "moved_mm"), 0.05);
     if (c.exact == 0 && figure(r, "removed_mm3") == 0) {
@@ -233,63 +236,63 @@ TEST(CutSurface, DegeneratePoses) {
     }
   }
   // A box with coplanar faces, and with the same faces.
-  Cutter b;
+  boolean::Cutter b;
   b.kind = Kind::mesh;
-  b.mesh = std::make_shared<TriMesh>(box({-10, -10, -6}, {10, 10, 0}));
+  b.mesh = std::make_shared<surface::TriMesh>(box({-10, -10, -6}, {10, 10, 0}));
   Report r;
   expect_removed(m, cut(m, {b}, r), r, 400 * 6);
-  b.mesh = std::make_shared<TriMesh>(box({-10, -10, 0}, {10, 10, 6}));
+  b.mesh = std::make_shared<surface::TriMesh>(box({-10, -10, 0}, {10, 10, 6}));
   r = {};
   expect_removed(m, cut(m, {b}, r), r, 0);
 }
 
 TEST(CutSurface, DrilledTwice) {
-  const TriMesh m = vault(4);
-  const Cutter c = cylinder({1, 2, 42}, normalized({0.1, 0, -1}), 7, 10, 15);
+  const surface::TriMesh m = vault(4);
+  const boolean::Cutter c = cylinder({1, 2, 42}, normalized({0.1, 0, -1}), 7, 10, 15);
   Report r;
-  const TriMesh once = cut(m, {c}, r);
+  const surface::TriMesh once = cut(m, {c}, r);
   const double removed = figure(r, "removed_mm3");
   r = {};
-  const TriMesh twice = cut(once, {c}, r);
+  const surface::TriMesh twice = cut(once, {c}, r);
   EXPECT_NEAR(figure(r, "removed_mm3"), 0, 0.5);
   r = {};
-  const TriMesh both = cut(m, {c, c}, r);
+  const surface::TriMesh both = cut(m, {c, c}, r);
   EXPECT_NEAR(figure(r, "removed_mm3"), removed, 0.5);
   EXPECT_NEAR(figure(r, "cutter_2.removed_mm3"), 0, 0.5);
   // Wider after narrower, with the same axis.
-  Cutter wide = c;
+  boolean::Cutter wide = c;
   wide.radius_mm = 7.5;
   r = {};
   expect_removed(once, cut(once, {wide}, r), r, removed * (7.5 * 7.5 / 49 - 1));
 }
 
 TEST(CutSurface, LoosePiecesGo) {
-  const TriMesh m = plate(60, 6, 6);
-  Cutter c;
+  const surface::TriMesh m = plate(60, 6, 6);
+  boolean::Cutter c;
   c.kind = Kind::mesh;
-  c.mesh = std::make_shared<TriMesh>(tube(2, 4, -10, 10, 48));
+  c.mesh = std::make_shared<surface::TriMesh>(tube(2, 4, -10, 10, 48));
   const double core = 48.0 / 2 * std::sin(2 * pi / 48) * 4 * 6;
-  CutSurfaceParams p;
+  boolean::CutSurfaceParams p;
   p.min_component_mm3 = 100;
   Report r;
-  const TriMesh without = cut(m, {c}, r, p);
-  EXPECT_EQ(topology_of(without).components, 1);
+  const surface::TriMesh without = cut(m, {c}, r, p);
+  EXPECT_EQ(surface::topology_of(without).components, 1);
   EXPECT_EQ(figure(r, "dropped_count"), 1);
   EXPECT_NEAR(figure(r, "dropped_mm3"), core, 0.1);
   expect_removed(m, without, r, 3 * core);
   p.min_component_mm3 = 50;
   r = {};
-  EXPECT_EQ(topology_of(cut(m, {c}, r, p)).components, 2);
+  EXPECT_EQ(surface::topology_of(cut(m, {c}, r, p)).components, 2);
   EXPECT_EQ(figure(r, "dropped_count"), 0);
 }
 
 TEST(CutSurface, AnyOrderOfMagnitudeAndPlace) {
   for (const double scale : {1e-2, 1.0, 1e2}) {
-    TriMesh m = plate(60 * scale, 6 * scale, 5);
+    surface::TriMesh m = plate(60 * scale, 6 * scale, 5);
     m.origin_mm = {1e5, -2e5, 3e5};
-    Cutter c =
+    boolean::Cutter c =
         cylinder(m.origin_mm + Vec3{1.3, 0.4, 0} * scale, normalized({0.3, 0, -1}), 7 * scale, 20 * scale, 20 * scale);
-    CutSurfaceParams p;
+    boolean::CutSurfaceParams p;
     p.cutter_deviation_mm = 0.01 * scale;
     p.min_component_mm3 = 0;
     Report r;
@@ -299,9 +302,9 @@ TEST(CutSurface, AnyOrderOfMagnitudeAndPlace) {
 }
 
 TEST(CutSurface, WhatCannotBeCutIsRefused) {
-  const TriMesh m = vault(3);
-  const Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
-  TriMesh bad = m;
+  const surface::TriMesh m = vault(3);
+  const boolean::Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
+  surface::TriMesh bad = m;
   bad.points_mm[5].x = std::nan("");
   EXPECT_EQ(code_of(bad, {c}), ExitCode::bad_input);
   bad = m;
@@ -310,18 +313,18 @@ TEST(CutSurface, WhatCannotBeCutIsRefused) {
   bad = m;
   bad.points_mm[bad.triangles[7][0]] = {0, 0, 0};  // through everything
   EXPECT_EQ(code_of(bad, {c}), ExitCode::quality);
-  Cutter d = c;
+  boolean::Cutter d = c;
   d.radius_mm = -1;
   EXPECT_EQ(code_of(m, {d}), ExitCode::bad_input);
   d = {};
   d.kind = Kind::sphere;
   d.radius_mm = 100;
   EXPECT_EQ(code_of(m, {d}), ExitCode::quality);  // nothing is left
-  CutSurfaceParams hurried;
+  boolean::CutSurfaceParams hurried;
   hurried.time_limit_s = 1e-4;
   EXPECT_EQ(code_of(m, {c}, hurried), ExitCode::internal);  // M11
   EXPECT_EQ(code_of(m, {}), ExitCode::ok);
   const std::atomic<bool> cancel{true};
   Report r;
-  EXPECT_THROW(cut_surface(m, {c}, {}, r, Progress(nullptr, &cancel)), Cancelled);
+  EXPECT_THROW(boolean::cut_surface(m, {c}, {}, r, Progress(nullptr, &cancel)), Cancelled);
 }

@@ -49,7 +49,7 @@ std::string refusal_of(const std::vector<ZipMember>& members, ExitCode expected 
   const ScratchFolder folder;
   const auto file = folder.write("a.zip", zip_bytes(members));
   try {
-    import_series(file, {});
+    dicom::import_series(file, {});
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), expected) << e.line("");
     EXPECT_EQ(e.file().rfind("scan (", 0), 0u) << e.file();
@@ -67,7 +67,8 @@ TEST(DicomArchive, ASliceAtTheEndThatVanishesIsToldOf) {
     members.back().bytes = change(members.back().bytes);
     members.push_back({"EXPORT/READ.ME", "nothing of a slice"});
     std::string all;
-    for (const std::string& w : import_series(folder.write("a.zip", zip_bytes(members)), {}).folder.warnings) all += w;
+    for (const std::string& w : dicom::import_series(folder.write("a.zip", zip_bytes(members)), {}).folder.warnings)
+      all += w;
     return all;
   };
   EXPECT_EQ(warnings([](std::string b) { return b; }), "");
@@ -93,18 +94,18 @@ TEST(DicomArchive, GivesTheSameVolumeAndHashAsTheFolder) {
     members.push_back({"inner.zip", zip_bytes(members_of(s))});  // not opened: its slices would be doubles
     members.push_back({"empty", "", false});
     const auto file = disc.write("export.zip", zip_bytes(members));
-    const ImportResult a = import_series(folder.path(), {}), b = import_series(file, {});
+    const dicom::ImportResult a = dicom::import_series(folder.path(), {}), b = dicom::import_series(file, {});
     EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume));
     EXPECT_EQ(a.input_sha256, b.input_sha256);
-    EXPECT_EQ(hash_of_series_input(file, {}), a.input_sha256);
+    EXPECT_EQ(dicom::hash_of_series_input(file, {}), a.input_sha256);
     EXPECT_EQ(std::get<std::int64_t>(*b.report.find("duplicates_dropped_count")), 0);
     EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_hidden_count")), 1);
     EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_links_count")), 1);
     EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_not_dicom_count")), 4);
-    const SeriesList list = list_series(file);
+    const dicom::SeriesList list = dicom::list_series(file);
     ASSERT_EQ(list.series.size(), 1u);
     EXPECT_EQ(list.series[0].verdict, "usable");
-    EXPECT_EQ(list.series[0].token, list_series(folder.path()).series[0].token);
+    EXPECT_EQ(list.series[0].token, dicom::list_series(folder.path()).series[0].token);
   }
 }
 
@@ -115,11 +116,11 @@ TEST(DicomArchive, ADiscWithItsDirectoryIsAFolderLikeAnyOther) {
   disc.write("DICOMDIR", dicomdir());
   disc.write("AUTORUN.INF", "[autorun]");
   s.write(disc, [](int k) { return "DICOM/PA000001/ST000001/SE000001/IM" + std::to_string(k); });
-  const ImportResult a = import_series(plain.path(), {}), b = import_series(disc.path(), {});
+  const dicom::ImportResult a = dicom::import_series(plain.path(), {}), b = dicom::import_series(disc.path(), {});
   EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume));
   EXPECT_EQ(a.input_sha256, b.input_sha256);
   try {
-    import_series(disc.path() / "DICOMDIR", {});
+    dicom::import_series(disc.path() / "DICOMDIR", {});
     ADD_FAILURE();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -139,7 +140,7 @@ TEST(DicomArchive, CompressedSlicesToo) {
   const ScratchFolder raw, packed;
   s.write(raw);
   const auto file = packed.write("a.zip", zip_bytes(members_of(compressed)));
-  const ImportResult a = import_series(raw.path(), {}), b = import_series(file, {});
+  const dicom::ImportResult a = dicom::import_series(raw.path(), {}), b = dicom::import_series(file, {});
   EXPECT_EQ(std::get<std::string>(*b.report.find("transfer_syntax")), "RLE lossless");
   EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume));
 }
@@ -175,7 +176,7 @@ TEST(DicomArchive, DamageIsTold) {
   // Cut anywhere, or with any byte of its directory changed, it is refused or gives the same volume; nothing dies.
   const ScratchFolder folder;
   const std::string whole = zip_bytes(good);
-  const ImportResult truth = import_series(folder.write("good.zip", whole), {});
+  const dicom::ImportResult truth = dicom::import_series(folder.write("good.zip", whole), {});
   int refused = 0;
   for (int n = 0; n < 60; ++n) {
     std::string bytes = whole;
@@ -184,7 +185,7 @@ TEST(DicomArchive, DamageIsTold) {
     else
       bytes[bytes.size() - 1 - static_cast<std::size_t>((n - 20) * 13)] ^= static_cast<char>(1 << (n % 8));
     try {
-      const ImportResult r = import_series(folder.write("bad.zip", bytes), {});
+      const dicom::ImportResult r = dicom::import_series(folder.write("bad.zip", bytes), {});
       EXPECT_TRUE(synthetic::same_volume(r.volume, truth.volume)) << n;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input) << n << e.line("");
@@ -248,12 +249,12 @@ TEST(DicomArchive, ABombCostsLittle) {
 TEST(DicomArchive, WithoutDicomSaysSo) {
   const ScratchFolder folder;
   try {
-    import_series(folder.write("a.zip", zip_bytes({{"a.txt", "hello"}, {"b.txt", "you"}})), {});
+    dicom::import_series(folder.write("a.zip", zip_bytes({{"a.txt", "hello"}, {"b.txt", "you"}})), {});
     ADD_FAILURE();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
   }
-  EXPECT_THROW(import_series(folder.write("b.zip", zip_bytes({})), {}), Error);
+  EXPECT_THROW(dicom::import_series(folder.write("b.zip", zip_bytes({})), {}), Error);
 }
 
 }  // namespace

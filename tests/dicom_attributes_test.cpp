@@ -40,53 +40,52 @@ void set_value(DataSet& d, std::uint32_t t, const std::string& vr, const std::st
 
 /// Values that are well-formed, and not what the series has.
 std::vector<std::string> values_of(const Attribute& a) {
-  using namespace dicom;
   switch (a.tag) {
-    case t_image_type:
+    case dicom::t_image_type:
       return {"DERIVED\\SECONDARY\\AXIAL", "ORIGINAL\\PRIMARY\\LOCALIZER", "DERIVED\\PRIMARY\\MPR"};
-    case t_sop_class:
+    case dicom::t_sop_class:
       return {"1.2.840.10008.5.1.4.1.1.4", "1.2.840.10008.5.1.4.1.1.7", "1.2.3.4"};
-    case t_modality:
+    case dicom::t_modality:
       return {"MR", "PT"};
-    case t_position:
+    case dicom::t_position:
       return {"0\\0\\0", "-14.25\\-11.25\\500"};
-    case t_orientation:
+    case dicom::t_orientation:
       return {"0\\1\\0\\1\\0\\0", "1\\0\\0\\0\\-1\\0"};
-    case t_spacing:
+    case dicom::t_spacing:
       return {"1.5\\1.4", "3\\3"};
-    case t_aspect:
+    case dicom::t_aspect:
       return {"2\\1"};
-    case t_rows:
+    case dicom::t_rows:
       return {"15"};
-    case t_columns:
+    case dicom::t_columns:
       return {"19"};
-    case t_samples:
+    case dicom::t_samples:
       return {"3"};
-    case t_photometric:
+    case dicom::t_photometric:
       return {"MONOCHROME1", "PALETTE COLOR"};
-    case t_allocated:
+    case dicom::t_allocated:
       return {"8"};
-    case t_stored:
+    case dicom::t_stored:
       return {"12"};
-    case t_high_bit:
+    case dicom::t_high_bit:
       return {"11"};
-    case t_representation:
+    case dicom::t_representation:
       return {"1"};
-    case t_padding:
-    case t_padding_limit:
+    case dicom::t_padding:
+    case dicom::t_padding_limit:
       return {"1018", "0"};
-    case t_burned_in:
-    case t_quality:
+    case dicom::t_burned_in:
+    case dicom::t_quality:
       return {"YES"};
-    case t_lossy:
+    case dicom::t_lossy:
       return {"01"};
-    case t_slope:
+    case dicom::t_slope:
       return {"2", "-1"};
-    case t_intercept:
+    case dicom::t_intercept:
       return {"-1000", "0"};
-    case t_rescale_type:
+    case dicom::t_rescale_type:
       return {"HU", "US"};
-    case t_patient_position:
+    case dicom::t_patient_position:
       return {"FFS", "HFP"};
     default:
       if (std::string(a.vr) == "DS" || std::string(a.vr) == "IS") return {"3", "77.5"};
@@ -98,7 +97,7 @@ std::vector<std::string> values_of(const Attribute& a) {
 
 struct Read {
   Outcome outcome;
-  std::optional<HuVolume> volume;
+  std::optional<grid::HuVolume> volume;
   std::string told;
 };
 Read read(const Scan& scan) {
@@ -106,7 +105,7 @@ Read read(const Scan& scan) {
   scan.write(folder);
   Read r;
   try {
-    ImportResult result = import_series(folder.path(), {});
+    dicom::ImportResult result = dicom::import_series(folder.path(), {});
     r.volume = std::move(result.volume);
     for (const Report* report : {&result.report, &result.folder})
       for (const std::string& w : report->warnings) r.told += w + "\n";
@@ -159,25 +158,24 @@ TEST(DicomAttributes, OneSliceThatSaysOtherwiseIsNeverReadInSilence) {
 }
 
 TEST(DicomAttributes, WhatCannotBeReadAlikeIsRefusedAndTheRemedyWorks) {
-  using namespace dicom;
-  for (const auto& [t, value] : {std::pair<std::uint32_t, unsigned>{t_representation, 1}, {t_stored, 12}})
+  for (const auto& [t, value] : {std::pair<std::uint32_t, unsigned>{dicom::t_representation, 1}, {dicom::t_stored, 12}})
     for (const int at : {0, slices / 2, slices - 1}) {
       const ScratchFolder folder;
       Scan s = plain();
       s.edit = [&, tag = t, to = value](int k, DataSet& d) {
         if (k != at) return;
         d.number(tag, to);
-        if (tag == t_stored) d.number(t_high_bit, to - 1);
+        if (tag == dicom::t_stored) d.number(dicom::t_high_bit, to - 1);
       };
       s.write(folder);
       const Outcome o = outcome(folder.path());
       EXPECT_EQ(o.code, 65);
       EXPECT_NE(o.line.find("this one in 1 of 12 slices"), std::string::npos) << o.line;
-      ImportParams params;
-      EXPECT_EQ(list_series(folder.path()).series.at(0).usable, false);
+      dicom::ImportParams params;
+      EXPECT_EQ(dicom::list_series(folder.path()).series.at(0).usable, false);
       // The remedy to the letter: the file taken out, and the gap, where one is left, interpolated.
       std::filesystem::remove(folder.path() / ("slice" + std::to_string(1000 + at) + ".dcm"));
-      if (at == slices / 2) params.gaps = GapPolicy::interpolate;
+      if (at == slices / 2) params.gaps = dicom::GapPolicy::interpolate;
       EXPECT_EQ(outcome(folder.path(), params).code, 0) << outcome(folder.path(), params).line;
     }
 }

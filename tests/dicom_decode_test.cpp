@@ -77,7 +77,7 @@ TEST_P(Compressed, DecodesToTheSameVolume) {
       s.write(raw);
       s.write(packed);
       compress(packed.path(), GetParam().type);
-      const ImportResult a = import_series(raw.path(), {}), b = import_series(packed.path(), {});
+      const dicom::ImportResult a = dicom::import_series(raw.path(), {}), b = dicom::import_series(packed.path(), {});
       EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume)) << (is_signed ? "signed " : "unsigned ") << bits;
       EXPECT_EQ(std::get<std::string>(*b.report.find("transfer_syntax")), GetParam().name);
     }
@@ -114,7 +114,7 @@ TEST_P(Compressed, DamageIsTold) {
   for (const std::string& bytes : bad) {
     folder.write("slice1003.dcm", bytes);
     try {
-      import_series(folder.path(), {});
+      dicom::import_series(folder.path(), {});
       ADD_FAILURE() << "damage number " << (&bytes - bad.data()) << " was read";
     } catch (const Error& e) {
       EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.line("import");

@@ -23,15 +23,15 @@ double figure(const Report& r, const std::string& name) {
   return std::get<double>(*v);
 }
 
-ImportResult import(const Scan& scan, const ImportParams& params = {}) {
+dicom::ImportResult import(const Scan& scan, const dicom::ImportParams& params = {}) {
   const ScratchFolder folder;
   scan.write(folder);
-  return import_series(folder.path(), params);
+  return dicom::import_series(folder.path(), params);
 }
 
 /// Every blob within 0.1 mm of the truth and of its height: a mirrored or swapped axis would put another one there.
-void expect_blobs(const HuVolume& volume, const Scan& scan, double height_tolerance = 0.1) {
-  const Lattice& l = lattice_of(volume);
+void expect_blobs(const grid::HuVolume& volume, const Scan& scan, double height_tolerance = 0.1) {
+  const grid::Lattice& l = grid::lattice_of(volume);
   EXPECT_NEAR(determinant(l.direction), 1, 1e-9);
   for (const auto& blob : scan.blobs) {
     const auto found = synthetic::find_blob(volume, blob, scan.background_hu);
@@ -42,7 +42,7 @@ void expect_blobs(const HuVolume& volume, const Scan& scan, double height_tolera
   }
 }
 
-std::string error_of(const Scan& scan, const ImportParams& params = {}) {
+std::string error_of(const Scan& scan, const dicom::ImportParams& params = {}) {
   try {
     import(scan, params);
   } catch (const Error& e) {
@@ -80,10 +80,10 @@ TEST_P(Orientations, BlobsWhereTheyAre) {
   s.u = GetParam().u;
   s.v = GetParam().v;
   s.columns = s.rows = 64;
-  const ImportResult r = import(s);
+  const dicom::ImportResult r = import(s);
   EXPECT_EQ(figure(r.report, "resampled"), 0);
   expect_blobs(r.volume, s);
-  const Lattice& l = lattice_of(r.volume);
+  const grid::Lattice& l = grid::lattice_of(r.volume);
   EXPECT_LT(norm(l.direction.column[0] - s.u) + norm(l.direction.column[1] - s.v), 1e-9);
 }
 
@@ -116,7 +116,7 @@ TEST(DicomGeometry, FieldsOfView) {
     s.step_mm = field / 64;
     s.slices = 48;
     s.blobs = synthetic::four_blobs(field / 6, field / 24);
-    ImportParams p;
+    dicom::ImportParams p;
     p.max_gap_mm = 20;
     expect_blobs(import(s, p).volume, s);
   }
@@ -128,12 +128,12 @@ TEST_P(Tilts, AreRectified) {
   Scan s = head();
   s.background_hu = 20;
   s.drift_per_mm = s.v * std::tan(GetParam() * M_PI / 180);
-  const ImportResult r = import(s);
+  const dicom::ImportResult r = import(s);
   EXPECT_NEAR(figure(r.report, "tilt_deg"), GetParam(), 0.01);
   EXPECT_EQ(figure(r.report, "resampled"), 1);
   expect_blobs(r.volume, s);
   // Nothing of any slice is lost: the grid covers all of them.
-  const Lattice& l = lattice_of(r.volume);
+  const grid::Lattice& l = grid::lattice_of(r.volume);
   EXPECT_EQ(l.size[0], s.columns);
   EXPECT_GE((l.size[1] - 1) * l.spacing_mm.y + 1e-6,
             (s.rows - 1) * s.dy_mm + std::abs(s.drift_per_mm.y) * 31 * s.step_mm);
@@ -150,7 +150,7 @@ TEST(DicomGeometry, TiltOfAnObliqueStackInBothDirections) {
   s.v = oblique_v;
   s.background_hu = 20;
   s.drift_per_mm = s.v * 0.2 + s.u * -0.1;
-  const ImportResult r = import(s);
+  const dicom::ImportResult r = import(s);
   EXPECT_NEAR(figure(r.report, "tilt_deg"), std::atan(std::hypot(0.2, 0.1)) * 180 / M_PI, 0.01);
   expect_blobs(r.volume, s);
 }
@@ -159,9 +159,9 @@ TEST(DicomGeometry, UprightUniformStackIsNotTouched) {
   Scan s = head();
   s.centre_mm = {-3.3, 120.7, -1234.56};
   for (auto& b : s.blobs) b.centre_mm += s.centre_mm;
-  const ImportResult r = import(s);
+  const dicom::ImportResult r = import(s);
   EXPECT_EQ(figure(r.report, "resampled"), 0);
-  const auto& g = std::get<Grid<std::int16_t>>(r.volume);
+  const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
   for (int k = 0; k < s.slices; ++k)
     for (int j = 0; j < s.rows; ++j)
       for (int i = 0; i < s.columns; ++i)
@@ -188,7 +188,7 @@ TEST(DicomGeometry, JitteredPositions) {
       seed = seed * 1664525u + 1013904223u;
       s.along_mm.push_back((k - 21.5) * 1.5 + jitter * (2.0 * (seed >> 8) / 16777216.0 - 1));
     }
-    const ImportResult r = import(s);
+    const dicom::ImportResult r = import(s);
     EXPECT_EQ(figure(r.report, "resampled"), 1) << jitter;
     double largest = 0;
     for (std::size_t k = 1; k < s.along_mm.size(); ++k) largest = std::max(largest, s.along_mm[k] - s.along_mm[k - 1]);
@@ -201,9 +201,9 @@ TEST(DicomGeometry, SpacingThatChanges) {
   Scan s = head();
   s.along_mm = positions({{30, 1.0}, {10, 5.0}});
   s.blobs = synthetic::four_blobs(15, 5);
-  const ImportResult r = import(s);
-  EXPECT_NEAR(lattice_of(r.volume).spacing_mm.z, 1, 1e-6);
-  EXPECT_EQ(lattice_of(r.volume).size[2], 81);
+  const dicom::ImportResult r = import(s);
+  EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 1, 1e-6);
+  EXPECT_EQ(grid::lattice_of(r.volume).size[2], 81);
   EXPECT_NEAR(figure(r.report, "largest_gap_mm"), 5, 1e-6);
   expect_blobs(r.volume, s, 0.15);                         // slices 5 mm apart miss the tops
   s.along_mm = positions({{2, 1.0}, {9, 5.0}, {2, 1.0}});  // two equal new steps are a change, not a missing slice
@@ -213,8 +213,8 @@ TEST(DicomGeometry, SpacingThatChanges) {
 TEST(DicomGeometry, OneSmallerStep) {
   Scan s = head();
   s.along_mm = positions({{20, 1.5}, {1, 1.0}, {19, 1.5}});
-  const ImportResult r = import(s);
-  EXPECT_NEAR(lattice_of(r.volume).spacing_mm.z, 1.5, 1e-6);
+  const dicom::ImportResult r = import(s);
+  EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 1.5, 1e-6);
   EXPECT_EQ(figure(r.report, "missing_slices_interpolated_count"), 0);
   expect_blobs(r.volume, s);
 }
@@ -223,11 +223,11 @@ TEST(DicomGeometry, StepAboveTheLargestAllowed) {
   Scan s = head();
   s.along_mm = positions({{8, 4.0}, {6, 9.0}});
   EXPECT_NE(error_of(s).find("9.000 mm"), std::string::npos) << error_of(s);
-  ImportParams p;
+  dicom::ImportParams p;
   p.max_gap_mm = 10;
   EXPECT_NO_THROW(import(s, p));
   p.max_gap_mm = 8;
-  p.gaps = GapPolicy::interpolate;
+  p.gaps = dicom::GapPolicy::interpolate;
   EXPECT_NE(error_of(s, p).find("max_gap_mm"), std::string::npos);
 }
 
@@ -247,9 +247,9 @@ TEST(DicomGeometry, MissingSlice) {
     char text[20];
     std::snprintf(text, sizeof text, "%.3f mm", gap);
     EXPECT_NE(error.find(text), std::string::npos) << error;
-    ImportParams p;
-    p.gaps = GapPolicy::interpolate;
-    const ImportResult r = import(s, p);
+    dicom::ImportParams p;
+    p.gaps = dicom::GapPolicy::interpolate;
+    const dicom::ImportResult r = import(s, p);
     EXPECT_EQ(figure(r.report, "missing_slices_interpolated_count"), 1);
     EXPECT_EQ(figure(r.report, "resampled"), 1);
     expect_blobs(r.volume, s, 0.15);
@@ -262,9 +262,9 @@ TEST(DicomGeometry, TiltAndChangingSpacingAtOnce) {
   s.blobs = synthetic::four_blobs(15, 5);
   s.along_mm = positions({{9, 4.0}, {7, 6.0}});
   s.drift_per_mm = s.v * std::tan(-18.5 * M_PI / 180);
-  const ImportResult r = import(s);
+  const dicom::ImportResult r = import(s);
   EXPECT_NEAR(figure(r.report, "tilt_deg"), -18.5, 0.01);
-  EXPECT_NEAR(lattice_of(r.volume).spacing_mm.z, 4, 1e-6);
+  EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 4, 1e-6);
   expect_blobs(r.volume, s, 0.15);
 }
 

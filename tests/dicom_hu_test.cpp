@@ -36,8 +36,8 @@ TEST(DicomHu, SignedUnsignedAndWide) {
     s.stored = word;
     const ScratchFolder folder;
     s.write(folder);
-    const ImportResult r = import_series(folder.path(), {});
-    EXPECT_EQ(std::holds_alternative<Grid<std::int16_t>>(r.volume), c.int16) << c.intercept << " " << c.high;
+    const dicom::ImportResult r = dicom::import_series(folder.path(), {});
+    EXPECT_EQ(std::holds_alternative<grid::Grid<std::int16_t>>(r.volume), c.int16) << c.intercept << " " << c.high;
     std::visit(
         [&](const auto& g) {
           for (int k = 0; k < s.slices; ++k)
@@ -58,7 +58,7 @@ TEST(DicomHu, SlopeAndInterceptOfEachSlice) {
   };
   const ScratchFolder folder;
   s.write(folder);
-  const auto g = std::get<Grid<std::int16_t>>(import_series(folder.path(), {}).volume);
+  const auto g = std::get<grid::Grid<std::int16_t>>(dicom::import_series(folder.path(), {}).volume);
   for (int k = 0; k < s.slices; ++k) EXPECT_EQ(g.at(3, 4, k), (100 * k + 7) * (k % 2 ? 2 : 1) - 1000 - k);
 }
 
@@ -88,9 +88,9 @@ TEST(DicomHu, PaddingBecomesAirAndIsCounted) {
     };
     const ScratchFolder folder;
     s.write(folder);
-    const ImportResult r = import_series(folder.path(), {});
+    const dicom::ImportResult r = dicom::import_series(folder.path(), {});
     EXPECT_EQ(count(r.report, "padding_voxels_count"), 4 * s.rows * s.slices);
-    const auto& g = std::get<Grid<std::int16_t>>(r.volume);
+    const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
     EXPECT_EQ(g.at(2, 5, 1), -1000);
     EXPECT_EQ(count(r.report, "below_air_voxels_count"), 0);
   }
@@ -105,13 +105,13 @@ TEST(DicomHu, MetalIsKeptOrClampedAndCounted) {
     };
     const ScratchFolder folder;
     s.write(folder);
-    const ImportResult kept = import_series(folder.path(), {});
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(kept.volume).at(5, 5, 2), metal);
+    const dicom::ImportResult kept = dicom::import_series(folder.path(), {});
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(kept.volume).at(5, 5, 2), metal);
     EXPECT_EQ(count(kept.report, "clamped_voxels_count"), 0);
-    ImportParams p;
+    dicom::ImportParams p;
     p.clamp_high_hu = 3000;
-    const ImportResult clamped = import_series(folder.path(), p);
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(clamped.volume).at(5, 5, 2), 3000);
+    const dicom::ImportResult clamped = dicom::import_series(folder.path(), p);
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(clamped.volume).at(5, 5, 2), 3000);
     EXPECT_EQ(count(clamped.report, "clamped_voxels_count"), s.slices);
   }
 }
@@ -127,7 +127,8 @@ TEST(DicomHu, BitsAboveTheStoredOnesAreNoValue) {
   s.write(a);
   s.edit = nullptr;
   s.write(b);
-  EXPECT_TRUE(synthetic::same_volume(import_series(a.path(), {}).volume, import_series(b.path(), {}).volume));
+  EXPECT_TRUE(
+      synthetic::same_volume(dicom::import_series(a.path(), {}).volume, dicom::import_series(b.path(), {}).volume));
 }
 
 }  // namespace

@@ -40,10 +40,10 @@ Scan twelve(std::uint32_t t, const std::string& vr, const std::function<std::str
   return s;
 }
 
-ImportResult imported(const Scan& scan, const ImportParams& params = {}) {
+dicom::ImportResult imported(const Scan& scan, const dicom::ImportParams& params = {}) {
   const ScratchFolder folder;
   scan.write(folder);
-  return import_series(folder.path(), params);
+  return dicom::import_series(folder.path(), params);
 }
 
 bool warns(const Report& r, const std::string& what) {
@@ -65,14 +65,15 @@ TEST(DicomIdentity, SlicesOfTwoPatientsAreRefusedUnlessAReasonIsGiven) {
       EXPECT_NE(o.line.find("same_patient_reason"), std::string::npos) << o.line;
       for (const char* value : {kind.one, kind.other})
         EXPECT_EQ(o.line.find(std::string(" ") + value), std::string::npos);
-      ImportParams params;
+      dicom::ImportParams params;
       params.same_patient_reason = "a slip of the pen at the desk";
       const Report r = imported(s, params).report;
       EXPECT_TRUE(warns(r, std::string(kind.keyword) + " has 2 values within the series")) << kind.keyword;
       ASSERT_TRUE(r.find("same_patient_reason"));
       const ScratchFolder folder;
       s.write(folder);
-      EXPECT_THROW(hash_of_series_input(folder.path(), {}), Error) << "a result that is stored must not be taken";
+      EXPECT_THROW(dicom::hash_of_series_input(folder.path(), {}), Error)
+          << "a result that is stored must not be taken";
     }
 }
 
@@ -96,9 +97,9 @@ TEST(DicomIdentity, WritingsOfOneNameAndWhatAnonymisersWriteAreNoContradiction) 
 }
 
 TEST(DicomIdentity, WhatIsAbsentIsTold) {
-  const ImportResult none = imported(twelve(kinds[0].tag, "LO", [](int) { return ""; }));
+  const dicom::ImportResult none = imported(twelve(kinds[0].tag, "LO", [](int) { return ""; }));
   EXPECT_EQ(std::get<std::string>(*none.folder.find("patient_said_by")), "nothing");
-  const ImportResult id = imported(twelve(kinds[0].tag, "LO", [](int) { return "H-4711"; }));
+  const dicom::ImportResult id = imported(twelve(kinds[0].tag, "LO", [](int) { return "H-4711"; }));
   EXPECT_EQ(std::get<std::string>(*id.folder.find("patient_said_by")), "PatientID");
   EXPECT_TRUE(warns(imported(twelve(kinds[3].tag, "DA", [](int k) { return k < 9 ? "19610203" : ""; })).report,
                     "PatientBirthDate is said by 9 of 12 slices"));
@@ -110,10 +111,10 @@ TEST(DicomIdentity, TwoSeriesAreComparedByEveryAttribute) {
     twelve(kind.tag, kind.vr, [&](int) { return kind.one; }).write(a);
     twelve(kind.tag, kind.vr, [&](int) { return kind.other; }).write(b);
     twelve(kind.tag, kind.vr, [&](int) { return ""; }).write(c);
-    const PatientMatch apart = compare_patients({a.path(), {}}, {b.path(), {}});
+    const dicom::PatientMatch apart = dicom::compare_patients({a.path(), {}}, {b.path(), {}});
     EXPECT_EQ(apart.contradicting, std::vector<std::string>{kind.keyword});
-    EXPECT_EQ(compare_patients({a.path(), {}}, {a.path(), {}}).agreeing, std::vector<std::string>{kind.keyword});
-    const PatientMatch unsaid = compare_patients({a.path(), {}}, {c.path(), {}});
+    EXPECT_EQ(dicom::compare_patients({a.path(), {}}, {a.path(), {}}).agreeing, std::vector<std::string>{kind.keyword});
+    const dicom::PatientMatch unsaid = dicom::compare_patients({a.path(), {}}, {c.path(), {}});
     EXPECT_TRUE(unsaid.contradicting.empty() && unsaid.agreeing.empty());
   }
 }
@@ -138,7 +139,7 @@ TEST(DicomIdentity, NoFileOrFolderIsNamedByItsName) {
   const std::string line = outcome(patient).line;
   const std::size_t at = line.find("file 5 of 6 (");
   ASSERT_NE(at, std::string::npos) << line;
-  const std::string digest = line.substr(at + 13, 8), map = scan_file_map(patient);
+  const std::string digest = line.substr(at + 13, 8), map = dicom::scan_file_map(patient);
   EXPECT_NE(map.find("5\t" + digest + "\tCANARYSCANS/CANARY4.dcm\n"), std::string::npos) << map;
 }
 
@@ -150,9 +151,10 @@ TEST(DicomIdentity, AnotherPatientsSeriesInTheFolderIsToldOf) {
   two.slices = 8;
   one.write(folder);
   two.write(folder, [](int k) { return "z" + std::to_string(k); });
-  ImportParams params;
+  dicom::ImportParams params;
   params.series = "s1";
-  EXPECT_TRUE(warns(import_series(folder.path(), params).folder, "1 other series of the folder is of another patient"));
+  EXPECT_TRUE(
+      warns(dicom::import_series(folder.path(), params).folder, "1 other series of the folder is of another patient"));
 }
 
 }  // namespace

@@ -36,16 +36,16 @@ struct Outcome {
   std::string line;
 };
 
-inline Outcome outcome(const std::filesystem::path& path, const ImportParams& params = {}) {
+inline Outcome outcome(const std::filesystem::path& path, const dicom::ImportParams& params = {}) {
   try {
-    import_series(path, params);
+    dicom::import_series(path, params);
   } catch (const Error& e) {
     return {static_cast<int>(e.code()), e.line("import")};
   }
   return {};
 }
 
-inline Outcome outcome(const Scan& scan, const ImportParams& params = {}) {
+inline Outcome outcome(const Scan& scan, const dicom::ImportParams& params = {}) {
   const ScratchFolder folder;
   scan.write(folder);
   return outcome(folder.path(), params);

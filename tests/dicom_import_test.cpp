@@ -84,7 +84,7 @@ TEST(DicomValues, OddButRightDecimalsAreRead) {
   };
   const ScratchFolder folder;
   s.write(folder);
-  const Lattice l = lattice_of(import_series(folder.path(), {}).volume);
+  const grid::Lattice l = grid::lattice_of(dicom::import_series(folder.path(), {}).volume);
   EXPECT_DOUBLE_EQ(l.spacing_mm.x, 0.4785156);
   EXPECT_DOUBLE_EQ(l.spacing_mm.y, 0.4785156);
 }
@@ -182,7 +182,7 @@ TEST(DicomFiles, OtherFilesAreSkippedAndCounted) {
   const ScratchFolder folder;
   const Scan s = small();
   s.write(folder, [](int k) { return "a/b/" + std::to_string(k); });
-  const ImportResult plain = import_series(folder.path(), {});
+  const dicom::ImportResult plain = dicom::import_series(folder.path(), {});
   const std::string good = synthetic::file_bytes(s.slice(0));
   folder.write("readme.txt", "hello");
   folder.write("empty", "");
@@ -202,7 +202,7 @@ TEST(DicomFiles, OtherFilesAreSkippedAndCounted) {
   dose.slices = 1;
   dose.edit = [](int, DataSet& d) { d.elements.erase(pixels_tag); };
   dose.write(folder, [](int) { return "dose"; });
-  const ImportResult r = import_series(folder.path(), {});
+  const dicom::ImportResult r = dicom::import_series(folder.path(), {});
   EXPECT_TRUE(synthetic::same_volume(r.volume, plain.volume));
   EXPECT_EQ(r.input_sha256, plain.input_sha256);
   EXPECT_EQ(r.report.figures, plain.report.figures);
@@ -232,11 +232,12 @@ TEST(DicomFiles, ImplicitVrIsReadAlike) {
   s.write(a);
   s.syntax = "1.2.840.10008.1.2";
   s.write(b);
-  EXPECT_TRUE(synthetic::same_volume(import_series(a.path(), {}).volume, import_series(b.path(), {}).volume));
+  EXPECT_TRUE(
+      synthetic::same_volume(dicom::import_series(a.path(), {}).volume, dicom::import_series(b.path(), {}).volume));
 }
 
 TEST(DicomParams, AreDeclared) {
-  const ParameterSet& set = parameters_of<ImportParams>();
+  const ParameterSet& set = parameters_of<dicom::ImportParams>();
   EXPECT_EQ(set.names(),
             (std::vector<std::string>{"series", "modality", "units", "volume_values", "gaps", "max_gap_mm",
                                       "clamp_low_hu", "clamp_high_hu", "burned_in_reason", "same_patient_reason"}));
@@ -246,7 +247,7 @@ TEST(DicomCancel, IsHeard) {
   const ScratchFolder folder;
   small().write(folder);
   std::atomic<bool> cancel{true};
-  EXPECT_THROW(import_series(folder.path(), {}, Progress(nullptr, &cancel)), Cancelled);
+  EXPECT_THROW(dicom::import_series(folder.path(), {}, Progress(nullptr, &cancel)), Cancelled);
 }
 
 }  // namespace

@@ -19,27 +19,27 @@ TEST(DicomLinks, ALinkOutOfTheFolderIsNotReadAndToldOf) {
   const ScratchFolder outside, folder;
   small().write(outside);
   small().write(folder);
-  const ImportResult plain = import_series(folder.path(), {});
+  const dicom::ImportResult plain = dicom::import_series(folder.path(), {});
   EXPECT_EQ(count(plain.folder, "skipped_links_count"), -1);
   // A slice that is elsewhere: the folder's own five are a series of their own.
   const fs::path slice = folder.path() / "slice1005.dcm";
   fs::remove(slice);
   for (const fs::path& target : {outside.path() / "slice1005.dcm", fs::path("/proc/self/environ"), fs::path("gone")}) {
     fs::create_symlink(target, slice);
-    const ImportResult r = import_series(folder.path(), {});
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).size[2], 5) << target;
+    const dicom::ImportResult r = dicom::import_series(folder.path(), {});
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(r.volume).size[2], 5) << target;
     EXPECT_EQ(count(r.folder, "skipped_links_count"), 1);
     ASSERT_FALSE(r.folder.warnings.empty());
     EXPECT_NE(r.folder.warnings[0].find("symbolic link"), std::string::npos);
-    EXPECT_NE(hash_of_series_input(folder.path(), {}), plain.input_sha256);
+    EXPECT_NE(dicom::hash_of_series_input(folder.path(), {}), plain.input_sha256);
     fs::remove(slice);
   }
   // Within the folder a link is as good as a file.
   fs::create_directory(folder.path() / "below");
   fs::copy_file(outside.path() / "slice1005.dcm", folder.path() / "below" / "x");
   fs::create_symlink("below/x", slice);
-  const ImportResult r = import_series(folder.path(), {});
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).size[2], 6);
+  const dicom::ImportResult r = dicom::import_series(folder.path(), {});
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(r.volume).size[2], 6);
   EXPECT_EQ(r.input_sha256 == plain.input_sha256, false) << "the slice is there twice";
 }
 

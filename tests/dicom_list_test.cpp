@@ -18,23 +18,23 @@ using synthetic::Scan;
 using synthetic::tag;
 
 /// Imports every series that the list names and compares. Returns how many there were.
-int expect_agreement(const std::filesystem::path& folder, ImportParams params = {}) {
-  SeriesList list;
+int expect_agreement(const std::filesystem::path& folder, dicom::ImportParams params = {}) {
+  dicom::SeriesList list;
   try {
-    list = list_series(folder, params);
+    list = dicom::list_series(folder, params);
   } catch (const Error& e) {
     try {
-      import_series(folder, params);
+      dicom::import_series(folder, params);
       ADD_FAILURE() << folder << " was not listed but read";
     } catch (const Error& f) {
       EXPECT_EQ(e.line(""), f.line(""));
     }
     return 0;
   }
-  for (const SeriesSummary& s : list.series) {
+  for (const dicom::SeriesSummary& s : list.series) {
     params.series = s.token;
     try {
-      const ImportResult r = import_series(folder, params);
+      const dicom::ImportResult r = dicom::import_series(folder, params);
       EXPECT_TRUE(s.usable) << folder << " " << s.token << ": " << s.verdict << ", but it was read";
       EXPECT_EQ(std::get<bool>(*r.report.find("resampled")), !s.rectified_for.empty());
       EXPECT_EQ(s.verdict, s.rectified_for.empty() ? "usable" : "usable, rectified: " + s.rectified_for);
@@ -60,11 +60,11 @@ Scan scan() {
   return s;
 }
 
-std::string verdict_of(const Scan& s, const ImportParams& params = {}) {
+std::string verdict_of(const Scan& s, const dicom::ImportParams& params = {}) {
   const ScratchFolder folder;
   s.write(folder);
   expect_agreement(folder.path(), params);
-  return list_series(folder.path(), params).series.at(0).verdict;
+  return dicom::list_series(folder.path(), params).series.at(0).verdict;
 }
 
 TEST(DicomList, VerdictsOfEveryKind) {
@@ -75,8 +75,8 @@ TEST(DicomList, VerdictsOfEveryKind) {
   s = scan();
   s.along_mm = {0, 2, 4, 6, 8, 12, 14, 16, 18};
   EXPECT_NE(verdict_of(s).find("a gap of 4.000 mm"), std::string::npos);
-  ImportParams interpolate;
-  interpolate.gaps = GapPolicy::interpolate;
+  dicom::ImportParams interpolate;
+  interpolate.gaps = dicom::GapPolicy::interpolate;
   EXPECT_EQ(verdict_of(s, interpolate), "usable, rectified: missing slices");
   s.along_mm = {0, 2, 4, 6, 8, 8, 10, 12, 14};
   s.stored = [](int i, int j, int k) -> std::optional<std::int64_t> { return k == 4 || k == 5 ? i + j : 7; };
@@ -126,7 +126,7 @@ TEST(DicomList, WhatIsMeasured) {
   s.v = {0, 0, -1};
   const ScratchFolder folder;
   s.write(folder);
-  const SeriesSummary a = list_series(folder.path()).series.at(0);
+  const dicom::SeriesSummary a = dicom::list_series(folder.path()).series.at(0);
   EXPECT_EQ(a.orientation, "sagittal HFS");
   EXPECT_EQ(a.size, (std::array<int, 3>{24, 20, 12}));
   EXPECT_EQ(a.kernel, "H31s");
@@ -135,7 +135,7 @@ TEST(DicomList, WhatIsMeasured) {
   t.drift_per_mm = t.v * std::tan(-25 * M_PI / 180);
   const ScratchFolder tilted;
   t.write(tilted);
-  const SeriesSummary b = list_series(tilted.path()).series.at(0);
+  const dicom::SeriesSummary b = dicom::list_series(tilted.path()).series.at(0);
   EXPECT_NEAR(b.tilt_deg, -25, 1e-6);
   EXPECT_EQ(b.orientation, "axial HFS");
 }
@@ -162,9 +162,9 @@ TEST(DicomList, SaysNothingOfThePatient) {
   const ScratchFolder folder;
   s.write(folder, [](int k) { return "CANARY^NAME/CANARY" + std::to_string(k); });
   folder.write("CANARY^NAME/CANARY.txt", "CANARY");
-  const SeriesList list = list_series(folder.path());
+  const dicom::SeriesList list = dicom::list_series(folder.path());
   EXPECT_FALSE(list.series.at(0).usable);
-  for (const std::string& text : {list_text(list), list_json(list)}) {
+  for (const std::string& text : {dicom::list_text(list), dicom::list_json(list)}) {
     EXPECT_EQ(text.find("CANARY"), std::string::npos) << text;
     EXPECT_EQ(text.find("77777"), std::string::npos) << text;
     EXPECT_NE(text.find("PixelSpacing"), std::string::npos) << text;

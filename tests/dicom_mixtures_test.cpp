@@ -28,10 +28,10 @@ Scan alternating(std::uint32_t t, const std::string& vr) {
   s.edit = [=](int k, DataSet& d) { d.text(t, vr, "1.2.33." + std::to_string(k % 2)); };
   return s;
 }
-std::vector<SeriesSummary> listed(const Scan& scan) {
+std::vector<dicom::SeriesSummary> listed(const Scan& scan) {
   const ScratchFolder folder;
   scan.write(folder);
-  return list_series(folder.path()).series;
+  return dicom::list_series(folder.path()).series;
 }
 bool warns(const Report& r, const std::string& what) {
   return std::any_of(r.warnings.begin(), r.warnings.end(),
@@ -53,8 +53,8 @@ TEST(DicomMixtures, OtherUnitsThanHuAreRefused) {
   s.edit = [](int, DataSet& d) { d.text(rescale_type_tag, "LO", "HU"); };
   EXPECT_EQ(outcome(s).code, 0);
   s.edit = [](int, DataSet& d) { d.text(rescale_type_tag, "LO", "US"); };
-  ImportParams params;
-  params.units = UnitPolicy::any;
+  dicom::ImportParams params;
+  params.units = dicom::UnitPolicy::any;
   EXPECT_EQ(outcome(s, params).code, 0);
 }
 
@@ -82,9 +82,9 @@ TEST(DicomMixtures, WhatIsNotOneSeriesIsParted) {
     EXPECT_EQ(listed(own).size(), 1u);
     const ScratchFolder folder;
     own.write(folder);
-    EXPECT_TRUE(warns(import_series(folder.path(), {}).report, t == patient_tag
-                                                                   ? "PatientID is another one in most slices"
-                                                                   : "changes within the series, 12 values"));
+    EXPECT_TRUE(warns(dicom::import_series(folder.path(), {}).report, t == patient_tag
+                                                                          ? "PatientID is another one in most slices"
+                                                                          : "changes within the series, 12 values"));
   }
 }
 
@@ -94,7 +94,7 @@ TEST(DicomMixtures, ChangesWithinASeriesAndUnusualValuesAreTold) {
     Scan s = longer();
     s.edit = edit;
     s.write(folder);
-    const Report r = import_series(folder.path(), {}).report;
+    const Report r = dicom::import_series(folder.path(), {}).report;
     EXPECT_TRUE(warns(r, what)) << what;
   };
   told([](int k, DataSet& d) { d.text(slope_tag, "DS", k == 3 ? "2" : "1"); },
@@ -110,7 +110,7 @@ TEST(DicomMixtures, ChangesWithinASeriesAndUnusualValuesAreTold) {
   told([](int, DataSet& d) { d.text(slope_tag, "DS", "40"); }, "are these HU?");
   const ScratchFolder folder;
   longer().write(folder);
-  EXPECT_TRUE(import_series(folder.path(), {}).report.warnings.empty());
+  EXPECT_TRUE(dicom::import_series(folder.path(), {}).report.warnings.empty());
 }
 
 TEST(DicomMixtures, AnOddSliceIsNamedAsWhatItIs) {
@@ -142,7 +142,7 @@ TEST(DicomMixtures, ASliceAtTheEndThatVanishesIsToldOf) {
     };
     s.write(folder);
     if (change) folder.write("slice1011.dcm", change(file_bytes(s.slice(11))));
-    return import_series(folder.path(), {}).folder;
+    return dicom::import_series(folder.path(), {}).folder;
   };
   EXPECT_TRUE(folder_report(nullptr).warnings.empty());
   EXPECT_TRUE(warns(folder_report([](std::string b) { return b.substr(0, 140) + std::string(200, 'x'); }),
@@ -188,10 +188,11 @@ TEST(DicomMixtures, PixelsThatHoldTextNeedAReason) {
   const Outcome o = outcome(folder.path());
   EXPECT_EQ(o.code, 81);
   EXPECT_NE(o.line.find("BurnedInAnnotation"), std::string::npos) << o.line;
-  EXPECT_NE(list_series(folder.path()).series.at(0).verdict.find("refused: BurnedInAnnotation"), std::string::npos);
-  ImportParams params;
+  EXPECT_NE(dicom::list_series(folder.path()).series.at(0).verdict.find("refused: BurnedInAnnotation"),
+            std::string::npos);
+  dicom::ImportParams params;
   params.burned_in_reason = "only the scanner's logo";
-  const Report r = import_series(folder.path(), params).report;
+  const Report r = dicom::import_series(folder.path(), params).report;
   ASSERT_TRUE(r.find("burned_in_reason"));
   EXPECT_EQ(std::get<std::string>(*r.find("burned_in_reason")), "only the scanner's logo");
 }

@@ -29,7 +29,7 @@ TEST(DicomMultiFrame, LikeTheSameScanInSingleFrames) {
   const Scan s = scan();
   const ScratchFolder single;
   s.write(single);
-  const ImportResult truth = import_series(single.path(), {});
+  const dicom::ImportResult truth = dicom::import_series(single.path(), {});
   for (const bool defined : {true, false})
     for (const char* syntax : {"1.2.840.10008.1.2.1", "1.2.840.10008.1.2"}) {
       const ScratchFolder folder;
@@ -37,7 +37,7 @@ TEST(DicomMultiFrame, LikeTheSameScanInSingleFrames) {
           "multi",
           synthetic::file_bytes(enhanced(s, {3, 0, 6, 1, 2, 5, 4}, defined, std::string(syntax) != "1.2.840.10008.1.2"),
                                 syntax));
-      const ImportResult r = import_series(file, {});
+      const dicom::ImportResult r = dicom::import_series(file, {});
       EXPECT_TRUE(synthetic::same_volume(r.volume, truth.volume)) << defined << syntax;
     }
 }
@@ -49,7 +49,7 @@ TEST(DicomMultiFrame, FramesWithoutGeometryAreRefused) {
   d.elements.erase(tag(0x5200, 0x9230));
   const auto file = folder.write("multi", synthetic::file_bytes(d));
   try {
-    import_series(file, {});
+    dicom::import_series(file, {});
     ADD_FAILURE();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);

@@ -213,14 +213,14 @@ void check_series(const Seed& seed, const std::string& bytes, const std::string&
   folder.write("mutant", bytes);
   const auto start = std::chrono::steady_clock::now();
   try {
-    const ImportResult r = import_series(folder.path(), {});
+    const dicom::ImportResult r = dicom::import_series(folder.path(), {});
     std::visit(
         [&](const auto& g) {
           ASSERT_EQ(g.voxels.size(), std::size_t(g.size[0]) * std::size_t(g.size[1]) * std::size_t(g.size[2])) << label;
           for (const auto v : g.voxels) ASSERT_TRUE(std::isfinite(static_cast<double>(v))) << label;
         },
         r.volume);
-    EXPECT_NEAR(determinant(lattice_of(r.volume).direction), 1, 1e-6) << label;
+    EXPECT_NEAR(determinant(grid::lattice_of(r.volume).direction), 1, 1e-6) << label;
   } catch (const Error& e) {
     EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::usage || e.code() == ExitCode::internal)
         << label << e.line("");

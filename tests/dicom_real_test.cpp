@@ -36,8 +36,8 @@ class RealScans : public testing::TestWithParam<Expected> {};
 TEST_P(RealScans, GeometryAndRange) {
   const Expected& e = GetParam();
   NEEDS(data(e.name));
-  const ImportResult r = import_series(data(e.name), {});
-  const Lattice& l = lattice_of(r.volume);
+  const dicom::ImportResult r = dicom::import_series(data(e.name), {});
+  const grid::Lattice& l = grid::lattice_of(r.volume);
   EXPECT_EQ(l.size, e.size);
   EXPECT_LT(norm(l.spacing_mm - e.spacing_mm), 2e-3);
   EXPECT_NEAR(determinant(l.direction), 1, 1e-9);
@@ -46,7 +46,7 @@ TEST_P(RealScans, GeometryAndRange) {
   EXPECT_NEAR(std::get<double>(*r.report.find("largest_gap_mm")), e.largest_gap_mm, 2e-3);
   EXPECT_EQ(std::get<double>(*r.report.find("hu_min")), e.hu_min);
   EXPECT_EQ(std::get<double>(*r.report.find("hu_max")), e.hu_max);
-  EXPECT_TRUE(std::holds_alternative<Grid<std::int16_t>>(r.volume));
+  EXPECT_TRUE(std::holds_alternative<grid::Grid<std::int16_t>>(r.volume));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -71,7 +71,7 @@ TEST(RealDefects, SaidPlainly) {
   NEEDS(data("dicom_series_defects"));
   const auto line = [](const char* name) {
     try {
-      import_series(data("dicom_series_defects") / name, {});
+      dicom::import_series(data("dicom_series_defects") / name, {});
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.line("import");

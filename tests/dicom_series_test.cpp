@@ -20,17 +20,17 @@ TEST(DicomSeries, OrderAndNamesDoNotMatter) {
   s.write(b, [](int k) { return std::to_string((k * 7919 + 13) % 1009) + (k % 2 ? "/x" : ""); });
   s.drift_per_mm = {0, 0.3, 0};
   s.write(c);
-  const ImportResult first = import_series(a.path(), {}), second = import_series(b.path(), {}),
-                     tilted = import_series(c.path(), {});
+  const dicom::ImportResult first = dicom::import_series(a.path(), {}), second = dicom::import_series(b.path(), {}),
+                            tilted = dicom::import_series(c.path(), {});
   EXPECT_TRUE(synthetic::same_volume(first.volume, second.volume));
   EXPECT_EQ(first.report.figures, second.report.figures);
   EXPECT_EQ(first.input_sha256, second.input_sha256);
-  EXPECT_EQ(hash_of_series_input(b.path(), {}), first.input_sha256);
+  EXPECT_EQ(dicom::hash_of_series_input(b.path(), {}), first.input_sha256);
   EXPECT_NE(tilted.input_sha256, first.input_sha256);
   const int before = thread_count();
   set_thread_count(1);
-  EXPECT_TRUE(synthetic::same_volume(import_series(a.path(), {}).volume, first.volume));
-  EXPECT_TRUE(synthetic::same_volume(import_series(c.path(), {}).volume, tilted.volume));
+  EXPECT_TRUE(synthetic::same_volume(dicom::import_series(a.path(), {}).volume, first.volume));
+  EXPECT_TRUE(synthetic::same_volume(dicom::import_series(c.path(), {}).volume, tilted.volume));
   set_thread_count(before);
 }
 
@@ -40,9 +40,9 @@ TEST(DicomSeries, TwoThousandSlices) {
   s.step_mm = 0.5;
   const ScratchFolder folder;
   s.write(folder);
-  const ImportResult r = import_series(folder.path(), {});
-  EXPECT_EQ(lattice_of(r.volume).size, (std::array<int, 3>{20, 16, 2000}));
-  EXPECT_NEAR(lattice_of(r.volume).spacing_mm.z, 0.5, 1e-9);
+  const dicom::ImportResult r = dicom::import_series(folder.path(), {});
+  EXPECT_EQ(grid::lattice_of(r.volume).size, (std::array<int, 3>{20, 16, 2000}));
+  EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 0.5, 1e-9);
   for (const int slices : {1, 2}) {
     s.slices = slices;
     EXPECT_EQ(outcome(s).code, 65) << slices;
@@ -54,7 +54,7 @@ TEST(DicomSeries, TheHashSeesPixelsAndGeometryButNoNames) {
   const auto hash = [](const Scan& scan) {
     const ScratchFolder folder;
     scan.write(folder);
-    return hash_of_series_input(folder.path(), {});
+    return dicom::hash_of_series_input(folder.path(), {});
   };
   const std::string first = hash(s);
   Scan other = s;
@@ -82,7 +82,7 @@ TEST(DicomSeries, OfOnePatientIsSaidWherePatientIdsTellThemApart) {
       };
       s.write(folders[n]);
     }
-    const PatientMatch match = compare_patients({folders[0].path(), {}}, {folders[1].path(), {}});
+    const dicom::PatientMatch match = dicom::compare_patients({folders[0].path(), {}}, {folders[1].path(), {}});
     const auto has = [](const std::vector<std::string>& all) {
       return std::find(all.begin(), all.end(), "PatientID") != all.end();
     };
@@ -119,14 +119,14 @@ TEST(DicomSeries, AChoiceIsAskedFor) {
         "s2-20x16x6: CT, 1.5 x 1.5 x 2 mm, kernel H31s, slice thickness 2 mm, ORIGINAL/PRIMARY/AXIAL, no contrast"})
     EXPECT_NE(o.line.find(part), std::string::npos) << o.line;
   EXPECT_EQ(o.line.find("CANARY"), std::string::npos);
-  ImportParams p;
+  dicom::ImportParams p;
   p.series = "s2-20x16x6";
-  EXPECT_EQ(lattice_of(import_series(folder.path(), p).volume).size[2], 6);
+  EXPECT_EQ(grid::lattice_of(dicom::import_series(folder.path(), p).volume).size[2], 6);
   p.series = "s1";
-  EXPECT_EQ(lattice_of(import_series(folder.path(), p).volume).size[2], 9);
+  EXPECT_EQ(grid::lattice_of(dicom::import_series(folder.path(), p).volume).size[2], 9);
   p.series = "s3";
   EXPECT_EQ(outcome(folder.path(), p).code, 64);
-  const auto list = list_series(folder.path()).series;
+  const auto list = dicom::list_series(folder.path()).series;
   ASSERT_EQ(list.size(), 2u);
   EXPECT_TRUE(list[0].usable && list[1].usable);
 }
@@ -141,8 +141,8 @@ TEST(DicomSeries, OtherModalities) {
     const Outcome o = outcome(s);
     EXPECT_EQ(o.code, 65);
     EXPECT_NE(o.line.find(std::string("Modality (0008,0060): ") + modality), std::string::npos) << o.line;
-    ImportParams any;
-    any.modality = ModalityPolicy::any;
+    dicom::ImportParams any;
+    any.modality = dicom::ModalityPolicy::any;
     EXPECT_EQ(outcome(s, any).code, 0);
   }
   Scan structures = small();
@@ -157,10 +157,10 @@ TEST(DicomSeries, DuplicatePositions) {
   Scan s = small();
   const ScratchFolder folder;
   s.write(folder);
-  const ImportResult plain = import_series(folder.path(), {});
+  const dicom::ImportResult plain = dicom::import_series(folder.path(), {});
   folder.write("again.dcm", synthetic::file_bytes(s.slice(2)));
   folder.write("again2.dcm", synthetic::file_bytes(s.slice(2)));
-  const ImportResult r = import_series(folder.path(), {});
+  const dicom::ImportResult r = dicom::import_series(folder.path(), {});
   EXPECT_TRUE(synthetic::same_volume(r.volume, plain.volume));
   EXPECT_EQ(count(r.report, "duplicates_dropped_count"), 2);
   DataSet d = s.slice(2);

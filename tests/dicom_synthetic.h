@@ -197,8 +197,8 @@ inline std::vector<Blob> four_blobs(double extent_mm, double sigma_mm) {
 }
 
 /// Same raster, type and voxels (Grid's own == is its lattice's).
-inline bool same_volume(const trephine::HuVolume& a, const trephine::HuVolume& b) {
-  if (a.index() != b.index() || trephine::lattice_of(a) != trephine::lattice_of(b)) return false;
+inline bool same_volume(const trephine::grid::HuVolume& a, const trephine::grid::HuVolume& b) {
+  if (a.index() != b.index() || trephine::grid::lattice_of(a) != trephine::grid::lattice_of(b)) return false;
   return std::visit([&](const auto& g) { return g.voxels == std::get<std::decay_t<decltype(g)>>(b).voxels; }, a);
 }
 
@@ -207,7 +207,7 @@ struct Found {
   Vec3 centroid_mm;
   double peak_hu = 0;
 };
-inline Found find_blob(const trephine::HuVolume& volume, const Blob& blob, double background_hu) {
+inline Found find_blob(const trephine::grid::HuVolume& volume, const Blob& blob, double background_hu) {
   return std::visit(
       [&](const auto& g) {
         Found f;

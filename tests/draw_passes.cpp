@@ -15,14 +15,14 @@
 int main(int argc, char** argv) {
   using namespace trephine;
   const bool kept = argc == 2 && std::strcmp(argv[1], "kept") == 0;
-  const OffscreenContext context;
-  const DriverFacts driver = driver_facts();
+  const render::OffscreenContext context;
+  const render::DriverFacts driver = render::driver_facts();
   std::printf("%s\n", driver.renderer.c_str());
-  KeptFences fences(kept && driver.software);
-  GlObject textures[4], frames[4];
+  render::KeptFences fences(kept && driver.software);
+  render::GlObject textures[4], frames[4];
   for (int n = 0; n < 4; ++n) {
-    textures[n] = make_texture();
-    frames[n] = make_framebuffer();
+    textures[n] = render::make_texture();
+    frames[n] = render::make_framebuffer();
     glBindTexture(GL_TEXTURE_2D, textures[n]);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 64, 64, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     glBindFramebuffer(GL_FRAMEBUFFER, frames[n]);
@@ -42,6 +42,6 @@ int main(int argc, char** argv) {
       std::this_thread::sleep_for(std::chrono::microseconds(splitmix64_mixed(std::uint64_t(pass)) % 20000));
   }
   glFinish();
-  check_gl("passes");
+  render::check_gl("passes");
   return 0;
 }

@@ -10,32 +10,32 @@ using namespace trephine;
 using namespace trephine::drilling;
 
 TEST(ContactLiveSurface, TheDisplayedSurfaceIsTheFeltOne) {
-  HapticVolume v = layers(60, 0.5);
-  ContactVolume contact(v);
-  DirtyBricks marks(v.voxels);
-  Drill drill(v, of_layers(), ball(1.6), {}, &marks);
-  LiveSurface bone(v, 2);
+  voxel::HapticVolume v = layers(60, 0.5);
+  contact::ContactVolume contact(v);
+  drill::DirtyBricks marks(v.voxels);
+  drill::Drill drill(v, of_layers(), ball(1.6), {}, &marks);
+  drill::LiveSurface bone(v, 2);
   std::mt19937_64 rng(5);
   std::vector<std::size_t> marked;
   Vec3 at = v.voxels.to_world_mm({30, 30, 38}), to = at;
   for (int tick = 0; tick < 3000; ++tick) {
     if (tick % 150 == 0) to = v.voxels.to_world_mm({uniform(rng, 5, 55), uniform(rng, 5, 55), uniform(rng, 20, 40)});
     at += (to - at) * 0.02;
-    const Removal& r = drill.cut(centred(at, 1.6), 0.001);
+    const drill::Removal& r = drill.cut(centred(at, 1.6), 0.001);
     if (!r.changed.empty()) contact.loosen(r.changed);
   }
   marks.take(marked);
   bone.update(marked);
   // From each middle of a triangle, to either side: the nearest place where one enters or leaves bone.
-  const TouchableFaces faces{1u << 2, 1u << 2};
+  const contact::TouchableFaces faces{1u << 2, 1u << 2};
   std::vector<double> off, near_two;  // near_two: a voxel of another shape is within two voxels
   int missed = 0;
   for (std::size_t n = 0; n < bone.layout().count(); ++n) {
-    const BrickMesh& b = bone.brick(n);
+    const drill::BrickMesh& b = bone.brick(n);
     for (std::size_t t = 0; t + 2 < b.indices.size(); t += 3) {
       Vec3 p, normal;
       for (std::size_t c = 0; c < 3; ++c) {
-        const LiveVertex& vertex = b.vertices[b.indices[t + c]];
+        const drill::LiveVertex& vertex = b.vertices[b.indices[t + c]];
         p += Vec3{vertex.position_mm[0], vertex.position_mm[1], vertex.position_mm[2]} / 3;
         normal += Vec3{vertex.normal[0], vertex.normal[1], vertex.normal[2]};
       }
@@ -45,7 +45,7 @@ TEST(ContactLiveSurface, TheDisplayedSurfaceIsTheFeltOne) {
       const Vec3 out = v.voxels.direction * normalized(normal) * 0.5;
       double nearest = 2;
       for (const Vec3 way : {out, -out}) {
-        const Contact c = contact.intersect(world, world + way, faces);
+        const contact::Contact c = contact.intersect(world, world + way, faces);
         if (c.hit) nearest = std::min(nearest, c.along);
       }
       if (nearest > 1) {
@@ -57,7 +57,7 @@ TEST(ContactLiveSurface, TheDisplayedSurfaceIsTheFeltOne) {
         const int x = int(std::lround(i.x)) + n3 % 5 - 2, y = int(std::lround(i.y)) + n3 / 5 % 5 - 2,
                   z = int(std::lround(i.z)) + n3 / 25 - 2;
         if (!v.voxels.contains(x, y, z)) continue;
-        const int number = detail::split(v.voxels.at(x, y, z)).number;
+        const int number = voxel::detail::split(v.voxels.at(x, y, z)).number;
         two = two || (number != 0 && number != 2);
       }
       (two ? near_two : off).push_back(nearest);  // in voxels

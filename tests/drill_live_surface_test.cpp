@@ -23,13 +23,13 @@ double cpu_us() {
   return double(t.tv_sec) * 1e6 + double(t.tv_nsec) * 1e-3;
 }
 
-bool same(const BrickMesh& a, const BrickMesh& b) {
+bool same(const drill::BrickMesh& a, const drill::BrickMesh& b) {
   return a.indices == b.indices && a.vertices.size() == b.vertices.size() &&
          (a.vertices.empty() ||
-          std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(LiveVertex)) == 0);
+          std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(drill::LiveVertex)) == 0);
 }
 
-int differing(const LiveSurface& a, const LiveSurface& b) {
+int differing(const drill::LiveSurface& a, const drill::LiveSurface& b) {
   int n = 0;
   for (std::size_t i = 0; i < a.layout().count(); ++i) n += !same(a.brick(i), b.brick(i));
   return n;
@@ -41,12 +41,12 @@ struct Closed {
   std::size_t open = 0, triangles = 0;
   double volume_mm3 = 0;
 };
-Closed look_at(const LiveSurface& s) {
+Closed look_at(const drill::LiveSurface& s) {
   using Point = std::array<float, 3>;
   std::map<std::pair<Point, Point>, int> edges;
   Closed out;
   for (std::size_t n = 0; n < s.layout().count(); ++n) {
-    const BrickMesh& b = s.brick(n);
+    const drill::BrickMesh& b = s.brick(n);
     for (std::size_t t = 0; t + 2 < b.indices.size(); t += 3) {
       Point p[3];
       for (std::size_t c = 0; c < 3; ++c) {
@@ -72,35 +72,35 @@ Closed look_at(const LiveSurface& s) {
 TEST(LiveSurface, TheCellsTrianglesAreClosedByTheirNeighbours) {
   std::mt19937_64 rng(1);
   for (int n = 0; n < 30; ++n) {
-    HapticVolume v;
-    v.voxels = Grid<std::int16_t>(lattice(14, 1), haptic_empty);
-    v.shapes = {occupancy_shape("bone", 1)};
+    voxel::HapticVolume v;
+    v.voxels = grid::Grid<std::int16_t>(lattice(14, 1), voxel::haptic_empty);
+    v.shapes = {voxel::occupancy_shape("bone", 1)};
     for (std::int16_t& raw : v.voxels.voxels)
-      if (rng() % 100 < std::uint64_t(10 + 3 * n)) raw = detail::join(1, 1 + int(rng() % 255), true);
-    const Closed is = look_at(LiveSurface(v, 1));
+      if (rng() % 100 < std::uint64_t(10 + 3 * n)) raw = voxel::detail::join(1, 1 + int(rng() % 255), true);
+    const Closed is = look_at(drill::LiveSurface(v, 1));
     EXPECT_EQ(is.open, 0u) << n;
     EXPECT_GT(is.volume_mm3, 0) << "turned outwards";
   }
 }
 
 TEST(LiveSurface, ABallHasItsVolumeAndNormals) {
-  HapticVolume v;
-  v.voxels = Grid<std::int16_t>(lattice(40, 0.5), haptic_empty);
-  v.shapes = {occupancy_shape("bone", 1)};
+  voxel::HapticVolume v;
+  v.voxels = grid::Grid<std::int16_t>(lattice(40, 0.5), voxel::haptic_empty);
+  v.shapes = {voxel::occupancy_shape("bone", 1)};
   for (int k = 0; k < 40; ++k)
     for (int j = 0; j < 40; ++j)
       for (int i = 0; i < 40; ++i) {
         const double d = 14 - norm(Vec3{i - 19.4, j - 19.6, k - 19.5});
         const int o = int(std::lround(255 * std::clamp(0.5 + 0.5 * d, 0.0, 1.0)));
-        if (o > 0) v.voxels.at(i, j, k) = detail::join(1, o, true);
+        if (o > 0) v.voxels.at(i, j, k) = voxel::detail::join(1, o, true);
       }
-  const LiveSurface s(v, 1);
+  const drill::LiveSurface s(v, 1);
   const Closed is = look_at(s);
   EXPECT_EQ(is.open, 0u);
   EXPECT_NEAR(is.volume_mm3, 4.0 / 3 * M_PI * 343, 0.006 * 1437);
   double worst = 0, off = 0;
   for (std::size_t n = 0; n < s.layout().count(); ++n)
-    for (const LiveVertex& p : s.brick(n).vertices) {
+    for (const drill::LiveVertex& p : s.brick(n).vertices) {
       const Vec3 r = Vec3{p.position_mm[0], p.position_mm[1], p.position_mm[2]} - Vec3{9.7, 9.8, 9.75};
       off = std::max(off, std::abs(norm(r) - 7));
       worst = std::max(worst, 1 - dot(normalized(r), Vec3{p.normal[0], p.normal[1], p.normal[2]}));
@@ -112,10 +112,10 @@ TEST(LiveSurface, ABallHasItsVolumeAndNormals) {
 // "What must be shown", 6: after a session the bricks are those of a surface made anew, without an open edge, and the
 // border of the region is closed.
 TEST(LiveSurface, FollowsADrillExactly) {
-  HapticVolume v = layers(60, 0.5);
-  DirtyBricks marks(v.voxels);
-  Drill drill(v, of_layers(), ball(1.6), {}, &marks);
-  LiveSurface bone(v, 2), skin(v, 1);
+  voxel::HapticVolume v = layers(60, 0.5);
+  drill::DirtyBricks marks(v.voxels);
+  drill::Drill drill(v, of_layers(), ball(1.6), {}, &marks);
+  drill::LiveSurface bone(v, 2), skin(v, 1);
   EXPECT_EQ(look_at(bone).open, 0u);
   std::mt19937_64 rng(5);
   std::vector<std::size_t> marked;
@@ -140,8 +140,8 @@ TEST(LiveSurface, FollowsADrillExactly) {
   marks.take(marked);
   bone.update(marked);
   skin.update(marked);
-  EXPECT_EQ(differing(bone, LiveSurface(v, 2)), 0);
-  EXPECT_EQ(differing(skin, LiveSurface(v, 1)), 0);
+  EXPECT_EQ(differing(bone, drill::LiveSurface(v, 2)), 0);
+  EXPECT_EQ(differing(skin, drill::LiveSurface(v, 1)), 0);
   const Closed is = look_at(bone);
   EXPECT_EQ(is.open, 0u);
   EXPECT_GT(is.triangles, 3000u);
@@ -151,10 +151,10 @@ TEST(LiveSurface, FollowsADrillExactly) {
 
 // Beside a thread that drills: closed in every frame, and exact when it stops.
 TEST(LiveSurface, BesideADrillingThreadNoCrackOpens) {
-  HapticVolume v = layers(48, 0.5);
-  DirtyBricks marks(v.voxels);
-  Drill drill(v, of_layers(), ball(2), {}, &marks);
-  LiveSurface bone(v, 2);
+  voxel::HapticVolume v = layers(48, 0.5);
+  drill::DirtyBricks marks(v.voxels);
+  drill::Drill drill(v, of_layers(), ball(2), {}, &marks);
+  drill::LiveSurface bone(v, 2);
   std::atomic<bool> stop{false};
   std::thread thread([&] {
     std::mt19937_64 rng(6);
@@ -182,17 +182,17 @@ TEST(LiveSurface, BesideADrillingThreadNoCrackOpens) {
   bone.update(marked);
   EXPECT_EQ(open, 0u);
   EXPECT_GT(made, 50u);
-  EXPECT_EQ(differing(bone, LiveSurface(v, 2)), 0);
+  EXPECT_EQ(differing(bone, drill::LiveSurface(v, 2)), 0);
 }
 
 // Times of a stroke of 2 s, as CPU time; printed for the documents. The limits are for a machine that others share.
 TEST(LiveSurface, TimesOfAStroke) {
   for (const auto& [radius, spacing] :
        {std::pair{1.5, 0.8}, std::pair{3.5, 0.8}, std::pair{3.5, 0.4}, std::pair{7.0, 0.4}}) {
-    HapticVolume v = layers(spacing > 0.5 ? 70 : 130, spacing);
-    DirtyBricks marks(v.voxels);
-    Drill drill(v, of_layers(), ball(radius), {}, &marks);
-    LiveSurface bone(v, 2);
+    voxel::HapticVolume v = layers(spacing > 0.5 ? 70 : 130, spacing);
+    drill::DirtyBricks marks(v.voxels);
+    drill::Drill drill(v, of_layers(), ball(radius), {}, &marks);
+    drill::LiveSurface bone(v, 2);
     std::vector<double> ticks, frames;
     std::vector<std::size_t> marked;
     double units = 0;
@@ -227,11 +227,11 @@ TEST(LiveSurface, TimesOfAStroke) {
 // A mastoid's worth of drilling: 60 s of winding strokes with a burr of 2 mm. No open edge at any second, no voxel that
 // rises, and at the end the surface is as one made anew.
 TEST(LongLiveSurface, AMinuteAlongATemporalBonePath) {
-  HapticVolume v = layers(100, 0.4);
-  DirtyBricks marks(v.voxels);
-  Drill drill(v, of_layers(), ball(1), {}, &marks);
-  LiveSurface bone(v, 2);
-  Grid<std::int16_t> before = v.voxels;
+  voxel::HapticVolume v = layers(100, 0.4);
+  drill::DirtyBricks marks(v.voxels);
+  drill::Drill drill(v, of_layers(), ball(1), {}, &marks);
+  drill::LiveSurface bone(v, 2);
+  grid::Grid<std::int16_t> before = v.voxels;
   std::vector<std::size_t> marked;
   std::size_t open = 0, risen = 0;
   double units = 0;
@@ -248,7 +248,8 @@ TEST(LongLiveSurface, AMinuteAlongATemporalBonePath) {
     if (tick % 3000 != 0) continue;
     open += look_at(bone).open;
     for (std::size_t n = 0; n < before.voxels.size(); ++n) {
-      const detail::RawVoxel was = detail::split(before.voxels[n]), is = detail::split(v.voxels.voxels[n]);
+      const voxel::detail::RawVoxel was = voxel::detail::split(before.voxels[n]),
+                                    is = voxel::detail::split(v.voxels.voxels[n]);
       risen += is.number == was.number && is.share > was.share;
     }
     before = v.voxels;
@@ -259,6 +260,6 @@ TEST(LongLiveSurface, AMinuteAlongATemporalBonePath) {
   std::printf("  %.0f mm3 of bone\n", mm3(v, std::int64_t(units)));
   EXPECT_EQ(open, 0u);
   EXPECT_EQ(risen, 0u);
-  EXPECT_EQ(differing(bone, LiveSurface(v, 2)), 0);
+  EXPECT_EQ(differing(bone, drill::LiveSurface(v, 2)), 0);
   EXPECT_GT(units, 1e5);
 }

@@ -14,8 +14,8 @@ inline double uniform(std::mt19937_64& rng, double lo, double hi) {
   return lo + (hi - lo) * double(rng() >> 11) * 0x1p-53;
 }
 
-inline Lattice lattice(int n, double spacing_mm) {
-  Lattice l;
+inline grid::Lattice lattice(int n, double spacing_mm) {
+  grid::Lattice l;
   l.size = {n, n, n};
   l.spacing_mm = {spacing_mm, spacing_mm, spacing_mm};
   const Vec3 z = normalized(Vec3{0.2, -0.3, 0.9});
@@ -27,18 +27,18 @@ inline Lattice lattice(int n, double spacing_mm) {
 }
 
 /// The whole lattice full of shape 1.
-inline HapticVolume full(int n, double spacing_mm) {
-  HapticVolume v;
-  v.voxels = Grid<std::int16_t>(lattice(n, spacing_mm), std::int16_t(1255));
-  v.shapes = {occupancy_shape("bone", 1)};
+inline voxel::HapticVolume full(int n, double spacing_mm) {
+  voxel::HapticVolume v;
+  v.voxels = grid::Grid<std::int16_t>(lattice(n, spacing_mm), std::int16_t(1255));
+  v.shapes = {voxel::occupancy_shape("bone", 1)};
   return v;
 }
 
 /// Skin (1), bone (2) and brain (3) in layers along z, wavy, with shared voxels where they meet; they reach the border.
-inline HapticVolume layers(int n, double spacing_mm) {
-  HapticVolume v;
-  v.voxels = Grid<std::int16_t>(lattice(n, spacing_mm), haptic_empty);
-  v.shapes = {occupancy_shape("skin", 1), occupancy_shape("bone", 2), occupancy_shape("brain", 3)};
+inline voxel::HapticVolume layers(int n, double spacing_mm) {
+  voxel::HapticVolume v;
+  v.voxels = grid::Grid<std::int16_t>(lattice(n, spacing_mm), voxel::haptic_empty);
+  v.shapes = {voxel::occupancy_shape("skin", 1), voxel::occupancy_shape("bone", 2), voxel::occupancy_shape("brain", 3)};
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
@@ -55,41 +55,41 @@ inline HapticVolume layers(int n, double spacing_mm) {
         const int share = int(std::lround(255 * std::clamp(0.5 + 0.4 * d, 0.0, 1.0)));
         if (share == 0) continue;
         const bool air = own == 1 && -upper < lower;
-        v.voxels.at(i, j, k) = detail::join(own, share, air && share < 255);
+        v.voxels.at(i, j, k) = voxel::detail::join(own, share, air && share < 255);
       }
   return v;
 }
 
-inline DrillShapes only(int number, double energy_j_per_mm3) {
-  DrillShapes s;
+inline drill::DrillShapes only(int number, double energy_j_per_mm3) {
+  drill::DrillShapes s;
   s[std::size_t(number)] = {true, energy_j_per_mm3};
   return s;
 }
 /// Skin that is cut, not drilled; bone; brain, neither.
-inline DrillShapes of_layers() {
-  DrillShapes s = only(2, 0.1);
+inline drill::DrillShapes of_layers() {
+  drill::DrillShapes s = only(2, 0.1);
   s[1] = {true, 0};
   return s;
 }
 
-inline Cutter ball(double radius_mm) {
-  Cutter c;
+inline drill::Cutter ball(double radius_mm) {
+  drill::Cutter c;
   c.radius_mm = radius_mm;
   return c;
 }
 
 /// The pose of a ball with that centre.
-inline ToolPose centred(Vec3 centre_mm, double radius_mm) {
-  ToolPose p;
+inline drill::ToolPose centred(Vec3 centre_mm, double radius_mm) {
+  drill::ToolPose p;
   p.tip_mm = centre_mm - p.frame.column[2] * radius_mm;
   return p;
 }
 
-inline double mm3(const HapticVolume& v, std::int64_t units) {
-  return double(units) / haptic_full * v.voxels.voxel_volume_mm3();
+inline double mm3(const voxel::HapticVolume& v, std::int64_t units) {
+  return double(units) / voxel::haptic_full * v.voxels.voxel_volume_mm3();
 }
 
-inline Vec3 middle(const HapticVolume& v) {
+inline Vec3 middle(const voxel::HapticVolume& v) {
   const auto& n = v.voxels.size;
   return v.voxels.to_world_mm({0.5 * (n[0] - 1), 0.5 * (n[1] - 1), 0.5 * (n[2] - 1)});
 }

@@ -17,13 +17,14 @@ std::int16_t any_raw(std::mt19937& random) {
     case 0:
       return std::int16_t(random());
     case 1:
-      return detail::join(1 + int(random() % haptic_max_shapes), 1 + int(random() % haptic_full), random() & 1);
+      return voxel::detail::join(1 + int(random() % voxel::haptic_max_shapes), 1 + int(random() % voxel::haptic_full),
+                                 random() & 1);
     case 2:
-      return detail::join(1 + int(random() % 3), 1 + int(random() % haptic_full), false);
+      return voxel::detail::join(1 + int(random() % 3), 1 + int(random() % voxel::haptic_full), false);
     case 3:
-      return detail::join(1 + int(random() % 3), haptic_full, false);
+      return voxel::detail::join(1 + int(random() % 3), voxel::haptic_full, false);
     default:
-      return haptic_empty;
+      return voxel::haptic_empty;
   }
 }
 
@@ -31,25 +32,25 @@ std::int16_t any_raw(std::mt19937& random) {
 
 TEST(Shares, TheQuickWaysSayWhatTheSlowOneDoes) {
   std::mt19937 random(3);
-  HapticVolume v;
-  v.encoding = HapticEncoding::occupancy;
+  voxel::HapticVolume v;
+  v.encoding = voxel::HapticEncoding::occupancy;
   v.voxels.size = {41, 37, 29};
   v.voxels.voxels.resize(v.voxels.count());
   int beside = 0, alone = 0, asked = 0;
   for (int round = 0; round < 4; ++round) {
     const bool sparse = round % 2;
-    for (std::int16_t& raw : v.voxels.voxels) raw = sparse && random() % 10 ? haptic_empty : any_raw(random);
+    for (std::int16_t& raw : v.voxels.voxels) raw = sparse && random() % 10 ? voxel::haptic_empty : any_raw(random);
     for (const int number : {1, 2, 3, 17}) {
-      const ShadowVolume shadow(v, number);
+      const drill::ShadowVolume shadow(v, number);
       for (int k = 0; k < v.voxels.size[2]; ++k)
         for (int j = 0; j < v.voxels.size[1]; ++j)
           for (int i = 0; i < v.voxels.size[0]; ++i) {
-            const int other = detail::other_shape(v.voxels, number, i, j, k);
-            ASSERT_EQ(detail::beside_other_shape(v.voxels, number, i, j, k), other != 0);
+            const int other = voxel::detail::other_shape(v.voxels, number, i, j, k);
+            ASSERT_EQ(voxel::detail::beside_other_shape(v.voxels, number, i, j, k), other != 0);
             ++(other != 0 ? beside : alone);
-            const int share = detail::share_of(v.voxels, number, i, j, k);
+            const int share = voxel::detail::share_of(v.voxels, number, i, j, k);
             ASSERT_EQ(int(shadow.data()[shadow.index(i, j, k)]), share) << v.voxels.at(i, j, k);
-            const int own = detail::split(v.voxels.at(i, j, k)).number;
+            const int own = voxel::detail::split(v.voxels.at(i, j, k)).number;
             asked += share > 0 && own != number;
           }
     }

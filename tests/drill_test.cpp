@@ -16,11 +16,11 @@ Vec3 on_stroke(Vec3 middle, double t) {
 }
 
 double stroked_mm3(double rate_hz, double radius) {
-  HapticVolume v = full(72, 0.6);
+  voxel::HapticVolume v = full(72, 0.6);
   const Vec3 m = middle(v);
-  DrillParams params;
+  drill::DrillParams params;
   params.power_w = 5;
-  Drill drill(v, only(1, 0.1), ball(radius), params);
+  drill::Drill drill(v, only(1, 0.1), ball(radius), params);
   std::int64_t units = 0;
   const int ticks = int(2 * rate_hz);
   for (int n = 0; n <= ticks; ++n) units += drill.cut(centred(on_stroke(m, n / rate_hz), radius), 1 / rate_hz).units[1];
@@ -45,13 +45,13 @@ TEST(Drill, RemovesTheSameWhateverTheTicksLength) {
 // 2: a ball that is moved through new material all the time: 20 W at 0.1 J/mm3 are 200 mm3/s.
 TEST(Drill, APowerIsARate) {
   for (const double energy : {0.1, 0.2}) {
-    HapticVolume v = full(80, 0.6);
+    voxel::HapticVolume v = full(80, 0.6);
     const Vec3 m = middle(v);
-    Drill drill(v, only(1, energy), ball(2.5), {});
+    drill::Drill drill(v, only(1, energy), ball(2.5), {});
     std::int64_t units = 0;
     double energy_j = 0;
     for (int n = 0; n <= 1000; ++n) {
-      const Removal& r = drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0.3, 0.2}, 2.5), 0.001);
+      const drill::Removal& r = drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0.3, 0.2}, 2.5), 0.001);
       units += r.units[1];
       energy_j += r.energy_j;
     }
@@ -59,9 +59,9 @@ TEST(Drill, APowerIsARate) {
     EXPECT_NEAR(energy_j, 20, 0.2);
   }
   // Half of the power, and none.
-  HapticVolume v = full(80, 0.6);
+  voxel::HapticVolume v = full(80, 0.6);
   const Vec3 m = middle(v);
-  Drill drill(v, only(1, 0.1), ball(2.5), {});
+  drill::Drill drill(v, only(1, 0.1), ball(2.5), {});
   std::int64_t half = 0, none = 0;
   for (int n = 0; n <= 500; ++n) half += drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0, 0}, 2.5), 0.001, 0.5).units[1];
   for (int n = 0; n <= 100; ++n) none += drill.cut(centred(m + Vec3{0.02 * n, 0, 0}, 2.5), 0.001, 0).units[1];
@@ -73,13 +73,13 @@ TEST(Drill, APowerIsARate) {
 TEST(Drill, HardMaterialTakesMore) {
   double removed[2];
   for (const int hardness : {0, 255}) {
-    HapticVolume v = full(60, 0.6);
-    v.hardness = Mask(v.voxels, std::uint8_t(hardness));
+    voxel::HapticVolume v = full(60, 0.6);
+    v.hardness = grid::Mask(v.voxels, std::uint8_t(hardness));
     const Vec3 m = middle(v);
-    DrillParams params;
+    drill::DrillParams params;
     params.soft_energy_ratio = 0.25;
     params.power_w = 1;
-    Drill drill(v, only(1, 0.1), ball(2), params);
+    drill::Drill drill(v, only(1, 0.1), ball(2), params);
     std::int64_t units = 0;
     for (int n = 0; n <= 2000; ++n) units += drill.cut(centred(m + Vec3{-5 + 0.005 * n, 0, 0}, 2), 0.001).units[1];
     removed[hardness == 0 ? 0 : 1] = mm3(v, units);
@@ -89,18 +89,18 @@ TEST(Drill, HardMaterialTakesMore) {
 
 // 3: the ellipse of Table VIII, PF1 + PF2 <= 2a and 0 <= z <= h, at a million points.
 TEST(Drill, TheEllipseOfTheCraniotome) {
-  Cutter c;
-  c.kind = Cutter::Kind::cylinder;
+  drill::Cutter c;
+  c.kind = drill::Cutter::Kind::cylinder;
   c.semi_a_mm = 2.1;
   c.semi_b_mm = 1.3;
   c.height_mm = 7;
   std::mt19937_64 rng(1);
-  ToolPose pose;
+  drill::ToolPose pose;
   pose.frame.column[2] = normalized(Vec3{0.3, -0.5, 0.8});
   pose.frame.column[0] = normalized(cross(pose.frame.column[2], Vec3{0, 0, 1}));
   pose.frame.column[1] = cross(pose.frame.column[2], pose.frame.column[0]);
   pose.tip_mm = {3, -2, 1};
-  const CutterSweep rests(c, pose, pose.tip_mm);
+  const drill::CutterSweep rests(c, pose, pose.tip_mm);
   const double f = std::sqrt(c.semi_a_mm * c.semi_a_mm - c.semi_b_mm * c.semi_b_mm);
   int wrong = 0, inside = 0;
   for (int n = 0; n < 1000000; ++n) {
@@ -119,22 +119,22 @@ TEST(Drill, TheEllipseOfTheCraniotome) {
 TEST(Drill, TheSweepIsTheIntegral) {
   std::mt19937_64 rng(2);
   for (int n = 0; n < 400; ++n) {
-    Cutter c;
-    c.kind = n % 2 ? Cutter::Kind::cylinder : Cutter::Kind::ball;
+    drill::Cutter c;
+    c.kind = n % 2 ? drill::Cutter::Kind::cylinder : drill::Cutter::Kind::ball;
     c.radius_mm = uniform(rng, 0.5, 4);
     c.semi_a_mm = uniform(rng, 1, 3);
     c.semi_b_mm = uniform(rng, 0.5, 1);
     c.height_mm = uniform(rng, 1, 8);
-    ToolPose pose;
+    drill::ToolPose pose;
     const Vec3 to{uniform(rng, -6, 6), uniform(rng, -6, 6), n % 3 ? uniform(rng, -6, 6) : 0};
-    const CutterSweep sweep(c, pose, to);
+    const drill::CutterSweep sweep(c, pose, to);
     const Vec3 p{uniform(rng, -6, 6), uniform(rng, -6, 6), uniform(rng, -3, 10)};
     double sum = 0;
     constexpr int parts = 20000;
     for (int m = 0; m < parts; ++m) {
-      ToolPose at = pose;
+      drill::ToolPose at = pose;
       at.tip_mm = to * ((m + 0.5) / parts);
-      sum += CutterSweep(c, at, at.tip_mm).dose(p) / parts;
+      sum += drill::CutterSweep(c, at, at.tip_mm).dose(p) / parts;
     }
     EXPECT_NEAR(sweep.dose(p), sum, 1e-4);
     if (sum > 1e-4) {
@@ -148,36 +148,36 @@ namespace {
 // After each of many cuts at the borders of three shapes: no shape's occupancy is higher anywhere than before.
 void random_cuts(int count) {
   std::mt19937_64 rng(4);
-  HapticVolume v = layers(36, 0.5);
-  auto drill = std::make_unique<Drill>(v, of_layers(), ball(0.8), DrillParams{});
-  Removal all;
+  voxel::HapticVolume v = layers(36, 0.5);
+  auto drill = std::make_unique<drill::Drill>(v, of_layers(), ball(0.8), drill::DrillParams{});
+  drill::Removal all;
   int risen = 0, touched = 0;
   for (int n = 0; n < count; ++n) {
     if (n % 2000 == 1999) {
       v = layers(36, 0.5);
-      drill = std::make_unique<Drill>(v, of_layers(), ball(uniform(rng, 0.4, 1.2)), DrillParams{});
+      drill = std::make_unique<drill::Drill>(v, of_layers(), ball(uniform(rng, 0.4, 1.2)), drill::DrillParams{});
     }
     const Vec3 at = v.voxels.to_world_mm({uniform(rng, 3, 33), uniform(rng, 3, 33), uniform(rng, 8, 34)});
-    const Grid<std::int16_t> before = v.voxels;
+    const grid::Grid<std::int16_t> before = v.voxels;
     const bool incision = n % 200 == 199;
-    Box changed;
+    grid::Box changed;
     if (incision) {
       drill->incise(at, 1.5);
       while (drill->incising()) {
-        const Removal& r = drill->go_on();
+        const drill::Removal& r = drill->go_on();
         if (!r.changed.empty()) changed = r.changed;
         EXPECT_EQ(r.units[2] + r.units[3], 0) << "an incision cuts skin";
       }
-      changed = changed.empty() ? changed : whole_box(v.voxels);
+      changed = changed.empty() ? changed : grid::whole_box(v.voxels);
     } else {
       drill->rest();
       drill->cut(centred(at, drill->cutter().radius_mm), 0.001);
-      const Removal& r = drill->cut(centred(at + Vec3{0.1, 0, 0.1}, drill->cutter().radius_mm), 0.02);
+      const drill::Removal& r = drill->cut(centred(at + Vec3{0.1, 0, 0.1}, drill->cutter().radius_mm), 0.02);
       changed = r.changed;
       EXPECT_EQ(r.units[1], 0) << "a drill cuts no skin";
       EXPECT_EQ(r.units[3], 0) << "nor brain";
     }
-    const Box box = grown(changed, 2, v.voxels);
+    const grid::Box box = grid::grown(changed, 2, v.voxels);
     for (int k = box.begin[2]; k < box.end[2]; ++k)
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
@@ -185,7 +185,8 @@ void random_cuts(int count) {
           if (changed.empty()) continue;
           touched += was != is;
           for (int shape = 1; shape <= 3; ++shape) {
-            const int had = detail::share_of(before, shape, i, j, k), has = detail::share_of(v.voxels, shape, i, j, k);
+            const int had = voxel::detail::share_of(before, shape, i, j, k),
+                      has = voxel::detail::share_of(v.voxels, shape, i, j, k);
             risen += has > had;
             if (shape == 3 && !incision) risen += has < had;
           }
@@ -203,9 +204,9 @@ TEST(LongDrill, AHundredThousandCutsRaiseNothing) { random_cuts(100000); }
 
 // A flap: all skin within the radius goes, in shares of 4,000 voxels, and nothing else does.
 TEST(Drill, AnIncisionRemovesTheSkinWithinARadius) {
-  HapticVolume v = layers(80, 0.5);
-  const Grid<std::int16_t> before = v.voxels;
-  Drill drill(v, of_layers(), ball(2), {});
+  voxel::HapticVolume v = layers(80, 0.5);
+  const grid::Grid<std::int16_t> before = v.voxels;
+  drill::Drill drill(v, of_layers(), ball(2), {});
   const Vec3 at = v.voxels.to_world_mm({40, 40, 60});
   EXPECT_FALSE(drill.incising());
   drill.incise(at, 12);
@@ -220,10 +221,12 @@ TEST(Drill, AnIncisionRemovesTheSkinWithinARadius) {
     for (int j = 0; j < 80; ++j)
       for (int i = 0; i < 80; ++i) {
         const double d = norm(v.voxels.to_world_mm({double(i), double(j), double(k)}) - at);
-        const int had = detail::share_of(before, 1, i, j, k), has = detail::share_of(v.voxels, 1, i, j, k);
+        const int had = voxel::detail::share_of(before, 1, i, j, k),
+                  has = voxel::detail::share_of(v.voxels, 1, i, j, k);
         if (d < 11.99) left += has;
         if (d > 13.2) beyond += had != has;
-        const detail::RawVoxel was = detail::split(before.at(i, j, k)), is = detail::split(v.voxels.at(i, j, k));
+        const voxel::detail::RawVoxel was = voxel::detail::split(before.at(i, j, k)),
+                                      is = voxel::detail::split(v.voxels.at(i, j, k));
         if (was.number > 1) others += was.number != is.number || was.share != is.share;
       }
   EXPECT_EQ(left, 0);
@@ -232,9 +235,9 @@ TEST(Drill, AnIncisionRemovesTheSkinWithinARadius) {
 }
 
 TEST(Drill, WhatCannotBeDrilledIsRefused) {
-  HapticVolume v = full(8, 1);
-  EXPECT_THROW(Drill(v, only(1, 0.1), ball(0), {}), Error);
-  EXPECT_THROW(Drill(v, only(1, 0.1), ball(25), {}), Error);
-  v.encoding = HapticEncoding::hu;
-  EXPECT_THROW(Drill(v, only(1, 0.1), ball(1), {}), Error);
+  voxel::HapticVolume v = full(8, 1);
+  EXPECT_THROW(drill::Drill(v, only(1, 0.1), ball(0), {}), Error);
+  EXPECT_THROW(drill::Drill(v, only(1, 0.1), ball(25), {}), Error);
+  v.encoding = voxel::HapticEncoding::hu;
+  EXPECT_THROW(drill::Drill(v, only(1, 0.1), ball(1), {}), Error);
 }

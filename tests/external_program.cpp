@@ -34,11 +34,11 @@ namespace {
 
 void write(const std::string& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
-Mask labelled(const std::string& input) {
+grid::Mask labelled(const std::string& input) {
   std::ifstream in(input, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-  const HuVolume volume = to_hu(decode_nifti(bytes).grid);
-  Mask labels(lattice_of(volume));
+  const grid::HuVolume volume = grid::to_hu(grid::decode_nifti(bytes).grid);
+  grid::Mask labels(grid::lattice_of(volume));
   std::visit(
       [&](const auto& g) {
         for (std::size_t i = 0; i < g.voxels.size(); ++i) labels.voxels[i] = g.voxels[i] > 300 ? 2 : g.voxels[i] > -200;
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   if (argc < 4) return 64;
   const std::string mode = argv[1], input = argv[2], output = argv[3], more = argc > 4 ? argv[4] : "";
   if (mode == "good") {
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "sleep") {
     if (fork() == 0) {  // a child that tries to outlive it
       setsid();
@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
       write(more, "alive");
       return 0;
     }
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "memory") {
     std::vector<std::vector<char>> held;
     for (int i = 0; i < 100; ++i) {
@@ -93,24 +93,24 @@ int main(int argc, char** argv) {
   } else if (mode == "garbage") {
     write(output, std::string(5000, 'x'));
   } else if (mode == "partial") {
-    const std::string whole = encode_nifti(labelled(input), true);
+    const std::string whole = grid::encode_nifti(labelled(input), true);
     write(output, whole.substr(0, whole.size() / 2));
   } else if (mode == "grid") {
-    const Mask all = labelled(input);
-    Lattice half = all;
+    const grid::Mask all = labelled(input);
+    grid::Lattice half = all;
     half.size[2] /= 2;
-    Mask part(half);
+    grid::Mask part(half);
     std::copy_n(all.voxels.begin(), part.voxels.size(), part.voxels.begin());
-    write(output, encode_nifti(part, true));
+    write(output, grid::encode_nifti(part, true));
   } else if (mode == "moved") {
-    Mask all = labelled(input);
+    grid::Mask all = labelled(input);
     all.origin_mm.x += 0.5 * all.spacing_mm.x;
-    write(output, encode_nifti(all, true));
+    write(output, grid::encode_nifti(all, true));
   } else if (mode == "empty") {
-    write(output, encode_nifti(Mask(static_cast<const Lattice&>(labelled(input))), true));
+    write(output, grid::encode_nifti(grid::Mask(static_cast<const grid::Lattice&>(labelled(input))), true));
   } else if (mode == "fraction") {
-    Field half(static_cast<const Lattice&>(labelled(input)), 0.5f);
-    write(output, encode_nifti(HuVolume(half), true));
+    grid::Field half(static_cast<const grid::Lattice&>(labelled(input)), 0.5f);
+    write(output, grid::encode_nifti(grid::HuVolume(half), true));
   } else if (mode == "nothing") {
   } else if (mode == "code") {
     std::cerr << "loading\n\nno model: \x1b[31mweights missing\n";
@@ -123,12 +123,12 @@ int main(int argc, char** argv) {
     return mkfifo(output.c_str(), 0600);
   } else if (mode == "network") {
     if (try_network() == 0) return 5;
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "outside") {  // writes where it may not, and where it may
     write(more, "written");
     write(std::string(getenv("HOME")) + "/note", "written");
     if (!std::ifstream(std::string(getenv("HOME")) + "/note")) return 6;
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "attributes") {  // changes a file that it may read, and one of its own
     const std::string own = std::string(getenv("HOME")) + "/note";
     write(own, "written");
@@ -138,7 +138,7 @@ int main(int argc, char** argv) {
     if (setxattr(more.c_str(), "user.note", "x", 1, 0) == 0) return 13;
     if (chown(more.c_str(), getuid(), getgid()) == 0) return 14;
     if (chmod(own.c_str(), 0700) != 0 || utimensat(AT_FDCWD, own.c_str(), times, 0) != 0) return 15;
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "processes") {  // looks for a process by its command line, and into it
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
       std::ifstream in(entry.path() / "cmdline", std::ios::binary);
@@ -153,7 +153,7 @@ int main(int argc, char** argv) {
     if (process_vm_readv(getpid(), &here, 1, &there, 1, 0) >= 0) return 25;
     std::thread([] {}).join();  // what it needs goes on
     if (const pid_t child = fork(); child == 0) _exit(0);
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "services") {  // speaks to a socket file, and leaves data in shared memory
     sockaddr_un to{};
     to.sun_family = AF_UNIX;
@@ -164,7 +164,7 @@ int main(int argc, char** argv) {
     write(note, "left");
     if (!std::ifstream(note)) return 6;
     if (reached) return 5;
-    write(output, encode_nifti(labelled(input), true));
+    write(output, grid::encode_nifti(labelled(input), true));
   } else if (mode == "environment") {
     extern char** environ;
     for (char** e = environ; *e; ++e) std::cout << *e << "\n";

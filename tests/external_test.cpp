@@ -24,13 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Soft tissue with a ball of bone in air, oblique.
-HuVolume sample() {
-  Lattice l;
+grid::HuVolume sample() {
+  grid::Lattice l;
   l.size = {24, 20, 16};
   l.spacing_mm = {1, 1.25, 2};
   l.origin_mm = {-40, 12, 300};
   l.direction.column = {Vec3{0.8, 0.6, 0}, Vec3{-0.6, 0.8, 0}, Vec3{0, 0, 1}};
-  Grid<std::int16_t> g(l);
+  grid::Grid<std::int16_t> g(l);
   for (int k = 0; k < 16; ++k)
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 24; ++i) {
@@ -40,8 +40,8 @@ HuVolume sample() {
   return g;
 }
 
-ExternalParams params_of(const std::string& mode, const std::string& more = "") {
-  ExternalParams p;
+external::ExternalParams params_of(const std::string& mode, const std::string& more = "") {
+  external::ExternalParams p;
   p.program = EXTERNAL_PROGRAM;
   p.version = "1.7";
   for (const char* word : {mode.c_str(), "{input}", "{output}"}) p.arguments.push_back({word});
@@ -56,10 +56,10 @@ struct Refused {
   std::string text;
 };
 
-Refused refused(const ExternalParams& params) {
+Refused refused(const external::ExternalParams& params) {
   Report report;
   try {
-    run_external(sample(), params, report);
+    external::run_external(sample(), params, report);
   } catch (const Error& e) {
     return {int(e.code()), e.field() + ": " + e.what()};
   }
@@ -71,11 +71,11 @@ struct Kernel {
   bool network = false, services = false, files = false;
   Kernel() {
     const ScratchFolder folder;
-    ConfinedRequest request;
+    external::ConfinedRequest request;
     request.argv = {EXTERNAL_PROGRAM, "--version"};
     request.folder = folder.path();
     request.log = folder.path() / "log.txt";
-    const ConfinedResult result = run_confined(request);
+    const external::ConfinedResult result = external::run_confined(request);
     network = result.network_open.empty();
     services = result.services_open.empty();
     files = result.files_open.empty();
@@ -83,12 +83,12 @@ struct Kernel {
 };
 
 TEST(External, TakesTheLabelsThatTheProgramWrote) {
-  ExternalParams p = params_of("good");
+  external::ExternalParams p = params_of("good");
   p.names = {{"soft", {1}}, {"bone", {2}}};
   Report report;
-  const LabelFile map = run_external(sample(), p, report);
-  const auto volume = std::get<Grid<std::int16_t>>(sample());
-  const auto& labels = std::get<Mask>(map.samples);
+  const grid::LabelFile map = external::run_external(sample(), p, report);
+  const auto volume = std::get<grid::Grid<std::int16_t>>(sample());
+  const auto& labels = std::get<grid::Mask>(map.samples);
   ASSERT_EQ(labels.size, volume.size);
   std::size_t labelled = 0;
   for (std::size_t i = 0; i < labels.voxels.size(); ++i) {
@@ -98,25 +98,25 @@ TEST(External, TakesTheLabelsThatTheProgramWrote) {
   EXPECT_EQ(std::get<std::string>(*report.find("said_version")), "labeller 1.7 (test)");
   EXPECT_EQ(std::get<std::string>(*report.find("output_sha256")).size(), 64u);
   EXPECT_NEAR(std::get<double>(*report.find("labelled_ml")), double(labelled) * 2.5 / 1000, 1e-6);
-  EXPECT_EQ(pick_label(map, "bone").voxels, pick_label(map, "2").voxels);
-  EXPECT_EQ(pick_label(map, "soft, bone").voxels, labelled);
+  EXPECT_EQ(grid::pick_label(map, "bone").voxels, grid::pick_label(map, "2").voxels);
+  EXPECT_EQ(grid::pick_label(map, "soft, bone").voxels, labelled);
 
   // Of several labels one may be missing in a scan, but not all; a name must be known.
-  LabelFile unnamed = map;
+  grid::LabelFile unnamed = map;
   unnamed.segments.clear();
-  EXPECT_EQ(pick_label(unnamed, "1, 2, 17").voxels, labelled);
-  EXPECT_THROW(pick_label(unnamed, "17, 18"), Error);
-  EXPECT_THROW(pick_label(map, "bone, bnoe"), Error);
-  EXPECT_THROW(pick_label(map, "bone,,soft"), Error);
+  EXPECT_EQ(grid::pick_label(unnamed, "1, 2, 17").voxels, labelled);
+  EXPECT_THROW(grid::pick_label(unnamed, "17, 18"), Error);
+  EXPECT_THROW(grid::pick_label(map, "bone, bnoe"), Error);
+  EXPECT_THROW(grid::pick_label(map, "bone,,soft"), Error);
 
   // As a file between single tools, or in a cache, it stays the same.
-  const LabelFile back = decode_labels(encode_labels(map));
-  EXPECT_EQ(std::get<Mask>(back.samples).voxels, labels.voxels);
+  const grid::LabelFile back = grid::decode_labels(grid::encode_labels(map));
+  EXPECT_EQ(std::get<grid::Mask>(back.samples).voxels, labels.voxels);
   EXPECT_EQ(back.format, map.format);
   ASSERT_EQ(back.segments.size(), 2u);
   EXPECT_EQ(back.segments[1].name, "bone");
   Report again;
-  run_external(sample(), p, again);
+  external::run_external(sample(), p, again);
   EXPECT_EQ(again.find("output_sha256")->index(), report.find("output_sha256")->index());
   EXPECT_EQ(*again.find("output_sha256"), *report.find("output_sha256"));
 }
@@ -143,14 +143,14 @@ TEST(External, WhatGoesWrongIsSaid) {
     EXPECT_EQ(is.code, int(c.code)) << c.mode << ": " << is.text;
     EXPECT_NE(is.text.find(c.said), std::string::npos) << c.mode << ": " << is.text;
   }
-  ExternalParams p = params_of("moved");
+  external::ExternalParams p = params_of("moved");
   p.same_grid = false;
   EXPECT_EQ(refused(p).code, 0);
 }
 
 TEST(External, ParametersThatMakeNoSense) {
   const auto with = [](auto change) {
-    ExternalParams p = params_of("good");
+    external::ExternalParams p = params_of("good");
     change(p);
     return refused(p);
   };
@@ -179,7 +179,7 @@ bool is_running(const fs::path& pid_file) {
 
 TEST(External, TimeIsLimitedForAllItsProcesses) {
   const ScratchFolder folder;
-  ExternalParams p = params_of("sleep", (folder.path() / "pid").string());
+  external::ExternalParams p = params_of("sleep", (folder.path() / "pid").string());
   p.may_write = {{folder.path().string()}};
   p.time_limit_s = 1.5;
   const Refused is = refused(p);  // it would sleep for ten minutes
@@ -192,7 +192,7 @@ TEST(External, TimeIsLimitedForAllItsProcesses) {
 }
 
 TEST(External, MemoryIsLimited) {
-  ExternalParams p = params_of("memory");
+  external::ExternalParams p = params_of("memory");
   p.memory_limit_gb = 0.2;
   const Refused is = refused(p);
   EXPECT_EQ(is.code, 70);
@@ -202,7 +202,7 @@ TEST(External, MemoryIsLimited) {
 TEST(External, NothingOfItOutlivesIt) {
   const ScratchFolder folder;
   const fs::path sign = folder.path() / "alive";
-  ExternalParams p = params_of("orphan", sign.string());
+  external::ExternalParams p = params_of("orphan", sign.string());
   p.may_write = {{folder.path().string()}};
   EXPECT_EQ(refused(p).code, 0);
   std::this_thread::sleep_for(std::chrono::seconds(4));
@@ -218,7 +218,7 @@ TEST(External, HasNoNetworkAndWritesNowhereElse) {
   if (!kernel.files) return;
   const ScratchFolder folder;
   const fs::path sign = folder.path() / "sign";
-  ExternalParams p = params_of("outside", sign.string());
+  external::ExternalParams p = params_of("outside", sign.string());
   p.require_confined = kernel.network;
   EXPECT_EQ(refused(p).code, 0);
   EXPECT_FALSE(fs::exists(sign));
@@ -235,7 +235,7 @@ TEST(External, RunsConfinedForReal) {
   fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
   const auto before = fs::last_write_time(file);
   for (const char* mode : {"good", "attributes", "processes", "network", "services"}) {
-    ExternalParams p = params_of(mode, file.string());
+    external::ExternalParams p = params_of(mode, file.string());
     p.require_confined = true;
     const Refused is = refused(p);
     EXPECT_EQ(is.code, 0) << mode << ": " << is.text;
@@ -243,7 +243,7 @@ TEST(External, RunsConfinedForReal) {
   EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_EQ(fs::last_write_time(file), before);
   // A folder that it may write to is its own in this, too.
-  ExternalParams p = params_of("attributes", file.string());
+  external::ExternalParams p = params_of("attributes", file.string());
   p.require_confined = true;
   p.may_write = {{folder.path().string()}};
   EXPECT_NE(refused(p).text.find("ended with code 11"), std::string::npos) << refused(p).text;
@@ -271,7 +271,7 @@ TEST(External, ReachesNoServiceAndLeavesNoSharedMemory) {
 
 TEST(External, ItsEnvironmentIsItsOwn) {
   setenv("SECRET", "of the user", 1);
-  ExternalParams p = params_of("environment", "8 threads");
+  external::ExternalParams p = params_of("environment", "8 threads");
   p.environment = {{"MODEL", {"8 threads"}}};
   const Refused is = refused(p);
   unsetenv("SECRET");

@@ -18,15 +18,15 @@ namespace {
 
 struct Scanned {
   phantom::Head head;
-  HuVolume volume;
-  Field skin;
+  grid::HuVolume volume;
+  grid::Field skin;
 };
 
 Scanned scanned(int seed, phantom::Variant variant, int pixels, int slices) {
   Scanned s{phantom_heads::head_of(phantom::Level::simple, seed, variant), {}, {}};
   s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, 12)));
   Report report;
-  s.skin = segment(s.volume, {}, head_recipe::skin(), report);
+  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin(), report);
   return s;
 }
 
@@ -35,14 +35,14 @@ const Scanned& small_head() {
   return s;
 }
 
-HeadLandmarks landmarks_of(const phantom::Head& head, const char* source) {
+head::HeadLandmarks landmarks_of(const phantom::Head& head, const char* source) {
   return phantom_heads::face_landmarks(head, 0.9, source);
 }
 
-std::string refusal(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,
-                    const FaceBeliefParams& params = {}) {
+std::string refusal(const head::HeadLandmarks& known, const head::HeadLandmarks* found, const grid::Field& skin,
+                    const face::FaceBeliefParams& params = {}) {
   try {
-    face_regions(known, found, skin, params);
+    face::face_regions(known, found, skin, params);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
     return e.line("");
@@ -53,48 +53,48 @@ bool has(const std::string& line, const char* what) { return line.find(what) != 
 
 TEST(FaceBelief, GivenLandmarksAreComparedWithFoundOnes) {
   const Scanned& s = small_head();
-  const HeadLandmarks found = landmarks_of(s.head, "found");
-  EXPECT_EQ(face_regions(found, nullptr, s.skin, {}).size(), 1u) << "nothing is given";
-  HeadLandmarks given = landmarks_of(s.head, "given");
-  EXPECT_EQ(face_regions(given, &found, s.skin, {}).size(), 1u) << "the same place";
+  const head::HeadLandmarks found = landmarks_of(s.head, "found");
+  EXPECT_EQ(face::face_regions(found, nullptr, s.skin, {}).size(), 1u) << "nothing is given";
+  head::HeadLandmarks given = landmarks_of(s.head, "given");
+  EXPECT_EQ(face::face_regions(given, &found, s.skin, {}).size(), 1u) << "the same place";
   given.landmarks[0].position_mm.z += 10;
-  const auto both = face_regions(given, &found, s.skin, {});
+  const auto both = face::face_regions(given, &found, s.skin, {});
   ASSERT_EQ(both.size(), 2u);
   EXPECT_NEAR(norm(both[0].nasion_mm - both[1].nasion_mm), 10, 1e-9);
   given.landmarks[0].position_mm.z += 17;
   EXPECT_TRUE(has(refusal(given, &found, s.skin), "landmarks.nasion: as given lies 27 mm from where it is found"))
       << refusal(given, &found, s.skin);
   EXPECT_TRUE(has(refusal(given, nullptr, s.skin), "is given and was not found"));
-  HeadLandmarks less = found;
+  head::HeadLandmarks less = found;
   less.landmarks.erase(less.landmarks.begin());
   EXPECT_TRUE(has(refusal(given, &less, s.skin), "is given and was not found"));
   // Somebody says which, and why.
-  FaceBeliefParams says;
-  says.believe = FaceBelief::given;
+  face::FaceBeliefParams says;
+  says.believe = face::FaceBelief::given;
   EXPECT_TRUE(has(refusal(given, &found, s.skin, says), "why are these landmarks right?"));
   says.believe_reason = "the finder took the tip of the nose";
-  EXPECT_EQ(face_regions(given, &found, s.skin, says).at(0).nasion_mm, given.landmarks[0].position_mm);
-  says.believe = FaceBelief::found;
-  const auto region = face_regions(given, &found, s.skin, says);
+  EXPECT_EQ(face::face_regions(given, &found, s.skin, says).at(0).nasion_mm, given.landmarks[0].position_mm);
+  says.believe = face::FaceBelief::found;
+  const auto region = face::face_regions(given, &found, s.skin, says);
   ASSERT_EQ(region.size(), 1u);
   EXPECT_EQ(region[0].nasion_mm, found.landmarks[0].position_mm);
   // A found one that is not sure of itself is no region of its own, but a contradiction all the same.
-  HeadLandmarks doubtful = found;
-  for (CaseLandmark& l : doubtful.landmarks) l.confidence = 0.2;
+  head::HeadLandmarks doubtful = found;
+  for (cases::CaseLandmark& l : doubtful.landmarks) l.confidence = 0.2;
   EXPECT_TRUE(has(refusal(given, &doubtful, s.skin), "with a confidence of 0.20"));
 }
 
 TEST(FaceBelief, NoiseBelowAirIsNoRestOfACut) {
   // Where only one of two regions reaches, the other one leaves the scan's own air, which is noise about -1000.
   const Scanned& s = small_head();
-  const HeadLandmarks found = landmarks_of(s.head, "found");
-  HeadLandmarks given = found;
-  for (CaseLandmark& l : given.landmarks) l.position_mm.y -= 4;
-  const auto regions = face_regions(given, &found, s.skin, {});
+  const head::HeadLandmarks found = landmarks_of(s.head, "found");
+  head::HeadLandmarks given = found;
+  for (cases::CaseLandmark& l : given.landmarks) l.position_mm.y -= 4;
+  const auto regions = face::face_regions(given, &found, s.skin, {});
   ASSERT_EQ(regions.size(), 2u);
   Report report;
-  const auto both = std::get<Grid<std::int16_t>>(deface(s.volume, s.skin, regions, {}, report)),
-             one = std::get<Grid<std::int16_t>>(deface(s.volume, s.skin, regions[1], {}, report));
+  const auto both = std::get<grid::Grid<std::int16_t>>(face::deface(s.volume, s.skin, regions, {}, report)),
+             one = std::get<grid::Grid<std::int16_t>>(face::deface(s.volume, s.skin, regions[1], {}, report));
   int below = 0;
   for (std::size_t v = 0; v < one.voxels.size(); ++v) below += one.voxels[v] == -1000 && both.voxels[v] != -1000;
   EXPECT_EQ(below, 0);
@@ -102,15 +102,15 @@ TEST(FaceBelief, NoiseBelowAirIsNoRestOfACut) {
 
 TEST(FaceBelief, TragiAreCheckedByAnatomy) {
   const Scanned& s = small_head();
-  HeadLandmarks l = landmarks_of(s.head, "found");
-  const auto ratio = tragi_position_ratio(face_region(l), s.skin);
+  head::HeadLandmarks l = landmarks_of(s.head, "found");
+  const auto ratio = face::tragi_position_ratio(face::face_region(l), s.skin);
   ASSERT_TRUE(ratio);
   EXPECT_NEAR(*ratio, 0.5, 0.05);
-  FaceBeliefParams says;
-  says.believe = FaceBelief::given;
+  face::FaceBeliefParams says;
+  says.believe = face::FaceBelief::given;
   says.believe_reason = "a wrong one";
   for (const double forward_mm : {25.0, 40.0}) {
-    HeadLandmarks wrong = l;
+    head::HeadLandmarks wrong = l;
     for (std::size_t i = 1; i < 3; ++i) wrong.landmarks[i].position_mm.y -= forward_mm;
     EXPECT_TRUE(has(refusal(wrong, &l, s.skin, says), "of the way from the nasion")) << forward_mm;
     EXPECT_TRUE(has(refusal(wrong, nullptr, s.skin, says), "of the way from the nasion")) << "nothing was found";
@@ -124,28 +124,28 @@ int attack(const Scanned& s, std::uint64_t seed, int count) {
   const auto off = [&](double most) {
     return Vec3{uniform(-most, most), uniform(-most, most), uniform(-most, most)} * 0.577;
   };
-  const FaceRegion truth = face_region(landmarks_of(s.head, "truth"));
+  const face::FaceRegion truth = face::face_region(landmarks_of(s.head, "truth"));
   int accepted = 0;
   for (int i = 0; i < count; ++i) {
-    HeadLandmarks found = landmarks_of(s.head, "found"), given = found;
+    head::HeadLandmarks found = landmarks_of(s.head, "found"), given = found;
     // The region's margins are for errors of the finder as small as these, with voxels of 2 mm.
-    for (CaseLandmark& l : found.landmarks) l.position_mm += off(1);
+    for (cases::CaseLandmark& l : found.landmarks) l.position_mm += off(1);
     const double most = i % 4 == 0 ? 14 : i % 4 == 1 ? 30 : 70;
-    for (CaseLandmark& l : given.landmarks) {
+    for (cases::CaseLandmark& l : given.landmarks) {
       l.source = "given";
       if (random() % 2) l.position_mm += off(most);
     }
     if (i % 4 == 2)  // both ears to the front
       for (std::size_t t = 1; t < 3; ++t) given.landmarks[t].position_mm.y -= uniform(5, 60);
     try {
-      const auto regions = face_regions(given, &found, s.skin, {});
+      const auto regions = face::face_regions(given, &found, s.skin, {});
       Report report;
-      const HuVolume out = deface(s.volume, s.skin, regions, {}, report);
+      const grid::HuVolume out = face::deface(s.volume, s.skin, regions, {}, report);
       // The gate of a run; at these coarse voxels it may refuse, too.
       Report gate;
-      check_face_removed(s.skin, regions, {}, {face_volume("ct", out)}, gate);
-      const double left_mm = face_distances(s.skin, truth, {}, {face_volume("ct", out)})[0].distance_mm;
-      EXPECT_GE(left_mm, face_clearance_mm) << "set " << i << ", of " << regions.size() << " regions";
+      face::check_face_removed(s.skin, regions, {}, {face::face_volume("ct", out)}, gate);
+      const double left_mm = face::face_distances(s.skin, truth, {}, {face::face_volume("ct", out)})[0].distance_mm;
+      EXPECT_GE(left_mm, face::face_clearance_mm) << "set " << i << ", of " << regions.size() << " regions";
       ++accepted;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::privacy) << e.line("");

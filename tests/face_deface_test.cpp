@@ -21,17 +21,17 @@ using phantom::Head;
 
 struct Scanned {
   Head head;
-  HuVolume volume;
-  Field skin;
-  FaceRegion region;
+  grid::HuVolume volume;
+  grid::Field skin;
+  face::FaceRegion region;
 };
 
 Scanned scanned(phantom::Level level, int pixels, int slices, double noise_hu) {
   Scanned s{phantom_heads::head_of(level, 7), {}, {}, {}};
   s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, noise_hu)));
   Report report;
-  s.skin = segment(s.volume, {}, head_recipe::skin(), report);
-  s.region = face_region(phantom_heads::face_landmarks(s.head));
+  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin(), report);
+  s.region = face::face_region(phantom_heads::face_landmarks(s.head));
   return s;
 }
 
@@ -44,7 +44,7 @@ double figure(const Report& r, const char* name) { return std::get<double>(*r.fi
 
 /// The least distance from the analytic skin (at most 7 mm; below `enough` the first found) of any point, within P4's
 /// region in the patient's own axes, at which two neighbouring voxels differ: no code of the gate's.
-double least_distance_mm(const Head& head, const Grid<std::int16_t>& g, Vec3& where, double enough = 0) {
+double min_distance_mm(const Head& head, const grid::Grid<std::int16_t>& g, Vec3& where, double enough = 0) {
   const double in_front = 0.5 * (head.landmark("tragus_left").y + head.landmark("tragus_right").y);
   const double level = head.landmark("nasion").z - 10;
   double least = 7;
@@ -82,23 +82,23 @@ double least_distance_mm(const Head& head, const Grid<std::int16_t>& g, Vec3& wh
 TEST(Deface, NothingIsLeftNearTheTrueSkin) {
   const Scanned& s = small_head();
   Vec3 where;
-  EXPECT_LT(least_distance_mm(s.head, std::get<0>(s.volume), where, 0.5), 0.5) << "the control: a face is there";
-  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
-    DefaceParams p;
+  EXPECT_LT(min_distance_mm(s.head, std::get<0>(s.volume), where, 0.5), 0.5) << "the control: a face is there";
+  for (const face::FaceRemoval policy : {face::FaceRemoval::deface, face::FaceRemoval::crop}) {
+    face::DefaceParams p;
     p.policy = policy;
     Report report;
-    const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
-    EXPECT_GT(least_distance_mm(s.head, std::get<0>(out), where), face_clearance_mm)
+    const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
+    EXPECT_GT(min_distance_mm(s.head, std::get<0>(out), where), face::face_clearance_mm)
         << where.x << " " << where.y << " " << where.z;
-    EXPECT_GT(figure(report, "face_removed_ml"), policy == FaceRemoval::crop ? 400 : 150);
-    EXPECT_GT(figure(report, "face_depth_mm"), face_clearance_mm);
+    EXPECT_GT(figure(report, "face_removed_ml"), policy == face::FaceRemoval::crop ? 400 : 150);
+    EXPECT_GT(figure(report, "face_depth_mm"), face::face_clearance_mm);
     EXPECT_TRUE(report.warnings.empty());
     Report gate;
-    EXPECT_NO_THROW(check_face_removed(s.skin, s.region, {}, {face_volume("ct", out)}, gate));
-    EXPECT_GE(figure(gate, "face_distance_mm"), face_clearance_mm);
+    EXPECT_NO_THROW(face::check_face_removed(s.skin, s.region, {}, {face::face_volume("ct", out)}, gate));
+    EXPECT_GE(figure(gate, "face_distance_mm"), face::face_clearance_mm);
     // The skin found again is closed over the cut, and one piece.
     Report again;
-    const Field skin = segment(out, {}, head_recipe::skin(), again);
+    const grid::Field skin = segmentation::segment(out, {}, head_recipe::skin(), again);
     EXPECT_NEAR(
         figure(again, "volume_ml"),
         figure(report, "face_removed_ml") * -1 +
@@ -111,7 +111,7 @@ TEST(Deface, NothingIsLeftNearTheTrueSkin) {
   }
   Report report;
   try {
-    check_face_removed(s.skin, s.region, {}, {face_volume("ct", s.volume)}, report);
+    face::check_face_removed(s.skin, s.region, {}, {face::face_volume("ct", s.volume)}, report);
     ADD_FAILURE() << "the control must be refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
@@ -120,9 +120,9 @@ TEST(Deface, NothingIsLeftNearTheTrueSkin) {
 
 TEST(Deface, AllElseKeepsItsValues) {
   const Scanned& s = small_head();
-  DefaceParams p;
+  face::DefaceParams p;
   Report report;
-  const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
+  const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
   const auto& before = std::get<0>(s.volume);
   const auto& after = std::get<0>(out);
   std::size_t changed_outside = 0, brain_changed = 0, brain = 0;
@@ -148,16 +148,16 @@ TEST(Deface, TheSameBitsWhateverTheThreadsAndTheSamplesType) {
   const Scanned& s = small_head();
   Report report;
   set_thread_count(1);
-  const HuVolume one = deface(s.volume, s.skin, s.region, {}, report);
+  const grid::HuVolume one = face::deface(s.volume, s.skin, s.region, {}, report);
   set_thread_count(8);
-  const HuVolume eight = deface(s.volume, s.skin, s.region, {}, report);
+  const grid::HuVolume eight = face::deface(s.volume, s.skin, s.region, {}, report);
   set_thread_count(0);
   EXPECT_TRUE(one == eight);
   // A skin that covers only a part of the raster, and a volume of floats.
   const auto& whole = std::get<0>(s.volume);
-  Grid<float> real(whole);
+  grid::Grid<float> real(whole);
   for (std::size_t v = 0; v < real.voxels.size(); ++v) real.voxels[v] = whole.voxels[v];
-  const HuVolume floats = deface(real, s.skin, s.region, {}, report);
+  const grid::HuVolume floats = face::deface(real, s.skin, s.region, {}, report);
   double worst = 0;
   for (std::size_t v = 0; v < real.voxels.size(); ++v)
     worst = std::max(worst, double(std::abs(std::get<1>(floats).voxels[v] - std::get<0>(one).voxels[v])));
@@ -168,32 +168,32 @@ TEST(Deface, WhereThereIsNoFace) {
   const Scanned& s = small_head();
   const auto& g = std::get<0>(s.volume);
   // The vertex alone.
-  const Box top{{0, 0, g.size[2] - 20}, g.size};
-  const HuVolume vertex = crop(g, top);
+  const grid::Box top{{0, 0, g.size[2] - 20}, g.size};
+  const grid::HuVolume vertex = grid::crop(g, top);
   Report report;
-  const Field skin = segment(vertex, {}, head_recipe::skin(), report);
-  const HuVolume out = deface(vertex, skin, s.region, {}, report);
+  const grid::Field skin = segmentation::segment(vertex, {}, head_recipe::skin(), report);
+  const grid::HuVolume out = face::deface(vertex, skin, s.region, {}, report);
   EXPECT_TRUE(out == vertex);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no face"), std::string::npos);
   // A nasion in the brain is none.
-  HeadLandmarks wrong = phantom_heads::face_landmarks(s.head);
+  head::HeadLandmarks wrong = phantom_heads::face_landmarks(s.head);
   wrong.landmarks[0].position_mm.y += 40;
   try {
-    deface(s.volume, s.skin, face_region(wrong), {}, report);
+    face::deface(s.volume, s.skin, face::face_region(wrong), {}, report);
     ADD_FAILURE();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
     EXPECT_EQ(e.field(), "landmarks.nasion");
   }
   // Of another raster.
-  Field moved = s.skin;
+  grid::Field moved = s.skin;
   moved.origin_mm.x += 0.3;
-  EXPECT_THROW(deface(s.volume, moved, s.region, {}, report), Error);
+  EXPECT_THROW(face::deface(s.volume, moved, s.region, {}, report), Error);
 }
 
-double dice(const Field& a, const Field& b, const Lattice& l) {
-  const Field fa = fit(a, l, -1.f), fb = fit(b, l, -1.f);
+double dice(const grid::Field& a, const grid::Field& b, const grid::Lattice& l) {
+  const grid::Field fa = grid::fit(a, l, -1.f), fb = grid::fit(b, l, -1.f);
   double both = 0, sum = 0;
   for (std::size_t v = 0; v < l.count(); ++v) {
     both += fa.voxels[v] > 0 && fb.voxels[v] > 0;
@@ -205,20 +205,20 @@ double dice(const Field& a, const Field& b, const Lattice& l) {
 TEST(LongDeface, BrainAndVentriclesAreFoundAsBefore) {
   const Scanned s = scanned(phantom::Level::clinical, 256, 96, 12);
   const head_recipe::Fields before = head_recipe::fields_of(s.volume, 24);
-  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
-    DefaceParams p;
+  for (const face::FaceRemoval policy : {face::FaceRemoval::deface, face::FaceRemoval::crop}) {
+    face::DefaceParams p;
     p.policy = policy;
     Report report;
-    const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
+    const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
     const head_recipe::Fields after = head_recipe::fields_of(out, 24);
-    const Lattice& l = lattice_of(s.volume);
+    const grid::Lattice& l = grid::lattice_of(s.volume);
     const double of_brain = dice(before.brain, after.brain, l),
                  of_ventricles = dice(before.ventricles, after.ventricles, l);
     std::printf("Dice before and after: brain %.5f, ventricles %.5f\n", of_brain, of_ventricles);
     EXPECT_GT(of_brain, 0.999);
     EXPECT_GT(of_ventricles, 0.999);
     Vec3 where;
-    EXPECT_GT(least_distance_mm(s.head, std::get<0>(out), where), face_clearance_mm);
+    EXPECT_GT(min_distance_mm(s.head, std::get<0>(out), where), face::face_clearance_mm);
   }
 }
 

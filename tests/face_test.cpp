@@ -13,23 +13,23 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-HeadLandmarks upright() {
-  HeadLandmarks l;
+head::HeadLandmarks upright() {
+  head::HeadLandmarks l;
   l.landmarks = {{"nasion", {0, -90, 32}, 1, "given"},
                  {"tragus_left", {75, 0, 0}, 1, "given"},
                  {"tragus_right", {-75, 0, 0}, 1, "given"}};
   return l;
 }
 
-HeadLandmarks turned(const Mat3& m) {
-  HeadLandmarks l = upright();
-  for (CaseLandmark& p : l.landmarks) p.position_mm = m * p.position_mm + Vec3{10, 20, -30};
+head::HeadLandmarks turned(const Mat3& m) {
+  head::HeadLandmarks l = upright();
+  for (cases::CaseLandmark& p : l.landmarks) p.position_mm = m * p.position_mm + Vec3{10, 20, -30};
   return l;
 }
 
-std::string refusal(const HeadLandmarks& landmarks) {
+std::string refusal(const head::HeadLandmarks& landmarks) {
   try {
-    face_region(landmarks);
+    face::face_region(landmarks);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
     return e.line("");
@@ -38,7 +38,7 @@ std::string refusal(const HeadLandmarks& landmarks) {
 }
 
 TEST(FaceRegion, AxesAreTheHeadsOwn) {
-  const FaceRegion r = face_region(upright());
+  const face::FaceRegion r = face::face_region(upright());
   EXPECT_NEAR(norm(cross(r.front, r.up) - -r.left), 0, 1e-12) << "orthonormal";
   // The nasion's own ascent is 19.6 degrees here, so the axes are the patient's to 0.4 degrees.
   EXPECT_GT(dot(r.front, {0, -1, 0}), std::cos(0.5 * degree));
@@ -52,7 +52,7 @@ TEST(FaceRegion, AxesAreTheHeadsOwn) {
   // However the head lies.
   const double a = 25 * degree;
   const Mat3 nods{{Vec3{1, 0, 0}, Vec3{0, std::cos(a), std::sin(a)}, Vec3{0, -std::sin(a), std::cos(a)}}};
-  const FaceRegion n = face_region(turned(nods));
+  const face::FaceRegion n = face::face_region(turned(nods));
   for (const Vec3 p : {Vec3{0, -100, 0}, Vec3{30, -20, 22}, Vec3{0, -100, 40}, Vec3{50, -3, -40}}) {
     const Vec3 q = nods * p + Vec3{10, 20, -30};
     EXPECT_NEAR(n.in_front_mm(q), r.in_front_mm(p), 1e-9);
@@ -61,7 +61,7 @@ TEST(FaceRegion, AxesAreTheHeadsOwn) {
 }
 
 TEST(FaceRegion, LandmarksThatSayNothingAreRefused) {
-  HeadLandmarks l = upright();
+  head::HeadLandmarks l = upright();
   l.landmarks.erase(l.landmarks.begin());
   EXPECT_NE(refusal(l).find("landmarks.nasion: is missing"), std::string::npos) << refusal(l);
   l = upright();
@@ -80,12 +80,12 @@ TEST(FaceRegion, LandmarksThatSayNothingAreRefused) {
 
 /// A ball of 80 mm about the middle between the tragi, in mm or clipped as HU are.
 constexpr double ball_mm = 80;
-Field ball(Vec3 spacing, double reach_mm) {
-  Lattice l;
+grid::Field ball(Vec3 spacing, double reach_mm) {
+  grid::Lattice l;
   l.spacing_mm = spacing;
   for (int a = 0; a < 3; ++a) l.size[a] = int(200 / spacing[a]) + 1;
   l.origin_mm = {-100, -100, -100};
-  Field f(l);
+  grid::Field f(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -95,17 +95,17 @@ Field ball(Vec3 spacing, double reach_mm) {
   return f;
 }
 
-const Field& ball_of_1_mm() {
-  static const Field f = ball({1, 1, 1}, 3);
+const grid::Field& ball_of_1_mm() {
+  static const grid::Field f = ball({1, 1, 1}, 3);
   return f;
 }
 
 TEST(SkinDistance, OfABall) {
   for (const Vec3 spacing : {Vec3{1, 1, 1}, Vec3{0.8, 0.8, 2.5}}) {
-    const Field f = ball(spacing, 2 * spacing.z);
-    Box box = whole_box(f);
+    const grid::Field f = ball(spacing, 2 * spacing.z);
+    grid::Box box = grid::whole_box(f);
     box.begin[0] -= 10;  // beyond the field
-    const segmentation::SkinDistance skin(f, box, 2);
+    const face::SkinDistance skin(f, box, 2);
     double worst_above = 0, worst_below = 0;
     for (int n = 0; n < 2000; ++n) {
       const double z = -0.95 + 1.9 * ((n * 0.618034) - std::floor(n * 0.618034)), phi = n * 2.399963;
@@ -123,8 +123,8 @@ TEST(SkinDistance, OfABall) {
 }
 
 /// A latitude-longitude ball.
-TriMesh ball_mesh(double radius_mm, int rings) {
-  TriMesh m;
+surface::TriMesh ball_mesh(double radius_mm, int rings) {
+  surface::TriMesh m;
   for (int r = 0; r <= rings; ++r)
     for (int s = 0; s < 2 * rings; ++s) {
       const double a = 180 * degree * r / rings, b = 180 * degree * s / rings;
@@ -139,11 +139,11 @@ TriMesh ball_mesh(double radius_mm, int rings) {
   return m;
 }
 
-bool refused(const Field& skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
-             const std::vector<FaceVolume>& volumes, std::string* line = nullptr) {
+bool refused(const grid::Field& skin, const face::FaceRegion& region, const std::vector<face::FaceSurface>& surfaces,
+             const std::vector<face::FaceVolume>& volumes, std::string* line = nullptr) {
   Report report;
   try {
-    check_face_removed(skin, region, surfaces, volumes, report);
+    face::check_face_removed(skin, region, surfaces, volumes, report);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
     if (line) *line = e.line("");
@@ -153,26 +153,26 @@ bool refused(const Field& skin, const FaceRegion& region, const std::vector<Face
 }
 
 TEST(FaceGate, SurfacesToATenthOfAMillimetre) {
-  const Field& skin = ball_of_1_mm();
-  const FaceRegion region = face_region(upright());
-  const TriMesh near = ball_mesh(ball_mm - 4.8, 60), clear = ball_mesh(ball_mm - 5.5, 60),
-                outside = ball_mesh(ball_mm + 4.8, 60);
+  const grid::Field& skin = ball_of_1_mm();
+  const face::FaceRegion region = face::face_region(upright());
+  const surface::TriMesh near = ball_mesh(ball_mm - 4.8, 60), clear = ball_mesh(ball_mm - 5.5, 60),
+                         outside = ball_mesh(ball_mm + 4.8, 60);
   std::string line;
   EXPECT_TRUE(refused(skin, region, {{"brain", &clear}, {"skin", &near}}, {}, &line));
   EXPECT_NE(line.find("skin: shows the patient's face: 4."), std::string::npos) << line;
   EXPECT_TRUE(refused(skin, region, {{"mask", &outside}}, {}));
   EXPECT_FALSE(refused(skin, region, {{"skin", &clear}}, {}));
-  const double found = face_distances(skin, region, {{"skin", &clear}}, {})[0].distance_mm;
+  const double found = face::face_distances(skin, region, {{"skin", &clear}}, {})[0].distance_mm;
   EXPECT_NEAR(found, 5.5, 0.35);
   // A few large triangles: what counts is all of a triangle, not its corners.
-  TriMesh one;
+  surface::TriMesh one;
   one.points_mm = {{-60, -84, -90}, {60, -84, -90}, {0, -84, 90}};
   one.triangles = {{0, 1, 2}};
   EXPECT_TRUE(refused(skin, region, {{"sheet", &one}}, {}));
   // The same behind the tragi, and above the level, shows no face.
   for (Vec3& p : one.points_mm) p.y = -p.y;
   EXPECT_FALSE(refused(skin, region, {{"sheet", &one}}, {}));
-  TriMesh above = near;
+  surface::TriMesh above = near;
   std::vector<std::array<std::uint32_t, 3>> kept;
   for (const auto& t : above.triangles) {
     bool outside_region = true;
@@ -185,42 +185,44 @@ TEST(FaceGate, SurfacesToATenthOfAMillimetre) {
 
 /// Air but for a step of `step_hu` at that depth under the ball's surface.
 template <class T>
-Grid<T> step_volume(double depth_mm, T low, T step) {
-  const Field f = ball({1, 1, 1}, 1000);
-  Grid<T> g(f, low);
+grid::Grid<T> step_volume(double depth_mm, T low, T step) {
+  const grid::Field f = ball({1, 1, 1}, 1000);
+  grid::Grid<T> g(f, low);
   for (std::size_t v = 0; v < g.voxels.size(); ++v)
     if (f.voxels[v] > depth_mm) g.voxels[v] = T(low + step);
   return g;
 }
 
 TEST(FaceGate, VolumesShowTheFaceAtAnyValue) {
-  const Field& skin = ball_of_1_mm();
-  const FaceRegion region = face_region(upright());
+  const grid::Field& skin = ball_of_1_mm();
+  const face::FaceRegion region = face::face_region(upright());
   for (const int step : {1, 1000}) {
-    const HuVolume near = step_volume<std::int16_t>(5, -1000, std::int16_t(step)),
-                   clear = step_volume<std::int16_t>(7, -1000, std::int16_t(step));
-    EXPECT_TRUE(refused(skin, region, {}, {face_volume("ct", near)})) << step;
-    EXPECT_FALSE(refused(skin, region, {}, {face_volume("ct", clear)})) << step;
-    const HuVolume real = step_volume<float>(3, -1000.f, float(step));
-    EXPECT_TRUE(refused(skin, region, {}, {face_volume("ct", real)})) << step;
+    const grid::HuVolume near = step_volume<std::int16_t>(5, -1000, std::int16_t(step)),
+                         clear = step_volume<std::int16_t>(7, -1000, std::int16_t(step));
+    EXPECT_TRUE(refused(skin, region, {}, {face::face_volume("ct", near)})) << step;
+    EXPECT_FALSE(refused(skin, region, {}, {face::face_volume("ct", clear)})) << step;
+    const grid::HuVolume real = step_volume<float>(3, -1000.f, float(step));
+    EXPECT_TRUE(refused(skin, region, {}, {face::face_volume("ct", real)})) << step;
   }
-  HapticVolume felt;
-  felt.shapes = {occupancy_shape("skin", 1)};
+  voxel::HapticVolume felt;
+  felt.shapes = {voxel::occupancy_shape("skin", 1)};
   felt.voxels = step_volume<std::int16_t>(0, 0, 1255);
   std::string line;
-  EXPECT_TRUE(refused(skin, region, {}, {face_volume("haptic", felt)}, &line));
+  EXPECT_TRUE(refused(skin, region, {}, {face::face_volume("haptic", felt)}, &line));
   EXPECT_NE(line.find("haptic: shows the patient's face: 0 mm"), std::string::npos) << line;
   felt.voxels = step_volume<std::int16_t>(7, 0, 1255);
-  EXPECT_FALSE(refused(skin, region, {}, {face_volume("haptic", felt)}));
+  EXPECT_FALSE(refused(skin, region, {}, {face::face_volume("haptic", felt)}));
   // Cropped within the skin: what ends at the border has a surface there.
-  const HuVolume body = crop(step_volume<std::int16_t>(-30, -1000, 1040), Box{{60, 22, 40}, {140, 100, 100}});
-  EXPECT_TRUE(refused(skin, region, {}, {face_volume("ct", body)}));
-  const HuVolume air = crop(step_volume<std::int16_t>(7, -1000, 1040), Box{{60, 22, 40}, {140, 26, 100}});
-  EXPECT_FALSE(refused(skin, region, {}, {face_volume("ct", air)}));
-  Mask hardness(body.index() == 0 ? std::get<0>(body) : Grid<std::int16_t>(), 0);
-  EXPECT_FALSE(refused(skin, region, {}, {face_volume("hardness", hardness)}));
+  const grid::HuVolume body =
+      grid::crop(step_volume<std::int16_t>(-30, -1000, 1040), grid::Box{{60, 22, 40}, {140, 100, 100}});
+  EXPECT_TRUE(refused(skin, region, {}, {face::face_volume("ct", body)}));
+  const grid::HuVolume air =
+      grid::crop(step_volume<std::int16_t>(7, -1000, 1040), grid::Box{{60, 22, 40}, {140, 26, 100}});
+  EXPECT_FALSE(refused(skin, region, {}, {face::face_volume("ct", air)}));
+  grid::Mask hardness(body.index() == 0 ? std::get<0>(body) : grid::Grid<std::int16_t>(), 0);
+  EXPECT_FALSE(refused(skin, region, {}, {face::face_volume("hardness", hardness)}));
   hardness.at(40, 2, 30) = 1;
-  EXPECT_TRUE(refused(skin, region, {}, {face_volume("hardness", hardness)}));
+  EXPECT_TRUE(refused(skin, region, {}, {face::face_volume("hardness", hardness)}));
 }
 
 }  // namespace

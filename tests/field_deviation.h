@@ -10,7 +10,7 @@ namespace trephine {
 
 /// Calls f(world position) for each crossing of the field along its lattice's edges.
 template <class F>
-void for_crossings(const Field& field, F&& f) {
+void for_crossings(const grid::Field& field, F&& f) {
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i)
@@ -32,7 +32,7 @@ struct FieldDeviation {
 
 /// Of distance(world) at the crossings.
 template <class Distance>
-FieldDeviation field_deviation(const Field& field, Distance&& distance) {
+FieldDeviation field_deviation(const grid::Field& field, Distance&& distance) {
   FieldDeviation d;
   for_crossings(field, [&](Vec3 p) {
     const double e = distance(p);

@@ -8,14 +8,14 @@ using namespace trephine;
 
 namespace {
 
-CArmParams at(double orbit_deg) {
-  CArmParams arm;
-  arm.view = CArmParams::View::free;
+fluoro::CArmParams at(double orbit_deg) {
+  fluoro::CArmParams arm;
+  arm.view = fluoro::CArmParams::View::free;
   arm.orbit_deg = orbit_deg;
   return arm;
 }
 
-KeptFluoro picture(double orbit_deg, int size = 16) {
+fluoro::KeptFluoro picture(double orbit_deg, int size = 16) {
   return {at(orbit_deg), {size, std::vector<float>(std::size_t(size) * std::size_t(size), float(orbit_deg))}, 1};
 }
 
@@ -24,23 +24,23 @@ KeptFluoro picture(double orbit_deg, int size = 16) {
 // A swing of the arm to a side in steps of 5 degrees, and back, is one of 31 places: all of them are there at once. The
 // bytes of 512 x 512 pixels for each are within the bound too.
 TEST(FluoroMemory, ASwingToASideAndBackIsRemembered) {
-  FluoroMemory memory;
+  fluoro::FluoroMemory memory;
   for (int deg = -75; deg <= 75; deg += 5) memory.keep(picture(deg));
   for (int deg = 75; deg >= -75; deg -= 5) {
-    const KeptFluoro* kept = memory.find(at(deg), 16);
+    const fluoro::KeptFluoro* kept = memory.find(at(deg), 16);
     ASSERT_TRUE(kept) << deg;
     EXPECT_EQ(kept->integrals.integral[0], float(deg));
   }
   EXPECT_FALSE(memory.find(at(2), 16));
   EXPECT_FALSE(memory.find(at(5), 32));
-  FluoroMemory large;
+  fluoro::FluoroMemory large;
   for (int n = 0; n < 32; ++n) large.keep(picture(n, 512));
   EXPECT_EQ(large.places(), 32u);
   EXPECT_EQ(large.bytes(), std::size_t{32} << 20);
 }
 
 TEST(FluoroMemory, WhatWasAskedForLongestAgoGoesFirst) {
-  FluoroMemory memory(3, 1 << 20);
+  fluoro::FluoroMemory memory(3, 1 << 20);
   for (const int deg : {0, 10, 20}) memory.keep(picture(deg));
   ASSERT_TRUE(memory.find(at(0), 16)) << "asked for again: 10 is the oldest now";
   memory.keep(picture(30));
@@ -51,7 +51,7 @@ TEST(FluoroMemory, WhatWasAskedForLongestAgoGoesFirst) {
 
 TEST(FluoroMemory, ItsBytesAreBounded) {
   constexpr std::size_t bytes = 16 * 16 * sizeof(float);
-  FluoroMemory memory(100, 5 * bytes);
+  fluoro::FluoroMemory memory(100, 5 * bytes);
   for (int deg = 0; deg < 40; ++deg) {
     memory.keep(picture(deg));
     ASSERT_LE(memory.bytes(), 5 * bytes);
@@ -64,7 +64,7 @@ TEST(FluoroMemory, ItsBytesAreBounded) {
 }
 
 TEST(FluoroMemory, TheWholePictureTakesThePlaceOfTheCoarseOne) {
-  FluoroMemory memory(3, 1 << 20);
+  fluoro::FluoroMemory memory(3, 1 << 20);
   memory.keep(picture(0, 8));
   memory.keep(picture(0, 16));
   EXPECT_EQ(memory.places(), 1u);

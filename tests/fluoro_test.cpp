@@ -19,12 +19,12 @@ using namespace trephine;
 namespace {
 
 constexpr int bone_hu = 800;
-constexpr double bone_per_mm = water_per_mm * (1 + bone_hu / 1000.0);
+constexpr double bone_per_mm = fluoro::water_per_mm * (1 + bone_hu / 1000.0);
 
 // n^3 voxels about the origin, possibly oblique; HU by how much of the voxel the body fills.
 template <class F>
-Grid<std::int16_t> ct_of(int n, double side_mm, F inside_mm, bool oblique = false) {
-  Lattice l;
+grid::Grid<std::int16_t> ct_of(int n, double side_mm, F inside_mm, bool oblique = false) {
+  grid::Lattice l;
   l.size = {n, n, n};
   l.spacing_mm = {side_mm, side_mm, side_mm};
   if (oblique) {
@@ -33,7 +33,7 @@ Grid<std::int16_t> ct_of(int n, double side_mm, F inside_mm, bool oblique = fals
   }
   const double half = 0.5 * (n - 1);
   l.origin_mm = l.direction * Vec3{-half * side_mm, -half * side_mm, -half * side_mm};
-  Grid<std::int16_t> ct(l, -1000);
+  grid::Grid<std::int16_t> ct(l, -1000);
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
@@ -44,9 +44,9 @@ Grid<std::int16_t> ct_of(int n, double side_mm, F inside_mm, bool oblique = fals
   return ct;
 }
 
-CArmParams free_arm(double orbit, double tilt, bool parallel = false) {
-  CArmParams a;
-  a.view = CArmParams::View::free;
+fluoro::CArmParams free_arm(double orbit, double tilt, bool parallel = false) {
+  fluoro::CArmParams a;
+  a.view = fluoro::CArmParams::View::free;
   a.orbit_deg = orbit;
   a.tilt_deg = tilt;
   if (parallel) a.source_to_centre_mm = 0;
@@ -55,7 +55,7 @@ CArmParams free_arm(double orbit, double tilt, bool parallel = false) {
 }
 
 // The share of the ray within the ball.
-double ball_chord(const CArm::Ray& r, Vec3 c, double radius) {
+double ball_chord(const fluoro::CArm::Ray& r, Vec3 c, double radius) {
   const Vec3 d = c - r.from_mm;
   const double off2 = dot(d, d) - dot(d, r.direction) * dot(d, r.direction);
   return off2 < radius * radius ? 2 * std::sqrt(radius * radius - off2) : 0;
@@ -67,12 +67,12 @@ TEST(Fluoro, ABallWithinOnePercentOfItsChordsInEveryPose) {
   const Vec3 centre{4, -7, 9};
   const double radius = 40;
   for (const bool oblique : {false, true}) {
-    const FluoroVolume volume(ct_of(
+    const fluoro::FluoroVolume volume(ct_of(
         128, 1, [&](Vec3 p) { return radius - norm(p - centre); }, oblique));
     for (const auto& [orbit, tilt] :
          std::vector<std::pair<double, double>>{{0, 0}, {90, 0}, {33, 20}, {-71, -40}, {200, 75}}) {
-      const CArm arm(free_arm(orbit, tilt), 64);
-      const FluoroIntegrals picture = volume.integrals(arm);
+      const fluoro::CArm arm(free_arm(orbit, tilt), 64);
+      const fluoro::FluoroIntegrals picture = volume.integrals(arm);
       double worst = 0, most = 0;
       int seen = 0;
       double sum = 0, sum_truth = 0;
@@ -101,13 +101,13 @@ TEST(Fluoro, ABallWithinOnePercentOfItsChordsInEveryPose) {
 
 TEST(Fluoro, ASlabWithinOnePercentOfItsLengths) {
   // 20 mm thick across y; rays cross it at any slant.
-  const FluoroVolume volume(ct_of(128, 1, [](Vec3 p) { return 10 - std::abs(p.y); }));
+  const fluoro::FluoroVolume volume(ct_of(128, 1, [](Vec3 p) { return 10 - std::abs(p.y); }));
   for (const auto& [orbit, tilt] : std::vector<std::pair<double, double>>{{0, 0}, {25, 0}, {-40, 15}, {0, 35}}) {
-    const CArm arm(free_arm(orbit, tilt), 32);
+    const fluoro::CArm arm(free_arm(orbit, tilt), 32);
     int seen = 0;
     for (int y = 0; y < 32; ++y)
       for (int x = 0; x < 32; ++x) {
-        const CArm::Ray r = arm.ray(x + 0.5, y + 0.5);
+        const fluoro::CArm::Ray r = arm.ray(x + 0.5, y + 0.5);
         const double enter = (-10 - r.from_mm.y) / r.direction.y, leave = (10 - r.from_mm.y) / r.direction.y;
         bool within = true;  // of the volume, both times
         for (const double t : {enter, leave}) {
@@ -122,17 +122,17 @@ TEST(Fluoro, ASlabWithinOnePercentOfItsLengths) {
     EXPECT_GT(seen, 100);
   }
   // A slab that fills the volume to its border.
-  const FluoroVolume full(ct_of(64, 1, [](Vec3) { return 10.0; }));
+  const fluoro::FluoroVolume full(ct_of(64, 1, [](Vec3) { return 10.0; }));
   EXPECT_NEAR(full.along({{0, -500, 0}, {0, 1, 0}}), bone_per_mm * 64, 1e-6);
   EXPECT_EQ(full.along({{0, -500, 40}, {0, 1, 0}}), 0);
 }
 
 TEST(Fluoro, TurnedByHalfATurnTheParallelPictureIsItsMirrorImage) {
-  const FluoroVolume volume(ct_of(96, 1.1, [](Vec3 p) {
+  const fluoro::FluoroVolume volume(ct_of(96, 1.1, [](Vec3 p) {
     return std::max(25 - norm(p - Vec3{20, 5, -8}), 9 - norm(p - Vec3{-30, -20, 25}));
   }));
-  const FluoroIntegrals a = volume.integrals(CArm(free_arm(40, 0, true), 96));
-  const FluoroIntegrals b = volume.integrals(CArm(free_arm(220, 0, true), 96));
+  const fluoro::FluoroIntegrals a = volume.integrals(fluoro::CArm(free_arm(40, 0, true), 96));
+  const fluoro::FluoroIntegrals b = volume.integrals(fluoro::CArm(free_arm(220, 0, true), 96));
   double worst = 0, most = 0, unlike = 0;
   for (std::size_t y = 0; y < 96; ++y)
     for (std::size_t x = 0; x < 96; ++x) {
@@ -145,14 +145,14 @@ TEST(Fluoro, TurnedByHalfATurnTheParallelPictureIsItsMirrorImage) {
 }
 
 TEST(Fluoro, TheNeedlesTipIsWhereItIsProjected) {
-  const Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p); });
-  Fluoroscope scope(ct);
+  const grid::Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p); });
+  fluoro::Fluoroscope scope(ct);
   for (const auto& [orbit, tilt] : std::vector<std::pair<double, double>>{{0, 0}, {90, 0}, {30, 25}, {150, -30}}) {
-    CArmParams params = free_arm(orbit, tilt);
+    fluoro::CArmParams params = free_arm(orbit, tilt);
     constexpr int size = 256;
-    const CArm arm(params, size);
-    const MetalRod needle{{3, 4, -5}, {45, 30, 60}, 2.5};
-    const FluoroPicture without = scope.picture(params, size, {}), with = scope.picture(params, size, {needle});
+    const fluoro::CArm arm(params, size);
+    const fluoro::MetalRod needle{{3, 4, -5}, {45, 30, 60}, 2.5};
+    const fluoro::FluoroPicture without = scope.picture(params, size, {}), with = scope.picture(params, size, {needle});
     // Half of the brightest change, nearest to the tip along the needle's picture.
     const auto tip = arm.project(needle.tip_mm), tail = arm.project(needle.tail_mm);
     const double length = std::hypot(tail[0] - tip[0], tail[1] - tip[1]);
@@ -177,24 +177,24 @@ TEST(Fluoro, TheNeedlesTipIsWhereItIsProjected) {
 }
 
 TEST(Fluoro, ChordsOfARod) {
-  const MetalRod rod{{0, 0, 0}, {0, 0, 10}, 4};
-  EXPECT_NEAR(chord_mm(rod, {{-50, 0, 5}, {1, 0, 0}}), 4, 1e-12);
-  EXPECT_NEAR(chord_mm(rod, {{-50, 1, 5}, {1, 0, 0}}), 2 * std::sqrt(3.0), 1e-12);
-  EXPECT_EQ(chord_mm(rod, {{-50, 2.1, 5}, {1, 0, 0}}), 0);
-  EXPECT_EQ(chord_mm(rod, {{-50, 0, 10.5}, {1, 0, 0}}), 0);
-  EXPECT_NEAR(chord_mm(rod, {{0.5, 0.5, -50}, {0, 0, 1}}), 10, 1e-12);
-  EXPECT_EQ(chord_mm(rod, {{3, 0, -50}, {0, 0, 1}}), 0);
-  EXPECT_NEAR(chord_mm(rod, {{0, 0, 5}, normalized(Vec3{1, 0, 1})}), 2 * 2 * std::sqrt(2.0), 1e-12);
-  EXPECT_EQ(chord_mm({{1, 1, 1}, {1, 1, 1}, 3}, {{0, 1, 1}, {1, 0, 0}}), 0);
+  const fluoro::MetalRod rod{{0, 0, 0}, {0, 0, 10}, 4};
+  EXPECT_NEAR(fluoro::chord_mm(rod, {{-50, 0, 5}, {1, 0, 0}}), 4, 1e-12);
+  EXPECT_NEAR(fluoro::chord_mm(rod, {{-50, 1, 5}, {1, 0, 0}}), 2 * std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(fluoro::chord_mm(rod, {{-50, 2.1, 5}, {1, 0, 0}}), 0);
+  EXPECT_EQ(fluoro::chord_mm(rod, {{-50, 0, 10.5}, {1, 0, 0}}), 0);
+  EXPECT_NEAR(fluoro::chord_mm(rod, {{0.5, 0.5, -50}, {0, 0, 1}}), 10, 1e-12);
+  EXPECT_EQ(fluoro::chord_mm(rod, {{3, 0, -50}, {0, 0, 1}}), 0);
+  EXPECT_NEAR(fluoro::chord_mm(rod, {{0, 0, 5}, normalized(Vec3{1, 0, 1})}), 2 * 2 * std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(fluoro::chord_mm({{1, 1, 1}, {1, 1, 1}, 3}, {{0, 1, 1}, {1, 0, 0}}), 0);
 }
 
 TEST(Fluoro, TheSamePictureWhateverTheThreadCountAndFromWhatIsKept) {
-  const Grid<std::int16_t> ct = ct_of(64, 1.5, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
-  Fluoroscope scope(ct);
+  const grid::Grid<std::int16_t> ct = ct_of(64, 1.5, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
+  fluoro::Fluoroscope scope(ct);
   set_thread_count(1);
-  const FluoroPicture one = scope.picture(free_arm(20, 10), 100, {});
+  const fluoro::FluoroPicture one = scope.picture(free_arm(20, 10), 100, {});
   set_thread_count(0);
-  Fluoroscope other(ct);
+  fluoro::Fluoroscope other(ct);
   EXPECT_EQ(one.grey, other.picture(free_arm(20, 10), 100, {}).grey);
   EXPECT_NE(one.grey, scope.picture(free_arm(25, 10), 100, {}).grey);
   EXPECT_EQ(one.grey, scope.picture(free_arm(20, 10), 100, {}).grey);
@@ -203,7 +203,7 @@ TEST(Fluoro, TheSamePictureWhateverTheThreadCountAndFromWhatIsKept) {
 namespace {
 
 // Waits for a picture of that size.
-MadeFluoro wait_for(FluoroThread& thread, int size) {
+fluoro::MadeFluoro wait_for(fluoro::FluoroThread& thread, int size) {
   for (int n = 0; n < 60000; ++n) {
     if (auto made = thread.take(); made && made->picture.size == size) return *made;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -215,11 +215,11 @@ MadeFluoro wait_for(FluoroThread& thread, int size) {
 }  // namespace
 
 TEST(FluoroThread, ShowsWhatTheFluoroscopeShowsAndTheNewestNeedle) {
-  const Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
+  const grid::Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
   constexpr int size = 128;
-  FluoroThread thread(ct, size);
-  Fluoroscope scope(ct);
-  const auto needle = [](double z) { return std::vector<MetalRod>{{{3, 4, z}, {45, 30, z + 60}, 2.5}}; };
+  fluoro::FluoroThread thread(ct, size);
+  fluoro::Fluoroscope scope(ct);
+  const auto needle = [](double z) { return std::vector<fluoro::MetalRod>{{{3, 4, z}, {45, 30, z + 60}, 2.5}}; };
   // Of the arm alone nothing is shown.
   thread.move(free_arm(20, 0));
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -229,21 +229,22 @@ TEST(FluoroThread, ShowsWhatTheFluoroscopeShowsAndTheNewestNeedle) {
   EXPECT_FALSE(thread.take());  // each is given once
   // The needle moves many times: the last one is seen, and never one of another place of the arm.
   for (int n = 0; n < 50; ++n) thread.show(free_arm(20, 0), needle(0.2 * n - 5));
-  MadeFluoro last = wait_for(thread, size);
+  fluoro::MadeFluoro last = wait_for(thread, size);
   while (!HasFailure() && last.metal[0].tip_mm.z < needle(0.2 * 49 - 5)[0].tip_mm.z) last = wait_for(thread, size);
   EXPECT_GE(last.waited_s, 0);
   EXPECT_EQ(last.picture.grey, scope.picture(free_arm(20, 0), size, needle(0.2 * 49 - 5)).grey);
   // To another place while the last picture of this one is still to be made: both are.
   thread.show(free_arm(70, 10), needle(0));
   thread.move(free_arm(-30, 0));
-  const MadeFluoro moved = wait_for(thread, size);
+  const fluoro::MadeFluoro moved = wait_for(thread, size);
   EXPECT_EQ(moved.arm.orbit_deg, 70);
   EXPECT_EQ(moved.picture.grey, scope.picture(free_arm(70, 10), size, needle(0)).grey);
 }
 
 TEST(FluoroThread, ACoarsePictureComesFirstAndTheEndIsAtOnce) {
-  const Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p); });
-  FluoroThread thread(ct, 2048);  // the coarse one is there to be taken while the whole one is made: for seconds
+  const grid::Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p); });
+  fluoro::FluoroThread thread(ct,
+                              2048);  // the coarse one is there to be taken while the whole one is made: for seconds
   thread.show(free_arm(0, 0), {});
   EXPECT_EQ(wait_for(thread, 1024).picture.size, 1024);
   // While the whole one is made, the arm goes elsewhere, and the object ends.
@@ -251,19 +252,19 @@ TEST(FluoroThread, ACoarsePictureComesFirstAndTheEndIsAtOnce) {
   // Of a picture that would take minutes hardly anything is made. Work is counted, for time is the machine's load.
   const std::clock_t before = std::clock();
   {
-    FluoroThread other(ct, 8192);
+    fluoro::FluoroThread other(ct, 8192);
     other.show(free_arm(10, 0), {});
   }
   EXPECT_LT(double(std::clock() - before) / CLOCKS_PER_SEC, 20);
-  EXPECT_THROW(FluoroThread(Grid<std::int16_t>(), 512), Error);
+  EXPECT_THROW(fluoro::FluoroThread(grid::Grid<std::int16_t>(), 512), Error);
 }
 
 // While the arm turns, pictures of half the size follow, each of where it was; once it stands the whole one comes.
 TEST(FluoroThread, ATurningArmIsSeen) {
-  const Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p - Vec3{9, 2, 4}); });
+  const grid::Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p - Vec3{9, 2, 4}); });
   constexpr int size = 512;
-  FluoroThread thread(ct, size);
-  Fluoroscope scope(ct);
+  fluoro::FluoroThread thread(ct, size);
+  fluoro::Fluoroscope scope(ct);
   int seen = 0;
   double orbit = 0;
   for (; seen < 3 && orbit < 200; orbit += 0.1) {
@@ -285,19 +286,19 @@ TEST(FluoroThread, ATurningArmIsSeen) {
 
 // Printed, and bounded loosely: the machine's load is not the program's.
 TEST(Fluoro, TimesOfAPicture) {
-  Grid<std::int16_t> ct = ct_of(256, 1, [](Vec3 p) { return 100 - norm(p); });
-  const auto seconds = [&](int size, const CArmParams& params) {
-    const FluoroVolume volume(ct);
+  grid::Grid<std::int16_t> ct = ct_of(256, 1, [](Vec3 p) { return 100 - norm(p); });
+  const auto seconds = [&](int size, const fluoro::CArmParams& params) {
+    const fluoro::FluoroVolume volume(ct);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t before = std::clock();
-    const FluoroIntegrals picture = volume.integrals(CArm(params, size));
+    const fluoro::FluoroIntegrals picture = volume.integrals(fluoro::CArm(params, size));
     EXPECT_GT(picture.integral[std::size_t(size * size / 2 + size / 2)], 1);
     return std::array<double, 2>{std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
                                  double(std::clock() - before) / CLOCKS_PER_SEC};
   };
   for (const double orbit : {0.0, 90.0, 37.0})
     for (const int size : {256, 512}) {
-      CArmParams arm = free_arm(orbit, 10);
+      fluoro::CArmParams arm = free_arm(orbit, 10);
       arm.detector_mm = 400;
       const auto [wall, cpu] = seconds(size, arm);
       std::printf("through 256^3, orbit %g, %d x %d: %.3f s, of all cores %.3f s\n", orbit, size, size, wall, cpu);

@@ -13,28 +13,28 @@
 namespace trephine {
 namespace {
 
-using segmentation::Clearance;
-using segmentation::clearance;
-using segmentation::Relation;
+using consistency::Clearance;
+using consistency::clearance;
+using consistency::Relation;
 
-Lattice raster(Vec3 spacing, double half_mm) {
-  Lattice l;
+grid::Lattice raster(Vec3 spacing, double half_mm) {
+  grid::Lattice l;
   l.spacing_mm = spacing;
   l.origin_mm = {-half_mm, -half_mm, -half_mm};
   for (int a = 0; a < 3; ++a) l.size[a] = int(2 * half_mm / spacing[a]) + 1;
   return l;
 }
 
-Field ball(const Lattice& l, Vec3 centre, double radius) {
+grid::Field ball(const grid::Lattice& l, Vec3 centre, double radius) {
   return field_of(l, [=](Vec3 p) { return radius - norm(p - centre); });
 }
 
 TEST(Clearance, GapOfSpheres) {
-  const Lattice l = raster({0.7, 0.7, 1.1}, 40);
-  const Field outer = ball(l, {}, 35);
+  const grid::Lattice l = raster({0.7, 0.7, 1.1}, 40);
+  const grid::Field outer = ball(l, {}, 35);
   for (const double gap : {0.2, 0.6, 1.5, 4.0}) {
     const Vec3 towards = normalized({1, 2, 0.5});
-    const Field inner = ball(l, towards * (35 - 20 - gap), 20);
+    const grid::Field inner = ball(l, towards * (35 - 20 - gap), 20);
     const Clearance c = clearance(inner, outer, Relation::inside, gap + 0.3);
     EXPECT_EQ(c.wrong_ml, 0);
     EXPECT_NEAR(c.gap_mm, gap, 0.05);
@@ -49,22 +49,22 @@ TEST(Clearance, GapOfSpheres) {
 }
 
 TEST(Clearance, DepthAndVolumeOfWhatPokesOut) {
-  const Lattice l = raster({0.8, 0.8, 0.8}, 40);
+  const grid::Lattice l = raster({0.8, 0.8, 0.8}, 40);
   const Clearance c = clearance(ball(l, {0, 0, 12}, 20), ball(l, {}, 28), Relation::inside, 0);
   EXPECT_NEAR(c.depth_mm, 4, 0.9);  // to the nearest voxel that is inside
   EXPECT_NEAR(c.deepest_mm.z, 32, 0.9);
   EXPECT_EQ(c.gap_mm, 0);
   EXPECT_GT(c.wrong_ml, 1);
   // Cropped fields of one raster lie where they lie.
-  const Field whole = ball(l, {0, 0, 12}, 20);
+  const grid::Field whole = ball(l, {0, 0, 12}, 20);
   const Clearance cropped =
-      clearance(crop(whole, Box{{20, 20, 30}, {80, 80, 95}}), ball(l, {}, 28), Relation::inside, 0);
+      clearance(grid::crop(whole, grid::Box{{20, 20, 30}, {80, 80, 95}}), ball(l, {}, 28), Relation::inside, 0);
   EXPECT_EQ(cropped.wrong_ml, c.wrong_ml);
   EXPECT_EQ(cropped.deepest_mm, c.deepest_mm);
 }
 
 TEST(Clearance, WhereTheVolumeCutsThereIsNoSurface) {
-  Lattice l = raster({1, 1, 1}, 30);
+  grid::Lattice l = raster({1, 1, 1}, 30);
   l.size[2] = 30;  // both are cut at their middle
   const Clearance c = clearance(ball(l, {}, 20), ball(l, {}, 24), Relation::inside, 1);
   EXPECT_NEAR(c.gap_mm, 4, 0.05);
@@ -72,10 +72,10 @@ TEST(Clearance, WhereTheVolumeCutsThereIsNoSurface) {
 
 /// A head of ellipsoids that is right.
 struct Head {
-  Lattice l = raster({1.8, 1.8, 2.2}, 90);
+  grid::Lattice l = raster({1.8, 1.8, 2.2}, 90);
   Vec3 ventricles_at{0, 0, 5}, brain_at, skull_at;
   double slit_mm = 0;
-  Field skin, skull, brain, ventricles;
+  grid::Field skin, skull, brain, ventricles;
   void make() {
     const auto ellipsoid = [](Vec3 p, Vec3 r) {
       return (1 - norm({p.x / r.x, p.y / r.y, p.z / r.z})) * std::min({r.x, r.y, r.z});
@@ -91,9 +91,9 @@ struct Head {
     });
     ventricles = field_of(l, [&](Vec3 p) { return ellipsoid(p - ventricles_at, {17, 40, 12}); });
   }
-  HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
-  AnatomyFindings examine(Report& report) const {
-    return examine_anatomy(fields(), nullptr, AnatomyGateParams(), report);
+  head::HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
+  consistency::AnatomyFindings examine(Report& report) const {
+    return consistency::examine_anatomy(fields(), nullptr, consistency::AnatomyGateParams(), report);
   }
 };
 
@@ -101,9 +101,9 @@ TEST(AnatomyGate, PassesWhatIsRight) {
   Head head;
   head.make();
   Report report;
-  const AnatomyFindings found = head.examine(report);
+  const consistency::AnatomyFindings found = head.examine(report);
   EXPECT_TRUE(found.faults.empty()) << found.faults[0].what;
-  EXPECT_NO_THROW(require_anatomy(found));
+  EXPECT_NO_THROW(consistency::require_anatomy(found));
   EXPECT_NEAR(std::get<double>(*report.find("skull_brain_gap_mm")), 3, 0.2);
   EXPECT_EQ(std::get<std::int64_t>(*report.find("brain_pieces_count")), 1);
   EXPECT_LT(std::get<double>(*report.find("brain_outside_skull_ml")), 1);
@@ -112,15 +112,15 @@ TEST(AnatomyGate, PassesWhatIsRight) {
 /// The first fault's text holds each of the words, and it lies within `off_mm` of the place.
 void expect_fault(const Head& head, std::vector<std::string> words, Vec3 place, double off_mm) {
   Report report;
-  const AnatomyFindings found = head.examine(report);
+  const consistency::AnatomyFindings found = head.examine(report);
   ASSERT_FALSE(found.faults.empty());
-  const AnatomyFault& f = found.faults[0];
+  const consistency::AnatomyFault& f = found.faults[0];
   for (const std::string& w : words) EXPECT_NE(f.what.find(w), std::string::npos) << f.what;
   EXPECT_LT(norm(f.place_mm - place), off_mm) << f.what;
   try {
-    require_anatomy(found);
+    consistency::require_anatomy(found);
     FAIL() << "no error";
-  } catch (const AnatomyError& e) {
+  } catch (const consistency::AnatomyError& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     EXPECT_EQ(e.field(), "");
     EXPECT_EQ(e.faults().size(), found.faults.size());
@@ -146,15 +146,15 @@ TEST(AnatomyGate, SkullTouchesTheSkin) {
   head.skull_at = head.brain_at = {6.9, 0, 0};  // of a gap of 7
   head.make();
   Report report;
-  AnatomyGateParams params;
+  consistency::AnatomyGateParams params;
   params.min_skin_skull_gap_mm = 0.5;
-  AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  consistency::AnatomyFindings found = consistency::examine_anatomy(head.fields(), nullptr, params, report);
   ASSERT_EQ(found.faults.size(), 1u);
   EXPECT_NE(found.faults[0].what.find("surfaces of skull and skin are only 0.1"), std::string::npos)
       << found.faults[0].what;
   EXPECT_LT(norm(found.faults[0].place_mm - Vec3{82, 0, 0}), 12);
   params.min_skin_skull_gap_mm = 0;
-  EXPECT_TRUE(examine_anatomy(head.fields(), nullptr, params, report).faults.empty());
+  EXPECT_TRUE(consistency::examine_anatomy(head.fields(), nullptr, params, report).faults.empty());
   head.skull_at = head.brain_at = {8.5, 0, 0};
   head.make();
   expect_fault(head, {"of the skull lie outside of the skin"}, {83, 0, 0}, 50);
@@ -175,13 +175,13 @@ TEST(AnatomyGate, TheRemedyFollowedWorks) {
   head.ventricles_at = {0, -35, 5};
   head.make();
   Report report;
-  AnatomyGateParams params;
-  const AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  consistency::AnatomyGateParams params;
+  const consistency::AnatomyFindings found = consistency::examine_anatomy(head.fields(), nullptr, params, report);
   ASSERT_GE(found.faults.size(), 3u);
   std::string text;
   try {
-    require_anatomy(found);
-  } catch (const AnatomyError& e) {
+    consistency::require_anatomy(found);
+  } catch (const consistency::AnatomyError& e) {
     text = e.what();
   }
   const auto follow = [&](const char* key, double& value) {
@@ -195,7 +195,7 @@ TEST(AnatomyGate, TheRemedyFollowedWorks) {
   follow("max_near_mm2", params.max_near_mm2);
   follow("max_outside_skull_ml", params.max_outside_skull_ml);
   follow("max_loose_brain_ml", params.max_loose_brain_ml);
-  const AnatomyFindings now = examine_anatomy(head.fields(), nullptr, params, report);
+  const consistency::AnatomyFindings now = consistency::examine_anatomy(head.fields(), nullptr, params, report);
   EXPECT_TRUE(now.faults.empty()) << text << "\n" << now.faults[0].what;
 }
 
@@ -212,11 +212,12 @@ TEST(AnatomyGate, BrainOutsideOfTheSkull) {
       head.brain.voxels[v] = 1;
   }
   Report report;
-  AnatomyGateParams params;
+  consistency::AnatomyGateParams params;
   params.max_outside_skull_ml = 1;
-  const AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  const consistency::AnatomyFindings found = consistency::examine_anatomy(head.fields(), nullptr, params, report);
   bool said = false;
-  for (const AnatomyFault& f : found.faults) said = said || f.what.find("cranial cavity") != std::string::npos;
+  for (const consistency::AnatomyFault& f : found.faults)
+    said = said || f.what.find("cranial cavity") != std::string::npos;
   EXPECT_TRUE(said);
 }
 
@@ -225,7 +226,7 @@ TEST(AnatomyGate, AnEmptyAnatomyIsAFault) {
   head.make();
   std::fill(head.ventricles.voxels.begin(), head.ventricles.voxels.end(), -1.f);
   Report report;
-  const AnatomyFindings found = head.examine(report);
+  const consistency::AnatomyFindings found = head.examine(report);
   ASSERT_EQ(found.faults.size(), 1u);
   EXPECT_NE(found.faults[0].what.find("not one voxel"), std::string::npos);
 }
@@ -234,10 +235,10 @@ TEST(AnatomyGate, OnlyWhatIsGivenIsChecked) {
   Head head;
   head.ventricles_at = {0, -35, 5};
   head.make();
-  HeadFields fields = head.fields();
+  head::HeadFields fields = head.fields();
   fields.ventricles = nullptr;
   Report report;
-  EXPECT_TRUE(examine_anatomy(fields, nullptr, {}, report).faults.empty());
+  EXPECT_TRUE(consistency::examine_anatomy(fields, nullptr, {}, report).faults.empty());
 }
 
 TEST(AnatomyGate, RefusesOtherRastersAndNaN) {
@@ -256,9 +257,9 @@ TEST(AnatomyGate, TheSameBitsWithOneThread) {
   head.ventricles_at = {0, -35, 5};
   head.make();
   Report many, one;
-  const AnatomyFindings a = head.examine(many);
+  const consistency::AnatomyFindings a = head.examine(many);
   set_thread_count(1);
-  const AnatomyFindings b = head.examine(one);
+  const consistency::AnatomyFindings b = head.examine(one);
   set_thread_count(0);
   EXPECT_EQ(many.figures, one.figures);
   EXPECT_EQ(a.faults[0].what, b.faults[0].what);
@@ -268,7 +269,7 @@ TEST(AnatomyGate, PictureShowsThePlace) {
   Head head;
   head.ventricles_at = {0, -35, 5};
   head.make();
-  Grid<std::int16_t> volume(head.l, -1000);
+  grid::Grid<std::int16_t> volume(head.l, -1000);
   for (std::size_t v = 0; v < volume.voxels.size(); ++v)
     volume.voxels[v] = head.skull.voxels[v] > 0        ? 900
                        : head.ventricles.voxels[v] > 0 ? 8
@@ -276,10 +277,10 @@ TEST(AnatomyGate, PictureShowsThePlace) {
                        : head.skin.voxels[v] > 0       ? 60
                                                        : -1000;
   Report report;
-  const AnatomyFindings found = head.examine(report);
+  const consistency::AnatomyFindings found = head.examine(report);
   ASSERT_FALSE(found.faults.empty());
-  const std::string png = anatomy_picture(volume, head.fields(), found.faults[0]);
-  const Image image = decode_png(png);
+  const std::string png = consistency::anatomy_picture(volume, head.fields(), found.faults[0]);
+  const picture::Image image = picture::decode_png(png);
   EXPECT_GT(image.width, 1500);
   // Outlines in their colours, and the cross.
   std::size_t blue = 0, red = 0, white = 0;
@@ -293,7 +294,7 @@ TEST(AnatomyGate, PictureShowsThePlace) {
   EXPECT_GT(blue, 300u);
   EXPECT_GT(red, 800u);
   EXPECT_GT(white, 100u);
-  EXPECT_EQ(png, anatomy_picture(volume, head.fields(), found.faults[0]));
+  EXPECT_EQ(png, consistency::anatomy_picture(volume, head.fields(), found.faults[0]));
   if (const char* to = std::getenv("TREPHINE_KEEP_PICTURES")) write_file(std::string(to) + "/gate.png", png);
 }
 
@@ -305,7 +306,7 @@ TEST(LongAnatomyGate, PassesThePhantom) {
     p.level = phantom::Level::clinical;
     const TrueHead h = true_head(p, 1.5);
     Report report;
-    const AnatomyFindings found = examine_anatomy(h.fields(), &h.landmarks, {}, report);
+    const consistency::AnatomyFindings found = consistency::examine_anatomy(h.fields(), &h.landmarks, {}, report);
     EXPECT_TRUE(found.faults.empty()) << found.faults[0].what;
   }
 }

@@ -21,12 +21,12 @@ double ellipsoid(Vec3 p, Vec3 centre, Vec3 radii) {
 struct Simple {
   double width = 36, middle = 0, turn = 0, step = 1.5;
   Vec3 centre{3, -5, 10};
-  Field skull, brain, ventricles;
-  HeadLandmarks landmarks;
+  grid::Field skull, brain, ventricles;
+  head::HeadLandmarks landmarks;
 
   void make() {
     const double c = std::cos(turn), s = std::sin(turn);
-    Lattice l = head_lattice(step);
+    grid::Lattice l = head_lattice(step);
     const auto in_head = [=](Vec3 p) {
       const Vec3 q = p - centre;
       return Vec3{c * q.x + s * q.y, -s * q.x + c * q.y, q.z};
@@ -49,7 +49,7 @@ struct Simple {
     landmarks.midsagittal.normal = {c, s, 0};
     landmarks.midsagittal.confidence = 1;
   }
-  HeadFields fields() const { return {nullptr, &skull, &brain, &ventricles}; }
+  head::HeadFields fields() const { return {nullptr, &skull, &brain, &ventricles}; }
 };
 
 TEST(HeadFigures, WidthsOfSimpleShapes) {
@@ -58,7 +58,7 @@ TEST(HeadFigures, WidthsOfSimpleShapes) {
     s.turn = turn;
     s.make();
     Report report;
-    const HeadFigures f = measure_head(s.fields(), &s.landmarks, {}, report);
+    const head::HeadFigures f = head::measure_head(s.fields(), &s.landmarks, {}, report);
     ASSERT_TRUE(f.evans_index_ratio && f.midline_shift_mm);
     EXPECT_NEAR(*f.frontal_horns_mm, 36, 0.5) << turn;
     // In the plane at the widest line's level the inner skull is 140 wide, less what its height takes.
@@ -66,7 +66,7 @@ TEST(HeadFigures, WidthsOfSimpleShapes) {
     EXPECT_NEAR(*f.inner_skull_mm, 140 * std::sqrt(1 - up * up / (65.0 * 65.0)), 0.8) << turn;
     EXPECT_NEAR(*f.midline_shift_mm, 0, 0.1) << turn;
     EXPECT_STREQ(f.midline_of, "septum");
-    EXPECT_EQ(f.head_class, HeadClass::normal);
+    EXPECT_EQ(f.head_class, head::HeadClass::normal);
     EXPECT_NEAR(*f.brain_ml, 4.0 / 3 * 3.14159265 * 67 * 85 * 62 / 1000, 8);
   }
 }
@@ -76,26 +76,26 @@ TEST(HeadFigures, AScanTooNoisyOrTooSmoothIsUncertain) {
   Simple s;
   s.make();
   const auto class_with = [&](double voxel_hu, double cube_hu, std::int64_t tiles) {
-    segmentation::ScanFigures scan;
+    mask::ScanFigures scan;
     scan.noise_hu = voxel_hu, scan.cube_noise_hu = cube_hu, scan.tiles_count = tiles;
-    HeadFields fields = s.fields();
+    head::HeadFields fields = s.fields();
     fields.scan = &scan;
     Report report;
-    const HeadClass c = measure_head(fields, &s.landmarks, {}, report).head_class;
-    EXPECT_EQ(report.warnings.empty(), c != HeadClass::uncertain);
+    const head::HeadClass c = head::measure_head(fields, &s.landmarks, {}, report).head_class;
+    EXPECT_EQ(report.warnings.empty(), c != head::HeadClass::uncertain);
     return c;
   };
-  EXPECT_EQ(class_with(10, 5, 500), HeadClass::normal);
-  EXPECT_EQ(class_with(40, 30, 500), HeadClass::uncertain);
-  EXPECT_EQ(class_with(95, 20, 500), HeadClass::uncertain);
-  EXPECT_EQ(class_with(1.1, 0.8, 500), HeadClass::uncertain);
-  EXPECT_EQ(class_with(1.1, 0.8, 10), HeadClass::normal);  // not known
+  EXPECT_EQ(class_with(10, 5, 500), head::HeadClass::normal);
+  EXPECT_EQ(class_with(40, 30, 500), head::HeadClass::uncertain);
+  EXPECT_EQ(class_with(95, 20, 500), head::HeadClass::uncertain);
+  EXPECT_EQ(class_with(1.1, 0.8, 500), head::HeadClass::uncertain);
+  EXPECT_EQ(class_with(1.1, 0.8, 10), head::HeadClass::normal);  // not known
 }
 
 TEST(HeadFigures, ASideWithoutItsTrigoneIsUncertain) {
   Simple s;
   s.make();
-  Field& f = s.ventricles;
+  grid::Field& f = s.ventricles;
   for (int k = 0; k < f.size[2]; ++k)
     for (int j = 0; j < f.size[1]; ++j)
       for (int i = 0; i < f.size[0]; ++i) {
@@ -103,7 +103,7 @@ TEST(HeadFigures, ASideWithoutItsTrigoneIsUncertain) {
         if (p.x < -1 && p.y > 10) f.at(i, j, k) = -5;
       }
   Report report;
-  EXPECT_EQ(measure_head(s.fields(), &s.landmarks, {}, report).head_class, HeadClass::uncertain);
+  EXPECT_EQ(head::measure_head(s.fields(), &s.landmarks, {}, report).head_class, head::HeadClass::uncertain);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("the right lateral ventricle ends"), std::string::npos) << report.warnings[0];
 }
@@ -113,13 +113,13 @@ TEST(HeadFigures, ShiftAgainstPlaneAndAgainstTheInnerSkull) {
   s.middle = 7;
   s.make();
   Report report;
-  const HeadFigures with = measure_head(s.fields(), &s.landmarks, {}, report);
+  const head::HeadFigures with = head::measure_head(s.fields(), &s.landmarks, {}, report);
   EXPECT_NEAR(with.midline_shift_mm.value(), 7, 0.2);
-  EXPECT_EQ(with.head_class, HeadClass::shifted);
+  EXPECT_EQ(with.head_class, head::HeadClass::shifted);
   EXPECT_TRUE(report.warnings.empty());
-  const HeadFigures without = measure_head(s.fields(), nullptr, {}, report);
+  const head::HeadFigures without = head::measure_head(s.fields(), nullptr, {}, report);
   EXPECT_NEAR(without.midline_shift_mm.value(), 7, 0.3);
-  EXPECT_EQ(without.head_class, HeadClass::shifted);
+  EXPECT_EQ(without.head_class, head::HeadClass::shifted);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("midsagittal"), std::string::npos);
 }
@@ -129,26 +129,26 @@ TEST(HeadFigures, WideHornsAreHydrocephalic) {
   s.width = 48;
   s.make();
   Report report;
-  const HeadFigures f = measure_head(s.fields(), &s.landmarks, {}, report);
-  EXPECT_EQ(f.head_class, HeadClass::hydrocephalic);
-  HeadClassParams strict;
+  const head::HeadFigures f = head::measure_head(s.fields(), &s.landmarks, {}, report);
+  EXPECT_EQ(f.head_class, head::HeadClass::hydrocephalic);
+  head::HeadClassParams strict;
   strict.hydrocephalic_evans_ratio = 0.4;
-  EXPECT_EQ(measure_head(s.fields(), &s.landmarks, strict, report).head_class, HeadClass::normal);
+  EXPECT_EQ(head::measure_head(s.fields(), &s.landmarks, strict, report).head_class, head::HeadClass::normal);
 }
 
 TEST(HeadFigures, WhatIsMissingIsNotMeasured) {
   Simple s;
   s.make();
-  HeadFields fields = s.fields();
+  head::HeadFields fields = s.fields();
   fields.skull = nullptr;
   Report report;
-  const HeadFigures f = measure_head(fields, &s.landmarks, {}, report);
+  const head::HeadFigures f = head::measure_head(fields, &s.landmarks, {}, report);
   EXPECT_FALSE(f.evans_index_ratio);
   EXPECT_FALSE(f.skull_ml);
   EXPECT_TRUE(f.midline_shift_mm);
-  EXPECT_EQ(f.head_class, HeadClass::unknown);
-  const HeadFigures none = measure_head({}, nullptr, {}, report);
-  EXPECT_EQ(none.head_class, HeadClass::unknown);
+  EXPECT_EQ(f.head_class, head::HeadClass::unknown);
+  const head::HeadFigures none = head::measure_head({}, nullptr, {}, report);
+  EXPECT_EQ(none.head_class, head::HeadClass::unknown);
 }
 
 void expect_class(phantom::Variant variant, int seed, double step_mm) {
@@ -157,16 +157,16 @@ void expect_class(phantom::Variant variant, int seed, double step_mm) {
   p.seed = seed;
   p.level = phantom::Level::clinical;
   const TrueHead h = true_head(p, step_mm);
-  HeadLandmarks plane_only = h.landmarks;
+  head::HeadLandmarks plane_only = h.landmarks;
   plane_only.landmarks.clear();
-  const HeadClass want = variant == phantom::Variant::normal          ? HeadClass::normal
-                         : variant == phantom::Variant::hydrocephalic ? HeadClass::hydrocephalic
-                         : variant == phantom::Variant::shifted       ? HeadClass::shifted
-                                                                      : HeadClass::small;
-  const HeadLandmarks* const all[] = {&h.landmarks, &plane_only, nullptr};
-  for (const HeadLandmarks* landmarks : all) {
+  const head::HeadClass want = variant == phantom::Variant::normal          ? head::HeadClass::normal
+                               : variant == phantom::Variant::hydrocephalic ? head::HeadClass::hydrocephalic
+                               : variant == phantom::Variant::shifted       ? head::HeadClass::shifted
+                                                                            : head::HeadClass::small;
+  const head::HeadLandmarks* const all[] = {&h.landmarks, &plane_only, nullptr};
+  for (const head::HeadLandmarks* landmarks : all) {
     Report report;
-    const HeadFigures f = measure_head(h.fields(), landmarks, {}, report);
+    const head::HeadFigures f = head::measure_head(h.fields(), landmarks, {}, report);
     EXPECT_EQ(f.head_class, want) << "seed " << seed << ", Evans " << f.evans_index_ratio.value_or(-1) << ", shift "
                                   << f.midline_shift_mm.value_or(-99);
     if (!landmarks) continue;

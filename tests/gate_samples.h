@@ -13,21 +13,21 @@ namespace trephine {
 
 /// The phantom's anatomies as fields, from its analytic functions.
 struct TrueHead {
-  Field skin, skull, brain, ventricles;
-  HeadLandmarks landmarks;
-  HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
+  grid::Field skin, skull, brain, ventricles;
+  head::HeadLandmarks landmarks;
+  head::HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
 };
 
-inline Lattice head_lattice(double step_mm) {
-  Lattice l;
+inline grid::Lattice head_lattice(double step_mm) {
+  grid::Lattice l;
   l.spacing_mm = {step_mm, step_mm, step_mm};
   l.origin_mm = {-110, -130, -60};
   l.size = {int(220 / step_mm), int(250 / step_mm), int(190 / step_mm)};
   return l;
 }
 
-inline Field field_of(const Lattice& l, const std::function<double(Vec3)>& inside_mm) {
-  Field f(l);
+inline grid::Field field_of(const grid::Lattice& l, const std::function<double(Vec3)>& inside_mm) {
+  grid::Field f(l);
   parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -38,8 +38,8 @@ inline Field field_of(const Lattice& l, const std::function<double(Vec3)>& insid
   return f;
 }
 
-inline HeadLandmarks true_landmarks(const phantom::Head& head) {
-  HeadLandmarks out;
+inline head::HeadLandmarks true_landmarks(const phantom::Head& head) {
+  head::HeadLandmarks out;
   out.midsagittal.confidence = 1;  // the plane x = 0
   for (const auto& [name, at] : head.landmarks()) out.landmarks.push_back({name, at, 1, "truth"});
   return out;

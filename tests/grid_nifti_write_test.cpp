@@ -30,19 +30,19 @@ Mat3 rotation(double a, double b, double c) {
 }
 
 template <class T>
-Grid<T> sample(const Mat3& direction) {
-  Lattice l;
+grid::Grid<T> sample(const Mat3& direction) {
+  grid::Lattice l;
   l.size = {7, 5, 4};
   l.spacing_mm = {0.4881, 0.75, 3.1};
   l.origin_mm = {-121.3, 88.25, -412.6};
   l.direction = direction;
-  Grid<T> g(l);
+  grid::Grid<T> g(l);
   for (std::size_t i = 0; i < g.voxels.size(); ++i)
     g.voxels[i] = T(int(i * 37 % 251) - (std::is_same_v<T, std::uint8_t> ? 0 : 100));
   return g;
 }
 
-double farthest_mm(const Lattice& a, const Lattice& b) {
+double farthest_mm(const grid::Lattice& a, const grid::Lattice& b) {
   double most = 0;
   for (int c = 0; c < 8; ++c) {
     Vec3 at;
@@ -70,52 +70,55 @@ TEST(NiftiWrite, AnyOrientationComesBack) {
   int with_qform = 0;
   for (const Mat3& d : directions) {
     const auto volume = sample<std::int16_t>(d);
-    const std::string bytes = encode_nifti(HuVolume(volume), false);
-    const Nifti back = decode_nifti(bytes);
+    const std::string bytes = grid::encode_nifti(grid::HuVolume(volume), false);
+    const grid::Nifti back = grid::decode_nifti(bytes);
     ASSERT_TRUE(back.warnings.empty()) << back.warnings[0];
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(back.grid).voxels, volume.voxels);
-    EXPECT_LT(farthest_mm(std::get<Grid<std::int16_t>>(back.grid), volume), 1e-4);
-    const Nifti other = decode_nifti(by_quaternion(bytes));
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(back.grid).voxels, volume.voxels);
+    EXPECT_LT(farthest_mm(std::get<grid::Grid<std::int16_t>>(back.grid), volume), 1e-4);
+    const grid::Nifti other = grid::decode_nifti(by_quaternion(bytes));
     if (other.frame != "qform") continue;
     ++with_qform;
-    EXPECT_LT(farthest_mm(std::get<Grid<std::int16_t>>(other.grid), volume), 0.006);
+    EXPECT_LT(farthest_mm(std::get<grid::Grid<std::int16_t>>(other.grid), volume), 0.006);
   }
   EXPECT_GT(with_qform, int(directions.size()) * 3 / 4);
   // A scan along the axes has both.
-  EXPECT_EQ(decode_nifti(by_quaternion(encode_nifti(HuVolume(sample<std::int16_t>(Mat3())), false))).frame, "qform");
+  EXPECT_EQ(
+      grid::decode_nifti(by_quaternion(grid::encode_nifti(grid::HuVolume(sample<std::int16_t>(Mat3())), false))).frame,
+      "qform");
 }
 
 TEST(NiftiWrite, AllTypesPlainAndCompressed) {
   const auto labels = sample<std::uint8_t>(Mat3());
   for (const bool gzip : {false, true}) {
-    EXPECT_EQ(std::get<Mask>(decode_nifti(encode_nifti(labels, gzip)).grid).voxels, labels.voxels);
+    EXPECT_EQ(std::get<grid::Mask>(grid::decode_nifti(grid::encode_nifti(labels, gzip)).grid).voxels, labels.voxels);
     auto real = sample<float>(Mat3());
     real.voxels[3] = 0.5f;
-    EXPECT_EQ(std::get<Field>(decode_nifti(encode_nifti(HuVolume(real), gzip)).grid).voxels, real.voxels);
+    EXPECT_EQ(std::get<grid::Field>(grid::decode_nifti(grid::encode_nifti(grid::HuVolume(real), gzip)).grid).voxels,
+              real.voxels);
   }
-  EXPECT_EQ(encode_nifti(labels, true), encode_nifti(labels, true));
-  Lattice l;
+  EXPECT_EQ(grid::encode_nifti(labels, true), grid::encode_nifti(labels, true));
+  grid::Lattice l;
   l.size = {40000, 1, 1};
-  EXPECT_THROW(encode_nifti(Mask(l), false), Error);
+  EXPECT_THROW(grid::encode_nifti(grid::Mask(l), false), Error);
 }
 
 // A place that float32 cannot say comes back to the last bit, unless another program moved the volume.
 TEST(NiftiWrite, PlaceToTheLastBit) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {5, 4, 3};
   l.spacing_mm = {0.4785156, 0.4785156, 1.5};
   l.origin_mm = {-122.49999, -167.49999, 116};
-  const Mask mask(l, 1);
-  const std::string bytes = encode_nifti(mask, false);
-  EXPECT_TRUE(static_cast<const Lattice&>(std::get<Mask>(decode_nifti(bytes).grid)) == l);
+  const grid::Mask mask(l, 1);
+  const std::string bytes = grid::encode_nifti(mask, false);
+  EXPECT_TRUE(static_cast<const grid::Lattice&>(std::get<grid::Mask>(grid::decode_nifti(bytes).grid)) == l);
   EXPECT_EQ(bytes.size() % 4, mask.count() % 4);
   std::string moved = bytes;
   const float other = 167.6f;
   std::memcpy(moved.data() + 280 + 28, &other, 4);
-  EXPECT_NEAR(std::get<Mask>(decode_nifti(moved).grid).origin_mm.y, -167.6, 1e-5);
+  EXPECT_NEAR(std::get<grid::Mask>(grid::decode_nifti(moved).grid).origin_mm.y, -167.6, 1e-5);
   // What float32 says exactly needs no extension.
   l.origin_mm = {-122.5, -167.5, 116};
-  EXPECT_EQ(encode_nifti(Mask(l, 1), false).size(), 352 + mask.count());
+  EXPECT_EQ(grid::encode_nifti(grid::Mask(l, 1), false).size(), 352 + mask.count());
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class NrrdTest : public testing::Test {
   // The field that a refusal names, with its code.
   std::string refusal(const fs::path& f) const {
     try {
-      read_nrrd(f);
+      grid::read_nrrd(f);
     } catch (const Error& e) {
       EXPECT_EQ(e.file(), f.string());
       return std::to_string(int(e.code())) + " " + e.field();
@@ -56,8 +56,8 @@ std::string header(const std::string& replaced = "", const std::string& by = "")
 }
 const std::string eight_bytes("\1\0\2\0\3\0\xff\xff", 8);
 
-Lattice oblique(double hand) {
-  Lattice l;
+grid::Lattice oblique(double hand) {
+  grid::Lattice l;
   l.size = {5, 4, 3};
   l.spacing_mm = {0.1 + 0.2, 1 / 3.0, 1.2499999999999998};
   l.origin_mm = {-0.1, 1e-17, 123456.789012345678};
@@ -70,37 +70,37 @@ Lattice oblique(double hand) {
 
 TEST_F(NrrdTest, RoundTripIsExactToTheBit) {
   for (const double hand : {1.0, -1.0}) {
-    const Lattice l = oblique(hand);
-    Grid<std::int16_t> hu(l);
-    Grid<float> real(l);
-    Mask mask(l);
+    const grid::Lattice l = oblique(hand);
+    grid::Grid<std::int16_t> hu(l);
+    grid::Grid<float> real(l);
+    grid::Mask mask(l);
     for (std::size_t i = 0; i < l.count(); ++i) {
       hu.voxels[i] = static_cast<std::int16_t>(i * 1111 - 32768);
       real.voxels[i] = std::sqrt(float(i)) - 3;
       mask.voxels[i] = i % 3;
     }
-    for (const auto encoding : {NrrdEncoding::raw, NrrdEncoding::gzip}) {
-      write_nrrd(file("hu.nrrd"), HuVolume(hu), {{"modality", "CT"}, {"two\\lines", "a\nb\\n"}}, encoding);
-      write_nrrd(file("real.nrrd"), HuVolume(real), {}, encoding);
-      write_nrrd(file("mask.nrrd"), mask, {}, encoding);
-      const Nrrd back = read_nrrd(file("hu.nrrd"));
-      const auto& g = std::get<Grid<std::int16_t>>(back.grid);
-      EXPECT_TRUE(static_cast<const Lattice&>(g) == l);
+    for (const auto encoding : {grid::NrrdEncoding::raw, grid::NrrdEncoding::gzip}) {
+      grid::write_nrrd(file("hu.nrrd"), grid::HuVolume(hu), {{"modality", "CT"}, {"two\\lines", "a\nb\\n"}}, encoding);
+      grid::write_nrrd(file("real.nrrd"), grid::HuVolume(real), {}, encoding);
+      grid::write_nrrd(file("mask.nrrd"), mask, {}, encoding);
+      const grid::Nrrd back = grid::read_nrrd(file("hu.nrrd"));
+      const auto& g = std::get<grid::Grid<std::int16_t>>(back.grid);
+      EXPECT_TRUE(static_cast<const grid::Lattice&>(g) == l);
       EXPECT_EQ(g.voxels, hu.voxels);
-      EXPECT_EQ(back.keys, (NrrdKeys{{"modality", "CT"}, {"two\\lines", "a\nb\\n"}}));
-      const auto field = read_field_nrrd(file("real.nrrd"));
-      EXPECT_TRUE(static_cast<const Lattice&>(field) == l);
+      EXPECT_EQ(back.keys, (grid::NrrdKeys{{"modality", "CT"}, {"two\\lines", "a\nb\\n"}}));
+      const auto field = grid::read_field_nrrd(file("real.nrrd"));
+      EXPECT_TRUE(static_cast<const grid::Lattice&>(field) == l);
       EXPECT_EQ(field.voxels, real.voxels);
-      EXPECT_EQ(read_mask_nrrd(file("mask.nrrd")).voxels, mask.voxels);
+      EXPECT_EQ(grid::read_mask_nrrd(file("mask.nrrd")).voxels, mask.voxels);
     }
   }
 }
 
 TEST_F(NrrdTest, AnAxisAlignedHeaderHoldsOnlyWhatTheFormatNeeds) {
-  Grid<std::int16_t> g(oblique(1));
+  grid::Grid<std::int16_t> g(oblique(1));
   g.direction = Mat3();
   g.direction.column[1] = {0, -1, 0};
-  write_nrrd(file("a.nrrd"), HuVolume(g));
+  grid::write_nrrd(file("a.nrrd"), grid::HuVolume(g));
   const std::string text = bytes(file("a.nrrd"));
   EXPECT_EQ(text.substr(0, text.find("\n\n")),
             "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 5 4 3\n"
@@ -108,76 +108,81 @@ TEST_F(NrrdTest, AnAxisAlignedHeaderHoldsOnlyWhatTheFormatNeeds) {
             "kinds: domain domain domain\nendian: little\nencoding: raw\n"
             "space origin: (-0.1,1e-17,123456.78901234567)");
   EXPECT_EQ(text.find(":="), std::string::npos);
-  EXPECT_TRUE(lattice_of(read_hu_nrrd(file("a.nrrd"))) == static_cast<const Lattice&>(g));
+  EXPECT_TRUE(grid::lattice_of(grid::read_hu_nrrd(file("a.nrrd"))) == static_cast<const grid::Lattice&>(g));
 }
 
 TEST_F(NrrdTest, GzipIsTheSameWhateverTheThreadsAndReadsInParts) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {300, 200, 150};  // three chunks of the parallel compressor
-  Mask m(l);
+  grid::Mask m(l);
   for (std::size_t i = 0; i < m.voxels.size(); ++i) m.voxels[i] = (i * 2654435761u >> 20) % 7 == 0;
   set_thread_count(1);
-  write_nrrd(file("one.nrrd"), m);
+  grid::write_nrrd(file("one.nrrd"), m);
   set_thread_count(2);
-  write_nrrd(file("two.nrrd"), m);
+  grid::write_nrrd(file("two.nrrd"), m);
   EXPECT_EQ(bytes(file("one.nrrd")), bytes(file("two.nrrd")));
-  EXPECT_EQ(read_mask_nrrd(file("two.nrrd")).voxels, m.voxels);
+  EXPECT_EQ(grid::read_mask_nrrd(file("two.nrrd")).voxels, m.voxels);
   // Nothing in the gzip header: no name, no time.
   const std::string text = bytes(file("one.nrrd"));
   EXPECT_EQ(text.substr(text.find("\n\n") + 2, 10), std::string("\x1f\x8b\x08\0\0\0\0\0\x04\x03", 10));
 }
 
 TEST_F(NrrdTest, RasIsConverted) {
-  const auto g = read_hu_nrrd(put(header("left-posterior-superior", "RAS") + eight_bytes));
-  const Lattice& l = lattice_of(g);
+  const auto g = grid::read_hu_nrrd(put(header("left-posterior-superior", "RAS") + eight_bytes));
+  const grid::Lattice& l = grid::lattice_of(g);
   EXPECT_EQ(l.origin_mm, (Vec3{-1, -2, 3}));
   EXPECT_EQ(l.direction.column[0], (Vec3{-1, 0, 0}));
   EXPECT_EQ(l.direction.column[1], (Vec3{0, -1, 0}));
   EXPECT_EQ(l.direction.column[2], (Vec3{0, 0, 1}));
   EXPECT_EQ(l.spacing_mm, (Vec3{1, 1, 2}));
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(g).voxels, (std::vector<std::int16_t>{1, 2, 3, -1}));
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(g).voxels, (std::vector<std::int16_t>{1, 2, 3, -1}));
 }
 
 TEST_F(NrrdTest, OtherTypesAreConvertedWhereExact) {
   const auto type_of = [&](const std::string& type, const std::string& data) {
-    return read_nrrd(put(header("type: short", "type: " + type) + data)).grid;
+    return grid::read_nrrd(put(header("type: short", "type: " + type) + data)).grid;
   };
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(type_of("unsigned short", std::string("\1\0\2\0\3\0\xff\x7f", 8))).voxels[3],
-            32767);
-  EXPECT_EQ(std::get<Grid<float>>(type_of("uint16", eight_bytes)).voxels[3], 65535.f);
+  EXPECT_EQ(
+      std::get<grid::Grid<std::int16_t>>(type_of("unsigned short", std::string("\1\0\2\0\3\0\xff\x7f", 8))).voxels[3],
+      32767);
+  EXPECT_EQ(std::get<grid::Grid<float>>(type_of("uint16", eight_bytes)).voxels[3], 65535.f);
   const std::int32_t whole[4] = {-32768, 0, 32767, -1}, large[4] = {-32769, 0, 1, 2};
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(type_of("int", {reinterpret_cast<const char*>(whole), sizeof whole})).voxels,
-            (std::vector<std::int16_t>{-32768, 0, 32767, -1}));
-  EXPECT_EQ(std::get<Grid<float>>(type_of("int", {reinterpret_cast<const char*>(large), sizeof large})).voxels[0],
+  EXPECT_EQ(
+      std::get<grid::Grid<std::int16_t>>(type_of("int", {reinterpret_cast<const char*>(whole), sizeof whole})).voxels,
+      (std::vector<std::int16_t>{-32768, 0, 32767, -1}));
+  EXPECT_EQ(std::get<grid::Grid<float>>(type_of("int", {reinterpret_cast<const char*>(large), sizeof large})).voxels[0],
             -32769.f);
   const double values[4] = {0.5, -1, 3, 1e300};
   const std::string doubles(reinterpret_cast<const char*>(values), sizeof values);
   EXPECT_EQ(refusal(put(header("type: short", "type: double") + doubles)), "65 data");
   std::string swapped = eight_bytes;
   for (int i = 0; i < 8; i += 2) std::swap(swapped[i], swapped[i + 1]);
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(read_nrrd(put(header("endian: little", "endian: big") + swapped)).grid).voxels,
-            (std::vector<std::int16_t>{1, 2, 3, -1}));
+  EXPECT_EQ(
+      std::get<grid::Grid<std::int16_t>>(grid::read_nrrd(put(header("endian: little", "endian: big") + swapped)).grid)
+          .voxels,
+      (std::vector<std::int16_t>{1, 2, 3, -1}));
   EXPECT_EQ(refusal(put(header("type: short", "type: block") + eight_bytes)), "65 type");
 }
 
 TEST_F(NrrdTest, MaskAsFieldAndHu) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {2, 1, 1};
-  Mask m(l);
+  grid::Mask m(l);
   m.voxels = {0, 3};
-  write_nrrd(file("m.nrrd"), m);
-  EXPECT_EQ(read_field_nrrd(file("m.nrrd")).voxels, (std::vector<float>{-0.5f, 0.5f}));
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(read_hu_nrrd(file("m.nrrd"))).voxels, (std::vector<std::int16_t>{0, 3}));
-  Grid<float> f(l);
+  grid::write_nrrd(file("m.nrrd"), m);
+  EXPECT_EQ(grid::read_field_nrrd(file("m.nrrd")).voxels, (std::vector<float>{-0.5f, 0.5f}));
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(grid::read_hu_nrrd(file("m.nrrd"))).voxels,
+            (std::vector<std::int16_t>{0, 3}));
+  grid::Grid<float> f(l);
   f.voxels = {1, 2.5f};
-  write_nrrd(file("f.nrrd"), HuVolume(f));
-  EXPECT_THROW(read_mask_nrrd(file("f.nrrd")), Error);
+  grid::write_nrrd(file("f.nrrd"), grid::HuVolume(f));
+  EXPECT_THROW(grid::read_mask_nrrd(file("f.nrrd")), Error);
   f.voxels = {1, 256};
-  write_nrrd(file("f.nrrd"), HuVolume(f));
-  EXPECT_THROW(read_mask_nrrd(file("f.nrrd")), Error);
+  grid::write_nrrd(file("f.nrrd"), grid::HuVolume(f));
+  EXPECT_THROW(grid::read_mask_nrrd(file("f.nrrd")), Error);
   f.voxels = {1, 255};
-  write_nrrd(file("f.nrrd"), HuVolume(f));
-  EXPECT_EQ(read_mask_nrrd(file("f.nrrd")).voxels, (std::vector<std::uint8_t>{1, 255}));
+  grid::write_nrrd(file("f.nrrd"), grid::HuVolume(f));
+  EXPECT_EQ(grid::read_mask_nrrd(file("f.nrrd")).voxels, (std::vector<std::uint8_t>{1, 255}));
 }
 
 TEST_F(NrrdTest, HostileHeadersAreRefusedByField) {
@@ -217,9 +222,9 @@ TEST_F(NrrdTest, HostileHeadersAreRefusedByField) {
 }
 
 TEST_F(NrrdTest, HostileGzipTakesNoMemory) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {1000, 100, 1};
-  write_nrrd(file("z.nrrd"), Mask(l));
+  grid::write_nrrd(file("z.nrrd"), grid::Mask(l));
   std::string text = bytes(file("z.nrrd"));
   const auto resized = [&](const std::string& sizes) {
     std::string t = text;
@@ -233,22 +238,22 @@ TEST_F(NrrdTest, HostileGzipTakesNoMemory) {
 }
 
 TEST_F(NrrdTest, EveryTruncationAndFlippedGzipByteIsRefused) {
-  Grid<std::int16_t> g(oblique(1), 7);
-  for (const auto encoding : {NrrdEncoding::raw, NrrdEncoding::gzip}) {
-    write_nrrd(file("t.nrrd"), HuVolume(g), {}, encoding);
+  grid::Grid<std::int16_t> g(oblique(1), 7);
+  for (const auto encoding : {grid::NrrdEncoding::raw, grid::NrrdEncoding::gzip}) {
+    grid::write_nrrd(file("t.nrrd"), grid::HuVolume(g), {}, encoding);
     const std::string text = bytes(file("t.nrrd"));
     for (std::size_t n = 0; n < text.size(); ++n) EXPECT_EQ(refusal(put(text.substr(0, n))).substr(0, 2), "65") << n;
     EXPECT_EQ(refusal(put(text + "x")).substr(0, 2), "65");
     std::size_t refused = 0;
     const std::size_t first = text.find("\n\n") + 12;
-    if (encoding == NrrdEncoding::gzip) {
+    if (encoding == grid::NrrdEncoding::gzip) {
       for (std::size_t n = first; n < text.size(); ++n) {
         std::string damaged = text;
         damaged[n] = static_cast<char>(damaged[n] ^ 0x10);
         const fs::path f = put(damaged);
         try {
           // Bits that pad the last block to a byte carry nothing.
-          EXPECT_EQ(std::get<Grid<std::int16_t>>(read_hu_nrrd(f)).voxels, g.voxels) << n;
+          EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(grid::read_hu_nrrd(f)).voxels, g.voxels) << n;
         } catch (const Error& e) {
           EXPECT_EQ(e.code(), ExitCode::bad_input);
           ++refused;
@@ -260,51 +265,52 @@ TEST_F(NrrdTest, EveryTruncationAndFlippedGzipByteIsRefused) {
 }
 
 TEST_F(NrrdTest, NotFiniteIsRefused) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {2, 2, 2};
-  Grid<float> g(l, 1.f);
+  grid::Grid<float> g(l, 1.f);
   g.voxels[5] = std::numeric_limits<float>::quiet_NaN();
-  write_nrrd(file("nan.nrrd"), HuVolume(g));
+  grid::write_nrrd(file("nan.nrrd"), grid::HuVolume(g));
   EXPECT_EQ(refusal(file("nan.nrrd")), "65 data");
   g.voxels[5] = std::numeric_limits<float>::infinity();
-  write_nrrd(file("nan.nrrd"), HuVolume(g));
+  grid::write_nrrd(file("nan.nrrd"), grid::HuVolume(g));
   EXPECT_EQ(refusal(file("nan.nrrd")), "65 data");
 }
 
 TEST_F(NrrdTest, SlightlySkewAxesAreStraightened) {
-  const auto g = read_hu_nrrd(put(header("(1,0,0) (0,1,0) (0,0,2)", "(1,0,0) (0.00002,1,0) (0,0,-2)") + eight_bytes));
-  const Mat3& d = lattice_of(g).direction;
+  const auto g =
+      grid::read_hu_nrrd(put(header("(1,0,0) (0,1,0) (0,0,2)", "(1,0,0) (0.00002,1,0) (0,0,-2)") + eight_bytes));
+  const Mat3& d = grid::lattice_of(g).direction;
   EXPECT_NEAR(dot(d.column[0], d.column[1]), 0, 1e-15);
   EXPECT_NEAR(determinant(d), -1, 1e-12);
 }
 
 TEST_F(NrrdTest, KeysThatNoLongerAgreeAreIgnored) {
-  write_nrrd(file("o.nrrd"), HuVolume(Grid<std::int16_t>(oblique(1))));
+  grid::write_nrrd(file("o.nrrd"), grid::HuVolume(grid::Grid<std::int16_t>(oblique(1))));
   std::string text = bytes(file("o.nrrd"));
   ASSERT_NE(text.find("trephine-spacing:="), std::string::npos);
   // Another program moved the volume and kept the keys.
   const auto at = text.find("space directions:"), end = text.find('\n', at);
   text.replace(at, end - at, "space directions: (2,0,0) (0,2,0) (0,0,2)");
-  const Nrrd back = read_nrrd(put(text));
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(back.grid).spacing_mm, (Vec3{2, 2, 2}));
+  const grid::Nrrd back = grid::read_nrrd(put(text));
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(back.grid).spacing_mm, (Vec3{2, 2, 2}));
   EXPECT_TRUE(back.keys.empty());
 }
 
 TEST_F(NrrdTest, HundredMegabytesAreQuick) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {512, 512, 192};
   // Of the processor: a busy machine is no fault.
   const auto seconds_since = [](std::clock_t t) { return double(std::clock() - t) / CLOCKS_PER_SEC; };
-  const HuVolume v(Grid<std::int16_t>(l, 40));
+  const grid::HuVolume v(grid::Grid<std::int16_t>(l, 40));
   std::clock_t start = std::clock();
-  write_nrrd(file("big.nrrd"), v);
+  grid::write_nrrd(file("big.nrrd"), v);
   RecordProperty("write_s", std::to_string(seconds_since(start)));
   start = std::clock();
-  const auto back = read_hu_nrrd(file("big.nrrd"));
+  const auto back = grid::read_hu_nrrd(file("big.nrrd"));
   const double read_s = seconds_since(start);
   RecordProperty("read_s", std::to_string(read_s));
   EXPECT_LT(read_s, 20);
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(back).voxels.back(), 40);
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(back).voxels.back(), 40);
 }
 
 }  // namespace

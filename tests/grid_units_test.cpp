@@ -16,10 +16,12 @@ std::string nrrd(const std::string& more) {
          "(0,2,0) (0,0,3)\nendian: little\nencoding: raw\nspace origin: (10,20,30)\n" +
          more + "\n" + std::string(48, '\0');
 }
-Lattice lattice_with(const std::string& more) { return lattice_of(to_hu(decode_nrrd(nrrd(more)).grid)); }
+grid::Lattice lattice_with(const std::string& more) {
+  return grid::lattice_of(grid::to_hu(grid::decode_nrrd(nrrd(more)).grid));
+}
 std::string refused(const std::string& more) {
   try {
-    decode_nrrd(nrrd(more));
+    grid::decode_nrrd(nrrd(more));
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     return e.field();
@@ -34,13 +36,13 @@ TEST(NrrdUnits, SpaceUnitsScaleTheAxesAndTheOrigin) {
   } units[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"inch", 25.4}, {"um", 0.001}, {"Millimeters", 1}};
   for (const auto& u : units) {
     const std::string q = std::string("\"") + u.unit + "\"";
-    const Lattice l = lattice_with("space units: " + q + " " + q + " " + q + "\n");
+    const grid::Lattice l = lattice_with("space units: " + q + " " + q + " " + q + "\n");
     EXPECT_NEAR(l.spacing_mm.x, u.mm, 1e-12 * u.mm) << u.unit;
     EXPECT_NEAR(l.spacing_mm.z, 3 * u.mm, 1e-12 * u.mm) << u.unit;
     EXPECT_NEAR(l.origin_mm.y, 20 * u.mm, 1e-12 * u.mm) << u.unit;
     EXPECT_EQ(l.direction, Mat3());
   }
-  const Lattice mixed = lattice_with("space units: \"mm\" \"cm\" \"mm\"\n");
+  const grid::Lattice mixed = lattice_with("space units: \"mm\" \"cm\" \"mm\"\n");
   EXPECT_EQ(mixed.spacing_mm, (Vec3{1, 20, 3}));
   EXPECT_EQ(refused("space units: \"mm\" \"mm\"\n"), "space units");
   EXPECT_EQ(refused("space units: \"mm\" \"mm\" \"s\"\n"), "space units");
@@ -79,16 +81,18 @@ std::string nifti(int units, float slope) {
 }
 
 TEST(NiftiUnits, UnitsAndSlopeAreHonouredOrRefused) {
-  const auto spacing = [](int units) { return lattice_of(to_hu(decode_nifti(nifti(units, 0)).grid)).spacing_mm; };
+  const auto spacing = [](int units) {
+    return grid::lattice_of(grid::to_hu(grid::decode_nifti(nifti(units, 0)).grid)).spacing_mm;
+  };
   EXPECT_EQ(spacing(2), (Vec3{1, 2, 3}));
   EXPECT_EQ(spacing(0), (Vec3{1, 2, 3}));
   EXPECT_EQ(spacing(2 + 8), (Vec3{1, 2, 3})) << "with a unit of time";
   EXPECT_NEAR(spacing(1).y, 2000, 1e-9);
   EXPECT_NEAR(spacing(3).z, 0.003, 1e-12);
-  for (const int unit : {4, 5, 6, 7}) EXPECT_THROW(decode_nifti(nifti(unit, 0)), Error) << unit;
-  EXPECT_THROW(decode_nifti(nifti(2, std::numeric_limits<float>::infinity())), Error);
+  for (const int unit : {4, 5, 6, 7}) EXPECT_THROW(grid::decode_nifti(nifti(unit, 0)), Error) << unit;
+  EXPECT_THROW(grid::decode_nifti(nifti(2, std::numeric_limits<float>::infinity())), Error);
   const auto first = [](float slope) {
-    return std::get<Grid<std::int16_t>>(decode_nifti(nifti(2, slope)).grid).voxels[0];
+    return std::get<grid::Grid<std::int16_t>>(grid::decode_nifti(nifti(2, slope)).grid).voxels[0];
   };
   EXPECT_EQ(first(2), 2 * 257);
   EXPECT_EQ(first(0), 257);

@@ -10,11 +10,11 @@ namespace trephine::tools {
 struct FeedRun {
   const char* kind = "ball";
   double diameter_mm = 5, voxel_mm = 0.5, force_n = 1, tilt_deg = 0, tremor_mm = 0;
-  double seconds = 4, most_depth_mm = 8;  ///< it ends where one of them is reached
+  double seconds = 4, max_depth_mm = 8;  ///< it ends where one of them is reached
   double rate_hz = 1000;
-  DrillingParams drilling;
-  DrillParams law;
-  ForceParams::Law force_law = ForceParams::Law::second;
+  haptics::DrillingParams drilling;
+  drill::DrillParams law;
+  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::second;
 };
 
 struct Feed {
@@ -22,11 +22,11 @@ struct Feed {
   double feed_mm_per_s = 0;  ///< of the last half of the way
   double stalled_s = 0;      ///< that the drill reported
   double late_mm = 0;        ///< depth of the last quarter of the time less that before: 0 where it has stopped
-  double most_step_n = 0;    ///< largest change of the force from tick to tick while it cuts
+  double max_step_n = 0;     ///< largest change of the force from tick to tick while it cuts
   double removed_mm3 = 0;
 };
 
-inline DrillingParams drills(DrillingParams params) {
+inline haptics::DrillingParams drills(haptics::DrillingParams params) {
   params.drill = true;
   return params;
 }
@@ -36,52 +36,52 @@ inline Feed feed_of(FeedRun run) {
   const Vec3 normal = normalized({0.05, -0.03, 1});
   const double side = std::max(3.2 * run.diameter_mm, run.diameter_mm + 10.0);
   const int n = int(std::ceil(side / run.voxel_mm));
-  HapticVolume volume = empty(n, {run.voxel_mm, run.voxel_mm, run.voxel_mm});
+  voxel::HapticVolume volume = empty(n, {run.voxel_mm, run.voxel_mm, run.voxel_mm});
   const double top = 0.5 * side - 0.6 * run.diameter_mm - 1;
   fill_wide(volume, 1, [&](Vec3 p) { return top - dot(p, normal); });
-  ContactVolume contact(volume);
-  DrillShapes shapes;
+  contact::ContactVolume contact(volume);
+  drill::DrillShapes shapes;
   shapes[1] = {true, 0.1};
-  const DrillingParams params = drills(run.drilling);
-  const ToolParams tool = own_tool(params_of(run.kind, run.diameter_mm));
-  Drilling drilling(volume, contact, shapes, params, run.law, cutter_of(params, tool));
-  ForceParams limits;  // of a device that can do more
+  const haptics::DrillingParams params = drills(run.drilling);
+  const haptics::ToolParams tool = haptics::own_tool(params_of(run.kind, run.diameter_mm));
+  haptics::Drilling drilling(volume, contact, shapes, params, run.law, haptics::cutter_of(params, tool));
+  haptics::ForceParams limits;  // of a device that can do more
   limits.max_force_n = 20;
   limits.ramp_s = 0;
   limits.force_law = run.force_law;
   limits.max_force_rate_n_per_s = 1e5;
-  Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3, 0, 0.0003), face(1, 0.35, 0.3, 0, 0.0003)), limits, {},
-              make_tool(felt_tool(params, tool, volume.voxels.spacing_mm)));
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3, 0, 0.0003), face(1, 0.35, 0.3, 0, 0.0003)), limits, {},
+                       haptics::make_tool(haptics::felt_tool(params, tool, volume.voxels.spacing_mm)));
 
   // The hand's way goes in at a tilt, and its tool lies along its way.
   const double tilt = run.tilt_deg * M_PI / 180;
   const Vec3 across = normalized(cross(normal, Vec3{0.3, 1, 0}));
   const Vec3 axis = normal * std::cos(tilt) + across * std::sin(tilt), in = -axis;
   const Vec3 entry = normal * top - across * (0.25 * run.diameter_mm * std::sin(tilt));
-  HandParams hand;
+  device::HandParams hand;
   hand.arm_damping_n_s_per_mm = 0.006;
   hand.tremor_mm = run.tremor_mm;
-  HandBody body;
+  device::HandBody body;
   body.position_mm = entry + axis * 0.3;
   const double dt = 1 / run.rate_hz;
   Feed out;
   std::vector<double> depth;
   Vec3 last;
-  for (int tick = 0; tick < int(run.seconds * run.rate_hz) && out.depth_mm < run.most_depth_mm; ++tick) {
+  for (int tick = 0; tick < int(run.seconds * run.rate_hz) && out.depth_mm < run.max_depth_mm; ++tick) {
     for (double left = dt; left > 1e-9; left -= 0.001) {
       Vec3 to = entry + in * (dot(body.position_mm - entry, in) + run.force_n / hand.arm_stiffness_n_per_mm);
-      add_tremor(hand, tick * dt, to);
+      device::add_tremor(hand, tick * dt, to);
       body.pull(hand, {}, to, std::min(left, 0.001));
     }
-    HapticInput given = pose(body.position_mm, axis);
-    given.buttons = Drilling::pedal;
+    haptics::HapticInput given = pose(body.position_mm, axis);
+    given.buttons = haptics::Drilling::pedal;
     given.dt_s = dt;
     given.extra_n = drilling.force_n();
-    const HapticState& is = proxy.update(given);
+    const haptics::HapticState& is = proxy.update(given);
     body.feel(is.force_n);
     drilling.tick(given, is);
     out.depth_mm = dot(entry - is.proxy_mm, axis);
-    if (tick > int(0.3 * run.rate_hz)) out.most_step_n = std::max(out.most_step_n, norm(is.force_n - last));
+    if (tick > int(0.3 * run.rate_hz)) out.max_step_n = std::max(out.max_step_n, norm(is.force_n - last));
     last = is.force_n;
     depth.push_back(out.depth_mm);
   }
@@ -91,7 +91,7 @@ inline Feed feed_of(FeedRun run) {
   out.feed_mm_per_s = (out.depth_mm - depth[half]) / (double(ticks - half) * dt);
   out.late_mm = out.depth_mm - depth[ticks - 1 - ticks / 4];
   out.stalled_s = drilling.outcome().stalled_s;
-  out.removed_mm3 = double(drilling.outcome().units[1]) / haptic_full * volume.voxels.voxel_volume_mm3();
+  out.removed_mm3 = double(drilling.outcome().units[1]) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
   return out;
 }
 

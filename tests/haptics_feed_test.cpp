@@ -20,10 +20,10 @@ double lawful_mm_per_s(const FeedRun& run, double energy_j_per_mm3) {
 }
 
 FeedRun as_in_older_recordings(FeedRun run) {
-  run.drilling.cut_at = DrillingParams::At::device;
+  run.drilling.cut_at = haptics::DrillingParams::At::device;
   run.drilling.clearance_voxels = 1.75;
   run.drilling.stall_force_n = 3;
-  run.force_law = ForceParams::Law::first;
+  run.force_law = haptics::ForceParams::Law::first;
   return run;
 }
 
@@ -47,7 +47,7 @@ TEST(HapticsFeed, GrowsWithTheForce) {
         // The hand's own damping takes some of a small force.
         EXPECT_GT(is.feed_mm_per_s, 0.5 * lawful_mm_per_s(run, 0.1));
         EXPECT_LT(is.feed_mm_per_s, 1.1 * lawful_mm_per_s(run, 0.1));
-        EXPECT_LT(is.most_step_n, 0.2) << "of the force, from tick to tick";
+        EXPECT_LT(is.max_step_n, 0.2) << "of the force, from tick to tick";
         most = std::max(most, is.feed_mm_per_s);
       }
     }
@@ -98,7 +98,7 @@ TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
           run.force_n = force_n;
           run.tilt_deg = row.tilt_deg;
           run.tremor_mm = row.tremor_mm;
-          if (diameter_mm >= 14) run.most_depth_mm = 4;
+          if (diameter_mm >= 14) run.max_depth_mm = 4;
           const Feed is = feed_of(run);
           std::printf(" %5.1f", is.feed_mm_per_s);
           EXPECT_GT(is.late_mm, 0.05) << "it stopped at " << is.depth_mm << " mm with " << force_n << " N";

@@ -13,8 +13,8 @@ using walls::unit_vector;
 namespace {
 
 // Solid behind a plane through the origin, as voxelize makes it.
-HapticVolume half_space(Vec3 normal) {
-  HapticVolume v = empty(56, {0.5, 0.5, 0.5});
+voxel::HapticVolume half_space(Vec3 normal) {
+  voxel::HapticVolume v = empty(56, {0.5, 0.5, 0.5});
   const double ramp = 0.5 * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
   for (int k = 0; k < 56; ++k)
     for (int j = 0; j < 56; ++j)
@@ -23,18 +23,18 @@ HapticVolume half_space(Vec3 normal) {
         const int o = int(std::lround(255 * std::clamp(0.5 - d / (2 * ramp), 0.0, 1.0)));
         if (o > 0) v.voxels.at(i, j, k) = std::int16_t(1000 + o + (o < 255 ? 300 : 0));
       }
-  v.shapes = {occupancy_shape("bone", 1)};
+  v.shapes = {voxel::occupancy_shape("bone", 1)};
   return v;
 }
 
 // The mean tangential force on a straight way of 14 mm, of the normal force.
-double friction_felt(const ContactVolume& contact, Vec3 normal, Vec3 along, const Tool& tool, double at_rest,
-                     double sliding) {
-  Proxy proxy(contact, one_shape(1, face(1, at_rest, sliding), face(1)), plain(), {}, tool);
+double friction_felt(const contact::ContactVolume& contact, Vec3 normal, Vec3 along, const haptics::Tool& tool,
+                     double at_rest, double sliding) {
+  haptics::Proxy proxy(contact, one_shape(1, face(1, at_rest, sliding), face(1)), plain(), {}, tool);
   double sum = 0;
   int count = 0;
   for (double s = -9; s < 7; s += 0.02) {
-    const HapticState& is = proxy.update(pose(along * s - normal * (s == -9 ? -3 : 1), normal));
+    const haptics::HapticState& is = proxy.update(pose(along * s - normal * (s == -9 ? -3 : 1), normal));
     if (s < -7) continue;
     sum += -dot(is.force_n, along) / dot(is.force_n, normal);
     ++count;
@@ -47,12 +47,12 @@ double friction_felt(const ContactVolume& contact, Vec3 normal, Vec3 along, cons
 // F1: 24 planes; mean within 2 %, none off by more than 5 %. (Before: up to 46 %, for one tick with a short way brought
 // the static limit back, and normals leant towards the axes.)
 TEST(HapticsFriction, IsTheDynamicRatioOnPlanesOfAnyDirection) {
-  const std::pair<const char*, ToolParams> held[] = {{"point", {}},
-                                                     {"burr", params_of("burr", 3, 6)},
-                                                     {"ball", params_of("ball", 3)},
-                                                     {"catheter", params_of("catheter", 2.5, 8, 1)}};
+  const std::pair<const char*, haptics::ToolParams> held[] = {{"point", {}},
+                                                              {"burr", params_of("burr", 3, 6)},
+                                                              {"ball", params_of("ball", 3)},
+                                                              {"catheter", params_of("catheter", 2.5, 8, 1)}};
   std::mt19937_64 rng(5);
-  std::vector<std::pair<Vec3, HapticVolume>> planes;
+  std::vector<std::pair<Vec3, voxel::HapticVolume>> planes;
   for (int n = 0; n < 24; ++n) {
     const Vec3 normal = unit_vector(rng);
     planes.emplace_back(normal, half_space(normal));
@@ -61,11 +61,12 @@ TEST(HapticsFriction, IsTheDynamicRatioOnPlanesOfAnyDirection) {
     for (const auto& [at_rest, sliding] : {std::pair{0.35, 0.30}, std::pair{0.6, 0.4}, std::pair{1.0, 0.5}}) {
       double mean = 0, worst = 0;
       for (auto& [normal, volume] : planes) {
-        const ContactVolume contact(volume);
-        const Mat3 frame = frame_along(normal);
+        const contact::ContactVolume contact(volume);
+        const Mat3 frame = haptics::frame_along(normal);
         const double a = uniform(rng, 0, 2 * M_PI);
         const Vec3 along = frame.column[0] * std::cos(a) + frame.column[1] * std::sin(a);
-        const double off = friction_felt(contact, normal, along, make_tool(params), at_rest, sliding) / sliding - 1;
+        const double off =
+            friction_felt(contact, normal, along, haptics::make_tool(params), at_rest, sliding) / sliding - 1;
         mean += off / 24;
         worst = std::max(worst, std::abs(off));
       }
@@ -77,10 +78,10 @@ TEST(HapticsFriction, IsTheDynamicRatioOnPlanesOfAnyDirection) {
 
 // What turned back, or rested, is held by static friction again.
 TEST(HapticsFriction, StaticFrictionComesBackAfterATurnAndAfterARest) {
-  HapticVolume volume = half_space({0, 0, 1});
-  const ContactVolume contact(volume);
+  voxel::HapticVolume volume = half_space({0, 0, 1});
+  const contact::ContactVolume contact(volume);
   for (const bool rests : {false, true}) {
-    Proxy proxy(contact, one_shape(1, face(1, 1.0, 0.5), face(1)), plain());
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 1.0, 0.5), face(1)), plain());
     double x = -5;
     proxy.update(at({x, 0, 1}));
     for (; x < 3; x += 0.02) proxy.update(at({x, 0, -1}));
@@ -100,20 +101,20 @@ TEST(HapticsFriction, StaticFrictionComesBackAfterATurnAndAfterARest) {
 
 // F2: a loop that stalled gives no step of the force, and starts from what the device still holds.
 TEST(HapticsFriction, AStallGivesNoStepOfTheForce) {
-  HapticVolume volume = half_space({0, 0, 1});
-  const ContactVolume contact(volume);
-  ForceParams limits;
+  voxel::HapticVolume volume = half_space({0, 0, 1});
+  const contact::ContactVolume contact(volume);
+  haptics::ForceParams limits;
   limits.ramp_s = 0;
   for (const double before_mm : {0.05, 3.0}) {
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), limits);
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), limits);
     const auto tick = [&](double depth, double dt_s) {
-      HapticInput in = at({0, 0, -depth}, dt_s);
+      haptics::HapticInput in = at({0, 0, -depth}, dt_s);
       in.period_s = 0.001;
       return proxy.update(in).force_n.z;
     };
     tick(-1, 0.001);
     for (int n = 0; n < 20; ++n) tick(before_mm, 0.001);
-    const double was = proxy.state().force_n.z, holds = was * ForceHold().share(0.05);
+    const double was = proxy.state().force_n.z, holds = was * device::ForceHold().share(0.05);
     EXPECT_NEAR(was, before_mm, 0.01);
     EXPECT_LE(tick(3.3, 0.05), holds + limits.max_force_rate_n_per_s * 0.001 + 1e-9) << "50 ms later";
     for (int n = 0; n < 10; ++n) tick(3.3, 0.001);

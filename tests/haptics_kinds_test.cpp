@@ -14,7 +14,7 @@
 #include "session/session.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 
 namespace {
 
@@ -27,42 +27,44 @@ Error error_of(const std::function<void()>& what) {
   return Error(ExitCode::ok, "", "", "");
 }
 
-SessionOptions short_session(const std::filesystem::path& case_folder) {
-  SessionOptions options;
+session::SessionOptions short_session(const std::filesystem::path& case_folder) {
+  session::SessionOptions options;
   options.case_folder = case_folder;
   options.seconds = 0.5;
   options.servo.paced = false;
-  HandPathParams task;
+  device::HandPathParams task;
   task.approach_mm = 0;
   options.device.params = {AnyParams::make(task)};
   return options;
 }
 
 const std::atomic<bool> never{false}, at_once{true};
-const auto silent = [](const Note&) {};
+const auto silent = [](const texts::Note&) {};
 
 }  // namespace
 
 TEST(HapticsKinds, DevicesSayWhatTheyAre) {
   std::set<std::string> names;
-  for (const DeviceType& type : device_types()) {
+  for (const device::DeviceType& type : device::device_types()) {
     SCOPED_TRACE(type.name);
     EXPECT_TRUE(names.insert(type.name).second) << "twice";
     EXPECT_FALSE(type.help.empty());
     EXPECT_TRUE(type.make);
     EXPECT_TRUE(type.example.empty() || type.example.find("--device " + type.name) == 0) << type.example;
-    for (const Argument& file : type.files) EXPECT_EQ(file.kind, Argument::Kind::in_file) << file.name;
+    for (const cli::Argument& file : type.files) EXPECT_EQ(file.kind, cli::Argument::Kind::in_file) << file.name;
   }
-  EXPECT_EQ(names.count(DeviceChoice().name), 1u) << "the default is one";
+  EXPECT_EQ(names.count(device::DeviceChoice().name), 1u) << "the default is one";
 }
 
 TEST(HapticsKinds, DevicesThatCannotBeAreRefused) {
-  HapticVolume v = empty(8, {1, 1, 1});
+  voxel::HapticVolume v = empty(8, {1, 1, 1});
   fill(v, 1, [](Vec3 p) { return -p.z; });
-  const ContactVolume contact(v);
-  const DeviceScene unpaced{contact, {}, false, false, silent, {}, 0, 0, {}};
-  const auto refused = [&](const DeviceChoice& choice) { return error_of([&] { make_device(choice, unpaced); }); };
-  DeviceChoice choice;
+  const contact::ContactVolume contact(v);
+  const device::DeviceScene unpaced{contact, {}, false, false, silent, {}, 0, 0, {}};
+  const auto refused = [&](const device::DeviceChoice& choice) {
+    return error_of([&] { device::make_device(choice, unpaced); });
+  };
+  device::DeviceChoice choice;
   choice.name = "mouse";
   EXPECT_EQ(refused(choice).field(), "--device");
   choice.name = "udp";
@@ -77,41 +79,42 @@ TEST(HapticsKinds, DevicesThatCannotBeAreRefused) {
 
 TEST(HapticsKinds, ToolsHaveAShape) {
   std::set<std::string> names;
-  for (const ToolKind& kind : all_tool_kinds()) {
+  for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     SCOPED_TRACE(kind.name);
     EXPECT_TRUE(names.insert(kind.name).second) << "twice";
-    EXPECT_NE(std::string(tool_help()).find(std::string(kind.name) + " (" + kind.help + ")"), std::string::npos);
-    ToolParams params;
+    EXPECT_NE(std::string(haptics::tool_help()).find(std::string(kind.name) + " (" + kind.help + ")"),
+              std::string::npos);
+    haptics::ToolParams params;
     params.tool = kind.name;
     if (kind.from_file) continue;  // HapticsTorque.FilesOfPointsAreChecked
-    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0) || kind.exact);
-    EXPECT_EQ(!make_tool(params).round.empty(), kind.exact);
+    EXPECT_EQ(haptics::make_tool(params).points_mm.empty(), !(kind.length_mm > 0) || kind.exact);
+    EXPECT_EQ(!haptics::make_tool(params).round.empty(), kind.exact);
   }
-  EXPECT_EQ(names.count(ToolParams().tool), 1u) << "the default is one";
-  ToolParams params;
+  EXPECT_EQ(names.count(haptics::ToolParams().tool), 1u) << "the default is one";
+  haptics::ToolParams params;
   params.tool = "spoon";
-  EXPECT_EQ(error_of([&] { make_tool(params); }).code(), ExitCode::bad_config);
+  EXPECT_EQ(error_of([&] { haptics::make_tool(params); }).code(), ExitCode::bad_config);
 }
 
 // What a tool can do is in its entry alone: whatever cuts has a cutter of that shape, and no other tool has one.
 TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
-  DrillingParams params;
+  haptics::DrillingParams params;
   params.drill = true;
   params.clearance_voxels = 1.75;
   int cutting = 0;
-  for (const ToolKind& kind : all_tool_kinds()) {
+  for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     SCOPED_TRACE(kind.name);
     if (kind.from_file) continue;
-    ToolParams tool;
+    haptics::ToolParams tool;
     tool.tool = kind.name;
-    tool = own_tool(tool);
-    const double felt_mm = felt_tool(params, tool, {0.5, 0.5, 0.5}).tool_diameter_mm;
+    tool = haptics::own_tool(tool);
+    const double felt_mm = haptics::felt_tool(params, tool, {0.5, 0.5, 0.5}).tool_diameter_mm;
     EXPECT_EQ(felt_mm < tool.tool_diameter_mm, kind.rotates()) << "what rotates is felt narrower than it cuts";
     const Error refused = error_of([&] {
-      const Cutter cutter = cutter_of(params, tool);
+      const drill::Cutter cutter = haptics::cutter_of(params, tool);
       ++cutting;
       if (kind.rotates()) {
-        EXPECT_EQ(cutter.kind == Cutter::Kind::ball, kind.cut == ToolKind::Cut::ball);
+        EXPECT_EQ(cutter.kind == drill::Cutter::Kind::ball, kind.cut == haptics::ToolKind::Cut::ball);
       }
     });
     EXPECT_EQ(refused.code() == ExitCode::usage, !kind.cuts());
@@ -125,14 +128,14 @@ TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
 TEST(HapticsSession, EqualOptionsGiveEqualBytes) {
   const ScratchFolder scratch;
   case_samples::minimal_case().write(scratch.path() / "sample");
-  SessionOptions options = short_session(scratch.path() / "sample");
+  session::SessionOptions options = short_session(scratch.path() / "sample");
   options.tool.tool = "burr";
   for (const char* name : {"a", "b"}) {
     options.record = scratch.path() / name;
-    Session session(options, never, silent);
+    session::Session session(options, never, silent);
     EXPECT_GT(session.tool_points(), 0);
     session.start();
-    const SessionResult result = session.finish();
+    const session::SessionResult result = session.finish();
     EXPECT_FALSE(session.running());
     EXPECT_EQ(result.statistics.ticks, 500u);
     EXPECT_GT(result.statistics.touching, 0u);
@@ -146,16 +149,16 @@ TEST(HapticsSession, EqualOptionsGiveEqualBytes) {
 TEST(HapticsSession, WhatIsNotFinishedLeavesNoFile) {
   const ScratchFolder scratch;
   case_samples::minimal_case().write(scratch.path() / "sample");
-  SessionOptions options = short_session(scratch.path() / "sample");
+  session::SessionOptions options = short_session(scratch.path() / "sample");
   options.record = scratch.path() / "a";
-  { Session session(options, never, silent); }  // never started
+  { session::Session session(options, never, silent); }  // never started
   {
-    Session session(options, never, silent);
+    session::Session session(options, never, silent);
     session.start();
   }
   EXPECT_FALSE(std::filesystem::exists(options.record));
-  Session stopped(options, at_once, silent);
+  session::Session stopped(options, at_once, silent);
   stopped.start();
   EXPECT_EQ(stopped.finish().statistics.ticks, 0u);
-  EXPECT_TRUE(read_recording(options.record).frames.empty()) << "a shorter session is one";
+  EXPECT_TRUE(haptics::read_recording(options.record).frames.empty()) << "a shorter session is one";
 }

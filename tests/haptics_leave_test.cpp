@@ -13,8 +13,8 @@ namespace {
 constexpr double top_mm = 4;
 
 // Bone below the plane z = 4, with a hole down to z = -8.
-HapticVolume block(double hole_radius_mm) {
-  HapticVolume v = empty(56, {0.5, 0.5, 0.5});
+voxel::HapticVolume block(double hole_radius_mm) {
+  voxel::HapticVolume v = empty(56, {0.5, 0.5, 0.5});
   fill_wide(v, 1,
             [&](Vec3 p) { return std::min(top_mm - p.z, std::max(std::hypot(p.x, p.y) - hole_radius_mm, -8 - p.z)); });
   return v;
@@ -24,7 +24,7 @@ struct Session {
   const char* kind;
   double hole_radius_mm, tool_diameter_mm, speed;
   std::uint64_t seed;
-  ForceParams::Law law = ForceParams::Law::second;
+  haptics::ForceParams::Law law = haptics::ForceParams::Law::second;
 };
 
 struct Left {
@@ -33,12 +33,13 @@ struct Left {
 };
 
 // Into the hole, about in it at random, and out along the hand's axis to 13 mm above the rim.
-Left leave(const Session& session, const ContactVolume& contact) {
+Left leave(const Session& session, const contact::ContactVolume& contact) {
   std::mt19937_64 rng(session.seed);
-  ToolParams tool = params_of(session.kind, session.tool_diameter_mm, 24, 1);
-  ForceParams force = plain();
+  haptics::ToolParams tool = params_of(session.kind, session.tool_diameter_mm, 24, 1);
+  haptics::ForceParams force = plain();
   force.force_law = session.law;
-  Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {}, make_tool(tool));
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
+                       haptics::make_tool(tool));
   Left left;
   Vec3 tip{0, 0, top_mm + 6}, axis{0, 0, 1};
   const auto move = [&](Vec3 to_tip, Vec3 to_axis, int ticks) {
@@ -66,11 +67,11 @@ struct Outcome {
   int caught = 0, locked = 0;
 };
 
-Outcome sessions(int count, ForceParams::Law law, std::uint64_t seed) {
+Outcome sessions(int count, haptics::ForceParams::Law law, std::uint64_t seed) {
   Outcome out;
   for (const double hole_radius_mm : {1.5, 2.5, 4.0}) {
-    HapticVolume volume = block(hole_radius_mm);
-    const ContactVolume contact(volume);
+    voxel::HapticVolume volume = block(hole_radius_mm);
+    const contact::ContactVolume contact(volume);
     std::mt19937_64 rng(seed);
     for (int n = 0; n < count / 3; ++n) {
       const char* kind = kinds[rng() % std::size(kinds)];
@@ -80,7 +81,7 @@ Outcome sessions(int count, ForceParams::Law law, std::uint64_t seed) {
       out.locked += left.was_locked;
       if (!(left.behind_mm > 0.5) && !(left.force_n > 0.5)) continue;
       ++out.caught;
-      if (law == ForceParams::Law::second)
+      if (law == haptics::ForceParams::Law::second)
         ADD_FAILURE() << kind << " " << session.tool_diameter_mm << " mm in a hole of " << hole_radius_mm << ", speed "
                       << session.speed << ", seed " << session.seed << ": " << left.behind_mm << " mm behind, "
                       << left.force_n << " N";
@@ -92,7 +93,7 @@ Outcome sessions(int count, ForceParams::Law law, std::uint64_t seed) {
 }  // namespace
 
 TEST(HapticsLeave, AlongTheAxisAToolAlwaysComesOut) {
-  const Outcome is = sessions(300, ForceParams::Law::second, 1);
+  const Outcome is = sessions(300, haptics::ForceParams::Law::second, 1);
   std::printf("  %d of 300 sessions locked, %d were caught\n", is.locked, is.caught);
   EXPECT_GT(is.locked, 20) << "else nothing was tried";
   EXPECT_EQ(is.caught, 0);
@@ -100,13 +101,13 @@ TEST(HapticsLeave, AlongTheAxisAToolAlwaysComesOut) {
 
 // As before, for recordings: the lock could hold a tool for good, which these sessions must be able to show.
 TEST(HapticsLeave, TheFirstLawCatchesSome) {
-  const Outcome is = sessions(300, ForceParams::Law::first, 1);
+  const Outcome is = sessions(300, haptics::ForceParams::Law::first, 1);
   std::printf("  %d of 300 sessions locked, %d were caught\n", is.locked, is.caught);
   EXPECT_GT(is.caught, 0);
 }
 
 TEST(LongHapticsLeave, TenThousandSessionsEndFree) {
-  const Outcome is = sessions(10000, ForceParams::Law::second, 7);
+  const Outcome is = sessions(10000, haptics::ForceParams::Law::second, 7);
   std::printf("  %d of 10,000 sessions locked, %d were caught\n", is.locked, is.caught);
   EXPECT_EQ(is.caught, 0);
 }

@@ -6,28 +6,28 @@
 #include "haptics_scene.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 
 namespace {
 
-HapticInput lifted(Vec3 tip_mm) {
-  HapticInput in = at(tip_mm);
-  in.buttons = haptic_button::lifted;
+haptics::HapticInput lifted(Vec3 tip_mm) {
+  haptics::HapticInput in = at(tip_mm);
+  in.buttons = haptics::haptic_button::lifted;
   return in;
 }
 
 TEST(HapticsLift, ALiftedToolMeetsNothingAndFeelsNothing) {
-  HapticVolume volume = empty(40, {0.5, 0.5, 0.5});
+  voxel::HapticVolume volume = empty(40, {0.5, 0.5, 0.5});
   fill(volume, 1, [](Vec3 p) { return 2 - std::abs(p.z); });  // a plate from z = -2 to 2
-  const ContactVolume contact(volume);
-  Proxy proxy(contact, one_shape(1, face(0.6), face(0.6)), plain());
+  const contact::ContactVolume contact(volume);
+  haptics::Proxy proxy(contact, one_shape(1, face(0.6), face(0.6)), plain());
   proxy.update(at({0, 0, 5}));
   proxy.update(at({0, 0, 1}));
   EXPECT_NEAR(proxy.state().force_n.z, 0.6, 0.05);  // the plate holds it
   EXPECT_NEAR(proxy.state().proxy_mm.z, 2, 0.05);
 
   // Lifted it goes through the plate, and is shown where it is.
-  const HapticState away = proxy.update(lifted({1, 0, -6}));
+  const haptics::HapticState away = proxy.update(lifted({1, 0, -6}));
   EXPECT_EQ(away.force_n, Vec3());
   EXPECT_EQ(away.proxy_mm, (Vec3{1, 0, -6}));
   EXPECT_EQ(away.touched, 0);
@@ -40,8 +40,8 @@ TEST(HapticsLift, ALiftedToolMeetsNothingAndFeelsNothing) {
   EXPECT_NEAR(proxy.state().force_n.z, -0.6, 0.05);
 
   // A fault stays, however often the tool is lifted.
-  proxy.latch(haptic_fault::device_lost);
-  EXPECT_EQ(proxy.update(lifted({0, 0, 5})).faults, haptic_fault::device_lost);
+  proxy.latch(haptics::haptic_fault::device_lost);
+  EXPECT_EQ(proxy.update(lifted({0, 0, 5})).faults, haptics::haptic_fault::device_lost);
   EXPECT_EQ(proxy.update(at({0, 0, 1})).force_n, Vec3());
 }
 

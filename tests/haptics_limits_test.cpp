@@ -9,7 +9,7 @@
 #include "haptics_scene.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 using walls::uniform;
 
 namespace {
@@ -18,33 +18,33 @@ constexpr double device_damping = 0.002;  // N s/mm
 
 // A wall across z = 0, without the limits of a device.
 struct WallScene {
-  HapticVolume volume = empty(24, {2, 2, 2});
+  voxel::HapticVolume volume = empty(24, {2, 2, 2});
   WallScene() {
     fill(volume, 1, [](Vec3 p) { return -p.z; });
   }
 };
 
-ForceParams unlimited() {
-  ForceParams p = plain();
+haptics::ForceParams unlimited() {
+  haptics::ForceParams p = plain();
   p.max_force_n = 1e6;
   p.max_force_rate_n_per_s = 1e12;
   return p;
 }
 
 // Whether the swing of a hand that presses on the wall, and that only the device damps, dies out.
-bool comes_to_rest(const ContactVolume& contact, double stiffness, double damping, double rate_hz) {
-  HandParams h;
+bool comes_to_rest(const contact::ContactVolume& contact, double stiffness, double damping, double rate_hz) {
+  device::HandParams h;
   h.device_damping_n_s_per_mm = device_damping;
   h.arm_damping_n_s_per_mm = h.tremor_mm = h.delay_s = 0;
   h.arm_stiffness_n_per_mm = 0.3;
   h.speed_mm_per_s = 20;
-  SimulatedHand hand(h, {{0.2, 0.1, 0.1}, {0.2, 0.1, -10}}, 1);
-  Proxy proxy(contact, one_shape(1, face(stiffness, 0, 0, 0, damping), face(1)), unlimited());
+  device::SimulatedHand hand(h, {{0.2, 0.1, 0.1}, {0.2, 0.1, -10}}, 1);
+  haptics::Proxy proxy(contact, one_shape(1, face(stiffness, 0, 0, 0, damping), face(1)), unlimited());
   const double dt = 1 / rate_hz;
   double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
   const int ticks = int(3 * rate_hz);
   for (int n = 0; n < ticks; ++n) {
-    DeviceReading r;
+    device::DeviceReading r;
     if (!hand.read(n == 0 ? 0 : dt, r)) return false;
     hand.send(proxy.update(at(r.tip_mm, dt)).force_n);
     const int part = n * 3 / ticks;
@@ -55,7 +55,7 @@ bool comes_to_rest(const ContactVolume& contact, double stiffness, double dampin
   return after < 1e-3 || (after < 0.9 * before && after < 1);
 }
 
-double stiffest(const ContactVolume& contact, double damping, double rate_hz) {
+double stiffest(const contact::ContactVolume& contact, double damping, double rate_hz) {
   double low = 0.3, high = 200;
   while (high / low > 1.03) {
     const double middle = std::sqrt(low * high);
@@ -65,21 +65,21 @@ double stiffest(const ContactVolume& contact, double damping, double rate_hz) {
 }
 
 struct Energy {
-  double least_j = 0, generated_j = 0, theory_j = 0;  // with the device's damping; without it; K T v depth
+  double min_j = 0, generated_j = 0, theory_j = 0;  // with the device's damping; without it; K T v depth
   int strokes = 0;
 };
 
 // Strokes into the wall and out, each as fast and as deep as it comes. The energy that the wall took from the hand, and
 // the device's damping, from the moment before each stroke.
-Energy strokes(const ContactVolume& contact, double stiffness, const CaseFace& feel, double rate_hz, int count,
-               std::mt19937_64& rng) {
+Energy strokes(const contact::ContactVolume& contact, double stiffness, const cases::CaseFace& feel, double rate_hz,
+               int count, std::mt19937_64& rng) {
   Energy e;
   const double dt = 1 / rate_hz;
-  CaseFace wall = feel;
+  cases::CaseFace wall = feel;
   wall.stiffness_n_per_mm = stiffness;
-  Proxy proxy(contact, one_shape(1, wall, face(1)), unlimited());
+  haptics::Proxy proxy(contact, one_shape(1, wall, face(1)), unlimited());
   for (int s = 0; s < count; ++s) {
-    HandParams h;
+    device::HandParams h;
     h.device_damping_n_s_per_mm = device_damping;
     h.arm_stiffness_n_per_mm = std::pow(10.0, uniform(rng, -1.5, 0.5));
     h.arm_damping_n_s_per_mm = uniform(rng, 0, 0.002);
@@ -88,12 +88,12 @@ Energy strokes(const ContactVolume& contact, double stiffness, const CaseFace& f
     h.tremor_hz = uniform(rng, 5, 50);
     h.speed_mm_per_s = std::pow(10.0, uniform(rng, 1.3, 3.3));
     const double depth = uniform(rng, 0.1, 6);
-    SimulatedHand hand(h, {{0.2, 0.1, 1}, {0.2 + uniform(rng, -3, 3), 0.1, -depth}, {0, 0, 12}}, 2);
+    device::SimulatedHand hand(h, {{0.2, 0.1, 1}, {0.2 + uniform(rng, -3, 3), 0.1, -depth}, {0, 0, 12}}, 2);
     proxy.reset();
     double with = 0, without = 0, deepest = 0, fastest = 0;
     Vec3 last, force;
     for (int n = 0; n < int(0.2 * rate_hz); ++n) {
-      DeviceReading r;
+      device::DeviceReading r;
       hand.read(n == 0 ? 0 : dt, r);
       if (n > 0) {
         const Vec3 d = r.tip_mm - last;
@@ -101,7 +101,7 @@ Energy strokes(const ContactVolume& contact, double stiffness, const CaseFace& f
         with += -1e-3 * dot(force, d) + 1e-3 * device_damping * dot(d, d) / dt;
         if (r.tip_mm.z < 0) fastest = std::max(fastest, std::abs(d.z) / dt);
       }
-      e.least_j = std::min(e.least_j, with);
+      e.min_j = std::min(e.min_j, with);
       deepest = std::max(deepest, -r.tip_mm.z);
       last = r.tip_mm;
       force = proxy.update(at(r.tip_mm, dt)).force_n;
@@ -120,7 +120,7 @@ Energy strokes(const ContactVolume& contact, double stiffness, const CaseFace& f
 
 TEST(HapticsLimits, TheStiffestWallIsWhatTheoryAllows) {
   WallScene s;
-  const ContactVolume contact(s.volume);
+  const contact::ContactVolume contact(s.volume);
   std::printf("  rate Hz  damping N s/mm  stiffest N/mm  2 (b - B) / T\n");
   for (const double rate : {250.0, 1000.0, 4000.0, 10000.0})
     for (const double damping : {0.0, 0.0005}) {
@@ -135,7 +135,7 @@ TEST(HapticsLimits, TheStiffestWallIsWhatTheoryAllows) {
 
 TEST(HapticsLimits, AWallGivesNoEnergy) {
   WallScene s;
-  const ContactVolume contact(s.volume);
+  const contact::ContactVolume contact(s.volume);
   std::mt19937_64 rng(21);
   for (const double rate : {1000.0, 4000.0}) {
     const double stiffness = 0.8 * 2 * device_damping * rate;
@@ -143,45 +143,45 @@ TEST(HapticsLimits, AWallGivesNoEnergy) {
     std::printf(
         "  %.0f Hz, %.1f N/mm: least energy %.2g J; without the device's damping up to %.3g J generated, K T v depth "
         "%.3g J\n",
-        rate, stiffness, e.least_j, e.generated_j, e.theory_j);
-    EXPECT_GE(e.least_j, -1e-6);
+        rate, stiffness, e.min_j, e.generated_j, e.theory_j);
+    EXPECT_GE(e.min_j, -1e-6);
     EXPECT_GT(e.generated_j, 1e-5) << "the strokes were too soft to show anything";
     EXPECT_LT(e.generated_j, 3 * e.theory_j);
-    EXPECT_GE(strokes(contact, stiffness, face(1, 0.3, 0.2), rate, 300, rng).least_j, -1e-6) << "with friction";
+    EXPECT_GE(strokes(contact, stiffness, face(1, 0.3, 0.2), rate, 300, rng).min_j, -1e-6) << "with friction";
   }
 }
 
 // Beyond what theory allows the same strokes must show it, else they show nothing below it either.
 TEST(HapticsLimits, ATooStiffWallIsFoundOut) {
   WallScene s;
-  const ContactVolume contact(s.volume);
+  const contact::ContactVolume contact(s.volume);
   std::mt19937_64 rng(23);
   const Energy e = strokes(contact, 2 * 2 * device_damping * 1000, face(1), 1000, 300, rng);
-  std::printf("  twice the limit: least energy %.3g J\n", e.least_j);
-  EXPECT_LT(e.least_j, -1e-4);
+  std::printf("  twice the limit: least energy %.3g J\n", e.min_j);
+  EXPECT_LT(e.min_j, -1e-4);
 }
 
 // Dampers see a velocity behind a low pass, which theory knows nothing of: the materials that are shipped
 // (configs/materials.yaml), and as stiff and damped as theory allows.
 TEST(HapticsLimits, DampedWallsWithFrictionGiveNoEnergy) {
   WallScene s;
-  const ContactVolume contact(s.volume);
+  const contact::ContactVolume contact(s.volume);
   std::mt19937_64 rng(24);
-  for (const CaseFace& wall :
+  for (const cases::CaseFace& wall :
        {face(1, 0.35, 0.30, 0, 0.0003), face(0.30, 0.35, 0.30, 0, 0.0003), face(0.08, 0.30, 0.25, 0, 0.0002),
         face(0.12, 0.20, 0.15, 0, 0.0002), face(0.8 * 2 * (device_damping - 0.0005) * 1000, 0.35, 0.30, 0, 0.0005)}) {
     const Energy e = strokes(contact, wall.stiffness_n_per_mm, wall, 1000, 300, rng);
     std::printf("  %.2f N/mm, %.4f N s/mm: least energy %.3g J\n", wall.stiffness_n_per_mm, wall.damping_n_s_per_mm,
-                e.least_j);
-    EXPECT_GE(e.least_j, -1e-6) << wall.stiffness_n_per_mm;
+                e.min_j);
+    EXPECT_GE(e.min_j, -1e-6) << wall.stiffness_n_per_mm;
   }
 }
 
 TEST(LongHapticsLimits, AWallGivesNoEnergyInAMillionStrokes) {
   WallScene s;
-  const ContactVolume contact(s.volume);
+  const contact::ContactVolume contact(s.volume);
   std::mt19937_64 rng(22);
   const Energy e = strokes(contact, 0.8 * 2 * device_damping * 1000, face(1), 1000, 1000000, rng);
-  std::printf("  %d strokes: least energy %.3g J\n", e.strokes, e.least_j);
-  EXPECT_GE(e.least_j, -1e-6);
+  std::printf("  %d strokes: least energy %.3g J\n", e.strokes, e.min_j);
+  EXPECT_GE(e.min_j, -1e-6);
 }

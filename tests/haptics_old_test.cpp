@@ -15,61 +15,62 @@ const fs::path old = fs::path(TREPHINE_SOURCE_DIR) / "tests/data/old";
 TEST(HapticsOld, EveryVersionReplays) {
   for (const char* name : {"version_1.servo", "version_2.servo", "version_3.lesson", "version_4.servo"}) {
     SCOPED_TRACE(name);
-    const Recording r = read_recording(old / name);
-    FeltCase felt = felt_again(old / "case-1.4", name, r.header);
-    ContactVolume contact(felt.loaded.haptic, r.header.contact);
-    Rerun rerun(felt, contact, name, r.header);
-    const std::vector<ServoFrame> again = rerun.run(r.frames);
+    const haptics::Recording r = haptics::read_recording(old / name);
+    session::FeltCase felt = session::felt_again(old / "case-1.4", name, r.header);
+    contact::ContactVolume contact(felt.loaded.haptic, r.header.contact);
+    session::Rerun rerun(felt, contact, name, r.header);
+    const std::vector<haptics::ServoFrame> again = rerun.run(r.frames);
     ASSERT_GE(again.size(), 24u);
-    double most_n = 0;
+    double max_n = 0;
     for (std::size_t n = 0; n < again.size(); ++n)
       for (int a = 0; a < 3; ++a) {
         EXPECT_NEAR(again[n].force_n[a], r.frames[n].force_n[a], 1e-9) << n;
-        most_n = std::max(most_n, std::abs(again[n].force_n[a]));
+        max_n = std::max(max_n, std::abs(again[n].force_n[a]));
       }
-    EXPECT_GT(most_n, 0.5) << "it was felt";
+    EXPECT_GT(max_n, 0.5) << "it was felt";
     EXPECT_EQ(r.header.outcome.has_value(), r.header.drilling.drill);
     if (!r.header.outcome) continue;
     EXPECT_GT(r.header.outcome->removed_mm3.at("outer"), 1);
-    EXPECT_EQ(volume_digest(felt.loaded.haptic), r.header.outcome->volume_sha256);
+    EXPECT_EQ(haptics::volume_digest(felt.loaded.haptic), r.header.outcome->volume_sha256);
   }
 }
 
 TEST(HapticsOld, WhatAVersionKnowsIsRead) {
-  const RecordingHeader one = read_recording(old / "version_1.servo").header;
+  const haptics::RecordingHeader one = haptics::read_recording(old / "version_1.servo").header;
   EXPECT_EQ(one.feel_sha256, "");
-  EXPECT_EQ(one.tool.tool, ToolParams().tool);
-  EXPECT_EQ(one.force.max_torque_n_mm, ForceParams().max_torque_n_mm);
+  EXPECT_EQ(one.tool.tool, haptics::ToolParams().tool);
+  EXPECT_EQ(one.force.max_torque_n_mm, haptics::ForceParams().max_torque_n_mm);
   EXPECT_EQ(one.force.ramp_s, 0);
-  const RecordingHeader two = read_recording(old / "version_2.servo").header;
+  const haptics::RecordingHeader two = haptics::read_recording(old / "version_2.servo").header;
   EXPECT_EQ(two.tool.tool, "ball");
   EXPECT_EQ(two.tool.tool_diameter_mm, 6);
   EXPECT_EQ(two.drilling.clearance_voxels, 1.75);
-  EXPECT_EQ(two.law.power_w, DrillParams().power_w);
-  const RecordingHeader three = read_recording(old / "version_3.lesson").header;
+  EXPECT_EQ(two.law.power_w, drill::DrillParams().power_w);
+  const haptics::RecordingHeader three = haptics::read_recording(old / "version_3.lesson").header;
   ASSERT_EQ(three.tools.size(), 2u);
   EXPECT_EQ(three.lesson, "ventriculostomy");
   EXPECT_EQ(three.tools[0].pierce_n, 2);
   EXPECT_TRUE(three.tools[1].cuts);
-  EXPECT_TRUE(read_recording(old / "version_4.servo").header.knows_across);
+  EXPECT_TRUE(haptics::read_recording(old / "version_4.servo").header.knows_across);
 }
 
 // The digest by which a recording knows its case's materials: other materials are refused, the same ones never.
 TEST(HapticsOld, OtherMaterialsAreRefused) {
-  FeltCase felt(old / "case-1.4", "");
-  const std::string recorded = read_recording(old / "version_2.servo").header.feel_sha256;
-  EXPECT_EQ(feel_digest(felt.feels), recorded);
-  Feels seen = felt.feels;
+  session::FeltCase felt(old / "case-1.4", "");
+  const std::string recorded = haptics::read_recording(old / "version_2.servo").header.feel_sha256;
+  EXPECT_EQ(haptics::feel_digest(felt.feels), recorded);
+  haptics::Feels seen = felt.feels;
   seen[1].colour_rgb = {0, 0, 0};
-  EXPECT_EQ(feel_digest(seen), recorded) << "what is only seen is not felt";
-  for (double MaterialParams::*value : {&MaterialParams::drag_n_s_per_mm, &MaterialParams::shaft_friction_n_per_mm}) {
-    Feels other = felt.feels;
+  EXPECT_EQ(haptics::feel_digest(seen), recorded) << "what is only seen is not felt";
+  for (double cases::MaterialParams::*value :
+       {&cases::MaterialParams::drag_n_s_per_mm, &cases::MaterialParams::shaft_friction_n_per_mm}) {
+    haptics::Feels other = felt.feels;
     other[2].*value += 0.001;
-    EXPECT_NE(feel_digest(other), recorded);
+    EXPECT_NE(haptics::feel_digest(other), recorded);
   }
-  Feels other = felt.feels;
+  haptics::Feels other = felt.feels;
   other[1].back.touchable = true;
-  EXPECT_NE(feel_digest(other), recorded);
+  EXPECT_NE(haptics::feel_digest(other), recorded);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ using namespace trephine;
 namespace {
 
 // A gamepad with sticks and triggers, held as it is set.
-class FakePad : public PadSource {
+class FakePad : public device::PadSource {
  public:
   bool axis(int code, input_absinfo& out) const override {
     if (code == ABS_GAS || code == ABS_BRAKE) return false;
@@ -21,7 +21,7 @@ class FakePad : public PadSource {
     ++asked;
     return true;
   }
-  bool keys(PadKeys& out) const override {
+  bool keys(device::PadKeys& out) const override {
     out = down;
     return answers;
   }
@@ -29,7 +29,7 @@ class FakePad : public PadSource {
   void release() { down.fill(0); }
 
   std::map<int, int> values;
-  PadKeys down{};
+  device::PadKeys down{};
   bool answers = true;
   mutable int asked = 0;
 };
@@ -50,7 +50,7 @@ TEST(PadState, EventsAreWhatIsPushed) {
   FakePad pad;
   pad.press(BTN_EAST);
   pad.values[ABS_RZ] = 255;
-  PadState state(pad);
+  device::PadState state(pad);
   EXPECT_EQ(state.push().buttons, 2u) << "it was held down at the start";
   EXPECT_EQ(state.push().ahead, 1);
   const int asked = pad.asked;
@@ -67,7 +67,7 @@ TEST(PadState, EventsAreWhatIsPushed) {
 // movement that nobody knows; what comes after it counts again.
 TEST(PadState, AfterDroppedEventsTheGamepadIsAsked) {
   FakePad pad;
-  PadState state(pad);
+  device::PadState state(pad);
   for (const input_event& e : {event(EV_KEY, BTN_SOUTH, 1), event(EV_ABS, ABS_X, 32767), report}) state.take(e);
   ASSERT_EQ(state.push().buttons, 1u);
   pad.press(BTN_WEST);
@@ -87,7 +87,7 @@ TEST(PadState, AfterDroppedEventsTheGamepadIsAsked) {
 TEST(PadState, WhereNobodyKnowsNothingIsPressed) {
   FakePad pad;
   pad.press(BTN_SOUTH);
-  PadState state(pad);
+  device::PadState state(pad);
   ASSERT_EQ(state.push().buttons, 1u);
   pad.answers = false;
   state.take(dropped);

@@ -44,7 +44,7 @@ std::vector<Truth> truths(Vec3 u, Vec3 w) {
            false, 0.25, 0.25}};
 }
 
-std::vector<RoundPart> rod_of(double length, double radius) { return {{radius, radius + length, radius}}; }
+std::vector<haptics::RoundPart> rod_of(double length, double radius) { return {{radius, radius + length, radius}}; }
 
 // A place of a line of that length at which the truth's gap is about `gap`, or nothing where chance gave none.
 bool place_at(const Truth& truth, std::mt19937_64& rng, double length, double gap, Vec3& centre, Vec3& axis) {
@@ -87,17 +87,17 @@ TEST(HapticsRod, TouchesWhereTheTruthDoes) {
       name = truth.name;
       limits[0] = truth.early_mm;
       limits[1] = truth.late_mm;
-      HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+      voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
       fill_wide(v, 1, [&](Vec3 p) { return -truth.distance(p); });
-      const ContactVolume contact(v);
+      const contact::ContactVolume contact(v);
       for (int n = 0; n < 120; ++n) {
         const double length = n % 4 == 0 ? 0 : uniform(rng, 0.5, truth.bowl ? 6 : 14), radius = uniform(rng, 0.6, 2.5);
-        RoundBody body(contact, rod_of(length, radius));
+        haptics::RoundBody body(contact, rod_of(length, radius));
         Vec3 centre, axis;
         const double gap = radius + uniform(rng, -0.4, 0.4);
         if (!place_at(truth, rng, length, gap, centre, axis)) continue;
         body.begin_frame();
-        const RoundBody::Touch t = body.deepest(centre, axis, 0, {});
+        const haptics::RoundBody::Touch t = body.deepest(centre, axis, 0, {});
         const double depth = radius - gap;  // the truth
         if (depth > 0 && !t.hit) late = std::max(late, depth);
         if (t.hit) {
@@ -130,22 +130,23 @@ TEST(HapticsRod, ARodPressesWithSpringAndTorque) {
   double worst = 0, twisted = 0;
   for (int n = 0; n < 24; ++n) {
     const Vec3 up = unit_vector(rng), side = normalized(cross(up, unit_vector(rng)));
-    HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+    voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
     fill_wide(v, 1, [&](Vec3 p) { return -dot(p, up); });
-    const ContactVolume contact(v);
+    const contact::ContactVolume contact(v);
     const double angle =
         n == 0 ? 0.5 * M_PI : (n - 12) * 0.12;  // of the axis from the plane's normal; the first is flat
     const Vec3 axis = up * std::cos(angle) + side * std::sin(angle);
     const double radius = 1, length = 8;
-    ForceParams force = plain();
+    haptics::ForceParams force = plain();
     force.max_torque_n_mm = 1000;
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), force, {}, make_tool(params_of("rod", 2 * radius, length)));
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), force, {},
+                         haptics::make_tool(params_of("rod", 2 * radius, length)));
     // The lowest place of the surface is at that height where the tip is at 0.
     const double ends[2] = {radius * std::cos(angle), (length - radius) * std::cos(angle)};
     const double lowest = std::min(ends[0], ends[1]) - radius;
     const auto at = [&](double height) { return pose(up * (height - lowest) - side * (4 * std::sin(angle)), axis); };
     for (double h = 3; h > -1; h -= 0.02) proxy.update(at(h));
-    const HapticState& is = proxy.update(at(-1));
+    const haptics::HapticState& is = proxy.update(at(-1));
     EXPECT_EQ(is.touched, 1);
     worst = std::max(worst, norm(is.force_n - up));
     const double along = n == 0 ? 0.5 * length : ends[0] <= ends[1] ? radius : length - radius;
@@ -161,19 +162,19 @@ TEST(HapticsRod, ARodPressesWithSpringAndTorque) {
 // In a hole of 4 mm through a thick plate, pulled aside and turned: the rod leans on both walls, is not in them, and
 // comes out.
 TEST(HapticsRod, ARodInAHole) {
-  HapticVolume v = empty(72, {0.4, 0.4, 0.4});
+  voxel::HapticVolume v = empty(72, {0.4, 0.4, 0.4});
   const auto level = [](Vec3 p) { return std::min({std::hypot(p.x, p.y) - 2, 5 - p.z, p.z + 5}); };
   fill_wide(v, 1, level);
-  const ContactVolume contact(v);
-  ForceParams force = plain();
+  const contact::ContactVolume contact(v);
+  haptics::ForceParams force = plain();
   force.max_force_n = 3.3;
   force.max_force_rate_n_per_s = 1000;
-  Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), force, {},
-              make_tool(params_of("rod", 2.5, 30)));
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), force, {},
+                       haptics::make_tool(params_of("rod", 2.5, 30)));
   double deepest = 0, turned_rad = 0, most = 0;
   Vec3 last;
   const auto go = [&](Vec3 tip, Vec3 axis) {
-    const HapticState& s = proxy.update(pose(tip, axis));
+    const haptics::HapticState& s = proxy.update(pose(tip, axis));
     for (double t = 1.25; t <= 28.75; t += 0.25)
       deepest = std::max(deepest, std::min(1.25, level(s.proxy_mm + s.axis * t) + 1.25));
     turned_rad = std::max(turned_rad, std::acos(std::clamp(s.axis.z, -1.0, 1.0)));
@@ -204,12 +205,12 @@ TEST(HapticsRod, ARodInAHole) {
 // than its discs are rough.
 TEST(HapticsRod, RodsGoThroughNothing) {
   const auto level = [](Vec3 p) { return 10 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); };
-  HapticVolume v = empty(72, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(72, {0.5, 0.5, 0.5});
   fill_wide(v, 1, level);
-  const ContactVolume contact(v);
+  const contact::ContactVolume contact(v);
   for (const char* kind : {"rod", "round_burr"}) {
-    const Tool tool = make_tool(params_of(kind, kind[1] == 'o' && kind[2] == 'd' ? 2 : 4, 12));
-    Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {}, tool);
+    const haptics::Tool tool = haptics::make_tool(params_of(kind, kind[1] == 'o' && kind[2] == 'd' ? 2 : 4, 12));
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {}, tool);
     std::mt19937_64 rng(12);
     Vec3 x{16, 9, 9}, to = x, axis{0, 0, 1}, aim = axis;
     proxy.update(pose(x, axis));
@@ -222,8 +223,8 @@ TEST(HapticsRod, RodsGoThroughNothing) {
       const Vec3 d = to - x;
       x = norm(d) > speed ? x + d * (speed / norm(d)) : to;
       axis = normalized(axis + (aim - axis) * std::pow(10.0, uniform(rng, -3, 0)) + Vec3{1e-9, 0, 0});
-      const HapticState& s = proxy.update(pose(x, axis));
-      for (const RoundPart& p : tool.round)
+      const haptics::HapticState& s = proxy.update(pose(x, axis));
+      for (const haptics::RoundPart& p : tool.round)
         for (int m = 0; m <= 12; ++m) {
           const Vec3 middle = s.proxy_mm + s.axis * (p.from_mm + (p.to_mm - p.from_mm) * m / 12);
           inside += contact.shape_at(middle) != 0;

@@ -27,14 +27,15 @@ TEST(HapticsRound, ASpringOnPlanes) {
   double worst = 0, tilted = 0;
   for (int n = 0; n < 20; ++n) {
     const Vec3 up = unit_vector(rng);
-    HapticVolume v = empty(48, {0.5, 0.5, 0.5});
+    voxel::HapticVolume v = empty(48, {0.5, 0.5, 0.5});
     fill_wide(v, 1, [&](Vec3 p) { return -dot(p, up); });
-    const ContactVolume contact(v);
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {}, make_tool(params_of("ball", uniform(rng, 1, 6))));
+    const contact::ContactVolume contact(v);
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {},
+                         haptics::make_tool(params_of("ball", uniform(rng, 1, 6))));
     proxy.update(pose(up * 4, up));
     // The axis points away from the surface: the tip is the point that touches.
     for (double z = 4; z > -1; z -= 0.02) proxy.update(pose(up * z, up));
-    const HapticState& is = proxy.update(pose(up * -1, up));
+    const haptics::HapticState& is = proxy.update(pose(up * -1, up));
     worst = std::max(worst, std::abs(dot(is.force_n, up) - 1));
     tilted = std::max(tilted, norm(is.force_n - up * dot(is.force_n, up)));
     EXPECT_EQ(is.touched, 1);
@@ -47,16 +48,17 @@ TEST(HapticsRound, ASpringOnPlanes) {
 // Round a ball, and in a bowl, at a constant depth.
 TEST(HapticsRound, RoundABallAndInABowl) {
   for (const bool bowl : {false, true}) {
-    HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+    voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
     fill_wide(v, 1, [&](Vec3 p) { return bowl ? norm(p) - 9 : 8 - norm(p); });
-    const ContactVolume contact(v);
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {}, make_tool(params_of("ball", 3)));
+    const contact::ContactVolume contact(v);
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {},
+                         haptics::make_tool(params_of("ball", 3)));
     double low = 9, high = 0;
     for (int n = 0; n < 8000; ++n) {
       const double a = 0.0025 * n, b = 0.3 * std::sin(0.0007 * n);
       const Vec3 u{std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)};
       const double r = bowl ? (n == 0 ? 6 : 10) : n == 0 ? 9 : 7;  // of the tip
-      const HapticState& s = proxy.update(pose(u * r, bowl ? -u : u));
+      const haptics::HapticState& s = proxy.update(pose(u * r, bowl ? -u : u));
       if (n < 100) continue;
       low = std::min(low, norm(s.force_n));
       high = std::max(high, norm(s.force_n));
@@ -70,11 +72,11 @@ TEST(HapticsRound, RoundABallAndInABowl) {
 // Random strokes of any speed against bumpy walls: the ball is never in bone by more than its discs are rough.
 TEST(HapticsRound, GoesThroughNothing) {
   const auto level = [](Vec3 p) { return 10 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); };
-  HapticVolume v = empty(72, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(72, {0.5, 0.5, 0.5});
   fill_wide(v, 1, level);
-  const ContactVolume contact(v);
-  Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {},
-              make_tool(params_of("ball", 2)));
+  const contact::ContactVolume contact(v);
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {},
+                       haptics::make_tool(params_of("ball", 2)));
   std::mt19937_64 rng(12);
   Vec3 x{14, 9, 9}, to = x;
   proxy.update(pose(x, {0, 0, 1}));
@@ -85,7 +87,7 @@ TEST(HapticsRound, GoesThroughNothing) {
     const double speed = std::pow(10.0, uniform(rng, -3, 1.5));
     const Vec3 d = to - x;
     x = norm(d) > speed ? x + d * (speed / norm(d)) : to;
-    const HapticState& s = proxy.update(pose(x, {0, 0, 1}));
+    const haptics::HapticState& s = proxy.update(pose(x, {0, 0, 1}));
     const Vec3 centre = s.proxy_mm + Vec3{0, 0, 1};
     for (int m = 0; m < 20; ++m) deepest = std::max(deepest, std::min(1.0, level(centre + unit_vector(rng)) / 1.7));
     inside += contact.shape_at(centre) != 0;
@@ -98,20 +100,20 @@ TEST(HapticsRound, GoesThroughNothing) {
 }
 
 TEST(HapticsRound, PopsThroughAndLeaves) {
-  HapticVolume v = empty(48, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(48, {0.5, 0.5, 0.5});
   fill_wide(v, 1, [](Vec3 p) { return 1 - std::abs(p.z); });
-  const ContactVolume contact(v);
-  Feels feels = one_shape(1, face(1, 0, 0, 0.5), face(1));
+  const contact::ContactVolume contact(v);
+  haptics::Feels feels = one_shape(1, face(1, 0, 0, 0.5), face(1));
   feels[1].back.touchable = false;
-  Proxy proxy(contact, feels, plain(), {}, make_tool(params_of("ball", 2)));
+  haptics::Proxy proxy(contact, feels, plain(), {}, haptics::make_tool(params_of("ball", 2)));
   std::uint32_t seen = 0;
   double most = 0;
   for (double z = 5; z > -8; z -= 0.02) {
-    const HapticState& s = proxy.update(pose({0, 0, z}, {0, 0, 1}));
+    const haptics::HapticState& s = proxy.update(pose({0, 0, z}, {0, 0, 1}));
     seen |= s.events;
     most = std::max(most, s.force_n.z);
   }
-  EXPECT_TRUE(seen & haptic_event::popped);
+  EXPECT_TRUE(seen & haptics::haptic_event::popped);
   EXPECT_NEAR(most, 0.5, 0.05);
   EXPECT_NEAR(proxy.state().proxy_mm.z, -8, 0.1) << "it is through";
   for (double z = -8; z < 5; z += 0.02) proxy.update(pose({0, 0, z}, {0, 0, 1}));
@@ -121,17 +123,17 @@ TEST(HapticsRound, PopsThroughAndLeaves) {
 
 // What it popped through does not push it on from behind while it is halfway in, also where the back can be touched.
 TEST(HapticsRound, HalfwayThroughASkinNothingPushesItOn) {
-  HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
   fill_wide(v, 1, [](Vec3 p) { return 3 - std::abs(p.z + 2); });
-  const ContactVolume contact(v);
+  const contact::ContactVolume contact(v);
   for (const char* kind : {"ball", "rod"}) {
-    Proxy proxy(contact, one_shape(1, face(1, 0, 0, 0.5), face(1, 0, 0, 0.5)), plain(), {},
-                make_tool(params_of(kind, 2)));
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0, 0, 0.5), face(1, 0, 0, 0.5)), plain(), {},
+                         haptics::make_tool(params_of(kind, 2)));
     double most = 0, least = 0;
     int popped = 0;
     for (double z = 4; z > -4; z -= 0.01) {
-      const HapticState& s = proxy.update(pose({0, 0, z}, {0, 0, 1}));
-      popped += (s.events & haptic_event::popped) != 0;
+      const haptics::HapticState& s = proxy.update(pose({0, 0, z}, {0, 0, 1}));
+      popped += (s.events & haptics::haptic_event::popped) != 0;
       most = std::max(most, s.force_n.z);
       least = std::min(least, s.force_n.z);
     }
@@ -144,26 +146,27 @@ TEST(HapticsRound, HalfwayThroughASkinNothingPushesItOn) {
 
 // 2 mm wide at 20 mm/s over bumps: their mean tick, beside a burr of points.
 TEST(HapticsRound, TheirTicks) {
-  HapticVolume v = empty(64, {0.8, 0.8, 0.8});
+  voxel::HapticVolume v = empty(64, {0.8, 0.8, 0.8});
   fill_wide(v, 1, [](Vec3 p) { return (18 + std::sin(0.5 * p.x) + std::cos(0.4 * p.y) - norm(p)) / 1.2; });
-  const ContactVolume contact(v);
+  const contact::ContactVolume contact(v);
   struct Run {
     const char* what;
-    ToolParams tool;
+    haptics::ToolParams tool;
     bool flat;
-    double most_us;
+    double max_us;
   };
   for (const Run& run :
        {Run{"ball", params_of("ball", 2), false, 240}, Run{"round burr", params_of("round_burr", 2), false, 400},
         Run{"rod, upright", params_of("rod", 2), false, 400}, Run{"rod, flat", params_of("rod", 2), true, 1200},
         Run{"burr of points", params_of("burr", 2, 3, 0.6), false, 10000}}) {
-    Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {}, make_tool(run.tool));
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain(), {},
+                         haptics::make_tool(run.tool));
     std::vector<double> us;
     int touching = 0;
     for (int n = 0; n < 12000; ++n) {
       const double a = 0.02 * n / 17;
       const Vec3 u{std::cos(a), 0.3 * std::sin(0.4 * a), std::sin(a)};
-      const HapticInput in = pose(u * (n == 0 ? 22 : 17), run.flat ? cross(u, Vec3{0, 1, 0}) : u);
+      const haptics::HapticInput in = pose(u * (n == 0 ? 22 : 17), run.flat ? cross(u, Vec3{0, 1, 0}) : u);
       const double begin = cpu_us();
       touching += proxy.update(in).touched != 0;
       us.push_back(cpu_us() - begin);
@@ -173,7 +176,7 @@ TEST(HapticsRound, TheirTicks) {
     std::sort(us.begin(), us.end());
     std::printf("  %s: mean %.1f, p99 %.1f us, in contact %.0f %%\n", run.what, mean, us[us.size() * 99 / 100],
                 touching / 120.0);
-    EXPECT_LT(mean, run.most_us) << run.what << "; a twentieth of that on a machine that nobody shares";
+    EXPECT_LT(mean, run.max_us) << run.what << "; a twentieth of that on a machine that nobody shares";
     EXPECT_GT(touching, 8000) << run.what;
   }
 }

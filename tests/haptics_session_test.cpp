@@ -24,7 +24,7 @@
 #include "voxel/raw_voxel.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 using walls::uniform;
 using Clock = std::chrono::steady_clock;
 
@@ -33,8 +33,8 @@ namespace {
 void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
 // Two nested, bumpy balls.
-HapticVolume balls(std::mt19937_64& rng) {
-  HapticVolume v = empty(48, {uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2)});
+voxel::HapticVolume balls(std::mt19937_64& rng) {
+  voxel::HapticVolume v = empty(48, {uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2)});
   const Vec3 s = v.voxels.spacing_mm;
   const double r = 18 * std::min({s.x, s.y, s.z}), bumps = uniform(rng, 0, 1);
   fill(v, 1, [&](Vec3 p) { return r + bumps * std::sin(p.x) - norm(p); });
@@ -45,19 +45,19 @@ HapticVolume balls(std::mt19937_64& rng) {
 // What a servo that drills has beside it, and what must hold of the voxels when it has ended.
 class Cutting {
  public:
-  Cutting(HapticVolume& volume, ContactVolume& contact, const ToolParams& tool)
+  Cutting(voxel::HapticVolume& volume, contact::ContactVolume& contact, const haptics::ToolParams& tool)
       : volume_(volume), contact_(contact), before_(volume.voxels), marks_(volume.voxels) {
-    DrillShapes shapes;
+    drill::DrillShapes shapes;
     shapes[1] = {true, 0.05};
     shapes[2] = {true, 0};  // cut by the incision alone
-    DrillingParams params;
+    haptics::DrillingParams params;
     params.drill = true;
     params.incision_radius_mm = 4;
-    drilling_ = std::make_unique<Drilling>(volume, contact, shapes, params, DrillParams{},
-                                           cutter_of(params, own_tool(tool)), &marks_);
-    for (const int number : {1, 2}) surfaces_.push_back(std::make_unique<LiveSurface>(volume, number));
+    drilling_ = std::make_unique<haptics::Drilling>(volume, contact, shapes, params, drill::DrillParams{},
+                                                    haptics::cutter_of(params, haptics::own_tool(tool)), &marks_);
+    for (const int number : {1, 2}) surfaces_.push_back(std::make_unique<drill::LiveSurface>(volume, number));
   }
-  Drilling* drilling() { return drilling_.get(); }
+  haptics::Drilling* drilling() { return drilling_.get(); }
 
   void mesh(const std::atomic<bool>& stop) {
     while (!stop) {
@@ -68,7 +68,7 @@ class Cutting {
   void settle(std::uint64_t seed, const std::atomic<bool>& stop) {
     std::mt19937_64 rng(seed);
     while (!stop) {
-      Box box;
+      grid::Box box;
       for (std::size_t a = 0; a < 3; ++a) {
         box.begin[a] = int(rng() % std::uint64_t(volume_.voxels.size[a] - 10));
         box.end[a] = box.begin[a] + 10;
@@ -86,16 +86,17 @@ class Cutting {
         for (int i = 0; i < before_.size[0]; ++i) {
           if (before_.at(i, j, k) == volume_.voxels.at(i, j, k)) continue;
           for (const int shape : {1, 2})
-            risen += detail::share_of(volume_.voxels, shape, i, j, k) > detail::share_of(before_, shape, i, j, k);
+            risen += voxel::detail::share_of(volume_.voxels, shape, i, j, k) >
+                     voxel::detail::share_of(before_, shape, i, j, k);
         }
     EXPECT_EQ(risen, 0);
     for (std::size_t n = 0; n < surfaces_.size(); ++n) {
-      const LiveSurface fresh(volume_, int(n) + 1);
+      const drill::LiveSurface fresh(volume_, int(n) + 1);
       for (std::size_t b = 0; b < fresh.layout().count(); ++b) {
-        const BrickMesh &is = surfaces_[n]->brick(b), &wanted = fresh.brick(b);
+        const drill::BrickMesh &is = surfaces_[n]->brick(b), &wanted = fresh.brick(b);
         differ += is.indices != wanted.indices || is.vertices.size() != wanted.vertices.size() ||
                   (!is.vertices.empty() && std::memcmp(is.vertices.data(), wanted.vertices.data(),
-                                                       is.vertices.size() * sizeof(LiveVertex)) != 0);
+                                                       is.vertices.size() * sizeof(drill::LiveVertex)) != 0);
       }
     }
     EXPECT_EQ(differ, 0) << "bricks";
@@ -108,21 +109,22 @@ class Cutting {
     marks_.take(marked_);
     for (const auto& s : surfaces_) s->update(marked_);
   }
-  HapticVolume& volume_;
-  ContactVolume& contact_;
-  const Grid<std::int16_t> before_;
-  DirtyBricks marks_;
-  std::unique_ptr<Drilling> drilling_;
-  std::vector<std::unique_ptr<LiveSurface>> surfaces_;
+  voxel::HapticVolume& volume_;
+  contact::ContactVolume& contact_;
+  const grid::Grid<std::int16_t> before_;
+  drill::DirtyBricks marks_;
+  std::unique_ptr<haptics::Drilling> drilling_;
+  std::vector<std::unique_ptr<drill::LiveSurface>> surfaces_;
   std::vector<std::size_t> marked_;
 };
 
 // Lowers voxels along a random way, as a drill does, and lets the contact volume know.
-void drill(HapticVolume& volume, ContactVolume& contact, std::uint64_t seed, const std::atomic<bool>& stop) {
+void drill(voxel::HapticVolume& volume, contact::ContactVolume& contact, std::uint64_t seed,
+           const std::atomic<bool>& stop) {
   std::mt19937_64 rng(seed);
-  Grid<std::int16_t>& v = volume.voxels;
+  grid::Grid<std::int16_t>& v = volume.voxels;
   while (!stop) {
-    Box box;
+    grid::Box box;
     for (std::size_t a = 0; a < 3; ++a) {
       box.begin[a] = int(rng() % std::uint64_t(v.size[a] - 3));
       box.end[a] = box.begin[a] + 3;
@@ -131,8 +133,8 @@ void drill(HapticVolume& volume, ContactVolume& contact, std::uint64_t seed, con
     for (int k = box.begin[2]; k < box.end[2]; ++k)
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i)
-          __atomic_store_n(&v.at(i, j, k), std::int16_t(haptic_empty), __ATOMIC_RELAXED);
-    Box around;
+          __atomic_store_n(&v.at(i, j, k), std::int16_t(voxel::haptic_empty), __ATOMIC_RELAXED);
+    grid::Box around;
     for (std::size_t a = 0; a < 3; ++a) {
       around.begin[a] = std::max(0, box.begin[a] - 2);
       around.end[a] = std::min(v.size[a], box.end[a] + 2);
@@ -148,7 +150,7 @@ void client_of(int port, std::uint64_t seed, bool ends_badly, const std::atomic<
   std::mt19937_64 rng(seed);
   const std::uint64_t vanishes = rng() % 3 == 0 ? 20 + rng() % 800 : std::uint64_t(-1);
   UdpClient client(port, std::uint32_t(seed));
-  UdpForce answer;
+  device::UdpForce answer;
   Vec3 at{0, 0, 30}, to = at;
   for (std::uint64_t n = 0; !stop; ++n) {
     if (n == vanishes) return;
@@ -186,52 +188,52 @@ struct Seen {
 // One scene, one device, one tool, for about that long.
 void episode(std::uint64_t seed, double seconds, Seen& seen) {
   std::mt19937_64 rng(seed);
-  HapticVolume volume = balls(rng);
-  ContactParams contact_params;
-  if (rng() % 3 == 0) contact_params.surface = ContactParams::Surface::nearest;
-  if (rng() % 4 == 0) contact_params.walk = ContactParams::Walk::stepped;
-  ContactVolume contact(volume, contact_params);
-  Feels feels = untouchable();
+  voxel::HapticVolume volume = balls(rng);
+  contact::ContactParams contact_params;
+  if (rng() % 3 == 0) contact_params.surface = contact::ContactParams::Surface::nearest;
+  if (rng() % 4 == 0) contact_params.walk = contact::ContactParams::Walk::stepped;
+  contact::ContactVolume contact(volume, contact_params);
+  haptics::Feels feels = untouchable();
   for (const std::size_t n : {1u, 2u}) {
     feels[n].front = face(uniform(rng, 0.1, 1.5), 0.4, 0.3, rng() % 2 ? uniform(rng, 0.2, 2) : 0, 0.0005);
     feels[n].back = face(0.3, 0.2, 0.1);
     feels[n].drag_n_s_per_mm = 0.001;
     feels[n].shaft_friction_n_per_mm = 0.01;
   }
-  ToolParams tool_params;
-  const ToolKind& kind = all_tool_kinds()[rng() % all_tool_kinds().size()];
+  haptics::ToolParams tool_params;
+  const haptics::ToolKind& kind = haptics::all_tool_kinds()[rng() % haptics::all_tool_kinds().size()];
   if (!kind.from_file) tool_params.tool = kind.name;
   const bool cuts = rng() % 2 == 0;  // the servo itself
   if (cuts) {
-    std::vector<const ToolKind*> cutters;
-    for (const ToolKind& each : all_tool_kinds())
+    std::vector<const haptics::ToolKind*> cutters;
+    for (const haptics::ToolKind& each : haptics::all_tool_kinds())
       if (each.cuts()) cutters.push_back(&each);
-    const ToolKind& cutter = *cutters[rng() % cutters.size()];
+    const haptics::ToolKind& cutter = *cutters[rng() % cutters.size()];
     tool_params.tool = cutter.name;
     if (cutter.rotates() && rng() % 2) tool_params.tool_diameter_mm = uniform(rng, 1.5, 7);
   }
-  ShaftParams shaft;
+  haptics::ShaftParams shaft;
   shaft.shaft_length_mm = rng() % 2 ? 30 : 0;
-  const ForceParams force;
-  Proxy proxy(contact, feels, force, shaft, make_tool(tool_params));
+  const haptics::ForceParams force;
+  haptics::Proxy proxy(contact, feels, force, shaft, haptics::make_tool(tool_params));
 
   const bool by_udp = rng() % 2 == 0;
-  ServoParams params;
+  haptics::ServoParams params;
   params.realtime = false;
   params.paced = by_udp || rng() % 2 == 0;
   params.rate_hz = params.paced ? 500.0 * double(1 + rng() % 4) : 1000;
-  std::unique_ptr<Device> device;
-  UdpDevice* udp = nullptr;
+  std::unique_ptr<device::Device> device;
+  device::UdpDevice* udp = nullptr;
   std::vector<std::thread> threads;
   std::atomic<bool> stop{false}, client_stop{false};
   const bool ends_badly = rng() % 3 == 0, drilled = !cuts && rng() % 2 == 0;
   std::unique_ptr<Cutting> cutting;
   if (cuts) cutting = std::make_unique<Cutting>(volume, contact, tool_params);
   if (by_udp) {
-    UdpParams p;
+    device::UdpParams p;
     p.port = 0;
     p.timeout_ms = rng() % 4 == 0 ? 20 : 2000;
-    auto made = std::make_unique<UdpDevice>(p);
+    auto made = std::make_unique<device::UdpDevice>(p);
     udp = made.get();
     device = std::move(made);
     threads.emplace_back(client_of, udp->port(), rng(), ends_badly, std::cref(client_stop));
@@ -243,16 +245,17 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
       });
     udp->wait(Progress{});
   } else {
-    HandPathParams task;
+    device::HandPathParams task;
     task.radius_mm = uniform(rng, 0, 4);
     task.depth_mm = uniform(rng, 0, 6);
-    HandPath path = path_over(contact, touchable_of(feels), task);
-    auto hand = std::make_unique<SimulatedHand>(HandParams{}, std::move(path.points_mm), path.loop_from);
+    device::HandPath path = device::path_over(contact, haptics::touchable_of(feels), task);
+    auto hand =
+        std::make_unique<device::SimulatedHand>(device::HandParams{}, std::move(path.points_mm), path.loop_from);
     hand->drills = cuts;
     device = std::move(hand);
   }
-  FrameQueue queue(1 << 12);
-  Servo servo(proxy, *device, params, &queue, cutting ? cutting->drilling() : nullptr);
+  haptics::FrameQueue queue(1 << 12);
+  haptics::Servo servo(proxy, *device, params, &queue, cutting ? cutting->drilling() : nullptr);
   std::atomic<bool> done{false};
   std::thread servo_thread([&] {
     servo.run(std::uint64_t(-1), stop);
@@ -264,14 +267,14 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
     threads.emplace_back([&, settles = rng()] { cutting->settle(settles, stop); });
   }
 
-  std::vector<ServoFrame> frames;
+  std::vector<haptics::ServoFrame> frames;
   Vec3 last;
   std::uint64_t next = 0, ticks = 0;
   const auto end = Clock::now() + std::chrono::milliseconds(std::int64_t(1000 * seconds));
   const auto look = [&] {
     frames.clear();
     queue.drain(frames);
-    for (const ServoFrame& f : frames) {
+    for (const haptics::ServoFrame& f : frames) {
       const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
       ASSERT_TRUE(is_finite(is)) << "seed " << seed;
       ASSERT_LE(norm(is), force.max_force_n + 1e-9) << "seed " << seed;
@@ -299,13 +302,13 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   look();
   if (cutting) {
     const std::int64_t units = cutting->finish();
-    seen.removed_mm3 += double(units) / haptic_full * volume.voxels.voxel_volume_mm3();
+    seen.removed_mm3 += double(units) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
     seen.drilled += units > 0;
   }
   ++seen.episodes;
   seen.ticks += servo.statistics().ticks;
   seen.touching += servo.statistics().touching;
-  seen.lost += (servo.statistics().faults & haptic_fault::device_lost) != 0;
+  seen.lost += (servo.statistics().faults & haptics::haptic_fault::device_lost) != 0;
   if (udp) seen.poses += device->counts()[0].second;
 }
 

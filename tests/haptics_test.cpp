@@ -6,18 +6,18 @@
 #include "haptics_scene.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 using walls::uniform;
 using walls::unit_vector;
-using Surface = ContactParams::Surface;
+using Surface = contact::ContactParams::Surface;
 
 namespace {
 
-const ContactParams nearest_boxes{ContactParams::Walk::exact, Surface::nearest, 1};
+const contact::ContactParams nearest_boxes{contact::ContactParams::Walk::exact, Surface::nearest, 1};
 
 // Solid below z = 0.
-HapticVolume floor_volume() {
-  HapticVolume v = empty(40, {0.5, 0.5, 0.5});
+voxel::HapticVolume floor_volume() {
+  voxel::HapticVolume v = empty(40, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return -p.z; });
   return v;
 }
@@ -25,35 +25,35 @@ HapticVolume floor_volume() {
 }  // namespace
 
 TEST(Haptics, ASpringOnAFloor) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
-  Proxy proxy(contact, one_shape(1, face(0.8), face(0.8)), plain());
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
+  haptics::Proxy proxy(contact, one_shape(1, face(0.8), face(0.8)), plain());
   proxy.update(at({0, 0, 5}));
   EXPECT_EQ(proxy.state().force_n, Vec3{});
   EXPECT_EQ(proxy.state().touched, 0);
-  const HapticState& s = proxy.update(at({0.3, 0.2, -1.5}));
+  const haptics::HapticState& s = proxy.update(at({0.3, 0.2, -1.5}));
   EXPECT_NEAR(s.force_n.z, 0.8 * 1.5, 2e-3);
   EXPECT_NEAR(norm(s.force_n), s.force_n.z, 1e-6);
   EXPECT_EQ(s.touched, 1);
   EXPECT_EQ(s.face, 1);
   EXPECT_EQ(s.held_by, 1);
-  EXPECT_EQ(s.events, haptic_event::touch);
+  EXPECT_EQ(s.events, haptics::haptic_event::touch);
   proxy.update(at({0.35, 0.2, -1.5}));
   EXPECT_EQ(s.events, 0u);
   EXPECT_NEAR(s.proxy_mm.x, 0.35, 1e-3);  // no friction: it follows
   proxy.update(at({0.5, 0.2, -1.5}));
-  EXPECT_EQ(s.events, haptic_event::motion);
+  EXPECT_EQ(s.events, haptics::haptic_event::motion);
   proxy.update(at({0.5, 0.2, 0.2}));
-  EXPECT_EQ(s.events, haptic_event::untouch);
+  EXPECT_EQ(s.events, haptics::haptic_event::untouch);
   EXPECT_EQ(s.force_n, Vec3{});
   EXPECT_EQ(s.proxy_mm, (Vec3{0.5, 0.2, 0.2}));
 }
 
 TEST(Haptics, FrictionHoldsInsideItsConeAndSlidesBeyond) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
-  Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3), face(1)), plain());
-  const HapticState& s = proxy.state();
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3), face(1)), plain());
+  const haptics::HapticState& s = proxy.state();
   proxy.update(at({0, 0, 1}));
   proxy.update(at({0, 0, -2}));
   const Vec3 first = s.proxy_mm;
@@ -68,11 +68,11 @@ TEST(Haptics, FrictionHoldsInsideItsConeAndSlidesBeyond) {
 }
 
 TEST(Haptics, ThreeSurfacesInACorner) {
-  HapticVolume v = empty(40, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(40, {0.5, 0.5, 0.5});
   fill(v, 2, [](Vec3 p) { return std::max({-p.x, -p.y, -p.z}); });
-  const ContactVolume contact(v);
-  Proxy proxy(contact, one_shape(2, face(1), face(1)), plain());
-  const HapticState& s = proxy.state();
+  const contact::ContactVolume contact(v);
+  haptics::Proxy proxy(contact, one_shape(2, face(1), face(1)), plain());
+  const haptics::HapticState& s = proxy.state();
   proxy.update(at({5, 5, 5}));
   for (int n = 0; n < 50; ++n) proxy.update(at({-1, -2, -1.5}));
   EXPECT_GE(s.held_by, 1);
@@ -94,12 +94,12 @@ TEST(Haptics, TheNearestPointBeforeUpToThreePlanes) {
   std::mt19937_64 rng(13);
   int all_three = 0, none = 0;
   for (int n = 0; n < 20000; ++n) {
-    Plane planes[3];
+    haptics::Plane planes[3];
     const int count = int(rng() % 4);
     for (int i = 0; i < count; ++i) planes[i] = {unit_vector(rng) * uniform(rng, 0, 2), unit_vector(rng)};
     const Vec3 target = unit_vector(rng) * uniform(rng, 0, 5);
-    Nearest near;
-    if (!nearest_before(planes, count, target, near)) {
+    haptics::Nearest near;
+    if (!haptics::nearest_before(planes, count, target, near)) {
       ++none;
       continue;
     }
@@ -121,11 +121,11 @@ TEST(Haptics, TheNearestPointBeforeUpToThreePlanes) {
 // Strokes of any speed through walls of one voxel: the proxy stays on its side.
 TEST(Haptics, TheProxyNeverCrossesAWall) {
   std::mt19937_64 rng(11);
-  for (const HapticEncoding encoding : {HapticEncoding::occupancy, HapticEncoding::hu})
+  for (const voxel::HapticEncoding encoding : {voxel::HapticEncoding::occupancy, voxel::HapticEncoding::hu})
     for (walls::Wall& w : walls::all_walls(walls::lattice(24, {0.4, 0.4, 0.95}), encoding))
       for (const Surface surface : {Surface::subvoxel, Surface::nearest}) {
-        const ContactVolume contact(w.volume, {ContactParams::Walk::exact, surface, 1});
-        Proxy proxy(contact, one_shape(3, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain());
+        const contact::ContactVolume contact(w.volume, {contact::ContactParams::Walk::exact, surface, 1});
+        haptics::Proxy proxy(contact, one_shape(3, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), plain());
         int crossed = 0, touching = 0;
         for (int stroke = 0; stroke < 120; ++stroke) {
           const walls::Way way = walls::random_way(w, 8, rng);
@@ -144,7 +144,7 @@ TEST(Haptics, TheProxyNeverCrossesAWall) {
               continue;
             }
             x = next;
-            const HapticState& s = proxy.update(at(x));
+            const haptics::HapticState& s = proxy.update(at(x));
             const int now = walls::side_of(w, s.proxy_mm);
             touching += s.touched != 0;
             if (now != 0 && now != side) ++crossed;
@@ -156,23 +156,23 @@ TEST(Haptics, TheProxyNeverCrossesAWall) {
 }
 
 TEST(Haptics, PopsThroughIsDraggedAndLeaves) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
-  Feels feels = one_shape(1, face(1, 0.3, 0.2, 2.0), {});
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
+  haptics::Feels feels = one_shape(1, face(1, 0.3, 0.2, 2.0), {});
   feels[1].back.touchable = false;
   feels[1].drag_n_s_per_mm = 0.01;
   feels[1].shaft_friction_n_per_mm = 0.05;
-  ShaftParams shaft;
+  haptics::ShaftParams shaft;
   shaft.shaft_length_mm = 20;
-  Proxy proxy(contact, feels, plain(), shaft);
-  const HapticState& s = proxy.state();
+  haptics::Proxy proxy(contact, feels, plain(), shaft);
+  const haptics::HapticState& s = proxy.state();
   proxy.update(at({0, 0, 1}));
   double most = 0, z = 1;
   bool popped = false;
   for (; z > -8; z -= 0.01) {
     proxy.update(at({0, 0, z}));
     if (!popped) most = std::max(most, s.force_n.z);
-    if (s.events & haptic_event::popped) {
+    if (s.events & haptics::haptic_event::popped) {
       popped = true;
       EXPECT_NEAR(z, -2, 0.05);
     }
@@ -192,21 +192,21 @@ TEST(Haptics, PopsThroughIsDraggedAndLeaves) {
       EXPECT_LT(s.force_n.z, 0) << z;  // held back now
     }
   }
-  EXPECT_EQ(seen, haptic_event::left);
+  EXPECT_EQ(seen, haptics::haptic_event::left);
   EXPECT_EQ(s.inside, 0);
   for (; z > -1; z -= 0.01) proxy.update(at({0, 0, z}));
   EXPECT_EQ(s.touched, 1);  // the next time it is a surface again
 }
 
 TEST(Haptics, FacesAreTouchableOneByOne) {
-  HapticVolume v = empty(40, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(40, {0.5, 0.5, 0.5});
   fill(v, 4, [](Vec3 p) { return 2 - std::abs(p.z); });
-  const ContactVolume contact(v);
-  CaseFace off;
+  const contact::ContactVolume contact(v);
+  cases::CaseFace off;
   off.touchable = false;
-  Proxy from_outside(contact, one_shape(4, face(1), off), plain()),
+  haptics::Proxy from_outside(contact, one_shape(4, face(1), off), plain()),
       from_inside(contact, one_shape(4, off, face(0.5)), plain());
-  for (Proxy* p : {&from_outside, &from_inside}) {
+  for (haptics::Proxy* p : {&from_outside, &from_inside}) {
     p->update(at({0, 0, 5}));
     p->update(at({0, 0, 1}));
   }
@@ -220,20 +220,20 @@ TEST(Haptics, FacesAreTouchableOneByOne) {
 
 // H1
 TEST(Haptics, WhatIsNotFiniteLatchesZeroForce) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity(), 1e200})
     for (int what = 0; what < 7; ++what) {
-      Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3, 0, 0.001), face(1)), plain());
+      haptics::Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3, 0, 0.001), face(1)), plain());
       proxy.update(at({0, 0, 1}));
       proxy.update(at({0, 0, -1}));
       ASSERT_GT(proxy.state().force_n.z, 0.9);
-      HapticInput in = at({0, 0, -1});
+      haptics::HapticInput in = at({0, 0, -1});
       (what < 3 ? in.tip_mm[what] : what < 6 ? in.axis[what - 3] : in.dt_s) = bad;
       proxy.update(in);
       EXPECT_EQ(proxy.state().force_n, Vec3{});
-      EXPECT_EQ(proxy.state().faults, what < 6 ? haptic_fault::pose : haptic_fault::time_step);
+      EXPECT_EQ(proxy.state().faults, what < 6 ? haptics::haptic_fault::pose : haptics::haptic_fault::time_step);
       proxy.update(at({0, 0, -1}));
       EXPECT_EQ(proxy.state().force_n, Vec3{}) << "latched";
       EXPECT_TRUE(is_finite(proxy.state().proxy_mm));
@@ -246,31 +246,31 @@ TEST(Haptics, WhatIsNotFiniteLatchesZeroForce) {
 
 // How long a loop may stand still is a parameter: a busy machine needs more than a device in a hand.
 TEST(Haptics, ATickThatStandsForTooLongIsAFault) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
   for (const double most_s : {1.0, 0.25, 60.0}) {
-    ForceParams params = plain();
+    haptics::ForceParams params = plain();
     if (most_s != 1) params.max_step_s = most_s;  // 1: as it is declared
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), params);
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), params);
     proxy.update(at({0, 0, 1}));
-    HapticInput in = at({0, 0, -1});
+    haptics::HapticInput in = at({0, 0, -1});
     in.dt_s = most_s;
     EXPECT_EQ(proxy.update(in).faults, 0u) << most_s;
     in.dt_s = 1.001 * most_s;
-    EXPECT_EQ(proxy.update(in).faults, haptic_fault::time_step) << most_s;
+    EXPECT_EQ(proxy.update(in).faults, haptics::haptic_fault::time_step) << most_s;
     EXPECT_EQ(proxy.state().force_n, Vec3{});
   }
 }
 
 // H5: with the tip in bone there is no blow at the start.
 TEST(Haptics, StartsInsideBoneWithAForceThatRises) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
-  ForceParams limits;
-  Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), limits);
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
+  haptics::ForceParams limits;
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), limits);
   double last = 0;
   for (int n = 0; n < 1000; ++n) {
-    const HapticState& s = proxy.update(at({0.1, 0.2, -2}));
+    const haptics::HapticState& s = proxy.update(at({0.1, 0.2, -2}));
     EXPECT_LE(std::abs(s.force_n.z - last), 2.0 / 500 + 1e-4) << n;
     last = s.force_n.z;
     EXPECT_GT(s.proxy_mm.z, -0.01);
@@ -280,18 +280,18 @@ TEST(Haptics, StartsInsideBoneWithAForceThatRises) {
 }
 
 TEST(Haptics, ForceAndItsRateStayWithinTheDevice) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
-  ForceParams limits;
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
+  haptics::ForceParams limits;
   limits.max_force_n = 3;
   limits.max_force_rate_n_per_s = 500;
   std::mt19937_64 rng(12);
-  Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.4, 2.5, 0.001), face(1, 0, 0, 1)), limits);
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.4, 2.5, 0.001), face(1, 0, 0, 1)), limits);
   Vec3 last, x{0, 0, 3};
   for (int n = 0; n < 50000; ++n) {
     x += unit_vector(rng) * std::pow(10.0, uniform(rng, -3, 1));
     for (int a = 0; a < 3; ++a) x[a] = std::clamp(x[a], -9.0, 9.0);
-    const HapticState& s = proxy.update(at(x));
+    const haptics::HapticState& s = proxy.update(at(x));
     ASSERT_LE(norm(s.force_n), 3 + 1e-12);
     ASSERT_LE(norm(s.force_n - last), 0.5 + 1e-9);
     last = s.force_n;
@@ -303,15 +303,15 @@ TEST(Haptics, ForceAndItsRateStayWithinTheDevice) {
 TEST(Haptics, RoundABallAtConstantDepth) {
   for (const Vec3 spacing : {Vec3{0.5, 0.5, 0.5}, Vec3{0.4, 0.4, 0.95}})
     for (const bool boxes : {false, true}) {
-      HapticVolume v = empty(48, spacing);
+      voxel::HapticVolume v = empty(48, spacing);
       fill(v, 1, [](Vec3 p) { return 8 - norm(p); });
-      const ContactVolume contact(v, boxes ? nearest_boxes : ContactParams{});
-      Proxy proxy(contact, one_shape(1, face(1), face(1)), plain());
+      const contact::ContactVolume contact(v, boxes ? nearest_boxes : contact::ContactParams{});
+      haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), plain());
       double low = 9, high = 0, lag = 0;
       for (int n = 0; n < 20000; ++n) {
         const double a = 0.0025 * n, b = 0.3 * std::sin(0.0007 * n);
         const Vec3 u{std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)};
-        const HapticState& s = proxy.update(at(u * (n == 0 ? 9 : 7)));
+        const haptics::HapticState& s = proxy.update(at(u * (n == 0 ? 9 : 7)));
         if (n < 100) continue;
         low = std::min(low, norm(s.force_n));
         high = std::max(high, norm(s.force_n));
@@ -327,24 +327,24 @@ TEST(Haptics, RoundABallAtConstantDepth) {
 
 // Between the samples of a stepped way lie corners of voxels: none of them keeps the proxy.
 TEST(Haptics, TheSteppedWalkLeavesNoProxyInBone) {
-  HapticVolume v = empty(60, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(60, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return 11 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); });
-  const Feels feels = one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2));
+  const haptics::Feels feels = one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2));
   double share[2];
-  for (const auto walk : {ContactParams::Walk::exact, ContactParams::Walk::stepped}) {
-    const ContactVolume contact(v, {walk, ContactParams::Surface::nearest, 0.5});
-    Proxy proxy(contact, feels, plain());
+  for (const auto walk : {contact::ContactParams::Walk::exact, contact::ContactParams::Walk::stepped}) {
+    const contact::ContactVolume contact(v, {walk, contact::ContactParams::Surface::nearest, 0.5});
+    haptics::Proxy proxy(contact, feels, plain());
     std::mt19937_64 rng(12);
     proxy.update(at({14, 14, 14}));
     int touching = 0;
     for (int n = 0; n < 20000; ++n) {
-      const HapticState& s =
+      const haptics::HapticState& s =
           proxy.update(at({walls::uniform(rng, -14, 14), walls::uniform(rng, -14, 14), walls::uniform(rng, -14, 14)}));
       ASSERT_EQ(contact.shape_at(s.proxy_mm), 0) << n;
       ASSERT_EQ(s.inside, 0);
       touching += s.touched != 0;
     }
-    share[walk == ContactParams::Walk::stepped] = touching / 20000.0;
+    share[walk == contact::ContactParams::Walk::stepped] = touching / 20000.0;
   }
   EXPECT_NEAR(share[0], share[1], 0.05);
 }

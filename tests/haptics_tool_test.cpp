@@ -6,16 +6,16 @@
 #include "haptics_tools.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 using namespace trephine::tools;
 using walls::uniform;
 using walls::unit_vector;
-using Search = ToolParams::Search;
+using Search = haptics::ToolParams::Search;
 
 TEST(HapticsTool, ShellsLieOnTheTool) {
   for (const char* kind : kinds) {
-    const ToolParams own = own_tool(params_of(kind));
-    const Tool tool = make_tool(params_of(kind));
+    const haptics::ToolParams own = haptics::own_tool(params_of(kind));
+    const haptics::Tool tool = haptics::make_tool(params_of(kind));
     ASSERT_GE(tool.points_mm.size(), 64u);
     ASSERT_LE(tool.points_mm.size(), 400u);
     EXPECT_EQ(tool.points_mm.front(), Vec3{}) << "the tip";
@@ -30,10 +30,10 @@ TEST(HapticsTool, ShellsLieOnTheTool) {
       widest = std::max(widest, x);
       const double z = p.z;
       double truth = r;
-      if (own.tool_tip == ToolParams::Tip::cone) truth = std::min(r, z / 4);
-      if (own.tool_tip == ToolParams::Tip::round && z < r) truth = std::sqrt(r * r - (r - z) * (r - z));
-      if (own.tool_tip == ToolParams::Tip::flat && z == 0) truth = x;
-      if (own.tool_tip == ToolParams::Tip::ball) {
+      if (own.tool_tip == haptics::ToolParams::Tip::cone) truth = std::min(r, z / 4);
+      if (own.tool_tip == haptics::ToolParams::Tip::round && z < r) truth = std::sqrt(r * r - (r - z) * (r - z));
+      if (own.tool_tip == haptics::ToolParams::Tip::flat && z == 0) truth = x;
+      if (own.tool_tip == haptics::ToolParams::Tip::ball) {
         const double ball = z < 2 * r ? std::sqrt(std::max(0.0, r * r - (r - z) * (r - z))) : 0;
         truth = z < r || ball > r / 2 ? ball : r / 2;
       }
@@ -48,10 +48,10 @@ TEST(HapticsTool, ShellsLieOnTheTool) {
       EXPECT_LE(nearest, own.tool_spacing_mm + 1e-9);
     }
   }
-  EXPECT_TRUE(make_tool({}).points_mm.empty());
-  const auto refused = [](const ToolParams& p, const char* field) {
+  EXPECT_TRUE(haptics::make_tool({}).points_mm.empty());
+  const auto refused = [](const haptics::ToolParams& p, const char* field) {
     try {
-      make_tool(p);
+      haptics::make_tool(p);
     } catch (const Error& e) {
       return e.code() == ExitCode::bad_config && e.field() == field;
     }
@@ -64,17 +64,17 @@ TEST(HapticsTool, ShellsLieOnTheTool) {
 
 TEST(HapticsTool, FramesTurnByTheLeast) {
   std::mt19937_64 rng(3);
-  Mat3 f = frame_along({0, 0, 1});
+  Mat3 f = haptics::frame_along({0, 0, 1});
   for (int n = 0; n < 2000; ++n) {
     const Vec3 to = n % 7 == 0 ? -f.column[2] : n % 5 == 0 ? f.column[2] : unit_vector(rng);
-    const Mat3 g = turned(f, to);
+    const Mat3 g = haptics::turned(f, to);
     EXPECT_LT(norm(g.column[2] - to), 1e-12);
     for (std::size_t a = 0; a < 3; ++a)
       for (std::size_t b = 0; b < 3; ++b) EXPECT_NEAR(dot(g.column[a], g.column[b]), a == b, 1e-12);
     EXPECT_NEAR(determinant(g), 1, 1e-12);
     const Vec3 about = normalized(cross(f.column[2], to));  // which the least rotation leaves alone
     EXPECT_LT(norm(g * transpose_times(f, about) - about), 1e-9);
-    const Mat3 part = turned(f, to, 0.25);
+    const Mat3 part = haptics::turned(f, to, 0.25);
     EXPECT_LE(std::acos(std::min(1.0, dot(part.column[2], f.column[2]))), 0.25 + 1e-7);
     f = g;
   }
@@ -82,21 +82,21 @@ TEST(HapticsTool, FramesTurnByTheLeast) {
 
 // The ball of a burr rests on a plane at its radius, however the burr is held: the force is that of the depth.
 TEST(HapticsTool, ABurrIsFeltAtItsRadius) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
   std::mt19937_64 rng(4);
   for (const double spacing : {1.2, 0.5}) {
-    const Tool burr = make_tool(params_of("burr", 5, 30, spacing));
+    const haptics::Tool burr = haptics::make_tool(params_of("burr", 5, 30, spacing));
     double worst = 0;
     for (int n = 0; n < 60; ++n) {
       const double tilt = n == 0 ? 0 : uniform(rng, 0, 1.2), turn = uniform(rng, 0, 6.28);
       const Vec3 axis{std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt)};
-      Proxy proxy(contact, one_shape(1, face(0.8), face(0.8)), plain(), {}, burr);
+      haptics::Proxy proxy(contact, one_shape(1, face(0.8), face(0.8)), plain(), {}, burr);
       const Vec3 to_tip = axis * -2.5;
       proxy.update(pose(Vec3{0.1, 0.2, 4} + to_tip, axis));
       EXPECT_EQ(proxy.state().force_n, Vec3{});
       for (double h = 4; h > 1.5; h -= 0.02) proxy.update(pose(Vec3{0.1, 0.2, h} + to_tip, axis));
-      const HapticState& s = proxy.update(pose(Vec3{0.1, 0.2, 1.5} + to_tip, axis));
+      const haptics::HapticState& s = proxy.update(pose(Vec3{0.1, 0.2, 1.5} + to_tip, axis));
       worst = std::max(worst, std::abs(s.force_n.z - 0.8 * 1));
       EXPECT_LT(std::hypot(s.force_n.x, s.force_n.y), 0.01);
       EXPECT_LE(s.force_n.z, 0.8 + 2e-3) << "its points lie in the ball";
@@ -114,7 +114,7 @@ TEST(HapticsTool, ABurrIsFeltAtItsRadius) {
 
 // A plate 10 mm thick with a hole along z, for a catheter of 2.5 mm.
 struct Hole {
-  HapticVolume volume = empty(64, {0.25, 0.25, 0.25});
+  voxel::HapticVolume volume = empty(64, {0.25, 0.25, 0.25});
   explicit Hole(double diameter_mm) {
     fill(volume, 1, [=](Vec3 p) { return std::min(5 - std::abs(p.z), std::hypot(p.x, p.y) - diameter_mm / 2); });
   }
@@ -122,14 +122,15 @@ struct Hole {
 
 TEST(HapticsTool, ACatheterInAHoleAlmostAsWide) {
   Hole hole(2.6);
-  const ContactVolume contact(hole.volume);
+  const contact::ContactVolume contact(hole.volume);
   for (const double lock : {3.0, 0.0}) {
-    ToolParams p = params_of("catheter", 2.5, 60, 1);
+    haptics::ToolParams p = params_of("catheter", 2.5, 60, 1);
     p.lock_distance_mm = lock;
-    ForceParams limits;
+    haptics::ForceParams limits;
     limits.ramp_s = 0;
-    Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), limits, {}, make_tool(p));
-    const HapticState& s = proxy.state();
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), limits, {},
+                         haptics::make_tool(p));
+    const haptics::HapticState& s = proxy.state();
     Vec3 last;
     std::uint32_t events = 0;
     const auto step = [&](Vec3 tip, Vec3 axis) {
@@ -153,7 +154,7 @@ TEST(HapticsTool, ACatheterInAHoleAlmostAsWide) {
     axis = {std::sin(0.6), 0, std::cos(0.6)};
     for (int n = 0; n < 200; ++n) step(tip, axis);
     EXPECT_LT(std::acos(s.axis.z), 2 * play / 10 + 0.01) << "it turned in the hole";
-    EXPECT_EQ((events & haptic_event::locked) != 0, lock > 0);
+    EXPECT_EQ((events & haptics::haptic_event::locked) != 0, lock > 0);
     EXPECT_EQ(s.locked, lock > 0);
     const Vec3 held = s.axis;
     for (double a = 0; a < 0.3; a += 0.001) step(tip, {std::sin(0.6 + a), 0, std::cos(0.6 + a)});
@@ -178,22 +179,22 @@ TEST(HapticsTool, ACatheterInAHoleAlmostAsWide) {
 
 // Skin that it pops through once, not once for every point; a hole in bone; brain.
 TEST(HapticsTool, ANeedleThroughABurrHole) {
-  HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return 0.6 - std::abs(p.z - 10); });
   fill(v, 2, [](Vec3 p) { return std::min(3 - std::abs(p.z), std::hypot(p.x, p.y) - 3); });
   fill(v, 3, [](Vec3 p) { return -5 - p.z; });
-  const ContactVolume contact(v);
-  Feels feels = untouchable();
+  const contact::ContactVolume contact(v);
+  haptics::Feels feels = untouchable();
   feels[1].front = face(0.5, 0.1, 0.1, 0.4);
   feels[2].front = feels[2].back = face(1, 0.2, 0.2);
   feels[3].front = face(0.3, 0.1, 0.1, 0.3);
-  Proxy proxy(contact, feels, plain(), {}, make_tool(params_of("needle", 1.27, 60, 1)));
-  const HapticState& s = proxy.state();
+  haptics::Proxy proxy(contact, feels, plain(), {}, haptics::make_tool(params_of("needle", 1.27, 60, 1)));
+  const haptics::HapticState& s = proxy.state();
   int popped = 0;
   double z = 14;
   const auto step = [&](Vec3 tip) {
     proxy.update(pose(tip, {0, 0, 1}));
-    popped += (s.events & haptic_event::popped) != 0;
+    popped += (s.events & haptics::haptic_event::popped) != 0;
     ASSERT_EQ(points_in(proxy, contact, 4), 0) << "in bone";
   };
   for (; z > -12; z -= 0.01) step({0.2, 0, z});
@@ -215,22 +216,22 @@ TEST(HapticsTool, ANeedleThroughABurrHole) {
 
 // h on one wall, k on the other: their normals cancel, each wall is a constraint of its own, and the tool is caught.
 TEST(HapticsTool, BetweenParallelWallsTheNormalsCancel) {
-  HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return std::abs(p.x) - 8; });
-  const ContactVolume contact(v);
+  const contact::ContactVolume contact(v);
   for (const Search search : {Search::both, Search::tip_to_tail, Search::tail_to_tip})
     for (const double lock : {3.0, 0.0}) {
-      ToolParams p = params_of("craniotome", 1, 24, 1);
+      haptics::ToolParams p = params_of("craniotome", 1, 24, 1);
       p.tool_search = search;
       p.lock_distance_mm = lock;
-      Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {}, make_tool(p));
-      const HapticState& s = proxy.state();
+      haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {}, haptics::make_tool(p));
+      const haptics::HapticState& s = proxy.state();
       bool locked = false;
       // About its middle: both ends come to the walls at once.
       for (double a = 0; a < 1.1; a += 0.001) {
         const Vec3 axis{std::sin(a), 0, std::cos(a)};
         proxy.update(pose(axis * -12, axis));
-        locked = locked || (s.events & haptic_event::locked);
+        locked = locked || (s.events & haptics::haptic_event::locked);
         ASSERT_EQ(points_in(proxy, contact, 2), 0) << a;
         ASSERT_LT(norm(s.force_n), 30);
       }
@@ -244,16 +245,16 @@ TEST(HapticsTool, BetweenParallelWallsTheNormalsCancel) {
 
 // A groove of two slopes, met by both ends at once: averaged, its normal is up; from one end, that end's slope.
 TEST(HapticsTool, TheSearchSaysWhoseNormalCounts) {
-  HapticVolume v = empty(48, {0.5, 0.5, 0.5});
+  voxel::HapticVolume v = empty(48, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return (0.5 * std::abs(p.x) - p.z - 6) / std::hypot(0.5, 1); });
-  const ContactVolume contact(v);
+  const contact::ContactVolume contact(v);
   for (const Search search : {Search::both, Search::tip_to_tail, Search::tail_to_tip}) {
-    Tool tool;  // a bar
+    haptics::Tool tool;  // a bar
     for (int n = 0; n <= 10; ++n) tool.points_mm.push_back({0, 0, double(n)});
     tool.length_mm = 10;
     tool.search = search;
-    Proxy proxy(contact, one_shape(1, face(1, 0.9, 0.9), face(1)), plain(), {}, tool);
-    const HapticState& s = proxy.state();
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.9, 0.9), face(1)), plain(), {}, tool);
+    const haptics::HapticState& s = proxy.state();
     proxy.update(pose({-5, 0, 0}, {1, 0, 0}));
     proxy.update(pose({-5, 0, -4}, {1, 0, 0}));
     const double slope = s.normal.x;
@@ -264,10 +265,11 @@ TEST(HapticsTool, TheSearchSaysWhoseNormalCounts) {
 
 // Tables V and VI: lying on a floor and turned into it about its tip.
 TEST(HapticsTool, LocksAndUnlocks) {
-  HapticVolume v = floor_volume(64);
-  const ContactVolume contact(v);
-  Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {}, make_tool(params_of("needle", 1, 12, 1)));
-  const HapticState& s = proxy.state();
+  voxel::HapticVolume v = floor_volume(64);
+  const contact::ContactVolume contact(v);
+  haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), plain(), {},
+                       haptics::make_tool(params_of("needle", 1, 12, 1)));
+  const haptics::HapticState& s = proxy.state();
   double z = 2;
   for (; z > 0.4; z -= 0.01) proxy.update(pose({-5, 0, z}, {1, 0, 0}));
   EXPECT_FALSE(s.locked) << "nothing turned";
@@ -280,7 +282,7 @@ TEST(HapticsTool, LocksAndUnlocks) {
     tilt(a);
     events |= s.events;
   }
-  EXPECT_TRUE(events & haptic_event::locked);
+  EXPECT_TRUE(events & haptics::haptic_event::locked);
   EXPECT_TRUE(s.locked);
   const Vec3 held = s.axis;
   EXPECT_NEAR(held.z, 0, 0.02);
@@ -294,16 +296,17 @@ TEST(HapticsTool, LocksAndUnlocks) {
   EXPECT_NEAR(s.proxy_mm.x, -4, 1e-2) << "it may still be moved";
   tilt(0.05);
   EXPECT_FALSE(s.locked);
-  EXPECT_EQ(s.events & haptic_event::unlocked, haptic_event::unlocked);
+  EXPECT_EQ(s.events & haptics::haptic_event::unlocked, haptics::haptic_event::unlocked);
   EXPECT_LT(norm(s.axis - Vec3{std::cos(0.05), 0, std::sin(0.05)}), 1e-9);
 }
 
 TEST(HapticsTool, FrictionHoldsATool) {
-  HapticVolume v = floor_volume();
-  const ContactVolume contact(v);
+  voxel::HapticVolume v = floor_volume();
+  const contact::ContactVolume contact(v);
   for (const char* kind : {"burr", "craniotome"}) {
-    Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3), face(1)), plain(), {}, make_tool(params_of(kind)));
-    const HapticState& s = proxy.state();
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.5, 0.3), face(1)), plain(), {},
+                         haptics::make_tool(params_of(kind)));
+    const haptics::HapticState& s = proxy.state();
     proxy.update(pose({0, 0, 1}, {0.1, 0.2, 1}));
     proxy.update(pose({0, 0, -2}, {0.1, 0.2, 1}));
     const Vec3 first = s.proxy_mm;

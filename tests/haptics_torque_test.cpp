@@ -16,16 +16,16 @@ using namespace trephine::tools;
 
 namespace {
 
-ForceParams with_torque(double most = 1e4, double stiffness = 500) {
-  ForceParams p = plain();
+haptics::ForceParams with_torque(double most = 1e4, double stiffness = 500) {
+  haptics::ForceParams p = plain();
   p.max_torque_n_mm = most;
   p.turn_stiffness_n_mm_per_rad = stiffness;
   return p;
 }
 
 // A wall that begins at that x.
-HapticVolume wall(double x) {
-  HapticVolume v = empty(60, {1, 1, 1});
+voxel::HapticVolume wall(double x) {
+  voxel::HapticVolume v = empty(60, {1, 1, 1});
   fill(v, 1, [&](Vec3 p) { return p.x - x; });
   return v;
 }
@@ -36,8 +36,8 @@ std::string points_file(const ScratchFolder& folder, const std::string& text) {
   return file.string();
 }
 
-ToolParams points_of(const std::string& file) {
-  ToolParams p;
+haptics::ToolParams points_of(const std::string& file) {
+  haptics::ToolParams p;
   p.tool = "points";
   p.tool_points = file;
   return p;
@@ -47,12 +47,13 @@ ToolParams points_of(const std::string& file) {
 
 // A ball whose axis leans is pressed where the surface's normal meets it, and not at its tip.
 TEST(HapticsTorque, OfABallIsThatOfItsContact) {
-  HapticVolume v = floor_volume(48);
-  const ContactVolume contact(v);
+  voxel::HapticVolume v = floor_volume(48);
+  const contact::ContactVolume contact(v);
   for (const double lean : {0.0, 0.5, -1.0}) {
-    Proxy proxy(contact, one_shape(1, face(1), face(1)), with_torque(), {}, make_tool(params_of("ball", 4)));
+    haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), with_torque(), {},
+                         haptics::make_tool(params_of("ball", 4)));
     const Vec3 axis = normalized(Vec3{std::sin(lean), 0, std::cos(lean)});
-    HapticState s;
+    haptics::HapticState s;
     for (double z = 4; z > -1; z -= 0.02) s = proxy.update(pose(Vec3{0, 0, z + 2} - axis * 2, axis));
     ASSERT_GT(s.force_n.z, 0.8);
     const Vec3 expected = cross((axis - Vec3{0, 0, 1}) * 2, s.force_n);
@@ -66,12 +67,12 @@ TEST(HapticsTorque, OfABallIsThatOfItsContact) {
 // A needle that stands before a wall is turned into it: the hand is turned back, within its limits; a free one and a
 // point feel no torque.
 TEST(HapticsTorque, OfAToolThatIsHeldTurnsTheHandBack) {
-  HapticVolume v = wall(3);
-  const ContactVolume contact(v);
-  const Feels feels = one_shape(1, face(1), face(1));
+  voxel::HapticVolume v = wall(3);
+  const contact::ContactVolume contact(v);
+  const haptics::Feels feels = one_shape(1, face(1), face(1));
   for (const double most : {1e4, 40.0}) {
-    Proxy proxy(contact, feels, with_torque(most), {}, make_tool(params_of("needle", 2, 25)));
-    HapticState s;
+    haptics::Proxy proxy(contact, feels, with_torque(most), {}, haptics::make_tool(params_of("needle", 2, 25)));
+    haptics::HapticState s;
     for (int n = 0; n < 100; ++n) {
       s = proxy.update(pose({0, 0, -10}, {0, 0, 1}));
       ASSERT_EQ(s.torque_n_mm, Vec3{});
@@ -84,11 +85,11 @@ TEST(HapticsTorque, OfAToolThatIsHeldTurnsTheHandBack) {
     EXPECT_LT(s.torque_n_mm.y, -20);
     EXPECT_LT(std::abs(s.torque_n_mm.x) + std::abs(s.torque_n_mm.z), 0.2 * -s.torque_n_mm.y);
     EXPECT_LE(norm(s.torque_n_mm), most * (1 + 1e-12));
-    HapticInput bad = pose({0, 0, -10}, {0, 0, 1});
+    haptics::HapticInput bad = pose({0, 0, -10}, {0, 0, 1});
     bad.tip_mm.x = std::numeric_limits<double>::quiet_NaN();
     EXPECT_EQ(proxy.update(bad).torque_n_mm, Vec3{}) << "a fault";
   }
-  Proxy point(contact, feels, with_torque());
+  haptics::Proxy point(contact, feels, with_torque());
   point.update(pose({0, 0, 0}, {0, 0, 1}));
   EXPECT_EQ(point.update(pose({4, 0, 0}, {1, 0, 1})).torque_n_mm, Vec3{});
   EXPECT_GT(norm(point.state().force_n), 0.5);
@@ -96,16 +97,17 @@ TEST(HapticsTorque, OfAToolThatIsHeldTurnsTheHandBack) {
 
 // It rises no faster than the limits allow, also after a stall.
 TEST(HapticsTorque, ItsRateIsLimitedAsTheForcesIs) {
-  HapticVolume v = wall(3);
-  const ContactVolume contact(v);
-  ForceParams force = with_torque(100, 2000);
+  voxel::HapticVolume v = wall(3);
+  const contact::ContactVolume contact(v);
+  haptics::ForceParams force = with_torque(100, 2000);
   force.max_force_n = 3;
   force.max_force_rate_n_per_s = 300;  // the whole in 10 ms, so a tenth of it in a tick of 1 ms
-  Proxy proxy(contact, one_shape(1, face(1), face(1)), force, {}, make_tool(params_of("needle", 2, 25)));
+  haptics::Proxy proxy(contact, one_shape(1, face(1), face(1)), force, {},
+                       haptics::make_tool(params_of("needle", 2, 25)));
   proxy.update(pose({0, 0, -10}, {0, 0, 1}));
   Vec3 before;
   for (int n = 0; n < 40; ++n) {
-    HapticInput in = pose({0, 0, -10}, {0.5, 0, 1});
+    haptics::HapticInput in = pose({0, 0, -10}, {0.5, 0, 1});
     in.period_s = 0.001;
     in.dt_s = n == 20 ? 0.05 : 0.001;
     const Vec3 now = proxy.update(in).torque_n_mm;
@@ -123,17 +125,20 @@ TEST(HapticsTorque, ItsRateIsLimitedAsTheForcesIs) {
 TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   const ScratchFolder folder;
   // A blade: it reaches 4 mm to one side.
-  const Tool blade = make_tool(points_of(points_file(folder, "# x y z\n0 0 0\n2 0 1\n4,0,2\n\n0\t0\t20\r\n")));
+  const haptics::Tool blade =
+      haptics::make_tool(points_of(points_file(folder, "# x y z\n0 0 0\n2 0 1\n4,0,2\n\n0\t0\t20\r\n")));
   ASSERT_EQ(blade.points_mm.size(), 4u);
   EXPECT_EQ(blade.points_mm[2], (Vec3{4, 0, 2}));
   EXPECT_EQ(blade.length_mm, 20);
-  HapticVolume v = wall(2);
-  const ContactVolume contact(v);
-  const auto new_proxy = [&] { return Proxy(contact, one_shape(1, face(1), face(1)), with_torque(), {}, blade); };
-  Proxy proxy = new_proxy();
-  HapticInput in = pose({0, 0, 0}, {0, 0, 1});
-  std::vector<ServoFrame> frames;
-  HapticState s;
+  voxel::HapticVolume v = wall(2);
+  const contact::ContactVolume contact(v);
+  const auto new_proxy = [&] {
+    return haptics::Proxy(contact, one_shape(1, face(1), face(1)), with_torque(), {}, blade);
+  };
+  haptics::Proxy proxy = new_proxy();
+  haptics::HapticInput in = pose({0, 0, 0}, {0, 0, 1});
+  std::vector<haptics::ServoFrame> frames;
+  haptics::HapticState s;
   for (int n = 0; n <= 1600; ++n) {
     const double turn = 3.14 - 0.002 * std::min(n, 1250);  // from away from the wall towards it
     in.across = {std::cos(turn), std::sin(turn), 0};
@@ -143,12 +148,12 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
       EXPECT_LT(norm(s.across - in.across), 1e-9) << n;
       EXPECT_EQ(s.touched, 0);
     }
-    ServoFrame f;
+    haptics::ServoFrame f;
     f.tick = std::uint64_t(n);
     f.time_s = 0.001 * (n + 1);
     f.dt_s = 0.001;
-    put_input(in, f);
-    put_answer(s, f);
+    haptics::put_input(in, f);
+    haptics::put_answer(s, f);
     frames.push_back(f);
   }
   // The wall at x = 2 stops the edge, which is 4 mm away from the axis.
@@ -158,24 +163,24 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   EXPECT_LT(s.force_n.x, -0.5);
   EXPECT_NEAR(s.torque_n_mm.z, -4 * s.across.y * s.force_n.x, 0.2) << "back the way it came";
 
-  RecordingHeader header;
+  haptics::RecordingHeader header;
   header.knows_across = true;
   const auto file = folder.path() / "blade.servo";
-  const auto write = [&](const std::vector<ServoFrame>& all) {
-    RecordingWriter writer(file, header);
+  const auto write = [&](const std::vector<haptics::ServoFrame>& all) {
+    haptics::RecordingWriter writer(file, header);
     writer.add(all);
     writer.finish();
-    return read_recording(file);
+    return haptics::read_recording(file);
   };
-  const Recording read = write(frames);
+  const haptics::Recording read = write(frames);
   ASSERT_TRUE(read.header.knows_across);
   ASSERT_EQ(read.frames.size(), frames.size());
-  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(read.frames[n], frames[n]));
-  Proxy again = new_proxy();
-  const std::vector<ServoFrame> replayed = replay_frames(read.frames, 1000, again);
-  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(replayed[n], frames[n])) << n;
+  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(read.frames[n], frames[n]));
+  haptics::Proxy again = new_proxy();
+  const std::vector<haptics::ServoFrame> replayed = haptics::replay_frames(read.frames, 1000, again);
+  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(replayed[n], frames[n])) << n;
   EXPECT_EQ(read_file(file)[8], 5) << "its version";
-  header.force.force_law = ForceParams::Law::first;
+  header.force.force_law = haptics::ForceParams::Law::first;
   write(frames);
   EXPECT_EQ(read_file(file)[8], 4) << "as before, for the law of before";
   header.knows_across = false;
@@ -187,12 +192,12 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
 TEST(HapticsTorque, EarlierRecordingsAreRead) {
   const ScratchFolder folder;
   const auto file = folder.path() / "a.servo";
-  RecordingHeader header;
+  haptics::RecordingHeader header;
   header.drilling.drill = true;
-  RecordingWriter writer(file, header);
-  writer.add({ServoFrame()});
+  haptics::RecordingWriter writer(file, header);
+  writer.add({haptics::ServoFrame()});
   writer.finish();
-  EXPECT_EQ(read_recording(file).header.drilling.clearance_voxels, DrillingParams().clearance_voxels);
+  EXPECT_EQ(haptics::read_recording(file).header.drilling.clearance_voxels, haptics::DrillingParams().clearance_voxels);
   const std::vector<char> bytes = read_file(file);
   std::string text(bytes.begin(), bytes.end());
   const auto blank = [&](const std::string& key) {
@@ -204,13 +209,13 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   };
   blank("max_torque_n_mm");
   blank("turn_stiffness_n_mm_per_rad");
-  EXPECT_EQ(read_recording(file).header.force.max_torque_n_mm, ForceParams().max_torque_n_mm);
+  EXPECT_EQ(haptics::read_recording(file).header.force.max_torque_n_mm, haptics::ForceParams().max_torque_n_mm);
   blank("max_step_s");
-  EXPECT_EQ(read_recording(file).header.force.max_step_s, 1);
+  EXPECT_EQ(haptics::read_recording(file).header.force.max_step_s, 1);
   blank("clearance_voxels");
-  EXPECT_EQ(read_recording(file).header.drilling.clearance_voxels, 0) << "tools were felt as wide as they cut";
+  EXPECT_EQ(haptics::read_recording(file).header.drilling.clearance_voxels, 0) << "tools were felt as wide as they cut";
   blank("ramp_s");
-  EXPECT_THROW(read_recording(file), Error);
+  EXPECT_THROW(haptics::read_recording(file), Error);
 }
 
 // A time that is not finite is neither written nor read: a playback would never come to its end.
@@ -219,32 +224,33 @@ TEST(HapticsTorque, TimesThatAreNotFiniteAreRefused) {
   const auto file = folder.path() / "a.servo";
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
     for (const std::size_t count : {1u, 3u}) {
-      std::vector<ServoFrame> frames(count);
+      std::vector<haptics::ServoFrame> frames(count);
       for (std::size_t n = 0; n < count; ++n) {
         frames[n].tick = n;
         frames[n].time_s = 0.001 * double(n + 1);
       }
       {
-        RecordingWriter writer(file, {});
+        haptics::RecordingWriter writer(file, {});
         writer.add(frames);
         writer.finish();
-        ASSERT_EQ(read_recording(file).frames.size(), count);
+        ASSERT_EQ(haptics::read_recording(file).frames.size(), count);
       }
       std::vector<char> bytes = read_file(file);
-      std::memcpy(bytes.data() + bytes.size() - short_frame_bytes + offsetof(ServoFrame, time_s), &bad, 8);
+      std::memcpy(bytes.data() + bytes.size() - haptics::short_frame_bytes + offsetof(haptics::ServoFrame, time_s),
+                  &bad, 8);
       write_file(file, {bytes.data(), bytes.size()});
-      EXPECT_THROW(read_recording(file), Error) << bad << " in the last of " << count;
+      EXPECT_THROW(haptics::read_recording(file), Error) << bad << " in the last of " << count;
       frames.back().time_s = bad;
-      RecordingWriter writer(file, {});
+      haptics::RecordingWriter writer(file, {});
       EXPECT_THROW(writer.add(frames), Error) << bad;
     }
 }
 
 TEST(HapticsTorque, FilesOfPointsAreChecked) {
   const ScratchFolder folder;
-  const auto code = [&](const ToolParams& p) {
+  const auto code = [&](const haptics::ToolParams& p) {
     try {
-      make_tool(p);
+      haptics::make_tool(p);
     } catch (const Error& e) {
       return int(e.code());
     }
@@ -258,14 +264,14 @@ TEST(HapticsTorque, FilesOfPointsAreChecked) {
   EXPECT_EQ(code(points_of(points_file(folder, many))), 0);
   EXPECT_EQ(code(points_of(points_file(folder, many + "1 1 1\n"))), 65);
   EXPECT_EQ(code(points_of((folder.path() / "none").string())), 66);
-  ToolParams p = params_of("needle");
+  haptics::ToolParams p = params_of("needle");
   p.tool_points = "points.txt";
   EXPECT_EQ(code(p), 64);
   p = {};
   p.tool = "points";
   EXPECT_EQ(code(p), 64);
   // A recording's hash holds a replay to the same points.
-  const ToolParams own = own_tool(points_of(points_file(folder, "1 2 3\n")));
+  const haptics::ToolParams own = haptics::own_tool(points_of(points_file(folder, "1 2 3\n")));
   EXPECT_EQ(own.tool_points_sha256.size(), 64u);
   EXPECT_EQ(code(own), 0);
   points_file(folder, "1 2 4\n");

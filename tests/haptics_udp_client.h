@@ -27,28 +27,28 @@ class UdpClient {
   UdpClient(const UdpClient&) = delete;
   UdpClient& operator=(const UdpClient&) = delete;
 
-  UdpPose next;  ///< sequence: the last sent
+  device::UdpPose next;  ///< sequence: the last sent
   void send_pose(Vec3 tip_mm) {
     next.reading.tip_mm = tip_mm;
     ++next.sequence;
     again();
   }
   void again() {
-    const UdpBytes bytes = encode_pose(next);
+    const device::UdpBytes bytes = device::encode_pose(next);
     send_bytes(bytes.data(), bytes.size());
   }
   void send_bytes(const void* bytes, std::size_t count) { (void)!::send(socket_, bytes, count, 0); }
 
   /// The next answer; false where none comes in that time.
-  bool receive(UdpForce& out, int patience_ms = 60000) {
+  bool receive(device::UdpForce& out, int patience_ms = 60000) {
     pollfd p{socket_, POLLIN, 0};
     if (poll(&p, 1, patience_ms) <= 0) return false;
     std::uint8_t bytes[256] = {};
     const ssize_t count = recv(socket_, bytes, sizeof bytes, 0);
-    return count > 0 && decode_force(bytes, std::size_t(count), out);
+    return count > 0 && device::decode_force(bytes, std::size_t(count), out);
   }
   /// Sends and waits for the answer to that very pose.
-  bool ask(Vec3 tip_mm, UdpForce& out, int patience_ms = 60000) {
+  bool ask(Vec3 tip_mm, device::UdpForce& out, int patience_ms = 60000) {
     send_pose(tip_mm);
     while (receive(out, patience_ms))
       if (out.answers == next.sequence) return true;

@@ -16,7 +16,7 @@ using namespace trephine;
 
 // The documented layout, byte by byte.
 TEST(HapticsUdpPacket, PacketsOfVersion1AreAsDocumented) {
-  UdpPose p;
+  device::UdpPose p;
   p.version = 1;
   p.session = 0x01020304;
   p.sequence = 0x1122334455667788;
@@ -24,7 +24,7 @@ TEST(HapticsUdpPacket, PacketsOfVersion1AreAsDocumented) {
   p.reading.tip_mm = {1, 2, -3};
   p.reading.axis = {0, 1, 0};
   p.reading.buttons = 5;
-  const auto b = encode_pose(p);
+  const auto b = device::encode_pose(p);
   const auto number = [&](const auto& bytes, std::size_t at) {
     double v;
     std::memcpy(&v, bytes.data() + at, 8);  // this machine is little endian
@@ -35,11 +35,11 @@ TEST(HapticsUdpPacket, PacketsOfVersion1AreAsDocumented) {
   EXPECT_EQ(number(b, 24), 1.5);
   EXPECT_EQ(number(b, 48), -3);
   EXPECT_EQ(number(b, 64), 1);
-  UdpPose back;
-  ASSERT_TRUE(decode_pose(b.data(), b.size(), back));
-  EXPECT_EQ(encode_pose(back), b);
+  device::UdpPose back;
+  ASSERT_TRUE(device::decode_pose(b.data(), b.size(), back));
+  EXPECT_EQ(device::encode_pose(back), b);
 
-  UdpForce f;
+  device::UdpForce f;
   f.version = 1;
   f.busy = true;
   f.session = 7;
@@ -51,20 +51,20 @@ TEST(HapticsUdpPacket, PacketsOfVersion1AreAsDocumented) {
   f.news.inside = -1;
   f.news.faults = 8;
   f.force_n = {0.5, 0, 0.25};
-  const auto c = encode_force(f);
+  const auto c = device::encode_force(f);
   ASSERT_EQ(c.size(), 96u);
   EXPECT_EQ(std::memcmp(c.data(), "TRPF\1\0\1\0\7\0\0\0\10\0\0\0\11\0\0\0\0\0\0\0", 24), 0);
   EXPECT_EQ(number(c, 32), 3);
   EXPECT_EQ(number(c, 40), 0.5);
   EXPECT_EQ(number(c, 64), 4);
   EXPECT_EQ(std::memcmp(c.data() + 88, "\2\0\0\0\377\377\377\377", 8), 0);
-  UdpForce again;
-  ASSERT_TRUE(decode_force(c.data(), c.size(), again));
-  EXPECT_EQ(encode_force(again), c);
+  device::UdpForce again;
+  ASSERT_TRUE(device::decode_force(c.data(), c.size(), again));
+  EXPECT_EQ(device::encode_force(again), c);
 }
 
 TEST(HapticsUdpPacket, PacketsOfVersion2AreAsDocumented) {
-  UdpPose p;
+  device::UdpPose p;
   p.session = 0x01020304;
   p.sequence = 9;
   p.time_s = 1.5;
@@ -76,8 +76,8 @@ TEST(HapticsUdpPacket, PacketsOfVersion2AreAsDocumented) {
   p.pedals = 3;
   p.tool = 5;
   p.command = 2;
-  const UdpBytes b = encode_pose(p);
-  const auto number = [](const UdpBytes& bytes, std::size_t at) {
+  const device::UdpBytes b = device::encode_pose(p);
+  const auto number = [](const device::UdpBytes& bytes, std::size_t at) {
     double v;
     std::memcpy(&v, bytes.data() + at, 8);
     return v;
@@ -90,13 +90,13 @@ TEST(HapticsUdpPacket, PacketsOfVersion2AreAsDocumented) {
   EXPECT_NEAR(number(b, 72), 0, 1e-12);
   EXPECT_NEAR(number(b, 80), std::sqrt(0.5), 1e-12);
   EXPECT_EQ(std::memcmp(b.data() + 88, "\3\0\0\0\5\0\2\0", 8), 0);
-  UdpPose back;
-  ASSERT_TRUE(decode_pose(b.data(), b.size(), back));
+  device::UdpPose back;
+  ASSERT_TRUE(device::decode_pose(b.data(), b.size(), back));
   EXPECT_LT(norm(back.reading.axis - p.reading.axis), 1e-12);
   EXPECT_LT(norm(back.reading.across - p.reading.across), 1e-12);
-  EXPECT_EQ(back.reading.buttons, 0x40u | 3u | 5u << 8 | 2u << 16 | haptic_button::lifted);
+  EXPECT_EQ(back.reading.buttons, 0x40u | 3u | 5u << 8 | 2u << 16 | haptics::haptic_button::lifted);
 
-  UdpForce f;
+  device::UdpForce f;
   f.session = 7;
   f.answers = 9;
   f.news.time_s = 3;
@@ -105,11 +105,11 @@ TEST(HapticsUdpPacket, PacketsOfVersion2AreAsDocumented) {
   f.news.axis = {1, 0, 0};
   f.news.across = {0, 0, -1};
   f.news.touched = 2;
-  f.news.events = haptic_event::popped;
+  f.news.events = haptics::haptic_event::popped;
   f.news.locked = true;
   f.news.tool = 3;
   f.force_n = {0.5, 0, 0.25};
-  const UdpBytes c = encode_force(f);
+  const device::UdpBytes c = device::encode_force(f);
   ASSERT_EQ(c.size(), 160u);
   EXPECT_EQ(std::memcmp(c.data(), "TRPF\2\0\2\0\7\0\0\0", 12), 0);
   EXPECT_EQ(number(c, 40), 0.5);
@@ -118,8 +118,8 @@ TEST(HapticsUdpPacket, PacketsOfVersion2AreAsDocumented) {
   EXPECT_NEAR(number(c, 120), std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(number(c, 136), std::sqrt(0.5), 1e-12);
   EXPECT_EQ(std::memcmp(c.data() + 144, "\2\0\0\0\0\0\0\0\10\0\0\0\3\0\0\0", 16), 0);
-  UdpForce again;
-  ASSERT_TRUE(decode_force(c.data(), c.size(), again));
+  device::UdpForce again;
+  ASSERT_TRUE(device::decode_force(c.data(), c.size(), again));
   EXPECT_EQ(again.news.torque_n_mm, f.news.torque_n_mm);
   EXPECT_TRUE(again.news.locked);
   EXPECT_EQ(again.news.tool, 3);
@@ -130,32 +130,33 @@ TEST(HapticsUdpPacket, OrientationsComeBack) {
   std::mt19937_64 rng(3);
   const auto any = [&] { return double(rng() % 2001) / 1000 - 1; };
   for (int n = 0; n < 2000; ++n) {
-    UdpPose p, back;
+    device::UdpPose p, back;
     p.sequence = 1;
-    const Mat3 m = n < 24 ? frame_of({double(n % 3 == 0), double(n % 3 == 1), n % 3 == 2 ? n % 2 ? 1.0 : -1.0 : 0},
-                                     {double(n % 3 == 1), double(n % 3 == 2), n % 3 == 0 ? n % 4 < 2 ? 1.0 : -1.0 : 0})
-                          : frame_of(normalized(Vec3{any(), any(), any() + 1e-3}), {any(), any() + 1e-3, any()});
+    const Mat3 m =
+        n < 24 ? haptics::frame_of({double(n % 3 == 0), double(n % 3 == 1), n % 3 == 2 ? n % 2 ? 1.0 : -1.0 : 0},
+                                   {double(n % 3 == 1), double(n % 3 == 2), n % 3 == 0 ? n % 4 < 2 ? 1.0 : -1.0 : 0})
+               : haptics::frame_of(normalized(Vec3{any(), any(), any() + 1e-3}), {any(), any() + 1e-3, any()});
     p.reading.axis = m.column[2];
     p.reading.across = m.column[0];
-    const UdpBytes b = encode_pose(p);
-    ASSERT_TRUE(decode_pose(b.data(), b.size(), back));
+    const device::UdpBytes b = device::encode_pose(p);
+    ASSERT_TRUE(device::decode_pose(b.data(), b.size(), back));
     ASSERT_LT(norm(back.reading.axis - m.column[2]) + norm(back.reading.across - m.column[0]), 1e-9) << n;
   }
 }
 
 TEST(HapticsUdpPacket, MalformedPosesOfVersion2AreRefused) {
-  UdpPose p, out;
+  device::UdpPose p, out;
   p.sequence = 1;
   p.reading.across = {1, 0, 0};
-  const UdpBytes good = encode_pose(p);
-  const auto decodes = [&](const UdpBytes& b) { return decode_pose(b.data(), b.size(), out); };
+  const device::UdpBytes good = device::encode_pose(p);
+  const auto decodes = [&](const device::UdpBytes& b) { return device::decode_pose(b.data(), b.size(), out); };
   const auto with = [&](std::size_t at, std::uint8_t value) {
-    UdpBytes b = good;
+    device::UdpBytes b = good;
     b.bytes[at] = value;
     return b;
   };
   ASSERT_TRUE(decodes(good));
-  EXPECT_FALSE(decode_pose(good.data(), udp_pose_bytes_1, out)) << "as long as one of version 1";
+  EXPECT_FALSE(device::decode_pose(good.data(), device::udp_pose_bytes_1, out)) << "as long as one of version 1";
   for (const auto& [at, value] : std::map<std::size_t, std::uint8_t>{{0, 'X'},
                                                                      {4, 1},
                                                                      {4, 3},
@@ -166,16 +167,16 @@ TEST(HapticsUdpPacket, MalformedPosesOfVersion2AreRefused) {
                                                                      {91, 1},
                                                                      {92, 16},
                                                                      {93, 1},
-                                                                     {94, std::uint8_t(belt_command::count)},
+                                                                     {94, std::uint8_t(haptics::belt_command::count)},
                                                                      {95, 1}})
     EXPECT_FALSE(decodes(with(at, value))) << at;
   for (const double w : {0.98, 1.02, 1e200}) {
-    UdpBytes b = good;
+    device::UdpBytes b = good;
     std::memcpy(b.bytes.data() + 80, &w, 8);
     EXPECT_FALSE(decodes(b)) << w;
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  UdpBytes b = good;
+  device::UdpBytes b = good;
   std::memcpy(b.bytes.data() + 64, &nan, 8);
   ASSERT_TRUE(decodes(b)) << "the device's fault, for the servo to latch";
   EXPECT_FALSE(is_finite(out.reading.axis));
@@ -187,7 +188,7 @@ TEST(HapticsUdpPacket, MalformedPosesOfVersion2AreRefused) {
     for (std::uint64_t flips = 1 + rng() % 4; flips > 0; --flips) b.bytes[rng() % 96] ^= std::uint8_t(1 << rng() % 8);
     if (!decodes(b)) continue;
     ++taken;
-    const DeviceReading& r = out.reading;
+    const device::DeviceReading& r = out.reading;
     if (!is_finite(r.axis)) continue;
     ASSERT_NEAR(norm(r.axis), 1, 1e-9);
     ASSERT_NEAR(norm(r.across), 1, 1e-9);
@@ -198,23 +199,23 @@ TEST(HapticsUdpPacket, MalformedPosesOfVersion2AreRefused) {
 }
 
 TEST(HapticsUdpPacket, MalformedPosesAreRefused) {
-  UdpPose p, out;
+  device::UdpPose p, out;
   p.version = 1;
   p.sequence = 1;
-  const auto decodes = [&](const UdpPose& pose) {
-    const auto b = encode_pose(pose);
-    return decode_pose(b.data(), b.size(), out);
+  const auto decodes = [&](const device::UdpPose& pose) {
+    const auto b = device::encode_pose(pose);
+    return device::decode_pose(b.data(), b.size(), out);
   };
   ASSERT_TRUE(decodes(p));
-  UdpBytes b = encode_pose(p);
-  EXPECT_FALSE(decode_pose(b.data(), b.size() - 1, out));
-  EXPECT_FALSE(decode_pose(b.data(), 0, out));
+  device::UdpBytes b = device::encode_pose(p);
+  EXPECT_FALSE(device::decode_pose(b.data(), b.size() - 1, out));
+  EXPECT_FALSE(device::decode_pose(b.data(), 0, out));
   for (const std::size_t at : {0u, 3u, 4u, 5u}) {
-    b = encode_pose(p);
+    b = device::encode_pose(p);
     b.bytes[at] ^= 2;
-    EXPECT_FALSE(decode_pose(b.data(), b.size(), out)) << at;
+    EXPECT_FALSE(device::decode_pose(b.data(), b.size(), out)) << at;
   }
-  UdpPose bad = p;
+  device::UdpPose bad = p;
   bad.sequence = 0;
   EXPECT_FALSE(decodes(bad));
   bad = p;

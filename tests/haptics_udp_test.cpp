@@ -18,14 +18,14 @@
 #include "haptics_udp_client.h"
 
 using namespace trephine;
-using namespace trephine::scene;
+using namespace trephine::haptic_scenes;
 
 namespace {
 
 const std::atomic<bool> no_stop{false};
 
-UdpParams free_port(double timeout_ms) {
-  UdpParams p;
+device::UdpParams free_port(double timeout_ms) {
+  device::UdpParams p;
   p.port = 0;
   p.timeout_ms = timeout_ms;
   p.wait_s = 300;
@@ -34,29 +34,29 @@ UdpParams free_port(double timeout_ms) {
 
 // A floor below z = 0 and a servo over it, from the first pose until this ends.
 struct Loop {
-  HapticVolume volume = empty(24, {2, 2, 2});
-  ContactVolume contact;
-  Feels feels = one_shape(1, face(0.5), face(0.5));
-  ForceParams force;
-  UdpDevice device;
-  Proxy proxy;
-  FrameQueue queue{1 << 16};
-  Servo servo;
+  voxel::HapticVolume volume = empty(24, {2, 2, 2});
+  contact::ContactVolume contact;
+  haptics::Feels feels = one_shape(1, face(0.5), face(0.5));
+  haptics::ForceParams force;
+  device::UdpDevice device;
+  haptics::Proxy proxy;
+  haptics::FrameQueue queue{1 << 16};
+  haptics::Servo servo;
   std::atomic<bool> stop{false};
   std::thread thread;
 
-  static HapticVolume& filled(HapticVolume& v) {
+  static voxel::HapticVolume& filled(voxel::HapticVolume& v) {
     fill(v, 1, [](Vec3 p) { return -p.z; });
     return v;
   }
-  static ForceParams no_ramp() {
-    ForceParams p;
+  static haptics::ForceParams no_ramp() {
+    haptics::ForceParams p;
     p.ramp_s = 0;
     p.max_step_s = 3600;  // a busy machine may stand still for a second
     return p;
   }
-  static ServoParams normal() {
-    ServoParams p;
+  static haptics::ServoParams normal() {
+    haptics::ServoParams p;
     p.realtime = false;
     return p;
   }
@@ -70,10 +70,10 @@ struct Loop {
     device.wait(Progress{});
     thread = std::thread([this] { servo.run(60000, stop); });
   }
-  std::vector<ServoFrame> end() {
+  std::vector<haptics::ServoFrame> end() {
     stop = true;
     if (thread.joinable()) thread.join();
-    std::vector<ServoFrame> frames;
+    std::vector<haptics::ServoFrame> frames;
     queue.drain(frames);
     return frames;
   }
@@ -92,7 +92,7 @@ struct Loop {
 
 // The client touches down from 1 mm above and presses half a millimetre deep: 0.25 N.
 constexpr Vec3 above{0, 0, 1}, pressed{0, 0, -0.5};
-void press(Loop& loop, UdpClient& client, UdpForce& answer) {
+void press(Loop& loop, UdpClient& client, device::UdpForce& answer) {
   client.send_pose(above);
   loop.start();
   // A second pose would take the first one's place where the servo's first tick comes late.
@@ -108,18 +108,18 @@ void press(Loop& loop, UdpClient& client, UdpForce& answer) {
 TEST(HapticsUdp, AnswersAreTheForcesOfTheTicksThatTookThePoses) {
   Loop loop(60000);
   UdpClient client(loop.device.port());
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
-  std::map<std::uint64_t, std::pair<Vec3, UdpForce>> answers;
+  std::map<std::uint64_t, std::pair<Vec3, device::UdpForce>> answers;
   for (int n = 0; n < 300; ++n) {
     const Vec3 tip{0.01 * n, 0.003 * n, -0.5 + 0.4 * std::sin(0.1 * n)};
     ASSERT_TRUE(client.ask(tip, answer)) << n;
     EXPECT_EQ(answer.news.faults, 0u);
     EXPECT_TRUE(answers.emplace(answer.answers, std::make_pair(tip, answer)).second);
   }
-  const std::vector<ServoFrame> frames = loop.end();
+  const std::vector<haptics::ServoFrame> frames = loop.end();
   for (const auto& [sequence, a] : answers) {
-    const auto same = [&](const ServoFrame& f) {
+    const auto same = [&](const haptics::ServoFrame& f) {
       return std::memcmp(f.tip_mm, &a.first, 24) == 0 && std::memcmp(f.force_n, &a.second.force_n, 24) == 0 &&
              std::memcmp(f.proxy_mm, &a.second.news.proxy_mm, 24) == 0 && f.time_s == a.second.news.time_s;
     };
@@ -133,7 +133,7 @@ TEST(HapticsUdp, AnswersAreTheForcesOfTheTicksThatTookThePoses) {
 TEST(HapticsUdp, AnAnswerIsCountedBeforeItIsSent) {
   Loop loop(60000);
   UdpClient client(loop.device.port());
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
   int missing = 0;
   for (std::uint64_t n = 3; n < 1500; ++n) {
@@ -146,7 +146,7 @@ TEST(HapticsUdp, AnAnswerIsCountedBeforeItIsSent) {
 TEST(HapticsUdp, DuplicatesAndLatePosesAreDropped) {
   Loop loop(60000);
   UdpClient client(loop.device.port());
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
   const std::uint64_t newest = client.next.sequence;
   client.next.reading.tip_mm = {0, 0, -3};
@@ -156,23 +156,23 @@ TEST(HapticsUdp, DuplicatesAndLatePosesAreDropped) {
   client.next.sequence = newest + 10;
   ASSERT_TRUE(client.ask(pressed, answer));  // a gap is no fault
   EXPECT_EQ(loop.count("late"), 2u);
-  for (const ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1) << "a late pose was taken";
+  for (const haptics::ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1) << "a late pose was taken";
 }
 
 // Random bytes, cut and damaged packets, from the client's own socket and from others: nothing changes.
 TEST(HapticsUdp, RandomDatagramsChangeNothing) {
   Loop loop(60000);
   UdpClient client(loop.device.port()), other(loop.device.port(), 1);
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
   const Vec3 force = answer.force_n;
   std::mt19937_64 rng(5);
   std::uint64_t malformed = 0;
   for (int n = 0; n < 20000; ++n) {
-    UdpPose p = client.next;
+    device::UdpPose p = client.next;
     p.sequence += 1 + rng() % 1000;
     p.reading.tip_mm = {0, 0, -4};
-    const auto good = encode_pose(p);
+    const auto good = device::encode_pose(p);
     std::vector<std::uint8_t> bytes(good.data(), good.data() + good.size());
     switch (rng() % 4) {
       case 0:  // anything at all
@@ -199,7 +199,7 @@ TEST(HapticsUdp, RandomDatagramsChangeNothing) {
   EXPECT_LT(norm(answer.force_n - force), 1e-9);
   EXPECT_EQ(answer.news.faults, 0u);
   bool down = false;
-  for (const ServoFrame& f : loop.end()) {
+  for (const haptics::ServoFrame& f : loop.end()) {
     down = down || f.tip_mm[2] == pressed.z;
     const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
     EXPECT_LT(norm(is - (down ? force : Vec3{})), 1e-9);
@@ -210,7 +210,7 @@ TEST(HapticsUdp, RandomDatagramsChangeNothing) {
 TEST(HapticsUdp, ALostClientIsZeroForceWithinTheTimeout) {
   constexpr double timeout_s = 2;
   Loop loop(1000 * timeout_s);
-  UdpForce answer;
+  device::UdpForce answer;
   {
     UdpClient client(loop.device.port());
     ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
@@ -219,15 +219,16 @@ TEST(HapticsUdp, ALostClientIsZeroForceWithinTheTimeout) {
   for (answer.busy = true; answer.busy; std::this_thread::sleep_for(std::chrono::milliseconds(20)))
     ASSERT_TRUE(late.ask(pressed, answer)) << "who comes later is told";
   EXPECT_EQ(answer.force_n, Vec3{});
-  EXPECT_EQ(answer.news.faults, haptic_fault::device_lost);
-  const std::vector<ServoFrame> frames = loop.end();
-  const auto begin = std::find_if(frames.begin(), frames.end(), [](const ServoFrame& f) { return f.tip_mm[2] < 0; });
-  const auto lost = std::find_if(begin, frames.end(), [](const ServoFrame& f) { return f.faults != 0; });
+  EXPECT_EQ(answer.news.faults, haptics::haptic_fault::device_lost);
+  const std::vector<haptics::ServoFrame> frames = loop.end();
+  const auto begin =
+      std::find_if(frames.begin(), frames.end(), [](const haptics::ServoFrame& f) { return f.tip_mm[2] < 0; });
+  const auto lost = std::find_if(begin, frames.end(), [](const haptics::ServoFrame& f) { return f.faults != 0; });
   ASSERT_NE(lost, frames.end());
   for (auto f = begin; f != lost; ++f) EXPECT_GT(f->force_n[2], 0.2) << f->time_s - begin->time_s;
   for (auto f = lost; f != frames.end(); ++f) {
     EXPECT_EQ(f->force_n[2], 0) << f->time_s - begin->time_s;
-    EXPECT_EQ(f->faults, haptic_fault::device_lost);
+    EXPECT_EQ(f->faults, haptics::haptic_fault::device_lost);
   }
   // At the first tick after the timeout. A tick that woke late saw the clock, which was further than the loop's time.
   EXPECT_GT(lost->time_s + 1e-6 * lost->late_us - begin->time_s, 0.5 * timeout_s);
@@ -237,7 +238,7 @@ TEST(HapticsUdp, ALostClientIsZeroForceWithinTheTimeout) {
 TEST(HapticsUdp, OneClientAtATime) {
   Loop loop(60000);
   UdpClient first(loop.device.port(), 1), second(loop.device.port(), 2);
-  UdpForce answer, refused;
+  device::UdpForce answer, refused;
   ASSERT_NO_FATAL_FAILURE(press(loop, first, answer));
   const Vec3 force = answer.force_n;
   for (int n = 0; n < 20; ++n) {
@@ -254,7 +255,7 @@ TEST(HapticsUdp, OneClientAtATime) {
   ASSERT_TRUE(first.ask(pressed, answer));
   EXPECT_FALSE(answer.busy);
   EXPECT_LT(norm(answer.force_n - force), 1e-9);
-  for (const ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1);
+  for (const haptics::ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1);
 }
 
 // H1
@@ -262,14 +263,14 @@ TEST(HapticsUdp, APoseThatIsNotFiniteLatchesZeroForce) {
   for (const bool axis : {false, true}) {
     Loop loop(60000);
     UdpClient client(loop.device.port());
-    UdpForce answer;
+    device::UdpForce answer;
     ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     client.next.version = 2;
     if (axis) client.next.reading.axis.x = nan;
     ASSERT_TRUE(client.ask(axis ? pressed : Vec3{0, nan, 0}, answer));
     EXPECT_EQ(answer.force_n, Vec3{});
-    EXPECT_EQ(answer.news.faults, haptic_fault::pose);
+    EXPECT_EQ(answer.news.faults, haptics::haptic_fault::pose);
     client.next.reading.axis = {0, 0, 1};
     ASSERT_TRUE(client.ask(pressed, answer));
     EXPECT_EQ(answer.force_n, Vec3{}) << "latched";
@@ -281,7 +282,7 @@ TEST(HapticsUdp, Version1IsStillAnswered) {
   Loop loop(60000);
   UdpClient client(loop.device.port());
   client.next.version = 1;
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
   EXPECT_EQ(answer.version, 1);
   EXPECT_FALSE(loop.device.knows_across());
@@ -291,7 +292,7 @@ TEST(HapticsUdp, Version1IsStillAnswered) {
   EXPECT_EQ(loop.count("malformed"), 1u);
   client.next.version = 1;
   ASSERT_TRUE(client.ask(pressed, answer));
-  for (const ServoFrame& f : loop.end()) {
+  for (const haptics::ServoFrame& f : loop.end()) {
     EXPECT_GT(f.tip_mm[2], -1);
     EXPECT_EQ(f.across[0], 0);
   }
@@ -301,7 +302,7 @@ TEST(HapticsUdp, Version1IsStillAnswered) {
 TEST(HapticsUdp, EventsComeBackOnce) {
   Loop loop(60000);
   UdpClient client(loop.device.port());
-  UdpForce answer;
+  device::UdpForce answer;
   ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
   EXPECT_EQ(answer.version, 2);
   std::uint64_t touches = 0, untouches = 0;
@@ -311,14 +312,14 @@ TEST(HapticsUdp, EventsComeBackOnce) {
     std::this_thread::sleep_for(std::chrono::milliseconds(3));
     ASSERT_TRUE(client.ask(n % 2 ? pressed : above,
                            answer));  // what came in between is in this one at the latest
-    touches += (answer.news.events & haptic_event::touch) != 0;
-    untouches += (answer.news.events & haptic_event::untouch) != 0;
+    touches += (answer.news.events & haptics::haptic_event::touch) != 0;
+    untouches += (answer.news.events & haptics::haptic_event::untouch) != 0;
   }
   std::uint64_t was_touched = 0, pedal = 0;
-  const std::vector<ServoFrame> frames = loop.end();
-  for (const ServoFrame& f : frames) {
-    was_touched += (f.events & haptic_event::touch) != 0;
-    pedal += (f.buttons & Drilling::pedal) != 0 && f.touched != 0;
+  const std::vector<haptics::ServoFrame> frames = loop.end();
+  for (const haptics::ServoFrame& f : frames) {
+    was_touched += (f.events & haptics::haptic_event::touch) != 0;
+    pedal += (f.buttons & haptics::Drilling::pedal) != 0 && f.touched != 0;
     EXPECT_NEAR(f.across[0] * f.across[0] + f.across[1] * f.across[1] + f.across[2] * f.across[2], 1, 1e-9);
   }
   EXPECT_EQ(was_touched, 21u);
@@ -327,18 +328,18 @@ TEST(HapticsUdp, EventsComeBackOnce) {
 }
 
 TEST(HapticsUdp, AddressesAreChecked) {
-  UdpParams p = free_port(50);
+  device::UdpParams p = free_port(50);
   p.address = "localhost";
-  EXPECT_THROW(UdpDevice{p}, Error);
+  EXPECT_THROW(device::UdpDevice{p}, Error);
   p.address = "192.0.2.1";  // of no machine (RFC 5737)
-  EXPECT_THROW(UdpDevice{p}, Error);
+  EXPECT_THROW(device::UdpDevice{p}, Error);
   p.address = "127.0.0.1";
-  const UdpDevice device(p);
+  const device::UdpDevice device(p);
   p.port = device.port();
-  EXPECT_THROW(UdpDevice{p}, Error) << "in use";
+  EXPECT_THROW(device::UdpDevice{p}, Error) << "in use";
   p.port = 0;
   p.wait_s = 0.02;
-  const UdpDevice alone(p);
+  const device::UdpDevice alone(p);
   EXPECT_THROW(alone.wait(Progress{}), Error);
 }
 
@@ -362,7 +363,7 @@ TEST(HapticsUdp, TheServoMakesNoSystemCallForIt) {
   int port = 0, status = 0;
   ASSERT_EQ(read(ends[0], &port, sizeof port), ssize_t(sizeof port));
   UdpClient client(port);
-  UdpForce answer;
+  device::UdpForce answer;
   client.send_pose(above);
   int answers = 0;
   while (waitpid(child, &status, WNOHANG) == 0) answers += client.ask(pressed, answer, 5);

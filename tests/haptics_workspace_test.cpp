@@ -8,11 +8,11 @@ using namespace trephine;
 
 namespace {
 
-struct Hand : Device {
-  DeviceReading is;
+struct Hand : device::Device {
+  device::DeviceReading is;
   Vec3 felt;
   double damping_n_s_per_mm() const override { return 0.008; }
-  bool read(double, DeviceReading& out) override {
+  bool read(double, device::DeviceReading& out) override {
     out = is;
     return true;
   }
@@ -24,13 +24,13 @@ struct Hand : Device {
 TEST(HapticsWorkspace, ScalesAndLetsGoWhileTheClutchIsDown) {
   auto owned = std::make_unique<Hand>();
   Hand& hand = *owned;
-  WorkspaceParams params;
+  device::WorkspaceParams params;
   params.workspace_scale = 0.5;
   params.workspace_offset_mm = {100, 0, 0};
   params.clutch_button = 2;
-  const std::unique_ptr<Device> device = in_workspace(std::move(owned), params);
+  const std::unique_ptr<device::Device> device = device::in_workspace(std::move(owned), params);
   EXPECT_DOUBLE_EQ(device->damping_n_s_per_mm(), 0.032);
-  DeviceReading r;
+  device::DeviceReading r;
   const auto at = [&](Vec3 tip, std::uint32_t buttons) {
     hand.is.tip_mm = tip;
     hand.is.buttons = buttons;
@@ -54,6 +54,6 @@ TEST(HapticsWorkspace, ScalesAndLetsGoWhileTheClutchIsDown) {
 
 TEST(HapticsWorkspace, IsTheDeviceItselfWhereItChangesNothing) {
   auto owned = std::make_unique<Hand>();
-  const Device* hand = owned.get();
-  EXPECT_EQ(in_workspace(std::move(owned), {}).get(), hand);
+  const device::Device* hand = owned.get();
+  EXPECT_EQ(device::in_workspace(std::move(owned), {}).get(), hand);
 }

@@ -9,47 +9,47 @@
 
 namespace trephine::head_recipe {
 
-inline SegmentParams skin() {
-  SegmentParams p;
+inline segmentation::SegmentParams skin() {
+  segmentation::SegmentParams p;
   p.lower_hu = -475;
   p.open_mm = 3;
-  p.components = SegmentComponents::largest;
-  p.fill = SegmentFill::cavities_and_cut;
+  p.components = segmentation::SegmentComponents::largest;
+  p.fill = segmentation::SegmentFill::cavities_and_cut;
   p.fill_close_mm = 6;
   return p;
 }
 
-inline SegmentParams skull() {
-  SegmentParams p;
+inline segmentation::SegmentParams skull() {
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   p.seed_lower_hu = 400;
-  p.edge = SegmentEdge::half_maximum;
+  p.edge = segmentation::SegmentEdge::half_maximum;
   p.min_component_ml = 1;
-  p.fill = SegmentFill::cavities;
+  p.fill = segmentation::SegmentFill::cavities;
   p.fill_close_mm = 2;
   p.fill_max_ml = 100;
   return p;
 }
 
-inline BrainParams brain(double lower_hu = 22.5) {
-  BrainParams p;
+inline head::BrainParams brain(double lower_hu = 22.5) {
+  head::BrainParams p;
   p.lower_hu = lower_hu;
   return p;
 }
 
 /// Each from those before it, as the recipe does.
 struct Fields {
-  Field skin, skull, brain, ventricles;
+  grid::Field skin, skull, brain, ventricles;
 };
-inline Fields fields_of(const HuVolume& volume, double brain_lower_hu = 22.5) {
+inline Fields fields_of(const grid::HuVolume& volume, double brain_lower_hu = 22.5) {
   Fields f;
   Report report;
-  f.skin = segment(volume, {}, skin(), report);
-  SegmentMasks masks;
+  f.skin = segmentation::segment(volume, {}, skin(), report);
+  segmentation::SegmentMasks masks;
   masks.within = &f.skin;
-  f.skull = segment(volume, masks, skull(), report);
-  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu), report);
-  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  f.skull = segmentation::segment(volume, masks, skull(), report);
+  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu), report);
+  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}, report);
   return f;
 }
 

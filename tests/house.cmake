@@ -4,6 +4,9 @@ set(house ${CMAKE_CURRENT_SOURCE_DIR}/house)
 add_test(NAME house.include_directions COMMAND bash ${house}/include_directions.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.include_directions_selftest
          COMMAND bash ${house}/include_directions_selftest.sh ${house}/include_directions.sh)
+add_test(NAME house.one_definition COMMAND bash ${house}/one_definition.sh ${PROJECT_SOURCE_DIR} ${CMAKE_CXX_COMPILER})
+add_test(NAME house.one_definition_selftest
+         COMMAND bash ${house}/one_definition_selftest.sh ${house}/one_definition.sh ${CMAKE_CXX_COMPILER})
 add_test(NAME house.sizes COMMAND bash ${house}/sizes.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.sh)
 add_test(NAME house.sizes_table

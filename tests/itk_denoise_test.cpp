@@ -19,12 +19,12 @@ namespace {
 constexpr double edge_mm = 3.3, radius_mm = 14;
 
 // A ball of CSF in brain, with noise: 8 and 37 HU, blurred over about a millimetre.
-Grid<float> noisy_ball(double noise_hu) {
-  Lattice l;
+grid::Grid<float> noisy_ball(double noise_hu) {
+  grid::Lattice l;
   l.size = {44, 40, 36};
   l.spacing_mm = {1, 1, 1.2};
   l.origin_mm = {-21.5, -19.5, -21};
-  Grid<float> g(l);
+  grid::Grid<float> g(l);
   for (std::size_t n = 0; n < g.voxels.size(); ++n) {
     const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
     const double outside = norm(g.to_world_mm({double(i), double(j), double(k)})) - radius_mm;
@@ -36,7 +36,7 @@ Grid<float> noisy_ball(double noise_hu) {
 }
 
 // Radius of the ball that holds as much CSF as the volume does.
-double radius_of(const Grid<float>& g) {
+double radius_of(const grid::Grid<float>& g) {
   double volume = 0;
   for (std::size_t n = 0; n < g.voxels.size(); ++n) {
     const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
@@ -46,7 +46,7 @@ double radius_of(const Grid<float>& g) {
   return std::cbrt(volume * 3 / (4 * 3.141592653589793));
 }
 
-double noise_within(const Grid<float>& g) {
+double noise_within(const grid::Grid<float>& g) {
   double sum = 0, square = 0, count = 0;
   for (std::size_t n = 0; n < g.voxels.size(); ++n) {
     const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
@@ -56,23 +56,24 @@ double noise_within(const Grid<float>& g) {
   return std::sqrt(square / count - sum / count * (sum / count));
 }
 
-Grid<float> calm(const Grid<float>& g, DenoiseParams p) {
+grid::Grid<float> calm(const grid::Grid<float>& g, itk::DenoiseParams p) {
   Report report;
-  return std::get<Grid<float>>(denoise(HuVolume(g), nullptr, p, report));
+  return std::get<grid::Grid<float>>(itk::denoise(grid::HuVolume(g), nullptr, p, report));
 }
 
 }  // namespace
 
 TEST(Denoise, CalmsNoiseAndLeavesEdges) {
-  const Grid<float> noisy = noisy_ball(10), clean = noisy_ball(0);
+  const grid::Grid<float> noisy = noisy_ball(10), clean = noisy_ball(0);
   struct Case {
-    DenoiseMethod method;
+    itk::DenoiseMethod method;
     double sigma_mm, edge_hu, most_noise_hu;
   };
-  for (const Case& c : {Case{DenoiseMethod::curvature, 0.8, 60, 7}, Case{DenoiseMethod::bilateral, 1.5, 40, 4},
-                        Case{DenoiseMethod::median, 1.2, 60, 4}, Case{DenoiseMethod::gaussian, 1, 60, 4},
-                        Case{DenoiseMethod::non_local_means, 1, 20, 4}}) {
-    const DenoiseParams p{c.method, c.sigma_mm, c.edge_hu};
+  for (const Case& c :
+       {Case{itk::DenoiseMethod::curvature, 0.8, 60, 7}, Case{itk::DenoiseMethod::bilateral, 1.5, 40, 4},
+        Case{itk::DenoiseMethod::median, 1.2, 60, 4}, Case{itk::DenoiseMethod::gaussian, 1, 60, 4},
+        Case{itk::DenoiseMethod::non_local_means, 1, 20, 4}}) {
+    const itk::DenoiseParams p{c.method, c.sigma_mm, c.edge_hu};
     EXPECT_NEAR(noise_within(noisy), 10, 0.5);
     EXPECT_LT(noise_within(calm(noisy, p)), c.most_noise_hu) << static_cast<int>(c.method);
     EXPECT_NEAR(radius_of(calm(clean, p)), radius_of(clean), 0.1) << static_cast<int>(c.method);
@@ -81,14 +82,14 @@ TEST(Denoise, CalmsNoiseAndLeavesEdges) {
 }
 
 TEST(Denoise, LeavesWhatIsBeyondTheBox) {
-  Grid<std::int16_t> g(static_cast<const Lattice&>(noisy_ball(0)));
+  grid::Grid<std::int16_t> g(static_cast<const grid::Lattice&>(noisy_ball(0)));
   for (std::size_t n = 0; n < g.voxels.size(); ++n)
     g.voxels[n] = static_cast<std::int16_t>(100 * phantom::uniform(1, 1, n));
-  Field within(g, -1.0f);
+  grid::Field within(g, -1.0f);
   within.at(20, 20, 18) = 1;
   Report report;
-  const DenoiseParams p{DenoiseMethod::gaussian, 1, 60};
-  const auto out = std::get<Grid<std::int16_t>>(denoise(HuVolume(g), &within, p, report));
+  const itk::DenoiseParams p{itk::DenoiseMethod::gaussian, 1, 60};
+  const auto out = std::get<grid::Grid<std::int16_t>>(itk::denoise(grid::HuVolume(g), &within, p, report));
   EXPECT_EQ(std::get<std::int64_t>(*report.find("voxels_count")), 9 * 9 * 9);
   for (int k = 0; k < g.size[2]; ++k)
     for (int j = 0; j < g.size[1]; ++j)
@@ -100,15 +101,16 @@ TEST(Denoise, LeavesWhatIsBeyondTheBox) {
       }
   EXPECT_NE(out.at(20, 20, 18), g.at(20, 20, 18));
   within.at(20, 20, 18) = -1;
-  EXPECT_THROW(denoise(HuVolume(g), &within, p, report), Error);
+  EXPECT_THROW(itk::denoise(grid::HuVolume(g), &within, p, report), Error);
 }
 
 TEST(Denoise, DoesNotDependOnThreads) {
-  const Grid<float> noisy = noisy_ball(10);
-  for (const DenoiseMethod m : {DenoiseMethod::curvature, DenoiseMethod::bilateral, DenoiseMethod::median,
-                                DenoiseMethod::gaussian, DenoiseMethod::non_local_means}) {
+  const grid::Grid<float> noisy = noisy_ball(10);
+  for (const itk::DenoiseMethod m :
+       {itk::DenoiseMethod::curvature, itk::DenoiseMethod::bilateral, itk::DenoiseMethod::median,
+        itk::DenoiseMethod::gaussian, itk::DenoiseMethod::non_local_means}) {
     set_thread_count(1);
-    const Grid<float> one = calm(noisy, {m, 1, 60});
+    const grid::Grid<float> one = calm(noisy, {m, 1, 60});
     for (const int threads : {2, 8}) {
       set_thread_count(threads);
       EXPECT_TRUE(calm(noisy, {m, 1, 60}) == one) << static_cast<int>(m) << ", " << threads;
@@ -119,9 +121,9 @@ TEST(Denoise, DoesNotDependOnThreads) {
 
 // Against the mean written out as its definition says it.
 TEST(Denoise, NonLocalMeansAreWhatTheyAreDefinedAs) {
-  const Grid<float> noisy = noisy_ball(10);
-  const NonLocalMeans p{3, 1, 10};
-  const Grid<float> own = non_local_means(noisy, p);
+  const grid::Grid<float> noisy = noisy_ball(10);
+  const itk::NonLocalMeans p{3, 1, 10};
+  const grid::Grid<float> own = itk::non_local_means(noisy, p);
   const auto at = [&](int i, int j, int k) {
     return double(noisy.at(std::clamp(i, 0, 43), std::clamp(j, 0, 39), std::clamp(k, 0, 35)));
   };
@@ -144,5 +146,5 @@ TEST(Denoise, NonLocalMeansAreWhatTheyAreDefinedAs) {
         }
     EXPECT_NEAR(own.at(v[0], v[1], v[2]), sum / weight, 1e-3);
   }
-  EXPECT_EQ(patches_compared(noisy, p), 88u);
+  EXPECT_EQ(itk::patches_compared(noisy, p), 88u);
 }

@@ -53,10 +53,10 @@ Pair analyze(bool swapped) {
   return p;
 }
 
-Grid<std::int16_t> read(const Pair& p, const std::string& axes, bool gzip = false) {
-  ImagePair joined = join_image_pair(p.header, p.image, gzip, axes);
+grid::Grid<std::int16_t> read(const Pair& p, const std::string& axes, bool gzip = false) {
+  grid::ImagePair joined = grid::join_image_pair(p.header, p.image, gzip, axes);
   EXPECT_EQ(joined.is_analyze, !axes.empty());
-  return std::get<Grid<std::int16_t>>(decode_nifti(joined.nifti).grid);
+  return std::get<grid::Grid<std::int16_t>>(grid::decode_nifti(joined.nifti).grid);
 }
 
 int code_of(const Pair& p, const std::string& axes) {
@@ -81,7 +81,7 @@ TEST(ImagePair, AnalyzeLiesAsItsUserSays) {
                {"PIR", {0, 1, 0}, {0, 0, -2}, {-3, 0, 0}}};
   for (const bool swapped : {false, true})
     for (const auto& c : cases) {
-      Grid<std::int16_t> g = read(analyze(swapped), c.axes);
+      grid::Grid<std::int16_t> g = read(analyze(swapped), c.axes);
       ASSERT_EQ(g.size, (std::array<int, 3>{5, 4, 3}));
       for (const auto& at : {std::array<int, 3>{0, 0, 0}, {4, 0, 0}, {1, 3, 0}, {2, 1, 2}}) {
         const Vec3 world = c.i * at[0] + c.j * at[1] + c.k * at[2], v = g.to_index(world);
@@ -92,7 +92,7 @@ TEST(ImagePair, AnalyzeLiesAsItsUserSays) {
       }
     }
   Pair packed = analyze(false);
-  packed.image = detail::gzip_compress(packed.image);
+  packed.image = grid::detail::gzip_compress(packed.image);
   EXPECT_EQ(read(packed, "LAS", true).at(4, 3, 2), 4 + 30 + 200 - 50);
 }
 
@@ -120,7 +120,7 @@ TEST(ImagePair, OfNiftiSaysItsAxesItself) {
   put<std::int16_t>(p.header, 254, 1, false);
   for (std::size_t a = 0; a < 3; ++a) put(p.header, 280 + 16 * a + 4 * a, float(a + 1), false);
   put(p.header, 280 + 12, 7.0f, false);
-  const Grid<std::int16_t> g = read(p, "");
+  const grid::Grid<std::int16_t> g = read(p, "");
   const Vec3 at = g.to_world_mm({0, 0, 0});
   EXPECT_EQ(std::fabs(at.x), 7);
   EXPECT_EQ(code_of(p, "LAS"), 64);
@@ -137,9 +137,9 @@ TEST(ImagePair, TenThousandDamagedHeaders) {
       p.header[bits % 348] = static_cast<char>(bits >> 40);
     }
     try {
-      const ImagePair joined = join_image_pair(p.header, p.image, false, "LPS");
-      const AnyGrid grid = decode_nifti(joined.nifti).grid;
-      const Lattice& l = std::visit([](const auto& g) -> const Lattice& { return g; }, grid);
+      const grid::ImagePair joined = grid::join_image_pair(p.header, p.image, false, "LPS");
+      const grid::AnyGrid grid = grid::decode_nifti(joined.nifti).grid;
+      const grid::Lattice& l = std::visit([](const auto& g) -> const grid::Lattice& { return g; }, grid);
       ++read_count;
       const bool swapped = get<std::int32_t>(p.header, 0) != 348;
       ASSERT_FALSE(swapped) << n;

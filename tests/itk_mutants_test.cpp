@@ -23,13 +23,13 @@ using namespace trephine;
 
 namespace {
 
-Grid<std::int16_t> sample() {
-  Lattice l;
+grid::Grid<std::int16_t> sample() {
+  grid::Lattice l;
   l.size = {13, 11, 9};
   l.spacing_mm = {0.75, 1.25, 2};
   l.origin_mm = {-30.5, 41.25, 12.5};
   l.direction = {{Vec3{0.8, 0.6, 0}, Vec3{-0.6, 0.8, 0}, Vec3{0, 0, 1}}};
-  Grid<std::int16_t> g(l);
+  grid::Grid<std::int16_t> g(l);
   for (std::size_t n = 0; n < g.voxels.size(); ++n) g.voxels[n] = static_cast<std::int16_t>(n - 600);
   return g;
 }
@@ -107,7 +107,7 @@ void read_mutants(const char* name, const std::string& whole, std::size_t header
                   std::uint64_t seed, std::optional<Place> (*naive)(const std::string&)) {
   const ScratchFolder folder;
   const auto file = folder.path() / name;
-  const Grid<std::int16_t> g = sample();
+  const grid::Grid<std::int16_t> g = sample();
   std::vector<std::int16_t> wanted = g.voxels;
   std::sort(wanted.begin(), wanted.end());
   int read = 0, refused = 0, unsaid = 0, scaled = 0;
@@ -119,9 +119,9 @@ void read_mutants(const char* name, const std::string& whole, std::size_t header
     }
     std::ofstream(file, std::ios::binary) << mutant;
     try {
-      const VolumeFile v = read_volume_file(file);
+      const itk::VolumeFile v = itk::read_volume_file(file);
       ++read;
-      const Lattice& l = lattice_of(v.volume);
+      const grid::Lattice& l = grid::lattice_of(v.volume);
       const auto place = naive(mutant);
       if (!place) {
         ASSERT_FALSE(v.warnings.empty()) << name << " " << n << ": another frame, and nothing said";
@@ -142,7 +142,7 @@ void read_mutants(const char* name, const std::string& whole, std::size_t header
           ASSERT_LT(nearest, 5e-3 * (1 + 1e-3 * norm(at))) << name << " " << n << "\n" << mutant.substr(0, header);
         }
       }
-      const auto* whole_numbers = std::get_if<Grid<std::int16_t>>(&v.volume);
+      const auto* whole_numbers = std::get_if<grid::Grid<std::int16_t>>(&v.volume);
       std::vector<std::int16_t> voxels = whole_numbers ? whole_numbers->voxels : std::vector<std::int16_t>();
       std::sort(voxels.begin(), voxels.end());
       scaled += voxels != wanted;
@@ -159,10 +159,10 @@ void read_mutants(const char* name, const std::string& whole, std::size_t header
 }
 
 void read_nifti_mutants(std::uint64_t count, std::uint64_t seed) {
-  read_mutants("m.nii", encode_nifti(HuVolume(sample()), false), 348, false, count, seed, naive_nifti);
+  read_mutants("m.nii", grid::encode_nifti(grid::HuVolume(sample()), false), 348, false, count, seed, naive_nifti);
 }
 void read_nrrd_mutants(std::uint64_t count, std::uint64_t seed) {
-  const std::string whole = encode_nrrd(HuVolume(sample()));
+  const std::string whole = grid::encode_nrrd(grid::HuVolume(sample()));
   read_mutants("m.nrrd", whole, whole.find("\n\n"), true, count, seed, naive_nrrd);
 }
 

@@ -45,14 +45,14 @@ struct Outcome {
   int doubtful = 0;
 };
 
-Outcome over_offsets(const HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from, int to,
-                     RegistrationParams params) {
+Outcome over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from,
+                     int to, itk::RegistrationParams params) {
   Outcome all;
   for (int n = from; n < to; ++n) {
     const phantom::Second second = moved(rest, random_offset(static_cast<std::uint64_t>(n), 30, 20));
     Report report;
     const auto start = std::chrono::steady_clock::now();
-    const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, {}, params, report);
+    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, params, report);
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double error = target_error_mm(r.map, second.truth, places);
     std::printf(
@@ -75,7 +75,7 @@ Outcome over_offsets(const HuVolume& ct, const phantom::Second& rest, const std:
 
 TEST(Registration, LaysAnMrOnTheCt) {
   const Head head = clinical_head(3);
-  RegistrationParams quick;
+  itk::RegistrationParams quick;
   quick.finest_mm = 2;
   quick.samples_count = 20000;
   const Outcome o = over_offsets(quick_ct(head, 2), mr_of(head, 2, 1), targets(head), 0, 3, quick);
@@ -86,8 +86,8 @@ TEST(Registration, LaysAnMrOnTheCt) {
 
 TEST(Registration, LaysAnAngiographyOnTheCt) {
   const Head head = hard_head(3);
-  RegistrationParams quick;
-  quick.moving = MovingValues::hu;
+  itk::RegistrationParams quick;
+  quick.moving = itk::MovingValues::hu;
   quick.finest_mm = 2;
   quick.samples_count = 20000;
   const Outcome o = over_offsets(quick_ct(head, 2), angiography_of(head, 2, 1), targets(head), 0, 3, quick);
@@ -99,11 +99,11 @@ TEST(Registration, LaysAnAngiographyOnTheCt) {
 TEST(Registration, LongAngiographyOverTwentyOffsets) {
   double worst = 0, mean = 0;
   int doubtful = 0;
-  RegistrationParams params;
-  params.moving = MovingValues::hu;
+  itk::RegistrationParams params;
+  params.moving = itk::MovingValues::hu;
   for (int h = 0; h < 2; ++h) {
     const Head head = hard_head(10 + h);
-    const HuVolume fixed = head_ct(head, 1, 12);
+    const grid::HuVolume fixed = head_ct(head, 1, 12);
     const Outcome o = over_offsets(fixed, angiography_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, params);
     mean += o.mean / 2;
     worst = std::max(worst, o.worst);
@@ -117,79 +117,80 @@ TEST(Registration, LongAngiographyOverTwentyOffsets) {
 
 TEST(Registration, TakesAGivenTransform) {
   const Head head = clinical_head(3);
-  const HuVolume ct = quick_ct(head, 3);
-  const phantom::Second second = moved(mr_of(head, 3, 1), rigid_map({5, 9, -7}, {12, -9, 4}, {}));
+  const grid::HuVolume ct = quick_ct(head, 3);
+  const phantom::Second second = moved(mr_of(head, 3, 1), itk::rigid_map({5, 9, -7}, {12, -9, 4}, {}));
   Report report;
-  const Registration r = given_registration(ct, HuVolume(second.volume), second.truth, {}, report);
+  const itk::Registration r = itk::given_registration(ct, grid::HuVolume(second.volume), second.truth, {}, report);
   EXPECT_EQ(r.doubts, "");
   EXPECT_EQ(target_error_mm(r.map, second.truth, targets(head)), 0);
   EXPECT_GT(std::get<double>(*report.find("overlap_ratio")), 0.8);
   ASSERT_EQ(report.warnings.size(), 1u);
-  LinearMap away = second.truth, wide = second.truth;
+  itk::LinearMap away = second.truth, wide = second.truth;
   away.offset_mm.x += 300;
-  EXPECT_NE(given_registration(ct, HuVolume(second.volume), away, {}, report).doubts, "");
+  EXPECT_NE(itk::given_registration(ct, grid::HuVolume(second.volume), away, {}, report).doubts, "");
   wide.matrix.column[1] = wide.matrix.column[1] * 1.01;
-  EXPECT_THROW(given_registration(ct, HuVolume(second.volume), wide, {}, report), Error);
-  LinearMap mirrored = second.truth;
+  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), wide, {}, report), Error);
+  itk::LinearMap mirrored = second.truth;
   mirrored.matrix.column[0] = -mirrored.matrix.column[0];
-  EXPECT_THROW(given_registration(ct, HuVolume(second.volume), mirrored, {}, report), Error) << "left would be right";
+  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), mirrored, {}, report), Error)
+      << "left would be right";
 }
 
 // Two kernels of one scan lie upon each other as they are; a patient who moved by 3 mm in between does not.
 TEST(Registration, BonesTellTwoKernelsFromAPatientWhoMoved) {
   const Head head = hard_head(3);
   const phantom::ScanParams how = phantom_heads::scan_of(200, 40, 20, 80);
-  const HuVolume soft = phantom::volume_of(phantom::scan(head, how)),
-                 sharp = phantom::volume_of(phantom::scan(head, how, {0.6, 2}));
-  const double same = bone_ratio(soft, sharp);
-  HuVolume moved = sharp;
+  const grid::HuVolume soft = phantom::volume_of(phantom::scan(head, how)),
+                       sharp = phantom::volume_of(phantom::scan(head, how, {0.6, 2}));
+  const double same = itk::bone_ratio(soft, sharp);
+  grid::HuVolume moved = sharp;
   std::visit([](auto& grid) { grid.origin_mm.x += 3; }, moved);
-  const double apart = bone_ratio(soft, moved);
+  const double apart = itk::bone_ratio(soft, moved);
   std::printf("bone_ratio %.3f, moved by 3 mm %.3f\n", same, apart);
-  EXPECT_GT(same, least_bone_ratio + 0.05);
-  EXPECT_LT(apart, least_bone_ratio - 0.05);
+  EXPECT_GT(same, itk::min_bone_ratio + 0.05);
+  EXPECT_LT(apart, itk::min_bone_ratio - 0.05);
 }
 
 TEST(Registration, SaysThatAResultIsDoubtful) {
   const Head head = clinical_head(3);
-  const HuVolume ct = quick_ct(head, 3);
-  RegistrationParams quick;
+  const grid::HuVolume ct = quick_ct(head, 3);
+  itk::RegistrationParams quick;
   quick.finest_mm = 2.5;
   quick.samples_count = 15000;
-  const auto doubts = [&](const HuVolume& moving) {
+  const auto doubts = [&](const grid::HuVolume& moving) {
     Report report;
-    return register_scans(ct, moving, nullptr, {}, quick, report).doubts;
+    return itk::register_scans(ct, moving, nullptr, {}, quick, report).doubts;
   };
   phantom::Second mr = mr_of(head, 3, 1);
-  EXPECT_EQ(doubts(HuVolume(mr.volume)), "");
+  EXPECT_EQ(doubts(grid::HuVolume(mr.volume)), "");
   // Voxels of a wrong size: no rigid map can lay it on the CT.
   phantom::Second stretched = mr;
   stretched.volume.spacing_mm.y *= 1.08;
-  EXPECT_NE(doubts(HuVolume(stretched.volume)).find("largest_scale_ratio"), std::string::npos);
+  EXPECT_NE(doubts(grid::HuVolume(stretched.volume)).find("largest_scale_ratio"), std::string::npos);
   // Noise alone.
   phantom::Second noise = mr;
   for (std::size_t i = 0; i < noise.volume.voxels.size(); ++i)
     noise.volume.voxels[i] = static_cast<std::int16_t>(500 + 500 * phantom::uniform(1, 2, i));
-  EXPECT_NE(doubts(HuVolume(noise.volume)), "");
+  EXPECT_NE(doubts(grid::HuVolume(noise.volume)), "");
   // A small part of the head.
   phantom::Second part = mr;
-  part.volume = crop(mr.volume, {{0, 0, 0}, {mr.volume.size[0], 25, mr.volume.size[2]}});
-  EXPECT_NE(doubts(HuVolume(part.volume)), "");
+  part.volume = grid::crop(mr.volume, {{0, 0, 0}, {mr.volume.size[0], 25, mr.volume.size[2]}});
+  EXPECT_NE(doubts(grid::HuVolume(part.volume)), "");
 }
 
 TEST(Registration, DoesNotDependOnThreads) {
   const Head head = clinical_head(4);
-  const HuVolume ct = quick_ct(head, 4);
+  const grid::HuVolume ct = quick_ct(head, 4);
   const phantom::Second second = moved(mr_of(head, 4, 2), random_offset(7, 20, 15));
-  RegistrationParams quick;
+  itk::RegistrationParams quick;
   quick.finest_mm = 3;
   quick.samples_count = 8000;
   std::vector<std::string> results;
   for (const int threads : {1, 2, 8}) {
     set_thread_count(threads);
     Report report;
-    const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, {}, quick, report);
-    std::string text = encode_tfm(r.map);
+    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick, report);
+    std::string text = itk::encode_tfm(r.map);
     for (const auto& f : report.figures) text += to_text(f.second) + "\n";
     results.push_back(text);
   }
@@ -200,18 +201,19 @@ TEST(Registration, DoesNotDependOnThreads) {
 
 TEST(Registration, BeginsWhereItIsTold) {
   const Head head = clinical_head(3);
-  const HuVolume ct = quick_ct(head, 3);
-  const phantom::Second second = moved(mr_of(head, 3, 1), rigid_map({150, 0, 60}, {60, -50, 80}, {}));
-  RegistrationParams quick;
+  const grid::HuVolume ct = quick_ct(head, 3);
+  const phantom::Second second = moved(mr_of(head, 3, 1), itk::rigid_map({150, 0, 60}, {60, -50, 80}, {}));
+  itk::RegistrationParams quick;
   quick.finest_mm = 2.5;
   quick.samples_count = 15000;
   const std::vector<Vec3> places = targets(head);
   Report far, near;
-  const Registration alone = register_scans(ct, HuVolume(second.volume), nullptr, {}, quick, far);
+  const itk::Registration alone = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick, far);
   EXPECT_TRUE(alone.doubts != "" || target_error_mm(alone.map, second.truth, places) < 1) << "wrong and not said";
   EXPECT_GT(target_error_mm(alone.map, second.truth, places), 10) << "too easy for this test";
-  const LinearMap start = then(second.truth, rigid_map({5, 5, 5}, {8, 0, 6}, second.truth({0, -10, 42})));
-  const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, start, quick, near);
+  const itk::LinearMap start =
+      itk::then(second.truth, itk::rigid_map({5, 5, 5}, {8, 0, 6}, second.truth({0, -10, 42})));
+  const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, start, quick, near);
   EXPECT_EQ(r.doubts, "");
   EXPECT_LT(target_error_mm(r.map, second.truth, places), 1.0);
 }
@@ -221,7 +223,7 @@ TEST(Registration, LongOverFortyOffsets) {
   int doubtful = 0;
   for (int h = 0; h < 4; ++h) {
     const Head head = clinical_head(10 + h);
-    const HuVolume fixed = head_ct(head, 1, 12);
+    const grid::HuVolume fixed = head_ct(head, 1, 12);
     const Outcome o = over_offsets(fixed, mr_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, {});
     mean += o.mean / 4;
     worst = std::max(worst, o.worst);
@@ -238,7 +240,7 @@ TEST(Registration, LongOverFortyOffsets) {
 // bias. Right or refused, never wrong and published.
 TEST(Registration, LongHardScansAreRightOrRefused) {
   const Head head = clinical_head(21);
-  const HuVolume ct = quick_ct(head, 2);
+  const grid::HuVolume ct = quick_ct(head, 2);
   const std::vector<Vec3> places = targets(head);
   phantom::SecondScanParams usual;
   usual.contrast = phantom::SecondScan::mr;
@@ -249,7 +251,7 @@ TEST(Registration, LongHardScansAreRightOrRefused) {
   biased.bias_ratio = 0.85;
   const phantom::Second scans[] = {phantom::second_scan(head, usual), phantom::second_scan(head, noisy),
                                    phantom::second_scan(head, biased)};
-  RegistrationParams quick;
+  itk::RegistrationParams quick;
   quick.finest_mm = 2;
   quick.samples_count = 20000;
   int published = 0, right = 0, all = 0;
@@ -261,15 +263,15 @@ TEST(Registration, LongHardScansAreRightOrRefused) {
                                          : kind == 2 ? 2
                                                      : 0],
                                    random_offset(n, far ? 90 : 30, far ? 80 : 20));
-    HuVolume moving(second.volume);
+    grid::HuVolume moving(second.volume);
     Report report;
     const auto& size = second.volume.size;
-    if (kind == 4) moving = resample(HuVolume(second.volume), {{2, 2, 7}}, report);
+    if (kind == 4) moving = grid::resample(grid::HuVolume(second.volume), {{2, 2, 7}}, report);
     if (kind == 5) {  // a slab across the body's axis, which is the second one of its lattice
       const int from = static_cast<int>(n) / 6 * 9, to = std::min(size[1], from + 30);
-      moving = crop(second.volume, {{0, from, 0}, {size[0], to, size[2]}});
+      moving = grid::crop(second.volume, {{0, from, 0}, {size[0], to, size[2]}});
     }
-    const Registration r = register_scans(ct, moving, nullptr, {}, quick, report);
+    const itk::Registration r = itk::register_scans(ct, moving, nullptr, {}, quick, report);
     const double error = target_error_mm(r.map, second.truth, places);
     std::printf("%2d kind %d: %.2f mm %s\n", static_cast<int>(n), kind, error, r.doubts.c_str());
     ++all;

@@ -13,7 +13,7 @@
 namespace trephine {
 
 /// A head's CT in seconds: without the scanner's kernel.
-inline HuVolume quick_ct(const phantom::Head& head, double voxel_mm) {
+inline grid::HuVolume quick_ct(const phantom::Head& head, double voxel_mm) {
   phantom::SecondScanParams p;
   p.contrast = phantom::SecondScan::ct;
   p.voxel_mm = voxel_mm;
@@ -23,34 +23,34 @@ inline HuVolume quick_ct(const phantom::Head& head, double voxel_mm) {
 }
 
 /// A head's CT as the scanner's model makes it.
-inline HuVolume head_ct(const phantom::Head& head, double voxel_mm, double noise_hu) {
+inline grid::HuVolume head_ct(const phantom::Head& head, double voxel_mm, double noise_hu) {
   const int slices = static_cast<int>(190 / voxel_mm);
   return phantom::volume_of(phantom::scan(
       head, phantom_heads::scan_of(static_cast<int>(240 / voxel_mm), slices, noise_hu, slices * voxel_mm)));
 }
 
 /// The scan as if the patient had lain otherwise: turned and shifted by `by`.
-inline phantom::Second moved(const phantom::Second& rest, const LinearMap& by) {
+inline phantom::Second moved(const phantom::Second& rest, const itk::LinearMap& by) {
   phantom::Second out = rest;
   out.volume.origin_mm = by(rest.volume.origin_mm);
   for (int a = 0; a < 3; ++a) out.volume.direction.column[a] = by.matrix * rest.volume.direction.column[a];
-  out.truth = then(rest.truth, by);
+  out.truth = itk::then(rest.truth, by);
   return out;
 }
 
 /// An offset of up to so much, in a random direction and about a random axis.
-inline LinearMap random_offset(std::uint64_t number, double most_mm, double most_deg) {
+inline itk::LinearMap random_offset(std::uint64_t number, double most_mm, double max_deg) {
   using phantom::uniform;
   const auto direction = [&](std::uint64_t stream) {
     Vec3 d{uniform(number, stream, 0), uniform(number, stream, 1), uniform(number, stream, 2)};
     return normalized(d);
   };
   const double mm = most_mm * std::cbrt(0.5 + 0.5 * uniform(number, 3, 0)),
-               deg = most_deg * std::cbrt(0.5 + 0.5 * uniform(number, 4, 0));
+               deg = max_deg * std::cbrt(0.5 + 0.5 * uniform(number, 4, 0));
   // The axis and angle as the composition of three turns would not keep the angle: so a rotation about one axis.
   const Vec3 axis = direction(1);
   const double a = deg * 0.017453292519943295, c = std::cos(a), s = std::sin(a);
-  LinearMap turn;
+  itk::LinearMap turn;
   for (int k = 0; k < 3; ++k) {
     Vec3 e{};
     e[k] = 1;
@@ -72,7 +72,8 @@ inline std::vector<Vec3> targets(const phantom::Head& head) {
   return all;
 }
 
-inline double target_error_mm(const LinearMap& found, const LinearMap& truth, const std::vector<Vec3>& places) {
+inline double target_error_mm(const itk::LinearMap& found, const itk::LinearMap& truth,
+                              const std::vector<Vec3>& places) {
   double most = 0;
   for (const Vec3& p : places) most = std::max(most, norm(found(p) - truth(p)));
   return most;

@@ -6,8 +6,8 @@
 namespace trephine {
 
 /// Every axis has its own size and spacing. `oblique`: the rows are turned by 37 degrees about z.
-inline Lattice small_lattice(bool oblique) {
-  Lattice l;
+inline grid::Lattice small_lattice(bool oblique) {
+  grid::Lattice l;
   l.size = {24, 20, 18};
   l.spacing_mm = {2.5, 3, 4};
   l.origin_mm = {-30, -41.5, 12.25};
@@ -16,8 +16,8 @@ inline Lattice small_lattice(bool oblique) {
 }
 
 /// Air, a ball of tissue, a shell of bone.
-inline Grid<std::int16_t> small_ct(bool oblique = true) {
-  Grid<std::int16_t> g(small_lattice(oblique));
+inline grid::Grid<std::int16_t> small_ct(bool oblique = true) {
+  grid::Grid<std::int16_t> g(small_lattice(oblique));
   for (int k = 0; k < 18; ++k)
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 24; ++i) {

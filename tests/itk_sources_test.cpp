@@ -22,17 +22,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Grid<std::int16_t> counted(int size, std::int16_t first = 0) {
-  Lattice l;
+grid::Grid<std::int16_t> counted(int size, std::int16_t first = 0) {
+  grid::Lattice l;
   l.size = {size, 6, 7};
-  Grid<std::int16_t> g(l);
+  grid::Grid<std::int16_t> g(l);
   for (std::size_t i = 0; i < g.voxels.size(); ++i) g.voxels[i] = static_cast<std::int16_t>(first + int(i));
   return g;
 }
 
-ImportParams any_values(const std::string& series = "") {
-  ImportParams p;
-  p.volume_values = VolumeValues::any;
+dicom::ImportParams any_values(const std::string& series = "") {
+  dicom::ImportParams p;
+  p.volume_values = dicom::VolumeValues::any;
   p.series = series;
   return p;
 }
@@ -56,11 +56,13 @@ std::string scene_of(const std::string& file) {
 
 TEST(VolumeSource, ATokenWithAnotherSizeIsNotTheVolume) {
   const ScratchFolder folder;
-  write_nrrd(folder.path() / "a.nrrd", HuVolume(counted(5)));
-  write_nrrd(folder.path() / "b.nrrd", HuVolume(counted(8)));
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(import_series(folder.path(), any_values("s2-8x6x7")).volume).size[0], 8);
-  write_nrrd(folder.path() / "aa.nrrd", HuVolume(counted(4)));  // comes before what was s2
-  const Error e = fault([&] { import_series(folder.path(), any_values("s2-8x6x7")); });
+  grid::write_nrrd(folder.path() / "a.nrrd", grid::HuVolume(counted(5)));
+  grid::write_nrrd(folder.path() / "b.nrrd", grid::HuVolume(counted(8)));
+  EXPECT_EQ(
+      std::get<grid::Grid<std::int16_t>>(dicom::import_series(folder.path(), any_values("s2-8x6x7")).volume).size[0],
+      8);
+  grid::write_nrrd(folder.path() / "aa.nrrd", grid::HuVolume(counted(4)));  // comes before what was s2
+  const Error e = fault([&] { dicom::import_series(folder.path(), any_values("s2-8x6x7")); });
   EXPECT_EQ(e.code(), ExitCode::usage);
   EXPECT_EQ(e.field(), "series");
   EXPECT_NE(std::string(e.what()).find("s2-4x6x7"), std::string::npos) << e.what();
@@ -68,12 +70,12 @@ TEST(VolumeSource, ATokenWithAnotherSizeIsNotTheVolume) {
 
 TEST(VolumeSource, AFaultInAnArchiveNamesTheArchive) {
   const ScratchFolder folder;
-  write_nrrd(folder.path() / "a.nrrd", HuVolume(counted(5)));
+  grid::write_nrrd(folder.path() / "a.nrrd", grid::HuVolume(counted(5)));
   const std::vector<char> whole = read_file(folder.path() / "a.nrrd");
   const fs::path scene = folder.path() / "s.mrb";
   write_file(scene, synthetic::zip_bytes(
                         {{"s/s.mrml", scene_of("a.nrrd")}, {"s/a.nrrd", std::string(whole.begin(), whole.end() - 9)}}));
-  const Error e = fault([&] { import_series(scene, any_values()); });
+  const Error e = fault([&] { dicom::import_series(scene, any_values()); });
   EXPECT_EQ(e.code(), ExitCode::bad_input);
   EXPECT_EQ(e.file(), scene.string());
 }
@@ -82,17 +84,18 @@ TEST(VolumeSource, DicomOfAnyNameIsNoVolumeFile) {
   const ScratchFolder folder;
   const char element[] = {8, 0, 5, 0, 'C', 'S', 2, 0, 'I', 'R'};  // as DICOM without a preamble begins
   for (const char* name : {"1.img", "2.img"}) write_file(folder.path() / name, {element, sizeof element});
-  EXPECT_TRUE(find_volume_files(folder.path()).empty());
+  EXPECT_TRUE(itk::find_volume_files(folder.path()).empty());
 }
 
 TEST(VolumeSource, EndingsAreTheSameInCapitals) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> volume = counted(5);
+  const grid::Grid<std::int16_t> volume = counted(5);
   for (const char* name : {"q.NRRD", "q.NII.GZ", "q.MHA"}) {
-    write_volume_file(folder.path() / name, volume);
+    itk::write_volume_file(folder.path() / name, volume);
     std::string format;
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(read_grid_file(folder.path() / name, &format, nullptr, {})).voxels,
-              volume.voxels)
+    EXPECT_EQ(
+        std::get<grid::Grid<std::int16_t>>(itk::read_grid_file(folder.path() / name, &format, nullptr, {})).voxels,
+        volume.voxels)
         << name;
   }
 }
@@ -100,15 +103,16 @@ TEST(VolumeSource, EndingsAreTheSameInCapitals) {
 TEST(VolumeSource, AScenesFileIsNoLinkOutOfItsFolder) {
   const ScratchFolder folder;
   fs::create_directories(folder.path() / "scene");
-  write_nrrd(folder.path() / "secret.nrrd", HuVolume(counted(5)));
+  grid::write_nrrd(folder.path() / "secret.nrrd", grid::HuVolume(counted(5)));
   fs::create_symlink("../secret.nrrd", folder.path() / "scene/a.nrrd");
   const fs::path scene = folder.path() / "scene/s.mrml";
   write_file(scene, scene_of("a.nrrd"));
-  EXPECT_NE(std::string(fault([&] { import_series(scene, any_values()); }).what()).find("link out"), std::string::npos);
+  EXPECT_NE(std::string(fault([&] { dicom::import_series(scene, any_values()); }).what()).find("link out"),
+            std::string::npos);
   fs::remove(folder.path() / "scene/a.nrrd");
-  write_nrrd(folder.path() / "scene/b.nrrd", HuVolume(counted(5)));
+  grid::write_nrrd(folder.path() / "scene/b.nrrd", grid::HuVolume(counted(5)));
   fs::create_symlink("b.nrrd", folder.path() / "scene/a.nrrd");  // within it
-  EXPECT_EQ(import_series(scene, any_values()).report.warnings.size(), 0u);
+  EXPECT_EQ(dicom::import_series(scene, any_values()).report.warnings.size(), 0u);
 }
 
 TEST(VolumeSource, ASceneOfManyAttributesIsRefused) {
@@ -127,11 +131,11 @@ TEST(VolumeSource, AMemoryOfSeriesSeesFilesBesideThem) {
              "endian: little\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\ndata file: x.raw\n");
   write_file(scene, scene_of("x.nhdr"));
   const auto write_data = [&](std::int16_t first) {
-    const Grid<std::int16_t> g = counted(5, first);
+    const grid::Grid<std::int16_t> g = counted(5, first);
     write_file(folder.path() / "x.raw", {reinterpret_cast<const char*>(g.voxels.data()), g.voxels.size() * 2});
   };
   write_data(0);
-  SeriesMemory memory(folder.path() / "memory.json");
+  library::SeriesMemory memory(folder.path() / "memory.json");
   for (const fs::path& path : {header, scene}) {
     EXPECT_FALSE(dicom::files_beside(path).empty());
     write_data(0);
@@ -146,13 +150,13 @@ TEST(VolumeSource, AMemoryOfSeriesSeesFilesBesideThem) {
 TEST(VolumeSource, AnHdf5FileReadsNoOtherFile) {
   const ScratchFolder folder;
   const fs::path file = folder.path() / "m.mnc", other = folder.path() / "other.mnc";
-  write_volume_file(other, counted(5));
+  itk::write_volume_file(other, counted(5));
   write_file(folder.path() / "secret.bin", std::string(1000, 's'));
   const char* image = "/minc-2.0/image/0/image";
   enum { link, external, unwritten };
   for (const int way : {link, external, unwritten}) {
-    write_volume_file(file, counted(5));
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(read_volume_file(file).volume).voxels, counted(5).voxels);
+    itk::write_volume_file(file, counted(5));
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(itk::read_volume_file(file).volume).voxels, counted(5).voxels);
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);  // closes what is open in it, too
     const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDWR, access);
@@ -176,7 +180,7 @@ TEST(VolumeSource, AnHdf5FileReadsNoOtherFile) {
       }
     }
     H5Fclose(f);
-    const Error e = fault([&] { read_volume_file(file); });
+    const Error e = fault([&] { itk::read_volume_file(file); });
     EXPECT_EQ(e.code(), ExitCode::bad_input) << way;
     EXPECT_NE(std::string(e.what()).find(way == unwritten ? "lacks its voxels" : "another file"), std::string::npos)
         << way << ": " << e.field() << ": " << e.what();

@@ -14,11 +14,11 @@ namespace {
 
 constexpr const char* head_line = "#Insight Transform File V1.0\n#Transform 0\n";
 
-LinearMap read(const std::string& rest) { return decode_tfm(head_line + rest); }
+itk::LinearMap read(const std::string& rest) { return itk::decode_tfm(head_line + rest); }
 
 std::string fault(const std::string& text) {
   try {
-    decode_tfm(text);
+    itk::decode_tfm(text);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     return e.field() + ": " + e.what();
@@ -29,34 +29,34 @@ std::string fault(const std::string& text) {
 }  // namespace
 
 TEST(Transform, SurvivesItsFile) {
-  const LinearMap map = rigid_map({12.5, -33, 71}, {3, -4, 100.25}, {10, 20, -30});
-  const LinearMap back = decode_tfm(encode_tfm(map));
+  const itk::LinearMap map = itk::rigid_map({12.5, -33, 71}, {3, -4, 100.25}, {10, 20, -30});
+  const itk::LinearMap back = itk::decode_tfm(itk::encode_tfm(map));
   EXPECT_TRUE(back.matrix == map.matrix);
   EXPECT_TRUE(back.offset_mm == map.offset_mm);
-  EXPECT_TRUE(is_rigid(map));
+  EXPECT_TRUE(itk::is_rigid(map));
   const Vec3 p{3, 5, 7};
-  EXPECT_LT(norm(inverse(map)(map(p)) - p), 1e-12);
-  EXPECT_LT(norm(then(map, map)(p) - map(map(p))), 1e-12);
-  EXPECT_NEAR(angle_deg(rigid_map({0, 0, 25}, {}, {1, 2, 3})), 25, 1e-9);
+  EXPECT_LT(norm(itk::inverse(map)(map(p)) - p), 1e-12);
+  EXPECT_LT(norm(itk::then(map, map)(p) - map(map(p))), 1e-12);
+  EXPECT_NEAR(itk::angle_deg(itk::rigid_map({0, 0, 25}, {}, {1, 2, 3})), 25, 1e-9);
 }
 
 // itk::Euler3DTransform: turned by z * x * y unless the fourth fixed parameter says z * y * x, about the centre.
 TEST(Transform, ReadsRigidOnesOfItk) {
-  const LinearMap e =
+  const itk::LinearMap e =
       read("Transform: Euler3DTransform_double_3_3\nParameters: 0.1 0.2 0.3 1 2 3\nFixedParameters: 10 20 30 0\n");
   // Written by ITK 5.2's Euler3DTransform::GetMatrix() and TransformPoint of (1, 2, 3).
   EXPECT_NEAR(e.matrix.column[0].x, 0.930432063657, 1e-11);
   EXPECT_NEAR(e.matrix.column[1].x, -0.294043836552, 1e-11);
   EXPECT_LT(norm(e({1, 2, 3}) - Vec3{2.013709930145, 3.051243873637, 6.652490970795}), 1e-11);
-  const LinearMap zyx =
+  const itk::LinearMap zyx =
       read("Transform: Euler3DTransform_double_3_3\nParameters: 0.1 0.2 0.3 1 2 3\nFixedParameters: 10 20 30 1\n");
   const double k = 57.29577951308232;
-  const LinearMap own = rigid_map({0.1 * k, 0.2 * k, 0.3 * k}, {1, 2, 3}, {10, 20, 30});
+  const itk::LinearMap own = itk::rigid_map({0.1 * k, 0.2 * k, 0.3 * k}, {1, 2, 3}, {10, 20, 30});
   for (int a = 0; a < 3; ++a) EXPECT_LT(norm(zyx.matrix.column[a] - own.matrix.column[a]), 1e-12);
-  const LinearMap v = read(
+  const itk::LinearMap v = read(
       "Transform: VersorRigid3DTransform_double_3_3\r\nParameters: 0 0 0.25881904510252074 5 0 0\r\nFixedParameters: 0 "
       "0 0\r\n");
-  EXPECT_NEAR(angle_deg(v), 30, 1e-9);
+  EXPECT_NEAR(itk::angle_deg(v), 30, 1e-9);
   EXPECT_LT(norm(v({1, 0, 0}) - Vec3{5 + std::sqrt(0.75), 0.5, 0}), 1e-12);
 }
 
@@ -79,24 +79,24 @@ TEST(Transform, RefusesWhatIsNone) {
 // HDF5, which ITK reads and a composite of which 3D Slicer and ANTs write.
 TEST(Transform, SurvivesHdf5) {
   const ScratchFolder folder;
-  const LinearMap map = rigid_map({12.5, -33, 71}, {3, -4, 100.25}, {10, 20, -30});
+  const itk::LinearMap map = itk::rigid_map({12.5, -33, 71}, {3, -4, 100.25}, {10, 20, -30});
   const auto file = folder.path() / "t.h5";
-  write_transform(file, map);
-  const LinearMap back = read_transform(file);
+  itk::write_transform(file, map);
+  const itk::LinearMap back = itk::read_transform(file);
   EXPECT_TRUE(back.matrix == map.matrix);
   EXPECT_TRUE(back.offset_mm == map.offset_mm);
   const std::vector<char> once = read_file(file);
   timespec second{1, 100000000};
   nanosleep(&second, nullptr);
-  write_transform(file, map);
+  itk::write_transform(file, map);
   EXPECT_EQ(read_file(file), once) << "no date in it";
-  write_transform(folder.path() / "t.tfm", map);
-  EXPECT_TRUE(read_transform(folder.path() / "t.tfm").matrix == map.matrix);
-  EXPECT_THROW(write_transform(folder.path() / "t.txt", map), Error);
+  itk::write_transform(folder.path() / "t.tfm", map);
+  EXPECT_TRUE(itk::read_transform(folder.path() / "t.tfm").matrix == map.matrix);
+  EXPECT_THROW(itk::write_transform(folder.path() / "t.txt", map), Error);
   for (const std::size_t cut : {std::size_t{0}, once.size() / 3, once.size() - 100}) {
     write_file(file, {once.data(), cut});
     try {
-      read_transform(file);
+      itk::read_transform(file);
       ADD_FAILURE() << "read although cut short at " << cut;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input) << e.what();
@@ -108,7 +108,7 @@ TEST(Transform, SurvivesHdf5) {
     mutant[at] = static_cast<char>(~mutant[at]);
     write_file(file, {mutant.data(), mutant.size()});
     try {
-      read_transform(file);
+      itk::read_transform(file);
     } catch (const Error& e) {
       EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.what();
     }

@@ -25,20 +25,20 @@ void put(std::string& bytes, std::size_t at, T v) {
   std::memcpy(bytes.data() + at, &v, sizeof v);
 }
 
-std::string nifti_bytes() { return encode_nifti(HuVolume(small_ct()), false); }
+std::string nifti_bytes() { return grid::encode_nifti(grid::HuVolume(small_ct()), false); }
 
 /// A NIfTI file of so many slices of 1024 x 1024 zeros, compressed: members of a gzip stream, each of four slices.
 std::string zeros_nii_gz(int slices) {
-  Grid<std::int16_t> one;
+  grid::Grid<std::int16_t> one;
   one.size = {1, 1, 1};
   one.voxels = {0};
-  std::string header = encode_nifti(HuVolume(one), false).substr(0, 352);
+  std::string header = grid::encode_nifti(grid::HuVolume(one), false).substr(0, 352);
   const std::int16_t dim[] = {3, 1024, 1024, std::int16_t(slices)};
   for (std::size_t a = 0; a < 4; ++a) put(header, 40 + 2 * a, dim[a]);
   put(header, 108, 352.0f);
   header[348] = 0;  // no extension
-  std::string bytes = detail::gzip_compress(header);
-  const std::string four = detail::gzip_compress(std::string(std::size_t{4} * 1024 * 1024 * 2, '\0'), 9);
+  std::string bytes = grid::detail::gzip_compress(header);
+  const std::string four = grid::detail::gzip_compress(std::string(std::size_t{4} * 1024 * 1024 * 2, '\0'), 9);
   for (int k = 0; k < slices; k += 4) bytes += four;
   return bytes;
 }
@@ -61,9 +61,9 @@ class VolumeLimits : public testing::Test {
     write_file(folder.path() / name, bytes);
     return folder.path() / name;
   }
-  std::string fault(const std::string& name, const std::string& bytes, VolumeFile* read = nullptr) {
+  std::string fault(const std::string& name, const std::string& bytes, itk::VolumeFile* read = nullptr) {
     try {
-      VolumeFile v = read_volume_file(write(name, bytes));
+      itk::VolumeFile v = itk::read_volume_file(write(name, bytes));
       if (read) *read = std::move(v);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input) << e.what();
@@ -79,7 +79,7 @@ std::string meta(const std::string& more) {
          "ElementType = MET_SHORT\n" +
          more + "ElementDataFile = LOCAL\n";
 }
-std::string voxels_of(const Grid<std::int16_t>& g) {
+std::string voxels_of(const grid::Grid<std::int16_t>& g) {
   return std::string(reinterpret_cast<const char*>(g.voxels.data()), 2 * g.voxels.size());
 }
 
@@ -92,7 +92,7 @@ TEST_F(VolumeLimits, AScanOfZerosIsRefusedBeforeMemoryIsTaken) {
   const std::uint64_t before = peak_kb();
   ASSERT_GT(before, 0u);
   try {
-    read_volume_file(file);
+    itk::read_volume_file(file);
     FAIL() << "2 GB of zeros are no scan";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -120,15 +120,15 @@ TEST_F(VolumeLimits, WhatIsReadIsReadInAChild) {
   put(header, 70, std::int16_t{4});
   put(header, 72, std::int16_t{16});
   header[348] = 0;
-  std::string bytes = detail::gzip_compress(header);
-  const std::string part = detail::gzip_compress(std::string(std::size_t{20} * 1000 * 1000 * 2, '\0'), 9);
+  std::string bytes = grid::detail::gzip_compress(header);
+  const std::string part = grid::detail::gzip_compress(std::string(std::size_t{20} * 1000 * 1000 * 2, '\0'), 9);
   for (int k = 0; k < 180; k += 20) bytes += part;
   std::string last(std::size_t{20} * 1000 * 1000 * 2, '\0');
   put(last, last.size() - 2, std::int16_t{-1});
-  bytes += detail::gzip_compress(last);
+  bytes += grid::detail::gzip_compress(last);
   const fs::path file = write("labels.nii.gz", bytes);
   const std::uint64_t before = peak_kb();
-  EXPECT_THROW(read_labels(file), Error);
+  EXPECT_THROW(grid::read_labels(file), Error);
   EXPECT_LT(peak_kb() - before, 64u << 10);
 }
 
@@ -137,11 +137,11 @@ TEST_F(VolumeLimits, AFileHoldsWhatItsHeaderSaysAndNoMore) {
   EXPECT_EQ(fault("a.nii", good), "");
   EXPECT_EQ(fault("a.nii", good + "x"), "data");
   EXPECT_EQ(fault("a.nii", good.substr(0, good.size() - 1)), "dim");
-  const std::string packed = detail::gzip_compress(good);
+  const std::string packed = grid::detail::gzip_compress(good);
   EXPECT_EQ(fault("a.nii.gz", packed), "");
-  EXPECT_EQ(fault("a.nii.gz", detail::gzip_compress(good + "x")), "data");
+  EXPECT_EQ(fault("a.nii.gz", grid::detail::gzip_compress(good + "x")), "data");
   EXPECT_EQ(fault("a.nii.gz", packed + "x"), "data");
-  EXPECT_EQ(fault("a.nii.gz", packed + detail::gzip_compress("more")), "data");
+  EXPECT_EQ(fault("a.nii.gz", packed + grid::detail::gzip_compress("more")), "data");
   EXPECT_EQ(fault("a.nii.gz", packed.substr(0, packed.size() - 3)), "data");  // of its checksum
   std::string wrong = packed;
   wrong[wrong.size() - 6] = char(wrong[wrong.size() - 6] ^ 1);
@@ -181,11 +181,11 @@ TEST_F(VolumeLimits, KeysOfAMetaImageThatChangeItAreNotPassedOver) {
                {"HeaderSize = 4\n", "HeaderSize"},
                {"Comment = a scan\nName = of somebody\n", ""}};
   for (const auto& l : lines) {
-    VolumeFile read;
+    itk::VolumeFile read;
     EXPECT_EQ(fault("m.mha", meta(l.line) + data, &read), l.field) << l.line;
     EXPECT_TRUE(read.warnings.empty()) << l.line;
   }
-  VolumeFile read;
+  itk::VolumeFile read;
   EXPECT_EQ(fault("m.mha", meta("IntensitySlope = 2\nJohn Doe 1950 = 3\n") + data, &read), "");
   ASSERT_EQ(read.warnings.size(), 1u);
   EXPECT_NE(read.warnings[0].find("IntensitySlope"), std::string::npos) << read.warnings[0];
@@ -193,12 +193,12 @@ TEST_F(VolumeLimits, KeysOfAMetaImageThatChangeItAreNotPassedOver) {
 }
 
 TEST_F(VolumeLimits, AnMrIsNotTakenForHu) {
-  ImportParams p;
-  p.volume_values = VolumeValues::hu;
+  dicom::ImportParams p;
+  p.volume_values = dicom::VolumeValues::hu;
   const std::string data = voxels_of(small_ct());
   const auto field = [&](const std::string& modality) {
     try {
-      import_series(write("x.mha", meta(modality) + data), p);
+      dicom::import_series(write("x.mha", meta(modality) + data), p);
     } catch (const Error& e) {
       return e.field();
     }
@@ -207,7 +207,7 @@ TEST_F(VolumeLimits, AnMrIsNotTakenForHu) {
   EXPECT_EQ(field(""), "");
   EXPECT_EQ(field("Modality = MET_MOD_CT\n"), "");
   EXPECT_EQ(field("Modality = MET_MOD_MR\n"), "Modality");
-  p.volume_values = VolumeValues::any;
+  p.volume_values = dicom::VolumeValues::any;
   EXPECT_EQ(field("Modality = MET_MOD_MR\n"), "");
 }
 
@@ -224,7 +224,7 @@ TEST_F(VolumeLimits, AVolumeLiesWhereAPatientCan) {
   std::string nifti = nifti_bytes();
   put(nifti, 292, 1e30f);
   EXPECT_EQ(fault("f.nii", nifti), "sform");
-  VolumeFile read;
+  itk::VolumeFile read;
   EXPECT_EQ(fault("f.nrrd", nrrd + "intensity: 3\nspace origin: (-30,-41.5,12.25)\n\n" + data, &read), "");
   ASSERT_EQ(read.warnings.size(), 1u);
   EXPECT_NE(read.warnings[0].find("intensity"), std::string::npos);

@@ -31,7 +31,7 @@ std::string numbers(const std::vector<double>& v) {
 
 using Keys = std::vector<std::pair<std::string, std::string>>;
 
-Keys meta_keys(const Lattice& l, const std::string& type) {
+Keys meta_keys(const grid::Lattice& l, const std::string& type) {
   const auto& c = l.direction.column;
   return {{"ObjectType", "Image"},
           {"NDims", "3"},
@@ -62,7 +62,7 @@ Keys without(Keys keys, const std::string& key) {
 }
 
 template <class T>
-std::string bytes_of(const Grid<std::int16_t>& g, double slope = 1) {
+std::string bytes_of(const grid::Grid<std::int16_t>& g, double slope = 1) {
   std::string bytes;
   for (const std::int16_t v : g.voxels) {
     const T t = static_cast<T>(v * slope);
@@ -71,10 +71,10 @@ std::string bytes_of(const Grid<std::int16_t>& g, double slope = 1) {
   return bytes;
 }
 
-void expect_same(const fs::path& file, const Grid<std::int16_t>& g) {
-  const VolumeFile read = read_volume_file(file);
-  ASSERT_TRUE(std::holds_alternative<Grid<std::int16_t>>(read.volume)) << file;
-  const auto& got = std::get<Grid<std::int16_t>>(read.volume);
+void expect_same(const fs::path& file, const grid::Grid<std::int16_t>& g) {
+  const itk::VolumeFile read = itk::read_volume_file(file);
+  ASSERT_TRUE(std::holds_alternative<grid::Grid<std::int16_t>>(read.volume)) << file;
+  const auto& got = std::get<grid::Grid<std::int16_t>>(read.volume);
   EXPECT_EQ(got.voxels, g.voxels) << file;
   EXPECT_EQ(got.size, g.size);
   for (const Vec3 v : {Vec3{0, 0, 0}, Vec3{23, 19, 17}, Vec3{23, 0, 17}})
@@ -87,7 +87,7 @@ struct Refused {
 };
 Refused refusal(const fs::path& file) {
   try {
-    read_volume_file(file);
+    itk::read_volume_file(file);
   } catch (const Error& e) {
     return {e.code(), e.field(), e.what()};
   }
@@ -97,7 +97,7 @@ Refused refusal(const fs::path& file) {
 class Volumes : public testing::Test {
  protected:
   ScratchFolder folder;
-  Grid<std::int16_t> ct = small_ct();
+  grid::Grid<std::int16_t> ct = small_ct();
   fs::path write(const std::string& name, const std::string& bytes) {
     const fs::path file = folder.path() / name;
     write_file(file, bytes);
@@ -118,7 +118,7 @@ TEST_F(Volumes, MetaImagesOfAllKinds) {
   std::string swapped = data;
   for (std::size_t i = 0; i < swapped.size(); i += 2) std::swap(swapped[i], swapped[i + 1]);
   expect_same(write("e.mha", text_of(with(keys, "BinaryDataByteOrderMSB", "True")) + swapped), ct);
-  const std::string small = detail::gzip_compress(data);
+  const std::string small = grid::detail::gzip_compress(data);
   Keys packed = with(keys, "CompressedData", "True");
   packed.insert(packed.begin() + 5, {"CompressedDataSize", std::to_string(small.size())});
   expect_same(write("f.mha", text_of(packed) + small), ct);
@@ -151,7 +151,7 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
   EXPECT_EQ(refusal(write("o.nhdr", nrrd + "\n")).field, "data file");
   EXPECT_EQ(refusal(write("p.nhdr", nrrd + "space units: \"cm\" \"cm\" \"cm\"\ndata file: n.raw\n\n")).field,
             "space units");
-  write_nrrd(folder.path() / "own.nrrd", HuVolume(ct));
+  grid::write_nrrd(folder.path() / "own.nrrd", grid::HuVolume(ct));
   expect_same(folder.path() / "own.nrrd", ct);
 
   std::string swapped = data;  // legacy VTK is big endian
@@ -161,8 +161,8 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
             "# vtk DataFile Version 3.0\nvolume\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 24 20 18\n"
             "SPACING 2.5 3 4\nORIGIN -30 -41.5 12.25\nPOINT_DATA 8640\nSCALARS s short 1\nLOOKUP_TABLE default\n" +
                 swapped);
-  const VolumeFile read = read_volume_file(vtk);
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(read.volume).voxels, ct.voxels);
+  const itk::VolumeFile read = itk::read_volume_file(vtk);
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(read.volume).voxels, ct.voxels);
   EXPECT_EQ(read.warnings.size(), 1u);
   // Analyze, which does not say which side is left, in a folder of its own.
   std::string header(348, '\0');
@@ -179,12 +179,12 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
   const fs::path image = write("pair/h.img", bytes_of<std::int16_t>(ct));
   EXPECT_EQ(refusal(folder.path() / "pair/h.hdr").field, "analyze_axes");
   EXPECT_EQ(refusal(image).field, "format");
-  const VolumeFile pair = read_volume_file(folder.path() / "pair/h.hdr", {}, "LPS");
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(pair.volume).voxels, ct.voxels);
+  const itk::VolumeFile pair = itk::read_volume_file(folder.path() / "pair/h.hdr", {}, "LPS");
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(pair.volume).voxels, ct.voxels);
   EXPECT_EQ(pair.format, "Analyze");
   EXPECT_EQ(pair.warnings.size(), 1u);
-  EXPECT_EQ(find_volume_files(folder.path() / "pair").size(), 1u) << "the image is no volume of its own";
-  EXPECT_EQ(data_file_of(folder.path() / "pair/h.hdr"), image);
+  EXPECT_EQ(itk::find_volume_files(folder.path() / "pair").size(), 1u) << "the image is no volume of its own";
+  EXPECT_EQ(itk::data_file_of(folder.path() / "pair/h.hdr"), image);
 }
 
 TEST_F(Volumes, AMetaImageThatLeavesAnythingOpenIsRefused) {
@@ -214,32 +214,32 @@ TEST_F(Volumes, AMetaImageThatLeavesAnythingOpenIsRefused) {
 
 TEST_F(Volumes, ValuesMustBeSaidAndLookLikeHu) {
   const fs::path file = folder.path() / "ct.nrrd";
-  const auto refused = [&](const Grid<std::int16_t>& g, VolumeValues values) {
-    write_nrrd(file, HuVolume(g));
-    ImportParams p;
+  const auto refused = [&](const grid::Grid<std::int16_t>& g, dicom::VolumeValues values) {
+    grid::write_nrrd(file, grid::HuVolume(g));
+    dicom::ImportParams p;
     p.volume_values = values;
     try {
-      import_series(file, p);
+      dicom::import_series(file, p);
     } catch (const Error& e) {
       return std::to_string(static_cast<int>(e.code())) + " " + e.what();
     }
     return std::string();
   };
-  EXPECT_EQ(refused(ct, VolumeValues::hu), "");
-  EXPECT_EQ(refused(ct, VolumeValues::unsaid).substr(0, 2), "64");
-  Grid<std::int16_t> other = ct;
+  EXPECT_EQ(refused(ct, dicom::VolumeValues::hu), "");
+  EXPECT_EQ(refused(ct, dicom::VolumeValues::unsaid).substr(0, 2), "64");
+  grid::Grid<std::int16_t> other = ct;
   for (auto& v : other.voxels) v = static_cast<std::int16_t>(v + 1024);
-  EXPECT_NE(refused(other, VolumeValues::hu).find("without its offset"), std::string::npos);
-  EXPECT_EQ(refused(other, VolumeValues::any), "");
+  EXPECT_NE(refused(other, dicom::VolumeValues::hu).find("without its offset"), std::string::npos);
+  EXPECT_EQ(refused(other, dicom::VolumeValues::any), "");
   other = ct;
   for (auto& v : other.voxels) v = static_cast<std::int16_t>(v - 1024);
-  EXPECT_NE(refused(other, VolumeValues::hu), "");
+  EXPECT_NE(refused(other, dicom::VolumeValues::hu), "");
   other = ct;
   for (auto& v : other.voxels) v = static_cast<std::int16_t>(v / 2);
-  EXPECT_NE(refused(other, VolumeValues::hu).find("does not lie at air"), std::string::npos);
+  EXPECT_NE(refused(other, dicom::VolumeValues::hu).find("does not lie at air"), std::string::npos);
   other = ct;  // padding around the field of view is air
   other.voxels[0] = -3024;
-  EXPECT_EQ(refused(other, VolumeValues::hu), "");
+  EXPECT_EQ(refused(other, dicom::VolumeValues::hu), "");
 }
 
 // Damaged headers: the parent lives, and what is read has its voxels and lies where the header now says, as the naive
@@ -259,7 +259,7 @@ std::vector<double> naive(const std::string& head, const std::string& key) {
   return found;
 }
 
-void read_mutants(const ScratchFolder& folder, const Grid<std::int16_t>& ct, std::uint64_t count) {
+void read_mutants(const ScratchFolder& folder, const grid::Grid<std::int16_t>& ct, std::uint64_t count) {
   const std::string head = text_of(meta_keys(ct, "MET_SHORT")), data = bytes_of<std::int16_t>(ct);
   const fs::path file = folder.path() / "m.mha";
   int read = 0, refused = 0, died = 0;
@@ -271,9 +271,9 @@ void read_mutants(const ScratchFolder& folder, const Grid<std::int16_t>& ct, std
     }
     write_file(file, mutant + data);
     try {
-      const VolumeFile v = read_volume_file(file);
+      const itk::VolumeFile v = itk::read_volume_file(file);
       ++read;
-      const auto* grid = std::get_if<Grid<std::int16_t>>(&v.volume);
+      const auto* grid = std::get_if<grid::Grid<std::int16_t>>(&v.volume);
       ASSERT_TRUE(grid) << mutant;
       const auto spacing = naive(mutant, "ElementSpacing"), offset = naive(mutant, "Offset");
       ASSERT_EQ(spacing.size(), 3u) << mutant;

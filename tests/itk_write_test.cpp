@@ -47,19 +47,19 @@ std::string volume(int n, const std::string& file, const std::string& more = "")
 
 TEST(VolumeWrite, EveryFormatAndSampleComesBack) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> ct = small_ct(false);
-  Grid<float> field(static_cast<const Lattice&>(ct));
-  Mask labels(static_cast<const Lattice&>(ct));
+  const grid::Grid<std::int16_t> ct = small_ct(false);
+  grid::Grid<float> field(static_cast<const grid::Lattice&>(ct));
+  grid::Mask labels(static_cast<const grid::Lattice&>(ct));
   for (std::size_t n = 0; n < ct.voxels.size(); ++n) {
     field.voxels[n] = 0.123f * static_cast<float>(ct.voxels[n]);
     labels.voxels[n] = ct.voxels[n] > 226 ? 2 : ct.voxels[n] > -500;
   }
-  for (const std::string& ending : written_volume_endings())
-    for (const AnyGrid& grid : {AnyGrid(ct), AnyGrid(field), AnyGrid(labels)}) {
+  for (const std::string& ending : itk::written_volume_endings())
+    for (const grid::AnyGrid& grid : {grid::AnyGrid(ct), grid::AnyGrid(field), grid::AnyGrid(labels)}) {
       const fs::path file = folder.path() / ("v" + ending);
-      write_volume_file(file, grid);
-      const AnyGrid back = read_grid_file(file, nullptr, nullptr);
-      const Lattice& at = std::visit([](const auto& g) -> const Lattice& { return g; }, back);
+      itk::write_volume_file(file, grid);
+      const grid::AnyGrid back = itk::read_grid_file(file, nullptr, nullptr);
+      const grid::Lattice& at = std::visit([](const auto& g) -> const grid::Lattice& { return g; }, back);
       ASSERT_EQ(at.size, ct.size) << ending;
       for (const Vec3 v : {Vec3{0, 0, 0}, Vec3{23, 19, 17}})
         EXPECT_LT(norm(at.to_world_mm(v) - ct.to_world_mm(v)), 1e-4) << ending;
@@ -68,28 +68,28 @@ TEST(VolumeWrite, EveryFormatAndSampleComesBack) {
                   std::visit([&](const auto& g) { return double(g.voxels[n]); }, grid))
             << ending;
       const std::vector<char> once = read_file(file);
-      write_volume_file(file, grid);
+      itk::write_volume_file(file, grid);
       EXPECT_EQ(read_file(file), once) << ending << ": the same bytes again";
     }
-  EXPECT_EQ(fault([&] { write_volume_file(folder.path() / "v.hdr", ct); }).substr(0, 2), "64");
+  EXPECT_EQ(fault([&] { itk::write_volume_file(folder.path() / "v.hdr", ct); }).substr(0, 2), "64");
 }
 
 TEST(VolumeWrite, DirectionsAreKeptOrRefused) {
   const ScratchFolder folder;
-  Grid<std::int16_t> ct = small_ct();
+  grid::Grid<std::int16_t> ct = small_ct();
   for (const bool left_handed : {false, true}) {
     if (left_handed) ct.direction.column[2] = -ct.direction.column[2];
-    for (const std::string& ending : written_volume_endings()) {
+    for (const std::string& ending : itk::written_volume_endings()) {
       const fs::path file = folder.path() / ("o" + ending);
-      const std::string said = fault([&] { write_volume_file(file, ct); });
+      const std::string said = fault([&] { itk::write_volume_file(file, ct); });
       if (ending == ".vtk" || ending.substr(0, 5) == ".gipl") {
         EXPECT_EQ(said.substr(0, 12), "65 direction") << ending;
         EXPECT_FALSE(fs::exists(file));
         continue;
       }
       EXPECT_EQ(said, "") << ending;
-      const VolumeFile back = read_volume_file(file);
-      const auto& g = std::get<Grid<std::int16_t>>(back.volume);
+      const itk::VolumeFile back = itk::read_volume_file(file);
+      const auto& g = std::get<grid::Grid<std::int16_t>>(back.volume);
       EXPECT_GT(determinant(g.direction), 0) << ending;
       for (const auto& at : {std::array<int, 3>{2, 3, 4}, std::array<int, 3>{20, 11, 15}}) {
         const Vec3 v = g.to_index(ct.to_world_mm({double(at[0]), double(at[1]), double(at[2])}));
@@ -102,16 +102,16 @@ TEST(VolumeWrite, DirectionsAreKeptOrRefused) {
 
 TEST(VolumeWrite, LabelsOfEveryFormat) {
   const ScratchFolder folder;
-  Mask labels(small_lattice(false));
+  grid::Mask labels(small_lattice(false));
   for (std::size_t n = 0; n < labels.voxels.size(); ++n) labels.voxels[n] = n % 5;
   for (const char* name : {"l.mha", "l.mnc", "l.gipl", "l.vtk", "l.nii.gz", "l.nrrd"}) {
-    write_volume_file(folder.path() / name, labels);
-    const LabelFile read = read_label_file(folder.path() / name);
-    EXPECT_EQ(pick_label(read, "3").voxels, labels.voxels.size() / 5) << name;
+    itk::write_volume_file(folder.path() / name, labels);
+    const grid::LabelFile read = itk::read_label_file(folder.path() / name);
+    EXPECT_EQ(grid::pick_label(read, "3").voxels, labels.voxels.size() / 5) << name;
   }
-  Grid<float> none(small_lattice(false), 0.5f);
-  write_volume_file(folder.path() / "f.mha", none);
-  EXPECT_EQ(fault([&] { read_label_file(folder.path() / "f.mha"); }).substr(0, 7), "65 data");
+  grid::Grid<float> none(small_lattice(false), 0.5f);
+  itk::write_volume_file(folder.path() / "f.mha", none);
+  EXPECT_EQ(fault([&] { itk::read_label_file(folder.path() / "f.mha"); }).substr(0, 7), "65 data");
 }
 
 TEST(SlicerScene, ItsVolumesAndWhatLiesElsewhere) {
@@ -135,12 +135,12 @@ TEST(SlicerScene, ItsVolumesAndWhatLiesElsewhere) {
 
 TEST(SlicerScene, IsImportedFromFolderAndArchive) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> ct = small_ct();
-  Grid<std::int16_t> second = ct;
+  const grid::Grid<std::int16_t> ct = small_ct();
+  grid::Grid<std::int16_t> second = ct;
   second.voxels[5] = -990;
   fs::create_directories(folder.path() / "scene/Data");
-  write_volume_file(folder.path() / "scene/Data/CT head.nrrd", ct);
-  write_volume_file(folder.path() / "scene/Data/b.nrrd", second);
+  itk::write_volume_file(folder.path() / "scene/Data/CT head.nrrd", ct);
+  itk::write_volume_file(folder.path() / "scene/Data/b.nrrd", second);
   const auto bytes = [&](const char* name) {
     const std::vector<char> b = read_file(folder.path() / "scene/Data" / name);
     return std::string(b.begin(), b.end());
@@ -148,8 +148,8 @@ TEST(SlicerScene, IsImportedFromFolderAndArchive) {
   const std::string both = scene(volume(1, "Data/CT%20head.nrrd") + volume(2, "Data/b.nrrd")),
                     one = scene(volume(1, "Data/CT%20head.nrrd")),
                     moved = scene(volume(1, "Data/CT%20head.nrrd", "transform:t;"));
-  ImportParams p;
-  p.volume_values = VolumeValues::hu;
+  dicom::ImportParams p;
+  p.volume_values = dicom::VolumeValues::hu;
   std::string sha;
   for (const bool archive : {false, true}) {
     const auto made = [&](const std::string& mrml) {
@@ -161,41 +161,42 @@ TEST(SlicerScene, IsImportedFromFolderAndArchive) {
       return path;
     };
     p.series = "";
-    const ImportResult r = import_series(made(one), p);
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
+    const dicom::ImportResult r = dicom::import_series(made(one), p);
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
     EXPECT_TRUE(sha.empty() || sha == r.input_sha256) << "the same content is the same input";
     sha = r.input_sha256;
-    EXPECT_EQ(hash_of_series_input(made(one), p), sha);
-    EXPECT_NE(fault([&] { import_series(made(both), p); }).find("2 volumes, choose one by its token: s1, s2"),
+    EXPECT_EQ(dicom::hash_of_series_input(made(one), p), sha);
+    EXPECT_NE(fault([&] { dicom::import_series(made(both), p); }).find("2 volumes, choose one by its token: s1, s2"),
               std::string::npos);
-    EXPECT_EQ(list_series(made(both), p).series.size(), 2u);
-    EXPECT_EQ(list_series(made(both), p).series[1].token, "s2-24x20x18");
+    EXPECT_EQ(dicom::list_series(made(both), p).series.size(), 2u);
+    EXPECT_EQ(dicom::list_series(made(both), p).series[1].token, "s2-24x20x18");
     p.series = "s2-24x20x18";
-    EXPECT_EQ(std::get<Grid<std::int16_t>>(import_series(made(both), p).volume).voxels, second.voxels);
+    EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(dicom::import_series(made(both), p).volume).voxels, second.voxels);
     p.series = "s3";
-    EXPECT_EQ(fault([&] { import_series(made(both), p); }).substr(0, 9), "64 series");
+    EXPECT_EQ(fault([&] { dicom::import_series(made(both), p); }).substr(0, 9), "64 series");
     p.series = "";
-    EXPECT_NE(fault([&] { import_series(made(moved), p); }).find("harden the transform"), std::string::npos);
-    EXPECT_NE(
-        fault([&] { import_series(made(scene(volume(1, "Data/gone.nrrd"))), p); }).find("scene: the volume's file"),
-        std::string::npos);
+    EXPECT_NE(fault([&] { dicom::import_series(made(moved), p); }).find("harden the transform"), std::string::npos);
+    EXPECT_NE(fault([&] {
+                dicom::import_series(made(scene(volume(1, "Data/gone.nrrd"))), p);
+              }).find("scene: the volume's file"),
+              std::string::npos);
   }
 }
 
 TEST(VolumeFolder, OfSeveralMetaImages) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> ct = small_ct();
+  const grid::Grid<std::int16_t> ct = small_ct();
   fs::create_directories(folder.path() / "many");
-  write_volume_file(folder.path() / "many/a.mha", small_ct(false));
-  write_volume_file(folder.path() / "many/b.mha", ct);
-  ImportParams p;
-  p.volume_values = VolumeValues::hu;
-  EXPECT_EQ(fault([&] { import_series(folder.path() / "many", p); }).substr(0, 9), "64 series");
-  EXPECT_EQ(list_series(folder.path() / "many", p).series.size(), 2u);
+  itk::write_volume_file(folder.path() / "many/a.mha", small_ct(false));
+  itk::write_volume_file(folder.path() / "many/b.mha", ct);
+  dicom::ImportParams p;
+  p.volume_values = dicom::VolumeValues::hu;
+  EXPECT_EQ(fault([&] { dicom::import_series(folder.path() / "many", p); }).substr(0, 9), "64 series");
+  EXPECT_EQ(dicom::list_series(folder.path() / "many", p).series.size(), 2u);
   p.series = "s2";
-  const ImportResult r = import_series(folder.path() / "many", p);
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
-  EXPECT_LT(norm(lattice_of(r.volume).to_world_mm({0, 19, 0}) - ct.to_world_mm({0, 19, 0})), 1e-9);
+  const dicom::ImportResult r = dicom::import_series(folder.path() / "many", p);
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
+  EXPECT_LT(norm(grid::lattice_of(r.volume).to_world_mm({0, 19, 0}) - ct.to_world_mm({0, 19, 0})), 1e-9);
 }
 
 // Damaged MINC files: the parent lives, and what is read lies where the file's attributes now say, with the values that
@@ -226,9 +227,9 @@ double double_at(const std::vector<char>& bytes, std::size_t at) {
 
 void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> ct = small_ct();
+  const grid::Grid<std::int16_t> ct = small_ct();
   const fs::path file = folder.path() / "m.mnc";
-  write_volume_file(file, ct);
+  itk::write_volume_file(file, ct);
   const std::vector<char> whole = read_file(file);
   std::array<std::size_t, 3> step_at{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -262,9 +263,9 @@ void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
     }
     write_file(file, {mutant.data(), mutant.size()});
     try {
-      const VolumeFile v = read_volume_file(file);
+      const itk::VolumeFile v = itk::read_volume_file(file);
       ++read;
-      const Lattice& l = lattice_of(v.volume);
+      const grid::Lattice& l = grid::lattice_of(v.volume);
       ASSERT_EQ(l.count(), ct.count()) << n;
       for (std::size_t a = 0; a < 3; ++a) {
         const double said = std::fabs(double_at(mutant, step_at[a]));

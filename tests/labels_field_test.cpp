@@ -23,8 +23,8 @@ Mat3 turned(double a, double b) {
   return m;
 }
 
-Lattice around(Vec3 middle, Vec3 spacing, double half_mm, Mat3 direction = {}) {
-  Lattice l;
+grid::Lattice around(Vec3 middle, Vec3 spacing, double half_mm, Mat3 direction = {}) {
+  grid::Lattice l;
   l.spacing_mm = spacing;
   l.direction = direction;
   for (int a = 0; a < 3; ++a) l.size[a] = int(2 * half_mm / spacing[a]) + 1;
@@ -34,7 +34,7 @@ Lattice around(Vec3 middle, Vec3 spacing, double half_mm, Mat3 direction = {}) {
   return l;
 }
 
-TestLabels ball(const Lattice& l, Vec3 at = centre, int value = 3) {
+TestLabels ball(const grid::Lattice& l, Vec3 at = centre, int value = 3) {
   TestLabels t{l, 1, {}};
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -44,8 +44,8 @@ TestLabels ball(const Lattice& l, Vec3 at = centre, int value = 3) {
 }
 
 /// A body of 30 HU in air.
-HuVolume body(const Lattice& l, double body_radius = 45) {
-  Grid<std::int16_t> v(l);
+grid::HuVolume body(const grid::Lattice& l, double body_radius = 45) {
+  grid::Grid<std::int16_t> v(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -59,7 +59,7 @@ struct Surface {
 };
 
 /// Of the field's crossings, distances to the ball; the centroid of what is inside, by its share of each voxel.
-Surface surface_of(const Field& f, Vec3 at = centre) {
+Surface surface_of(const grid::Field& f, Vec3 at = centre) {
   Surface s;
   double n = 0, weight = 0;
   for (int k = 0; k < f.size[2]; ++k)
@@ -88,7 +88,7 @@ Surface surface_of(const Field& f, Vec3 at = centre) {
 }
 
 /// What the field's surface holds, counted on a raster of a sixth of a voxel.
-double held_ml(const Field& f) {
+double held_ml(const grid::Field& f) {
   std::size_t in = 0;
   for (int k = 0; k < 6 * (f.size[2] - 1); ++k)
     for (int j = 0; j < 6 * (f.size[1] - 1); ++j)
@@ -106,26 +106,27 @@ double held_ml(const Field& f) {
   return double(in) * f.voxel_volume_mm3() / 216 / 1000;
 }
 
-Field taken(const HuVolume& volume, const std::string& bytes, Report& report, LabelParams params = {}) {
+grid::Field taken(const grid::HuVolume& volume, const std::string& bytes, Report& report,
+                  segmentation::LabelParams params = {}) {
   if (params.label.empty()) params.label = "3";
-  return label_field(volume, decode_labels(bytes), params, report);
+  return segmentation::label_field(volume, grid::decode_labels(bytes), params, report);
 }
 
 bool flag(const Report& r, const char* name) { return std::get<bool>(*r.find(name)); }
 
 TEST(LabelField, OnTheVolumesOwnVoxels) {
-  const Lattice l = around(centre, {0.7, 0.7, 1.0}, 60);
-  const HuVolume volume = body(l);
+  const grid::Lattice l = around(centre, {0.7, 0.7, 1.0}, 60);
+  const grid::HuVolume volume = body(l);
   const TestLabels t = ball(l);
   NiftiStyle zip;
   zip.gzip = true;
   for (const std::string& bytes : {nrrd_bytes(t, {}), nrrd_bytes(t, {}, true), nifti_bytes(t, zip)}) {
     Report report;
-    const Field f = taken(volume, bytes, report);
+    const grid::Field f = taken(volume, bytes, report);
     EXPECT_FALSE(flag(report, "resampled"));
     EXPECT_TRUE(report.warnings.empty());
     // No voxel changed sides.
-    const Box at = place_in(f, l);
+    const grid::Box at = grid::place_in(f, l);
     std::size_t inside = 0, wanted = 0;
     for (int k = 0; k < f.size[2]; ++k)
       for (int j = 0; j < f.size[1]; ++j)
@@ -144,37 +145,37 @@ TEST(LabelField, OnTheVolumesOwnVoxels) {
 }
 
 TEST(LabelField, FlippedAndSwappedAxesAreTheSameRaster) {
-  const Lattice l = around(centre, {0.8, 0.8, 1.2}, 60);
-  Lattice other = l;  // a part of it, x and z run backwards, y and z swapped
+  const grid::Lattice l = around(centre, {0.8, 0.8, 1.2}, 60);
+  grid::Lattice other = l;  // a part of it, x and z run backwards, y and z swapped
   const std::array<int, 3> begin{40, 30, 20}, count{70, 90, 60};
   other.size = {count[0], count[2], count[1]};
   other.spacing_mm = {0.8, 1.2, 0.8};
   other.direction.column = {Vec3{-1, 0, 0}, Vec3{0, 0, -1}, Vec3{0, 1, 0}};
   other.origin_mm = l.to_world_mm({double(begin[0] + count[0] - 1), double(begin[1]), double(begin[2] + count[2] - 1)});
-  const HuVolume volume = body(l);
+  const grid::HuVolume volume = body(l);
   Report a, b;
-  const Field straight = taken(volume, nrrd_bytes(ball(l), {}), a);
+  const grid::Field straight = taken(volume, nrrd_bytes(ball(l), {}), a);
   for (const Form form : {Form::sform, Form::qform}) {
     NiftiStyle s;
     s.form = form;
-    const Field flipped = taken(volume, nifti_bytes(ball(other), s), b);
+    const grid::Field flipped = taken(volume, nifti_bytes(ball(other), s), b);
     EXPECT_FALSE(flag(b, "resampled"));
     EXPECT_EQ(straight, flipped);
   }
 }
 
 TEST(LabelField, OtherGridsAreResampled) {
-  const Lattice l = around(centre, {0.6, 0.6, 1.0}, 55);
-  const HuVolume volume = body(l);
-  const Lattice grids[] = {around(centre + Vec3{0.3, 0.2, 0.1}, {0.6, 0.6, 1.0}, 30),  // off by half a voxel
-                           around(centre, {0.5, 0.5, 0.5}, 30, turned(0.4, 0.25)),     // oblique
-                           around(centre, {1.5, 1.5, 1.5}, 30),                        // as TotalSegmentator's
-                           around(centre + Vec3{1, 1, 1}, {0.45, 0.45, 3.0}, 33, turned(-0.2, 0.1))};
-  for (const Lattice& g : grids) {
+  const grid::Lattice l = around(centre, {0.6, 0.6, 1.0}, 55);
+  const grid::HuVolume volume = body(l);
+  const grid::Lattice grids[] = {around(centre + Vec3{0.3, 0.2, 0.1}, {0.6, 0.6, 1.0}, 30),  // off by half a voxel
+                                 around(centre, {0.5, 0.5, 0.5}, 30, turned(0.4, 0.25)),     // oblique
+                                 around(centre, {1.5, 1.5, 1.5}, 30),                        // as TotalSegmentator's
+                                 around(centre + Vec3{1, 1, 1}, {0.45, 0.45, 3.0}, 33, turned(-0.2, 0.1))};
+  for (const grid::Lattice& g : grids) {
     SCOPED_TRACE(to_text(g.spacing_mm.x) + " " + to_text(g.spacing_mm.z));
     for (const bool nifti : {false, true}) {
       Report report;
-      const Field f = taken(volume, nifti ? nifti_bytes(ball(g), {}) : nrrd_bytes(ball(g), {}), report);
+      const grid::Field f = taken(volume, nifti ? nifti_bytes(ball(g), {}) : nrrd_bytes(ball(g), {}), report);
       EXPECT_TRUE(flag(report, "resampled"));
       const Surface s = surface_of(f);
       // What the labels themselves are off by (half a diagonal of their voxels), hardly more.
@@ -194,15 +195,15 @@ TEST(LabelField, ResamplingKeepsTheVolume) {
     const bool rod = std::hypot(q.x + 10, q.z - 4) < 1.9 && std::abs(q.y) < 15;
     return plate || slant || rod;
   };
-  const Lattice l = around(centre, {0.94, 0.94, 2.0}, 60);
-  const HuVolume volume = body(l);
-  Lattice mirrored = around(centre + Vec3{0.4, -0.3, 0.8}, {0.94, 0.94, 2.0}, 30);
+  const grid::Lattice l = around(centre, {0.94, 0.94, 2.0}, 60);
+  const grid::HuVolume volume = body(l);
+  grid::Lattice mirrored = around(centre + Vec3{0.4, -0.3, 0.8}, {0.94, 0.94, 2.0}, 30);
   mirrored.origin_mm.x += (mirrored.size[0] - 1) * mirrored.spacing_mm.x;
   mirrored.direction.column[0] = {-1, 0, 0};
   mirrored.origin_mm.y += (mirrored.size[1] - 1) * mirrored.spacing_mm.y;
   mirrored.direction.column[1] = {0, -1, 0};
-  for (const Lattice& g : {mirrored, around(centre, {1.88, 1.88, 2.0}, 30), around(centre, {0.5, 0.5, 0.6}, 30),
-                           around(centre, {1.5, 1.5, 1.5}, 30, turned(0.4, 0.25))}) {
+  for (const grid::Lattice& g : {mirrored, around(centre, {1.88, 1.88, 2.0}, 30), around(centre, {0.5, 0.5, 0.6}, 30),
+                                 around(centre, {1.5, 1.5, 1.5}, 30, turned(0.4, 0.25))}) {
     SCOPED_TRACE(to_text(g.spacing_mm.x) + " " + to_text(g.spacing_mm.z));
     TestLabels t{g, 1, {}};
     for (int k = 0; k < g.size[2]; ++k)
@@ -210,7 +211,7 @@ TEST(LabelField, ResamplingKeepsTheVolume) {
         for (int i = 0; i < g.size[0]; ++i)
           t.values.push_back(shape(g.to_world_mm({double(i), double(j), double(k)})) ? 3 : 0);
     Report report;
-    const Field f = taken(volume, nifti_bytes(t, {}), report);
+    const grid::Field f = taken(volume, nifti_bytes(t, {}), report);
     EXPECT_TRUE(flag(report, "resampled"));
     const auto figure = [&](const char* name) { return std::get<double>(*report.find(name)); };
     EXPECT_NEAR(figure("volume_ml") / figure("label_ml"), 1, 0.005);
@@ -219,7 +220,7 @@ TEST(LabelField, ResamplingKeepsTheVolume) {
     EXPECT_TRUE(report.warnings.empty());
   }
   // A leaf of a tenth of a voxel, between the volume's: what is gone is said, with the figures.
-  const Lattice fine = around(centre, {0.1, 0.1, 0.5}, 8);
+  const grid::Lattice fine = around(centre, {0.1, 0.1, 0.5}, 8);
   TestLabels leaf{fine, 1, std::vector<int>(fine.count(), 0)};
   for (int k = 0; k < fine.size[2]; ++k)
     for (int j = 0; j < fine.size[1]; ++j) leaf.values[fine.index(fine.size[0] / 2, j, k)] = 3;
@@ -234,18 +235,18 @@ TEST(LabelField, ResamplingKeepsTheVolume) {
 }
 
 TEST(LabelField, WhereTheVolumeCutsTheLabel) {
-  Lattice l = around(centre, {0.8, 0.8, 1}, 55);
+  grid::Lattice l = around(centre, {0.8, 0.8, 1}, 55);
   l.size[2] = 56;  // ends at the ball's middle
-  const HuVolume volume = body(l);
-  const Lattice whole = around(centre, {0.8, 0.8, 1}, 55);
-  for (const Lattice& g : {whole, around(centre, {1.1, 1.1, 1.1}, 30)}) {
+  const grid::HuVolume volume = body(l);
+  const grid::Lattice whole = around(centre, {0.8, 0.8, 1}, 55);
+  for (const grid::Lattice& g : {whole, around(centre, {1.1, 1.1, 1.1}, 30)}) {
     Report report;
-    const Field f = taken(volume, nrrd_bytes(ball(g), {}), report);
+    const grid::Field f = taken(volume, nrrd_bytes(ball(g), {}), report);
     EXPECT_NEAR(std::get<double>(*report.find("outside_ratio")), 0.48, 0.04);
     ASSERT_EQ(report.warnings.size(), 1u);
     EXPECT_NE(report.warnings[0].find("outside of the volume"), std::string::npos);
     // It goes on up to the volume's last slice.
-    EXPECT_EQ(place_in(f, l).end[2], l.size[2]);
+    EXPECT_EQ(grid::place_in(f, l).end[2], l.size[2]);
     const Vec3 q = f.to_index({centre.x, centre.y, l.to_world_mm({0, 0, l.size[2] - 1.0}).z});
     EXPECT_GT(f.at(int(std::lround(q.x)), int(std::lround(q.y)), f.size[2] - 1), 0);
   }
@@ -253,17 +254,17 @@ TEST(LabelField, WhereTheVolumeCutsTheLabel) {
 
 TEST(LabelField, AVoxelOnTheVolumesVeryEdge) {
   // The label's first voxels lie half a voxel outside of the volume's first ones: index -0.5, which rounds to -1.
-  const Lattice l = around(centre, {1, 1, 1}, 30);
-  Lattice g = l;
+  const grid::Lattice l = around(centre, {1, 1, 1}, 30);
+  grid::Lattice g = l;
   g.origin_mm = l.origin_mm - Vec3{0.5, 0.5, 0.5};
   TestLabels t{g, 1, std::vector<int>(g.count(), 3)};
   Report report;
-  const Field f = taken(Grid<std::int16_t>(l, 30), nrrd_bytes(t, {}), report);
+  const grid::Field f = taken(grid::Grid<std::int16_t>(l, 30), nrrd_bytes(t, {}), report);
   EXPECT_TRUE(flag(report, "resampled"));
   EXPECT_EQ(f.size, l.size);
 }
 
-std::string refused(const HuVolume& volume, const std::string& bytes, LabelParams params = {}) {
+std::string refused(const grid::HuVolume& volume, const std::string& bytes, segmentation::LabelParams params = {}) {
   Report report;
   try {
     taken(volume, bytes, report, params);
@@ -275,13 +276,13 @@ std::string refused(const HuVolume& volume, const std::string& bytes, LabelParam
 }
 
 TEST(LabelField, RefusesWhatLiesElsewhere) {
-  const Lattice l = around(centre, {1, 1, 1}, 50);
-  const HuVolume volume = body(l, 40);
+  const grid::Lattice l = around(centre, {1, 1, 1}, 50);
+  const grid::HuVolume volume = body(l, 40);
   // Wholly outside.
   EXPECT_NE(refused(volume, nrrd_bytes(ball(around({300, 0, 0}, {1, 1, 1}, 25), {300, 0, 0}), {})).find("100 %"),
             std::string::npos);
   // RAS taken for LPS: it says so.
-  Lattice mirrored = around(centre, {1, 1, 1}, 25);
+  grid::Lattice mirrored = around(centre, {1, 1, 1}, 25);
   const TestLabels right = ball(mirrored);
   TestLabels wrong = right;
   wrong.lattice.origin_mm.x = -wrong.lattice.origin_mm.x;
@@ -293,23 +294,23 @@ TEST(LabelField, RefusesWhatLiesElsewhere) {
   // In air, within the volume.
   const Vec3 corner = centre + Vec3{30, 30, 30};
   const std::string air = nrrd_bytes(ball(around(corner, {1, 1, 1}, 19), corner), {});
-  const HuVolume small_body = body(around(centre, {1, 1, 1}, 60), 20);
+  const grid::HuVolume small_body = body(around(centre, {1, 1, 1}, 60), 20);
   EXPECT_NE(refused(small_body, air).find("air"), std::string::npos);
-  LabelParams anyway;
+  segmentation::LabelParams anyway;
   anyway.max_air_ratio = 1;
   EXPECT_EQ(refused(small_body, air, anyway), "taken");
   // Empty: a segment without a voxel.
   TestLabels none = right;
   std::fill(none.values.begin(), none.values.end(), 0);
-  LabelParams named;
+  segmentation::LabelParams named;
   named.label = "brain";
   EXPECT_NE(refused(volume, nrrd_bytes(none, {"Segment0_ID:=s", "Segment0_Name:=brain"}), named).find("not one voxel"),
             std::string::npos);
 }
 
 TEST(LabelField, WarnsWhereItsGridCutsIt) {
-  const Lattice l = around(centre, {1, 1, 1}, 50);
-  Lattice cut = around(centre, {1, 1, 1}, 25);
+  const grid::Lattice l = around(centre, {1, 1, 1}, 50);
+  grid::Lattice cut = around(centre, {1, 1, 1}, 25);
   cut.size[0] = 26;
   Report report;
   taken(body(l),
@@ -322,13 +323,13 @@ TEST(LabelField, WarnsWhereItsGridCutsIt) {
 }
 
 TEST(LabelField, TheSameBitsWithOneThread) {
-  const HuVolume volume = body(around(centre, {1, 1, 1}, 50));
+  const grid::HuVolume volume = body(around(centre, {1, 1, 1}, 50));
   for (const std::string& bytes : {nrrd_bytes(ball(around(centre, {1, 1, 1}, 25)), {}),
                                    nrrd_bytes(ball(around(centre, {0.9, 0.8, 1.3}, 25, turned(0.1, 0.2))), {})}) {
     Report many, one;
-    const Field a = taken(volume, bytes, many);
+    const grid::Field a = taken(volume, bytes, many);
     set_thread_count(1);
-    const Field b = taken(volume, bytes, one);
+    const grid::Field b = taken(volume, bytes, one);
     set_thread_count(0);
     EXPECT_EQ(a, b);
     EXPECT_EQ(many.figures, one.figures);
@@ -337,8 +338,8 @@ TEST(LabelField, TheSameBitsWithOneThread) {
 
 // Smoothing takes a third of a rod of two voxels: its surface is moved between voxels until it holds what it held.
 TEST(LabelField, ThinLabelsOnTheVolumesVoxelsKeepTheirVolume) {
-  const Lattice l = around(centre, {2.5, 2.5, 2.5}, 30);
-  const HuVolume volume = body(l);
+  const grid::Lattice l = around(centre, {2.5, 2.5, 2.5}, 30);
+  const grid::HuVolume volume = body(l);
   for (const int width : {2, 3}) {
     SCOPED_TRACE(width);
     TestLabels rod{l, 1, std::vector<int>(l.count(), 0)};
@@ -346,7 +347,7 @@ TEST(LabelField, ThinLabelsOnTheVolumesVoxelsKeepTheirVolume) {
       for (int j = 0; j < width; ++j)
         for (int i = 0; i < width; ++i) rod.values[l.index(l.size[0] / 2 + i, l.size[1] / 2 + j, k)] = 3;
     Report report;
-    const Field f = taken(volume, nrrd_bytes(rod, {}), report);
+    const grid::Field f = taken(volume, nrrd_bytes(rod, {}), report);
     const auto figure = [&](const char* name) { return std::get<double>(*report.find(name)); };
     EXPECT_FALSE(flag(report, "resampled"));
     EXPECT_GT(figure("balanced_ratio"), 1);

@@ -12,8 +12,8 @@ namespace trephine {
 namespace {
 
 /// Oblique, anisotropic.
-Lattice oblique() {
-  Lattice l;
+grid::Lattice oblique() {
+  grid::Lattice l;
   l.size = {7, 6, 5};
   l.spacing_mm = {0.5, 0.75, 2.5};
   l.origin_mm = {12, -34, 56};
@@ -24,13 +24,13 @@ Lattice oblique() {
   return l;
 }
 
-TestLabels counted(const Lattice& l) {
+TestLabels counted(const grid::Lattice& l) {
   TestLabels t{l, 1, {}};
   for (std::size_t v = 0; v < l.count(); ++v) t.values.push_back(int(v % 5));
   return t;
 }
 
-void expect_lattice(const Lattice& is, const Lattice& want, double off_mm) {
+void expect_lattice(const grid::Lattice& is, const grid::Lattice& want, double off_mm) {
   ASSERT_EQ(is.size, want.size);
   for (int corner = 0; corner < 8; ++corner) {
     Vec3 at;
@@ -39,9 +39,9 @@ void expect_lattice(const Lattice& is, const Lattice& want, double off_mm) {
   }
 }
 
-void expect_values(const LabelFile& map, const TestLabels& t) {
+void expect_values(const grid::LabelFile& map, const TestLabels& t) {
   for (int value = 1; value <= 4; ++value) {
-    const PickedLabel p = pick_label(map, std::to_string(value));
+    const grid::PickedLabel p = grid::pick_label(map, std::to_string(value));
     ASSERT_EQ(p.mask.voxels.size(), t.values.size());
     for (std::size_t v = 0; v < t.values.size(); ++v) ASSERT_EQ(p.mask.voxels[v], t.values[v] == value) << v;
   }
@@ -62,7 +62,7 @@ TEST(Nifti, EveryDatatypeFormAndByteOrder) {
           s.extension_bytes = datatype == 8 ? 160 : 0;
           SCOPED_TRACE(std::to_string(datatype) + " " + std::to_string(version) + " " + std::to_string(int(form)) +
                        std::to_string(big));
-          const LabelFile map = decode_labels(nifti_bytes(t, s));
+          const grid::LabelFile map = grid::decode_labels(nifti_bytes(t, s));
           EXPECT_EQ(map.format, "NIfTI");
           EXPECT_TRUE(map.warnings.empty());
           expect_lattice(map.lattice, t.lattice, 1e-4);
@@ -80,7 +80,7 @@ TEST(Nifti, LeftHandedGridsUnitsAndScaling) {
       s.per_mm = per_mm;
       s.slope = 0.5;
       s.inter = -2;
-      const LabelFile map = decode_labels(nifti_bytes(t, s));
+      const grid::LabelFile map = grid::decode_labels(nifti_bytes(t, s));
       expect_lattice(map.lattice, t.lattice, 1e-3);
       expect_values(map, t);
     }
@@ -89,7 +89,7 @@ TEST(Nifti, LeftHandedGridsUnitsAndScaling) {
 TEST(Nifti, WithoutAFrameItSaysSo) {
   NiftiStyle s;
   s.form = Form::pixdim;
-  const LabelFile map = decode_labels(nifti_bytes(counted(oblique()), s));
+  const grid::LabelFile map = grid::decode_labels(nifti_bytes(counted(oblique()), s));
   ASSERT_EQ(map.warnings.size(), 1u);
   EXPECT_NE(map.warnings[0].find("neither"), std::string::npos);
 }
@@ -97,13 +97,14 @@ TEST(Nifti, WithoutAFrameItSaysSo) {
 TEST(Nifti, MultiMemberGzipIsOneStream) {
   const TestLabels t = counted(oblique());
   const std::string plain = nifti_bytes(t, {});
-  const std::string two = detail::gzip_compress(plain.substr(0, 400)) + detail::gzip_compress(plain.substr(400));
-  expect_values(decode_labels(two), t);
+  const std::string two =
+      grid::detail::gzip_compress(plain.substr(0, 400)) + grid::detail::gzip_compress(plain.substr(400));
+  expect_values(grid::decode_labels(two), t);
 }
 
 std::string refusal(const std::string& bytes) {
   try {
-    decode_labels(bytes);
+    grid::decode_labels(bytes);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     return e.field();
@@ -161,7 +162,7 @@ TEST(Nifti, ABombTakesNoMemory) {
   const std::int16_t n = 30000;
   for (const std::size_t at : {42, 44, 46}) bytes.replace(at, 2, reinterpret_cast<const char*>(&n), 2);
   bytes.append(std::size_t{64} << 20, '\0');
-  EXPECT_EQ(refusal(detail::gzip_compress(bytes)), "dim");
+  EXPECT_EQ(refusal(grid::detail::gzip_compress(bytes)), "dim");
 }
 
 TEST(SegNrrd, SegmentsByNameValueAndLayer) {
@@ -176,7 +177,7 @@ TEST(SegNrrd, SegmentsByNameValueAndLayer) {
       "Segment2_ID:=Segment_3",      "Segment2_Name:=skin",       "Segment2_LabelValue:=1", "Segment2_Layer:=1",
       "Segment2_Extent:=0 9 0 5 0 4"};
   for (const bool ras : {false, true}) {
-    const LabelFile map = decode_labels(nrrd_bytes(t, keys, ras));
+    const grid::LabelFile map = grid::decode_labels(nrrd_bytes(t, keys, ras));
     EXPECT_EQ(map.format, "seg.nrrd");
     EXPECT_EQ(map.layers, 2);
     ASSERT_EQ(map.segments.size(), 3u);
@@ -184,7 +185,7 @@ TEST(SegNrrd, SegmentsByNameValueAndLayer) {
     EXPECT_TRUE(map.segments[2].cropped);
     expect_lattice(map.lattice, t.lattice, 1e-9);
     const auto expect = [&](const char* label, std::size_t layer, int value) {
-      const PickedLabel p = pick_label(map, label);
+      const grid::PickedLabel p = grid::pick_label(map, label);
       for (std::size_t v = 0; v < p.mask.voxels.size(); ++v)
         ASSERT_EQ(p.mask.voxels[v], t.values[2 * v + layer] == value) << label << " " << v;
     };
@@ -195,7 +196,7 @@ TEST(SegNrrd, SegmentsByNameValueAndLayer) {
     expect("skin", 1, 1);
     const auto refused = [&](const char* label) {
       try {
-        pick_label(map, label);
+        grid::pick_label(map, label);
         return std::string("taken");
       } catch (const Error& e) {
         EXPECT_EQ(e.field(), "label");
@@ -214,11 +215,11 @@ TEST(SegNrrd, FormerFilesHaveALayerASegment) {
     t.values.push_back(v % 3 == 0);
     t.values.push_back(v % 5 == 0);
   }
-  const LabelFile map =
-      decode_labels(nrrd_bytes(t, {"Segment0_ID:=a", "Segment0_Name:=left", "Segment1_ID:=b", "Segment1_Name:=right"}));
-  const PickedLabel right = pick_label(map, "right");
+  const grid::LabelFile map = grid::decode_labels(
+      nrrd_bytes(t, {"Segment0_ID:=a", "Segment0_Name:=left", "Segment1_ID:=b", "Segment1_Name:=right"}));
+  const grid::PickedLabel right = grid::pick_label(map, "right");
   for (std::size_t v = 0; v < right.mask.voxels.size(); ++v) ASSERT_EQ(right.mask.voxels[v], v % 5 == 0);
-  const PickedLabel all = pick_label(map, "");
+  const grid::PickedLabel all = grid::pick_label(map, "");
   for (std::size_t v = 0; v < all.mask.voxels.size(); ++v) ASSERT_EQ(all.mask.voxels[v], v % 5 == 0 || v % 3 == 0);
 }
 
@@ -231,10 +232,10 @@ TEST(SegNrrd, RefusesNamingTheField) {
 }
 
 TEST(LabelMapNrrd, AValueThatIsNotThere) {
-  const LabelFile map = decode_labels(nrrd_bytes(counted(oblique()), {}));
+  const grid::LabelFile map = grid::decode_labels(nrrd_bytes(counted(oblique()), {}));
   EXPECT_EQ(map.format, "NRRD");
   try {
-    pick_label(map, "9");
+    grid::pick_label(map, "9");
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("1, 2, 3, 4"), std::string::npos) << e.what();
@@ -264,12 +265,12 @@ TEST(Labels, MutantsNeverCrash) {
     }
     if (random() < 0.3) bytes.resize(std::size_t(random() * double(bytes.size())));
     try {
-      const LabelFile map = decode_labels(bytes);
+      const grid::LabelFile map = grid::decode_labels(bytes);
       const std::size_t samples = std::visit([](const auto& g) { return g.voxels.size(); }, map.samples);
       EXPECT_LE(samples, bytes.size() * 1032);
-      pick_label(map, "");
+      grid::pick_label(map, "");
       for (const char* label : {"1", "x"}) try {
-          pick_label(map, label);
+          grid::pick_label(map, label);
         } catch (const Error&) {
         }
       ++taken;

@@ -15,7 +15,7 @@ namespace trephine {
 
 /// Whole numbers on a lattice (LPS), layers fastest.
 struct TestLabels {
-  Lattice lattice;
+  grid::Lattice lattice;
   int layers = 1;
   std::vector<int> values;
 };
@@ -84,7 +84,7 @@ inline std::array<double, 4> quaternion_of(Mat3 m) {
 
 template <class Real, class Code, class Size>
 void put_header(ByteWriter& w, const TestLabels& t, const NiftiStyle& s, const std::array<std::size_t, 8>& at) {
-  const Lattice& l = t.lattice;
+  const grid::Lattice& l = t.lattice;
   const auto ras = [](Vec3 v) { return Vec3{-v.x, -v.y, v.z}; };
   Mat3 m;
   for (int a = 0; a < 3; ++a) m.column[a] = ras(l.direction.column[a]);
@@ -170,7 +170,7 @@ inline std::string nifti_bytes(const TestLabels& t, const NiftiStyle& s) {
         w.append<std::uint64_t>(std::uint64_t(v));
     }
   }
-  return s.gzip ? detail::gzip_compress(w.bytes) : w.bytes;
+  return s.gzip ? grid::detail::gzip_compress(w.bytes) : w.bytes;
 }
 
 /// A NRRD of unsigned char, gzip; `keys` are whole lines ("Segment0_Name:=brain").
@@ -179,7 +179,7 @@ inline std::string nrrd_bytes(const TestLabels& t, const std::vector<std::string
     if (ras) v = {-v.x, -v.y, v.z};
     return "(" + to_text(v.x) + "," + to_text(v.y) + "," + to_text(v.z) + ")";
   };
-  const Lattice& l = t.lattice;
+  const grid::Lattice& l = t.lattice;
   const bool list = t.layers > 1;
   std::string out = "NRRD0004\ntype: unsigned char\ndimension: " + std::string(list ? "4" : "3") +
                     "\nspace: " + (ras ? "right-anterior-superior" : "left-posterior-superior") + "\nsizes:";
@@ -192,7 +192,7 @@ inline std::string nrrd_bytes(const TestLabels& t, const std::vector<std::string
   for (const std::string& k : keys) out += k + "\n";
   std::string data;
   for (const int v : t.values) data.push_back(static_cast<char>(v));
-  return out + "\n" + detail::gzip_compress(data);
+  return out + "\n" + grid::detail::gzip_compress(data);
 }
 
 }  // namespace trephine

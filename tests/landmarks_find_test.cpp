@@ -24,7 +24,7 @@ ExitCode code_of(const std::function<void()>& f) {
   return ExitCode::ok;
 }
 
-double off_plane_mm(const HeadLandmarks& l, Vec3 p) {
+double off_plane_mm(const head::HeadLandmarks& l, Vec3 p) {
   return std::abs(dot(l.midsagittal.normal, p - l.midsagittal.point_mm));
 }
 const char* const with_truth[] = {"nasion",      "inion",        "tragus_left", "tragus_right",
@@ -32,7 +32,7 @@ const char* const with_truth[] = {"nasion",      "inion",        "tragus_left", 
 
 TEST(LandmarksFind, AllOfAPhantomWithinTwoMillimetres) {
   Report report;
-  const HeadLandmarks found = find(scene(), report);
+  const head::HeadLandmarks found = find(scene(), report);
   for (const char* name : with_truth) {
     ASSERT_TRUE(found.find(name)) << name;
     EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 2.2) << name;
@@ -50,12 +50,12 @@ TEST(LandmarksFind, AllOfAPhantomWithinTwoMillimetres) {
 }
 
 TEST(LandmarksFind, TurnedHeadsGiveTheSamePlaces) {
-  const HeadLandmarks straight = find(scene());
+  const head::HeadLandmarks straight = find(scene());
   for (const Vec3 deg : {Vec3{18, 0, 0}, Vec3{-15, 8, -8}, Vec3{5, -15, 15}}) {
     const Mat3 m = turn_deg(deg.x, deg.y, deg.z);
     const Vec3 move{31, -47, 120};
     Report report;
-    const HeadLandmarks found = find(turned(scene(), m, move), report);
+    const head::HeadLandmarks found = find(turned(scene(), m, move), report);
     for (const char* name : with_truth) {
       ASSERT_TRUE(found.find(name)) << name << " " << deg.x
                                     << (report.warnings.empty() ? "" : ": " + report.warnings[0]);
@@ -68,17 +68,17 @@ TEST(LandmarksFind, TurnedHeadsGiveTheSamePlaces) {
 }
 
 TEST(LandmarksFind, WhatWasNotScannedIsLeftOut) {
-  const auto absent = [](const HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
+  const auto absent = [](const head::HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
     for (const char* name : names) EXPECT_LT(confidence(found, name), 0.3) << name << ": " << why;
   };
-  const auto there = [](const HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
+  const auto there = [](const head::HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
     for (const char* name : names) {
       ASSERT_TRUE(found.find(name)) << name << ": " << why;
       EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 3.0) << name << ": " << why;
     }
   };
   const double all = 1e4;
-  HeadLandmarks found = find(cut(scene(), {-all, -all, -all}, {all, all, 90}));
+  head::HeadLandmarks found = find(cut(scene(), {-all, -all, -all}, {all, all, 90}));
   absent(found, {"vertex", "kocher_left", "kocher_right", "bregma"}, "no vertex scanned");
   there(found, {"nasion", "inion", "tragus_left", "tragus_right", "monro_left", "monro_right"}, "no vertex scanned");
 
@@ -93,21 +93,21 @@ TEST(LandmarksFind, WhatWasNotScannedIsLeftOut) {
   found = find(cut(scene(), {-60, -all, -all}, {all, all, all}));
   absent(found, {"tragus_right"}, "no right side scanned");
   there(found, {"nasion", "inion", "tragus_left"}, "no right side scanned");
-  for (const CaseLandmark& l : found.landmarks)
-    EXPECT_GE(lattice_of(cut(scene(), {-60, -all, -all}, {all, all, all}).volume).to_index(l.position_mm).x, 0);
+  for (const cases::CaseLandmark& l : found.landmarks)
+    EXPECT_GE(grid::lattice_of(cut(scene(), {-60, -all, -all}, {all, all, all}).volume).to_index(l.position_mm).x, 0);
 }
 
 TEST(LandmarksFind, AHeadWithoutAFaceHasNoNasion) {
   // Everything in front of a plane from the brow down is taken away, as defacing programs do.
   LandmarkScene s = scene();
-  for (Field* f : {&s.skin, &s.skull})
+  for (grid::Field* f : {&s.skin, &s.skull})
     for (int k = 0; k < f->size[2]; ++k)
       for (int j = 0; j < f->size[1]; ++j)
         for (int i = 0; i < f->size[0]; ++i) {
           const Vec3 p = f->to_world_mm({double(i), double(j), double(k)});
           if (p.z < 60 && p.y + 0.35 * (p.z - 60) < -82) f->at(i, j, k) = -100;
         }
-  const HeadLandmarks found = find(s);
+  const head::HeadLandmarks found = find(s);
   EXPECT_LT(confidence(found, "nasion"), 0.3);
   EXPECT_LT(confidence(found, "kocher_right"), 0.3);
   ASSERT_TRUE(found.find("inion"));
@@ -117,7 +117,7 @@ TEST(LandmarksFind, AHeadWithoutAFaceHasNoNasion) {
 TEST(LandmarksFind, AMassAndAMissingFlapDoNotPullThePlane) {
   LandmarkScene s = scene();
   const Vec3 mass = {-38, -66, 88};
-  for (Field* f : {&s.skin, &s.skull})
+  for (grid::Field* f : {&s.skin, &s.skull})
     for (int k = 0; k < f->size[2]; ++k)
       for (int j = 0; j < f->size[1]; ++j)
         for (int i = 0; i < f->size[0]; ++i) {
@@ -125,7 +125,7 @@ TEST(LandmarksFind, AMassAndAMissingFlapDoNotPullThePlane) {
           if (f == &s.skin && d < 32) f->at(i, j, k) = std::max(f->at(i, j, k), float(20 * (32 - d)));
           if (f == &s.skull && d < 30) f->at(i, j, k) = -100;
         }
-  const HeadLandmarks found = find(s);
+  const head::HeadLandmarks found = find(s);
   EXPECT_LT(off_plane_mm(found, scene().head.landmark("nasion")), 1.0);
   EXPECT_LT(off_plane_mm(found, scene().head.landmark("inion")), 1.0);
   EXPECT_LT(norm(found.find("nasion")->position_mm - scene().head.landmark("nasion")), 2.5);
@@ -137,14 +137,14 @@ TEST(LandmarksFind, AClosedForamenIsFoundAndDoubtful) {
   for (const double closed_mm : {2.5, 4.0}) {
     LandmarkScene s = scene();
     const Vec3 right = s.head.landmark("monro_right");
-    Field& field = s.ventricles;
+    grid::Field& field = s.ventricles;
     for (int k = 0; k < field.size[2]; ++k)
       for (int j = 0; j < field.size[1]; ++j)
         for (int i = 0; i < field.size[0]; ++i) {
           const double off_mm = norm(field.to_world_mm({double(i), double(j), double(k)}) - right);
           if (off_mm < closed_mm + 2) field.at(i, j, k) = std::min(field.at(i, j, k), float(off_mm - closed_mm));
         }
-    const HeadLandmarks found = find(s);
+    const head::HeadLandmarks found = find(s);
     ASSERT_TRUE(found.find("monro_right") && found.find("monro_left")) << closed_mm;
     EXPECT_LT(norm(found.find("monro_right")->position_mm - right), 3) << closed_mm;
     EXPECT_GT(confidence(found, "monro_left"), 0.6) << closed_mm;
@@ -156,7 +156,7 @@ TEST(LandmarksFind, AClosedForamenIsFoundAndDoubtful) {
 TEST(LandmarksFind, AForamenIsPulledToWhereTheScanIsDark) {
   LandmarkScene s = scene();
   const Vec3 right = s.head.landmark("monro_right"), behind = right + Vec3{0, 4, 0}, along{-0.4, 0, 0.9};
-  Field& field = s.ventricles;
+  grid::Field& field = s.ventricles;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i) {
@@ -166,7 +166,7 @@ TEST(LandmarksFind, AForamenIsPulledToWhereTheScanIsDark) {
         const Vec3 off = p - behind - along * std::clamp(dot(p - behind, along), -4.0, 4.0);
         if (norm(off) < 3) f = std::max(f, float(1.6 - norm(off)));
       }
-  const HeadLandmarks found = find(s);
+  const head::HeadLandmarks found = find(s);
   ASSERT_TRUE(found.find("monro_right"));
   EXPECT_LT(norm(found.find("monro_right")->position_mm - right), 3);
 }
@@ -175,15 +175,15 @@ TEST(LandmarksFind, TheSameBytesWithOneTwoAndEightThreads) {
   std::string first;
   for (const int threads : {1, 2, 8}) {
     set_thread_count(threads);
-    const std::string json = landmarks_json(find(scene()));
+    const std::string json = head::landmarks_json(find(scene()));
     if (first.empty()) first = json;
     EXPECT_EQ(json, first) << threads;
   }
   set_thread_count(0);
 }
 
-Field ball(const Lattice& l, Vec3 centre, double radius_mm, double inner_mm) {
-  Field f(l);
+grid::Field ball(const grid::Lattice& l, Vec3 centre, double radius_mm, double inner_mm) {
+  grid::Field f(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -194,17 +194,17 @@ Field ball(const Lattice& l, Vec3 centre, double radius_mm, double inner_mm) {
 }
 
 TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {90, 90, 90};
   l.spacing_mm = {2.5, 2.5, 2.5};
   l.origin_mm = {-111, -111, -111};
-  Grid<std::int16_t> spot(l);
+  grid::Grid<std::int16_t> spot(l);
   spot.at(45, 45, 45) = 30;
-  const HuVolume volume = spot;
-  const Field skin = ball(l, {0, 0, 0}, 90, -1), skull = ball(l, {0, 0, 0}, 80, 72);
-  LandmarkInputs in;
+  const grid::HuVolume volume = spot;
+  const grid::Field skin = ball(l, {0, 0, 0}, 90, -1), skull = ball(l, {0, 0, 0}, 80, 72);
+  head::LandmarkInputs in;
   Report report;
-  const auto run = [&] { find_landmarks(volume, in, {}, report); };
+  const auto run = [&] { head::find_landmarks(volume, in, {}, report); };
   EXPECT_EQ(code_of(run), ExitCode::usage);
   in.skin = &skin;
   EXPECT_EQ(code_of(run), ExitCode::usage);
@@ -218,19 +218,19 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
     EXPECT_NE(std::string(e.what()).find("give nasion"), std::string::npos) << e.what();
   }
   // Lopsided rubbish.
-  Field rubbish = ball(l, {0, 0, 0}, 80, 72);
+  grid::Field rubbish = ball(l, {0, 0, 0}, 80, 72);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
         if (i > 20 + j / 2 && k > 70 - j / 3 - i / 4) rubbish.at(i, j, k) = -1;
   in.skull = &rubbish;
   EXPECT_EQ(code_of(run), ExitCode::quality);
-  const Field empty(l, -1.f);
+  const grid::Field empty(l, -1.f);
   in.skull = &empty;
   EXPECT_EQ(code_of(run), ExitCode::quality);
-  Lattice other = l;
+  grid::Lattice other = l;
   other.spacing_mm = {2, 2, 2};
-  const Field elsewhere(other, -1.f);
+  const grid::Field elsewhere(other, -1.f);
   in.skull = &elsewhere;
   EXPECT_EQ(code_of(run), ExitCode::bad_input);
   in.skull = &skull;
@@ -241,15 +241,15 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
 }
 
 TEST(LandmarksFind, AVolumeOfOneValueShowsNoHead) {
-  const HuVolume constant = Grid<std::int16_t>(lattice_of(scene().volume), 40);
+  const grid::HuVolume constant = grid::Grid<std::int16_t>(grid::lattice_of(scene().volume), 40);
   Report report;
-  EXPECT_EQ(code_of([&] { find_landmarks(constant, scene().inputs(), {}, report); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { head::find_landmarks(constant, scene().inputs(), {}, report); }), ExitCode::quality);
 }
 
 TEST(LandmarksFind, Cancels) {
   const std::atomic<bool> stop{true};
   Report report;
-  EXPECT_THROW(find_landmarks(scene().volume, scene().inputs(), {}, report, Progress({}, &stop)), Cancelled);
+  EXPECT_THROW(head::find_landmarks(scene().volume, scene().inputs(), {}, report, Progress({}, &stop)), Cancelled);
 }
 
 TEST(LongLandmarksPhantom, ALibraryOfVariants) {
@@ -267,7 +267,7 @@ TEST(LongLandmarksPhantom, ALibraryOfVariants) {
       how.slice_step_mm = how.slice_thickness_mm = thickness;
       how.noise_hu = 8 + 4 * (n % 4);
       const LandmarkScene s = make_scene(who, how);
-      const HeadLandmarks found = find(s);
+      const head::HeadLandmarks found = find(s);
       for (const char* name : with_truth) {
         if (!found.find(name) || found.find(name)->confidence < 0.5) {
           EXPECT_TRUE(variant == Variant::small && name[0] == 'm') << name << " " << n;

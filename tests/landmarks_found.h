@@ -21,23 +21,23 @@ inline const LandmarkScene& scene() {
   return s;
 }
 
-inline LandmarkParams as_the_truth() {
-  LandmarkParams p;
+inline head::LandmarkParams as_the_truth() {
+  head::LandmarkParams p;
   p.lateral_mm = 30;
   return p;
 }
 
-inline HeadLandmarks find(const LandmarkScene& s, Report& report) {
-  return find_landmarks(s.volume, s.inputs(), as_the_truth(), report);
+inline head::HeadLandmarks find(const LandmarkScene& s, Report& report) {
+  return head::find_landmarks(s.volume, s.inputs(), as_the_truth(), report);
 }
 
-inline HeadLandmarks find(const LandmarkScene& s) {
+inline head::HeadLandmarks find(const LandmarkScene& s) {
   Report report;
   return find(s, report);
 }
 
-inline double confidence(const HeadLandmarks& l, const char* name) {
-  const CaseLandmark* found = l.find(name);
+inline double confidence(const head::HeadLandmarks& l, const char* name) {
+  const cases::CaseLandmark* found = l.find(name);
   return found ? found->confidence : 0;
 }
 

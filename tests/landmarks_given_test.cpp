@@ -17,13 +17,13 @@ namespace {
 using namespace landmarks_test;
 
 TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right"})
     in.given.push_back({name, scene().head.landmark(name), 1, "given"});
   in.given.push_back({"lesion", {1, 2, 3}, 1, "given"});
   Report report;
-  const HeadLandmarks found = find_landmarks(scene().volume, in, as_the_truth(), report);
-  for (const CaseLandmark& g : in.given) {
+  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, as_the_truth(), report);
+  for (const cases::CaseLandmark& g : in.given) {
     ASSERT_TRUE(found.find(g.name)) << g.name;
     EXPECT_EQ(found.find(g.name)->position_mm, g.position_mm);
     EXPECT_EQ(found.find(g.name)->source, "given");
@@ -34,8 +34,8 @@ TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
   for (const char* name : {"kocher_left", "kocher_right"})
     EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 0.7) << name;
 
-  const HeadLandmarks both =
-      merged(find(scene()), {{"nasion", {0, -90, 30}, 1, "given"}, {"x", {0, 0, 0}, 1, "given"}});
+  const head::HeadLandmarks both =
+      head::merged(find(scene()), {{"nasion", {0, -90, 30}, 1, "given"}, {"x", {0, 0, 0}, 1, "given"}});
   EXPECT_EQ(both.find("nasion")->position_mm, (Vec3{0, -90, 30}));
   EXPECT_EQ(both.landmarks.size(), find(scene()).landmarks.size() + 1);
 }
@@ -44,10 +44,10 @@ TEST(LandmarksFind, TragiThatDoNotMirrorEachOtherAreDoubtful) {
   // Which of the two is wrong cannot be known; what a person gave stays sure.
   double before = 2;
   for (const double off_mm : {0.0, 3.0, 12.0}) {
-    LandmarkInputs in = scene().inputs();
+    head::LandmarkInputs in = scene().inputs();
     in.given = {{"tragus_left", scene().head.landmark("tragus_left") + Vec3{0, -off_mm, 0}, 1, "given"}};
     Report report;
-    const HeadLandmarks found = find_landmarks(scene().volume, in, as_the_truth(), report);
+    const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, as_the_truth(), report);
     EXPECT_EQ(confidence(found, "tragus_left"), 1);
     EXPECT_LT(confidence(found, "tragus_right"), before) << off_mm;
     before = confidence(found, "tragus_right");
@@ -57,35 +57,35 @@ TEST(LandmarksFind, TragiThatDoNotMirrorEachOtherAreDoubtful) {
 }
 
 TEST(LandmarksFind, KochersPointIsThatOfTheBurrHole) {
-  LandmarkParams params;
+  head::LandmarkParams params;
   Report report;
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   std::map<std::string, Vec3> marks;
   for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right"}) {
     marks[name] = scene().head.landmark(name);
     in.given.push_back({name, marks[name], 1, "given"});
   }
-  const HeadLandmarks found = find_landmarks(scene().volume, in, params, report);
-  const TriMesh skin = contour(scene().skin, ContourParams(), report),
-                skull = contour(scene().skull, ContourParams(), report);
+  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, params, report);
+  const surface::TriMesh skin = meshing::contour(scene().skin, meshing::ContourParams(), report),
+                         skull = meshing::contour(scene().skull, meshing::ContourParams(), report);
   for (const bool right : {true, false}) {
-    BurrHoleRequest request;
-    request.side = right ? BurrHoleRequest::Side::right : BurrHoleRequest::Side::left;
+    boolean::BurrHoleRequest request;
+    request.side = right ? boolean::BurrHoleRequest::Side::right : boolean::BurrHoleRequest::Side::left;
     ASSERT_EQ(request.lateral_mm, params.lateral_mm);
     ASSERT_EQ(request.along_mm, params.along_mm);
-    const BurrHole hole = place_burr_hole(request, marks, &skin, skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole(request, marks, &skin, skull, report);
     const Vec3 ours = found.find(right ? "kocher_right" : "kocher_left")->position_mm;
     EXPECT_LT(norm(hole.skin_mm - ours), 0.5);
   }
 }
 
 TEST(LandmarksFind, GivenOnesThatLieFarOutsideAreRefused) {
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   const auto refused = [&](const char* name, Vec3 at) {
     in.given = {{name, at, 1, "given"}};
     Report report;
     try {
-      find_landmarks(scene().volume, in, {}, report);
+      head::find_landmarks(scene().volume, in, {}, report);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       EXPECT_EQ(e.field(), name);
@@ -104,11 +104,11 @@ TEST(LandmarksFind, GivenOnesThatLieFarOutsideAreRefused) {
 }
 
 TEST(LandmarksFind, GivenOnesThatCannotBeRightAreDoubted) {
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   const auto doubts = [&](const char* name, Vec3 at) {
     in.given = {{name, at, 1, "given"}};
     Report report;
-    find_landmarks(scene().volume, in, {}, report);
+    head::find_landmarks(scene().volume, in, {}, report);
     std::string all;
     for (const std::string& w : report.warnings)
       if (w.rfind(name, 0) == 0 && w.find("as given") != std::string::npos) all += w + "; ";
@@ -123,11 +123,11 @@ TEST(LandmarksFind, GivenOnesThatCannotBeRightAreDoubted) {
 }
 
 TEST(LandmarksFind, ANameThatIsNotLookedForIsSaidWithTheNearestOne) {
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   const Vec3 inside = scene().head.landmark("nasion");
   in.given = {{"naison", inside, 1, "given"}, {"left_tragus", inside, 1, "given"}, {"lesion_edge", inside, 1, "given"}};
   Report report;
-  const HeadLandmarks found = find_landmarks(scene().volume, in, {}, report);
+  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, {}, report);
   EXPECT_EQ(found.find("nasion")->source, "found");
   const auto warned = [&](const std::string& text) {
     return std::find(report.warnings.begin(), report.warnings.end(), text) != report.warnings.end();

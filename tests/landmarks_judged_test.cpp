@@ -15,8 +15,8 @@ namespace {
 
 using namespace landmarks_test;
 
-std::vector<CaseLandmark> of_the_phantom() {
-  std::vector<CaseLandmark> all;
+std::vector<cases::CaseLandmark> of_the_phantom() {
+  std::vector<cases::CaseLandmark> all;
   for (const auto& [name, at] : scene().head.landmarks()) all.push_back({name, at, 0.9, "found"});
   return all;
 }
@@ -27,38 +27,39 @@ bool warns(const Report& report, const std::string& name, const std::string& of)
 }
 
 TEST(Plausible, ThoseOfOneHeadAreAndAWrongOneIsBlamed) {
-  EXPECT_TRUE(implausible(of_the_phantom()).empty());
+  EXPECT_TRUE(craniometry::implausible(of_the_phantom()).empty());
   for (const char* name : {"nasion", "inion", "tragus_left", "monro_right"}) {
-    std::vector<CaseLandmark> all = of_the_phantom();
-    for (CaseLandmark& l : all)
+    std::vector<cases::CaseLandmark> all = of_the_phantom();
+    for (cases::CaseLandmark& l : all)
       if (l.name == name) l.position_mm += Vec3{0, 70, -40};
-    const auto doubts = implausible(all);
+    const auto doubts = craniometry::implausible(all);
     const bool of_a_pair = std::string(name).find('_') != std::string::npos;  // which of the two is not known
     ASSERT_EQ(doubts.size(), of_a_pair ? 2u : 1u) << name;
-    EXPECT_TRUE(std::any_of(doubts.begin(), doubts.end(), [&](const LandmarkDoubt& d) { return d.name == name; }));
+    EXPECT_TRUE(
+        std::any_of(doubts.begin(), doubts.end(), [&](const craniometry::LandmarkDoubt& d) { return d.name == name; }));
     EXPECT_LT(doubts[0].factor, 0.5);
     EXPECT_NE(doubts[0].reason.find("are plausible"), std::string::npos) << doubts[0].reason;
   }
 }
 
 TEST(Plausible, WhatAPersonGaveIsNotBlamed) {
-  std::vector<CaseLandmark> all;
-  for (const CaseLandmark& l : of_the_phantom())
+  std::vector<cases::CaseLandmark> all;
+  for (const cases::CaseLandmark& l : of_the_phantom())
     if (l.name == "nasion" || l.name == "inion") all.push_back(l);
   all[0].position_mm += Vec3{0, 90, 0};
-  EXPECT_EQ(implausible(all).size(), 2u);  // nothing tells which
+  EXPECT_EQ(craniometry::implausible(all).size(), 2u);  // nothing tells which
   all[0].source = "given";
-  const auto doubts = implausible(all);
+  const auto doubts = craniometry::implausible(all);
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_EQ(doubts[0].name, all[1].name);
   all[1].source = "given";
-  EXPECT_TRUE(implausible(all).empty());
+  EXPECT_TRUE(craniometry::implausible(all).empty());
 }
 
 TEST(Plausible, ThePlaceBeforeTheSuture) {
   const Vec3 nasion{0, -100, 0}, centre{0, 0, 0}, bregma{0, 0, 90};
-  EXPECT_NEAR(before_suture_mm({30, -15, 85}, bregma, centre, nasion), 15, 1e-9);
-  EXPECT_NEAR(before_suture_mm({-30, 8, 85}, bregma, centre, nasion), -8, 1e-9);
+  EXPECT_NEAR(craniometry::before_suture_mm({30, -15, 85}, bregma, centre, nasion), 15, 1e-9);
+  EXPECT_NEAR(craniometry::before_suture_mm({-30, 8, 85}, bregma, centre, nasion), -8, 1e-9);
 }
 
 /// The height of the outer table of the analytic head.
@@ -70,8 +71,8 @@ double table_height_mm(const phantom::Head& head, double x, double y) {
 
 TEST(Suture, TheBregmaOfAPhantomIsThatOfItsSuture) {
   Report report;
-  const HeadLandmarks found = find(scene(), report);
-  const CaseLandmark* bregma = found.find("bregma");
+  const head::HeadLandmarks found = find(scene(), report);
+  const cases::CaseLandmark* bregma = found.find("bregma");
   ASSERT_TRUE(bregma);
   EXPECT_EQ(bregma->source, "found");
   EXPECT_GT(bregma->confidence, 0.8);
@@ -104,8 +105,8 @@ TEST(Suture, WhereNoneIsSeenTheBregmaIsADoubtfulEstimate) {
       s.volume);
   // The field's surface shows no cleft either: bone within the closed skull stays what it is.
   Report report;
-  const HeadLandmarks found = find(s, report);
-  const CaseLandmark* bregma = found.find("bregma");
+  const head::HeadLandmarks found = find(s, report);
+  const cases::CaseLandmark* bregma = found.find("bregma");
   ASSERT_TRUE(bregma);
   EXPECT_EQ(bregma->source, "estimated");
   EXPECT_LT(bregma->confidence, 0.5);
@@ -117,8 +118,8 @@ TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
   LandmarkScene s = scene();
   const Vec3 nasion = s.head.landmark("nasion");
   // A mask 9 mm off the skin that ends above the brow and has a hole.
-  Field& f = s.skin;
-  const Field before = f;
+  grid::Field& f = s.skin;
+  const grid::Field before = f;
   for (int k = 0; k < f.size[2]; ++k)
     for (int j = 0; j < f.size[1]; ++j)
       for (int i = 0; i < f.size[0]; ++i) {
@@ -129,7 +130,7 @@ TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
         if (before.contains(a, b, c)) f.at(i, j, k) = std::max(f.at(i, j, k), before.at(a, b, c));
       }
   Report report;
-  const HeadLandmarks found = find(s, report);
+  const head::HeadLandmarks found = find(s, report);
   EXPECT_GT(std::get<double>(*report.find("midline_leap_mm")), 4);
   for (const char* name : {"nasion", "kocher_left", "kocher_right", "vertex"}) {
     EXPECT_LT(confidence(found, name), 0.5) << name;
@@ -142,13 +143,13 @@ TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
 TEST(Judged, ALandmarkOfWhichNothingSpeaksIsNone) {
   // The right ear moved away by its own length: the tragi do not mirror each other.
   LandmarkScene s = scene();
-  LandmarkInputs in = s.inputs();
+  head::LandmarkInputs in = s.inputs();
   in.given = {{"tragus_left", s.head.landmark("tragus_left") + Vec3{0, 25, 0}, 1, "given"}};
   Report report;
-  const HeadLandmarks found = find_landmarks(s.volume, in, as_the_truth(), report);
+  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, as_the_truth(), report);
   EXPECT_FALSE(found.find("tragus_right"));
   EXPECT_TRUE(warns(report, "tragus_right", "not found: "));
-  for (const CaseLandmark& l : found.landmarks) EXPECT_GE(l.confidence, 0.05) << l.name;
+  for (const cases::CaseLandmark& l : found.landmarks) EXPECT_GE(l.confidence, 0.05) << l.name;
 }
 
 // An ear is known by its shape alone: without the other one nothing confirms it.
@@ -159,10 +160,10 @@ TEST(Judged, ALoneTragusIsDoubtful) {
   EXPECT_LT(confidence(find(s, report), "tragus_left"), 0.5);
   EXPECT_TRUE(warns(report, "tragus_left is doubtful", "the other one, on the right, was not found"));
   // Where a person gives the other one, the two confirm each other.
-  LandmarkInputs in = scene().inputs();
+  head::LandmarkInputs in = scene().inputs();
   in.given = {{"tragus_right", scene().head.landmark("tragus_right"), 1, "given"}};
   Report with_given;
-  EXPECT_GT(confidence(find_landmarks(scene().volume, in, as_the_truth(), with_given), "tragus_left"), 0.8);
+  EXPECT_GT(confidence(head::find_landmarks(scene().volume, in, as_the_truth(), with_given), "tragus_left"), 0.8);
 }
 
 TEST(Judged, ATragusWhoseOtherOneIsDoubtfulIsDoubtfulToo) {
@@ -170,7 +171,7 @@ TEST(Judged, ATragusWhoseOtherOneIsDoubtfulIsDoubtfulToo) {
   const double right = scene().head.landmark("tragus_right").x, all = 1e4;
   const LandmarkScene s = cut(scene(), {right - 5, -all, -all}, {all, all, all});
   Report report;
-  const HeadLandmarks found = find(s, report);
+  const head::HeadLandmarks found = find(s, report);
   ASSERT_TRUE(found.find("tragus_right"));
   EXPECT_LT(confidence(found, "tragus_right"), 0.5);
   ASSERT_TRUE(found.find("tragus_left"));
@@ -188,24 +189,24 @@ void expect_read(const char* data, const std::vector<Read>& points) {
   const char *own = std::getenv("TREPHINE_DATA"), *home = std::getenv("HOME");
   const auto path = std::filesystem::path(own ? own : std::string(home ? home : "") + "/.cache/trephine-data") / data;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real data at " << path;
-  const HuVolume volume = import_series(path, {}).volume;
+  const grid::HuVolume volume = dicom::import_series(path, {}).volume;
   Report ignored, report;
-  const Field skin = segment(volume, {}, head_recipe::skin(), ignored);
-  SegmentMasks masks;
+  const grid::Field skin = segmentation::segment(volume, {}, head_recipe::skin(), ignored);
+  segmentation::SegmentMasks masks;
   masks.within = &skin;
-  const Field skull = segment(volume, masks, head_recipe::skull(), ignored);
-  LandmarkInputs in;
+  const grid::Field skull = segmentation::segment(volume, masks, head_recipe::skull(), ignored);
+  head::LandmarkInputs in;
   in.skin = &skin;
   in.skull = &skull;
-  const HeadLandmarks found = find_landmarks(volume, in, {}, report);
+  const head::HeadLandmarks found = head::find_landmarks(volume, in, {}, report);
   for (const Read& p : points) {
-    const CaseLandmark* l = found.find(p.name);
+    const cases::CaseLandmark* l = found.find(p.name);
     ASSERT_TRUE(l) << p.name;
     EXPECT_GE(l->confidence, 0.5) << p.name;
     EXPECT_LT(norm(l->position_mm - p.at), p.radius_mm) << p.name;
   }
   // Each doubtful one is told of.
-  for (const CaseLandmark& l : found.landmarks)
+  for (const cases::CaseLandmark& l : found.landmarks)
     EXPECT_TRUE(l.confidence >= 0.5 || warns(report, l.name, "is doubtful")) << l.name;
 }
 

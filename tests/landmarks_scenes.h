@@ -15,10 +15,10 @@ namespace trephine {
 
 struct LandmarkScene : head_recipe::Fields {
   phantom::Head head{phantom::HeadParams{}};
-  HuVolume volume;
+  grid::HuVolume volume;
 
-  LandmarkInputs inputs() const {
-    LandmarkInputs in;
+  head::LandmarkInputs inputs() const {
+    head::LandmarkInputs in;
     in.skin = &skin;
     in.skull = &skull;
     in.ventricles = &ventricles;
@@ -51,20 +51,20 @@ inline Mat3 turn_deg(double x, double y, double z) {
 }
 
 /// The same voxels in a head that is turned about the origin and moved.
-inline void turn(Lattice& l, const Mat3& m, Vec3 move) {
+inline void turn(grid::Lattice& l, const Mat3& m, Vec3 move) {
   l.origin_mm = m * l.origin_mm + move;
   for (Vec3& c : l.direction.column) c = m * c;
 }
 inline LandmarkScene turned(LandmarkScene s, const Mat3& m, Vec3 move) {
   std::visit([&](auto& g) { turn(g, m, move); }, s.volume);
-  for (Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles}) turn(*f, m, move);
+  for (grid::Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles}) turn(*f, m, move);
   return s;
 }
 
 /// What a scan of a part of the head would have given: the volume and the fields within the world's box.
 inline LandmarkScene cut(LandmarkScene s, Vec3 low, Vec3 high) {
-  const auto box_of = [&](const Lattice& l) {
-    Box b = whole_box(l);
+  const auto box_of = [&](const grid::Lattice& l) {
+    grid::Box b = grid::whole_box(l);
     const Vec3 from = l.to_index(low), to = l.to_index(high);
     for (int a = 0; a < 3; ++a) {
       b.begin[a] = std::max(b.begin[a], int(std::ceil(from[a])));
@@ -72,9 +72,9 @@ inline LandmarkScene cut(LandmarkScene s, Vec3 low, Vec3 high) {
     }
     return b;
   };
-  std::visit([&](auto& g) { g = crop(g, box_of(g)); }, s.volume);
-  for (Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles})
-    if (!box_of(*f).empty()) *f = crop(*f, box_of(*f));
+  std::visit([&](auto& g) { g = grid::crop(g, box_of(g)); }, s.volume);
+  for (grid::Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles})
+    if (!box_of(*f).empty()) *f = grid::crop(*f, box_of(*f));
   return s;
 }
 

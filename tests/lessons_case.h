@@ -8,7 +8,7 @@
 
 #include "case_samples.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 using namespace trephine;
 
@@ -24,19 +24,19 @@ std::int16_t voxel_of(const std::array<double, N>& depth_mm, double side_mm) {
   double others = 0;
   for (std::size_t s = 0; s < N; ++s)
     if (s != best) others += filled(s);
-  const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
+  const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? voxel::haptic_bare_offset : 0;
   return share > 0 ? std::int16_t(1000 * (int(best) + 1) + bare + share) : std::int16_t(0);
 }
 
 /// A case that has this haptic volume, and no shape yet. The caller adds what is missing, and seals it.
-inline case_samples::MemoryCase case_of(const std::string& token, const HapticVolume& volume) {
+inline case_samples::MemoryCase case_of(const std::string& token, const voxel::HapticVolume& volume) {
   case_samples::MemoryCase c;
-  CaseManifest& m = c.manifest;
+  cases::CaseManifest& m = c.manifest;
   m.case_token = token;
   m.program_version = "trephine 0.1.0";
   m.input_sha256 = sha256_of_bytes("input");
-  const std::string bytes = encode_haptic(volume);
-  m.files.push_back(describe_case_file("haptic", ".nrrd", bytes));
+  const std::string bytes = voxel::encode_haptic(volume);
+  m.files.push_back(cases::describe_case_file("haptic", ".nrrd", bytes));
   m.haptic.file = m.files.back().name;
   c.files[m.haptic.file] = bytes;
   m.haptic.size = volume.voxels.size;
@@ -45,30 +45,30 @@ inline case_samples::MemoryCase case_of(const std::string& token, const HapticVo
 }
 
 /// Adds a shape that is shown by the haptic volume itself.
-inline void add_shape(CaseManifest& m, const HapticShape& s, const char* material, const MaterialParams& values,
-                      bool cuttable, const std::array<double, 3>& colour_rgb) {
-  CaseShape shape;
+inline void add_shape(cases::CaseManifest& m, const voxel::HapticShape& s, const char* material,
+                      const cases::MaterialParams& values, bool cuttable, const std::array<double, 3>& colour_rgb) {
+  cases::CaseShape shape;
   shape.name = s.name;
   shape.number = s.number;
   shape.window_low = s.window_low;
   shape.window_high = s.window_high;
-  static_cast<MaterialParams&>(shape.material) = values;
+  static_cast<cases::MaterialParams&>(shape.material) = values;
   shape.material.name = material;
   shape.cuttable = cuttable;
   shape.displayed = "haptic";
   m.haptic.shapes.push_back(shape);
-  CaseAnatomy a;
+  cases::CaseAnatomy a;
   a.name = s.name;
   a.colour_rgb = colour_rgb;
   m.anatomies.push_back(a);
 }
 
 /// The same in one of four colours, by its number.
-inline void add_shape(CaseManifest& m, const HapticShape& s, const char* material, const MaterialParams& values,
-                      bool cuttable) {
+inline void add_shape(cases::CaseManifest& m, const voxel::HapticShape& s, const char* material,
+                      const cases::MaterialParams& values, bool cuttable) {
   const std::array<double, 3> colours[] = {
       {0.55, 0.65, 0.85}, {0.85, 0.65, 0.62}, {0.93, 0.89, 0.78}, {0.87, 0.68, 0.56}};
   add_shape(m, s, material, values, cuttable, colours[(s.number - 1) % 4]);
 }
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -9,7 +9,7 @@
 
 #include "lessons_head.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -134,7 +134,7 @@ TEST(LessonsCells, TheTrajectoryOfTheCatheter) {
     double across = -1e9;
     bool third = false, stem = false, in = false;
     Vec3 entry, tip = d.last_tip();
-    for (const ServoFrame& f : d.recording.frames) {
+    for (const haptics::ServoFrame& f : d.recording.frames) {
       const Vec3 p{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
       if (f.inside != 1 && f.inside != 2) continue;
       if (!in) entry = p;
@@ -195,7 +195,7 @@ TEST(LessonsCells, LandmarksByTraces) {
   };
   const auto drawn = [](const Head::Done& d, double begin_s, double end_s) {
     Drawn most;
-    for (const ServoFrame& f : d.recording.frames)
+    for (const haptics::ServoFrame& f : d.recording.frames)
       if (f.time_s >= begin_s && f.time_s <= end_s && (f.buttons & 1) && f.touched) {
         most.midline = std::max(most.midline, std::abs(f.proxy_mm[0]));
         const Vec3 p{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, up = normalized(bregma());

@@ -9,10 +9,10 @@
 
 namespace lessons_chest {
 
-class Chest : public lessons::LessonCase {
+class Chest : public ::lesson_cases::LessonCase {
  public:
   explicit Chest(bool artery) : LessonCase(chest_case(artery)) {}
-  using Done = lessons::Scored<SubclavianFacts>;
+  using Done = ::lesson_cases::Scored<lessons::SubclavianFacts>;
   Done run(const std::string& steps, double rate_hz = 500, double noise_mm = 0, const std::string& task = "") {
     Done d;
     d.recording = record("subclavian", steps, {rate_hz, noise_mm, 1, task});
@@ -20,20 +20,20 @@ class Chest : public lessons::LessonCase {
     return d;
   }
   void score(Done& d) {
-    d.facts = facts_of<SubclavianFacts>(d.recording);
-    d.score = score_subclavian(d.facts, felt().loaded.manifest, whole(), rubric());
+    d.facts = facts_of<lessons::SubclavianFacts>(d.recording);
+    d.score = lessons::score_subclavian(d.facts, felt().loaded.manifest, whole(), rubric());
   }
 
   /// Limits of the shipped rubric, as configs/rubrics/subclavian.yaml has them: the test's own reading of it.
-  static SubclavianRubric rubric() {
-    SubclavianRubric r;
-    using lessons::is;
+  static lessons::SubclavianRubric rubric() {
+    lessons::SubclavianRubric r;
+    using ::lesson_cases::is;
     r.module = "subclavian";
     is(r.puncture.ideal_mm, 20), is(r.puncture.far_mm, 40);
     is(r.direction.ideal_deg, 10), is(r.direction.good_deg, 15), is(r.direction.acceptable_deg, 25);
     is(r.passes.ideal_count, 1), is(r.passes.good_count, 2), is(r.passes.most_count, 3);
     is(r.time.ideal_s, 120), is(r.time.good_s, 240), is(r.time.acceptable_s, 360), is(r.time.allotted_s, 600);
-    lessons::lists(r.critical_errors, {{"artery", 0}, {"pleura_or_lung", 0}, {"wrong_side", 0}});
+    ::lesson_cases::lists(r.critical_errors, {{"artery", 0}, {"pleura_or_lung", 0}, {"wrong_side", 0}});
     return r;
   }
 };

@@ -18,17 +18,18 @@ inline double tube(Vec3 p, double y, double z, double r, double from, double to)
   return std::min({r - std::hypot(p.y - y, p.z - z), x - from, to - x});
 }
 
-inline HapticVolume volume_of(bool artery) {
+inline voxel::HapticVolume volume_of(bool artery) {
   constexpr double side = 1.25;
-  HapticVolume v;
-  Lattice l;
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = {178, 80, 98};
   l.spacing_mm = {side, side, side};
   l.origin_mm = {-side * 177 / 2, -60, -60};
-  v.voxels = Grid<std::int16_t>(l);
-  v.shapes = {occupancy_shape("clavicle", 1), occupancy_shape("vein", 2), occupancy_shape("lung", 3),
-              occupancy_shape("pleura", 4), occupancy_shape("skin", 5)};
-  if (artery) v.shapes.push_back(occupancy_shape("artery", 6));
+  v.voxels = grid::Grid<std::int16_t>(l);
+  v.shapes = {voxel::occupancy_shape("clavicle", 1), voxel::occupancy_shape("vein", 2),
+              voxel::occupancy_shape("lung", 3), voxel::occupancy_shape("pleura", 4),
+              voxel::occupancy_shape("skin", 5)};
+  if (artery) v.shapes.push_back(voxel::occupancy_shape("artery", 6));
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -45,26 +46,26 @@ inline HapticVolume volume_of(bool artery) {
         depth[2] = std::min(depth[2], body);
         depth[3] = std::min(depth[3], body);
         depth[4] = std::min(body, -std::max({depth[0], depth[1], pleura, depth[5]}));
-        v.voxels.at(i, j, k) = lessons::voxel_of(depth, side);
+        v.voxels.at(i, j, k) = ::lesson_cases::voxel_of(depth, side);
       }
   return v;
 }
 
 inline case_samples::MemoryCase chest_case(bool artery) {
-  const HapticVolume volume = volume_of(artery);
-  case_samples::MemoryCase c = lessons::case_of(artery ? "chest-artery" : "chest", volume);
-  CaseManifest& m = c.manifest;
+  const voxel::HapticVolume volume = volume_of(artery);
+  case_samples::MemoryCase c = ::lesson_cases::case_of(artery ? "chest-artery" : "chest", volume);
+  cases::CaseManifest& m = c.manifest;
   // As configs/materials.yaml has them.
-  const CaseFace none{false, 0, 0, 0, 0, 0}, bone{true, 1, 0.0003, 0.35, 0.3, 0};
-  const CaseFace wall{true, 0.2, 0.0002, 0.2, 0.15, 0.7}, far_wall{true, 0.2, 0.0002, 0.2, 0.15, 0.9};
-  lessons::add_shape(m, volume.shapes[0], "bone", {{}, bone, bone, 0, 0, 0.1}, false);
-  lessons::add_shape(m, volume.shapes[1], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
-  lessons::add_shape(m, volume.shapes[2], "lung", {{}, none, none, 0.001, 0.001, 0}, false);
-  lessons::add_shape(m, volume.shapes[3], "pleura", {{}, {true, 0.15, 0.0002, 0.2, 0.15, 0.5}, none, 0.01, 0.01, 0},
-                     false);
-  lessons::add_shape(m, volume.shapes[4], "soft_tissue",
-                     {{}, {true, 0.15, 0.0003, 0.3, 0.25, 0.8}, none, 0.015, 0.012, 0}, false);
-  if (artery) lessons::add_shape(m, volume.shapes[5], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
+  const cases::CaseFace none{false, 0, 0, 0, 0, 0}, bone{true, 1, 0.0003, 0.35, 0.3, 0};
+  const cases::CaseFace wall{true, 0.2, 0.0002, 0.2, 0.15, 0.7}, far_wall{true, 0.2, 0.0002, 0.2, 0.15, 0.9};
+  ::lesson_cases::add_shape(m, volume.shapes[0], "bone", {{}, bone, bone, 0, 0, 0.1}, false);
+  ::lesson_cases::add_shape(m, volume.shapes[1], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
+  ::lesson_cases::add_shape(m, volume.shapes[2], "lung", {{}, none, none, 0.001, 0.001, 0}, false);
+  ::lesson_cases::add_shape(m, volume.shapes[3], "pleura",
+                            {{}, {true, 0.15, 0.0002, 0.2, 0.15, 0.5}, none, 0.01, 0.01, 0}, false);
+  ::lesson_cases::add_shape(m, volume.shapes[4], "soft_tissue",
+                            {{}, {true, 0.15, 0.0003, 0.3, 0.25, 0.8}, none, 0.015, 0.012, 0}, false);
+  if (artery) ::lesson_cases::add_shape(m, volume.shapes[5], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
   c.seal();
   return c;
 }

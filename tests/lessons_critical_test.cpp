@@ -16,7 +16,7 @@
 #include "lessons_head.h"
 #include "lessons_spine_run.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -37,8 +37,8 @@ std::string catheter(const std::string& toward, const std::string& more = "\"sho
 }
 template <class Done>
 void expect_nothing(const Done& d) {
-  EXPECT_EQ(d.score.outcome(), LessonOutcome::not_completed);
-  for (const ScoreRow& row : d.score.rows)
+  EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::not_completed);
+  for (const lessons::ScoreRow& row : d.score.rows)
     if (row.score) {
       EXPECT_EQ(*row.score, 1) << row.name << ": " << row.why;
     }
@@ -48,23 +48,23 @@ void expect_nothing(const Done& d) {
 
 TEST(LessonsCritical, ANeedleThroughTheFrontOfTheVertebraFails) {
   const auto d = spine().run(needle("\"short_of_mm\": -33"));
-  EXPECT_EQ(d.score.outcome(), LessonOutcome::failed);
+  EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::failed);
   EXPECT_TRUE(failed_by(d.score, "anterior_cortex_mm")) << d.score.reason();
-  EXPECT_GT(sum_of(d.score).points, 20) << "the sum stands beside it";
-  const std::string text = score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
+  EXPECT_GT(lessons::sum_of(d.score).points, 20) << "the sum stands beside it";
+  const std::string text = lessons::score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
   EXPECT_NE(text.find("failed: needle came through the front of the vertebra"), std::string::npos) << text;
   // What the rubric does not list does not fail.
-  SpineNeedleRubric without = shipped();
+  lessons::SpineNeedleRubric without = shipped();
   without.critical_errors.clear();
-  EXPECT_NE(score_spine_needle(d.facts, spine().felt().loaded.manifest, spine().whole(), without).outcome(),
-            LessonOutcome::failed);
+  EXPECT_NE(lessons::score_spine_needle(d.facts, spine().felt().loaded.manifest, spine().whole(), without).outcome(),
+            lessons::LessonOutcome::failed);
 }
 
 TEST(LessonsCritical, ANeedleTowardsTheCanalFails) {
   const auto d = spine().run(needle("\"entry_aside_mm\": -2, \"target_aside_mm\": -22"));
-  EXPECT_EQ(d.score.outcome(), LessonOutcome::failed);
+  EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::failed);
   EXPECT_TRUE(failed_by(d.score, "medial_breach_mm") || failed_by(d.score, "canal"))
-      << d.score.reason() << score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
+      << d.score.reason() << lessons::score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
 }
 
 TEST(LessonsCritical, SideAndLevelAreAskedFor) {
@@ -72,30 +72,31 @@ TEST(LessonsCritical, SideAndLevelAreAskedFor) {
        {std::pair<const char*, const char*>{"pedicle_2_right", "wrong_side"}, {"pedicle_1_left", "wrong_level"}}) {
     const auto d = spine().run(needle("", pedicle));
     EXPECT_EQ(d.recording.header.task, "pedicle_2_left");
-    EXPECT_EQ(d.score.outcome(), LessonOutcome::failed) << pedicle;
+    EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::failed) << pedicle;
     EXPECT_TRUE(failed_by(d.score, error)) << d.score.reason();
     EXPECT_EQ(d.points("entry"), 1);
     EXPECT_EQ(d.points("time"), 1);
-    EXPECT_LT(sum_of(d.score).points, 15);
+    EXPECT_LT(lessons::sum_of(d.score).points, 15);
   }
   // Asked for, it is perfect.
-  EXPECT_EQ(sum_of(spine().run(needle("", "pedicle_2_right"), "spine_needle", 0, 1, "pedicle_2_right").score).points,
-            35);
+  EXPECT_EQ(
+      lessons::sum_of(spine().run(needle("", "pedicle_2_right"), "spine_needle", 0, 1, "pedicle_2_right").score).points,
+      35);
   EXPECT_THROW(spine().run(needle(), "spine_needle", 0, 1, "pedicle_9_left"), Error);
   // An older recording says nothing of what was asked for, and is judged as it was.
   auto old = spine().run(needle("", "pedicle_2_right"));
   old.recording.header.task.clear();
   spine().score(old);
-  EXPECT_EQ(sum_of(old.score).points, 35);
-  EXPECT_EQ(old.score.outcome(), LessonOutcome::completed);
+  EXPECT_EQ(lessons::sum_of(old.score).points, 35);
+  EXPECT_EQ(old.score.outcome(), lessons::LessonOutcome::completed);
 }
 
 TEST(LessonsCritical, AHeadsWrongSideAndADryCatheterFail) {
   const auto right = drilled().run(catheter(R"({"at": "monro_right"})"), 500, 1, 0, "right");
-  EXPECT_EQ(right.score.outcome(), LessonOutcome::completed) << right.score.reason();
+  EXPECT_EQ(right.score.outcome(), lessons::LessonOutcome::completed) << right.score.reason();
   const auto wrong = drilled().run(catheter(R"({"at": "monro_right"})"), 500, 1, 0, "left");
   EXPECT_TRUE(failed_by(wrong.score, "wrong_side")) << wrong.score.reason();
-  EXPECT_LT(sum_of(wrong.score).points, sum_of(right.score).points - 5);
+  EXPECT_LT(lessons::sum_of(wrong.score).points, lessons::sum_of(right.score).points - 5);
   const auto dry = drilled().run(catheter(R"({"at": "monro_right", "offset_mm": [-25, 0, 0]})"));
   EXPECT_TRUE(failed_by(dry.score, "dry_catheter")) << dry.score.reason();
   EXPECT_EQ(dry.points("tip"), 1);
@@ -106,24 +107,24 @@ TEST(LessonsCritical, AHeadsWrongSideAndADryCatheterFail) {
          {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
   EXPECT_EQ(twice.points("passes"), 4);
   EXPECT_EQ(right.points("passes"), 5);
-  EXPECT_EQ(sum_of(right.score).most_of_table, sum_of(right.score).most - 5);
+  EXPECT_EQ(lessons::sum_of(right.score).max_of_table, lessons::sum_of(right.score).most - 5);
 }
 
 TEST(LessonsCritical, ABurrThatBreachedTheDuraFails) {
   auto d = drilled().run(catheter(R"({"at": "monro_right"})"));
-  VentriculostomyFacts facts = d.facts;
+  lessons::VentriculostomyFacts facts = d.facts;
   facts.dura.emplace().breached = true;
-  const LessonScore score =
-      score_ventriculostomy(facts, drilled().felt().loaded.manifest, drilled().whole(), Head::rubric());
-  EXPECT_EQ(score.outcome(), LessonOutcome::failed);
-  EXPECT_EQ(sum_of(score).points, sum_of(d.score).points);
+  const lessons::LessonScore score =
+      lessons::score_ventriculostomy(facts, drilled().felt().loaded.manifest, drilled().whole(), Head::rubric());
+  EXPECT_EQ(score.outcome(), lessons::LessonOutcome::failed);
+  EXPECT_EQ(lessons::sum_of(score).points, lessons::sum_of(d.score).points);
 }
 
 TEST(LessonsCritical, AMissedVeinIsNotCompletedAndALungFails) {
   lessons_chest::Chest chest(false);
   const std::string from = R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},)";
   const auto missed = chest.run(from + R"("toward": {"at": "vein_right"}, "short_of_mm": 18}}, "aspirate", "finish")");
-  EXPECT_EQ(missed.score.outcome(), LessonOutcome::not_completed);
+  EXPECT_EQ(missed.score.outcome(), lessons::LessonOutcome::not_completed);
   EXPECT_EQ(missed.score.reason(), "no blood was drawn from the vein");
   EXPECT_EQ(missed.points("time"), 1);
   const auto lung = chest.run(
@@ -154,13 +155,13 @@ TEST(LessonsCritical, ACaseThatDoesNotKnowItsForaminaMarksNobodyDown) {
   for (const char* toward : {R"({"at": "monro_right"})", R"({"at": "monro_right", "offset_mm": [1.5, 2, -12]})",
                              R"({"at": "monro_right", "offset_mm": [-25, 0, 0]})"}) {
     const auto d = drilled().run(catheter(toward));
-    CaseManifest m = drilled().felt().loaded.manifest;
-    for (CaseTarget& t : m.targets) t.confidence = 0.23;
+    cases::CaseManifest m = drilled().felt().loaded.manifest;
+    for (cases::CaseTarget& t : m.targets) t.confidence = 0.23;
     for (const bool nothing : {false, true}) {
-      VentriculostomyFacts facts = d.facts;
+      lessons::VentriculostomyFacts facts = d.facts;
       if (nothing) facts.passes.clear();
-      const LessonScore score = score_ventriculostomy(facts, m, drilled().whole(), Head::rubric());
-      for (const ScoreRow& row : score.rows)
+      const lessons::LessonScore score = lessons::score_ventriculostomy(facts, m, drilled().whole(), Head::rubric());
+      for (const lessons::ScoreRow& row : score.rows)
         if (row.name == "trajectory" || row.name == "tip") {
           EXPECT_FALSE(row.score) << row.name << ": " << row.why;
           EXPECT_NE(row.why.find("doubtful"), std::string::npos) << row.why;
@@ -186,28 +187,28 @@ TEST(LessonsTeleport, AHandThatBeginsInsideFeelsNothing) {
   // Every pose as if the first were at the target already.
   auto d = spine().run(needle());
   spine().felt().loaded.haptic = spine().whole();
-  ContactVolume contact(spine().felt().loaded.haptic, d.recording.header.contact);
-  std::vector<ServoFrame> poses = d.recording.frames;
-  const ServoFrame last = poses.back();
-  for (ServoFrame& f : poses)
+  contact::ContactVolume contact(spine().felt().loaded.haptic, d.recording.header.contact);
+  std::vector<haptics::ServoFrame> poses = d.recording.frames;
+  const haptics::ServoFrame last = poses.back();
+  for (haptics::ServoFrame& f : poses)
     std::copy(last.tip_mm, last.tip_mm + 3, f.tip_mm), std::copy(last.axis, last.axis + 3, f.axis);
   for (const bool in_open : {true, false}) {
-    RecordingHeader h = d.recording.header;
+    haptics::RecordingHeader h = d.recording.header;
     h.in_open = in_open;
-    Rerun rerun(spine().felt(), contact, "test", h);
-    Recording forged{h, rerun.run(poses)};
+    session::Rerun rerun(spine().felt(), contact, "test", h);
+    haptics::Recording forged{h, rerun.run(poses)};
     forged.header.outcome.reset();
     if (in_open) {  // as the session records it
-      for (const ServoFrame& f : forged.frames) ASSERT_EQ(f.inside, 0);
+      for (const haptics::ServoFrame& f : forged.frames) ASSERT_EQ(f.inside, 0);
       auto again = d;
       again.recording = forged;
       spine().score(again);
       EXPECT_EQ(again.points("entry"), 1);
-      EXPECT_EQ(again.score.outcome(), LessonOutcome::not_completed);
+      EXPECT_EQ(again.score.outcome(), lessons::LessonOutcome::not_completed);
     } else {  // as a recording may say that it was
-      for (ServoFrame& f : forged.frames) f.inside = 1;
+      for (haptics::ServoFrame& f : forged.frames) f.inside = 1;
       spine().felt().loaded.haptic = spine().whole();
-      EXPECT_THROW(facts_of_recording(spine().felt(), "test", forged), Error);
+      EXPECT_THROW(lessons::facts_of_recording(spine().felt(), "test", forged), Error);
     }
   }
 }
@@ -220,22 +221,22 @@ TEST(LessonsTeleport, AToolIsNotChangedInsideOfThePatient) {
   EXPECT_TRUE(d.facts.passes.empty()) << "a pass through intact bone";
   EXPECT_EQ(d.points("tip"), 1);
   // A recording that says that it was so.
-  Recording forged = d.recording;
+  haptics::Recording forged = d.recording;
   forged.header.in_open = false;
-  for (ServoFrame& f : forged.frames)
-    if (belt_button::tool(f.buttons) == 2) f.inside = 2, std::copy(f.tip_mm, f.tip_mm + 3, f.proxy_mm);
+  for (haptics::ServoFrame& f : forged.frames)
+    if (haptics::belt_button::tool(f.buttons) == 2) f.inside = 2, std::copy(f.tip_mm, f.tip_mm + 3, f.proxy_mm);
   whole.felt().loaded.haptic = whole.whole();
-  EXPECT_THROW(facts_of_recording(whole.felt(), "test", forged), Error);
+  EXPECT_THROW(lessons::facts_of_recording(whole.felt(), "test", forged), Error);
 }
 
 TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
   const auto d = drilled().run(catheter(R"({"at": "monro_right"})"));
-  const auto judged = [&](const std::function<void(std::vector<ServoFrame>&)>& forge) -> std::string {
-    Recording r = d.recording;
+  const auto judged = [&](const std::function<void(std::vector<haptics::ServoFrame>&)>& forge) -> std::string {
+    haptics::Recording r = d.recording;
     forge(r.frames);
     drilled().felt().loaded.haptic = drilled().whole();
     try {
-      facts_of_recording(drilled().felt(), "test", r);
+      lessons::facts_of_recording(drilled().felt(), "test", r);
     } catch (const Error& e) {
       EXPECT_EQ(e.field(), "frames");
       return e.what();
@@ -253,7 +254,7 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
   EXPECT_NE(shake.find("m/s2"), std::string::npos) << shake;
   // Times that were shrunk are a faster hand.
   EXPECT_NE(judged([](auto& f) {
-              for (ServoFrame& frame : f) frame.time_s /= 40, frame.dt_s /= 40;
+              for (haptics::ServoFrame& frame : f) frame.time_s /= 40, frame.dt_s /= 40;
             }),
             "judged");
 }
@@ -262,25 +263,25 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
 
 TEST(LessonsOlder, ARubricOfVersionOneIsReadAndFailsNobody) {
   Head::Done d = drilled().run(catheter(R"({"at": "monro_right", "offset_mm": [-25, 0, 0]})"));
-  VentriculostomyRubric old = Head::rubric();
+  lessons::VentriculostomyRubric old = Head::rubric();
   old.passes.reset();
   old.critical_errors.clear();
   is(old.tip.missed_mm.emplace(), 3);
-  std::string json = compile_rubric(AnyParams::make(old));
+  std::string json = lesson::compile_rubric(AnyParams::make(old));
   // As version 1 wrote it: without the list, and with the hash of that.
   nlohmann::ordered_json file = nlohmann::ordered_json::parse(json);
   file["trephine_rubric"] = 1;
   file["rubric"].erase("critical_errors");
   file["sha256"] = sha256_of_bytes(file["rubric"].dump());
-  const CompiledRubric read = read_rubric(file.dump(2), rubric_types());
-  const LessonScore score = score_ventriculostomy(d.facts, drilled().felt().loaded.manifest, drilled().whole(),
-                                                  read.rubric.as<VentriculostomyRubric>());
+  const lesson::CompiledRubric read = lesson::read_rubric(file.dump(2), lessons::rubric_types());
+  const lessons::LessonScore score = lessons::score_ventriculostomy(
+      d.facts, drilled().felt().loaded.manifest, drilled().whole(), read.rubric.as<lessons::VentriculostomyRubric>());
   EXPECT_TRUE(score.critical.empty());
   EXPECT_EQ(score.rows.size(), 6u);
   file["rubric"]["tip"]["near_mm"]["limit"] = 12.0;
-  EXPECT_THROW(read_rubric(file.dump(2), rubric_types()), Error);
+  EXPECT_THROW(lesson::read_rubric(file.dump(2), lessons::rubric_types()), Error);
   // What the lesson does not know is no critical error of it.
-  VentriculostomyRubric wrong = Head::rubric();
+  lessons::VentriculostomyRubric wrong = Head::rubric();
   lists(wrong.critical_errors, {{"sneezing", 0}});
   EXPECT_NE(wrong.fault().find("sneezing"), std::string::npos);
   wrong = Head::rubric();
@@ -293,13 +294,13 @@ TEST(LessonsOlder, ALogOfBeforeGetsTheNewColumns) {
   const ScratchFolder folder;
   const auto file = folder.path() / "log.csv";
   std::string columns, line;
-  for (const auto& [name, help] : attempt_columns(lesson_type("ventriculostomy"))) {
+  for (const auto& [name, help] : lessons::attempt_columns(lessons::lesson_type("ventriculostomy"))) {
     if (name == "task" || name == "outcome" || name == "critical_errors" || name == "passes_score") continue;
     columns += (columns.empty() ? "" : ",") + name;
     line += (line.empty() ? "" : ",") + (name == "participant" ? std::string("p0") : name == "attempt" ? "1" : "");
   }
   write_file(file, columns + "\n" + line + "\n");
-  EXPECT_EQ(log_attempt(file, {"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score), 1);
+  EXPECT_EQ(lessons::log_attempt(file, {"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score), 1);
   const std::vector<char> bytes = read_file(file, 1 << 20);
   const std::string text(bytes.begin(), bytes.end());
   EXPECT_NE(text.find(",task,outcome,critical_errors\np0,"), std::string::npos) << text;

@@ -4,11 +4,11 @@
 
 #include "lessons_head.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
-const LessonFigure& figure(const Head::Done& d, const char* name) { return d.score.figure(name); }
+const lessons::LessonFigure& figure(const Head::Done& d, const char* name) { return d.score.figure(name); }
 
 }  // namespace
 
@@ -19,7 +19,7 @@ TEST(LessonsDura, ACatheterPopsThroughAndABurrStaysOutside) {
       R"(, {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
   ASSERT_TRUE(d.facts.dura.has_value());
   ASSERT_EQ(d.facts.dura->pops.size(), 1u);
-  const DuraPop& pop = d.facts.dura->pops[0];
+  const lessons::DuraPop& pop = d.facts.dura->pops[0];
   EXPECT_NEAR(norm(pop.at_mm), inner_mm, 1) << "it was held at the dura's outer surface";
   EXPECT_GT(pop.force_n, 0.9);
   ASSERT_EQ(d.facts.passes.size(), 1u);
@@ -45,11 +45,11 @@ TEST(LessonsDura, ACaseWithoutOneSaysNothingOfIt) {
 
 // What the watch makes of single frames.
 TEST(LessonsDura, ABreachIsMoreThanTheDuraBears) {
-  const CaseManifest m = head_case(Kind::drilled, 1, true).manifest;
-  std::optional<DuraFacts> facts;
-  DuraWatch watch(m, facts);
+  const cases::CaseManifest m = head_case(Kind::drilled, 1, true).manifest;
+  std::optional<lessons::DuraFacts> facts;
+  lessons::DuraWatch watch(m, facts);
   ASSERT_TRUE(facts.has_value());
-  ServoFrame f;
+  haptics::ServoFrame f;
   f.dt_s = 0.5;
   f.touched = 5;
   f.force_n[2] = 0.9;
@@ -64,7 +64,7 @@ TEST(LessonsDura, ABreachIsMoreThanTheDuraBears) {
   EXPECT_DOUBLE_EQ(facts->burr_n, 1.1);
   f.touched = 2;
   watch.tick(f, false, facts);
-  f.events = haptic_event::popped;  // through the brain's surface
+  f.events = haptics::haptic_event::popped;  // through the brain's surface
   watch.tick(f, false, facts);
   EXPECT_TRUE(facts->pops.empty());
 }

@@ -5,13 +5,13 @@
 #include "lessons_phantom.h"
 #include "lessons_run.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 class Head : public LessonCase {
  public:
   explicit Head(Kind kind, double suture_confidence = 1, bool dura = false)
       : LessonCase(head_case(kind, suture_confidence, dura)) {}
-  using Done = Scored<VentriculostomyFacts>;
+  using Done = Scored<lessons::VentriculostomyFacts>;
   Done run(const std::string& steps, double rate_hz = 500, std::int64_t seed = 1, double noise_mm = 0,
            const std::string& task = "") {
     Done d;
@@ -20,16 +20,16 @@ class Head : public LessonCase {
     return d;
   }
   void score(Done& d) {
-    d.facts = facts_of<VentriculostomyFacts>(d.recording);
-    d.score = score_ventriculostomy(d.facts, felt().loaded.manifest, whole(), rubric());
+    d.facts = facts_of<lessons::VentriculostomyFacts>(d.recording);
+    d.score = lessons::score_ventriculostomy(d.facts, felt().loaded.manifest, whole(), rubric());
   }
 
   /// Limits of the shipped rubric, as configs/rubrics/ventriculostomy.yaml has them: the test's own reading of it.
-  static VentriculostomyRubric rubric();
+  static lessons::VentriculostomyRubric rubric();
 };
 
-inline VentriculostomyRubric Head::rubric() {
-  VentriculostomyRubric r;
+inline lessons::VentriculostomyRubric Head::rubric() {
+  lessons::VentriculostomyRubric r;
   r.module = "ventriculostomy";
   is(r.landmarks.midline_mm, 5), is(r.landmarks.midline_near_mm, 10), is(r.landmarks.midline_trace_mm, 80);
   is(r.landmarks.suture_mm, 5), is(r.landmarks.suture_near_mm, 10), is(r.landmarks.suture_trace_mm, 10);
@@ -62,4 +62,4 @@ inline const char* const perfect_marks =
 inline const char* const perfect_hole =
     R"({"take": {"tool": "burr"}}, {"drill": {"past_mm": 3, "hole_diameter_mm": 12, "feed_force_n": 1.5}})";
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -11,41 +11,42 @@
 #include "lessons_run.h"
 #include "voxel/decode.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 constexpr int steps_count = 10;
 
-inline int rank(const LessonScore& s) { return s.outcome() == LessonOutcome::completed ? 1 : 0; }
+inline int rank(const lessons::LessonScore& s) { return s.outcome() == lessons::LessonOutcome::completed ? 1 : 0; }
 
 // `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/lessons.md.
-inline void check(const std::string& lesson, const std::string& axis, const std::function<LessonScore(int)>& spoilt,
-                  bool ends_completed) {
+inline void check(const std::string& lesson, const std::string& axis,
+                  const std::function<lessons::LessonScore(int)>& spoilt, bool ends_completed) {
   std::string sums;
   int last = 0, last_rank = 1;
-  LessonScore score;
+  lessons::LessonScore score;
   for (int n = 0; n < steps_count; ++n) {
     score = spoilt(n);
-    const int points = sum_of(score).points;
+    const int points = lessons::sum_of(score).points;
     sums += fmt::format("{}{}", n == 0 ? "" : " ", points);
     if (n > 0) {
       EXPECT_LE(points, last) << lesson << ", " << axis << ", step " << n << ": " << score.reason();
       EXPECT_LE(rank(score), last_rank) << lesson << ", " << axis << ", step " << n;
     } else {
-      EXPECT_EQ(score.outcome(), LessonOutcome::completed) << lesson << ", " << axis << ": " << score.reason();
+      EXPECT_EQ(score.outcome(), lessons::LessonOutcome::completed) << lesson << ", " << axis << ": " << score.reason();
     }
     last = points;
     last_rank = rank(score);
   }
   if (!ends_completed) {
-    EXPECT_NE(score.outcome(), LessonOutcome::completed) << lesson << ", " << axis;
+    EXPECT_NE(score.outcome(), lessons::LessonOutcome::completed) << lesson << ", " << axis;
   }
-  std::printf("| %s | %s | %s | %s |\n", lesson.c_str(), axis.c_str(), sums.c_str(), headline_of(score).c_str());
+  std::printf("| %s | %s | %s | %s |\n", lesson.c_str(), axis.c_str(), sums.c_str(),
+              lessons::headline_of(score).c_str());
 }
 
 // A tool that goes straight along its axis, by the shapes in which its tip is.
 template <class Point, class F>
-void walk(const HapticVolume& volume, Vec3 from, Vec3 to, F visit) {
-  const HapticDecoder decoder(volume);
+void walk(const voxel::HapticVolume& volume, Vec3 from, Vec3 to, F visit) {
+  const voxel::HapticDecoder decoder(volume);
   const double length = norm(to - from);
   const Vec3 way = normalized(to - from);
   for (double t = 0; t < length + 0.25; t += 0.25) {
@@ -54,4 +55,4 @@ void walk(const HapticVolume& volume, Vec3 from, Vec3 to, F visit) {
   }
 }
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -3,7 +3,7 @@
 #include "lessons_monotone.h"
 #include "lessons_spine_run.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -17,29 +17,29 @@ SpineCase& spine() {
   static SpineCase one;
   return one;
 }
-const CasePedicle& pedicle(const std::string& name) {
-  static const std::vector<CasePedicle> all = pedicles_of(spine().felt().loaded.manifest);
-  for (const CasePedicle& p : all)
+const lessons::CasePedicle& pedicle(const std::string& name) {
+  static const std::vector<lessons::CasePedicle> all = lessons::pedicles_of(spine().felt().loaded.manifest);
+  for (const lessons::CasePedicle& p : all)
     if (p.name == name) return p;
   throw std::runtime_error(name);
 }
 
-void pass_along(const std::string& name, const SpineAim& aim, SpineNeedleFacts& facts) {
-  const CasePedicle& p = pedicle(name);
+void pass_along(const std::string& name, const SpineAim& aim, lessons::SpineNeedleFacts& facts) {
+  const lessons::CasePedicle& p = pedicle(name);
   const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
   const double side = name.find("_left") != std::string::npos ? 1 : -1;
   const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
   const Vec3 entry = p.entry_mm + outer * aim.aside_mm + up * aim.up_mm;
   const Vec3 target = p.target_mm + outer * (aim.aside_mm + aim.turn_aside_mm) + up * (aim.up_mm + aim.turn_up_mm);
   const Vec3 way = normalized(target - entry);
-  const int bone = spine_bone_of(spine().felt().loaded.manifest);
-  NeedlePass pass;
+  const int bone = lessons::spine_bone_of(spine().felt().loaded.manifest);
+  lessons::NeedlePass pass;
   pass.tool = aim.tool;
   pass.diameter_mm = aim.diameter_mm;
   pass.length_mm = aim.length_mm;
   pass.axis = -way;
   double time_s = 5;
-  walk<NeedlePoint>(spine().whole(), entry - way * 60, target + way * aim.beyond_mm, [&](Vec3 at, int inside) {
+  walk<lessons::NeedlePoint>(spine().whole(), entry - way * 60, target + way * aim.beyond_mm, [&](Vec3 at, int inside) {
     time_s += 0.01;
     if (pass.path.empty() && inside != bone) return;
     if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
@@ -51,31 +51,31 @@ void pass_along(const std::string& name, const SpineAim& aim, SpineNeedleFacts& 
   facts.passes.push_back(pass);
 }
 
-SpineNeedleFacts spine_facts(const std::string& task) {
-  SpineNeedleFacts f;
+lessons::SpineNeedleFacts spine_facts(const std::string& task) {
+  lessons::SpineNeedleFacts f;
   f.task = task;
-  f.end = LessonEnd::finished;
+  f.end = lessons::LessonEnd::finished;
   f.end_s = 60;
   f.shots.resize(4);
-  for (FluoroShot& s : f.shots) s.begin_s = 1, s.end_s = 1.5;
+  for (lessons::FluoroShot& s : f.shots) s.begin_s = 1, s.end_s = 1.5;
   return f;
 }
 
-using SpineScore = std::function<LessonScore(const SpineNeedleFacts&)>;
+using SpineScore = std::function<lessons::LessonScore(const lessons::SpineNeedleFacts&)>;
 
 void check_spine(const std::string& lesson, const std::string& task, const SpineAim& perfect, const SpineScore& score) {
   const auto aimed = [&](const std::function<void(SpineAim&, int)>& spoil) {
     return [=](int n) {
-      SpineNeedleFacts f = spine_facts(task);
+      lessons::SpineNeedleFacts f = spine_facts(task);
       SpineAim aim = perfect;
       spoil(aim, n);
       pass_along(task, aim, f);
       return score(f);
     };
   };
-  const auto happened = [&](const std::function<void(SpineNeedleFacts&, int)>& spoil) {
+  const auto happened = [&](const std::function<void(lessons::SpineNeedleFacts&, int)>& spoil) {
     return [=](int n) {
-      SpineNeedleFacts f = spine_facts(task);
+      lessons::SpineNeedleFacts f = spine_facts(task);
       pass_along(task, perfect, f);
       spoil(f, n);
       return score(f);
@@ -101,7 +101,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
   check(
       name, "another level, from step 1",
       [=](int n) {
-        SpineNeedleFacts f = spine_facts(task);
+        lessons::SpineNeedleFacts f = spine_facts(task);
         pass_along(n == 0                                ? task
                    : task.find('1') == std::string::npos ? "pedicle_1_left"
                                                          : "pedicle_2_left",
@@ -112,7 +112,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
   check(
       name, "the other side, from step 1",
       [=](int n) {
-        SpineNeedleFacts f = spine_facts(task);
+        lessons::SpineNeedleFacts f = spine_facts(task);
         std::string other = task;
         if (n > 0)
           other.replace(other.rfind('_'), std::string::npos,
@@ -121,33 +121,34 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
         return score(f);
       },
       false);
-  check(name, "one more pass a step", happened([](SpineNeedleFacts& f, int n) {
-          const NeedlePass last = f.passes.back();
+  check(name, "one more pass a step", happened([](lessons::SpineNeedleFacts& f, int n) {
+          const lessons::NeedlePass last = f.passes.back();
           f.passes.back().in_place = n == 0;
           for (int k = 0; k < n; ++k) f.passes.push_back(last), f.passes.back().in_place = k + 1 == n;
         }),
         true);
-  check(name, "X-rays, 6 s more a step", happened([](SpineNeedleFacts& f, int n) { f.shots[0].end_s += 6 * n; }), true);
-  check(name, "no picture, from step 1", happened([](SpineNeedleFacts& f, int n) {
+  check(name, "X-rays, 6 s more a step",
+        happened([](lessons::SpineNeedleFacts& f, int n) { f.shots[0].end_s += 6 * n; }), true);
+  check(name, "no picture, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
           if (n > 0) f.shots.clear();
         }),
         true);
-  check(name, "time, 90 s more a step", happened([](SpineNeedleFacts& f, int n) { f.end_s += 90 * n; }),
+  check(name, "time, 90 s more a step", happened([](lessons::SpineNeedleFacts& f, int n) { f.end_s += 90 * n; }),
         lesson == "pedicle_screw");
-  check(name, "not finished, from step 1", happened([](SpineNeedleFacts& f, int n) {
-          if (n > 0) f.end = LessonEnd::running;
+  check(name, "not finished, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
+          if (n > 0) f.end = lessons::LessonEnd::running;
         }),
         false);
-  check(name, "drawn out again, from step 1", happened([](SpineNeedleFacts& f, int n) {
+  check(name, "drawn out again, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
           if (n > 0) f.passes.back().in_place = false;
         }),
         false);
-  check(name, "nothing done, from step 1", happened([](SpineNeedleFacts& f, int n) {
+  check(name, "nothing done, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
           if (n > 0) f.passes.clear(), f.shots.clear();
         }),
         false);
   check(name, "largest force, 1 N a step (not scored)",
-        happened([](SpineNeedleFacts& f, int n) { f.most_force_n += n; }), true);
+        happened([](lessons::SpineNeedleFacts& f, int n) { f.most_force_n += n; }), true);
 }
 
 }  // namespace
@@ -155,14 +156,14 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
 namespace {
 
 void check_needle(const std::string& task) {
-  check_spine("spine_needle", task, {}, [](const SpineNeedleFacts& f) {
-    return score_spine_needle(f, spine().felt().loaded.manifest, spine().whole(), shipped());
+  check_spine("spine_needle", task, {}, [](const lessons::SpineNeedleFacts& f) {
+    return lessons::score_spine_needle(f, spine().felt().loaded.manifest, spine().whole(), shipped());
   });
 }
 
 void check_screw(const std::string& task) {
-  const SpineScore score = [](const SpineNeedleFacts& f) {
-    return score_pedicle_screw(f, spine().felt().loaded.manifest, spine().whole(), shipped_screw());
+  const SpineScore score = [](const lessons::SpineNeedleFacts& f) {
+    return lessons::score_pedicle_screw(f, spine().felt().loaded.manifest, spine().whole(), shipped_screw());
   };
   SpineAim perfect;
   perfect.tool = "screw_5.5x45";
@@ -171,7 +172,7 @@ void check_screw(const std::string& task) {
   check_spine("pedicle_screw", task, perfect, score);
   const auto sized = [&](double longer, double wider) {
     return [=](int n) {
-      SpineNeedleFacts f = spine_facts(task);
+      lessons::SpineNeedleFacts f = spine_facts(task);
       SpineAim aim = perfect;
       aim.length_mm += longer * n;
       aim.diameter_mm += wider * n;

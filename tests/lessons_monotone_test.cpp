@@ -4,7 +4,7 @@
 #include "lessons_chest.h"
 #include "lessons_head.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -18,19 +18,19 @@ struct HeadAim {
   double beyond_mm = 0;
 };
 
-VentriculostomyFacts perfect_head(bool left) {
-  VentriculostomyFacts f;
+lessons::VentriculostomyFacts perfect_head(bool left) {
+  lessons::VentriculostomyFacts f;
   f.task = left ? "left" : "right";
-  f.end = LessonEnd::finished;
+  f.end = lessons::LessonEnd::finished;
   f.end_s = 120;
-  MarkerTrace midline, suture;
+  lessons::MarkerTrace midline, suture;
   midline.length_mm = 110, suture.length_mm = 40;
   for (int n = 0; n <= 110; ++n) midline.points_mm.push_back(towards(nasion_deg + deg_of(n), 0) * skin_mm);
   for (int n = -20; n <= 20; ++n) suture.points_mm.push_back(towards(nasion_deg + deg_of(125), deg_of(n)) * skin_mm);
   f.traces = {midline, suture};
   f.incisions.emplace_back();
   f.drill_begin_s = 20, f.drill_s = 15, f.through_s = 40;
-  BoneHole hole;
+  lessons::BoneHole hole;
   hole.out = normalized(kocher(left));
   hole.outer_mm = hole.out * outer_mm;
   hole.inner_mm = hole.out * inner_mm;
@@ -41,14 +41,14 @@ VentriculostomyFacts perfect_head(bool left) {
   return f;
 }
 
-void pass_into(VentriculostomyFacts& f, bool left, const HeadAim& aim) {
+void pass_into(lessons::VentriculostomyFacts& f, bool left, const HeadAim& aim) {
   const Vec3 end = Vec3{left ? -foramen.x : foramen.x, foramen.y, foramen.z} + aim.tip_off;
   const Vec3 way = normalized(end - f.hole->outer_mm);
-  const HeadShapes shapes = head_shapes_of(head().felt().loaded.manifest);
-  CatheterPass pass;
+  const lessons::HeadShapes shapes = lessons::head_shapes_of(head().felt().loaded.manifest);
+  lessons::CatheterPass pass;
   pass.out = -way;
   double time_s = 60;
-  walk<PassPoint>(head().whole(), f.hole->outer_mm, end + way * (aim.beyond_mm - 1), [&](Vec3 at, int inside) {
+  walk<lessons::PassPoint>(head().whole(), f.hole->outer_mm, end + way * (aim.beyond_mm - 1), [&](Vec3 at, int inside) {
     time_s += 0.01;
     if (pass.path.empty() && inside != shapes.brain && inside != shapes.ventricles) return;
     if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
@@ -62,13 +62,13 @@ void pass_into(VentriculostomyFacts& f, bool left, const HeadAim& aim) {
 }
 
 void check_head(bool left) {
-  const auto score = [](const VentriculostomyFacts& f) {
-    return score_ventriculostomy(f, head().felt().loaded.manifest, head().whole(), Head::rubric());
+  const auto score = [](const lessons::VentriculostomyFacts& f) {
+    return lessons::score_ventriculostomy(f, head().felt().loaded.manifest, head().whole(), Head::rubric());
   };
-  using Spoil = std::function<void(VentriculostomyFacts&, int)>;
+  using Spoil = std::function<void(lessons::VentriculostomyFacts&, int)>;
   const auto before = [&](const Spoil& spoil) {  // of what was done before the catheter
     return [=](int n) {
-      VentriculostomyFacts f = perfect_head(left);
+      lessons::VentriculostomyFacts f = perfect_head(left);
       pass_into(f, left, {});
       spoil(f, n);
       return score(f);
@@ -76,7 +76,7 @@ void check_head(bool left) {
   };
   const auto aimed = [&](const std::function<void(HeadAim&, int)>& spoil) {
     return [=](int n) {
-      VentriculostomyFacts f = perfect_head(left);
+      lessons::VentriculostomyFacts f = perfect_head(left);
       HeadAim aim;
       spoil(aim, n);
       pass_into(f, left, aim);
@@ -85,7 +85,7 @@ void check_head(bool left) {
   };
   const auto shifted = [&](Vec3 by) {  // the hole, and the catheter through it
     return [=](int n) {
-      VentriculostomyFacts f = perfect_head(left);
+      lessons::VentriculostomyFacts f = perfect_head(left);
       f.hole->out = normalized(f.hole->out * outer_mm + by * n);
       f.hole->outer_mm = f.hole->out * outer_mm;
       f.hole->inner_mm = f.hole->out * inner_mm;
@@ -95,17 +95,17 @@ void check_head(bool left) {
   };
   const double side = left ? 1 : -1;
   const std::string name = std::string("ventriculostomy, ") + (left ? "left" : "right");
-  check(name, "line of the midline beside it, 2 mm a step", before([&](VentriculostomyFacts& f, int n) {
+  check(name, "line of the midline beside it, 2 mm a step", before([&](lessons::VentriculostomyFacts& f, int n) {
           for (Vec3& p : f.traces[0].points_mm) p.x += 2.0 * n;
         }),
         true);
   check(name, "line of the midline shorter, 12 mm a step",
-        before([](VentriculostomyFacts& f, int n) { f.traces[0].length_mm -= 12 * n; }), true);
-  check(name, "line of the suture before it, 2 mm a step", before([](VentriculostomyFacts& f, int n) {
+        before([](lessons::VentriculostomyFacts& f, int n) { f.traces[0].length_mm -= 12 * n; }), true);
+  check(name, "line of the suture before it, 2 mm a step", before([](lessons::VentriculostomyFacts& f, int n) {
           for (Vec3& p : f.traces[1].points_mm) p += towards(nasion_deg, 0) * (2.0 * n);
         }),
         true);
-  check(name, "nothing marked, from step 1", before([](VentriculostomyFacts& f, int n) {
+  check(name, "nothing marked, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n > 0) f.traces.clear();
         }),
         true);
@@ -113,7 +113,7 @@ void check_head(bool left) {
   check(name, "hole too medial, 5 mm a step", shifted({-5 * side, 0, 0}), false);
   check(name, "hole too anterior, 5 mm a step", shifted({0, -5, -1}), true);
   check(name, "hole too posterior, 5 mm a step", shifted({0, 5, 1}), true);
-  check(name, "hole not through, from step 1", before([](VentriculostomyFacts& f, int n) {
+  check(name, "hole not through, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n > 0) f.hole->through = false;
         }),
         true);
@@ -128,30 +128,31 @@ void check_head(bool left) {
   check(
       name, "the other side, from step 1",
       [=](int n) {
-        VentriculostomyFacts f = perfect_head(n > 0 ? !left : left);
+        lessons::VentriculostomyFacts f = perfect_head(n > 0 ? !left : left);
         pass_into(f, n > 0 ? !left : left, {});
         f.task = left ? "left" : "right";
         return score(f);
       },
       false);
-  check(name, "one more pass a step", before([](VentriculostomyFacts& f, int n) {
+  check(name, "one more pass a step", before([](lessons::VentriculostomyFacts& f, int n) {
           for (int k = 0; k < n; ++k) {
             f.passes.insert(f.passes.begin(), f.passes.back());
             f.passes.front().in_place = false;
           }
         }),
         true);
-  check(name, "time, 100 s more a step", before([](VentriculostomyFacts& f, int n) { f.end_s += 100 * n; }), false);
-  check(name, "burr on the dura, 0.2 N a step", before([](VentriculostomyFacts& f, int n) {
+  check(name, "time, 100 s more a step", before([](lessons::VentriculostomyFacts& f, int n) { f.end_s += 100 * n; }),
+        false);
+  check(name, "burr on the dura, 0.2 N a step", before([](lessons::VentriculostomyFacts& f, int n) {
           f.dura->burr_n = 0.2 * n;
           f.dura->breached = f.dura->burr_n > 1;
         }),
         false);
-  check(name, "not finished, from step 1", before([](VentriculostomyFacts& f, int n) {
-          if (n > 0) f.end = LessonEnd::running;
+  check(name, "not finished, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
+          if (n > 0) f.end = lessons::LessonEnd::running;
         }),
         false);
-  check(name, "nothing done, from step 1", before([](VentriculostomyFacts& f, int n) {
+  check(name, "nothing done, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n == 0) return;
           f.traces.clear(), f.passes.clear(), f.incisions.clear(), f.hole.reset();
         }),
@@ -173,17 +174,17 @@ TEST(LessonsMonotone, Subclavian) {
             "toward": {"at": "vein_right"}, "short_of_mm": -4}}, "aspirate", "finish")");
     const std::string name = artery ? "subclavian with an artery" : "subclavian";
     const auto axis = [&](const std::string& what, bool completed,
-                          const std::function<void(SubclavianFacts&, int)>& spoil) {
+                          const std::function<void(lessons::SubclavianFacts&, int)>& spoil) {
       check(
           name, what,
           [&](int n) {
-            SubclavianFacts f = perfect.facts;
+            lessons::SubclavianFacts f = perfect.facts;
             spoil(f, n);
-            return score_subclavian(f, chest.felt().loaded.manifest, chest.whole(), Chest::rubric());
+            return lessons::score_subclavian(f, chest.felt().loaded.manifest, chest.whole(), Chest::rubric());
           },
           completed);
     };
-    using F = SubclavianFacts;
+    using F = lessons::SubclavianFacts;
     axis("puncture too low, 6 mm a step", true,
          [](F& f, int n) { f.passes[0].entry_mm.z -= 6 * n, f.passes[0].tip_mm.z -= 6 * n; });
     axis("puncture too high, 3 mm a step", true,
@@ -221,7 +222,7 @@ TEST(LessonsMonotone, Subclavian) {
       if (n > 0) f.task = "left";
     });
     axis("not finished, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.end = LessonEnd::running;
+      if (n > 0) f.end = lessons::LessonEnd::running;
     });
     axis("nothing done, from step 1", false, [](F& f, int n) {
       if (n > 0) f.passes.clear(), f.aspirations.clear(), f.blood_s = f.vein_s = -1, f.inside = 0;

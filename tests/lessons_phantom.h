@@ -6,7 +6,7 @@
 
 #include "lessons_case.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 using namespace trephine;
 
@@ -39,18 +39,18 @@ inline double in_ventricles(Vec3 p) {
 enum class Kind { whole, drilled };
 
 /// `dura`: what lies between brain and bone is a fifth shape; else it is nothing.
-inline HapticVolume volume_of(Kind kind, bool dura = false) {
+inline voxel::HapticVolume volume_of(Kind kind, bool dura = false) {
   constexpr double side = 0.9;
   constexpr int n = 216;
-  HapticVolume v;
-  Lattice l;
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = {n, n, n};
   l.spacing_mm = {side, side, side};
   l.origin_mm = Vec3{1, 1, 1} * (-side * (n - 1) / 2);
-  v.voxels = Grid<std::int16_t>(l);
-  v.shapes = {occupancy_shape("ventricles", 1), occupancy_shape("brain", 2), occupancy_shape("skull", 3),
-              occupancy_shape("skin", 4)};
-  if (dura) v.shapes.push_back(occupancy_shape("dura", 5));
+  v.voxels = grid::Grid<std::int16_t>(l);
+  v.shapes = {voxel::occupancy_shape("ventricles", 1), voxel::occupancy_shape("brain", 2),
+              voxel::occupancy_shape("skull", 3), voxel::occupancy_shape("skin", 4)};
+  if (dura) v.shapes.push_back(voxel::occupancy_shape("dura", 5));
   const Vec3 axis = normalized(kocher());
   parallel_for(0, n, 1, [&](std::int64_t k, std::int64_t) {
     for (int j = 0; j < n; ++j)
@@ -73,15 +73,15 @@ inline HapticVolume volume_of(Kind kind, bool dura = false) {
 }
 
 inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1, bool dura = false) {
-  const HapticVolume volume = volume_of(kind, dura);
+  const voxel::HapticVolume volume = volume_of(kind, dura);
   case_samples::MemoryCase c = case_of(kind == Kind::drilled ? "head-drilled" : "head", volume);
-  CaseManifest& m = c.manifest;
+  cases::CaseManifest& m = c.manifest;
   m.figures = {{"class", std::string("normal")}};
   // As configs/materials.yaml has them.
-  const CaseFace liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6}, none{false, 0, 0, 0, 0, 0};
+  const cases::CaseFace liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6}, none{false, 0, 0, 0, 0, 0};
   add_shape(m, volume.shapes[0], "csf", {{}, liquor, liquor, 0.001, 0, 0}, false);
   add_shape(m, volume.shapes[1], "brain", {{}, {true, 0.08, 0.0002, 0.3, 0.25, 0.4}, none, 0.01, 0.003, 0}, false);
-  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0};
+  const cases::CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0};
   add_shape(m, volume.shapes[2], "bone", {{}, bone, bone, 0, 0, 0.1}, kind == Kind::whole);
   add_shape(m, volume.shapes[3], "skin", {{}, {true, 0.3, 0.0003, 0.35, 0.3, 2}, none, 0.01, 0.01, 0},
             kind == Kind::whole);
@@ -109,4 +109,4 @@ inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 
   return c;
 }
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -7,7 +7,7 @@
 
 #include "lessons_head.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -26,7 +26,7 @@ Level residents(Head& head, bool whole, double noise_mm, int count) {
   for (int n = 0; n < count; ++n) {
     const Head::Done d = head.run(steps, 500, 1000 + n, noise_mm);
     int points = 0;
-    for (const ScoreRow& row : d.score.rows) points += row.score.value_or(0);
+    for (const lessons::ScoreRow& row : d.score.rows) points += row.score.value_or(0);
     ++level.points[points];
     sum += points;
     squares += double(points) * points;

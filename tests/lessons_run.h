@@ -12,18 +12,18 @@
 #include "lessons/score_report.h"
 #include "scratch_folder.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 using namespace trephine;
 
 /// A lesson that was done: what was recorded, noted and scored.
 template <class Facts>
 struct Scored {
-  Recording recording;
+  haptics::Recording recording;
   Facts facts;
-  LessonScore score;
-  const ScoreRow& row(const std::string& name) const {
-    for (const ScoreRow& r : score.rows)
+  lessons::LessonScore score;
+  const lessons::ScoreRow& row(const std::string& name) const {
+    for (const lessons::ScoreRow& r : score.rows)
       if (r.name == name) return r;
     throw std::runtime_error(name);
   }
@@ -34,7 +34,7 @@ struct Scored {
     return std::nan("");
   }
   Vec3 last_tip() const {
-    const ServoFrame& f = recording.frames.back();
+    const haptics::ServoFrame& f = recording.frames.back();
     return {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   }
 };
@@ -52,55 +52,55 @@ class LessonCase {
  public:
   explicit LessonCase(const case_samples::MemoryCase& c) {
     c.write(folder_.path());
-    felt_ = std::make_unique<FeltCase>(folder_.path(), "");
+    felt_ = std::make_unique<session::FeltCase>(folder_.path(), "");
     whole_ = felt_->loaded.haptic;
   }
-  FeltCase& felt() { return *felt_; }
-  const HapticVolume& whole() const { return whole_; }
+  session::FeltCase& felt() { return *felt_; }
+  const voxel::HapticVolume& whole() const { return whole_; }
   const std::filesystem::path& path() const { return folder_.path(); }
 
  protected:
   /// Does the steps through the servo.
-  Recording record(const std::string& module, const std::string& steps, const Doing& doing) {
+  haptics::Recording record(const std::string& module, const std::string& steps, const Doing& doing) {
     felt_->loaded.haptic = whole_;
-    LessonOptions o;
-    o.script = parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
+    lessons::LessonOptions o;
+    o.script = lessons::parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
     o.servo.rate_hz = doing.rate_hz;
     o.task = doing.task;
     o.aim.seed = doing.seed;
     o.aim.aim_noise_mm = doing.noise_mm;
     o.most_s = 9000;
     const std::atomic<bool> stop{false};
-    return run_lesson(*felt_, o, stop).recording;
+    return lessons::run_lesson(*felt_, o, stop).recording;
   }
   /// What the lesson's module notes in a recording.
   template <class Facts>
-  Facts facts_of(const Recording& recording) {
+  Facts facts_of(const haptics::Recording& recording) {
     felt_->loaded.haptic = whole_;
-    return dynamic_cast<const Facts&>(*facts_of_recording(*felt_, "test", recording));
+    return dynamic_cast<const Facts&>(*lessons::facts_of_recording(*felt_, "test", recording));
   }
 
  private:
   ScratchFolder folder_;
-  std::unique_ptr<FeltCase> felt_;
-  HapticVolume whole_;
+  std::unique_ptr<session::FeltCase> felt_;
+  voxel::HapticVolume whole_;
 };
 
 /// Critical errors of a rubric, with their limits.
-inline void lists(std::vector<CriticalRule>& rules, const std::vector<std::pair<const char*, double>>& errors) {
-  for (const auto& [name, limit] : errors) rules.push_back({name, limit, RubricLimit::From::ours, "test"});
+inline void lists(std::vector<lesson::CriticalRule>& rules, const std::vector<std::pair<const char*, double>>& errors) {
+  for (const auto& [name, limit] : errors) rules.push_back({name, limit, lesson::RubricLimit::From::ours, "test"});
 }
 /// Whether that critical error happened.
-inline bool failed_by(const LessonScore& score, const std::string& error) {
-  for (const CriticalError& e : score.critical)
+inline bool failed_by(const lessons::LessonScore& score, const std::string& error) {
+  for (const lessons::CriticalError& e : score.critical)
     if (e.rule.error == error) return true;
   return false;
 }
 
 /// Sets a limit of a rubric, as a test's own reading of a shipped one.
-inline void is(RubricLimit& limit, double value) { limit = {value, RubricLimit::From::ours, "test"}; }
-inline void are(FourLimits& l, double five, double four, double three, double two) {
+inline void is(lesson::RubricLimit& limit, double value) { limit = {value, lesson::RubricLimit::From::ours, "test"}; }
+inline void are(lesson::FourLimits& l, double five, double four, double three, double two) {
   is(l.five, five), is(l.four, four), is(l.three, three), is(l.two, two);
 }
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -5,16 +5,16 @@
 #include "lessons_case.h"
 #include "phantom/spine.h"
 
-namespace lessons {
+namespace lesson_cases {
 
 using namespace trephine;
 
-inline HapticVolume spine_volume(const phantom::Spine& spine) {
+inline voxel::HapticVolume spine_volume(const phantom::Spine& spine) {
   constexpr double side = 0.8;
-  HapticVolume v;
-  Lattice l = phantom::lattice_about(spine, {side, side, side}, 62);
-  v.voxels = Grid<std::int16_t>(l);
-  v.shapes = {occupancy_shape("bone", 1), occupancy_shape("canal", 2), occupancy_shape("skin", 3)};
+  voxel::HapticVolume v;
+  grid::Lattice l = phantom::lattice_about(spine, {side, side, side}, 62);
+  v.voxels = grid::Grid<std::int16_t>(l);
+  v.shapes = {voxel::occupancy_shape("bone", 1), voxel::occupancy_shape("canal", 2), voxel::occupancy_shape("skin", 3)};
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
@@ -30,9 +30,9 @@ inline HapticVolume spine_volume(const phantom::Spine& spine) {
 }
 
 /// What X-rays see of it.
-inline Grid<std::int16_t> spine_ct(const phantom::Spine& spine) {
+inline grid::Grid<std::int16_t> spine_ct(const phantom::Spine& spine) {
   constexpr double side = 1;
-  Grid<std::int16_t> ct(phantom::lattice_about(spine, {side, side, side}, 62), -1000);
+  grid::Grid<std::int16_t> ct(phantom::lattice_about(spine, {side, side, side}, 62), -1000);
   parallel_for(0, ct.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < ct.size[1]; ++j)
@@ -57,16 +57,16 @@ inline std::pair<Vec3, Vec3> ends_of(const phantom::Spine& spine, const phantom:
 
 inline case_samples::MemoryCase spine_case(double confidence = 1) {
   const phantom::Spine spine;
-  const HapticVolume volume = spine_volume(spine);
+  const voxel::HapticVolume volume = spine_volume(spine);
   case_samples::MemoryCase c = case_of("spine", volume);
-  CaseManifest& m = c.manifest;
-  const Grid<std::int16_t> ct = spine_ct(spine);
-  const std::string ct_bytes = encode_nrrd(ct, {}, NrrdEncoding::gzip);
-  m.files.push_back(describe_case_file("ct", ".nrrd", ct_bytes));
+  cases::CaseManifest& m = c.manifest;
+  const grid::Grid<std::int16_t> ct = spine_ct(spine);
+  const std::string ct_bytes = grid::encode_nrrd(ct, {}, grid::NrrdEncoding::gzip);
+  m.files.push_back(cases::describe_case_file("ct", ".nrrd", ct_bytes));
   m.ct = {m.files.back().name, ct.size, ct.spacing_mm};
   c.files[m.ct.file] = ct_bytes;
   // As configs/materials.yaml has them.
-  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},
+  const cases::CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},
       none{false, 0, 0, 0, 0, 0};
   add_shape(m, volume.shapes[0], "bone", {{}, bone, bone, 0, 0, 0.1}, false, {0.93, 0.89, 0.78});
   add_shape(m, volume.shapes[1], "csf", {{}, liquor, liquor, 0.001, 0, 0}, false, {0.30, 0.60, 0.80});
@@ -82,4 +82,4 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
   return c;
 }
 
-}  // namespace lessons
+}  // namespace lesson_cases

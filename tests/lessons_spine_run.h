@@ -6,10 +6,10 @@
 #include "lessons_run.h"
 #include "lessons_spine.h"
 
-namespace lessons {
+namespace lesson_cases {
 
-inline SpineNeedleRubric shipped() {  // the test's own reading of configs/rubrics/spine_needle.yaml
-  SpineNeedleRubric r;
+inline lessons::SpineNeedleRubric shipped() {  // the test's own reading of configs/rubrics/spine_needle.yaml
+  lessons::SpineNeedleRubric r;
   r.module = "spine_needle";
   are(r.entry_mm, 2, 4, 6, 10), are(r.target_mm, 3, 6, 9, 14), are(r.breach_mm, 0, 2, 4, 6);
   are(r.depth_mm, 5, 8, 12, 20), are(r.exposure_s, 5, 10, 20, 40), are(r.passes_count, 1, 2, 3, 5);
@@ -24,8 +24,8 @@ inline SpineNeedleRubric shipped() {  // the test's own reading of configs/rubri
   return r;
 }
 
-inline PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_screw.yaml
-  PedicleScrewRubric r;
+inline lessons::PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_screw.yaml
+  lessons::PedicleScrewRubric r;
   r.module = "pedicle_screw";
   is(r.entry_mm, 4), is(r.axial_deg, 8), is(r.sagittal_deg, 8), is(r.length_mm, 6), is(r.breach_mm, 0);
   is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
@@ -42,10 +42,10 @@ inline PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_s
 class SpineCase : public LessonCase {
  public:
   explicit SpineCase(double confidence = 1) : LessonCase(spine_case(confidence)) {}
-  struct Done : Scored<SpineNeedleFacts> {
+  struct Done : Scored<lessons::SpineNeedleFacts> {
     using Scored::measured;
     double measured(const std::string& name) const {  // of whatever row
-      for (const ScoreRow& r : score.rows)
+      for (const lessons::ScoreRow& r : score.rows)
         for (const auto& [figure, value] : r.measured)
           if (figure == name) return value;
       return std::nan("");
@@ -59,11 +59,11 @@ class SpineCase : public LessonCase {
     return d;
   }
   void score(Done& d) {
-    d.facts = facts_of<SpineNeedleFacts>(d.recording);
+    d.facts = facts_of<lessons::SpineNeedleFacts>(d.recording);
     d.score = d.recording.header.lesson == "spine_needle"
-                  ? score_spine_needle(d.facts, felt().loaded.manifest, whole(), shipped())
-                  : score_pedicle_screw(d.facts, felt().loaded.manifest, whole(), shipped_screw());
+                  ? lessons::score_spine_needle(d.facts, felt().loaded.manifest, whole(), shipped())
+                  : lessons::score_pedicle_screw(d.facts, felt().loaded.manifest, whole(), shipped_screw());
   }
 };
 
-}  // namespace lessons
+}  // namespace lesson_cases

@@ -15,7 +15,7 @@
 #include "lessons_spine_run.h"
 #include "scratch_folder.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -33,28 +33,28 @@ std::string needle(const std::string& more = "", const std::string& pedicle = "p
 TEST(SpineNeedle, APerfectOneScoresFiveInAllRows) {
   const auto d = spine().run(R"({"shoot": {}}, "view_lateral", {"shoot": {}}, )" + needle() +
                              R"(, {"shoot": {}}, "view_ap", {"shoot": {"seconds": 1}}, "finish")");
-  for (const ScoreRow& row : d.score.rows) {
+  for (const lessons::ScoreRow& row : d.score.rows) {
     std::string measured;
     for (const auto& [name, value] : row.measured) measured += " " + name + " " + std::to_string(value);
     EXPECT_EQ(row.score, 5) << row.name << ": " << row.why << measured;
   }
-  EXPECT_EQ(d.facts.end, LessonEnd::finished);
+  EXPECT_EQ(d.facts.end, lessons::LessonEnd::finished);
   ASSERT_EQ(d.facts.shots.size(), 4u);
   EXPECT_EQ(d.facts.shots[0].arm.view(), std::string("ap"));
   EXPECT_EQ(d.facts.shots[1].arm.view(), std::string("lateral"));
   EXPECT_NEAR(d.facts.exposure_s(), 3 * 0.4 + 1, 0.05);
   // The needle is in the picture at once, where it is.
-  const NeedlePoint& end = d.facts.passes.back().path.back();
+  const lessons::NeedlePoint& end = d.facts.passes.back().path.back();
   EXPECT_LT(norm(d.facts.shots[3].tip_mm - end.tip_mm), 1);
   // Scored again it is the same.
   auto again = d;
   spine().score(again);
-  const ReportHead head{"spine", "spine_needle", "p1", "a", "b", "c"};
-  EXPECT_EQ(score_json(head, again.facts, again.score), score_json(head, d.facts, d.score));
-  const std::string line = attempt_line(head, d.facts, d.score, 1);
+  const lessons::ReportHead head{"spine", "spine_needle", "p1", "a", "b", "c"};
+  EXPECT_EQ(lessons::score_json(head, again.facts, again.score), lessons::score_json(head, d.facts, d.score));
+  const std::string line = lessons::attempt_line(head, d.facts, d.score, 1);
   EXPECT_EQ(std::count(line.begin(), line.end(), ',') + 1,
-            std::ptrdiff_t(attempt_columns(lesson_type("spine_needle")).size()));
-  EXPECT_NE(report_page(head, d.facts, d.score, d.recording, spine().felt().loaded).find("pedicle_2_left"),
+            std::ptrdiff_t(lessons::attempt_columns(lessons::lesson_type("spine_needle")).size()));
+  EXPECT_NE(lessons::report_page(head, d.facts, d.score, d.recording, spine().felt().loaded).find("pedicle_2_left"),
             std::string::npos);
 }
 
@@ -76,7 +76,7 @@ TEST(SpineNeedle, ErrorsAreThoseOfTheLastFrameAndEveryScoreIsGiven) {
       entries.insert(1);
       continue;
     }
-    const ServoFrame& f = d.recording.frames.back();
+    const haptics::ServoFrame& f = d.recording.frames.back();
     const Vec3 tip{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, axis{f.axis[0], f.axis[1], f.axis[2]};
     const auto off = [&](Vec3 at) {
       const Vec3 p = tip + axis * (dot(at - tip, pedicle.forwards) / dot(axis, pedicle.forwards));
@@ -177,7 +177,7 @@ TEST(SpineNeedleHostile, APauseCountsNothingAndTakesNoPicture) {
 
 TEST(SpineNeedleHostile, ALostDeviceEndsItAndKeepsWhatWasDone) {
   const auto d = spine().run(R"({"shoot": {}}, )" + needle() + R"(, "lose_device", "finish")");
-  EXPECT_EQ(d.facts.end, LessonEnd::device_lost);
+  EXPECT_EQ(d.facts.end, lessons::LessonEnd::device_lost);
   EXPECT_EQ(d.points("time"), 1);
   EXPECT_EQ(d.facts.shots.size(), 1u);
   EXPECT_EQ(d.facts.passes.size(), 1u);
@@ -188,7 +188,8 @@ TEST(SpineNeedle, HandsThatAimWorseScoreLess) {
   for (const double noise : {0.0, 2.0, 5.0, 10.0}) {
     double sum = 0;
     for (int seed = 1; seed <= 8; ++seed)
-      sum += sum_of(spine().run(needle() + R"(, {"shoot": {}}, "finish")", "spine_needle", noise, seed).score).points /
+      sum += lessons::sum_of(spine().run(needle() + R"(, {"shoot": {}}, "finish")", "spine_needle", noise, seed).score)
+                 .points /
              8.0;
     means.push_back(sum);
     RecordProperty("mean_at_" + std::to_string(int(noise)), std::to_string(sum));
@@ -229,7 +230,7 @@ TEST(PedicleScrew, ErrorsAreCountedAndUpToTwoAreAcceptable) {
   };
   const auto errors = [](const SpineCase::Done& d) {
     std::set<std::string> all;
-    for (const ScoreRow& r : d.score.rows)
+    for (const lessons::ScoreRow& r : d.score.rows)
       if (r.score == 1 && r.name != "acceptable") all.insert(r.name);
     return all;
   };
@@ -263,7 +264,7 @@ TEST(PedicleScrew, ErrorsAreCountedAndUpToTwoAreAcceptable) {
 TEST(PedicleScrew, AFinderThatIsLeftThereIsNoScrew) {
   const auto d = spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, "finish")", "pedicle_screw");
   EXPECT_FALSE(d.score.flag("screw_in_bone"));
-  for (const ScoreRow& r : d.score.rows) EXPECT_EQ(r.score, 1) << r.name;
+  for (const lessons::ScoreRow& r : d.score.rows) EXPECT_EQ(r.score, 1) << r.name;
   // Another tool cannot be taken while it lies in bone: the finder stays in the hand.
   const auto swapped =
       spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, {"take": {"tool": "screw_6.5x50"}}, "finish")",

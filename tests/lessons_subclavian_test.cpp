@@ -29,19 +29,19 @@ std::string to(const std::string& offset, const std::string& more = "") {
              "toward": {"at": "vein_right", "offset_mm": )" +
          offset + "}" + more + "}}";
 }
-NeedleColour colour(const Chest::Done& d) { return needle_colour(d.facts, Chest::rubric()); }
+lessons::NeedleColour colour(const Chest::Done& d) { return lessons::needle_colour(d.facts, Chest::rubric()); }
 
 }  // namespace
 
 TEST(LessonsSubclavian, APerfectOneScoresFiveAndIsGreen) {
   for (Chest* c : {&chest(), &with_artery()}) {
     const Chest::Done d = c->run(puncture() + R"(, "aspirate", "finish")");
-    for (const ScoreRow& row : d.score.rows)
+    for (const lessons::ScoreRow& row : d.score.rows)
       if (row.name == "artery" && c == &chest())
         EXPECT_FALSE(row.score) << "an artery that the case does not have is judged";
       else
         EXPECT_EQ(row.score.value_or(0), 5) << row.name << ": " << row.why;
-    EXPECT_EQ(colour(d), NeedleColour::green);
+    EXPECT_EQ(colour(d), lessons::NeedleColour::green);
     EXPECT_TRUE(d.score.flag("first_pass"));
     // By the phantom's lengths: the lower border is at z = 4, the puncture at vein_z - 6.
     EXPECT_NEAR(d.row("puncture").measured[0].second, clavicle_z - clavicle_r - (vein_z - 6), 2);
@@ -54,57 +54,58 @@ TEST(LessonsSubclavian, APerfectOneScoresFiveAndIsGreen) {
 TEST(LessonsSubclavian, ScoredAgainItIsTheSameAndItReplaysBitForBit) {
   Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
   const auto json = [](const Chest::Done& x) {
-    return score_json({"chest", "subclavian", "p1", "a", "b", "c"}, x.facts, x.score);
+    return lessons::score_json({"chest", "subclavian", "p1", "a", "b", "c"}, x.facts, x.score);
   };
   const std::string before = json(d);
   chest().score(d);
   EXPECT_EQ(json(d), before);
-  ContactVolume contact(chest().felt().loaded.haptic, d.recording.header.contact);
-  Rerun rerun(chest().felt(), contact, "test", d.recording.header);
-  const std::vector<ServoFrame> again = rerun.run(d.recording.frames);
+  contact::ContactVolume contact(chest().felt().loaded.haptic, d.recording.header.contact);
+  session::Rerun rerun(chest().felt(), contact, "test", d.recording.header);
+  const std::vector<haptics::ServoFrame> again = rerun.run(d.recording.frames);
   ASSERT_EQ(again.size(), d.recording.frames.size());
-  for (std::size_t n = 0; n < again.size(); ++n) ASSERT_TRUE(same_frame(again[n], d.recording.frames[n])) << n;
+  for (std::size_t n = 0; n < again.size(); ++n) ASSERT_TRUE(haptics::same_frame(again[n], d.recording.frames[n])) << n;
 }
 
 TEST(LessonsSubclavian, BloodComesFromTheVeinAlone) {
   // Stopped before the vein: nothing is drawn.
   const Chest::Done before = chest().run(puncture(R"(, "short_of_mm": 18)") + R"(, "aspirate", "finish")");
   EXPECT_EQ(before.points("vein"), 1);
-  EXPECT_EQ(colour(before), NeedleColour::red);
+  EXPECT_EQ(colour(before), lessons::NeedleColour::red);
   // In it, and nobody draws.
   const Chest::Done dry = chest().run(puncture() + R"(, "finish")");
   EXPECT_EQ(dry.points("vein"), 3);
-  EXPECT_EQ(colour(dry), NeedleColour::red);
+  EXPECT_EQ(colour(dry), lessons::NeedleColour::red);
   // Drawn, and then the needle leaves.
   const Chest::Done left = chest().run(puncture() + R"(, "aspirate", "withdraw", "finish")");
   EXPECT_EQ(left.points("vein"), 2);
-  EXPECT_EQ(colour(left), NeedleColour::red);
+  EXPECT_EQ(colour(left), lessons::NeedleColour::red);
 }
 
 TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   const Chest::Done pleura = chest().run(to("[-14, 29, -22]", ", \"short_of_mm\": -6") + R"(, "aspirate", "finish")");
   EXPECT_EQ(pleura.points("lung"), 1) << pleura.row("lung").why;
-  EXPECT_EQ(colour(pleura), NeedleColour::red);
+  EXPECT_EQ(colour(pleura), lessons::NeedleColour::red);
   EXPECT_TRUE(pleura.facts.pleura_s >= 0 || pleura.facts.lung_s >= 0);  // it may pop through a zone of 2 mm
   // Through the vein into the artery behind it, and back into the vein: green never comes again.
   const Chest::Done artery = with_artery().run(to("[0, 18, 2]", ", \"short_of_mm\": -6") +
                                                R"(, "aspirate", {"withdraw": {"by_mm": 22}}, "aspirate", "finish")");
   EXPECT_EQ(artery.points("artery"), 1) << artery.row("artery").why;
   EXPECT_EQ(artery.points("lung"), 5);
-  EXPECT_EQ(colour(artery), NeedleColour::red);
+  EXPECT_EQ(colour(artery), lessons::NeedleColour::red);
   EXPECT_FALSE(artery.score.flag("success"));
 }
 
 TEST(LessonsSubclavian, ALungThatTheCaseDoesNotShowIsNotJudged) {
   const Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
   // The right one is soft tissue, as where it holds no air.
-  HapticVolume volume = volume_of(false);
+  voxel::HapticVolume volume = volume_of(false);
   const int width = volume.voxels.size[0];
   for (std::size_t n = 0; n < volume.voxels.voxels.size(); ++n)
     if (std::int16_t& v = volume.voxels.voxels[n];
         int(n % std::size_t(width)) < width / 2 && (v / 1000 == 3 || v / 1000 == 4))
       v = 5255;
-  const LessonScore score = score_subclavian(d.facts, chest().felt().loaded.manifest, volume, Chest::rubric());
+  const lessons::LessonScore score =
+      lessons::score_subclavian(d.facts, chest().felt().loaded.manifest, volume, Chest::rubric());
   EXPECT_FALSE(score.rows[4].score) << score.rows[4].name << ": " << score.rows[4].why;
   EXPECT_EQ(d.points("lung"), 5);
 }
@@ -132,14 +133,14 @@ TEST(LessonsSubclavian, PassesAndTimeHaveTheirLimits) {
     const Chest::Done d = chest().run(steps + puncture() + R"(, "aspirate", "finish")");
     EXPECT_EQ(int(d.facts.passes.size()), n);
     EXPECT_EQ(d.points("passes"), n == 4 ? 1 : 6 - n);
-    EXPECT_EQ(colour(d), n == 4 ? NeedleColour::red : NeedleColour::green);
+    EXPECT_EQ(colour(d), n == 4 ? lessons::NeedleColour::red : lessons::NeedleColour::green);
     steps += puncture(R"(, "short_of_mm": 15)") + ", \"withdraw\", ";
   }
   for (const auto& [wait_s, score] : {std::pair<int, int>{125, 4}, {250, 3}, {370, 2}, {610, 1}}) {
     const Chest::Done d = chest().run(
         R"({"wait": {"seconds": )" + std::to_string(wait_s) + "}}, " + puncture() + R"(, "aspirate", "finish")", 100);
     EXPECT_EQ(d.points("time"), score) << wait_s;
-    EXPECT_EQ(colour(d), score == 1 ? NeedleColour::red : NeedleColour::green);
+    EXPECT_EQ(colour(d), score == 1 ? lessons::NeedleColour::red : lessons::NeedleColour::green);
   }
 }
 
@@ -152,10 +153,10 @@ TEST(LessonsSubclavianHostile, AnHoursPauseCountsNothingAndALostDeviceKeepsWhatW
   EXPECT_EQ(paused.facts.aspirations.size(), 1u);  // in the pause nothing is drawn
   EXPECT_EQ(paused.points("time"), 5);
   EXPECT_EQ(paused.points("vein"), 5);
-  EXPECT_EQ(colour(paused), NeedleColour::green);
+  EXPECT_EQ(colour(paused), lessons::NeedleColour::green);
 
   const Chest::Done lost = chest().run(puncture() + R"(, "aspirate", "lose_device", "finish")");
-  EXPECT_EQ(lost.facts.end, LessonEnd::device_lost);
+  EXPECT_EQ(lost.facts.end, lessons::LessonEnd::device_lost);
   EXPECT_EQ(lost.points("time"), 1);
   EXPECT_EQ(lost.facts.passes.size(), 1u);
   EXPECT_EQ(lost.facts.aspirations.size(), 1u);
@@ -163,11 +164,11 @@ TEST(LessonsSubclavianHostile, AnHoursPauseCountsNothingAndALostDeviceKeepsWhatW
 }
 
 TEST(LessonsSubclavian, WhatIsNoChestIsRefused) {
-  CaseManifest m = chest_case(false).manifest;
+  cases::CaseManifest m = chest_case(false).manifest;
   m.haptic.shapes[1].name = "tube";
-  EXPECT_THROW(chest_shapes_of(m), Error);
-  HapticVolume one = volume_of(false);
+  EXPECT_THROW(lessons::chest_shapes_of(m), Error);
+  voxel::HapticVolume one = volume_of(false);
   for (std::int16_t& v : one.voxels.voxels)
     if (v / 1000 == 1) v = 5255;
-  EXPECT_THROW(chest_frame_of(one, chest_shapes_of(chest_case(false).manifest)), Error);
+  EXPECT_THROW(lessons::chest_frame_of(one, lessons::chest_shapes_of(chest_case(false).manifest)), Error);
 }

@@ -13,7 +13,7 @@
 #include "lessons_head.h"
 #include "session/playback.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
@@ -32,16 +32,16 @@ std::string perfect() {
 }
 
 std::string json_of(const Head::Done& d) {
-  return score_json({"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score);
+  return lessons::score_json({"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score);
 }
 
 }  // namespace
 
 TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
   const Head::Done d = whole().run(perfect());
-  for (const ScoreRow& row : d.score.rows) EXPECT_EQ(row.score.value_or(0), 5) << row.name << ": " << row.why;
+  for (const lessons::ScoreRow& row : d.score.rows) EXPECT_EQ(row.score.value_or(0), 5) << row.name << ": " << row.why;
   EXPECT_TRUE(d.score.flag("first_pass"));
-  EXPECT_EQ(d.facts.end, LessonEnd::finished);
+  EXPECT_EQ(d.facts.end, lessons::LessonEnd::finished);
   ASSERT_EQ(d.facts.traces.size(), 3u);
   EXPECT_NEAR(d.facts.traces[1].length_mm, 110, 2);  // along the skin
   EXPECT_NEAR(d.facts.traces[2].length_mm, 27.5, 1);
@@ -61,21 +61,21 @@ TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
   whole().score(again);
   EXPECT_EQ(json_of(d), json_of(again));
   whole().felt().loaded.haptic = whole().whole();
-  ContactVolume contact(whole().felt().loaded.haptic, d.recording.header.contact);
-  Rerun rerun(whole().felt(), contact, "test", d.recording.header);
-  const std::vector<ServoFrame> frames = rerun.run(d.recording.frames);
+  contact::ContactVolume contact(whole().felt().loaded.haptic, d.recording.header.contact);
+  session::Rerun rerun(whole().felt(), contact, "test", d.recording.header);
+  const std::vector<haptics::ServoFrame> frames = rerun.run(d.recording.frames);
   std::size_t different = 0;
-  for (std::size_t n = 0; n < frames.size(); ++n) different += !same_frame(frames[n], d.recording.frames[n]);
+  for (std::size_t n = 0; n < frames.size(); ++n) different += !haptics::same_frame(frames[n], d.recording.frames[n]);
   EXPECT_EQ(different, 0u);
-  EXPECT_EQ(volume_digest(whole().felt().loaded.haptic), d.recording.header.outcome->volume_sha256);
+  EXPECT_EQ(haptics::volume_digest(whole().felt().loaded.haptic), d.recording.header.outcome->volume_sha256);
 
   // Through a file.
   const ScratchFolder folder;
-  RecordingWriter writer(folder.path() / "one.lesson", d.recording.header);
+  haptics::RecordingWriter writer(folder.path() / "one.lesson", d.recording.header);
   writer.add(d.recording.frames);
   writer.finish(d.recording.header.outcome);
   Head::Done read;
-  read.recording = read_recording(folder.path() / "one.lesson");
+  read.recording = haptics::read_recording(folder.path() / "one.lesson");
   whole().score(read);
   EXPECT_EQ(json_of(d), json_of(read));
 
@@ -89,18 +89,18 @@ TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
   EXPECT_EQ(erased, 3);
   std::ofstream(folder.path() / "old.lesson", std::ios::binary) << bytes;
   Head::Done old;
-  old.recording = read_recording(folder.path() / "old.lesson");
+  old.recording = haptics::read_recording(folder.path() / "old.lesson");
   whole().score(old);
   EXPECT_EQ(json_of(d), json_of(old));
 
   // Forces keep to the device's limits over every change of the tool.
-  const double most_step = d.recording.header.force.max_force_rate_n_per_s / d.recording.header.rate_hz;
+  const double max_step = d.recording.header.force.max_force_rate_n_per_s / d.recording.header.rate_hz;
   std::set<int> tools;
   for (std::size_t n = 1; n < d.recording.frames.size(); ++n) {
-    const ServoFrame &a = d.recording.frames[n - 1], &b = d.recording.frames[n];
+    const haptics::ServoFrame &a = d.recording.frames[n - 1], &b = d.recording.frames[n];
     const Vec3 step{b.force_n[0] - a.force_n[0], b.force_n[1] - a.force_n[1], b.force_n[2] - a.force_n[2]};
-    ASSERT_LE(norm(step), most_step * (1 + 1e-9)) << n;
-    tools.insert(belt_button::tool(b.buttons));
+    ASSERT_LE(norm(step), max_step * (1 + 1e-9)) << n;
+    tools.insert(haptics::belt_button::tool(b.buttons));
   }
   EXPECT_EQ(tools, (std::set<int>{0, 1, 2}));
 }
@@ -114,8 +114,8 @@ TEST(Lessons, ACaseWithAHoleBeginsAtTheCatheter) {
   for (const char* name : {"trajectory", "depth", "tip", "time"})
     EXPECT_EQ(d.points(name), 5) << name << d.row(name).why;
   EXPECT_TRUE(d.facts.drilled_beforehand);
-  EXPECT_EQ(sum_of(d.score).most, 25);
-  EXPECT_EQ(sum_of(d.score).most_of_table, 20);
+  EXPECT_EQ(lessons::sum_of(d.score).most, 25);
+  EXPECT_EQ(lessons::sum_of(d.score).max_of_table, 20);
 }
 
 TEST(Lessons, EveryPassOfTheCatheterIsKept) {
@@ -160,7 +160,7 @@ TEST(LessonsHostile, AToolSwappedInTheMiddleOfDrilling) {
                                    R"(, {"take": {"tool": "burr"}}, {"drill": {"past_mm": -4, "hole_diameter_mm": 8}},
       {"take": {"tool": "catheter"}}, {"wait": {"seconds": 0.2}}, {"take": {"tool": "burr"}},
       {"drill": {"past_mm": -3, "hole_diameter_mm": 8}}, {"take": {"tool": "marker"}}, "finish")");
-  EXPECT_EQ(d.facts.end, LessonEnd::finished);
+  EXPECT_EQ(d.facts.end, lessons::LessonEnd::finished);
   ASSERT_TRUE(d.facts.hole);
   EXPECT_FALSE(d.facts.hole->through);
   EXPECT_LT(d.facts.through_s, 0);
@@ -172,7 +172,7 @@ TEST(LessonsScore, AHoleIsNoBetterFartherFromKochersPoint) {
   const Head::Done d =
       whole().run(std::string(perfect_marks) + ", " + perfect_hole + R"(, {"take": {"tool": "marker"}}, "finish")");
   ASSERT_EQ(d.points("burr_hole"), 5);
-  VentriculostomyFacts facts = d.facts;
+  lessons::VentriculostomyFacts facts = d.facts;
   const Vec3 own = normalized(kocher()) * outer_mm;
   const Vec3 side = normalized(cross(own, {0, 1, 1})), up = normalized(cross(own, side));
   std::map<int, int> seen;
@@ -180,8 +180,8 @@ TEST(LessonsScore, AHoleIsNoBetterFartherFromKochersPoint) {
     for (int off = 0, last = 5; off < 34; ++off) {  // farther off it may lie on the other side
       const double angle = way * M_PI / 12;
       facts.hole->outer_mm = own + (side * std::cos(angle) + up * std::sin(angle)) * off;
-      const LessonScore score =
-          score_ventriculostomy(facts, whole().felt().loaded.manifest, whole().whole(), Head::rubric());
+      const lessons::LessonScore score =
+          lessons::score_ventriculostomy(facts, whole().felt().loaded.manifest, whole().whole(), Head::rubric());
       ASSERT_EQ(score.rows[1].name, "burr_hole");
       const int points = score.rows[1].score.value_or(0);
       ASSERT_LE(points, last) << way << " " << off << ": " << score.rows[1].why;
@@ -205,7 +205,8 @@ TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
   // Nothing is felt meanwhile: a catheter that is pushed in is where it was not.
   const Head::Done pushed = drilled().run(take + R"("pause")" + insert, 100);
   EXPECT_TRUE(pushed.facts.passes.empty());
-  EXPECT_EQ(pushed.facts.end, LessonEnd::finished);  // a lesson that stands still can be ended, and does nothing else
+  EXPECT_EQ(pushed.facts.end,
+            lessons::LessonEnd::finished);  // a lesson that stands still can be ended, and does nothing else
   const Head::Done marked = whole().run(
       R"({"take": {"tool": "marker"}}, {"trace": {"from": {"at": "nasion"}, "to": {"at": "nasion", "along_mm": 5}}},
          "pause", "erase", "resume", "finish")",
@@ -241,7 +242,7 @@ TEST(LessonsHostile, ALostDeviceEndsTheLessonAndKeepsWhatWasDone) {
   const Head::Done d = drilled().run(
       R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}},
          "lose_device", {"wait": {"seconds": 1}}, "finish")");
-  EXPECT_EQ(d.facts.end, LessonEnd::device_lost);
+  EXPECT_EQ(d.facts.end, lessons::LessonEnd::device_lost);
   EXPECT_EQ(d.points("time"), 1);
   EXPECT_EQ(d.row("time").why, "not completed: device lost");
   EXPECT_EQ(d.points("tip"), 5);  // where it was when the device went
@@ -260,7 +261,7 @@ TEST(LessonsHostile, RecordingsThatAreNoLessonsAreRefused) {
       EXPECT_EQ(e.field(), field);
     }
   };
-  const Recording good = d.recording;
+  const haptics::Recording good = d.recording;
   d.recording.header.lesson = "";
   refused(ExitCode::bad_input, "lesson");
   d.recording = good;
@@ -291,12 +292,12 @@ TEST(LessonsScript, FaultsNameTheStep) {
 }
 
 TEST(LessonsRubric, IsReadAsItWasCompiledAndNotAsItWasChanged) {
-  const std::string json = compile_rubric(AnyParams::make(Head::rubric()));
-  EXPECT_EQ(compile_rubric(read_rubric(json, rubric_types()).rubric), json);
+  const std::string json = lesson::compile_rubric(AnyParams::make(Head::rubric()));
+  EXPECT_EQ(lesson::compile_rubric(lesson::read_rubric(json, lessons::rubric_types()).rubric), json);
   const auto refused = [](std::string text, const std::string& from, const std::string& to, const std::string& field) {
     text.replace(text.find(from), from.size(), to);
     try {
-      read_rubric(text, rubric_types());
+      lesson::read_rubric(text, lessons::rubric_types());
       ADD_FAILURE() << to;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -314,30 +315,30 @@ TEST(LessonsRubric, IsReadAsItWasCompiledAndNotAsItWasChanged) {
 TEST(Lessons, ARecordingThatNoSessionMadeIsNotFollowed) {
   const Head::Done d = drilled().run(R"({"take": {"tool": "catheter"}}, "finish")");
   const auto refused = [&](auto&& damage) -> std::string {
-    Recording r = d.recording;
+    haptics::Recording r = d.recording;
     damage(r);
     drilled().felt().loaded.haptic = drilled().whole();
     try {
-      facts_of_recording(drilled().felt(), "test", r);
+      lessons::facts_of_recording(drilled().felt(), "test", r);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.field();
     }
     return "followed";
   };
-  EXPECT_EQ(refused([](Recording&) {}), "followed");
-  EXPECT_EQ(refused([](Recording& r) { r.header.tools.clear(); }), "lesson.tools");
-  EXPECT_EQ(refused([](Recording& r) { r.frames[5].touched = 4000; }), "frames");
-  EXPECT_EQ(refused([](Recording& r) { r.frames[5].touched = -1; }), "frames");
-  EXPECT_EQ(refused([](Recording& r) { r.frames[5].tip_mm[1] = std::nan(""); }), "frames");
-  EXPECT_EQ(refused([](Recording& r) { r.frames[5].dt_s = 0; }), "frames");
+  EXPECT_EQ(refused([](haptics::Recording&) {}), "followed");
+  EXPECT_EQ(refused([](haptics::Recording& r) { r.header.tools.clear(); }), "lesson.tools");
+  EXPECT_EQ(refused([](haptics::Recording& r) { r.frames[5].touched = 4000; }), "frames");
+  EXPECT_EQ(refused([](haptics::Recording& r) { r.frames[5].touched = -1; }), "frames");
+  EXPECT_EQ(refused([](haptics::Recording& r) { r.frames[5].tip_mm[1] = std::nan(""); }), "frames");
+  EXPECT_EQ(refused([](haptics::Recording& r) { r.frames[5].dt_s = 0; }), "frames");
 }
 
 TEST(Lessons, ARecordingShowsItsIncisionWhereTheMarkerWas) {
   const Head::Done d = whole().run(std::string(perfect_marks) + R"(, "finish")");
-  IncisionWatch watch(d.recording.header);
-  std::vector<IncisionMark> seen;
-  for (const ServoFrame& f : d.recording.frames) watch.look(f, seen);
+  session::IncisionWatch watch(d.recording.header);
+  std::vector<session::IncisionMark> seen;
+  for (const haptics::ServoFrame& f : d.recording.frames) watch.look(f, seen);
   ASSERT_EQ(seen.size(), 1u);
   ASSERT_EQ(d.facts.incisions.size(), 1u);
   EXPECT_EQ(norm(seen[0].point_mm - d.facts.incisions[0].at_mm), 0);

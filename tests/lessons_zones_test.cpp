@@ -6,24 +6,24 @@
 #include "lessons_head.h"
 #include "meshing_box.h"
 
-using namespace lessons;
+using namespace lesson_cases;
 
 namespace {
 
 // The case's score where one of its anatomies is this box.
-LessonScore with_zone(Head& head, const Head::Done& d, const std::string& name, const TriMesh& box) {
-  LoadedCase loaded = head.felt().loaded;
-  CaseAnatomy anatomy;
+lessons::LessonScore with_zone(Head& head, const Head::Done& d, const std::string& name, const surface::TriMesh& box) {
+  cases::LoadedCase loaded = head.felt().loaded;
+  cases::CaseAnatomy anatomy;
   anatomy.name = name;
   loaded.manifest.anatomies.push_back(anatomy);
   loaded.surfaces.push_back(box);
-  const CriticalZones zones(loaded);
+  const lessons::CriticalZones zones(loaded);
   EXPECT_TRUE(zones.has(name));
-  return score_ventriculostomy(d.facts, loaded.manifest, head.whole(), Head::rubric(), zones);
+  return lessons::score_ventriculostomy(d.facts, loaded.manifest, head.whole(), Head::rubric(), zones);
 }
 
-std::string trajectory(const LessonScore& score) {
-  for (const ScoreRow& row : score.rows)
+std::string trajectory(const lessons::LessonScore& score) {
+  for (const lessons::ScoreRow& row : score.rows)
     if (row.name == "trajectory") return std::to_string(row.score.value_or(0)) + " " + row.why;
   return "";
 }
@@ -35,7 +35,7 @@ Head::Done insert(Head& head, double x, double y, double z, double short_of_mm) 
       x, y, z, short_of_mm));
 }
 
-TriMesh around(Vec3 middle, double half_mm) {
+surface::TriMesh around(Vec3 middle, double half_mm) {
   return shapes::box(middle - Vec3{half_mm, half_mm, half_mm}, Vec3{2 * half_mm, 2 * half_mm, 2 * half_mm}, 2);
 }
 

@@ -29,8 +29,8 @@ const fs::path source = TREPHINE_SOURCE_DIR;
 class Library : public testing::Test {
  protected:
   Library() { scratch_.write("trephine.root", ""); }
-  LibraryConfig read(const std::string& text, const LibraryOverrides& overrides = {}) {
-    return read_library_config(scratch_.write("l.yaml", "trephine: 1\n" + text), overrides);
+  library::LibraryConfig read(const std::string& text, const library::LibraryOverrides& overrides = {}) {
+    return library::read_library_config(scratch_.write("l.yaml", "trephine: 1\n" + text), overrides);
   }
   std::string fault(const std::string& text) {
     try {
@@ -46,7 +46,7 @@ class Library : public testing::Test {
 };
 
 TEST_F(Library, CasesOfSeveralConfigurations) {
-  const LibraryConfig c = read(
+  const library::LibraryConfig c = read(
       "configs: {drilled: a.yaml, voxels: b.yaml}\nset: {x.y.z: 1}\n"
       "cases:\n  - {case: one, series: s, set: {x.y.z: 2, p.q.r: [1, 2.5]}}\n  - {case: two, series: t, config: "
       "own.yaml}\n"
@@ -68,7 +68,7 @@ TEST_F(Library, CasesOfSeveralConfigurations) {
 }
 
 TEST_F(Library, SharedValuesOfPhantomsHoldWhereverTheyStand) {
-  const LibraryConfig c = read(
+  const library::LibraryConfig c = read(
       "config: a.yaml\nphantoms: {list: [{name: one}, {name: two, columns_count: 64}], shared: {columns_count: 128}}\n",
       {});
   ASSERT_EQ(c.phantoms.size(), 2u);
@@ -80,11 +80,11 @@ TEST_F(Library, FoundSeriesHaveNoTokenYet) {
   for (const char* name : {"s/b", "s/a", "s/.hidden"}) fs::create_directories(scratch_.path() / name);
   scratch_.write("s/z.zip", "x");
   scratch_.write("s/notes.txt", "x");
-  const LibraryConfig c = read("config: a.yaml\nseries: [s/*]\n");
+  const library::LibraryConfig c = read("config: a.yaml\nseries: [s/*]\n");
   ASSERT_EQ(c.cases.size(), 3u);
   EXPECT_EQ(c.cases[0].series.filename(), "a");
   EXPECT_EQ(c.cases[2].series.filename(), "z.zip");
-  for (const LibraryCase& one : c.cases) EXPECT_TRUE(one.token.empty());
+  for (const library::LibraryCase& one : c.cases) EXPECT_TRUE(one.token.empty());
   EXPECT_EQ(c.cases[1].origin, "series[0] folder 2");
 }
 
@@ -104,13 +104,14 @@ TEST_F(Library, AllFaultsAtOnceWithTheirPlace) {
 }
 
 TEST_F(Library, SampleLibraryIsWhatTheDissertationHad) {
-  const LibraryConfig c = read_library_config(source / "configs/library.yaml");
+  const library::LibraryConfig c = library::read_library_config(source / "configs/library.yaml");
   EXPECT_EQ(c.phantoms.size(), 15u);
   EXPECT_EQ(c.cases.size(), 30u);
   std::map<phantom::Variant, int> variants;
-  for (const LibraryPhantom& p : c.phantoms) ++variants[p.params.head.variant];
+  for (const library::LibraryPhantom& p : c.phantoms) ++variants[p.params.head.variant];
   EXPECT_EQ(variants.size(), 4u);
-  for (const LibraryCase& one : c.cases) EXPECT_NO_THROW(read_case_settings(one, {}, true, "p 1")) << one.token;
+  for (const library::LibraryCase& one : c.cases)
+    EXPECT_NO_THROW(library::read_case_settings(one, {}, true, "p 1")) << one.token;
 }
 
 TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
@@ -118,39 +119,39 @@ TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
   const auto scene = [&](const std::string& text) { scratch_.write("s.yaml", "trephine: 1\n" + text); };
   scene("anatomies: {skull: {max_triangles: 5000}}\n");
   scratch_.write("c.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
-  LibraryCase one;
+  library::LibraryCase one;
   one.config = scratch_.path() / "c.yaml";
-  const auto settings = [&] { return read_case_settings(one, {}, true, "p 1"); };
-  const CaseSettings first = settings();
+  const auto settings = [&] { return library::read_case_settings(one, {}, true, "p 1"); };
+  const library::CaseSettings first = settings();
   EXPECT_EQ(first.values.at("scene.anatomies.skull.max_triangles"), "5000");
   EXPECT_EQ(first.values.at("program"), "p 1");
   EXPECT_TRUE(first.values.count("skull.decimate.max_deviation_mm"));
   EXPECT_FALSE(first.values.count("brain.decimate.max_deviation_mm")) << "the scene does not show it";
-  EXPECT_EQ(parse_settings_json(settings_json(first)), first.values);
+  EXPECT_EQ(library::parse_settings_json(library::settings_json(first)), first.values);
 
   scene("# a comment\nanatomies:\n  skull:\n    max_triangles: 5000\n");
   EXPECT_EQ(settings().sha256, first.sha256);
   one.set = {"brain.decimate.max_deviation_mm=0.7"};
   EXPECT_EQ(settings().sha256, first.sha256) << "of an anatomy that the scene does not show";
   one.set = {"skull.decimate.max_deviation_mm=0.7"};
-  const auto lines = explain_difference(first.values, settings().values);
+  const auto lines = library::explain_difference(first.values, settings().values);
   ASSERT_EQ(lines.size(), 1u) << lines[0];
   EXPECT_EQ(lines[0].rfind("skull.decimate.max_deviation_mm: 0.7, was ", 0), 0u) << lines[0];
   one.set.clear();
   scene("anatomies: {skull: {max_triangles: 5000}}\nface: {policy: keep, reason: synthetic}\n");
   EXPECT_NE(settings().sha256, first.sha256);
-  EXPECT_NE(read_case_settings(one, {}, true, "p 2").sha256, settings().sha256);
-  EXPECT_NE(read_case_settings(one, {}, false, "p 1").sha256, settings().sha256);
+  EXPECT_NE(library::read_case_settings(one, {}, true, "p 2").sha256, settings().sha256);
+  EXPECT_NE(library::read_case_settings(one, {}, false, "p 1").sha256, settings().sha256);
 }
 
 // A further scan's content is remembered as the first one's is: where the memory says another content, a plan that
 // reads nothing takes that one.
 TEST_F(Library, APlanReadsNoFurtherScanAgain) {
-  Grid<std::int16_t> voxels;
+  grid::Grid<std::int16_t> voxels;
   voxels.size = {8, 8, 8};
   voxels.voxels.assign(512, 40);
   for (const char* name : {"ct.nrrd", "mr.nrrd"}) {
-    write_nrrd(scratch_.path() / name, HuVolume(voxels));
+    grid::write_nrrd(scratch_.path() / name, grid::HuVolume(voxels));
     voxels.voxels[100] = 50;
   }
   scratch_.write("p.yaml",
@@ -159,14 +160,14 @@ TEST_F(Library, APlanReadsNoFurtherScanAgain) {
   scratch_.write("s.yaml", "trephine: 1\nanatomies: {bone: {}}\n");
   scratch_.write("c.yaml",
                  "trephine: 1\npipeline: p.yaml\nscene: s.yaml\nscans: {mr: {modality: mr, series: mr.nrrd}}\n");
-  const LibraryConfig config = read("config: c.yaml\ncases: [{case: one, series: ct.nrrd}]\n");
-  const LibraryState state(scratch_.path() / "out");
+  const library::LibraryConfig config = read("config: c.yaml\ncases: [{case: one, series: ct.nrrd}]\n");
+  const library::LibraryState state(scratch_.path() / "out");
   state.make_folders();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // files that changed just now are not trusted
   const auto plan = [&](bool rehash) {
-    PlanOptions options;
+    library::PlanOptions options;
     options.rehash = rehash;
-    const LibraryPlan p = make_plan(config, state, options, {});
+    const library::LibraryPlan p = library::make_plan(config, state, options, {});
     EXPECT_FALSE(p.cases.at(0).fault);
     return p.cases.at(0).inputs.settings_sha256;
   };
@@ -174,7 +175,7 @@ TEST_F(Library, APlanReadsNoFurtherScanAgain) {
   const std::vector<char> bytes = read_file(state.series_file(), 1 << 20);
   auto memory = nlohmann::json::parse(bytes.begin(), bytes.end());
   ASSERT_EQ(memory.at("series").size(), 2u);
-  const std::string content = hash_of_series_input(scratch_.path() / "mr.nrrd", {});
+  const std::string content = dicom::hash_of_series_input(scratch_.path() / "mr.nrrd", {});
   for (auto& entry : memory.at("series"))
     if (entry.at(0) == content) entry.at(0) = sha256_of_bytes("another content");
   memory["checksum"] = sha256_of_bytes(memory.at("series").dump());
@@ -189,7 +190,7 @@ TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
   for (const auto& load : loads)
     for (const double budget : {500.0, 2000.0, 4000.0, 16000.0})
       for (const int jobs : {1, 2, 4, 16}) {
-        const MemoryPools p = make_pools(load, budget, jobs);
+        const library::MemoryPools p = library::make_pools(load, budget, jobs);
         // The heaviest jobs that may run together.
         std::vector<double> heavy = load;
         std::sort(heavy.rbegin(), heavy.rend());
@@ -211,10 +212,10 @@ TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
 }
 
 TEST(LibraryPools, NinjaFileIsQuoted) {
-  NinjaJob job;
+  library::NinjaJob job;
   job.job.name = "case.a";
   job.after = {"phantom.b"};
-  const std::string text = ninja_file({job}, make_pools({100}, 1000, 2), "/a b/it's $x");
+  const std::string text = library::ninja_file({job}, library::make_pools({100}, 1000, 2), "/a b/it's $x");
   EXPECT_NE(text.find("command = exec '/a b/it'\\''s $$x' library job $out"), std::string::npos) << text;
   EXPECT_NE(text.find("build case.a: job || phantom.b\n  pool = memory0"), std::string::npos) << text;
 }
@@ -223,21 +224,21 @@ TEST(LibrarySignature, ChangesWithContentNotWithNames) {
   ScratchFolder scratch;
   scratch.write("s/a", "1");
   scratch.write("s/below/b", "2");
-  const std::string first = sign_files(scratch.path() / "s").sha256;
-  EXPECT_EQ(first, sign_files(scratch.path() / "s").sha256);
+  const std::string first = library::sign_files(scratch.path() / "s").sha256;
+  EXPECT_EQ(first, library::sign_files(scratch.path() / "s").sha256);
   std::ofstream(scratch.path() / "s/below/b", std::ios::app) << "3";
-  const std::string second = sign_files(scratch.path() / "s").sha256;
+  const std::string second = library::sign_files(scratch.path() / "s").sha256;
   EXPECT_NE(first, second);
   fs::rename(scratch.path() / "s", scratch.path() / "t");
-  EXPECT_EQ(second, sign_files(scratch.path() / "t").sha256) << "the folder's name goes into it";
+  EXPECT_EQ(second, library::sign_files(scratch.path() / "t").sha256) << "the folder's name goes into it";
   fs::remove(scratch.path() / "t/a");
-  EXPECT_NE(second, sign_files(scratch.path() / "t").sha256);
-  EXPECT_EQ(sign_files(scratch.path() / "nowhere").sha256, "");
+  EXPECT_NE(second, library::sign_files(scratch.path() / "t").sha256);
+  EXPECT_EQ(library::sign_files(scratch.path() / "nowhere").sha256, "");
 }
 
 TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   ScratchFolder scratch;
-  CaseRow good, bad;
+  library::CaseRow good, bad;
   good.token = "a";
   good.patient_class = "small";
   good.manifest.anatomies.push_back({});
@@ -248,16 +249,16 @@ TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   bad.fault = "was never built";
   scratch.write("a/report/view.html", "page");
   scratch.write("a/report/skull.png", "picture");
-  const std::string page = sheet_page(scratch.path(), {good, bad});
+  const std::string page = library::sheet_page(scratch.path(), {good, bad});
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_NE(page.find("\\u003cscript>alert(1)\\u003c/script>"), std::string::npos);
   EXPECT_NE(page.find("12345"), std::string::npos);
   EXPECT_NE(page.find("\"pictures\":[\"report/skull.png\"],\"page\":true"), std::string::npos);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(page.find("was never built"), std::string::npos);
-  const Image picture = sheet_picture(scratch.path(), {good, bad});
+  const picture::Image picture = library::sheet_picture(scratch.path(), {good, bad});
   EXPECT_GT(picture.width, 400);
-  const Image many = sheet_picture(scratch.path(), std::vector<CaseRow>(1000, good));
+  const picture::Image many = library::sheet_picture(scratch.path(), std::vector<library::CaseRow>(1000, good));
   EXPECT_LT(double(many.width) * many.height, 6e7);
 }
 

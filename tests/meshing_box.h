@@ -10,8 +10,8 @@
 namespace trephine::shapes {
 
 /// A box of n x n squares a side, corner at `at`, outwards; each square two triangles.
-inline TriMesh box(Vec3 at, Vec3 size, int n = 1) {
-  TriMesh m;
+inline surface::TriMesh box(Vec3 at, Vec3 size, int n = 1) {
+  surface::TriMesh m;
   std::vector<std::uint32_t> number((n + 1) * (n + 1) * (n + 1), 0xffffffffu);
   const auto point = [&](int i, int j, int k) {
     auto& p = number[(k * (n + 1) + j) * (n + 1) + i];

@@ -25,8 +25,8 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// A ball, and a triangle through it many times over.
-TriMesh with_copies(int copies) {
-  TriMesh m = surface(sphere(30, 10));
+surface::TriMesh with_copies(int copies) {
+  surface::TriMesh m = contoured(sphere(30, 10));
   const auto base = static_cast<std::uint32_t>(m.points_mm.size());
   for (const Vec3 p : {Vec3{-30, 1, 1}, Vec3{30, 2, 1}, Vec3{0, 30, 2}}) m.points_mm.push_back(p);
   for (int i = 0; i < copies; ++i) m.triangles.push_back({base, base + 1, base + 2});
@@ -35,7 +35,7 @@ TriMesh with_copies(int copies) {
 
 TEST(Limits, EqualTrianglesAreCountedNotPaired) {
   constexpr int copies = 100000;  // 5e9 pairs
-  const Validity v = check_validity(with_copies(copies));
+  const meshing::Validity v = meshing::check_validity(with_copies(copies));
   EXPECT_EQ(v.topology.duplicate_triangles, std::size_t(copies - 1));
   EXPECT_GE(v.self_intersections, std::size_t(copies - 1)) << "each with the first";
   EXPECT_LT(v.self_intersections, std::size_t(copies + 5000)) << "and the first with the ball";
@@ -44,7 +44,7 @@ TEST(Limits, EqualTrianglesAreCountedNotPaired) {
 
 TEST(Limits, AFanOfThousandsIsCountedSoon) {
   // A disc of 100,000 triangles about one point, and another one that meets it there.
-  TriMesh m;
+  surface::TriMesh m;
   m.points_mm = {{0, 0, 0}};
   constexpr std::uint32_t n = 100000;
   for (const double z : {1.0, -1.0})
@@ -54,19 +54,19 @@ TEST(Limits, AFanOfThousandsIsCountedSoon) {
     }
   for (std::uint32_t d = 0; d < 2; ++d)
     for (std::uint32_t i = 0; i < n; ++i) m.triangles.push_back({0, 1 + d * n + i, 1 + d * n + (i + 1) % n});
-  EXPECT_EQ(count_fans(m, Incidence(m), 0), 2);
-  EXPECT_EQ(topology_of(m).nonmanifold_points, 1u);
+  EXPECT_EQ(surface::count_fans(m, surface::Incidence(m), 0), 2);
+  EXPECT_EQ(surface::topology_of(m).nonmanifold_points, 1u);
 }
 
 TEST(Limits, RepairGivesUpAfterAllOfItsTimeAndWhenAskedTo) {
-  RepairParams p;
+  meshing::RepairParams p;
   p.total_limit_s = 0.01;
   p.recontour_voxels_count = 900;  // takes longer
-  const TriMesh soup = with_copies(3);
+  const surface::TriMesh soup = with_copies(3);
   Report report;
   const auto start = Clock::now();
   try {
-    repair(soup, p, report);
+    meshing::repair(soup, p, report);
     ADD_FAILURE() << "no limit";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::internal);
@@ -78,7 +78,7 @@ TEST(Limits, RepairGivesUpAfterAllOfItsTimeAndWhenAskedTo) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     cancel = true;
   });
-  EXPECT_THROW(repair(soup, p, report, Progress(nullptr, &cancel)), Cancelled);
+  EXPECT_THROW(meshing::repair(soup, p, report, Progress(nullptr, &cancel)), Cancelled);
   user.join();
   // What both would take is minutes; this bound is for a machine that does much else beside it.
   EXPECT_LT(seconds_since(start), 300);
@@ -96,32 +96,32 @@ TEST(Limits, ATimeLimitPassesOnWhatHappensWithinIt) {
 }
 
 TEST(Limits, AChainKeepsTheBoundThatWasAskedFor) {
-  const TriMesh ball = surface(sphere(60, 20));
-  DecimateParams fewer;
+  const surface::TriMesh ball = contoured(sphere(60, 20));
+  meshing::DecimateParams fewer;
   fewer.max_deviation_mm = 0.3;
   fewer.target_triangles_count = 4;
   Report report;
-  const TriMesh rough = decimate(ball, fewer, report);
-  SmoothParams p;
+  const surface::TriMesh rough = meshing::decimate(ball, fewer, report);
+  meshing::SmoothParams p;
   p.max_displacement_mm = 0.3;
   p.iterations_count = 50;
   p.pass_band_ratio = 0.1;
   p.max_volume_change_percent = 100;
   Report free;
-  smooth(rough, p, free, {}, &ball);
+  meshing::smooth(rough, p, free, {}, &ball);
   const auto figure = [](const Report& r, const char* name) { return std::get<double>(*r.find(name)); };
   EXPECT_GT(figure(free, "reference_distance_max_mm"), 0.3) << "the control: without the bound it is broken";
   p.total_deviation_mm = 0.3;
   Report kept;
-  const TriMesh smoothed = smooth(rough, p, kept, {}, &ball);
+  const surface::TriMesh smoothed = meshing::smooth(rough, p, kept, {}, &ball);
   EXPECT_LE(figure(kept, "reference_distance_max_mm"), 0.3);
   EXPECT_EQ(figure(kept, "total_deviation_proven_mm"), 0.3);
-  EXPECT_TRUE(check_validity(smoothed).valid());
+  EXPECT_TRUE(meshing::check_validity(smoothed).valid());
   // A bound that is broken before anything moves, and one without what it is to.
   p.total_deviation_mm = 0.05;
-  const auto code = [&](const TriMesh* reference) {
+  const auto code = [&](const surface::TriMesh* reference) {
     try {
-      smooth(rough, p, kept, {}, reference);
+      meshing::smooth(rough, p, kept, {}, reference);
     } catch (const Error& e) {
       return e.code();
     }

@@ -25,9 +25,9 @@ struct Counts {
 };
 
 /// Pieces that look inwards: cavities. Decimation and smoothing must not turn a piece inside out.
-int inward_pieces(const TriMesh& m) {
+int inward_pieces(const surface::TriMesh& m) {
   std::vector<int> of;
-  std::vector<double> volume(label_components(m, of));
+  std::vector<double> volume(surface::label_components(m, of));
   for (std::size_t t = 0; t < of.size(); ++t) {
     const auto& v = m.triangles[t];
     volume[of[t]] += dot(m.points_mm[v[0]], cross(m.points_mm[v[1]], m.points_mm[v[2]]));
@@ -39,32 +39,32 @@ int inward_pieces(const TriMesh& m) {
 void one_volume(std::uint64_t seed, Counts& counts) {
   Random random(seed * 77 + 5);
   const double fill = random() < 0.1 ? 0.02 : random(0.02, 0.4);
-  const Field f = noise(5 + int(6 * random()), seed, fill, random() < 0.5);
+  const grid::Field f = noise(5 + int(6 * random()), seed, fill, random() < 0.5);
   ++counts.volumes;
   try {
-    const auto check = [&](const TriMesh& m, const char* step) {
-      const Validity v = check_validity(m);
+    const auto check = [&](const surface::TriMesh& m, const char* step) {
+      const meshing::Validity v = meshing::check_validity(m);
       if (v.valid() && v.float32) return;
       ++counts.invalid;
       ADD_FAILURE() << "volume " << seed << " after " << step << ": " << v.text();
     };
-    const TriMesh whole = surface(f);
+    const surface::TriMesh whole = contoured(f);
     check(whole, "contour");
-    DecimateParams less;
+    meshing::DecimateParams less;
     less.keep_ratio = random(0.02, 0.6);
     less.max_deviation_mm = random() < 0.5 ? 0 : random(0.05, 1);
     Report report;
-    const TriMesh fewer = decimate(whole, less, report);
+    const surface::TriMesh fewer = meshing::decimate(whole, less, report);
     check(fewer, "decimate");
     counts.turned += inward_pieces(fewer) != inward_pieces(whole);
-    SmoothParams smoother;
-    smoother.method = random() < 0.34  ? SmoothMethod::laplacian
-                      : random() < 0.5 ? SmoothMethod::feature
-                                       : SmoothMethod::windowed_sinc;
+    meshing::SmoothParams smoother;
+    smoother.method = random() < 0.34  ? meshing::SmoothMethod::laplacian
+                      : random() < 0.5 ? meshing::SmoothMethod::feature
+                                       : meshing::SmoothMethod::windowed_sinc;
     smoother.iterations_count = 1 + std::int64_t(30 * random());
     smoother.pass_band_ratio = random(0.02, 1.5);
     smoother.max_displacement_mm = random(0.02, 1);
-    const TriMesh smoothed = smooth(fewer, smoother, report);
+    const surface::TriMesh smoothed = meshing::smooth(fewer, smoother, report);
     check(smoothed, "smooth");
     counts.turned += inward_pieces(smoothed) != inward_pieces(fewer);
   } catch (const Error& e) {

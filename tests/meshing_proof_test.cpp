@@ -25,26 +25,26 @@ using shapes::box;
 using Triangle = std::array<std::uint32_t, 3>;
 
 TEST(Proof, IsGivenByTheCheckAloneAndOnlyToWhatIsValid) {
-  TriMesh m = box({}, {2, 2, 2});
+  surface::TriMesh m = box({}, {2, 2, 2});
   EXPECT_FALSE(m.proven_valid());
-  EXPECT_FALSE(TriMesh().proven_valid());
-  ASSERT_TRUE(check_validity(m).valid());
+  EXPECT_FALSE(surface::TriMesh().proven_valid());
+  ASSERT_TRUE(meshing::check_validity(m).valid());
   EXPECT_TRUE(m.proven_valid());
   std::swap(m.triangles[3][0], m.triangles[3][1]);
-  ASSERT_FALSE(check_validity(m).valid());
+  ASSERT_FALSE(meshing::check_validity(m).valid());
   EXPECT_FALSE(m.proven_valid());
-  EXPECT_THROW(require_valid(m), Error);
+  EXPECT_THROW(meshing::require_valid(m), Error);
   EXPECT_FALSE(m.proven_valid());
 }
 
 TEST(Proof, DoesNotCoverAChangeThroughAnOlderReference) {
-  TriMesh m = box({}, {2, 2, 2});
+  surface::TriMesh m = box({}, {2, 2, 2});
   Vec3& point = m.points_mm[5];
   std::uint32_t& corner = m.triangles[3][0];
-  require_valid(m);
+  meshing::require_valid(m);
   const auto code = [&] {
     try {
-      require_valid(m);
+      meshing::require_valid(m);
     } catch (const Error& e) {
       return e.code();
     }
@@ -59,16 +59,16 @@ TEST(Proof, DoesNotCoverAChangeThroughAnOlderReference) {
   EXPECT_EQ(code(), ExitCode::ok);
   corner = (corner + 1) % 8;
   EXPECT_EQ(code(), ExitCode::internal);
-  const TriMesh copy = m;
-  EXPECT_THROW(require_valid(copy), Error) << "a copy has the same proof";
+  const surface::TriMesh copy = m;
+  EXPECT_THROW(meshing::require_valid(copy), Error) << "a copy has the same proof";
 }
 
 TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {
-  TriMesh m = box({}, {2, 2, 2});
-  require_valid(m);
-  TriMesh copy = m;
+  surface::TriMesh m = box({}, {2, 2, 2});
+  meshing::require_valid(m);
+  surface::TriMesh copy = m;
   EXPECT_TRUE(copy.proven_valid());
-  const auto shared = std::make_shared<const TriMesh>(std::move(copy));
+  const auto shared = std::make_shared<const surface::TriMesh>(std::move(copy));
   EXPECT_TRUE(shared->proven_valid());
   EXPECT_FALSE(copy.proven_valid());  // NOLINT(bugprone-use-after-move): it holds nothing now
   copy = *shared;
@@ -77,8 +77,8 @@ TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {
   copy.normals.assign(copy.points_mm.size(), Vec3{0, 0, 1});
   EXPECT_TRUE(copy.proven_valid());
   // The points of one proof and the triangles of another prove nothing.
-  TriMesh other = box({}, {3, 3, 3});
-  require_valid(other);
+  surface::TriMesh other = box({}, {3, 3, 3});
+  meshing::require_valid(other);
   copy.points_mm = other.points_mm;
   EXPECT_FALSE(copy.proven_valid());
   copy.triangles = other.triangles;
@@ -86,38 +86,38 @@ TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {
 }
 
 TEST(Proof, EndsWithEveryWayToChangeTheMesh) {
-  TriMesh valid = box({}, {2, 2, 2});
-  require_valid(valid);
-  const std::vector<std::function<void(TriMesh&)>> changes = {
-      [](TriMesh& m) { m.points_mm[5].x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.at(5).x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.front().x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.back().x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.data()[1].x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.begin()->x += 1e-3; },
-      [](TriMesh& m) {
+  surface::TriMesh valid = box({}, {2, 2, 2});
+  meshing::require_valid(valid);
+  const std::vector<std::function<void(surface::TriMesh&)>> changes = {
+      [](surface::TriMesh& m) { m.points_mm[5].x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.at(5).x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.front().x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.back().x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.data()[1].x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.begin()->x += 1e-3; },
+      [](surface::TriMesh& m) {
         for (Vec3& p : m.points_mm) p = p * 2;
       },
-      [](TriMesh& m) { (m.points_mm.end() - 1)->x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.push_back({}); },
-      [](TriMesh& m) { m.points_mm.resize(3); },
-      [](TriMesh& m) { m.points_mm.clear(); },
-      [](TriMesh& m) {
+      [](surface::TriMesh& m) { (m.points_mm.end() - 1)->x += 1e-3; },
+      [](surface::TriMesh& m) { m.points_mm.push_back({}); },
+      [](surface::TriMesh& m) { m.points_mm.resize(3); },
+      [](surface::TriMesh& m) { m.points_mm.clear(); },
+      [](surface::TriMesh& m) {
         m.points_mm = {{0, 0, 0}};
       },
-      [](TriMesh& m) { m.points_mm = std::vector<Vec3>(8); },
-      [](TriMesh& m) { m.triangles.pop_back(); },
-      [](TriMesh& m) { m.triangles.erase(m.triangles.begin()); },
-      [](TriMesh& m) {
+      [](surface::TriMesh& m) { m.points_mm = std::vector<Vec3>(8); },
+      [](surface::TriMesh& m) { m.triangles.pop_back(); },
+      [](surface::TriMesh& m) { m.triangles.erase(m.triangles.begin()); },
+      [](surface::TriMesh& m) {
         m.triangles.assign(2, Triangle{0, 1, 2});
       },
-      [](TriMesh& m) {
+      [](surface::TriMesh& m) {
         m.triangles.insert(m.triangles.end(), Triangle{0, 1, 2});
       },
-      [](TriMesh& m) { std::swap(m.triangles[0], m.triangles[1]); },
-      [](TriMesh& m) { const TriMesh taken = std::move(m); }};
+      [](surface::TriMesh& m) { std::swap(m.triangles[0], m.triangles[1]); },
+      [](surface::TriMesh& m) { const surface::TriMesh taken = std::move(m); }};
   for (std::size_t i = 0; i < changes.size(); ++i) {
-    TriMesh m = valid;
+    surface::TriMesh m = valid;
     changes[i](m);
     EXPECT_FALSE(m.proven_valid()) << i;
   }
@@ -125,18 +125,18 @@ TEST(Proof, EndsWithEveryWayToChangeTheMesh) {
 }
 
 TEST(Proof, StaysWhereThereIsNothingToDo) {
-  TriMesh m = shapes::surface(shapes::sphere(14, 5));
+  surface::TriMesh m = shapes::contoured(shapes::sphere(14, 5));
   EXPECT_TRUE(m.proven_valid()) << "contour checks what it makes";
-  snap_to_float32(m);
-  centre_origin(m);
-  drop_unused_points(m);
+  meshing::snap_to_float32(m);
+  meshing::centre_origin(m);
+  surface::drop_unused_points(m);
   Report report;
-  compute_normals(m, {}, report);
+  meshing::compute_normals(m, {}, report);
   EXPECT_TRUE(m.proven_valid());
-  EXPECT_TRUE(smooth(m, {}, report).proven_valid());
-  EXPECT_TRUE(decimate(m, {}, report).proven_valid());
-  EXPECT_TRUE(remesh(m, {}, report).proven_valid());
-  EXPECT_TRUE(repair(m, {}, report).proven_valid());
+  EXPECT_TRUE(meshing::smooth(m, {}, report).proven_valid());
+  EXPECT_TRUE(meshing::decimate(m, {}, report).proven_valid());
+  EXPECT_TRUE(meshing::remesh(m, {}, report).proven_valid());
+  EXPECT_TRUE(meshing::repair(m, {}, report).proven_valid());
 }
 
 }  // namespace

@@ -14,17 +14,17 @@ namespace {
 
 using namespace shapes;
 
-Result remeshed(const TriMesh& m, const RemeshParams& p) {
+Result remeshed(const surface::TriMesh& m, const meshing::RemeshParams& p) {
   Result r;
-  r.mesh = remesh(m, p, r.report);
-  const Validity v = check_validity(r.mesh);
+  r.mesh = meshing::remesh(m, p, r.report);
+  const meshing::Validity v = meshing::check_validity(r.mesh);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
   EXPECT_LE(r.number("deviation_max_mm"), p.max_deviation_mm);
   return r;
 }
 
-double mean_least_angle_deg(const TriMesh& m) {
+double mean_least_angle_deg(const surface::TriMesh& m) {
   double sum = 0;
   for (const auto& t : m.triangles) {
     double least = 180;
@@ -39,8 +39,8 @@ double mean_least_angle_deg(const TriMesh& m) {
 }
 
 TEST(Remesh, ASphereOfEvenTriangles) {
-  const TriMesh m = surface(sphere(30, 20));
-  RemeshParams p;
+  const surface::TriMesh m = contoured(sphere(30, 20));
+  meshing::RemeshParams p;
   p.edge_mm = 2;
   const Result r = remeshed(m, p);
   EXPECT_NEAR(r.number("edge_mean_mm"), 2, 0.2);
@@ -48,12 +48,12 @@ TEST(Remesh, ASphereOfEvenTriangles) {
   EXPECT_GT(mean_least_angle_deg(r.mesh), mean_least_angle_deg(m) + 10);
   EXPECT_NEAR(r.number("angle_min_deg"), mean_least_angle_deg(r.mesh), 1e-6);
   for (std::size_t i = 0; i < r.mesh.points_mm.size(); ++i) EXPECT_NEAR(norm(r.mesh.world_mm(i)), 20, 0.1);
-  EXPECT_NEAR(volume_mm3(r.mesh) / volume_mm3(m), 1, 0.01);
+  EXPECT_NEAR(surface::volume_mm3(r.mesh) / surface::volume_mm3(m), 1, 0.01);
 }
 
 TEST(Remesh, EdgesAreShortenedForTheBound) {
-  const TriMesh m = surface(sphere(30, 20));
-  RemeshParams p;
+  const surface::TriMesh m = contoured(sphere(30, 20));
+  meshing::RemeshParams p;
   p.edge_mm = 8;
   p.max_deviation_mm = 0.15;
   const Result r = remeshed(m, p);
@@ -62,7 +62,7 @@ TEST(Remesh, EdgesAreShortenedForTheBound) {
   p.max_deviation_mm = 1e-5;
   Report refused;
   try {
-    remesh(m, p, refused);
+    meshing::remesh(m, p, refused);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -70,10 +70,10 @@ TEST(Remesh, EdgesAreShortenedForTheBound) {
 }
 
 TEST(Remesh, SharpEdgesStayWhereAskedFor) {
-  const TriMesh m = surface(sample(lattice(26, 26, 26, {1, 1, 1}, {-12.5, -12.5, -12.5}), [](Vec3 p) {
+  const surface::TriMesh m = contoured(sample(lattice(26, 26, 26, {1, 1, 1}, {-12.5, -12.5, -12.5}), [](Vec3 p) {
     return 10 - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }));
-  RemeshParams p;
+  meshing::RemeshParams p;
   p.edge_mm = 2;
   p.max_deviation_mm = 1;
   p.feature_angle_deg = 40;
@@ -83,28 +83,28 @@ TEST(Remesh, SharpEdgesStayWhereAskedFor) {
 }
 
 TEST(Remesh, BeyondItsTimeOrNotASurface) {  // M11
-  RemeshParams p;
+  meshing::RemeshParams p;
   p.edge_mm = 0.05;
   p.time_limit_s = 0.2;
   Report r;
-  const auto code = [&](const TriMesh& m) {
+  const auto code = [&](const surface::TriMesh& m) {
     try {
-      remesh(m, p, r);
+      meshing::remesh(m, p, r);
     } catch (const Error& e) {
       return e.code();
     }
     return ExitCode::ok;
   };
-  EXPECT_EQ(code(surface(sphere(30, 20))), ExitCode::internal);
+  EXPECT_EQ(code(contoured(sphere(30, 20))), ExitCode::internal);
   p = {};
-  TriMesh open = surface(sphere(30, 20));
+  surface::TriMesh open = contoured(sphere(30, 20));
   open.triangles.pop_back();
   EXPECT_EQ(code(open), ExitCode::quality);
 }
 
 TEST(Remesh, SameBytesWithAnyThreads) {
-  const TriMesh m = surface(sphere(16, 10));
-  RemeshParams p;
+  const surface::TriMesh m = contoured(sphere(16, 10));
+  meshing::RemeshParams p;
   p.edge_mm = 1.5;
   set_thread_count(1);
   const Result one = remeshed(m, p);

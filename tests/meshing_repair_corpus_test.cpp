@@ -27,11 +27,11 @@ Corpus corpus(std::uint64_t from, std::uint64_t to) {
   Corpus c;
   for (std::uint64_t seed = from; seed < to; ++seed) {
     Random random(seed);
-    TriMesh m = seed % 4 == 0   ? ball()
-                : seed % 4 == 1 ? torus()
-                : seed % 4 == 2 ? box({0, 0, 0}, {10, 20, 5})
-                                : surface(noise(9, seed, 0.25, false));
-    const double volume = volume_mm3(m);
+    surface::TriMesh m = seed % 4 == 0   ? ball()
+                         : seed % 4 == 1 ? torus()
+                         : seed % 4 == 2 ? box({0, 0, 0}, {10, 20, 5})
+                                         : contoured(noise(9, seed, 0.25, false));
+    const double volume = surface::volume_mm3(m);
     const bool coarse = seed % 4 == 2;
     bool holes = false;
     if (random() < 0.4) duplicate(m, random, 0.05);
@@ -48,12 +48,12 @@ Corpus corpus(std::uint64_t from, std::uint64_t to) {
     if (random() < 0.4) flip(m, random, random() < 0.5 ? 0.1 : 0.02);
     if (random() < 0.5) unmerge(m, random, random() < 0.5 ? 0 : 1e-5);
     ++c.total;
-    RepairParams p;
+    meshing::RepairParams p;
     p.recontour_voxels_count = 64;
     try {
       const Result r = repaired(m, p);
       ++c.methods[r.text("method")];
-      EXPECT_NEAR(volume_mm3(r.mesh) / volume, 1, r.text("method") == "mended" && !holes ? 0.1 : 0.3)
+      EXPECT_NEAR(surface::volume_mm3(r.mesh) / volume, 1, r.text("method") == "mended" && !holes ? 0.1 : 0.3)
           << "seed " << seed << ", " << r.text("method");
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
@@ -77,7 +77,7 @@ TEST(LongRepair, MixedFaultsAtMost5PercentRefused) {
 }
 
 /// Plain OFF, polygons as fans; nothing where it is something else.
-TriMesh read_off(const std::filesystem::path& file) {
+surface::TriMesh read_off(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string word;
   std::vector<double> n;
@@ -88,7 +88,7 @@ TriMesh read_off(const std::filesystem::path& file) {
       std::getline(in, word);
     else
       n.push_back(std::strtod(word.c_str(), nullptr));
-  TriMesh m;
+  surface::TriMesh m;
   if (n.size() < 3) return m;
   const auto points = std::size_t(n[0]), faces = std::size_t(n[1]);
   std::size_t at = 3;
@@ -109,13 +109,13 @@ TEST(Repair, OthersMeshesWithHoles) {
   if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
   int repaired_count = 0;
   for (const char* name : {"corner_with_hole", "elephant-with-holes", "hole", "mech-holes-shark", "triangular_hole"}) {
-    const TriMesh m = read_off(root / (std::string(name) + ".off"));
+    const surface::TriMesh m = read_off(root / (std::string(name) + ".off"));
     ASSERT_FALSE(m.triangles.empty()) << name;
-    RepairParams p;
+    meshing::RepairParams p;
     p.recontour_voxels_count = 96;
     try {
       const Result r = repaired(m, p);
-      const Bounds b = bounds_of(m);
+      const surface::Bounds b = surface::bounds_of(m);
       std::printf("%s: %s, %d holes, %.2g of its size from the input\n", name, r.text("method").c_str(),
                   int(r.count("holes_filled_count")), r.number("from_input_max_mm") / norm(b.max_mm - b.min_mm));
       EXPECT_LT(r.number("from_input_max_mm"), 0.02 * norm(b.max_mm - b.min_mm)) << name;

@@ -16,35 +16,35 @@ namespace trephine::shapes {
 
 /// What a step made, and what it says of it.
 struct Result {
-  TriMesh mesh;
+  surface::TriMesh mesh;
   Report report;
   double number(const char* name) const { return std::get<double>(*report.find(name)); }
   std::int64_t count(const char* name) const { return std::get<std::int64_t>(*report.find(name)); }
   std::string text(const char* name) const { return std::get<std::string>(*report.find(name)); }
 };
 
-inline Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {1, 1, 1}, Vec3 origin = {}) {
-  Lattice l;
+inline grid::Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {1, 1, 1}, Vec3 origin = {}) {
+  grid::Lattice l;
   l.size = {nx, ny, nz};
   l.spacing_mm = spacing;
   l.origin_mm = origin;
   return l;
 }
 
-inline Field sample(const Lattice& l, const std::function<double(Vec3)>& f) { return sampled(l, f); }
+inline grid::Field sample(const grid::Lattice& l, const std::function<double(Vec3)>& f) { return sampled(l, f); }
 
 /// Signed distance to a sphere, positive inside, on a cube of n voxels around it.
-inline Field sphere(int n, double radius, Vec3 centre = {}, double scale = 1) {
+inline grid::Field sphere(int n, double radius, Vec3 centre = {}, double scale = 1) {
   const double side = 2.4 * radius / n;
-  Lattice l = lattice(n, n, n, {side, side, side});
+  grid::Lattice l = lattice(n, n, n, {side, side, side});
   l.origin_mm = centre - Vec3{1, 1, 1} * (side * (n - 1) / 2);
   return sample(l, [&](Vec3 p) { return (radius - norm(p - centre)) / scale; });
 }
 
 /// A binary field: `fill` of the voxels inside.
-inline Field noise(int n, std::uint64_t seed, double fill, bool binary) {
+inline grid::Field noise(int n, std::uint64_t seed, double fill, bool binary) {
   Random random(seed);
-  Field f(lattice(n, n, n));
+  grid::Field f(lattice(n, n, n));
   for (float& v : f.voxels) {
     const double u = random();
     v = static_cast<float>(binary ? (u < fill ? 0.5 : -0.5) : fill - u);
@@ -53,12 +53,12 @@ inline Field noise(int n, std::uint64_t seed, double fill, bool binary) {
 }
 
 /// Every piece of the field's surface, cavities too.
-inline TriMesh surface(const Field& f) {
-  ContourParams p;
+inline surface::TriMesh contoured(const grid::Field& f) {
+  meshing::ContourParams p;
   p.min_component_mm3 = 0;
   p.keep_cavities = true;
   Report r;
-  return contour(f, p, r);
+  return meshing::contour(f, p, r);
 }
 
 }  // namespace trephine::shapes

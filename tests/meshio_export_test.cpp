@@ -29,19 +29,22 @@ namespace fs = std::filesystem;
 constexpr Vec3 far_off{-93, 41, 712};
 const std::array<double, 3> bone{0.93, 0.6, 0.2};
 
-ExportSurface skull_of(const TriMesh& mesh, bool texture = false) { return {&mesh, "skull", bone, 0.5, texture}; }
-
-std::vector<ExportFile> encode(const std::string& format, const ExportSurface& s) {
-  return encode_surfaces(export_format(format), {s}, "skull");
+meshio::ExportSurface skull_of(const surface::TriMesh& mesh, bool texture = false) {
+  return {&mesh, "skull", bone, 0.5, texture};
 }
 
-ExportCheck verify(const std::string& format, const ExportSurface& s, const std::vector<ExportFile>& files) {
-  return verify_export(export_format(format), {s}, files);
+std::vector<meshio::ExportFile> encode(const std::string& format, const meshio::ExportSurface& s) {
+  return meshio::encode_surfaces(meshio::export_format(format), {s}, "skull");
+}
+
+meshio::ExportCheck verify(const std::string& format, const meshio::ExportSurface& s,
+                           const std::vector<meshio::ExportFile>& files) {
+  return meshio::verify_export(meshio::export_format(format), {s}, files);
 }
 
 std::vector<std::string> all_names() {
   std::vector<std::string> names;
-  for (const ExportFormat& f : all_export_formats()) names.emplace_back(f.name);
+  for (const meshio::ExportFormat& f : meshio::all_export_formats()) names.emplace_back(f.name);
   return names;
 }
 
@@ -51,12 +54,13 @@ INSTANTIATE_TEST_SUITE_P(Export, EveryFormat, testing::ValuesIn(all_names()),
 
 TEST_P(EveryFormat, IsReadBackByAnotherProgram) {
   for (const bool texture : {false, true}) {
-    const TriMesh mesh = bumpy_ball(24, 13, far_off, 80, texture);
-    const ExportCheck check = verify(GetParam(), skull_of(mesh, texture), encode(GetParam(), skull_of(mesh, texture)));
+    const surface::TriMesh mesh = bumpy_ball(24, 13, far_off, 80, texture);
+    const meshio::ExportCheck check =
+        verify(GetParam(), skull_of(mesh, texture), encode(GetParam(), skull_of(mesh, texture)));
     EXPECT_EQ(check.triangles, mesh.triangles.size());
     EXPECT_LT(check.largest_difference_mm, 5e-4);
     EXPECT_FALSE(check.read_by.empty());
-    const Bounds b = bounds_of(mesh);
+    const surface::Bounds b = surface::bounds_of(mesh);
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(check.bounds_mm.min_mm[c], b.min_mm[c], 5e-4);
       EXPECT_NEAR(check.bounds_mm.max_mm[c], b.max_mm[c], 5e-4);
@@ -67,23 +71,23 @@ TEST_P(EveryFormat, IsReadBackByAnotherProgram) {
 // The comparison finds a point off by 0.01 mm, a triangle less, another colour, another name, and lost bytes.
 TEST_P(EveryFormat, WhatDiffersIsFound) {
   const std::string format = GetParam();
-  const TriMesh mesh = bumpy_ball(12, 7, far_off);
-  const auto found = [&](const ExportSurface& other) {
+  const surface::TriMesh mesh = bumpy_ball(12, 7, far_off);
+  const auto found = [&](const meshio::ExportSurface& other) {
     return code_of([&] { verify(format, skull_of(mesh), encode(format, other)); });
   };
   EXPECT_EQ(found(skull_of(mesh)), ExitCode::ok);
-  TriMesh moved = mesh;
+  surface::TriMesh moved = mesh;
   moved.points_mm[17].y += 0.01;
   EXPECT_EQ(found(skull_of(moved)), ExitCode::quality);
-  TriMesh turned = mesh;  // the same box and triangles, mirrored and turned inside out
+  surface::TriMesh turned = mesh;  // the same box and triangles, mirrored and turned inside out
   for (Vec3& p : turned.points_mm) p.x = -p.x;
   for (auto& t : turned.triangles) std::swap(t[0], t[1]);
   EXPECT_EQ(found(skull_of(turned)), ExitCode::quality);
-  const TriMesh fewer = bumpy_ball(12, 6, far_off);
+  const surface::TriMesh fewer = bumpy_ball(12, 6, far_off);
   EXPECT_EQ(found(skull_of(fewer)), ExitCode::quality);
-  ExportSurface green = skull_of(mesh);
+  meshio::ExportSurface green = skull_of(mesh);
   green.colour_rgb = {0.2, 0.9, 0.2};
-  EXPECT_EQ(found(green), export_format(format).read_back.colour ? ExitCode::quality : ExitCode::ok);
+  EXPECT_EQ(found(green), meshio::export_format(format).read_back.colour ? ExitCode::quality : ExitCode::ok);
 
   auto files = encode(format, skull_of(mesh));
   files.back().bytes.resize(files.back().bytes.size() / 2);
@@ -92,7 +96,7 @@ TEST_P(EveryFormat, WhatDiffersIsFound) {
 }
 
 TEST_P(EveryFormat, SameBytesWhateverTheLocale) {
-  const TriMesh mesh = bumpy_ball(12, 7, far_off, 80, false);
+  const surface::TriMesh mesh = bumpy_ball(12, 7, far_off, 80, false);
   const auto plain = encode(GetParam(), skull_of(mesh, true));
   const char* names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "C.UTF-8"};
   for (const char* name : names) {
@@ -106,7 +110,7 @@ TEST_P(EveryFormat, SameBytesWhateverTheLocale) {
 }
 
 TEST_P(EveryFormat, SaysWhereItLies) {
-  const TriMesh mesh = bumpy_ball(8, 5, {});
+  const surface::TriMesh mesh = bumpy_ball(8, 5, {});
   const std::string bytes = encode(GetParam(), skull_of(mesh)).back().bytes;
   if (GetParam() == "glb") {
     EXPECT_NE(bytes.find("\"frame\":\"LPS\""), std::string::npos);
@@ -124,7 +128,7 @@ TEST_P(EveryFormat, SaysWhereItLies) {
 
 TEST_P(EveryFormat, SurfacesThatAreNoneAreRefused) {
   const std::string format = GetParam();
-  TriMesh mesh;
+  surface::TriMesh mesh;
   EXPECT_EQ(code_of([&] { encode(format, skull_of(mesh)); }), ExitCode::quality) << "no triangle";
   mesh = bumpy_ball(12, 7, {});
   mesh.triangles.pop_back();
@@ -141,8 +145,8 @@ TEST_P(EveryFormat, SurfacesThatAreNoneAreRefused) {
 
 // 100 km from the origin float32 knows steps of 8 mm: a ball of 4 mm collapses in world coordinates.
 TEST_P(EveryFormat, RoundingThatBreaksTheSurfaceIsRefused) {
-  const TriMesh mesh = bumpy_ball(12, 7, {1e8, 0, 0}, 4);
-  const bool world32 = export_format(GetParam()).precision == Precision::float32_world;
+  const surface::TriMesh mesh = bumpy_ball(12, 7, {1e8, 0, 0}, 4);
+  const bool world32 = meshio::export_format(GetParam()).precision == meshio::Precision::float32_world;
   std::string line;
   EXPECT_EQ(code_of([&] { encode(GetParam(), skull_of(mesh)); }, &line), world32 ? ExitCode::quality : ExitCode::ok)
       << line;
@@ -158,7 +162,7 @@ long failing_write(int fd, const void* data, std::size_t size) {
 }
 
 TEST_P(EveryFormat, AFullDiskLeavesNoFile) {
-  const TriMesh mesh = bumpy_ball(12, 7, {});
+  const surface::TriMesh mesh = bumpy_ball(12, 7, {});
   const auto files = encode(GetParam(), skull_of(mesh));
   for (int at = 1; at <= int(files.size()); ++at) {
     const ScratchFolder scratch;
@@ -166,35 +170,38 @@ TEST_P(EveryFormat, AFullDiskLeavesNoFile) {
     no_space_at = at;
     writes = 0;
     file_calls().write = failing_write;
-    const ExitCode code = code_of([&] { write_export(scratch.path(), files); });
+    const ExitCode code = code_of([&] { meshio::write_export(scratch.path(), files); });
     file_calls() = real;
     EXPECT_EQ(code, ExitCode::io);
     EXPECT_TRUE(fs::is_empty(scratch.path()));
   }
   auto device = files.back();
   device.name = "full";
-  EXPECT_EQ(code_of([&] { write_export("/dev", {device}); }), ExitCode::io);
+  EXPECT_EQ(code_of([&] { meshio::write_export("/dev", {device}); }), ExitCode::io);
 
   const ScratchFolder scratch;
-  write_export(scratch.path(), files);
-  for (const ExportFile& f : files) {
+  meshio::write_export(scratch.path(), files);
+  for (const meshio::ExportFile& f : files) {
     const std::vector<char> read = read_file(scratch.path() / f.name);
     EXPECT_EQ(std::string(read.begin(), read.end()), f.bytes);
   }
 }
 
 TEST_P(EveryFormat, SeveralSurfacesWhereItHoldsThem) {
-  const TriMesh a = bumpy_ball(12, 7, {}), b = bumpy_ball(10, 6, {100, 20, 3});
-  const std::vector<ExportSurface> both = {{&a, "left-1", {1, 0, 0}, 1, true},
-                                           {&b, "2nd.part", {0, 0.5, 1}, 0.25, false}};
-  if (!export_format(GetParam()).several) {
-    EXPECT_EQ(code_of([&] { encode_surfaces(export_format(GetParam()), both, "all"); }), ExitCode::internal);
+  const surface::TriMesh a = bumpy_ball(12, 7, {}), b = bumpy_ball(10, 6, {100, 20, 3});
+  const std::vector<meshio::ExportSurface> both = {{&a, "left-1", {1, 0, 0}, 1, true},
+                                                   {&b, "2nd.part", {0, 0.5, 1}, 0.25, false}};
+  if (!meshio::export_format(GetParam()).several) {
+    EXPECT_EQ(code_of([&] { meshio::encode_surfaces(meshio::export_format(GetParam()), both, "all"); }),
+              ExitCode::internal);
     return;
   }
-  const auto files = encode_surfaces(export_format(GetParam()), both, "all");
-  EXPECT_EQ(verify_export(export_format(GetParam()), both, files).triangles, a.triangles.size() + b.triangles.size());
-  const std::vector<ExportSurface> swapped = {both[1], both[0]};
-  EXPECT_EQ(code_of([&] { verify_export(export_format(GetParam()), swapped, files); }), ExitCode::quality);
+  const auto files = meshio::encode_surfaces(meshio::export_format(GetParam()), both, "all");
+  EXPECT_EQ(meshio::verify_export(meshio::export_format(GetParam()), both, files).triangles,
+            a.triangles.size() + b.triangles.size());
+  const std::vector<meshio::ExportSurface> swapped = {both[1], both[0]};
+  EXPECT_EQ(code_of([&] { meshio::verify_export(meshio::export_format(GetParam()), swapped, files); }),
+            ExitCode::quality);
 }
 
 // A third opinion: readers that the library does not use. What 3D Slicer asks them for is there.
@@ -205,9 +212,9 @@ vtkPolyData* read_with(Reader& reader, const fs::path& file) {
   return reader.GetOutput();
 }
 
-void expect_same(vtkPolyData* data, const TriMesh& mesh) {
+void expect_same(vtkPolyData* data, const surface::TriMesh& mesh) {
   ASSERT_EQ(std::size_t(data->GetNumberOfPolys()), mesh.triangles.size());
-  const Bounds b = bounds_of(mesh);
+  const surface::Bounds b = surface::bounds_of(mesh);
   double got[6];
   data->GetBounds(got);
   for (int c = 0; c < 3; ++c) {
@@ -218,8 +225,8 @@ void expect_same(vtkPolyData* data, const TriMesh& mesh) {
 
 TEST(Export, VtkReadsStl) {
   const ScratchFolder scratch;
-  const TriMesh mesh = bumpy_ball(24, 13, far_off);
-  write_export(scratch.path(), encode("stl", skull_of(mesh)));
+  const surface::TriMesh mesh = bumpy_ball(24, 13, far_off);
+  meshio::write_export(scratch.path(), encode("stl", skull_of(mesh)));
   vtkNew<vtkSTLReader> reader;
   vtkPolyData* data = read_with(*reader, scratch.path() / "skull.stl");
   expect_same(data, mesh);
@@ -229,8 +236,8 @@ TEST(Export, VtkReadsStl) {
 
 TEST(Export, VtkReadsPly) {
   const ScratchFolder scratch;
-  const TriMesh mesh = bumpy_ball(24, 13, far_off);
-  write_export(scratch.path(), encode("ply", skull_of(mesh, true)));
+  const surface::TriMesh mesh = bumpy_ball(24, 13, far_off);
+  meshio::write_export(scratch.path(), encode("ply", skull_of(mesh, true)));
   vtkNew<vtkPLYReader> reader;
   vtkPolyData* data = read_with(*reader, scratch.path() / "skull.ply");
   expect_same(data, mesh);
@@ -247,8 +254,8 @@ TEST(Export, VtkReadsPly) {
 
 TEST(Export, VtkReadsObj) {
   const ScratchFolder scratch;
-  const TriMesh mesh = bumpy_ball(24, 13, far_off);
-  write_export(scratch.path(), encode("obj", skull_of(mesh, true)));
+  const surface::TriMesh mesh = bumpy_ball(24, 13, far_off);
+  meshio::write_export(scratch.path(), encode("obj", skull_of(mesh, true)));
   vtkNew<vtkOBJReader> reader;
   vtkPolyData* data = read_with(*reader, scratch.path() / "skull.obj");
   expect_same(data, mesh);
@@ -260,14 +267,14 @@ TEST(Export, VtkReadsObj) {
 // Every triangle that does not touch the axis is as wide in u as it is seen from the axis, none runs backwards across
 // the seam, the front is in the middle and the patient's left to the right of it.
 TEST(Texture, SeamAndPoles) {
-  const TriMesh mesh = bumpy_ball(36, 18, far_off);
-  const TextureMap map = spherical_texture(mesh);
+  const surface::TriMesh mesh = bumpy_ball(36, 18, far_off);
+  const meshio::TextureMap map = meshio::spherical_texture(mesh);
   ASSERT_EQ(map.triangles.size(), mesh.triangles.size());
   int across = 0;
   for (std::size_t t = 0; t < map.triangles.size(); ++t) {
     double low = 1e9, high = -1e9;
     for (int c = 0; c < 3; ++c) {
-      const TexturePoint& p = map.points[map.triangles[t][c]];
+      const meshio::TexturePoint& p = map.points[map.triangles[t][c]];
       EXPECT_EQ(p.point, mesh.triangles[t][c]);
       EXPECT_TRUE(p.u >= 0 && p.u < 2 && p.v >= 0 && p.v <= 1);
       low = std::min(low, p.u);
@@ -290,11 +297,11 @@ TEST(Texture, SeamAndPoles) {
 
 TEST(Texture, CornersOnTheAxisAndAroundIt) {
   // An octahedron with its tips on the axis, and a flat one whose lid goes round it.
-  TriMesh m;
+  surface::TriMesh m;
   m.points_mm = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   m.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
-  for (const auto& t : spherical_texture(m).triangles) EXPECT_LT(t[0], 20u);
-  const TextureMap map = spherical_texture(m);
+  for (const auto& t : meshio::spherical_texture(m).triangles) EXPECT_LT(t[0], 20u);
+  const meshio::TextureMap map = meshio::spherical_texture(m);
   for (const auto& t : map.triangles) {
     const double a = map.points[t[0]].u, b = map.points[t[1]].u, pole = map.points[t[2]].u;
     EXPECT_NEAR(std::abs(a - b), 0.25, 1e-6);
@@ -302,18 +309,18 @@ TEST(Texture, CornersOnTheAxisAndAroundIt) {
     const double v = map.points[t[2]].v;
     EXPECT_TRUE(v == 0 || v == 1);
   }
-  TriMesh lid;
+  surface::TriMesh lid;
   lid.points_mm = {{1, 0, 1}, {-0.5, 0.8, 1}, {-0.5, -0.8, 1}, {0, 0, -1}};
   lid.triangles = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-  for (const auto& t : spherical_texture(lid).triangles) {
-    const TextureMap around = spherical_texture(lid);
+  for (const auto& t : meshio::spherical_texture(lid).triangles) {
+    const meshio::TextureMap around = meshio::spherical_texture(lid);
     const double u[] = {around.points[t[0]].u, around.points[t[1]].u, around.points[t[2]].u};
     EXPECT_LT(*std::max_element(u, u + 3) - *std::min_element(u, u + 3), 0.7);
   }
 }
 
 TEST(Export, TheMeshInMemoryIsNotTouched) {
-  const TriMesh mesh = bumpy_ball(12, 7, far_off), before = mesh;
+  const surface::TriMesh mesh = bumpy_ball(12, 7, far_off), before = mesh;
   for (const std::string& f : all_names()) encode(f, skull_of(mesh, true));
   EXPECT_EQ(mesh.triangles, before.triangles);
   EXPECT_TRUE(mesh.points_mm == before.points_mm);

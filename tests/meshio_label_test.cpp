@@ -15,16 +15,16 @@
 namespace trephine {
 namespace {
 
-Lattice raster(std::array<int, 3> size, Vec3 first_voxel) {
-  Lattice l;
+grid::Lattice raster(std::array<int, 3> size, Vec3 first_voxel) {
+  grid::Lattice l;
   l.size = size;
   l.spacing_mm = {0.5, 0.75, 2};
   l.origin_mm = Vec3{-40, 10, 700} + Vec3{first_voxel.x * 0.5, first_voxel.y * 0.75, first_voxel.z * 2};
   return l;
 }
 
-Field box(const Lattice& lattice, std::array<int, 3> begin, std::array<int, 3> end) {
-  Field f(lattice, -1.f);
+grid::Field box(const grid::Lattice& lattice, std::array<int, 3> begin, std::array<int, 3> end) {
+  grid::Field f(lattice, -1.f);
   for (int k = begin[2]; k < end[2]; ++k)
     for (int j = begin[1]; j < end[1]; ++j)
       for (int i = begin[0]; i < end[0]; ++i) f.at(i, j, k) = 2.5f;
@@ -32,9 +32,9 @@ Field box(const Lattice& lattice, std::array<int, 3> begin, std::array<int, 3> e
 }
 
 struct Shapes {
-  Field skin = box(raster({20, 15, 10}, {0, 0, 0}), {2, 2, 2}, {18, 13, 8});
-  Field skull = box(raster({12, 20, 9}, {4, 3, -2}), {1, 1, 4}, {6, 8, 8});  // reaches beyond skin's lattice
-  std::vector<LabelledField> list() const {
+  grid::Field skin = box(raster({20, 15, 10}, {0, 0, 0}), {2, 2, 2}, {18, 13, 8});
+  grid::Field skull = box(raster({12, 20, 9}, {4, 3, -2}), {1, 1, 4}, {6, 8, 8});  // reaches beyond skin's lattice
+  std::vector<meshio::LabelledField> list() const {
     return {{&skin, "skin", {0.87, 0.68, 0.56}}, {&skull, "skull", {0.93, 0.89, 1.0 / 3}}};
   }
 };
@@ -44,7 +44,7 @@ std::int64_t count(const Report& r, const std::string& name) { return std::get<s
 TEST(LabelMap, LaterFieldsWinAndOverlapIsCounted) {
   const Shapes shapes;
   Report report;
-  const LabelMap map = make_label_map(shapes.list(), report);
+  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
   EXPECT_EQ(map.labels.size, (std::array<int, 3>{20, 23, 12}));
   EXPECT_EQ(map.labels.origin_mm, (Vec3{-40, 10, 696}));
   std::size_t skin = 0, skull = 0;
@@ -66,7 +66,7 @@ TEST(LabelMap, LaterFieldsWinAndOverlapIsCounted) {
 TEST(LabelMap, KeysAsSlicerReadsThem) {
   const Shapes shapes;
   Report report;
-  const NrrdKeys keys = make_label_map(shapes.list(), report).keys;
+  const grid::NrrdKeys keys = meshio::make_label_map(shapes.list(), report).keys;
   const std::map<std::string, std::string> wanted = {
       {"Segmentation_MasterRepresentation", "Binary labelmap"},
       {"Segmentation_ContainedRepresentationNames", "Binary labelmap|"},
@@ -93,14 +93,14 @@ TEST(LabelMap, ReadBackBySecondProgram) {
   const ScratchFolder scratch;
   const Shapes shapes;
   Report report;
-  const LabelMap map = make_label_map(shapes.list(), report);
+  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
   const std::filesystem::path file = scratch.path() / "labels.seg.nrrd";
-  write_label_map(file, map);
-  const Nrrd back = read_nrrd(file);
-  EXPECT_TRUE(std::get<Mask>(back.grid) == map.labels);
+  meshio::write_label_map(file, map);
+  const grid::Nrrd back = grid::read_nrrd(file);
+  EXPECT_TRUE(std::get<grid::Mask>(back.grid) == map.labels);
   EXPECT_EQ(back.keys, map.keys);
   const std::vector<char> first = read_file(file);
-  write_label_map(file, map);
+  meshio::write_label_map(file, map);
   EXPECT_EQ(read_file(file), first);
 
   vtkNew<vtkNrrdReader> reader;
@@ -123,21 +123,21 @@ TEST(LabelMap, FaultsAreNamed) {
   Report report;
   std::string line;
   auto list = shapes.list();
-  Field covering(shapes.skin, 1.f);
+  grid::Field covering(shapes.skin, 1.f);
   list.push_back({&covering, "all", {1, 1, 1}});
-  EXPECT_EQ(code_of([&] { make_label_map(list, report); }, &line), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map(list, report); }, &line), ExitCode::quality);
   EXPECT_NE(line.find("skin"), std::string::npos) << line;
   shapes.skull.spacing_mm.x = 0.6;
-  EXPECT_EQ(code_of([&] { make_label_map(shapes.list(), report); }, &line), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map(shapes.list(), report); }, &line), ExitCode::bad_input);
   EXPECT_NE(line.find("skull"), std::string::npos) << line;
-  EXPECT_EQ(code_of([&] { make_label_map({}, report); }), ExitCode::internal);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map({}, report); }), ExitCode::internal);
 }
 
 TEST(LabelMap, AFullDiskIsSaid) {
   const Shapes shapes;
   Report report;
-  const LabelMap map = make_label_map(shapes.list(), report);
-  EXPECT_EQ(code_of([&] { write_label_map("/dev/full", map); }), ExitCode::io);
+  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
+  EXPECT_EQ(code_of([&] { meshio::write_label_map("/dev/full", map); }), ExitCode::io);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace trephine {
 namespace {
 
-CaseManifest sample() {
-  CaseManifest m;
+cases::CaseManifest sample() {
+  cases::CaseManifest m;
   m.landmarks = {{"nasion", {0.1, -110.30000000000001, 1e-7}, 0.875, "found"},
                  {"tragus_left", {70, 1. / 3, -5}, 1, "given"}};
   m.targets = {{"monro_right", {-3, -2, 60}, 0.5, "ventricles"}, {"monro_left", {40, -2, 60}, 0.5, "ventricles"}};
@@ -19,43 +19,43 @@ CaseManifest sample() {
 }
 
 TEST(Markups, ReadBackBitForBit) {
-  const CaseManifest m = sample();
-  const auto all = markups_of_case(m);
+  const cases::CaseManifest m = sample();
+  const auto all = meshio::markups_of_case(m);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0].name, "landmarks");
-  const auto back = parse_slicer_markups(encode_slicer_markups(all[0]));
+  const auto back = head::parse_slicer_markups(meshio::encode_slicer_markups(all[0]));
   ASSERT_EQ(back.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(back[i].name, m.landmarks[i].name);
     EXPECT_EQ(back[i].position_mm, m.landmarks[i].position_mm);
     EXPECT_EQ(back[i].source, "given");
   }
-  EXPECT_EQ(parse_slicer_markups(encode_slicer_markups(all[1]))[1].position_mm, m.targets[1].position_mm);
-  EXPECT_EQ(encode_slicer_markups(all[0]), encode_slicer_markups(markups_of_case(m)[0]));
+  EXPECT_EQ(head::parse_slicer_markups(meshio::encode_slicer_markups(all[1]))[1].position_mm, m.targets[1].position_mm);
+  EXPECT_EQ(meshio::encode_slicer_markups(all[0]), meshio::encode_slicer_markups(meshio::markups_of_case(m)[0]));
 }
 
 TEST(Markups, TrajectoriesEndAbreastOfTheirTarget) {
-  CaseManifest m = sample();
-  const auto line = markups_of_case(m)[2];
+  cases::CaseManifest m = sample();
+  const auto line = meshio::markups_of_case(m)[2];
   EXPECT_TRUE(line.line);
   EXPECT_EQ(line.name, "trajectory-kocher");
   EXPECT_EQ(line.points[0].position_mm, (Vec3{-3, 2, 90}));
   EXPECT_EQ(line.points[1].position_mm, (Vec3{-3, 2, 60}));
   EXPECT_NE(line.points[1].description.find("passes monro_right at 4 mm, 30 mm from the bone"), std::string::npos)
       << line.points[1].description;
-  const std::string text = encode_slicer_markups(line);
+  const std::string text = meshio::encode_slicer_markups(line);
   EXPECT_NE(text.find("\"type\": \"Line\""), std::string::npos);
-  EXPECT_EQ(parse_slicer_markups(text)[1].name, "kocher_end");
+  EXPECT_EQ(head::parse_slicer_markups(text)[1].name, "kocher_end");
 
-  MarkupsParams params;
+  meshio::MarkupsParams params;
   params.trajectory_mm = 45;
-  EXPECT_EQ(markups_of_case(m, params)[2].points[1].position_mm, (Vec3{-3, 2, 45}));
+  EXPECT_EQ(meshio::markups_of_case(m, params)[2].points[1].position_mm, (Vec3{-3, 2, 45}));
   // Without a target ahead near the axis: 60 mm.
   m.targets = {{"beside", {30, 2, 60}, 1, ""}, {"behind", {-3, 2, 120}, 1, ""}};
-  EXPECT_EQ(markups_of_case(m)[2].points[1].position_mm, (Vec3{-3, 2, 30}));
+  EXPECT_EQ(meshio::markups_of_case(m)[2].points[1].position_mm, (Vec3{-3, 2, 30}));
 }
 
-TEST(Markups, NothingIsNoFile) { EXPECT_TRUE(markups_of_case(CaseManifest{}).empty()); }
+TEST(Markups, NothingIsNoFile) { EXPECT_TRUE(meshio::markups_of_case(cases::CaseManifest{}).empty()); }
 
 }  // namespace
 }  // namespace trephine

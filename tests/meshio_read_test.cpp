@@ -20,26 +20,28 @@ namespace fs = std::filesystem;
 
 constexpr Vec3 place{-93, 41, 712};
 
-TriMesh read(const fs::path& file, double max_s = 0) {
+surface::TriMesh read(const fs::path& file, double max_s = 0) {
   Report report;
-  ReadMeshLimits limits;
+  meshio::ReadMeshLimits limits;
   limits.max_s = max_s;
-  return read_mesh_file(file, report, limits);
+  return meshio::read_mesh_file(file, report, limits);
 }
 
-fs::path write_as(const ScratchFolder& scratch, const char* format, const TriMesh& mesh, bool texture = false) {
-  const auto files = encode_surfaces(export_format(format), {{&mesh, "ball", {0.5, 0.5, 0.5}, 1, texture}}, "ball");
-  write_export(scratch.path(), files);
+fs::path write_as(const ScratchFolder& scratch, const char* format, const surface::TriMesh& mesh,
+                  bool texture = false) {
+  const auto files =
+      meshio::encode_surfaces(meshio::export_format(format), {{&mesh, "ball", {0.5, 0.5, 0.5}, 1, texture}}, "ball");
+  meshio::write_export(scratch.path(), files);
   return scratch.path() / files.back().name;
 }
 
-void expect_same_surface(const TriMesh& got, const TriMesh& want) {
-  const Validity v = check_validity(got);
+void expect_same_surface(const surface::TriMesh& got, const surface::TriMesh& want) {
+  const meshing::Validity v = meshing::check_validity(got);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_EQ(got.triangles.size(), want.triangles.size());
   EXPECT_EQ(got.points_mm.size(), want.points_mm.size());
-  EXPECT_NEAR(volume_mm3(got), volume_mm3(want), 1e-5 * volume_mm3(want));
-  const Bounds a = bounds_of(got), b = bounds_of(want);
+  EXPECT_NEAR(surface::volume_mm3(got), surface::volume_mm3(want), 1e-5 * surface::volume_mm3(want));
+  const surface::Bounds a = surface::bounds_of(got), b = surface::bounds_of(want);
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(a.min_mm[c], b.min_mm[c], 1e-3);
     EXPECT_NEAR(a.max_mm[c], b.max_mm[c], 1e-3);
@@ -50,7 +52,7 @@ constexpr const char* readable[] = {"stl", "ply", "obj", "vtp", "vtk", "glb"};
 
 TEST(ReadMesh, WhatWeWriteAlsoWhereVerticesAreDoubled) {
   const ScratchFolder scratch;
-  const TriMesh mesh = bumpy_ball(24, 13, place);
+  const surface::TriMesh mesh = bumpy_ball(24, 13, place);
   for (const char* f : readable)
     for (const bool texture : {false, true}) {
       SCOPED_TRACE(f);
@@ -60,8 +62,8 @@ TEST(ReadMesh, WhatWeWriteAlsoWhereVerticesAreDoubled) {
 
 TEST(ReadMesh, RasIsTurned) {
   const ScratchFolder scratch;
-  const TriMesh mesh = bumpy_ball(12, 7, place);
-  TriMesh ras = mesh;
+  const surface::TriMesh mesh = bumpy_ball(12, 7, place);
+  surface::TriMesh ras = mesh;
   ras.origin_mm = {-place.x, -place.y, place.z};
   for (Vec3& p : ras.points_mm) p = {-p.x, -p.y, p.z};
   for (const char* f : {"stl", "ply", "obj", "vtk"}) {
@@ -115,11 +117,11 @@ TEST(ReadMesh, FilesOfOtherPrograms) {
   for (const auto& [name, bytes] :
        {std::pair{"cube.stl", stl}, {"cube.obj", obj}, {"cube.ply", ply}, {"CUBE.VTK", vtk}}) {
     SCOPED_TRACE(name);
-    const TriMesh cube = read(scratch.write(name, bytes));
+    const surface::TriMesh cube = read(scratch.write(name, bytes));
     EXPECT_EQ(cube.points_mm.size(), 8u);
     EXPECT_EQ(cube.triangles.size(), 12u);
-    EXPECT_NEAR(volume_mm3(cube), 24, 1e-9);
-    EXPECT_TRUE(check_validity(cube).valid());
+    EXPECT_NEAR(surface::volume_mm3(cube), 24, 1e-9);
+    EXPECT_TRUE(meshing::check_validity(cube).valid());
   }
 }
 
@@ -135,13 +137,13 @@ TEST(ReadMesh, FaultsAreNamed) {
       EXPECT_EQ(code_of([&] { read(file); }, &line), ExitCode::bad_input) << name << " '" << bytes << "'";
       EXPECT_NE(line.find(file.string()), std::string::npos) << line;
     }
-  ReadMeshLimits small;
+  meshio::ReadMeshLimits small;
   small.max_bytes = 100;
   for (const char* f : readable) {
     Report report;
-    const TriMesh mesh = bumpy_ball(12, 7, place);
+    const surface::TriMesh mesh = bumpy_ball(12, 7, place);
     const fs::path file = write_as(scratch, f, mesh);
-    EXPECT_EQ(code_of([&] { read_mesh_file(file, report, small); }), ExitCode::bad_input) << f;
+    EXPECT_EQ(code_of([&] { meshio::read_mesh_file(file, report, small); }), ExitCode::bad_input) << f;
   }
 }
 
@@ -149,7 +151,7 @@ TEST(ReadMesh, FaultsAreNamed) {
 // mesh whose indices and points are sound. Returns how many were refused.
 int mutate(const char* format, int count, double max_s) {
   const ScratchFolder scratch;
-  TriMesh mesh = bumpy_ball(8, 5, place);
+  surface::TriMesh mesh = bumpy_ball(8, 5, place);
   const std::vector<char> bytes = read_file(write_as(scratch, format, mesh));
   std::uint64_t state = 88172645463325252ull;
   const auto random = [&](std::size_t below) {
@@ -169,7 +171,7 @@ int mutate(const char* format, int count, double max_s) {
     }
     const fs::path file = scratch.write("bad." + std::string(format), bad);
     std::string line;
-    const ExitCode code = code_of([&] { check_mesh(read(file, max_s)); }, &line);
+    const ExitCode code = code_of([&] { surface::check_mesh(read(file, max_s)); }, &line);
     EXPECT_TRUE(code == ExitCode::ok || code == ExitCode::bad_input) << line;
     if (code == ExitCode::ok) continue;
     EXPECT_NE(line.find(file.string()), std::string::npos) << line;
@@ -202,12 +204,12 @@ TEST(ReadMesh, OthersBadMeshes) {
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
     std::string line;
-    TriMesh mesh;
+    surface::TriMesh mesh;
     const ExitCode code = code_of([&] { mesh = read(file, 5); }, &line);
     if (code == ExitCode::usage) continue;  // OFF, 3DS and others
     EXPECT_TRUE(code == ExitCode::ok || code == ExitCode::bad_input) << line;
     if (code == ExitCode::ok) {
-      EXPECT_NO_THROW(check_mesh(mesh)) << file;
+      EXPECT_NO_THROW(surface::check_mesh(mesh)) << file;
     }
     ++(code == ExitCode::ok ? whole : refused);
   }

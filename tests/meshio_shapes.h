@@ -9,8 +9,8 @@ namespace trephine {
 
 /// A closed, valid bumpy ball of about that radius with a pole above and one below, and points on the raster of 2^-14
 /// mm: no symmetry that a swapped axis or a wrong sign could hide in.
-inline TriMesh bumpy_ball(int around, int rows, Vec3 centre_mm, double radius_mm = 80, bool normals = true) {
-  TriMesh m;
+inline surface::TriMesh bumpy_ball(int around, int rows, Vec3 centre_mm, double radius_mm = 80, bool normals = true) {
+  surface::TriMesh m;
   m.origin_mm = centre_mm;
   const double pi = std::acos(-1.0);
   const auto raster = [](double v) { return std::nearbyint(v * 16384) / 16384; };

@@ -33,8 +33,8 @@ class Vtp : public testing::Test {
 };
 
 // A closed surface with coordinates that use all 53 bits.
-TriMesh wavy_sphere(int nu, int nv, Vec3 origin, bool with_normals) {
-  TriMesh m;
+surface::TriMesh wavy_sphere(int nu, int nv, Vec3 origin, bool with_normals) {
+  surface::TriMesh m;
   m.origin_mm = origin;
   const double pi = std::acos(-1.0);
   for (int j = 0; j <= nv; ++j)
@@ -60,7 +60,7 @@ bool same_bytes(const Array& a, const Array& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
-void expect_identical(const TriMesh& a, const TriMesh& b) {
+void expect_identical(const surface::TriMesh& a, const surface::TriMesh& b) {
   EXPECT_EQ(std::memcmp(&a.origin_mm, &b.origin_mm, sizeof(Vec3)), 0);
   EXPECT_TRUE(same_bytes(a.points_mm, b.points_mm));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
@@ -69,7 +69,7 @@ void expect_identical(const TriMesh& a, const TriMesh& b) {
 
 ExitCode code_of_reading(const fs::path& p) {
   try {
-    read_vtp(p);
+    meshio::read_vtp(p);
   } catch (const Error& e) {
     EXPECT_EQ(e.file(), p.string());
     return e.code();
@@ -80,38 +80,38 @@ ExitCode code_of_reading(const fs::path& p) {
 TEST_F(Vtp, RoundTripIsExactToTheBit) {
   for (const Vec3 origin : {Vec3{}, Vec3{0.1, -93.7, 1.0 / 3}, Vec3{1e6, -1e6, 123456.789}, Vec3{-0.0, 0, 1e9}})
     for (const bool normals : {false, true}) {
-      const TriMesh m = wavy_sphere(40, 21, origin, normals);
-      write_vtp(path("a.vtp"), m);
-      expect_identical(m, read_vtp(path("a.vtp")));
+      const surface::TriMesh m = wavy_sphere(40, 21, origin, normals);
+      meshio::write_vtp(path("a.vtp"), m);
+      expect_identical(m, meshio::read_vtp(path("a.vtp")));
     }
 }
 
 TEST_F(Vtp, AwkwardNumbersSurvive) {
-  TriMesh m;
+  surface::TriMesh m;
   m.points_mm = {{-0.0, 5e-324, 1e-310}, {1e300, -1e-300, std::nextafter(1.0, 2.0)}, {0.1, 0.2, 0.3}};
   m.triangles = {{0, 1, 2}};
-  write_vtp(path("a.vtp"), m);
-  expect_identical(m, read_vtp(path("a.vtp")));
+  meshio::write_vtp(path("a.vtp"), m);
+  expect_identical(m, meshio::read_vtp(path("a.vtp")));
 }
 
 TEST_F(Vtp, EmptyMeshSurvives) {
-  TriMesh m;
+  surface::TriMesh m;
   m.origin_mm = {1, 2, 3};
-  write_vtp(path("a.vtp"), m);
-  expect_identical(m, read_vtp(path("a.vtp")));
+  meshio::write_vtp(path("a.vtp"), m);
+  expect_identical(m, meshio::read_vtp(path("a.vtp")));
 }
 
 TEST_F(Vtp, SameMeshSameBytes) {
-  const TriMesh m = wavy_sphere(30, 15, {1, 2, 3}, true);
-  write_vtp(path("a.vtp"), m);
-  write_vtp(path("b.vtp"), m);
+  const surface::TriMesh m = wavy_sphere(30, 15, {1, 2, 3}, true);
+  meshio::write_vtp(path("a.vtp"), m);
+  meshio::write_vtp(path("b.vtp"), m);
   EXPECT_EQ(bytes(path("a.vtp")), bytes(path("b.vtp")));
 }
 
 TEST_F(Vtp, OtherProgramsSeeWorldPositions) {
   // What another reader takes from the file: the Points array, found through its declared offset.
-  const TriMesh m = wavy_sphere(8, 5, {100, 200.5, -300.1}, false);
-  write_vtp(path("a.vtp"), m);
+  const surface::TriMesh m = wavy_sphere(8, 5, {100, 200.5, -300.1}, false);
+  meshio::write_vtp(path("a.vtp"), m);
   const std::string s = bytes(path("a.vtp"));
   EXPECT_NE(s.find("LPS"), std::string::npos);
   const std::size_t entry = s.find("Name=\"Points\"");
@@ -142,7 +142,7 @@ TEST_F(Vtp, ForeignAsciiFileIsRead) {
       "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 0 2 3</DataArray>"
       "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3 6</DataArray>";
   write_file(path("a.vtp"), file("", good));
-  TriMesh m = read_vtp(path("a.vtp"));
+  surface::TriMesh m = meshio::read_vtp(path("a.vtp"));
   ASSERT_EQ(m.points_mm.size(), 4u);
   ASSERT_EQ(m.triangles.size(), 2u);
   EXPECT_EQ(m.points_mm[2], (Vec3{0, 2, 0}));
@@ -151,7 +151,7 @@ TEST_F(Vtp, ForeignAsciiFileIsRead) {
   write_file(path("ras.vtp"), file("<FieldData><DataArray type=\"String\" Name=\"SPACE\" NumberOfTuples=\"1\" "
                                    "format=\"ascii\">82 65 83 0</DataArray></FieldData>",
                                    good));
-  m = read_vtp(path("ras.vtp"));
+  m = meshio::read_vtp(path("ras.vtp"));
   EXPECT_EQ(m.points_mm[2], (Vec3{0, -2, 0}));
   EXPECT_EQ(m.points_mm[3], (Vec3{0, 0, 3}));
 
@@ -164,9 +164,9 @@ TEST_F(Vtp, ForeignAsciiFileIsRead) {
                     good));
     return path("field.vtp");
   };
-  EXPECT_EQ(read_vtp(with_text("UNIT", "mm")).points_mm[2], (Vec3{0, 2, 0}));
-  EXPECT_EQ(read_vtp(with_text("UNIT", "cm")).points_mm[2], (Vec3{0, 20, 0}));
-  EXPECT_EQ(read_vtp(with_text("UNIT", "m")).points_mm[3], (Vec3{0, 0, 3000}));
+  EXPECT_EQ(meshio::read_vtp(with_text("UNIT", "mm")).points_mm[2], (Vec3{0, 2, 0}));
+  EXPECT_EQ(meshio::read_vtp(with_text("UNIT", "cm")).points_mm[2], (Vec3{0, 20, 0}));
+  EXPECT_EQ(meshio::read_vtp(with_text("UNIT", "m")).points_mm[3], (Vec3{0, 0, 3000}));
   EXPECT_EQ(code_of_reading(with_text("UNIT", "furlong")), ExitCode::bad_input);
   EXPECT_EQ(code_of_reading(with_text("SPACE", "scanner")), ExitCode::bad_input);
 
@@ -194,7 +194,7 @@ TEST_F(Vtp, BadFilesAreRefusedByName) {
 }
 
 TEST_F(Vtp, HostileCountsAllocateNothing) {
-  write_vtp(path("a.vtp"), wavy_sphere(8, 5, {}, false));
+  meshio::write_vtp(path("a.vtp"), wavy_sphere(8, 5, {}, false));
   std::string s = bytes(path("a.vtp"));
   const std::size_t at = s.find("NumberOfPoints=\"") + 16;
   s.replace(at, s.find('"', at) - at, "9000000000000000");
@@ -203,20 +203,20 @@ TEST_F(Vtp, HostileCountsAllocateNothing) {
 }
 
 TEST_F(Vtp, MeshesThatAreNoneAreNotWritten) {
-  TriMesh m = wavy_sphere(8, 5, {}, false);
+  surface::TriMesh m = wavy_sphere(8, 5, {}, false);
   m.points_mm[3].y = std::nan("");
-  EXPECT_THROW(write_vtp(path("a.vtp"), m), Error);
+  EXPECT_THROW(meshio::write_vtp(path("a.vtp"), m), Error);
   m = wavy_sphere(8, 5, {}, false);
   m.triangles[0][1] = 10000;
-  EXPECT_THROW(write_vtp(path("a.vtp"), m), Error);
+  EXPECT_THROW(meshio::write_vtp(path("a.vtp"), m), Error);
   EXPECT_FALSE(fs::exists(path("a.vtp")));
 }
 
 // A file of ours with a flipped bit is found by its checksum; the flip in the last line's own beginning makes it a
 // foreign one whose data are whole.
 TEST_F(Vtp, TruncationsAndFlippedBits) {
-  const TriMesh m = wavy_sphere(6, 4, {0.1, 0.2, 0.3}, true);
-  write_vtp(path("a.vtp"), m);
+  const surface::TriMesh m = wavy_sphere(6, 4, {0.1, 0.2, 0.3}, true);
+  meshio::write_vtp(path("a.vtp"), m);
   const std::string good = bytes(path("a.vtp"));
   const std::size_t end = good.rfind("</VTKFile>") + 10, trailer = good.rfind("<!--");
   for (std::size_t n = 0; n < end; n += 5) {
@@ -232,18 +232,18 @@ TEST_F(Vtp, TruncationsAndFlippedBits) {
   std::string s = good;
   s[trailer + 2] = '+';
   put("a.vtp", s);
-  expect_identical(m, read_vtp(path("a.vtp")));
+  expect_identical(m, meshio::read_vtp(path("a.vtp")));
 }
 
 // Without the checksum it is a foreign file: whatever VTK's reader does with the damage happens in a child. Never a
 // crash, never a mesh with other counts.
 TEST_F(Vtp, DamagedForeignFiles) {
-  const TriMesh m = wavy_sphere(6, 4, {0.1, 0.2, 0.3}, true);
-  write_vtp(path("a.vtp"), m);
+  const surface::TriMesh m = wavy_sphere(6, 4, {0.1, 0.2, 0.3}, true);
+  meshio::write_vtp(path("a.vtp"), m);
   std::string good = bytes(path("a.vtp"));
   good.resize(good.rfind("<!--"));
   put("b.vtp", good);
-  expect_identical(m, read_vtp(path("b.vtp")));
+  expect_identical(m, meshio::read_vtp(path("b.vtp")));
   int refused = 0;
   for (std::size_t i = 0; i < 60; ++i) {
     const std::size_t bit = i * good.size() * 8 / 60 + i % 8;
@@ -251,7 +251,7 @@ TEST_F(Vtp, DamagedForeignFiles) {
     s[bit / 8] = char(s[bit / 8] ^ (1 << (bit % 8)));
     put("bad.vtp", s);
     try {
-      const TriMesh r = read_vtp(path("bad.vtp"));
+      const surface::TriMesh r = meshio::read_vtp(path("bad.vtp"));
       EXPECT_EQ(r.points_mm.size(), m.points_mm.size()) << bit;
       EXPECT_EQ(r.triangles.size(), m.triangles.size()) << bit;
     } catch (const Error& e) {

@@ -18,8 +18,8 @@ namespace {
 using namespace shapes;
 
 /// A cube of 10 mm whose top is a pyramid's mantle, its tip `height` above the face (or below it).
-TriMesh roofed(double height) {
-  TriMesh m;
+surface::TriMesh roofed(double height) {
+  surface::TriMesh m;
   for (int c = 0; c < 8; ++c) m.points_mm.push_back({c & 1 ? 10. : 0., c & 2 ? 10. : 0., c & 4 ? 10. : 0.});
   m.points_mm.push_back({5, 5, 10 + height});
   m.triangles = {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2},
@@ -27,23 +27,24 @@ TriMesh roofed(double height) {
   return m;
 }
 
-TriMesh cube() {
-  TriMesh m = roofed(0);
+surface::TriMesh cube() {
+  surface::TriMesh m = roofed(0);
   m.triangles.resize(10);
   m.triangles.push_back({4, 5, 6});
   m.triangles.push_back({5, 7, 6});
   return m;
 }
 
-CertifiedDeviation certified(const TriMesh& mesh, const TriMesh& reference, double tolerance_mm) {
-  CertifyParams p;
+metrics::CertifiedDeviation certified(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                                      double tolerance_mm) {
+  metrics::CertifyParams p;
   p.certify_tolerance_mm = tolerance_mm;
-  return certify_deviation(mesh, reference, p);
+  return metrics::certify_deviation(mesh, reference, p);
 }
 
 TEST(Certify, TheLargestDistanceBetweenThePoints) {
   // From the cube's flat top down to a dent 3 mm deep: largest in the middle of the face, where no point of it lies.
-  const CertifiedDeviation d = certified(cube(), roofed(-3), 1e-3);
+  const metrics::CertifiedDeviation d = certified(cube(), roofed(-3), 1e-3);
   const double exact = 3 * std::cos(std::atan(3.0 / 5));
   EXPECT_LE(d.mesh_to_reference.lower_mm, exact + 1e-9);
   EXPECT_GE(d.mesh_to_reference.upper_mm, exact);
@@ -54,19 +55,19 @@ TEST(Certify, TheLargestDistanceBetweenThePoints) {
 }
 
 TEST(Certify, OfASurfaceWithItself) {
-  const TriMesh m = surface(sphere(20, 10));
+  const surface::TriMesh m = contoured(sphere(20, 10));
   EXPECT_LT(certified(m, m, 1e-4).upper_mm(), 1e-4 + 1e-6);
 }
 
 TEST(Certify, NeverBelowDenseSamples) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    const TriMesh a = surface(noise(8, seed, 0.3, false));
-    TriMesh b = surface(noise(8, seed + 100, 0.3, false));
+    const surface::TriMesh a = contoured(noise(8, seed, 0.3, false));
+    surface::TriMesh b = contoured(noise(8, seed + 100, 0.3, false));
     b.origin_mm.x += 0.25;
-    const CertifiedDeviation d = certified(a, b, 0.01);
-    DeviationParams p;
+    const metrics::CertifiedDeviation d = certified(a, b, 0.01);
+    metrics::DeviationParams p;
     p.sample_count = 100000;
-    const Deviation s = measure_deviation(a, b, p);
+    const metrics::Deviation s = metrics::measure_deviation(a, b, p);
     EXPECT_GE(d.mesh_to_reference.upper_mm, s.mesh_to_reference.max_mm);
     EXPECT_GE(d.reference_to_mesh.upper_mm, s.reference_to_mesh.max_mm);
     EXPECT_LE(d.upper_mm() - d.lower_mm(), 0.01 + 1e-6);
@@ -77,7 +78,7 @@ TEST(Certify, NeverBelowDenseSamples) {
 
 TEST(Certify, RefusesNothing) {
   try {
-    certified(cube(), TriMesh(), 0.01);
+    certified(cube(), surface::TriMesh(), 0.01);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -86,40 +87,42 @@ TEST(Certify, RefusesNothing) {
 }
 
 TEST(Certify, GivesUpWhereTooManyPiecesAreNeeded) {
-  CertifyParams p;
+  metrics::CertifyParams p;
   p.certify_tolerance_mm = 1e-6;
-  const TriMesh a = surface(sphere(20, 10)), b = surface(sphere(14, 10));
+  const surface::TriMesh a = contoured(sphere(20, 10)), b = contoured(sphere(14, 10));
   for (const int threads : {1, 2}) {
     set_thread_count(threads);
     p.certify_max_pieces_count = 20000;
     try {
-      certify_deviation(a, b, p);
+      metrics::certify_deviation(a, b, p);
       FAIL() << threads;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::internal);
       EXPECT_NE(std::string(e.what()).find("20,000 pieces: give a larger --certify-tolerance-mm"), std::string::npos);
     }
     p.certify_max_pieces_count = 1000000000;
-    EXPECT_LE(certify_deviation(a, b, p).upper_mm() - certify_deviation(a, b, p).lower_mm(), 1e-6 + 1e-6) << threads;
+    EXPECT_LE(metrics::certify_deviation(a, b, p).upper_mm() - metrics::certify_deviation(a, b, p).lower_mm(),
+              1e-6 + 1e-6)
+        << threads;
   }
   set_thread_count(0);
 }
 
 TEST(Certify, SameBitsWithAnyThreads) {
-  const TriMesh a = surface(noise(10, 1, 0.3, false)), b = surface(noise(10, 2, 0.3, false));
+  const surface::TriMesh a = contoured(noise(10, 1, 0.3, false)), b = contoured(noise(10, 2, 0.3, false));
   set_thread_count(1);
-  const CertifiedDeviation one = certified(a, b, 0.01);
+  const metrics::CertifiedDeviation one = certified(a, b, 0.01);
   set_thread_count(2);
-  const CertifiedDeviation two = certified(a, b, 0.01);
+  const metrics::CertifiedDeviation two = certified(a, b, 0.01);
   set_thread_count(0);
   EXPECT_EQ(one.upper_mm(), two.upper_mm());
   EXPECT_EQ(one.lower_mm(), two.lower_mm());
 }
 
 TEST(DeviationPicture, RedOutsideBlueInside) {
-  const TriMesh reference = surface(sphere(24, 10));
+  const surface::TriMesh reference = contoured(sphere(24, 10));
   const auto share = [&](double radius, int channel) {
-    const Image image = deviation_picture(surface(sphere(24, radius)), reference, 1);
+    const picture::Image image = picture::deviation_picture(contoured(sphere(24, radius)), reference, 1);
     int strong = 0, all = 0;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width - 110; ++x) {
@@ -132,7 +135,7 @@ TEST(DeviationPicture, RedOutsideBlueInside) {
   };
   EXPECT_GT(share(11, 0), 0.95);
   EXPECT_GT(share(9, 2), 0.95);
-  const std::vector<double> d = signed_deviations_mm(surface(sphere(24, 11)), reference);
+  const std::vector<double> d = picture::signed_deviations_mm(contoured(sphere(24, 11)), reference);
   for (const double v : d) EXPECT_NEAR(v, 1, 0.06);
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double inner_mm = 8, outer_mm = 12;
 
-Lattice cube() {
-  Lattice l;
+grid::Lattice cube() {
+  grid::Lattice l;
   l.size = {40, 40, 40};
   l.spacing_mm = {0.8, 0.8, 0.8};
   l.origin_mm = {-15.6, -15.6, -15.6};
@@ -23,8 +23,8 @@ Lattice cube() {
 
 double shell(Vec3 p, double inner, double outer) { return std::max(norm(p) - outer, inner - norm(p)); }
 
-Field field_of(const Lattice& l, double inner, double outer) {
-  Field f(l);
+grid::Field field_of(const grid::Lattice& l, double inner, double outer) {
+  grid::Field f(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -35,22 +35,22 @@ Field field_of(const Lattice& l, double inner, double outer) {
 double figure(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
 
 TEST(MeasureField, AShellThatIsTooThickOnEitherSide) {
-  const Lattice l = cube();
-  const Field truth = field_of(l, inner_mm, outer_mm);
-  Mask solid(l);
+  const grid::Lattice l = cube();
+  const grid::Field truth = field_of(l, inner_mm, outer_mm);
+  grid::Mask solid(l);
   for (std::size_t v = 0; v < solid.voxels.size(); ++v) solid.voxels[v] = truth.voxels[v] > 0;
-  ContourParams all;
+  meshing::ContourParams all;
   all.keep_cavities = true;
   Report ignored;
-  const TriMesh mesh = contour(truth, all, ignored);
-  FieldTruth t;
+  const surface::TriMesh mesh = meshing::contour(truth, all, ignored);
+  metrics::FieldTruth t;
   t.solid = &solid;
   t.distance = [](Vec3 p) { return shell(p, inner_mm, outer_mm); };
   t.mesh = &mesh;
   t.is_inner = [](Vec3 p) { return norm(p) < 10; };
   // 0.3 mm too far in, 0.1 mm too far out; cropped as fields are.
-  const Field found = field_of(cropped(l, {{3, 3, 3}, {37, 37, 37}}), inner_mm - 0.3, outer_mm + 0.1);
-  const Report r = measure_field(found, t, 5000);
+  const grid::Field found = field_of(grid::cropped(l, {{3, 3, 3}, {37, 37, 37}}), inner_mm - 0.3, outer_mm + 0.1);
+  const Report r = metrics::measure_field(found, t, 5000);
   EXPECT_NEAR(figure(r, "inner_bias_mm"), 0.3, 0.03);
   EXPECT_NEAR(figure(r, "outer_bias_mm"), 0.1, 0.03);
   EXPECT_NEAR(figure(r, "width_bias_mm"), 0.4, 0.04);
@@ -61,15 +61,15 @@ TEST(MeasureField, AShellThatIsTooThickOnEitherSide) {
 }
 
 TEST(MeasureField, RefusesAnotherRaster) {
-  const Lattice l = cube();
-  Mask solid(l);
+  const grid::Lattice l = cube();
+  grid::Mask solid(l);
   solid.voxels[0] = 1;
-  Lattice other = l;
+  grid::Lattice other = l;
   other.origin_mm.x += 0.3;
-  FieldTruth t;
+  metrics::FieldTruth t;
   t.solid = &solid;
   try {
-    measure_field(field_of(other, inner_mm, outer_mm), t, 1000);
+    metrics::measure_field(field_of(other, inner_mm, outer_mm), t, 1000);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);

@@ -22,19 +22,19 @@
 #include "surface/trimesh.h"
 
 using namespace trephine;
-using namespace trephine::segmentation;
+using namespace trephine::mask;
 
 namespace {
 
 // Blobs that nowhere touch the border, so that both give closed surfaces of the same thing.
-Field blobs(std::uint64_t seed) {
-  Lattice l;
+grid::Field blobs(std::uint64_t seed) {
+  grid::Lattice l;
   l.size = {58, 50, 44};
   l.spacing_mm = {0.5, 0.75, 1.25};
-  Field g(l);
+  grid::Field g(l);
   for (std::size_t n = 0; n < g.voxels.size(); ++n)
     g.voxels[n] = static_cast<float>(unit_of_bits(splitmix64_mixed(seed * 1000003 + n * splitmix64_step)) - 0.5);
-  gaussian(g, 1.1);
+  mask::gaussian(g, 1.1);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -43,7 +43,7 @@ Field blobs(std::uint64_t seed) {
   return g;
 }
 
-vtkSmartPointer<vtkPolyData> contour_by_vtk(const Field& g, double* seconds) {
+vtkSmartPointer<vtkPolyData> contour_by_vtk(const grid::Field& g, double* seconds) {
   const auto image = vtkSmartPointer<vtkImageData>::New();
   image->SetDimensions(g.size[0], g.size[1], g.size[2]);
   image->SetSpacing(g.spacing_mm.x, g.spacing_mm.y, g.spacing_mm.z);
@@ -65,7 +65,7 @@ using Edge = std::tuple<int, int, int, int>;
 
 // The edge of the lattice that a point lies on, and how far along it; axis -1 and the voxel where it lies on a voxel,
 // as VTK's do where a sample is almost zero. False where it lies on neither.
-bool edge_of(Vec3 p, const Lattice& l, Edge& edge, double& along) {
+bool edge_of(Vec3 p, const grid::Lattice& l, Edge& edge, double& along) {
   const Vec3 v = l.to_index(p);
   int axis = -1, at[3];
   for (int a = 0; a < 3; ++a) {
@@ -84,13 +84,13 @@ bool edge_of(Vec3 p, const Lattice& l, Edge& edge, double& along) {
 
 TEST(Oracle, MarchingCubesAreVtks) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const Field g = blobs(seed);
-    ContourParams params;
+    const grid::Field g = blobs(seed);
+    meshing::ContourParams params;
     params.min_component_mm3 = 0;
     params.keep_cavities = true;
     Report report;
     const auto start = std::chrono::steady_clock::now();
-    const TriMesh own = contour(g, params, report);
+    const surface::TriMesh own = meshing::contour(g, params, report);
     const double ours = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     double theirs = 0;
     const auto vtk = contour_by_vtk(g, &theirs);
@@ -130,7 +130,7 @@ TEST(Oracle, MarchingCubesAreVtks) {
     }
     const auto mass = vtkSmartPointer<vtkMassProperties>::New();
     mass->SetInputData(vtk);
-    const double volume = std::fabs(volume_mm3(own));
+    const double volume = std::fabs(surface::volume_mm3(own));
     std::printf(
         "%zu points (VTK %zu), %zu between edges, furthest off %.4f of an edge, volume %.2f mm3 (%.2f), %.1f ms "
         "(%.1f)\n",

@@ -13,12 +13,13 @@ namespace trephine {
 /// Reads the file with a reader of ITK, and compares size, spacing, place and directions with the grid's, and the
 /// voxels, whose component is checked. `ras`: ITK hands over what counts to the right and to the front.
 template <class IO, class T>
-void expect_itk_reads(const std::filesystem::path& file, const Grid<T>& grid, double tolerance, bool ras = false) {
+void expect_itk_reads(const std::filesystem::path& file, const grid::Grid<T>& grid, double tolerance,
+                      bool ras = false) {
   auto io = IO::New();
   io->SetFileName(file.string());
   ASSERT_TRUE(io->CanReadFile(file.c_str()));
   io->ReadImageInformation();
-  itk::ImageIORegion region(3);
+  ::itk::ImageIORegion region(3);
   for (unsigned a = 0; a < 3; ++a) {
     region.SetSize(a, io->GetDimensions(a));
     ASSERT_EQ(io->GetDimensions(a), static_cast<unsigned>(grid.size[a]));
@@ -29,7 +30,7 @@ void expect_itk_reads(const std::filesystem::path& file, const Grid<T>& grid, do
                   tolerance);
   }
   io->SetIORegion(region);
-  ASSERT_EQ(io->GetComponentType(), itk::ImageIOBase::MapPixelType<T>::CType);
+  ASSERT_EQ(io->GetComponentType(), ::itk::ImageIOBase::MapPixelType<T>::CType);
   std::vector<T> voxels(grid.voxels.size());
   io->Read(voxels.data());
   EXPECT_EQ(voxels, grid.voxels);

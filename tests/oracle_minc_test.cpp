@@ -19,14 +19,14 @@ using namespace trephine;
 
 namespace {
 
-Grid<std::int16_t> oblique() {
-  Lattice l;
+grid::Grid<std::int16_t> oblique() {
+  grid::Lattice l;
   l.size = {9, 7, 5};
   l.spacing_mm = {1.5, 2, 3};
   l.origin_mm = {-20.25, 14.5, 33};
   const double c = 0.8, s = 0.6;
   l.direction = {{Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}}};
-  Grid<std::int16_t> g(l);
+  grid::Grid<std::int16_t> g(l);
   for (int k = 0; k < 5; ++k)
     for (int j = 0; j < 7; ++j)
       for (int i = 0; i < 9; ++i) g.at(i, j, k) = static_cast<std::int16_t>(100 * k - 300 + 10 * j + i);
@@ -71,18 +71,18 @@ std::vector<char> bytes_of(const std::filesystem::path& file) { return read_file
 TEST(OracleMinc, ItkReadsOursWhereItLies) {
   const ScratchFolder folder;
   const auto file = folder.path() / "own.mnc";
-  const Grid<std::int16_t> g = oblique();
-  write_volume_file(file, g);
-  expect_itk_reads<itk::MINCImageIO>(file, g, 1e-6, true);  // ITK 5.2 hands MINC's RAS over
+  const grid::Grid<std::int16_t> g = oblique();
+  trephine::itk::write_volume_file(file, g);
+  expect_itk_reads<::itk::MINCImageIO>(file, g, 1e-6, true);  // ITK 5.2 hands MINC's RAS over
 }
 
 TEST(OracleMinc, OursReadsWhatLibmincScaledSliceBySlice) {
   const ScratchFolder folder;
   const auto file = folder.path() / "other.mnc";
   write_by_libminc(file.string());
-  const VolumeFile read = read_volume_file(file);
+  const trephine::itk::VolumeFile read = trephine::itk::read_volume_file(file);
   EXPECT_EQ(read.format, "MINC");
-  const Lattice& l = lattice_of(read.volume);
+  const grid::Lattice& l = grid::lattice_of(read.volume);
   ASSERT_EQ(l.size, (std::array<int, 3>{6, 5, 4}));
   // Of the file's voxel (i, j, k): world x = 30 - 1.5 i, y = 12 + 2 j, z = -8 + 3 k in RAS.
   for (int k = 0; k < 4; ++k)
@@ -101,9 +101,9 @@ TEST(OracleMinc, OursReadsWhatLibmincScaledSliceBySlice) {
 
 TEST(OracleMinc, NeitherUserNorDateIsWrittenAndBytesAreTheSame) {
   const ScratchFolder folder;
-  const AnyGrid grid = oblique();
-  write_volume_file(folder.path() / "a.mnc", grid);
-  write_volume_file(folder.path() / "b.mnc", grid);
+  const grid::AnyGrid grid = oblique();
+  trephine::itk::write_volume_file(folder.path() / "a.mnc", grid);
+  trephine::itk::write_volume_file(folder.path() / "b.mnc", grid);
   const auto a = bytes_of(folder.path() / "a.mnc"), b = bytes_of(folder.path() / "b.mnc");
   EXPECT_EQ(a, b);
   const std::string text(a.begin(), a.end());
@@ -111,19 +111,20 @@ TEST(OracleMinc, NeitherUserNorDateIsWrittenAndBytesAreTheSame) {
   // A whole second later too.
   timespec second{1, 100000000};
   nanosleep(&second, nullptr);
-  write_volume_file(folder.path() / "b.mnc", grid);
+  trephine::itk::write_volume_file(folder.path() / "b.mnc", grid);
   EXPECT_EQ(bytes_of(folder.path() / "b.mnc"), a);
 }
 
 TEST(OracleMinc, OfAllSampleTypes) {
   const ScratchFolder folder;
-  const Grid<std::int16_t> g = oblique();
-  Grid<float> f(static_cast<const Lattice&>(g));
-  Mask m(static_cast<const Lattice&>(g));
+  const grid::Grid<std::int16_t> g = oblique();
+  grid::Grid<float> f(static_cast<const grid::Lattice&>(g));
+  grid::Mask m(static_cast<const grid::Lattice&>(g));
   for (std::size_t n = 0; n < g.voxels.size(); ++n) {
     f.voxels[n] = 0.37f * static_cast<float>(g.voxels[n]);
     m.voxels[n] = static_cast<std::uint8_t>(n % 200);
   }
   const auto file = folder.path() / "f.mnc";
-  for (const AnyGrid& grid : {AnyGrid(g), AnyGrid(f), AnyGrid(m)}) EXPECT_NO_THROW(write_volume_file(file, grid));
+  for (const grid::AnyGrid& grid : {grid::AnyGrid(g), grid::AnyGrid(f), grid::AnyGrid(m)})
+    EXPECT_NO_THROW(trephine::itk::write_volume_file(file, grid));
 }

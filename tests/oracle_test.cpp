@@ -24,11 +24,12 @@
 #include "scratch_folder.h"
 
 using namespace trephine;
-using namespace trephine::segmentation;
+using namespace trephine::mask;
+using namespace trephine::grid;
 
 namespace {
 
-using Bytes = itk::Image<unsigned char, 3>;
+using Bytes = ::itk::Image<unsigned char, 3>;
 
 double random_unit(std::uint64_t seed, std::uint64_t n) {
   return unit_of_bits(splitmix64_mixed(seed * 1000003 + n * splitmix64_step));
@@ -67,7 +68,7 @@ Bytes::Pointer image_of_mask(const BitMask& mask) {
   Bytes::RegionType region;
   Bytes::SpacingType spacing;
   for (unsigned a = 0; a < 3; ++a) {
-    region.SetSize(a, static_cast<itk::SizeValueType>(l.size[a]));
+    region.SetSize(a, static_cast<::itk::SizeValueType>(l.size[a]));
     spacing[a] = l.spacing_mm[static_cast<int>(a)];
   }
   image->SetRegions(region);
@@ -97,7 +98,7 @@ TEST(Oracle, ComponentsAreItks) {
   for (const bool diagonal : {false, true})
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const BitMask mask = mask_above(blobs(seed), 0.03f);
-      auto filter = itk::ConnectedComponentImageFilter<Bytes, itk::Image<unsigned, 3>>::New();
+      auto filter = ::itk::ConnectedComponentImageFilter<Bytes, ::itk::Image<unsigned, 3>>::New();
       filter->SetInput(image_of_mask(mask));
       filter->SetFullyConnected(diagonal);
       Components own;
@@ -118,7 +119,7 @@ TEST(Oracle, DistancesAndBallsAreItks) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const BitMask mask = mask_above(blobs(seed), 0.16f);
     ASSERT_TRUE(mask.any());
-    auto filter = itk::SignedMaurerDistanceMapImageFilter<Bytes, Image>::New();
+    auto filter = ::itk::SignedMaurerDistanceMapImageFilter<Bytes, trephine::itk::Image>::New();
     filter->SetInput(image_of_mask(mask));
     filter->SetUseImageSpacing(true);
     filter->SetSquaredDistance(false);
@@ -149,8 +150,8 @@ TEST(Oracle, GaussianIsItksToOnePercent) {
   const float from = *low, scale = 1000 / (*high - *low);
   for (float& v : own.voxels) v = (v - from) * scale;
   const Grid<float> input = own;
-  auto filter = itk::DiscreteGaussianImageFilter<Image, Image>::New();
-  filter->SetInput(image_of(input));
+  auto filter = ::itk::DiscreteGaussianImageFilter<trephine::itk::Image, trephine::itk::Image>::New();
+  filter->SetInput(trephine::itk::image_of(input));
   filter->SetVariance(1.5 * 1.5);
   filter->SetMaximumError(0.001);
   filter->SetMaximumKernelWidth(64);
@@ -166,28 +167,29 @@ TEST(Oracle, GaussianIsItksToOnePercent) {
 
 TEST(Oracle, ResamplingIsItks) {
   const Grid<float> input = blobs(4);
-  const LinearMap map = rigid_map({12, -7, 30}, {3, -2, 4}, input.to_world_mm({45, 35, 30}));
+  const trephine::itk::LinearMap map =
+      trephine::itk::rigid_map({12, -7, 30}, {3, -2, 4}, input.to_world_mm({45, 35, 30}));
   Lattice to;
   to.size = {60, 64, 70};
   to.spacing_mm = {0.8, 0.6, 0.9};
   to.origin_mm = input.to_world_mm({5, 0, 0});
-  auto transform = itk::AffineTransform<double, 3>::New();
-  itk::AffineTransform<double, 3>::MatrixType matrix;
-  itk::AffineTransform<double, 3>::OutputVectorType offset;
-  Image::SizeType size;
-  Image::SpacingType spacing;
-  Image::PointType origin;
+  auto transform = ::itk::AffineTransform<double, 3>::New();
+  ::itk::AffineTransform<double, 3>::MatrixType matrix;
+  ::itk::AffineTransform<double, 3>::OutputVectorType offset;
+  trephine::itk::Image::SizeType size;
+  trephine::itk::Image::SpacingType spacing;
+  trephine::itk::Image::PointType origin;
   for (unsigned r = 0; r < 3; ++r) {
     for (unsigned c = 0; c < 3; ++c) matrix(r, c) = map.matrix.column[c][static_cast<int>(r)];
     offset[r] = map.offset_mm[static_cast<int>(r)];
-    size[r] = static_cast<itk::SizeValueType>(to.size[r]);
+    size[r] = static_cast<::itk::SizeValueType>(to.size[r]);
     spacing[r] = to.spacing_mm[static_cast<int>(r)];
     origin[r] = to.origin_mm[static_cast<int>(r)];
   }
   transform->SetMatrix(matrix);
   transform->SetOffset(offset);
-  auto filter = itk::ResampleImageFilter<Image, Image>::New();
-  filter->SetInput(image_of(input));
+  auto filter = ::itk::ResampleImageFilter<trephine::itk::Image, trephine::itk::Image>::New();
+  filter->SetInput(trephine::itk::image_of(input));
   filter->SetTransform(transform);
   filter->SetSize(size);
   filter->SetOutputSpacing(spacing);
@@ -195,7 +197,8 @@ TEST(Oracle, ResamplingIsItks) {
   filter->SetDefaultPixelValue(-9);
   HuVolume own;
   timed(
-      "resampling", [&] { own = resample_onto(HuVolume(input), to, map, -9); }, [&] { filter->Update(); });
+      "resampling", [&] { own = trephine::itk::resample_onto(HuVolume(input), to, map, -9); },
+      [&] { filter->Update(); });
   const auto& grid = std::get<Grid<float>>(own);
   const float* itk = filter->GetOutput()->GetBufferPointer();
   std::size_t compared = 0, edges = 0;
@@ -215,6 +218,6 @@ TEST(Oracle, ItkReadsOurNrrd) {
   for (const NrrdEncoding encoding : {NrrdEncoding::raw, NrrdEncoding::gzip}) {
     const auto file = folder.path() / "f.nrrd";
     write_nrrd(file, Field(g), {}, encoding);
-    expect_itk_reads<itk::NrrdImageIO>(file, g, 1e-12);
+    expect_itk_reads<::itk::NrrdImageIO>(file, g, 1e-12);
   }
 }

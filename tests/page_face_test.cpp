@@ -17,9 +17,9 @@ namespace trephine {
 namespace {
 
 struct Patient {
-  HuVolume volume;
-  Field skin;
-  FaceRegion region;
+  grid::HuVolume volume;
+  grid::Field skin;
+  face::FaceRegion region;
 };
 
 Patient patient() {
@@ -27,48 +27,49 @@ Patient patient() {
   Patient p;
   p.volume = phantom::volume_of(phantom::scan(head, phantom_heads::scan_of(150, 80, 12)));
   Report report;
-  p.skin = segment(p.volume, {}, head_recipe::skin(), report);
-  p.region = face_region(phantom_heads::face_landmarks(head));
+  p.skin = segmentation::segment(p.volume, {}, head_recipe::skin(), report);
+  p.region = face::face_region(phantom_heads::face_landmarks(head));
   return p;
 }
 
 // The page of a case of skin and CT.
-std::string page_of(const HuVolume& volume) {
+std::string page_of(const grid::HuVolume& volume) {
   Report report;
-  TriMesh skin = contour(segment(volume, {}, head_recipe::skin(), report), {}, report);
+  surface::TriMesh skin = meshing::contour(segmentation::segment(volume, {}, head_recipe::skin(), report), {}, report);
   case_samples::MemoryCase c;
-  CaseManifest& m = c.manifest;
+  cases::CaseManifest& m = c.manifest;
   m.case_token = "head";
   m.program_version = "trephine 0.1.0";
   m.center_mm = {0, 0, 50};
   m.input_sha256 = sha256_of_bytes("input");
   const auto add = [&](const std::string& stem, const std::string& extension, const std::string& bytes) {
-    m.files.push_back(describe_case_file(stem, extension, bytes));
+    m.files.push_back(cases::describe_case_file(stem, extension, bytes));
     c.files[m.files.back().name] = bytes;
     return m.files.back().name;
   };
-  GlbParams glb;
+  cases::GlbParams glb;
   glb.center_mm = m.center_mm;
   glb.name = "skin";
-  CaseAnatomy a;
+  cases::CaseAnatomy a;
   a.name = "skin";
-  a.file = add("meshes/skin", ".glb", make_glb(skin, glb));
+  a.file = add("meshes/skin", ".glb", cases::make_glb(skin, glb));
   a.triangles = skin.triangles.size();
   a.points = skin.points_mm.size();
-  a.volume_ml = volume_mm3(skin) / 1000;
-  a.area_cm2 = area_mm2(skin) / 100;
+  a.volume_ml = surface::volume_mm3(skin) / 1000;
+  a.area_cm2 = surface::area_mm2(skin) / 100;
   m.anatomies.push_back(a);
-  const auto& grid = std::get<Grid<std::int16_t>>(volume);
-  m.ct = {add("ct", ".nrrd", encode_nrrd(volume, {}, NrrdEncoding::gzip)), grid.size, grid.spacing_mm};
+  const auto& grid = std::get<grid::Grid<std::int16_t>>(volume);
+  m.ct = {add("ct", ".nrrd", grid::encode_nrrd(volume, {}, grid::NrrdEncoding::gzip)), grid.size, grid.spacing_mm};
   c.seal();
-  return make_case_page(load_case_through(c.reader(), LoadParts{true}), {});
+  return page::make_case_page(cases::load_case_through(c.reader(), cases::LoadParts{true}), {});
 }
 
 // The gate on what is read back.
 double distance_mm(const Patient& p, const std::string& html) {
   const page_reading::Page page = page_reading::read_page(html);
-  const HuVolume ct(page.ct());
-  const auto all = face_distances(p.skin, p.region, {{"skin", &page.surfaces.at(0).mesh}}, {face_volume("CT", ct)});
+  const grid::HuVolume ct(page.ct());
+  const auto all =
+      face::face_distances(p.skin, p.region, {{"skin", &page.surfaces.at(0).mesh}}, {face::face_volume("CT", ct)});
   EXPECT_EQ(all.size(), 2u);
   return std::min(all.at(0).distance_mm, all.at(1).distance_mm);
 }
@@ -76,11 +77,12 @@ double distance_mm(const Patient& p, const std::string& html) {
 TEST(PageFace, NoPageShowsAFaceThatWasTakenAway) {
   const Patient p = patient();
   EXPECT_LT(distance_mm(p, page_of(p.volume)), 1) << "the control: a face is there";
-  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
-    DefaceParams params;
+  for (const face::FaceRemoval policy : {face::FaceRemoval::deface, face::FaceRemoval::crop}) {
+    face::DefaceParams params;
     params.policy = policy;
     Report report;
-    EXPECT_GE(distance_mm(p, page_of(deface(p.volume, p.skin, p.region, params, report))), face_clearance_mm);
+    EXPECT_GE(distance_mm(p, page_of(face::deface(p.volume, p.skin, p.region, params, report))),
+              face::face_clearance_mm);
   }
 }
 

@@ -43,7 +43,7 @@ inline std::string from_base64(const std::string& text) {
 
 struct Surface {
   std::string name;
-  TriMesh mesh;  ///< origin 0: world positions
+  surface::TriMesh mesh;  ///< origin 0: world positions
   std::vector<double> deviation_mm;
   std::vector<bool> known;
 };
@@ -54,11 +54,11 @@ struct Page {
   std::string html;
   std::string block(const std::string& id) const {
     std::string out(data.at("blocks").at(id).get<std::size_t>(), '\0');
-    detail::gzip_expand(from_base64(element(html, id)), out.data(), out.size());
+    grid::detail::gzip_expand(from_base64(element(html, id)), out.data(), out.size());
     return out;
   }
-  Lattice lattice(const char* id) const {
-    Lattice l;
+  grid::Lattice lattice(const char* id) const {
+    grid::Lattice l;
     for (int k = 0; k < 3; ++k) {
       l.size[k] = data.at(id).at("size")[k];
       l.spacing_mm[k] = data.at(id).at("spacing_mm")[k];
@@ -67,7 +67,7 @@ struct Page {
     return l;
   }
   /// Adds to each byte the median of left, above, and left + above - above left.
-  static void undo_prediction(std::string& bytes, const Lattice& l) {
+  static void undo_prediction(std::string& bytes, const grid::Lattice& l) {
     for (int k = 0; k < l.size[2]; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
@@ -80,8 +80,8 @@ struct Page {
         }
   }
   /// The HU of the CT's levels.
-  Grid<std::int16_t> ct() const {
-    Grid<std::int16_t> grid(lattice("ct"));
+  grid::Grid<std::int16_t> ct() const {
+    grid::Grid<std::int16_t> grid(lattice("ct"));
     std::string bytes = block(data.at("ct").at("block"));
     const Json& levels = data.at("ct").at("levels");
     if (data.at("ct").at("predicted").get<bool>()) undo_prediction(bytes, grid);

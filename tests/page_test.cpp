@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using page_reading::Page;
 using page_reading::read_page;
 
-LoadedCase loaded(const case_samples::MemoryCase& c) { return load_case_through(c.reader()); }
+cases::LoadedCase loaded(const case_samples::MemoryCase& c) { return cases::load_case_through(c.reader()); }
 
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t n = 0;
@@ -35,7 +35,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 }
 
 // Every point of the case's surface, in the order in which its triangles first use it, with its number.
-std::vector<std::uint32_t> by_first_use(const TriMesh& mesh) {
+std::vector<std::uint32_t> by_first_use(const surface::TriMesh& mesh) {
   std::vector<std::uint32_t> order;
   std::vector<bool> seen(mesh.points_mm.size());
   for (const auto& t : mesh.triangles)
@@ -48,16 +48,16 @@ std::vector<std::uint32_t> by_first_use(const TriMesh& mesh) {
 }
 
 TEST(Page, SurfacesAreThoseOfTheCase) {
-  const LoadedCase c = loaded(case_samples::make_case({{"outer", 90, 40}, {"inner", 40, 20}}, 24));
-  PageNotes notes;
+  const cases::LoadedCase c = loaded(case_samples::make_case({{"outer", 90, 40}, {"inner", 40, 20}}, 24));
+  page::PageNotes notes;
   for (std::size_t a = 0; a < 2; ++a)
     for (std::size_t i = 0; i < c.surfaces[a].points_mm.size(); ++i)
       notes.deviation_mm[c.manifest.anatomies[a].name].push_back(i % 7 == 3 ? std::numeric_limits<float>::quiet_NaN()
                                                                             : 0.3f * std::sin(float(i)));
-  const Page page = read_page(make_case_page(c, notes));
+  const Page page = read_page(page::make_case_page(c, notes));
   ASSERT_EQ(page.surfaces.size(), 2u);
   for (std::size_t a = 0; a < 2; ++a) {
-    const TriMesh& mine = c.surfaces[a];
+    const surface::TriMesh& mine = c.surfaces[a];
     const auto& read = page.surfaces[a];
     const auto order = by_first_use(mine);
     ASSERT_EQ(read.mesh.points_mm.size(), order.size());
@@ -77,13 +77,13 @@ TEST(Page, SurfacesAreThoseOfTheCase) {
 }
 
 TEST(Page, SaysWhatTheCaseSays) {
-  const LoadedCase c = loaded(case_samples::minimal_case());
-  PageNotes notes;
+  const cases::LoadedCase c = loaded(case_samples::minimal_case());
+  page::PageNotes notes;
   notes.warnings = {"import: a warning, word for word"};
   notes.trade.rule = "seconds 10";
   notes.trade.chosen = "a";
   notes.trade.points = {{"a", 3, 0.2, 1000, ""}, {"b", 30, 0.1, 5000, "too thin"}};
-  const auto data = read_page(make_case_page(c, notes)).data;
+  const auto data = read_page(page::make_case_page(c, notes)).data;
   EXPECT_EQ(data["case"], "sample");
   EXPECT_EQ(data["anatomies"][1]["deviation_mm"]["p99"], 0.1);
   EXPECT_EQ(data["landmarks"][0]["position_mm"], (std::vector<double>{1, -110, 300}));
@@ -99,18 +99,18 @@ TEST(Page, SaysWhatTheCaseSays) {
 TEST(Page, IsTheSameWhateverTheThreads) {
   const auto c = case_samples::make_case({{"outer", 90, 30}, {"inner", 40, 20}}, 40);
   set_thread_count(1);
-  const std::string one = make_case_page(loaded(c), {});
+  const std::string one = page::make_case_page(loaded(c), {});
   set_thread_count(4);
-  EXPECT_EQ(make_case_page(loaded(c), {}), one);
+  EXPECT_EQ(page::make_case_page(loaded(c), {}), one);
   set_thread_count(0);
 }
 
 TEST(Page, HostileTextsStayText) {
-  const LoadedCase c = loaded(case_samples::minimal_case());
-  const std::string plain = make_case_page(c, {});
-  PageNotes hostile;
+  const cases::LoadedCase c = loaded(case_samples::minimal_case());
+  const std::string plain = page::make_case_page(c, {});
+  page::PageNotes hostile;
   hostile.warnings = {"</script><script>alert(1)</script><!-- @SCRIPT@ @BLOCKS@ <img src=http://x/ onerror=alert(1)>"};
-  const std::string page = make_case_page(c, hostile);
+  const std::string page = page::make_case_page(c, hostile);
   EXPECT_EQ(count_of(page, "<script"), count_of(plain, "<script"));
   EXPECT_EQ(count_of(page, "</script"), count_of(plain, "</script"));
   EXPECT_EQ(count_of(page, "<!--"), 0u);
@@ -119,35 +119,36 @@ TEST(Page, HostileTextsStayText) {
 }
 
 TEST(Page, TemplateIsFilledOnce) {
-  EXPECT_EQ(html_page("a@b @STYLE@ @DATA@ @lower@ @", "s", "", "\"@SCRIPT@<\"", {}),
+  EXPECT_EQ(page::html_page("a@b @STYLE@ @DATA@ @lower@ @", "s", "", "\"@SCRIPT@<\"", {}),
             "a@b s \"@SCRIPT@\\u003c\" @lower@ @");
-  EXPECT_THROW(html_page("@OTHER@", "", "", "", {}), Error);
-  EXPECT_THROW(html_page("@SCRIPT@", "", "'</ScRipt>'", "", {}), Error);
+  EXPECT_THROW(page::html_page("@OTHER@", "", "", "", {}), Error);
+  EXPECT_THROW(page::html_page("@SCRIPT@", "", "'</ScRipt>'", "", {}), Error);
   EXPECT_EQ(base64("abcd"), "YWJjZA==");
 }
 
 // A shape that is displayed from the haptic volume has a surface of its own in the page, and nothing is said twice.
 TEST(Page, FeltShapeIsContoured) {
   const auto c = case_samples::make_case({{"outer", 90, 10}, {"inner", 40, 10}}, 60);
-  const HapticVolume haptic = loaded(c).haptic;
-  const TriMesh whole = felt_surface_for_page(haptic, 2), coarse = felt_surface_for_page(haptic, 2, 2000);
-  EXPECT_NEAR(volume_mm3(whole) / volume_mm3(case_samples::ball(40, 60)), 1, 0.02);
-  EXPECT_NEAR(volume_mm3(coarse) / volume_mm3(whole), 1, 0.05);
+  const voxel::HapticVolume haptic = loaded(c).haptic;
+  const surface::TriMesh whole = page::felt_surface_for_page(haptic, 2),
+                         coarse = page::felt_surface_for_page(haptic, 2, 2000);
+  EXPECT_NEAR(surface::volume_mm3(whole) / surface::volume_mm3(case_samples::ball(40, 60)), 1, 0.02);
+  EXPECT_NEAR(surface::volume_mm3(coarse) / surface::volume_mm3(whole), 1, 0.05);
   EXPECT_NEAR(double(coarse.triangles.size()), 2000, 600);
-  EXPECT_TRUE(felt_surface_for_page(haptic, 9).triangles.empty()) << "no such shape";
+  EXPECT_TRUE(page::felt_surface_for_page(haptic, 9).triangles.empty()) << "no such shape";
 }
 
 TEST(Page, CtIsCompanded) {
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {300, 4, 3};
   lattice.spacing_mm = {0.5, 2, 3};
   lattice.origin_mm = {10, 20, 30};
   lattice.direction.column[0] = {-1, 0, 0};  // towards the right: the page runs towards the left
-  Grid<std::int16_t> grid(lattice);
+  grid::Grid<std::int16_t> grid(lattice);
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 300; ++i) grid.at(i, j, k) = std::int16_t(i - 150 + 10 * j);
-  const PackedVolume packed = pack_ct(HuVolume(grid));
+  const page::PackedVolume packed = page::pack_ct(grid::HuVolume(grid));
   EXPECT_EQ(packed.lattice.size, (std::array<int, 3>{256, 4, 3}));
   EXPECT_TRUE(packed.lattice.direction == Mat3());
   EXPECT_NEAR(packed.lattice.origin_mm.x, 10 - 299 * 0.5, 0.5);
@@ -163,19 +164,19 @@ TEST(Page, CtIsCompanded) {
 
 // A volume that lies oblique: what it measures is found where it lies.
 TEST(Page, ObliqueCtIsResampled) {
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {40, 50, 60};
   lattice.spacing_mm = {1.1, 1, 0.9};
   lattice.origin_mm = {-30, 12, 5};
   const double c = std::cos(0.3), s = std::sin(0.3);
   lattice.direction.column = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
-  Grid<float> grid(lattice);
+  grid::Grid<float> grid(lattice);
   const auto truth = [](Vec3 p) { return 1.5 * p.x - 0.7 * p.y + 0.4 * p.z; };
   for (int k = 0; k < 60; ++k)
     for (int j = 0; j < 50; ++j)
       for (int i = 0; i < 40; ++i)
         grid.at(i, j, k) = float(truth(lattice.to_world_mm({double(i), double(j), double(k)})));
-  const PackedVolume packed = pack_ct(HuVolume(grid));
+  const page::PackedVolume packed = page::pack_ct(grid::HuVolume(grid));
   int inside = 0;
   for (int k = 0; k < packed.lattice.size[2]; k += 3)
     for (int j = 0; j < packed.lattice.size[1]; j += 3)
@@ -201,24 +202,24 @@ TEST(Page, ObliqueCtIsResampled) {
 // A page that would be too large shows slices on larger voxels, and what it shows is still the CT.
 TEST(Page, SlicesAreCoarserWhereThePageWouldBeTooLarge) {
   auto c = case_samples::minimal_case();
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {200, 200, 120};
   lattice.spacing_mm = {1, 1, 1.5};
-  Grid<std::int16_t> grid(lattice);
+  grid::Grid<std::int16_t> grid(lattice);
   std::mt19937 random(5);
   for (int k = 0; k < 120; ++k)
     for (int j = 0; j < 200; ++j)
       for (int i = 0; i < 200; ++i) grid.at(i, j, k) = std::int16_t((i < 100 ? -60 : 60) + int(random() % 41) - 20);
-  const std::string bytes = encode_nrrd(HuVolume(grid), {}, NrrdEncoding::gzip);
-  c.manifest.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  const std::string bytes = grid::encode_nrrd(grid::HuVolume(grid), {}, grid::NrrdEncoding::gzip);
+  c.manifest.files.push_back(cases::describe_case_file("ct", ".nrrd", bytes));
   c.manifest.ct = {c.manifest.files.back().name, grid.size, grid.spacing_mm};
   c.files[c.manifest.ct.file] = bytes;
   c.seal();
-  const LoadedCase whole = load_case_through(c.reader(), LoadParts{true});
-  const Page fine = read_page(make_case_page(whole, {}, PageParams{100}));
+  const cases::LoadedCase whole = cases::load_case_through(c.reader(), cases::LoadParts{true});
+  const Page fine = read_page(page::make_case_page(whole, {}, page::PageParams{100}));
   EXPECT_EQ(fine.lattice("ct").size, lattice.size);
   ASSERT_GT(fine.html.size(), 2.2e6);
-  const Page small = read_page(make_case_page(whole, {}, PageParams{2}));
+  const Page small = read_page(page::make_case_page(whole, {}, page::PageParams{2}));
   EXPECT_LE(small.html.size(), 2e6);
   EXPECT_GT(small.html.size(), 1.4e6) << "no coarser than it must be";
   const auto ct = small.ct();
@@ -232,7 +233,7 @@ TEST(Page, SlicesAreCoarserWhereThePageWouldBeTooLarge) {
   }
 }
 
-std::vector<std::int16_t> gradient(const Lattice& lattice) {
+std::vector<std::int16_t> gradient(const grid::Lattice& lattice) {
   std::vector<std::int16_t> out(lattice.count());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::int16_t(i % 2000);
   return out;
@@ -241,20 +242,20 @@ std::vector<std::int16_t> gradient(const Lattice& lattice) {
 // The case's CT is in the page, and only loaded where it is asked for.
 TEST(Page, ShowsTheCaseOwnCt) {
   auto c = case_samples::minimal_case();
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {7, 6, 5};
   lattice.spacing_mm = {2, 3, 4};
-  Grid<std::int16_t> grid(lattice);
+  grid::Grid<std::int16_t> grid(lattice);
   grid.voxels = gradient(lattice);
-  const std::string bytes = encode_nrrd(HuVolume(grid), {}, NrrdEncoding::gzip);
-  c.manifest.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  const std::string bytes = grid::encode_nrrd(grid::HuVolume(grid), {}, grid::NrrdEncoding::gzip);
+  c.manifest.files.push_back(cases::describe_case_file("ct", ".nrrd", bytes));
   c.manifest.ct = {c.manifest.files.back().name, grid.size, grid.spacing_mm};
   c.files[c.manifest.ct.file] = bytes;
   c.seal();
   EXPECT_FALSE(loaded(c).has_ct()) << "not asked for";
-  const LoadedCase whole = load_case_through(c.reader(), LoadParts{true});
+  const cases::LoadedCase whole = cases::load_case_through(c.reader(), cases::LoadParts{true});
   EXPECT_TRUE(whole.ct == grid);
-  const Page page = read_page(make_case_page(whole, {}));
+  const Page page = read_page(page::make_case_page(whole, {}));
   EXPECT_EQ(page.data["ct"]["from"], "ct");
   const auto shown = page.ct();
   for (std::size_t i = 0; i < grid.voxels.size(); ++i)
@@ -262,7 +263,7 @@ TEST(Page, ShowsTheCaseOwnCt) {
 
   c.manifest.ct.size[0] = 8;
   c.seal();
-  EXPECT_THROW(load_case_through(c.reader(), LoadParts{true}), Error) << "the file contradicts case.json";
+  EXPECT_THROW(cases::load_case_through(c.reader(), cases::LoadParts{true}), Error) << "the file contradicts case.json";
   c.manifest.ct.size[0] = 7;
   c.seal();
   c.files[c.manifest.ct.file].back() ^= 1;
@@ -274,29 +275,31 @@ TEST(Page, NotesAreReadBack) {
   const fs::path& folder = scratch.path();
   const auto c = case_samples::minimal_case();
   c.write(folder);
-  PageNotes notes;
+  page::PageNotes notes;
   notes.warnings = {"one"};
   notes.trade = {{{"a", 3, 0.2, 1000, ""}}, "a", "rule", "why"};
   notes.deviation_mm["outer"].assign(c.manifest.anatomies[0].points, 0.25f);
-  const fs::path report = folder / "report", values = report / deviation_file_name(c.manifest, c.manifest.anatomies[0]);
+  const fs::path report = folder / "report",
+                 values = report / page::deviation_file_name(c.manifest, c.manifest.anatomies[0]);
   fs::create_directories(report);
-  write_file(report / page_notes_file, page_notes_json(notes));
-  write_file(values, encode_deviation(notes.deviation_mm["outer"]));
-  EXPECT_EQ(make_case_page(folder), make_case_page(loaded(c), notes)) << "`page` makes the page that `run` made";
+  write_file(report / page::page_notes_file, page::page_notes_json(notes));
+  write_file(values, page::encode_deviation(notes.deviation_mm["outer"]));
+  EXPECT_EQ(page::make_case_page(folder), page::make_case_page(loaded(c), notes))
+      << "`page` makes the page that `run` made";
 
-  std::string damaged = encode_deviation(notes.deviation_mm["outer"]);
+  std::string damaged = page::encode_deviation(notes.deviation_mm["outer"]);
   damaged.back() ^= 1;
   write_file(values, damaged);
   try {
-    make_case_page(folder);
+    page::make_case_page(folder);
     ADD_FAILURE() << "damaged deviations were taken";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     EXPECT_EQ(e.file(), values.string());
   }
   fs::remove(values);
-  write_file(report / page_notes_file, "{\"warnings\": 1}");
-  EXPECT_THROW(make_case_page(folder), Error);
+  write_file(report / page::page_notes_file, "{\"warnings\": 1}");
+  EXPECT_THROW(page::make_case_page(folder), Error);
 }
 
 }  // namespace

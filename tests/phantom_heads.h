@@ -28,8 +28,9 @@ inline phantom::ScanParams scan_of(int pixels, int slices, double noise_hu, doub
 }
 
 /// The landmarks by which a face is found, where they truly are.
-inline HeadLandmarks face_landmarks(const phantom::Head& head, double confidence = 1, const char* source = "truth") {
-  HeadLandmarks l;
+inline head::HeadLandmarks face_landmarks(const phantom::Head& head, double confidence = 1,
+                                          const char* source = "truth") {
+  head::HeadLandmarks l;
   for (const char* name : {"nasion", "tragus_left", "tragus_right"})
     l.landmarks.push_back({name, head.landmark(name), confidence, source});
   return l;

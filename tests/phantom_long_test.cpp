@@ -22,7 +22,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 // The full-size phantom is synthesized in about a minute on 2 cores.
 TEST(LongPhantom, FullSizeScanTakesAboutAMinute) {
   const auto start = std::chrono::steady_clock::now();
-  const Scan s = scan(Head(HeadParams{}), ScanParams{});
+  const phantom::Scan s = phantom::scan(phantom::Head(phantom::HeadParams{}), phantom::ScanParams{});
   const double seconds = seconds_since(start);
   std::printf("512 x 512 x 192: %.1f s\n", seconds);
   EXPECT_EQ(s.hu.size(), 512u * 512 * 192);
@@ -34,11 +34,12 @@ TEST(LongPhantom, WritesWhereAsked) {
   const char* out = std::getenv("TREPHINE_PHANTOM_OUT");
   if (!out) GTEST_SKIP() << "TREPHINE_PHANTOM_OUT is not set";
   const char* size = std::getenv("TREPHINE_PHANTOM_SIZE");
-  PhantomParams p;
-  if (size && std::string(size) == "small") p = sample_phantom();
+  phantom::PhantomParams p;
+  if (size && std::string(size) == "small") p = phantom::sample_phantom();
   const auto start = std::chrono::steady_clock::now();
-  const Report r = make_phantom(out, p);
+  const Report r = phantom::make_phantom(out, p);
   for (const auto& f : r.figures) std::printf("%s %s\n", f.first.c_str(), to_text(f.second).c_str());
   std::printf("%.1f s\n", seconds_since(start));
-  write_nrrd(std::filesystem::path(out) / "volume.nrrd", HuVolume(volume_of(scan(Head(p.head), p.scan))));
+  grid::write_nrrd(std::filesystem::path(out) / "volume.nrrd",
+                   grid::HuVolume(phantom::volume_of(phantom::scan(phantom::Head(p.head), p.scan))));
 }

@@ -16,8 +16,8 @@ using namespace trephine::phantom;
 namespace {
 
 /// A coarse scan that still sees the whole head.
-ScanParams coarse() {
-  ScanParams p;
+phantom::ScanParams coarse() {
+  phantom::ScanParams p;
   p.columns_count = p.rows_count = 96;
   p.field_of_view_mm = 240;
   p.slices_count = 12;
@@ -26,9 +26,9 @@ ScanParams coarse() {
   return p;
 }
 
-ScanParams marks_alone() {
-  ScanParams p;
-  p.contents = Contents::fiducials;
+phantom::ScanParams marks_alone() {
+  phantom::ScanParams p;
+  p.contents = phantom::Contents::fiducials;
   p.columns_count = p.rows_count = 200;
   p.field_of_view_mm = 200;
   p.slices_count = 100;
@@ -38,7 +38,8 @@ ScanParams marks_alone() {
 }
 
 /// Where the marks lie in the images, from the pixels and the slices' planes alone; the same order as `marks`.
-std::vector<Vec3> measured_centroids(const Scan& s, const std::vector<Fiducial>& marks, double reach_mm) {
+std::vector<Vec3> measured_centroids(const phantom::Scan& s, const std::vector<phantom::Fiducial>& marks,
+                                     double reach_mm) {
   std::vector<Vec3> sum(marks.size());
   std::vector<double> weight(marks.size(), 0.0);
   for (int k = 0; k < static_cast<int>(s.slices.size()); ++k)
@@ -54,9 +55,9 @@ std::vector<Vec3> measured_centroids(const Scan& s, const std::vector<Fiducial>&
   return sum;
 }
 
-void expect_marks_in_place(const ScanParams& p, double tolerance_mm) {
-  const std::vector<Fiducial> marks = fiducials_of(p);
-  const Scan s = scan(Head(HeadParams{}), p);
+void expect_marks_in_place(const phantom::ScanParams& p, double tolerance_mm) {
+  const std::vector<phantom::Fiducial> marks = phantom::fiducials_of(p);
+  const phantom::Scan s = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
   const std::vector<Vec3> found = measured_centroids(s, marks, 4.5 * p.fiducial_sigma_mm);
   for (std::size_t m = 0; m < marks.size(); ++m)
     EXPECT_LT(norm(found[m] - marks[m].centre_mm), tolerance_mm) << "mark " << m;
@@ -65,35 +66,35 @@ void expect_marks_in_place(const ScanParams& p, double tolerance_mm) {
 }  // namespace
 
 TEST(PhantomScan, MarksAreWhereTheTruthSaysHoweverThePatientIsScanned) {
-  const ScanParams plain = marks_alone();
+  const phantom::ScanParams plain = marks_alone();
   expect_marks_in_place(plain, 0.05);
   for (const double tilt : {13.5, -13.5, 25.0, -25.0}) {
-    ScanParams p = plain;
+    phantom::ScanParams p = plain;
     p.tilt_deg = tilt;
     expect_marks_in_place(p, 0.05);
   }
-  for (const Position position :
-       {Position::head_first_prone, Position::feet_first_supine, Position::feet_first_prone}) {
-    ScanParams p = plain;
+  for (const phantom::Position position : {phantom::Position::head_first_prone, phantom::Position::feet_first_supine,
+                                           phantom::Position::feet_first_prone}) {
+    phantom::ScanParams p = plain;
     p.position = position;
     expect_marks_in_place(p, 0.05);
   }
-  for (const Plane plane : {Plane::sagittal, Plane::coronal}) {
-    ScanParams p = plain;
+  for (const phantom::Plane plane : {phantom::Plane::sagittal, phantom::Plane::coronal}) {
+    phantom::ScanParams p = plain;
     p.plane = plane;
     expect_marks_in_place(p, 0.05);
   }
-  ScanParams oblique = plain;
+  phantom::ScanParams oblique = plain;
   oblique.rotation_deg = {20, -15, 10};
   expect_marks_in_place(oblique, 0.05);
-  ScanParams thick = plain;
+  phantom::ScanParams thick = plain;
   thick.slices_count = 40;
   thick.slice_step_mm = thick.slice_thickness_mm = 5;
   expect_marks_in_place(thick, 0.05);
 }
 
 TEST(PhantomScan, LeftMarkIsHighestAndHasNoTwinOnTheRight) {
-  const std::vector<Fiducial> marks = fiducials_of(marks_alone());
+  const std::vector<phantom::Fiducial> marks = phantom::fiducials_of(marks_alone());
   ASSERT_EQ(marks.size(), 12u);
   for (std::size_t i = 1; i < marks.size(); ++i) {
     EXPECT_GT(marks[0].height_hu, marks[i].height_hu);
@@ -107,57 +108,59 @@ TEST(PhantomScan, LeftMarkIsHighestAndHasNoTwinOnTheRight) {
 }
 
 TEST(PhantomScan, AxesOfEachPosition) {
-  ScanParams p;
-  const auto pose = [&](Position position) {
+  phantom::ScanParams p;
+  const auto pose = [&](phantom::Position position) {
     p.position = position;
-    return slice_poses(p);
+    return phantom::slice_poses(p);
   };
-  auto s = pose(Position::head_first_supine);
+  auto s = pose(phantom::Position::head_first_supine);
   EXPECT_EQ(s[0].row, (Vec3{1, 0, 0}));
   EXPECT_EQ(s[0].column, (Vec3{0, 1, 0}));
   EXPECT_GT(s[1].origin_mm.z, s[0].origin_mm.z);
-  s = pose(Position::feet_first_supine);  // the image's right is the patient's right, slices go to the feet
+  s = pose(phantom::Position::feet_first_supine);  // the image's right is the patient's right, slices go to the feet
   EXPECT_EQ(s[0].row, (Vec3{-1, 0, 0}));
   EXPECT_EQ(s[0].column, (Vec3{0, 1, 0}));
   EXPECT_LT(s[1].origin_mm.z, s[0].origin_mm.z);
-  s = pose(Position::head_first_prone);
+  s = pose(phantom::Position::head_first_prone);
   EXPECT_EQ(s[0].row, (Vec3{-1, 0, 0}));
   EXPECT_EQ(s[0].column, (Vec3{0, -1, 0}));
-  s = pose(Position::feet_first_prone);
+  s = pose(phantom::Position::feet_first_prone);
   EXPECT_EQ(s[0].row, (Vec3{1, 0, 0}));
   EXPECT_EQ(s[0].column, (Vec3{0, -1, 0}));
 }
 
 TEST(PhantomScan, TiltShearsAndUnevenStepsShow) {
-  ScanParams p;
+  phantom::ScanParams p;
   p.tilt_deg = 13.5;
-  auto s = slice_poses(p);
+  auto s = phantom::slice_poses(p);
   const Vec3 normal = cross(s[0].row, s[0].column), step = s[1].origin_mm - s[0].origin_mm;
   EXPECT_NEAR(norm(step), 1.0, 1e-12);
   EXPECT_NEAR(dot(step, normal), std::cos(13.5 * 3.141592653589793 / 180), 1e-12);
-  EXPECT_FALSE(has_lattice(p));
+  EXPECT_FALSE(phantom::has_lattice(p));
   p.tilt_deg = 0;
   p.upper_step_mm = 5;
-  s = slice_poses(p);
+  s = phantom::slice_poses(p);
   EXPECT_NEAR(norm(s[96].origin_mm - s[95].origin_mm), 5, 1e-12);
   EXPECT_NEAR(norm(s[95].origin_mm - s[94].origin_mm), 1, 1e-12);
-  Scan uneven;
+  phantom::Scan uneven;
   uneven.columns = uneven.rows = 8;
   uneven.slices = s;
-  EXPECT_THROW(lattice_of(uneven), Error);
+  EXPECT_THROW(phantom::lattice_of(uneven), Error);
 }
 
 // A voxel holds the average of the tissue in it: against dense point sampling, where edges are.
 TEST(PhantomScan, PartialVolumeIsTheAverageOverTheVoxel) {
-  const Head head{HeadParams{}};
-  ScanParams p = coarse();
+  const phantom::Head head{phantom::HeadParams{}};
+  phantom::ScanParams p = coarse();
   p.noise_hu = p.kernel_mm = 0;
   p.table = false;
-  const Scan s = scan(head, p);
+  const phantom::Scan s = phantom::scan(head, p);
   double sum = 0, square = 0;
   int count = 0;
   for (int n = 0; n < 60000 && count < 1500; ++n) {
-    const auto pick = [&](int stream, int size) { return static_cast<int>(0.5 * (1 + uniform(4, stream, n)) * size); };
+    const auto pick = [&](int stream, int size) {
+      return static_cast<int>(0.5 * (1 + phantom::uniform(4, stream, n)) * size);
+    };
     const int i = pick(0, s.columns), j = pick(1, s.rows), k = pick(2, p.slices_count);
     constexpr int m = 8;
     double mean = 0, low = 1e9, high = -1e9;
@@ -189,14 +192,14 @@ TEST(PhantomScan, PartialVolumeIsTheAverageOverTheVoxel) {
 }
 
 TEST(PhantomScan, NoiseHasItsSizeAndIsCorrelatedByTheKernel) {
-  ScanParams p = coarse();
+  phantom::ScanParams p = coarse();
   p.slices_count = 1;
   p.centre_mm = {0, 0, 300};  // air
   p.columns_count = p.rows_count = 256;
   p.table = false;
   p.noise_hu = 8;
   p.kernel_mm = 1.6;
-  const Scan s = scan(Head(HeadParams{}), p);
+  const phantom::Scan s = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
   double sum = 0, square = 0, neighbour = 0;
   const int n = static_cast<int>(s.hu.size());
   for (int i = 0; i < n; ++i) sum += s.hu[i];
@@ -213,30 +216,30 @@ TEST(PhantomScan, NoiseHasItsSizeAndIsCorrelatedByTheKernel) {
 }
 
 TEST(PhantomScan, SameBytesWhateverTheThreads) {
-  HeadParams h;
-  h.level = Level::clinical;
-  ScanParams p = coarse();
-  p.contents = Contents::head_with_fiducials;
+  phantom::HeadParams h;
+  h.level = phantom::Level::clinical;
+  phantom::ScanParams p = coarse();
+  p.contents = phantom::Contents::head_with_fiducials;
   p.slices_count = 6;
   p.slice_step_mm = 32;
   set_thread_count(1);
-  const Scan one = scan(Head(h), p);
+  const phantom::Scan one = phantom::scan(phantom::Head(h), p);
   set_thread_count(2);
-  const Scan two = scan(Head(h), p);
+  const phantom::Scan two = phantom::scan(phantom::Head(h), p);
   set_thread_count(0);
   EXPECT_EQ(one.hu, two.hu);
   h.seed = 2;
-  EXPECT_NE(scan(Head(h), p).hu, one.hu);
+  EXPECT_NE(phantom::scan(phantom::Head(h), p).hu, one.hu);
 }
 
 TEST(PhantomScan, HeadHolderLiesBelowTheHeadAndApartFromIt) {
-  ScanParams p = coarse();
+  phantom::ScanParams p = coarse();
   p.noise_hu = 0;
   p.centre_mm = {0, -10, 60};
   p.slices_count = 1;
-  const Scan with = scan(Head(HeadParams{}), p);
+  const phantom::Scan with = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
   p.table = false;
-  const Scan without = scan(Head(HeadParams{}), p);
+  const phantom::Scan without = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
   int holder = 0;
   for (std::size_t i = 0; i < with.hu.size(); ++i) {
     if (with.hu[i] == without.hu[i]) continue;
@@ -248,10 +251,10 @@ TEST(PhantomScan, HeadHolderLiesBelowTheHeadAndApartFromIt) {
 }
 
 TEST(PhantomScan, RoundFieldIsPadded) {
-  ScanParams p = coarse();
+  phantom::ScanParams p = coarse();
   p.round_field = true;
   p.slices_count = 1;
-  const Scan s = scan(Head(HeadParams{}), p);
-  EXPECT_EQ(s.hu[0], padding_hu);
-  EXPECT_NE(s.hu[s.hu.size() / 2 + s.columns / 2], padding_hu);
+  const phantom::Scan s = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
+  EXPECT_EQ(s.hu[0], phantom::padding_hu);
+  EXPECT_NE(s.hu[s.hu.size() / 2 + s.columns / 2], phantom::padding_hu);
 }

@@ -20,8 +20,8 @@ using namespace trephine::phantom;
 
 namespace {
 
-PhantomParams tiny() {
-  PhantomParams p;
+phantom::PhantomParams tiny() {
+  phantom::PhantomParams p;
   p.scan.columns_count = 64;
   p.scan.rows_count = 48;
   p.scan.pixel_mm = 4;
@@ -32,8 +32,8 @@ PhantomParams tiny() {
 }
 
 /// A body in voxels of 2 mm that neither noise nor a kernel changes.
-PhantomParams exact(BodyParams::Body body, int columns, int slices) {
-  PhantomParams p;
+phantom::PhantomParams exact(phantom::BodyParams::Body body, int columns, int slices) {
+  phantom::PhantomParams p;
   p.body.body = body;
   p.scan.columns_count = p.scan.rows_count = columns;
   p.scan.pixel_mm = 2;
@@ -65,22 +65,24 @@ std::map<std::string, std::string> hashes_of(const std::filesystem::path& folder
 // GDCM reads back geometry and HU as they were, in each encoding.
 TEST(PhantomSeries, GdcmReadsItBack) {
   struct Case {
-    Encoding encoding;
-    Pixels pixels;
+    phantom::Encoding encoding;
+    phantom::Pixels pixels;
     std::int64_t intercept;
   };
-  for (const Case& c :
-       {Case{Encoding::none, Pixels::signed_16, 0}, Case{Encoding::none, Pixels::unsigned_16, -2048},
-        Case{Encoding::rle, Pixels::signed_16, 100}, Case{Encoding::jpeg_ls, Pixels::unsigned_12, -1024},
-        Case{Encoding::jpeg_ls, Pixels::signed_16, 0}, Case{Encoding::jpeg_2000, Pixels::unsigned_16, -1024},
-        Case{Encoding::jpeg_2000, Pixels::signed_16, 0}}) {
+  for (const Case& c : {Case{phantom::Encoding::none, phantom::Pixels::signed_16, 0},
+                        Case{phantom::Encoding::none, phantom::Pixels::unsigned_16, -2048},
+                        Case{phantom::Encoding::rle, phantom::Pixels::signed_16, 100},
+                        Case{phantom::Encoding::jpeg_ls, phantom::Pixels::unsigned_12, -1024},
+                        Case{phantom::Encoding::jpeg_ls, phantom::Pixels::signed_16, 0},
+                        Case{phantom::Encoding::jpeg_2000, phantom::Pixels::unsigned_16, -1024},
+                        Case{phantom::Encoding::jpeg_2000, phantom::Pixels::signed_16, 0}}) {
     ScratchFolder folder;
-    PhantomParams p = tiny();
+    phantom::PhantomParams p = tiny();
     p.scan.tilt_deg = 13.5;
-    p.scan.position = Position::feet_first_prone;
+    p.scan.position = phantom::Position::feet_first_prone;
     p.series = {c.encoding, c.pixels, c.intercept};
-    const Scan s = scan(Head(p.head), p.scan);
-    const std::uint64_t bytes = write_series(folder.path(), s, p.scan, p.series, identity_of(p));
+    const phantom::Scan s = phantom::scan(phantom::Head(p.head), p.scan);
+    const std::uint64_t bytes = phantom::write_series(folder.path(), s, p.scan, p.series, phantom::identity_of(p));
     std::uint64_t on_disk = 0;
     for (int k = 0; k < 5; ++k) {
       const auto file = folder.path() / ("slice_000" + std::to_string(k + 1) + ".dcm");
@@ -89,7 +91,7 @@ TEST(PhantomSeries, GdcmReadsItBack) {
       reader.SetFileName(file.c_str());
       ASSERT_TRUE(reader.Read());
       const gdcm::Image& image = reader.GetImage();
-      const SlicePose& pose = s.slices[k];
+      const phantom::SlicePose& pose = s.slices[k];
       for (int a = 0; a < 3; ++a) {
         EXPECT_NEAR(image.GetOrigin(a), pose.origin_mm[a], 1e-8);
         EXPECT_NEAR(image.GetDirectionCosines()[a], pose.row[a], 1e-12);
@@ -104,7 +106,7 @@ TEST(PhantomSeries, GdcmReadsItBack) {
       ASSERT_EQ(image.GetBufferLength(), stored.size() * 2);
       ASSERT_TRUE(image.GetBuffer(reinterpret_cast<char*>(stored.data())));
       for (std::size_t i = 0; i < stored.size(); ++i) {
-        const long value = c.pixels == Pixels::signed_16 ? stored[i] : static_cast<std::uint16_t>(stored[i]);
+        const long value = c.pixels == phantom::Pixels::signed_16 ? stored[i] : static_cast<std::uint16_t>(stored[i]);
         ASSERT_EQ(value + c.intercept, s.hu[k * stored.size() + i]) << "pixel " << i;
       }
       const gdcm::DataSet& set = reader.GetFile().GetDataSet();
@@ -122,10 +124,10 @@ TEST(PhantomSeries, GdcmReadsItBack) {
 
 TEST(PhantomSeries, PaddingIsNamedByItsTag) {
   ScratchFolder folder;
-  PhantomParams p = tiny();
+  phantom::PhantomParams p = tiny();
   p.scan.round_field = true;
-  p.series = {Encoding::none, Pixels::signed_16, 0};
-  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  p.series = {phantom::Encoding::none, phantom::Pixels::signed_16, 0};
+  phantom::write_series(folder.path(), phantom::scan(phantom::Head(p.head), p.scan), p.scan, p.series, "x");
   gdcm::ImageReader reader;
   reader.SetFileName((folder.path() / "slice_0001.dcm").c_str());
   ASSERT_TRUE(reader.Read());
@@ -138,10 +140,10 @@ TEST(PhantomSeries, PaddingIsNamedByItsTag) {
 
 TEST(PhantomSeries, ValuesThatDoNotFitAreRefused) {
   ScratchFolder folder;
-  PhantomParams p = tiny();
-  p.series = {Encoding::none, Pixels::unsigned_12, 0};
+  phantom::PhantomParams p = tiny();
+  p.series = {phantom::Encoding::none, phantom::Pixels::unsigned_12, 0};
   try {
-    write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+    phantom::write_series(folder.path(), phantom::scan(phantom::Head(p.head), p.scan), p.scan, p.series, "x");
     FAIL() << "-1000 HU in an unsigned pixel with intercept 0";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::usage);
@@ -150,10 +152,10 @@ TEST(PhantomSeries, ValuesThatDoNotFitAreRefused) {
 
 TEST(PhantomSeries, ShorterSeriesLeavesNoSliceOfALongerOne) {
   ScratchFolder folder;
-  PhantomParams p = tiny();
-  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  phantom::PhantomParams p = tiny();
+  phantom::write_series(folder.path(), phantom::scan(phantom::Head(p.head), p.scan), p.scan, p.series, "x");
   p.scan.slices_count = 3;
-  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  phantom::write_series(folder.path(), phantom::scan(phantom::Head(p.head), p.scan), p.scan, p.series, "x");
   EXPECT_EQ(hashes_of(folder.path()).size(), 3u);
 }
 
@@ -161,14 +163,14 @@ TEST(PhantomSeries, ShorterSeriesLeavesNoSliceOfALongerOne) {
 // read back.
 TEST(PhantomTruth, SameFilesWhateverTheThreadsAndReadBack) {
   ScratchFolder a, b;
-  PhantomParams p = tiny();
-  p.head.variant = Variant::hydrocephalic;
+  phantom::PhantomParams p = tiny();
+  p.head.variant = phantom::Variant::hydrocephalic;
   p.head.seed = 11;
-  p.scan.contents = Contents::head_with_fiducials;
+  p.scan.contents = phantom::Contents::head_with_fiducials;
   set_thread_count(1);
-  const Report report = make_phantom(a.path() / "one", p);
+  const Report report = phantom::make_phantom(a.path() / "one", p);
   set_thread_count(2);
-  make_phantom(b.path() / "elsewhere", p);
+  phantom::make_phantom(b.path() / "elsewhere", p);
   set_thread_count(0);
   const auto files = hashes_of(a.path() / "one");
   EXPECT_EQ(files, hashes_of(b.path() / "elsewhere"));
@@ -177,17 +179,17 @@ TEST(PhantomTruth, SameFilesWhateverTheThreadsAndReadBack) {
     EXPECT_EQ(files.count(name), 1u) << name;
   ASSERT_NE(report.find("brain_volume_ml"), nullptr);
 
-  const Truth truth = read_truth(a.path() / "one/truth/truth.json");
-  const Head head(p.head);
-  EXPECT_EQ(truth.head.params().variant, Variant::hydrocephalic);
+  const phantom::Truth truth = phantom::read_truth(a.path() / "one/truth/truth.json");
+  const phantom::Head head(p.head);
+  EXPECT_EQ(truth.head.params().variant, phantom::Variant::hydrocephalic);
   EXPECT_EQ(truth.head.params().seed, 11);
   EXPECT_EQ(truth.head.landmark("kocher_left"), head.landmark("kocher_left"));
   EXPECT_EQ(truth.fiducials.size(), 12u);
-  for (const Anatomy anatomy : all_anatomies)
+  for (const phantom::Anatomy anatomy : phantom::all_anatomies)
     EXPECT_EQ(truth.head.implicit_mm(anatomy, {10, 20, 30}), head.implicit_mm(anatomy, {10, 20, 30}));
 
   // Labels were made block by block: they are the head's own at every voxel.
-  const Mask labels = read_mask_nrrd(a.path() / "one/truth/labels.nrrd");
+  const grid::Mask labels = grid::read_mask_nrrd(a.path() / "one/truth/labels.nrrd");
   std::array<int, 6> counts{};
   for (int k = 0; k < labels.size[2]; ++k)
     for (int j = 0; j < labels.size[1]; ++j)
@@ -203,7 +205,7 @@ TEST(PhantomTruth, WhatIsNoTruthIsRefused) {
   ScratchFolder folder;
   const auto code_of = [](const std::filesystem::path& file) {
     try {
-      read_truth(file);
+      phantom::read_truth(file);
     } catch (const Error& e) {
       return e.code();
     }
@@ -219,17 +221,18 @@ TEST(PhantomTruth, WhatIsNoTruthIsRefused) {
 
 // sample_dicom/ is what its preset makes, to the byte.
 TEST(PhantomSeries, AParameterThatCameLaterNamesASeriesOnlyWhereItIsSet) {
-  PhantomParams p = tiny(), other = tiny();
-  p.scan.subvoxel_mm = ScanParams().subvoxel_mm;
+  phantom::PhantomParams p = tiny(), other = tiny();
+  p.scan.subvoxel_mm = phantom::ScanParams().subvoxel_mm;
   other.scan.subvoxel_mm = 1.5;
-  EXPECT_EQ(identity_of(p).find("subvoxel_mm"), std::string::npos);
-  EXPECT_NE(identity_of(other).find("subvoxel_mm=1.5\n"), std::string::npos);
+  EXPECT_EQ(phantom::identity_of(p).find("subvoxel_mm"), std::string::npos);
+  EXPECT_NE(phantom::identity_of(other).find("subvoxel_mm=1.5\n"), std::string::npos);
 }
 
 TEST(PhantomSample, RegeneratesTheCommittedSeries) {
   ScratchFolder folder;
-  const PhantomParams p = sample_phantom();
-  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, identity_of(p));
+  const phantom::PhantomParams p = phantom::sample_phantom();
+  phantom::write_series(folder.path(), phantom::scan(phantom::Head(p.head), p.scan), p.scan, p.series,
+                        phantom::identity_of(p));
   const std::filesystem::path committed = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
   std::uint64_t total = 0;
   for (const auto& e : std::filesystem::directory_iterator(committed)) total += e.file_size();
@@ -239,11 +242,11 @@ TEST(PhantomSample, RegeneratesTheCommittedSeries) {
 
 // A spine: the same bytes whatever the thread count, HU of its tissues where they are, and the truth of what it shows.
 TEST(PhantomSpine, IsScannedWithItsTruth) {
-  const PhantomParams p = exact(BodyParams::Body::spine, 120, 40);
+  const phantom::PhantomParams p = exact(phantom::BodyParams::Body::spine, 120, 40);
   const ScratchFolder one, other;
-  const Report report = make_phantom(one.path(), p);
+  const Report report = phantom::make_phantom(one.path(), p);
   set_thread_count(1);
-  make_phantom(other.path(), p);
+  phantom::make_phantom(other.path(), p);
   set_thread_count(0);
   EXPECT_EQ(hashes_of(one.path()), hashes_of(other.path()));
   // 80 mm hold the one vertebra of 34 mm that is whole, and parts of its neighbours.
@@ -252,9 +255,9 @@ TEST(PhantomSpine, IsScannedWithItsTruth) {
   const std::string text(truth.begin(), truth.end());
   EXPECT_NE(text.find("pedicle_1_left"), std::string::npos);
   EXPECT_EQ(text.find("pedicle_2_left"), std::string::npos);
-  const Scan scanned = scan(p.body.spine, p.scan, 1);
-  const Grid<std::int16_t> ct = volume_of(scanned);
-  const Mask labels = read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
+  const phantom::Scan scanned = phantom::scan(p.body.spine, p.scan, 1);
+  const grid::Grid<std::int16_t> ct = phantom::volume_of(scanned);
+  const grid::Mask labels = grid::read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
   ASSERT_EQ(labels.count(), ct.count());
   double sum[4] = {0, 0, 0, 0}, count[4] = {0, 0, 0, 0};
   for (std::size_t n = 0; n < ct.count(); ++n) {
@@ -269,8 +272,8 @@ TEST(PhantomSpine, IsScannedWithItsTruth) {
 
 // The truth names the vertebrae that the slices show whole where the spine is, not where their corners are.
 TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
-  PhantomParams p;
-  p.body.body = BodyParams::Body::spine;
+  phantom::PhantomParams p;
+  p.body.body = phantom::BodyParams::Body::spine;
   p.scan.columns_count = p.scan.rows_count = 60;
   p.scan.pixel_mm = 4;
   p.scan.slices_count = 60;
@@ -278,10 +281,10 @@ TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
   p.scan.noise_hu = 0;
   p.scan.tilt_deg = 20;
   const ScratchFolder folder;
-  make_phantom(folder.path(), p);
+  phantom::make_phantom(folder.path(), p);
   const std::vector<char> bytes = read_file(folder.path() / "truth" / "truth.json", 1 << 20);
   const auto truth = nlohmann::json::parse(bytes.begin(), bytes.end());
-  const std::vector<SlicePose> slices = slice_poses(p.scan);
+  const std::vector<phantom::SlicePose> slices = phantom::slice_poses(p.scan);
   ASSERT_FALSE(truth.at("pedicles").empty());
   for (const auto& pedicle : truth.at("pedicles")) {
     const auto& m = pedicle.at("middle_mm");
@@ -289,7 +292,7 @@ TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
     const Vec3 normal = cross(slices[0].row, slices[0].column);
     const double half = 0.4 * p.body.spine.pitch_mm;
     double low = 1e9, high = -1e9;
-    for (const SlicePose& s : slices) {
+    for (const phantom::SlicePose& s : slices) {
       low = std::min(low, dot(normal, s.origin_mm - middle) / normal.z);
       high = std::max(high, dot(normal, s.origin_mm - middle) / normal.z);
     }
@@ -301,15 +304,15 @@ TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
 // A chest: the same bytes whatever the thread count; each tissue has its HU where the labels have it; vessels and lung
 // lie where truth.json and anatomy say; a turn turns all of it.
 TEST(PhantomChest, IsScannedWithItsTruth) {
-  const PhantomParams p = exact(BodyParams::Body::chest, 165, 56);
+  const phantom::PhantomParams p = exact(phantom::BodyParams::Body::chest, 165, 56);
   const ScratchFolder one, other;
-  make_phantom(one.path(), p);
+  phantom::make_phantom(one.path(), p);
   set_thread_count(1);
-  make_phantom(other.path(), p);
+  phantom::make_phantom(other.path(), p);
   set_thread_count(0);
   EXPECT_EQ(hashes_of(one.path()), hashes_of(other.path()));
-  const Grid<std::int16_t> ct = volume_of(scan(p.body.chest, p.scan, 1));
-  const Mask labels = read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
+  const grid::Grid<std::int16_t> ct = phantom::volume_of(phantom::scan(p.body.chest, p.scan, 1));
+  const grid::Mask labels = grid::read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
   ASSERT_EQ(labels.count(), ct.count());
   double sum[7] = {}, count[7] = {};
   for (std::size_t n = 0; n < ct.count(); ++n) {
@@ -323,7 +326,7 @@ TEST(PhantomChest, IsScannedWithItsTruth) {
     EXPECT_NEAR(sum[n] / count[n], expected[n], within[n]) << n;
   }
   // The needle's way: below the clavicle the vein, behind it the artery, below both the lung; all of it symmetric.
-  const Chest chest;
+  const phantom::Chest chest;
   const Vec3 notch = chest.notch_mm();
   EXPECT_NEAR(notch.x, 0, 1e-9);
   for (const bool left : {false, true}) {
@@ -343,9 +346,9 @@ TEST(PhantomChest, IsScannedWithItsTruth) {
       EXPECT_GT(chest.skin(q), 10);
     }
   }
-  ChestParams askew;
+  phantom::ChestParams askew;
   askew.chest_turned_deg = 8;
-  const Chest turned(askew);
+  const phantom::Chest turned(askew);
   const double a = 8 * M_PI / 180, x = notch.x * std::cos(a) - notch.y * std::sin(a);
   EXPECT_NEAR(turned.notch_mm().x, x, 1e-9);
   EXPECT_NEAR(turned.vein(turned.vein_line(true)[20]), 5, 0.01);
@@ -353,30 +356,30 @@ TEST(PhantomChest, IsScannedWithItsTruth) {
 
 TEST(PhantomSpine, WhatIsOfHeadsIsRefused) {
   const ScratchFolder folder;
-  const auto refused = [&](const PhantomParams& p, const char* field) {
+  const auto refused = [&](const phantom::PhantomParams& p, const char* field) {
     try {
-      make_phantom(folder.path(), p);
+      phantom::make_phantom(folder.path(), p);
       ADD_FAILURE() << field;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::usage);
       EXPECT_EQ(e.field(), field);
     }
   };
-  PhantomParams spine = tiny();
-  spine.body.body = BodyParams::Body::spine;
-  PhantomParams p = spine;
-  p.head.variant = Variant::small;
+  phantom::PhantomParams spine = tiny();
+  spine.body.body = phantom::BodyParams::Body::spine;
+  phantom::PhantomParams p = spine;
+  p.head.variant = phantom::Variant::small;
   refused(p, "variant");
   p = spine;
   p.head.hard.couch = true;
   refused(p, "couch");
   p = spine;
-  p.scan.contents = Contents::fiducials;
+  p.scan.contents = phantom::Contents::fiducials;
   refused(p, "contents");
   p = tiny();
   p.body.spine.turned_deg = 5;
   refused(p, "turned_deg");
-  p.body.body = BodyParams::Body::chest;
+  p.body.body = phantom::BodyParams::Body::chest;
   refused(p, "turned_deg");
   p = spine;
   p.body.chest.vein_contrast_hu = 0;

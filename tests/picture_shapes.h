@@ -10,8 +10,8 @@ namespace trephine::picture_test {
 
 constexpr double pi = 3.14159265358979323846;
 
-inline TriMesh sphere(double radius, Vec3 center, int rings = 64) {
-  TriMesh m;
+inline surface::TriMesh sphere(double radius, Vec3 center, int rings = 64) {
+  surface::TriMesh m;
   m.origin_mm = center;
   const int sectors = 2 * rings;
   m.points_mm.push_back({0, 0, radius});

@@ -15,14 +15,14 @@ namespace {
 
 using namespace picture_test;
 
-Grid<std::int16_t> block_volume(const Mat3& direction) {
-  Lattice l;
+grid::Grid<std::int16_t> block_volume(const Mat3& direction) {
+  grid::Lattice l;
   l.size = {60, 70, 50};
   l.spacing_mm = {1.5, 1.25, 2};
   l.direction = direction;
   // The same box of the world, whatever the direction of the axes.
   l.origin_mm = Vec3{5, -7, 12} - direction * Vec3{59 * 0.75, 69 * 0.625, 49.0};
-  Grid<std::int16_t> g(l, -1000);
+  grid::Grid<std::int16_t> g(l, -1000);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -41,7 +41,7 @@ struct Centroid {
   double x = 0, y = 0, count = 0;
 };
 
-Centroid bright(const Image& i) {
+Centroid bright(const picture::Image& i) {
   Centroid c;
   for (int y = 0; y < i.height; ++y)
     for (int x = 0; x < i.width; ++x)
@@ -58,41 +58,41 @@ TEST(Slice, RadiologicalConvention) {
   Mat3 left_handed;
   left_handed.column[1] = {0, -1, 0};
   for (const Mat3& direction : {Mat3(), mirrored, left_handed}) {
-    const HuVolume v = block_volume(direction);
-    SliceParams p;
+    const grid::HuVolume v = block_volume(direction);
+    picture::SliceParams p;
     p.marks = false;
-    p.plane = SlicePlane::axial;
+    p.plane = picture::SlicePlane::axial;
     p.position_mm = 12;
     // Left block right of the middle, nose above it.
-    Centroid c = bright(slice_overlay(v, p, {}));
+    Centroid c = bright(picture::slice_overlay(v, p, {}));
     EXPECT_GT(c.x, 0.6);
     EXPECT_LT(c.y, 0.45);
-    p.plane = SlicePlane::coronal;
+    p.plane = picture::SlicePlane::coronal;
     p.position_mm = -7;
-    c = bright(slice_overlay(v, p, {}));
+    c = bright(picture::slice_overlay(v, p, {}));
     EXPECT_GT(c.x, 0.6);
     EXPECT_LT(c.y, 0.45);
-    p.plane = SlicePlane::sagittal;
+    p.plane = picture::SlicePlane::sagittal;
     p.position_mm = 5;
-    c = bright(slice_overlay(v, p, {}));
+    c = bright(picture::slice_overlay(v, p, {}));
     EXPECT_LT(c.x, 0.4);
     EXPECT_LT(c.y, 0.45);
   }
 }
 
 TEST(Slice, TheCutOfASphereIsACircle) {
-  const HuVolume v = Grid<std::int16_t>(block_volume(Mat3()), -1000);
-  const TriMesh s = sphere(30, {5, -7, 12}, 200);
-  SliceParams p;
+  const grid::HuVolume v = grid::Grid<std::int16_t>(block_volume(Mat3()), -1000);
+  const surface::TriMesh s = sphere(30, {5, -7, 12}, 200);
+  picture::SliceParams p;
   p.marks = false;
   p.fill_opacity = 0;
   const int normal[] = {2, 1, 0};
   const Vec3 center{5, -7, 12};
   for (int n = 0; n < 3; ++n) {
-    p.plane = static_cast<SlicePlane>(n);
+    p.plane = static_cast<picture::SlicePlane>(n);
     p.position_mm = center[normal[n]] + 18;  // radius 24
-    const SliceGeometry g = slice_geometry(lattice_of(v), p);
-    const Image i = slice_overlay(v, p, {{&s, {1, 0, 0}, "sphere"}});
+    const picture::SliceGeometry g = picture::slice_geometry(grid::lattice_of(v), p);
+    const picture::Image i = picture::slice_overlay(v, p, {{&s, {1, 0, 0}, "sphere"}});
     Vec3 c = center;
     c[normal[n]] = p.position_mm;
     double sum = 0, weight = 0;
@@ -112,56 +112,57 @@ TEST(Slice, TheCutOfASphereIsACircle) {
 }
 
 TEST(Slice, FillCoversTheCrossSection) {
-  const HuVolume v = Grid<std::int16_t>(block_volume(Mat3()), -1000);
-  const TriMesh s = sphere(30, {5, -7, 12}, 200);
-  SliceParams p;
+  const grid::HuVolume v = grid::Grid<std::int16_t>(block_volume(Mat3()), -1000);
+  const surface::TriMesh s = sphere(30, {5, -7, 12}, 200);
+  picture::SliceParams p;
   p.marks = false;
   p.line_width_px = 0.01;
   p.fill_opacity = 1;
   p.position_mm = 12;
-  const SliceGeometry g = slice_geometry(lattice_of(v), p);
-  const Image i = slice_overlay(v, p, {{&s, {1, 1, 1}, ""}});
+  const picture::SliceGeometry g = picture::slice_geometry(grid::lattice_of(v), p);
+  const picture::Image i = picture::slice_overlay(v, p, {{&s, {1, 1, 1}, ""}});
   double area = 0;
   for (std::size_t n = 0; n < i.rgb.size(); n += 3) area += i.rgb[n] / 255.0;
   EXPECT_NEAR(area * g.mm_per_px * g.mm_per_px / (pi * 900), 1, 0.005);
 }
 
 TEST(Slice, MarksOfALowPictureStandBelowIt) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {200, 30, 20};
-  const HuVolume v = Grid<std::int16_t>(l, 40);
-  const TriMesh s = sphere(3, {100, 15, 10}, 50);
-  SliceParams p;
-  p.plane = SlicePlane::coronal;
+  const grid::HuVolume v = grid::Grid<std::int16_t>(l, 40);
+  const surface::TriMesh s = sphere(3, {100, 15, 10}, 50);
+  picture::SliceParams p;
+  p.plane = picture::SlicePlane::coronal;
   p.position_mm = 15;
-  const SliceGeometry g = slice_geometry(lattice_of(v), p);
-  const std::vector<OverlayShape> named{{&s, {1, 0, 0}, "skin"}, {&s, {0, 1, 0}, "bone"}, {&s, {0, 0, 1}, "vein"}};
-  const Image low = slice_overlay(v, p, named);
+  const picture::SliceGeometry g = picture::slice_geometry(grid::lattice_of(v), p);
+  const std::vector<picture::OverlayShape> named{
+      {&s, {1, 0, 0}, "skin"}, {&s, {0, 1, 0}, "bone"}, {&s, {0, 0, 1}, "vein"}};
+  const picture::Image low = picture::slice_overlay(v, p, named);
   EXPECT_EQ(low.width, g.width);
   EXPECT_GT(low.height, g.height + 60);
   // Between the letters at its edges the picture shows nothing but the volume and the shapes.
-  SliceParams plain = p;
+  picture::SliceParams plain = p;
   plain.marks = false;
-  const Image bare = slice_overlay(v, plain, named);
+  const picture::Image bare = picture::slice_overlay(v, plain, named);
   ASSERT_EQ(bare.height, g.height);
   for (int y = 0; y < g.height; ++y)
     for (int x = 40; x < g.width / 2 - 30; ++x)
       ASSERT_TRUE(std::equal(low.at(x, y), low.at(x, y) + 3, bare.at(x, y))) << x << " " << y;
-  p.plane = SlicePlane::axial;
+  p.plane = picture::SlicePlane::axial;
   p.position_mm = 10;
   l.size = {200, 150, 20};
-  const HuVolume high = Grid<std::int16_t>(l, 40);
-  EXPECT_EQ(slice_overlay(high, p, named).height, slice_geometry(l, p).height);
+  const grid::HuVolume high = grid::Grid<std::int16_t>(l, 40);
+  EXPECT_EQ(picture::slice_overlay(high, p, named).height, picture::slice_geometry(l, p).height);
 }
 
 TEST(Slice, ANoteStandsAboveThePositionAndNowhereElse) {
-  SliceParams p;
-  p.plane = SlicePlane::coronal;
+  picture::SliceParams p;
+  p.plane = picture::SlicePlane::coronal;
   p.position_mm = -7;
-  const HuVolume volume = block_volume(Mat3());
-  const Image without = slice_overlay(volume, p, {});
+  const grid::HuVolume volume = block_volume(Mat3());
+  const picture::Image without = picture::slice_overlay(volume, p, {});
   p.note = "through the middle of a ball";
-  const Image with = slice_overlay(volume, p, {});
+  const picture::Image with = picture::slice_overlay(volume, p, {});
   ASSERT_EQ(with.height, without.height);
   int first = with.height, last = -1;
   for (int y = 0; y < with.height; ++y)
@@ -174,37 +175,37 @@ TEST(Slice, ANoteStandsAboveThePositionAndNowhereElse) {
 }
 
 TEST(Slice, WindowAndOutside) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {11, 11, 11};
-  Grid<float> g(l);
+  grid::Grid<float> g(l);
   for (int k = 0; k < 11; ++k)
     for (int j = 0; j < 11; ++j)
       for (int i = 0; i < 11; ++i) g.at(i, j, k) = float(i) * 20;  // 0 to 200 HU along x
-  SliceParams p;
+  picture::SliceParams p;
   p.marks = false;
   p.position_mm = 5;
   p.window_center_hu = 100;
   p.window_width_hu = 200;
   p.longer_side_px = 110;
-  const HuVolume v = g;
-  const Image i = slice_overlay(v, p, {});
+  const grid::HuVolume v = g;
+  const picture::Image i = picture::slice_overlay(v, p, {});
   ASSERT_EQ(i.width, 110);
   // Pixel x's centre lies at (x + 0.5) / 10 - 0.5 voxels.
   for (int x = 5; x < 105; ++x) EXPECT_NEAR(i.at(x, 55)[0], ((x + 0.5) / 10 - 0.5) / 10 * 255, 1);
   p.position_mm = 20;
-  EXPECT_THROW(slice_overlay(v, p, {}), Error);
-  EXPECT_EQ(slice_range_mm(l, SlicePlane::axial), (std::array<double, 2>{-0.5, 10.5}));
+  EXPECT_THROW(picture::slice_overlay(v, p, {}), Error);
+  EXPECT_EQ(picture::slice_range_mm(l, picture::SlicePlane::axial), (std::array<double, 2>{-0.5, 10.5}));
 }
 
 TEST(Slice, SameBytesWhateverTheThreads) {
-  const HuVolume v = block_volume(Mat3());
-  const TriMesh s = sphere(30, {5, -7, 12});
-  SliceParams p;
+  const grid::HuVolume v = block_volume(Mat3());
+  const surface::TriMesh s = sphere(30, {5, -7, 12});
+  picture::SliceParams p;
   p.position_mm = 20;
   set_thread_count(1);
-  const std::string one = encode_png(slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}}));
+  const std::string one = picture::encode_png(picture::slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}}));
   set_thread_count(2);
-  EXPECT_EQ(encode_png(slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}})), one);
+  EXPECT_EQ(picture::encode_png(picture::slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}})), one);
 }
 
 }  // namespace

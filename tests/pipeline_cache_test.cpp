@@ -20,12 +20,12 @@ struct Cache {
     for (const char digit : {'a', 'b', 'c', 'd'}) {
       const std::string key(64, digit);
       keys.push_back(key);
-      TriMesh mesh;
+      surface::TriMesh mesh;
       mesh.points_mm = {{double(digit), 0, 0}, {1, 0, 0}, {0, 1, 0}};
       mesh.triangles = {{0, 1, 2}};
       Report report;
       report.add("letter", std::string(1, digit));
-      cache.store(key, DataKind::mesh, std::make_shared<const TriMesh>(mesh), report, 3);
+      cache.store(key, stages::DataKind::mesh, std::make_shared<const surface::TriMesh>(mesh), report, 3);
     }
     for (const auto& e : fs::directory_iterator(path)) content[e.path().filename()] = read(e.path());
   }
@@ -41,14 +41,14 @@ struct Cache {
     const auto report = cache.load_outcome(key).report;
     if (!report) return false;
     EXPECT_EQ(std::get<std::string>(*report->find("letter")), key.substr(0, 1));
-    const auto data = cache.load_data(key, DataKind::mesh);
+    const auto data = cache.load_data(key, stages::DataKind::mesh);
     if (!data) return false;
-    EXPECT_EQ(std::get<std::shared_ptr<const TriMesh>>(*data)->points_mm[0].x, double(key[0]));
+    EXPECT_EQ(std::get<std::shared_ptr<const surface::TriMesh>>(*data)->points_mm[0].x, double(key[0]));
     return true;
   }
   ScratchFolder folder;
   fs::path path = folder.path() / "cache";
-  StageCache cache{path};
+  pipeline::StageCache cache{path};
   std::vector<std::string> keys;
   std::map<std::string, std::string> content;
 };
@@ -93,7 +93,7 @@ TEST(StageCache, AFolderThatOthersMayWriteIsRefusedWithWhatMendsIt) {
   Cache c;
   const auto said = [&] {
     try {
-      const StageCache again(c.path);
+      const pipeline::StageCache again(c.path);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::cannot_create);
       return std::string(e.what());

@@ -47,14 +47,14 @@ struct Files {
   }
 };
 
-const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
+const std::string beginning = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
 
 // The lines that the user would see, without the scratch folder's name.
-std::vector<std::string> faults(const Files& files, const ConfigOverrides& overrides = {},
+std::vector<std::string> faults(const Files& files, const config::ConfigOverrides& overrides = {},
                                 ExitCode code = ExitCode::bad_config) {
   std::vector<std::string> lines;
   try {
-    read_case_config(files.config, overrides);
+    config::read_case_config(files.config, overrides);
   } catch (const ErrorList& e) {
     for (const Error& one : e.all()) {
       EXPECT_EQ(one.code(), code);
@@ -68,26 +68,27 @@ std::vector<std::string> faults(const Files& files, const ConfigOverrides& overr
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-const DecimateParams& decimation(const CaseConfig& c) {
-  return c.find_anatomy("skull")->find_step("decimate")->params.as<DecimateParams>();
+const meshing::DecimateParams& decimation(const config::CaseConfig& c) {
+  return c.find_anatomy("skull")->find_step("decimate")->params.as<meshing::DecimateParams>();
 }
 
 }  // namespace
 
 TEST(Config, WhatWins) {
-  const Files plain(head);
-  EXPECT_EQ(decimation(read_case_config(plain.config)).max_deviation_mm, 0.25);
-  EXPECT_EQ(decimation(read_case_config(plain.config)).target_triangles_count, 80000);
-  const Files set(head + "set: {skull.decimate.max_deviation_mm: 0.5, skull.decimate.target_triangles_count: 5000}\n");
-  EXPECT_EQ(decimation(read_case_config(set.config)).max_deviation_mm, 0.5);
-  EXPECT_EQ(decimation(read_case_config(set.config)).target_triangles_count, 5000);
+  const Files plain(beginning);
+  EXPECT_EQ(decimation(config::read_case_config(plain.config)).max_deviation_mm, 0.25);
+  EXPECT_EQ(decimation(config::read_case_config(plain.config)).target_triangles_count, 80000);
+  const Files set(beginning +
+                  "set: {skull.decimate.max_deviation_mm: 0.5, skull.decimate.target_triangles_count: 5000}\n");
+  EXPECT_EQ(decimation(config::read_case_config(set.config)).max_deviation_mm, 0.5);
+  EXPECT_EQ(decimation(config::read_case_config(set.config)).target_triangles_count, 5000);
   // For a machine that shows half of it.
-  const Files half(head + "set: {scene.triangles_ratio: 0.5}\n");
-  EXPECT_EQ(decimation(read_case_config(half.config)).target_triangles_count, 40000);
-  EXPECT_EQ(read_case_config(half.config).scene.at(0).max_triangles, 40000);
-  ConfigOverrides overrides;
+  const Files half(beginning + "set: {scene.triangles_ratio: 0.5}\n");
+  EXPECT_EQ(decimation(config::read_case_config(half.config)).target_triangles_count, 40000);
+  EXPECT_EQ(config::read_case_config(half.config).scene.at(0).max_triangles, 40000);
+  config::ConfigOverrides overrides;
   overrides.set = {"skull.decimate.max_deviation_mm=0.125"};
-  EXPECT_EQ(decimation(read_case_config(set.config, overrides)).max_deviation_mm, 0.125);
+  EXPECT_EQ(decimation(config::read_case_config(set.config, overrides)).max_deviation_mm, 0.125);
 }
 
 TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {
@@ -96,21 +97,22 @@ TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {
   const auto scene_with = [](const std::string& mm) {
     return "trephine: 1\nanatomies: {skull: {max_deviation_mm: " + mm + "}}\n";
   };
-  EXPECT_EQ(decimation(read_case_config(Files(head, smoothed, scene_with("1.25")).config)).max_deviation_mm, 1);
-  EXPECT_TRUE(has(faults(Files(head, smoothed, scene_with("0.25"))).at(0), "must exceed what smooth may move"));
+  EXPECT_EQ(
+      decimation(config::read_case_config(Files(beginning, smoothed, scene_with("1.25")).config)).max_deviation_mm, 1);
+  EXPECT_TRUE(has(faults(Files(beginning, smoothed, scene_with("0.25"))).at(0), "must exceed what smooth may move"));
 
   // What smoothing may take counts as it is in force at last; a bound that decimation was given by path stays.
   const auto after = [&](const std::string& set, std::vector<std::string> flags = {}) {
-    ConfigOverrides overrides;
+    config::ConfigOverrides overrides;
     overrides.set = std::move(flags);
-    return decimation(read_case_config(Files(head + set, smoothed, scene_with("1.25")).config, overrides))
+    return decimation(config::read_case_config(Files(beginning + set, smoothed, scene_with("1.25")).config, overrides))
         .max_deviation_mm;
   };
   EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5}\n"), 0.75);
   EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5}\n", {"skull.smooth.max_displacement_mm=0.75"}), 0.5);
   EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5, skull.decimate.max_deviation_mm: 1}\n"), 1);
   EXPECT_EQ(after("", {"skull.decimate.max_deviation_mm=2"}), 2);
-  const Files greedy(head + "set: {skull.smooth.max_displacement_mm: 1.25}\n", smoothed, scene_with("1.25"));
+  const Files greedy(beginning + "set: {skull.smooth.max_displacement_mm: 1.25}\n", smoothed, scene_with("1.25"));
   const auto refused = faults(greedy);
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_TRUE(has(refused[0], "scene.yaml:2") && has(refused[0], "must exceed what smooth may move")) << refused[0];
@@ -118,7 +120,7 @@ TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {
 
 TEST(Config, EveryFaultAtOnceWithItsPlaceAndTheNearestKey) {
   const Files files(
-      head + "sereis: x\ncase: Has Blanks\nset: {skull.decimate.max_deviaton_mm: 1}\n",
+      beginning + "sereis: x\ncase: Has Blanks\nset: {skull.decimate.max_deviaton_mm: 1}\n",
       "trephine: 1\nanatomies:\n  skull:\n    color_rgb: [1, 1, 1]\n    stages:\n      - segment: {lower_hu: 010}\n"
       "      - contuor\n      - contour\n      - decimate: {max_deviation_mm: .nan, target_triangles_count: 12.5}\n",
       "trephine: 1\nanatomies:\n  skul: {}\n");
@@ -142,7 +144,7 @@ TEST(Config, EveryFaultAtOnceWithItsPlaceAndTheNearestKey) {
 }
 
 TEST(Config, WhatYamlWouldLetThrough) {
-  const auto one = [](const std::string& extra) { return faults(Files(head + extra)); };
+  const auto one = [](const std::string& extra) { return faults(Files(beginning + extra)); };
   EXPECT_TRUE(has(one("case: a\ncase: b\n").at(0), "case.yaml:5:1: case: the key is repeated"));
   EXPECT_TRUE(has(one("set: {skull.decimate.max_deviation_mm: 0,5}\n").at(0), "case.yaml:4"));
   EXPECT_TRUE(has(one("case: &a x\n").at(0), "anchors"));
@@ -156,27 +158,27 @@ TEST(Config, WhatYamlWouldLetThrough) {
 }
 
 TEST(Config, TextThatIsNotUtf8AndTagsAnywhereAreRefused) {
-  const auto one = [](const std::string& extra) { return faults(Files(head + extra)).at(0); };
+  const auto one = [](const std::string& extra) { return faults(Files(beginning + extra)).at(0); };
   EXPECT_TRUE(has(one("case: a\nseries: b\xff\n"), "case.yaml:5:10: is not UTF-8"));
   EXPECT_TRUE(has(one("case: \xc0\xaf\n"), "is not UTF-8")) << "overlong";
   EXPECT_TRUE(has(one("case: \xed\xa0\x80\n"), "is not UTF-8")) << "a surrogate";
   EXPECT_TRUE(has(one("case: \xf4\x90\x80\x80\n"), "is not UTF-8")) << "above U+10FFFF";
   EXPECT_TRUE(has(one("case: \xe2\x82"), "is not UTF-8")) << "cut short";
-  EXPECT_TRUE(faults(Files(head + "# \xc3\xbc \xe2\x82\xac \xf0\x9f\xa7\xa0\n")).empty());
+  EXPECT_TRUE(faults(Files(beginning + "# \xc3\xbc \xe2\x82\xac \xf0\x9f\xa7\xa0\n")).empty());
   EXPECT_TRUE(has(one("case: !str x\n"), "tags"));
   EXPECT_TRUE(has(one("set: !!map {a: b}\n"), "tags"));
   EXPECT_TRUE(has(one("landmarks: {nasion: !point [1, 2, 3]}\n"), "tags"));
 }
 
 TEST(Config, FaultsOfAllFilesJoinAlsoWhereOneCannotBeParsed) {
-  const auto lines = faults(Files(head + "sereis: x\n", "trephine: [\n", "trephine: 1\ntrephine: 1\n"));
+  const auto lines = faults(Files(beginning + "sereis: x\n", "trephine: [\n", "trephine: 1\ntrephine: 1\n"));
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_TRUE(has(lines[0], "case.yaml:4:1: sereis"));
   EXPECT_TRUE(has(lines[1], "recipe.yaml:") && has(lines[1], "is not YAML"));
   EXPECT_TRUE(has(lines[2], "scene.yaml:2:1: trephine: the key is repeated"));
   const Files files("trephine: 1\npipeline: recipe.yaml\nscene: nowhere.yaml\nsereis: x\n");
   try {
-    read_case_config(files.config);
+    config::read_case_config(files.config);
     FAIL() << "no error";
   } catch (const ErrorList& e) {
     ASSERT_EQ(e.all().size(), 2u);
@@ -187,9 +189,9 @@ TEST(Config, FaultsOfAllFilesJoinAlsoWhereOneCannotBeParsed) {
 TEST(Config, ARecipeSaysOfEveryAnatomyWhetherItShowsAFace) {
   std::string silent = recipe;
   silent.erase(silent.find("    shows_face: false\n"), 22);
-  EXPECT_TRUE(has(faults(Files(head, silent)).at(0), "anatomies.skull.shows_face: is missing"));
+  EXPECT_TRUE(has(faults(Files(beginning, silent)).at(0), "anatomies.skull.shows_face: is missing"));
   const std::string blank = "face: {policy: keep, reason: '  '}\n";
-  EXPECT_TRUE(has(faults(Files(head, recipe, scene + blank)).at(0), "scene.yaml:4:30: face.reason: is blank"));
+  EXPECT_TRUE(has(faults(Files(beginning, recipe, scene + blank)).at(0), "scene.yaml:4:30: face.reason: is blank"));
 }
 
 TEST(Config, TheOrderOfKeysInAFileSaysNothing) {
@@ -197,23 +199,23 @@ TEST(Config, TheOrderOfKeysInAFileSaysNothing) {
   const std::string roles = "burr_holes: {bone: skull}\nclass_of: skull\nresample: {spacing_mm: [2, 2, 2]}\n";
   std::string first = recipe;
   first.insert(first.find("anatomies:"), roles);
-  const CaseConfig before = read_case_config(Files(head, first).config),
-                   after = read_case_config(Files(head, recipe + roles).config);
+  const config::CaseConfig before = config::read_case_config(Files(beginning, first).config),
+                           after = config::read_case_config(Files(beginning, recipe + roles).config);
   EXPECT_EQ(before.roles.class_of, "skull");
   EXPECT_EQ(before.roles.burr_holes.bone, after.roles.burr_holes.bone);
   ASSERT_EQ(before.scan_steps.size(), 1u);
-  EXPECT_EQ(before.scan_steps[0].params.as<ResampleParams>().spacing_mm[2], 2);
+  EXPECT_EQ(before.scan_steps[0].params.as<grid::ResampleParams>().spacing_mm[2], 2);
   std::string wrong = first;
   wrong.replace(wrong.find("bone: skull"), 11, "bone: skul");
-  EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "did you mean skull?"));
+  EXPECT_TRUE(has(faults(Files(beginning, wrong)).at(0), "did you mean skull?"));
   wrong.replace(wrong.find("bone: skul"), 10, "bone: skull, ovr: skull");
-  EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "burr_holes.ovr: unknown key, did you mean over?"));
+  EXPECT_TRUE(has(faults(Files(beginning, wrong)).at(0), "burr_holes.ovr: unknown key, did you mean over?"));
 }
 
 TEST(Config, AStepIsSaidOnceWithItsParametersAndPorts) {
   const auto with = [](const std::string& stages) {
     return faults(
-        Files(head, "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: [" + stages + "]\n"));
+        Files(beginning, "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: [" + stages + "]\n"));
   };
   EXPECT_TRUE(has(with("segment, contour, contour").at(0), "contour, is there already"));
   EXPECT_TRUE(has(with("segment, contour: {iso: 1}").at(0), "anatomies.skull.stages.contour.iso: unknown key"));
@@ -222,11 +224,11 @@ TEST(Config, AStepIsSaidOnceWithItsParametersAndPorts) {
   EXPECT_TRUE(has(with("segment: {within: 3}, contour").at(0), "3, must be the field of an anatomy"));
   EXPECT_TRUE(with("segment: , contour: null").empty());
   const std::string nothing = "trephine: 1\nanatomies:\n  skull:\n";
-  EXPECT_TRUE(has(faults(Files(head, nothing)).at(0), "anatomies.skull: must hold keys and values"));
+  EXPECT_TRUE(has(faults(Files(beginning, nothing)).at(0), "anatomies.skull: must hold keys and values"));
 }
 
 TEST(Config, AQuotedNumberIsAText) {
-  const auto one = [](const std::string& extra) { return faults(Files(head + extra)); };
+  const auto one = [](const std::string& extra) { return faults(Files(beginning + extra)); };
   EXPECT_TRUE(
       has(one("import: {max_gap_mm: \"3\"}\n").at(0), "case.yaml:4:22: import.max_gap_mm: 3, must be a number"));
   EXPECT_TRUE(has(one("import: {max_gap_mm: '3'}\n").at(0), "without quotes"));
@@ -236,14 +238,14 @@ TEST(Config, AQuotedNumberIsAText) {
 }
 
 TEST(Config, AValueBelowSetIsReportedOnce) {
-  const auto lines = faults(Files(head + "set: {skull.decimate: {max_deviation_mm: 1}, import.max_gap_mm: }\n"));
+  const auto lines = faults(Files(beginning + "set: {skull.decimate: {max_deviation_mm: 1}, import.max_gap_mm: }\n"));
   ASSERT_EQ(lines.size(), 2u) << lines[0];
   for (const std::string& line : lines) EXPECT_TRUE(has(line, "must be a value or a list of values")) << line;
 }
 
 TEST(Config, ACountIsAWholeNumber) {
   const auto one = [](const std::string& count) {
-    return faults(Files(head, recipe, "trephine: 1\nanatomies: {skull: {max_triangles: " + count + "}}\n")).at(0);
+    return faults(Files(beginning, recipe, "trephine: 1\nanatomies: {skull: {max_triangles: " + count + "}}\n")).at(0);
   };
   EXPECT_TRUE(has(one("1000.5"), "max_triangles: 1000.5, must be a whole number from 4 to 100,000,000"));
   EXPECT_TRUE(has(one("3"), "must be a whole number"));
@@ -251,14 +253,14 @@ TEST(Config, ACountIsAWholeNumber) {
 
 TEST(Config, OverridesReachTheImportAndTheirFaultsAreUsage) {
   const auto with = [](std::vector<std::string> set) {
-    ConfigOverrides overrides;
+    config::ConfigOverrides overrides;
     overrides.set = std::move(set);
     return overrides;
   };
-  const Files files(head);
-  EXPECT_EQ(read_case_config(files.config, with({"import.series=s1"})).import.series, "s1");
-  const Files in_file(head + "set: {import.max_gap_mm: 5}\n");
-  EXPECT_EQ(read_case_config(in_file.config).import.max_gap_mm, 5);
+  const Files files(beginning);
+  EXPECT_EQ(config::read_case_config(files.config, with({"import.series=s1"})).import.series, "s1");
+  const Files in_file(beginning + "set: {import.max_gap_mm: 5}\n");
+  EXPECT_EQ(config::read_case_config(in_file.config).import.max_gap_mm, 5);
   const auto one = [&](const std::string& set) {
     const auto lines = faults(files, with({set}), ExitCode::usage);
     return lines.size() == 1 ? lines[0] : "not one line";
@@ -272,18 +274,18 @@ TEST(Config, OverridesReachTheImportAndTheirFaultsAreUsage) {
 
 TEST(Config, PathsStayUnderTheRoot) {
   ScratchFolder other;
-  const auto refused = faults(Files(head + "series: " + other.path().string() + "\n"));
+  const auto refused = faults(Files(beginning + "series: " + other.path().string() + "\n"));
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_TRUE(has(refused[0], "leads out of the root"));
-  EXPECT_TRUE(has(faults(Files(head + "series: ../../../etc\n")).at(0), "leads out of the root"));
-  ConfigOverrides overrides;
+  EXPECT_TRUE(has(faults(Files(beginning + "series: ../../../etc\n")).at(0), "leads out of the root"));
+  config::ConfigOverrides overrides;
   overrides.roots = {other.path()};
-  EXPECT_TRUE(faults(Files(head + "series: " + other.path().string() + "\n"), overrides).empty());
+  EXPECT_TRUE(faults(Files(beginning + "series: " + other.path().string() + "\n"), overrides).empty());
   // The root may stand above the configuration.
-  Files files(head);
+  Files files(beginning);
   files.folder.write("trephine.root", "");
   files.folder.write("deep/case.yaml", "trephine: 1\npipeline: ../recipe.yaml\nscene: ../scene.yaml\n");
-  EXPECT_NO_THROW(read_case_config(files.folder.path() / "deep/case.yaml"));
+  EXPECT_NO_THROW(config::read_case_config(files.folder.path() / "deep/case.yaml"));
 }
 
 TEST(Config, NoPathOfAFileLeavesTheRootByALinkOrByWhatDoesNotExist) {
@@ -291,7 +293,7 @@ TEST(Config, NoPathOfAFileLeavesTheRootByALinkOrByWhatDoesNotExist) {
   ScratchFolder other;
   other.write("recipe.yaml", recipe);
   const auto said = [&](const std::string& path) {
-    Files files(head);
+    Files files(beginning);
     fs::create_directory_symlink(other.path(), files.folder.path() / "out");
     fs::create_directory_symlink("loop", files.folder.path() / "loop");
     fs::create_directory_symlink(".", files.folder.path() / "here");
@@ -315,39 +317,42 @@ TEST(Config, NoPathOfAFileLeavesTheRootByALinkOrByWhatDoesNotExist) {
 TEST(Config, PortsNameAnEarlierAnatomysStage) {
   std::string wrong = recipe;
   wrong.replace(wrong.find("skull.segment"), 13, "brain.contour");
-  EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "brain.contour, must be the field of an anatomy before this one"));
+  EXPECT_TRUE(
+      has(faults(Files(beginning, wrong)).at(0), "brain.contour, must be the field of an anatomy before this one"));
   std::string unfinished = "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: [segment]\n";
-  EXPECT_TRUE(has(faults(Files(head, unfinished)).at(0), "must end in a surface"));
+  EXPECT_TRUE(has(faults(Files(beginning, unfinished)).at(0), "must end in a surface"));
   const std::string empty = "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: []\n";
-  EXPECT_TRUE(has(faults(Files(head, empty)).at(0), "must end in a surface"));
+  EXPECT_TRUE(has(faults(Files(beginning, empty)).at(0), "must end in a surface"));
 }
 
 TEST(Graph, HoldsOnlyWhatTheSceneDemands) {
-  const Files files(head);
-  const Graph skull = make_graph(read_case_config(files.config), "input");
+  const Files files(beginning);
+  const pipeline::Graph skull = pipeline::make_graph(config::read_case_config(files.config), "input");
   EXPECT_LT(skull.find("brain.brain"), 0);
   EXPECT_GE(skull.find("skull.normals"), 0);
   // The brain needs the skull's field, but not its surface.
-  const Files brain_files(head, recipe, "trephine: 1\nanatomies: {brain: }\n");
-  const Graph brain = make_graph(read_case_config(brain_files.config), "input");
+  const Files brain_files(beginning, recipe, "trephine: 1\nanatomies: {brain: }\n");
+  const pipeline::Graph brain = pipeline::make_graph(config::read_case_config(brain_files.config), "input");
   EXPECT_GE(brain.find("skull.segment"), 0);
   EXPECT_LT(brain.find("skull.contour"), 0);
 }
 
 TEST(Graph, AKeyChangesWithWhatTheOutputDependsOn) {
-  const Files files(head);
+  const Files files(beginning);
   const auto keys = [&](const std::string& set, const std::string& input) {
-    ConfigOverrides overrides;
+    config::ConfigOverrides overrides;
     if (!set.empty()) overrides.set = {set};
-    return make_graph(read_case_config(files.config, overrides), input);
+    return pipeline::make_graph(config::read_case_config(files.config, overrides), input);
   };
-  const Graph base = keys("", "input"), again = keys("", "input"), other_input = keys("", "other"),
-              other_bound = keys("skull.decimate.max_deviation_mm=0.3", "input");
+  const pipeline::Graph base = keys("", "input"), again = keys("", "input"), other_input = keys("", "other"),
+                        other_bound = keys("skull.decimate.max_deviation_mm=0.3", "input");
   for (std::size_t i = 0; i < base.nodes.size(); ++i) {
     EXPECT_EQ(base.nodes[i].key, again.nodes[i].key);
     EXPECT_NE(base.nodes[i].key, other_input.nodes[i].key);
   }
-  const auto key = [](const Graph& g, const char* name) { return g.nodes[static_cast<std::size_t>(g.find(name))].key; };
+  const auto key = [](const pipeline::Graph& g, const char* name) {
+    return g.nodes[static_cast<std::size_t>(g.find(name))].key;
+  };
   EXPECT_EQ(key(base, "skull.contour"), key(other_bound, "skull.contour"));
   EXPECT_NE(key(base, "skull.decimate"), key(other_bound, "skull.decimate"));
   EXPECT_NE(key(base, "skull.normals"), key(other_bound, "skull.normals"));

@@ -28,7 +28,7 @@ struct NoParams {
   }
 };
 
-class Silent : public RunObserver {
+class Silent : public pipeline::RunObserver {
  public:
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
@@ -42,21 +42,21 @@ class Silent : public RunObserver {
 
 // A mesh of one point whose x is the sum of the sources' x and the parameter; it keeps an eye on who still lives.
 struct Fixture {
-  std::vector<std::unique_ptr<StageType>> types;
-  std::map<std::string, std::weak_ptr<const TriMesh>> made;
+  std::vector<std::unique_ptr<stages::StageType>> types;
+  std::map<std::string, std::weak_ptr<const surface::TriMesh>> made;
   std::vector<std::string> alive_at_end_stage;
   std::mutex mutex;
-  Graph graph;
+  pipeline::Graph graph;
   double stage_seconds = 0;
 
   int add(const std::string& name, std::vector<int> sources, const std::string& key = "") {
-    auto type = std::make_unique<StageType>();
+    auto type = std::make_unique<stages::StageType>();
     type->name = name;
     for (std::size_t i = 0; i < sources.size(); ++i)
-      type->ports.push_back({"p" + std::to_string(i), DataKind::mesh, true, ""});
+      type->ports.push_back({"p" + std::to_string(i), stages::DataKind::mesh, true, ""});
     type->make_params = [] { return AnyParams::make<NoParams>(); };
-    type->run = [this, name, n = sources.size()](const AnyParams& p, const StageInputs& in, Report& report,
-                                                 const Progress& progress) -> StageData {
+    type->run = [this, name, n = sources.size()](const AnyParams& p, const stages::StageInputs& in, Report& report,
+                                                 const Progress& progress) -> stages::StageData {
       progress.report(0.5);
       if (name == "fails") throw Error(ExitCode::quality, "", "", "as asked");
       if (name == "waits")
@@ -65,43 +65,45 @@ struct Fixture {
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
       std::this_thread::sleep_for(std::chrono::duration<double>(stage_seconds));
-      auto mesh = std::make_shared<TriMesh>();
+      auto mesh = std::make_shared<surface::TriMesh>();
       mesh->points_mm = {{p.as<NoParams>().value, 0, 0}};
       for (std::size_t i = 0; i < n; ++i)
-        mesh->points_mm[0].x += in.get<TriMesh>("p" + std::to_string(i))->points_mm[0].x;
+        mesh->points_mm[0].x += in.get<surface::TriMesh>("p" + std::to_string(i))->points_mm[0].x;
       report.add("x_mm", mesh->points_mm[0].x);
       const std::lock_guard<std::mutex> lock(mutex);
       made[name] = mesh;
       if (name == "last")
         for (const auto& [other, weak] : made)
           if (other != "last" && !weak.expired()) alive_at_end_stage.push_back(other);
-      return std::shared_ptr<const TriMesh>(mesh);
+      return std::shared_ptr<const surface::TriMesh>(mesh);
     };
-    Node node;
+    pipeline::Node node;
     node.name = name;
     node.type = type.get();
     node.params = AnyParams::make<NoParams>();
     std::static_pointer_cast<NoParams>(node.params.object)->value = double(types.size() + 1);
     for (std::size_t i = 0; i < sources.size(); ++i) node.sources["p" + std::to_string(i)] = sources[i];
     node.key = key.empty() ? std::string(64 - name.size(), '0') + name : key;
-    node.output = DataKind::mesh;
+    node.output = stages::DataKind::mesh;
     types.push_back(std::move(type));
     graph.nodes.push_back(std::move(node));
     return int(graph.nodes.size()) - 1;
   }
 };
 
-double x_of(const NodeResult& r) { return std::get<std::shared_ptr<const TriMesh>>(r.data)->points_mm.at(0).x; }
+double x_of(const pipeline::NodeResult& r) {
+  return std::get<std::shared_ptr<const surface::TriMesh>>(r.data)->points_mm.at(0).x;
+}
 
 TEST(Schedule, TimesInWhichSeveralRunAreShared) {
   // 0 (2 s), then 1 (6 s) beside 2 (2 s) and after it 3 (1 s); at last 4 (1 s), which waits for 1 and 3.
-  const std::vector<ScheduledTask> tasks = {{2, {}}, {6, {0}}, {2, {0}}, {1, {2}}, {1, {1, 3}}};
-  const std::vector<double> two = wall_shares_s(tasks, 2), expected = {2, 4.5, 1, 0.5, 1};
+  const std::vector<pipeline::ScheduledTask> tasks = {{2, {}}, {6, {0}}, {2, {0}}, {1, {2}}, {1, {1, 3}}};
+  const std::vector<double> two = pipeline::wall_shares_s(tasks, 2), expected = {2, 4.5, 1, 0.5, 1};
   ASSERT_EQ(two.size(), expected.size());
   for (std::size_t i = 0; i < two.size(); ++i) EXPECT_NEAR(two[i], expected[i], 1e-12) << i;
-  const std::vector<double> one = wall_shares_s(tasks, 1);
+  const std::vector<double> one = pipeline::wall_shares_s(tasks, 1);
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(one[i], tasks[i].seconds, 1e-12) << i;
-  EXPECT_TRUE(wall_shares_s({}, 2).empty());
+  EXPECT_TRUE(pipeline::wall_shares_s({}, 2).empty());
 }
 
 }  // namespace
@@ -113,7 +115,7 @@ TEST(Executor, ComputesADiamondAndLetsGoOfWhatIsRead) {
     const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {a}), d = f.add("d", {b, c}),
               last = f.add("last", {d});
     Silent silent;
-    const auto results = execute(f.graph, {last}, {}, silent);
+    const auto results = pipeline::execute(f.graph, {last}, {}, silent);
     EXPECT_EQ(x_of(results[size_t(last)]), 1 + 2 + 1 + 3 + 4 + 5);
     EXPECT_EQ(f.alive_at_end_stage, std::vector<std::string>{"d"});
     EXPECT_TRUE(std::holds_alternative<std::monostate>(results[size_t(b)].data));
@@ -127,7 +129,7 @@ TEST(Executor, AnErrorNamesItsStageAndStopsTheOthers) {
   const int fails = f.add("fails", {}), waits = f.add("waits", {});
   Silent silent;
   try {
-    execute(f.graph, {waits, fails}, {}, silent);
+    pipeline::execute(f.graph, {waits, fails}, {}, silent);
     FAIL() << "no error";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -144,12 +146,12 @@ TEST(Executor, WhatMayBeMissingStopsNothing) {
     const int fails = f.add("fails", {}), reader = f.add("reader", {fails}), a = f.add("a", {}), b = f.add("b", {a}),
               last = f.add("last", {b, reader});
     for (const int n : {fails, reader}) f.graph.nodes[std::size_t(n)].may_be_missing = true;
-    std::vector<NodeResult> made;
-    ExecuteOptions options;
+    std::vector<pipeline::NodeResult> made;
+    pipeline::ExecuteOptions options;
     options.made = &made;
     Silent silent;
     try {
-      execute(f.graph, {last}, options, silent);
+      pipeline::execute(f.graph, {last}, options, silent);
       FAIL() << "no error";
     } catch (const Error& e) {
       EXPECT_EQ(e.field(), "fails");
@@ -162,10 +164,10 @@ TEST(Executor, WhatMayBeMissingStopsNothing) {
               b2 = without.add("b", {a2}, f.graph.nodes[std::size_t(b)].key), last2 = without.add("last", {b2});
     for (const int n : {a, b}) options.known[f.graph.nodes[std::size_t(n)].key] = made[std::size_t(n)];
     Silent again;
-    const auto results = execute(without.graph, {last2}, options, again);
+    const auto results = pipeline::execute(without.graph, {last2}, options, again);
     EXPECT_EQ(again.log, (std::map<std::string, std::string>{{"last", "computed"}}));
     EXPECT_EQ(x_of(results[std::size_t(last2)]), (3 + 4) + 3);  // a and b have the values of the first graph
-    EXPECT_EQ(results[std::size_t(a2)].state, NodeResult::State::computed);
+    EXPECT_EQ(results[std::size_t(a2)].state, pipeline::NodeResult::State::computed);
   }
   set_thread_count(0);
 }
@@ -178,24 +180,24 @@ TEST(Executor, StopsWhenTheUserCancels) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     cancel = true;
   });
-  ExecuteOptions options;
+  pipeline::ExecuteOptions options;
   options.cancel = &cancel;
   Silent silent;
-  EXPECT_THROW(execute(f.graph, {waits}, options, silent), Cancelled);
+  EXPECT_THROW(pipeline::execute(f.graph, {waits}, options, silent), Cancelled);
   user.join();
 }
 
 TEST(Executor, TakesFromTheCacheWhatIsThereAndWhole) {
   ScratchFolder folder;
-  const StageCache cache(folder.path() / "cache");
-  ExecuteOptions options;
+  const pipeline::StageCache cache(folder.path() / "cache");
+  pipeline::ExecuteOptions options;
   options.cache = &cache;
   const auto run = [&](std::map<std::string, std::string>& log) {
     Fixture f;
     f.stage_seconds = 0.01;
     const int a = f.add("a", {}), b = f.add("b", {a}), last = f.add("last", {b});
     Silent silent;
-    const auto results = execute(f.graph, {last}, options, silent);
+    const auto results = pipeline::execute(f.graph, {last}, options, silent);
     log = silent.log;
     EXPECT_EQ(std::get<double>(*results[size_t(a)].report.find("x_mm")), 1)
         << "reports of what was skipped are known too";
@@ -235,9 +237,9 @@ TEST(Executor, TakesFromTheCacheWhatIsThereAndWhole) {
 
 TEST(Executor, KeepsEveryOutputAlsoOfWhatTheCacheLetsItSkip) {
   ScratchFolder folder;
-  const StageCache cache(folder.path() / "cache");
+  const pipeline::StageCache cache(folder.path() / "cache");
   for (const char* run : {"cold", "warm"}) {
-    ExecuteOptions options;
+    pipeline::ExecuteOptions options;
     options.cache = &cache;
     options.keep = folder.path() / run;
     std::filesystem::create_directory(options.keep);
@@ -245,7 +247,7 @@ TEST(Executor, KeepsEveryOutputAlsoOfWhatTheCacheLetsItSkip) {
     f.stage_seconds = 0.01;
     const int a = f.add("a", {}), b = f.add("b", {a}), last = f.add("last", {b});
     Silent silent;
-    const auto results = execute(f.graph, {last}, options, silent);
+    const auto results = pipeline::execute(f.graph, {last}, options, silent);
     EXPECT_EQ(x_of(results[size_t(last)]), 6);
     EXPECT_TRUE(std::holds_alternative<std::monostate>(results[size_t(a)].data)) << "nobody reads it any more";
     for (const char* name : {"a.vtp", "b.vtp", "last.vtp"})
@@ -255,10 +257,10 @@ TEST(Executor, KeepsEveryOutputAlsoOfWhatTheCacheLetsItSkip) {
 
 TEST(Executor, GoesOnWithoutACacheThatCannotStore) {
   ScratchFolder folder;
-  const StageCache cache(folder.path() / "cache");
+  const pipeline::StageCache cache(folder.path() / "cache");
   std::filesystem::remove_all(folder.path() / "cache");
   folder.write("cache", "a file");
-  ExecuteOptions options;
+  pipeline::ExecuteOptions options;
   options.cache = &cache;
   Fixture f;
   f.stage_seconds = 0.01;
@@ -266,7 +268,7 @@ TEST(Executor, GoesOnWithoutACacheThatCannotStore) {
   std::vector<std::string> lines;
   const LogSink before = set_log_sink([&](const std::string& line) { lines.push_back(line); });
   Silent silent;
-  const auto results = execute(f.graph, {last}, options, silent);
+  const auto results = pipeline::execute(f.graph, {last}, options, silent);
   set_log_sink(before);
   EXPECT_EQ(x_of(results[size_t(last)]), 3);
   ASSERT_EQ(lines.size(), 1u) << "told once";
@@ -275,41 +277,41 @@ TEST(Executor, GoesOnWithoutACacheThatCannotStore) {
 
 TEST(Executor, ASeriesThatChangedSinceItWasHashedIsRefusedAndNotCached) {
   ScratchFolder folder;
-  const StageCache cache(folder.path() / "cache");
-  Graph graph;
-  Node import;
+  const pipeline::StageCache cache(folder.path() / "cache");
+  pipeline::Graph graph;
+  pipeline::Node import;
   import.name = "import";
-  import.type = &stage_named("import");
+  import.type = &stages::stage_named("import");
   const std::filesystem::path series = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
-  ImportStageParams params;
+  stages::ImportStageParams params;
   params.input = series.string();
   import.params = AnyParams::make(params);
   import.file_sha256["input"] = std::string(64, '0');
   import.key = std::string(64, 'a');
   graph.nodes.push_back(std::move(import));
-  ExecuteOptions options;
+  pipeline::ExecuteOptions options;
   options.cache = &cache;
   Silent silent;
   try {
-    execute(graph, {0}, options, silent);
+    pipeline::execute(graph, {0}, options, silent);
     FAIL() << "no error";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     EXPECT_STREQ(e.what(), "the series changed while it was read");
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
-  graph.nodes[0].file_sha256["input"] = hash_of_series_input(series, {});
-  EXPECT_NO_THROW(execute(graph, {0}, options, silent));
+  graph.nodes[0].file_sha256["input"] = dicom::hash_of_series_input(series, {});
+  EXPECT_NO_THROW(pipeline::execute(graph, {0}, options, silent));
 }
 
 TEST(Executor, KeepsEveryOutputWhereAsked) {
   ScratchFolder folder;
-  ExecuteOptions options;
+  pipeline::ExecuteOptions options;
   options.keep = folder.path();
   Fixture f;
   const int a = f.add("a", {}), last = f.add("last", {a});
   Silent silent;
-  execute(f.graph, {last}, options, silent);
+  pipeline::execute(f.graph, {last}, options, silent);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "a.vtp"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "last.vtp"));
 }

@@ -43,7 +43,7 @@ burr_holes: {skull: , skin: {widen_mm: 6}}
 materials: materials.yaml
 haptic: {shapes: {skull: {material: bone}}}
 )";
-const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
+const std::string beginning = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
 const std::string one_hole =
     "landmarks: {nasion: [0, -90, 30], inion: [0, 90, 0], monro: [0, 0, 0]}\nburr_holes: [{side: left}]\n";
 
@@ -58,8 +58,8 @@ struct Files {
   }
 };
 
-CaseConfig read(const std::string& case_yaml, const std::string& scene_yaml) {
-  return read_case_config(Files(case_yaml, scene_yaml).config);
+config::CaseConfig read(const std::string& case_yaml, const std::string& scene_yaml) {
+  return config::read_case_config(Files(case_yaml, scene_yaml).config);
 }
 
 // The one fault that there must be, as the user sees it.
@@ -67,7 +67,7 @@ std::string fault(const std::string& case_yaml, const std::string& scene_yaml,
                   const std::string& materials_yaml = materials) {
   const Files files(case_yaml, scene_yaml, materials_yaml);
   try {
-    read_case_config(files.config);
+    config::read_case_config(files.config);
   } catch (const ErrorList& e) {
     EXPECT_EQ(e.all().size(), 1u) << e.all().back().line("");
     EXPECT_EQ(e.code(), ExitCode::bad_config);
@@ -78,7 +78,9 @@ std::string fault(const std::string& case_yaml, const std::string& scene_yaml,
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-const VoxelizeStageParams& stage_of(const CaseConfig& c) { return c.haptic.params.as<VoxelizeStageParams>(); }
+const stages::VoxelizeStageParams& stage_of(const config::CaseConfig& c) {
+  return c.haptic.params.as<stages::VoxelizeStageParams>();
+}
 
 std::string with(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
@@ -87,9 +89,9 @@ std::string with(std::string text, const std::string& from, const std::string& t
 }  // namespace
 
 TEST(HapticScene, SaysWhatIsFelt) {
-  const CaseConfig c = read(head + "set: {haptic.margin_mm: 7}\n", live);
+  const config::CaseConfig c = read(beginning + "set: {haptic.margin_mm: 7}\n", live);
   ASSERT_TRUE(c.haptic.wanted);
-  const auto& params = c.haptic.params.as<VoxelizeParams>();
+  const auto& params = c.haptic.params.as<voxel::VoxelizeParams>();
   EXPECT_EQ(params.spacing_mm, (std::array<double, 3>{0.5, 0.5, 1}));
   EXPECT_EQ(params.margin_mm, 7);
   ASSERT_EQ(c.haptic.shapes.size(), 2u);
@@ -102,73 +104,74 @@ TEST(HapticScene, SaysWhatIsFelt) {
 }
 
 TEST(HapticScene, FaultsHaveTheirPlace) {
-  EXPECT_TRUE(has(fault(head, with(live, "material: bone", "material: bon")),
+  EXPECT_TRUE(has(fault(beginning, with(live, "material: bone", "material: bon")),
                   "scene.yaml:8:23: haptic.shapes.skull.material: bon, no such material, did you mean bone?"));
-  EXPECT_TRUE(has(fault(head, with(live, "    skull:", "    skul:")), "did you mean skull?"));
+  EXPECT_TRUE(has(fault(beginning, with(live, "    skull:", "    skul:")), "did you mean skull?"));
   EXPECT_TRUE(
-      has(fault(head, with(live, ", clear_mm: 5", "")), "haptic.shapes.skin.clear_of: and clear_mm go together"));
-  EXPECT_TRUE(has(fault(head, with(live, "materials: materials.yaml\n", "")), "needs materials: FILE"));
-  EXPECT_TRUE(has(fault(head, with(live, "cuttable: true", "cuttable: yes")), "must be true or false"));
-  EXPECT_TRUE(has(fault(head, with(live, "[0.5, 0.5, 1]", "[0.5, 0.5, 0]")), "haptic.spacing_mm"));
-  EXPECT_TRUE(has(fault(head, live, with(materials, "stiffness_n_per_mm: 1", "stiffness_n_per_mm: -1")),
+      has(fault(beginning, with(live, ", clear_mm: 5", "")), "haptic.shapes.skin.clear_of: and clear_mm go together"));
+  EXPECT_TRUE(has(fault(beginning, with(live, "materials: materials.yaml\n", "")), "needs materials: FILE"));
+  EXPECT_TRUE(has(fault(beginning, with(live, "cuttable: true", "cuttable: yes")), "must be true or false"));
+  EXPECT_TRUE(has(fault(beginning, with(live, "[0.5, 0.5, 1]", "[0.5, 0.5, 0]")), "haptic.spacing_mm"));
+  EXPECT_TRUE(has(fault(beginning, live, with(materials, "stiffness_n_per_mm: 1", "stiffness_n_per_mm: -1")),
                   "materials.yaml:3:38: materials.bone.front.stiffness_n_per_mm"));
-  EXPECT_TRUE(
-      has(fault(head, live, with(materials, ", back: {touchable: false}", "")), "materials.bone.back: is missing"));
+  EXPECT_TRUE(has(fault(beginning, live, with(materials, ", back: {touchable: false}", "")),
+                  "materials.bone.back: is missing"));
 }
 
 TEST(HapticScene, WindowsOfRawHu) {
   const std::string hu =
       with(with(live, "  region_of: brain\n", "  encoding: hu\n"),
            "skin: {material: skin, clear_of: brain, clear_mm: 5}", "tooth: {material: bone, window_hu: [1500, 3000]}");
-  EXPECT_TRUE(has(fault(head, hu), "haptic.shapes.skull.window_hu: is missing"));
-  const CaseConfig c = read(head, with(hu, "cuttable: true", "window_hu: [300, 1499]"));
+  EXPECT_TRUE(has(fault(beginning, hu), "haptic.shapes.skull.window_hu: is missing"));
+  const config::CaseConfig c = read(beginning, with(hu, "cuttable: true", "window_hu: [300, 1499]"));
   EXPECT_EQ(stage_of(c).shapes[1].first, "tooth");
   EXPECT_EQ(stage_of(c).shapes[0].second.window_hu[1], 1499);
-  const Graph g = make_graph(c, "input");
+  const pipeline::Graph g = pipeline::make_graph(c, "input");
   // Raw HU need no surfaces of the shapes.
-  EXPECT_EQ(g.nodes[g.result(DataKind::haptic)].sources, (std::map<std::string, int>{{"volume", 0}}));
+  EXPECT_EQ(g.nodes[g.result(stages::DataKind::haptic)].sources, (std::map<std::string, int>{{"volume", 0}}));
 }
 
 TEST(Scene, DoesWithoutWhatMayBeMissing) {
   const std::string scene =
       with(live, "anatomies: {skin: {max_triangles: 90000}}",
            "anatomies: {skin: {max_triangles: 90000}, skull: {max_triangles: 80000, may_be_missing: true}}");
-  CaseConfig c = read(head, scene);
-  const Graph whole = make_graph(c, "input");
+  config::CaseConfig c = read(beginning, scene);
+  const pipeline::Graph whole = pipeline::make_graph(c, "input");
   EXPECT_TRUE(whole.nodes[std::size_t(whole.find("skull.contour"))].may_be_missing);
   EXPECT_FALSE(whole.nodes[std::size_t(whole.find("skin.contour"))].may_be_missing);
   c.leave_out("skull");
   EXPECT_FALSE(c.is_shown("skull"));
-  const Graph rest = make_graph(c, "input");
+  const pipeline::Graph rest = pipeline::make_graph(c, "input");
   EXPECT_LT(rest.find("skull.contour"), 0);
   EXPECT_GE(rest.find("skull.segment"), 0) << "the brain is made from it";
   EXPECT_FALSE(rest.nodes[std::size_t(rest.find("skull.segment"))].may_be_missing) << "and cannot do without";
   ASSERT_EQ(stage_of(c).shapes.size(), 1u);
   EXPECT_EQ(stage_of(c).shapes[0].first, "skin");
-  EXPECT_EQ(rest.nodes[std::size_t(rest.result(DataKind::haptic))].sources.count("shape.skull"), 0u);
+  EXPECT_EQ(rest.nodes[std::size_t(rest.result(stages::DataKind::haptic))].sources.count("shape.skull"), 0u);
 }
 
 TEST(BurrHoles, AreTheScenesAndTheCases) {
-  EXPECT_TRUE(has(fault(head, drilled), "burr_holes: is missing: the scene cuts them"));
-  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "side: up"), drilled), "burr_holes[0].side: up"));
-  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "toward: monr"), drilled), "no such landmark"));
-  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "toward: monro, direction: [0, 0, -1]"), drilled),
+  EXPECT_TRUE(has(fault(beginning, drilled), "burr_holes: is missing: the scene cuts them"));
+  EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "side: up"), drilled), "burr_holes[0].side: up"));
+  EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "toward: monr"), drilled), "no such landmark"));
+  EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "toward: monro, direction: [0, 0, -1]"), drilled),
                   "contradict each other"));
-  const CaseConfig c = read(head + one_hole, drilled);
+  const config::CaseConfig c = read(beginning + one_hole, drilled);
   ASSERT_EQ(c.burr_holes.size(), 1u);
   EXPECT_EQ(c.burr_holes[0].name, "burr_hole_1");
   EXPECT_NE(find_item(stage_of(c).drill, "skull"), nullptr);
   // The wall of the hole is triangles too.
-  EXPECT_EQ(to_text(c.find_anatomy("skull")
-                        ->find_step("decimate")
-                        ->params.get(*find_stage("decimate")->make_params().set->find("target_triangles_count"))),
-            "76000");
+  EXPECT_EQ(
+      to_text(c.find_anatomy("skull")
+                  ->find_step("decimate")
+                  ->params.get(*stages::find_stage("decimate")->make_params().set->find("target_triangles_count"))),
+      "76000");
   // A scene that cuts none does not want them.
-  EXPECT_TRUE(read(head + one_hole, live).burr_holes.empty());
+  EXPECT_TRUE(read(beginning + one_hole, live).burr_holes.empty());
 }
 
 TEST(HapticGraph, HoldsWhatIsFeltAndNoMore) {
-  const Graph g = make_graph(read(head, live), "input");
+  const pipeline::Graph g = pipeline::make_graph(read(beginning, live), "input");
   for (const char* needed : {"skin.decimate", "skull.contour", "brain.contour", "haptic.voxelize", "haptic.mismatch"})
     EXPECT_GE(g.find(needed), 0) << needed;
   // The skull is displayed from the volume: nothing decimates it.
@@ -178,44 +181,48 @@ TEST(HapticGraph, HoldsWhatIsFeltAndNoMore) {
 }
 
 TEST(HapticGraph, OneBurrHoleCutsMeshAndVolume) {
-  const CaseConfig c = read(head + one_hole, drilled);
-  const Graph g = make_graph(c, "input");
-  ASSERT_EQ(g.results(DataKind::cutters).size(), 1u);
+  const config::CaseConfig c = read(beginning + one_hole, drilled);
+  const pipeline::Graph g = pipeline::make_graph(c, "input");
+  ASSERT_EQ(g.results(stages::DataKind::cutters).size(), 1u);
   for (const char* cut : {"skull.boolean", "skin.boolean", "haptic.voxelize"})
-    EXPECT_EQ(g.nodes[g.find(cut)].sources.at("cutters.burr_hole_1"), g.result(DataKind::cutters)) << cut;
+    EXPECT_EQ(g.nodes[g.find(cut)].sources.at("cutters.burr_hole_1"), g.result(stages::DataKind::cutters)) << cut;
   EXPECT_EQ(g.anatomies[1].surface, g.find("skull.boolean"));
   // A hole is no deviation: what is measured is the surface before it.
   EXPECT_EQ(g.nodes[g.find("skull.measure")].sources.at("surface"), g.find("skull.decimate"));
   // Another landmark is another hole; another width of the skin's share is another skin, and the same skull.
-  const Graph moved = make_graph(read(head + with(one_hole, "[0, -90, 30]", "[0, -91, 30]"), drilled), "input");
+  const pipeline::Graph moved =
+      pipeline::make_graph(read(beginning + with(one_hole, "[0, -90, 30]", "[0, -91, 30]"), drilled), "input");
   EXPECT_NE(moved.nodes[moved.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);
-  const Graph wider = make_graph(read(head + one_hole, with(drilled, "widen_mm: 6", "widen_mm: 7")), "input");
+  const pipeline::Graph wider =
+      pipeline::make_graph(read(beginning + one_hole, with(drilled, "widen_mm: 6", "widen_mm: 7")), "input");
   EXPECT_NE(wider.nodes[wider.find("skin.boolean")].key, g.nodes[g.find("skin.boolean")].key);
   EXPECT_EQ(wider.nodes[wider.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);
 }
 
-static Bore bore(const Cutter& c) { return {c.position_mm, c.direction, c.radius_mm, c.above_mm, c.depth_mm}; }
+static voxel::Bore bore(const boolean::Cutter& c) {
+  return {c.position_mm, c.direction, c.radius_mm, c.above_mm, c.depth_mm};
+}
 
 TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
   // A plate of bone from z = -4 to 4.
-  TriMesh plate;
+  surface::TriMesh plate;
   for (int i = 0; i < 8; ++i) plate.points_mm.push_back({i & 1 ? 20. : -20., i & 2 ? 20. : -20., i & 4 ? 4. : -4.});
   plate.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  VoxelizeParams params;
+  voxel::VoxelizeParams params;
   Report report;
-  const Lattice lattice = haptic_lattice({{-25, -25, -10}, {25, 25, 10}}, Mat3{}, {}, params);
-  HapticVolume volume = voxelize(lattice, {{"skull", &plate, nullptr, 0}}, report);
-  Cutter hole;
+  const grid::Lattice lattice = voxel::haptic_lattice({{-25, -25, -10}, {25, 25, 10}}, Mat3{}, {}, params);
+  voxel::HapticVolume volume = voxel::voxelize(lattice, {{"skull", &plate, nullptr, 0}}, report);
+  boolean::Cutter hole;
   hole.position_mm = {0.3, -0.2, 5};
   hole.direction = {0, 0, -1};
   hole.radius_mm = 6;
   hole.above_mm = 5;
   hole.depth_mm = 12;
-  EXPECT_FALSE(hole_is_free(volume, "skull", bore(hole)));
-  cut_volume(volume, distance_to(hole), bounds_of(hole), {1}, report);
-  EXPECT_TRUE(hole_is_free(volume, "skull", bore(hole)));
+  EXPECT_FALSE(voxel::hole_is_free(volume, "skull", bore(hole)));
+  voxel::cut_volume(volume, boolean::distance_to(hole), boolean::bounds_of(hole), {1}, report);
+  EXPECT_TRUE(voxel::hole_is_free(volume, "skull", bore(hole)));
   // The same hole a millimetre aside is not.
   hole.position_mm.x += 1.2;
-  EXPECT_FALSE(hole_is_free(volume, "skull", bore(hole)));
+  EXPECT_FALSE(voxel::hole_is_free(volume, "skull", bore(hole)));
 }

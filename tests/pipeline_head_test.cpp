@@ -38,9 +38,9 @@ const std::string keep = "face: {policy: keep, reason: a test}\n";
 
 struct Read {
   ScratchFolder folder;
-  CaseConfig config;
+  config::CaseConfig config;
   std::string faults;
-  Read(const std::string& case_yaml, const std::string& scene, const ConfigOverrides& overrides = {},
+  Read(const std::string& case_yaml, const std::string& scene, const config::ConfigOverrides& overrides = {},
        const std::string& recipe_yaml = recipe) {
     folder.write("recipe.yaml", recipe_yaml);
     folder.write("scene.yaml", "trephine: 1\n" + scene);
@@ -49,17 +49,17 @@ struct Read {
                  "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
                  "1,0,-93,40,0,0,0,1,1,1,0,Nasion,,\n2,0,90,6,0,0,0,1,1,1,0,Jane Roe,,\n");
     try {
-      config = read_case_config(folder.write("case.yaml", head + case_yaml), overrides);
+      config = config::read_case_config(folder.write("case.yaml", head + case_yaml), overrides);
     } catch (const ErrorList& e) {
       for (const Error& one : e.all()) faults += one.line("") + "\n";
     }
   }
-  Graph graph() const { return make_graph(config, "input"); }
+  pipeline::Graph graph() const { return pipeline::make_graph(config, "input"); }
 };
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-int source(const Graph& g, const char* node, const char* port) {
+int source(const pipeline::Graph& g, const char* node, const char* port) {
   const int n = g.find(node);
   if (n < 0) return -2;
   const auto& sources = g.nodes[static_cast<std::size_t>(n)].sources;
@@ -103,13 +103,13 @@ TEST(HeadConfig, WhereAnotherStageMakesAnAnatomyItsNameIsSaid) {
 }
 
 TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   overrides.set = {"landmarks.lateral_mm=30"};
   const Read r("set: {deface.depth_mm: 14}\n", "anatomies: {skull: }\n" + keep, overrides);
   ASSERT_EQ(r.faults, "");
-  const RecipeStep* deface = r.config.face_step();
+  const config::RecipeStep* deface = r.config.face_step();
   EXPECT_EQ(to_text(deface->params.get(*deface->params.set->find("depth_mm"))), "14");
-  const RecipeStep* landmarks = r.config.landmarks_step();
+  const config::RecipeStep* landmarks = r.config.landmarks_step();
   EXPECT_EQ(to_text(landmarks->params.get(*landmarks->params.set->find("lateral_mm"))), "30");
 }
 
@@ -126,7 +126,7 @@ TEST(HeadConfig, PointsOfSlicerAreLandmarksAndOtherLabelsGoNowhere) {
   EXPECT_TRUE(has(Read("landmarks_file: gone.fcsv\n", "anatomies: {skull: }\n" + keep).faults, "gone.fcsv"));
   // The command line's file wins.
   ScratchFolder other;
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   overrides.landmarks = other.write("p.fcsv",
                                     "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
                                     "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
@@ -137,13 +137,13 @@ TEST(HeadConfig, PointsOfSlicerAreLandmarksAndOtherLabelsGoNowhere) {
 }
 
 TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
-  const Graph skull = Read("", "anatomies: {skull: }\n" + keep).graph();
+  const pipeline::Graph skull = Read("", "anatomies: {skull: }\n" + keep).graph();
   for (const char* needless : {"landmarks", "anatomy", "deface", "face", "skin.contour"})
     EXPECT_LT(skull.find(needless), 0) << needless;
-  const Graph wanted = Read("", "anatomies: {skull: }\nlandmarks: {nasion: 0.5}\n" + keep).graph();
-  EXPECT_GE(wanted.result(DataKind::landmarks), 0);
+  const pipeline::Graph wanted = Read("", "anatomies: {skull: }\nlandmarks: {nasion: 0.5}\n" + keep).graph();
+  EXPECT_GE(wanted.result(stages::DataKind::landmarks), 0);
   EXPECT_LT(wanted.find("ventricles.ventricles"), 0);  // the nasion does without
-  const Graph monro = Read("", "anatomies: {skull: }\nlandmarks: {monro_left: 0.5}\n" + keep).graph();
+  const pipeline::Graph monro = Read("", "anatomies: {skull: }\nlandmarks: {monro_left: 0.5}\n" + keep).graph();
   EXPECT_GE(monro.find("ventricles.ventricles"), 0);
   EXPECT_EQ(source(monro, "landmarks", "ventricles"), monro.find("ventricles.ventricles"));
   EXPECT_LT(monro.find("ventricles.contour"), 0);
@@ -152,56 +152,57 @@ TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
 TEST(HeadGraph, AGivenLandmarkSparesTheSearchAndChangesWhatHangsOnIt) {
   const std::string scene = "anatomies: {skull: , skin: }\nburr_holes: {skull: {}}\n" + keep;
   const std::string hole = "burr_holes: [{side: left, diameter_mm: 12}]\n";
-  const Graph given = Read("landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\n" + hole, scene).graph();
-  EXPECT_LT(given.result(DataKind::landmarks), 0);
-  const Graph found = Read("landmarks: {inion: [0, 89, 6]}\n" + hole, scene).graph();
-  ASSERT_GE(found.result(DataKind::landmarks), 0);
-  EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.result(DataKind::landmarks));
-  const Graph moved = Read("landmarks: {inion: [0, 88, 6]}\n" + hole, scene).graph();
-  EXPECT_NE(moved.nodes[moved.result(DataKind::landmarks)].key, found.nodes[found.result(DataKind::landmarks)].key);
+  const pipeline::Graph given = Read("landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\n" + hole, scene).graph();
+  EXPECT_LT(given.result(stages::DataKind::landmarks), 0);
+  const pipeline::Graph found = Read("landmarks: {inion: [0, 89, 6]}\n" + hole, scene).graph();
+  ASSERT_GE(found.result(stages::DataKind::landmarks), 0);
+  EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.result(stages::DataKind::landmarks));
+  const pipeline::Graph moved = Read("landmarks: {inion: [0, 88, 6]}\n" + hole, scene).graph();
+  EXPECT_NE(moved.nodes[moved.result(stages::DataKind::landmarks)].key,
+            found.nodes[found.result(stages::DataKind::landmarks)].key);
 }
 
 TEST(HeadGraph, TheGateSeesWhatTheSceneShows) {
-  const Graph two = Read("", "anatomies: {skull: , brain: }\n" + keep).graph();
+  const pipeline::Graph two = Read("", "anatomies: {skull: , brain: }\n" + keep).graph();
   ASSERT_GE(two.find("anatomy"), 0);
   EXPECT_EQ(source(two, "anatomy", "skull"), two.find("skull.segment"));
   EXPECT_EQ(source(two, "anatomy", "skin"), -1);
-  EXPECT_LT(two.result(DataKind::landmarks), 0);  // there are no ventricles whose shift could be measured
-  const Graph all = Read("", "anatomies: {skin: , skull: , brain: , ventricles: }\n" + keep).graph();
-  EXPECT_EQ(source(all, "anatomy", "landmarks"), all.result(DataKind::landmarks));
-  EXPECT_GE(all.result(DataKind::landmarks), 0);
+  EXPECT_LT(two.result(stages::DataKind::landmarks), 0);  // there are no ventricles whose shift could be measured
+  const pipeline::Graph all = Read("", "anatomies: {skin: , skull: , brain: , ventricles: }\n" + keep).graph();
+  EXPECT_EQ(source(all, "anatomy", "landmarks"), all.result(stages::DataKind::landmarks));
+  EXPECT_GE(all.result(stages::DataKind::landmarks), 0);
 }
 
 // What a stage takes off the scan is drawn, but not where it might have lain on a face that is taken away.
 TEST(HeadGraph, WhatIsTakenOffIsDrawn) {
   const std::string with_body = recipe + "body: {}\n", scene = "anatomies: {skin: }\n";
-  const Graph kept = Read("", scene + keep, {}, with_body).graph();
+  const pipeline::Graph kept = Read("", scene + keep, {}, with_body).graph();
   ASSERT_EQ(kept.removals.size(), 1u);
   EXPECT_EQ(kept.removals[0].before, 0);
   EXPECT_EQ(kept.removals[0].after, kept.find("body"));
-  const Graph defaced = Read("", scene + "face: {policy: deface}\n", {}, with_body).graph();
+  const pipeline::Graph defaced = Read("", scene + "face: {policy: deface}\n", {}, with_body).graph();
   EXPECT_GE(defaced.find("body"), 0);
   EXPECT_TRUE(defaced.removals.empty());
 }
 
 TEST(HeadGraph, TheOutlineOfWhatIsMissingIsInThePicture) {
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.size = {60, 60, 40};
   lattice.spacing_mm = {1, 1, 1};
-  Grid<std::int16_t> scan(lattice, -1000);
+  grid::Grid<std::int16_t> scan(lattice, -1000);
   const auto fill = [&](int from, int to, std::int16_t hu) {
     for (int k = 5; k < 35; ++k)
       for (int j = from; j < to; ++j)
         for (int i = 10; i < 50; ++i) scan.at(i, j, k) = hu;
   };
   fill(10, 40, 40);
-  const HuVolume body = scan;
-  EXPECT_FALSE(make_removed_picture(body, body, "body")) << "nothing is missing";
+  const grid::HuVolume body = scan;
+  EXPECT_FALSE(publish::make_removed_picture(body, body, "body")) << "nothing is missing";
   fill(48, 54, -500);  // a cushion
-  const auto picture = make_removed_picture(scan, body, "body");
+  const auto picture = publish::make_removed_picture(scan, body, "body");
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->name, "removed_by_body.png");
-  const Image image = decode_png(picture->png);
+  const picture::Image image = picture::decode_png(picture->png);
   // Of the first slice the part below its legend: red lines, and only in its lower half, where the cushion lay.
   const auto red = [&](int from, int to) {
     int count = 0;
@@ -214,14 +215,15 @@ TEST(HeadGraph, TheOutlineOfWhatIsMissingIsInThePicture) {
   };
   EXPECT_EQ(red(60, 400), 0);
   EXPECT_GT(red(400, 640), 500);
-  Lattice other = lattice;
+  grid::Lattice other = lattice;
   other.size[0] = 50;
-  EXPECT_THROW(make_removed_picture(scan, Grid<std::int16_t>(other), "body"), Error);
+  EXPECT_THROW(publish::make_removed_picture(scan, grid::Grid<std::int16_t>(other), "body"), Error);
 }
 
 TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   const std::string scene = "anatomies: {skin: , ventricles: }\n";
-  const Graph kept = Read("", scene + keep).graph(), gone = Read("", scene + "face: {policy: deface}\n").graph();
+  const pipeline::Graph kept = Read("", scene + keep).graph(),
+                        gone = Read("", scene + "face: {policy: deface}\n").graph();
   EXPECT_EQ(kept.scan, 0);
   EXPECT_LT(kept.find("face"), 0);
   ASSERT_EQ(gone.scan, gone.find("deface"));
@@ -239,31 +241,32 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   EXPECT_EQ(source(gone, "face", "surface.ventricles"), gone.find("ventricles.normals"));
   EXPECT_LT(gone.find("original.found_landmarks"), 0) << "nobody gave any";
   // What a person gave says nothing alone: the same search without it goes in beside it.
-  const Graph given = Read("landmarks: {nasion: [0, -93, 40]}\n", scene + "face: {policy: deface}\n").graph();
+  const pipeline::Graph given = Read("landmarks: {nasion: [0, -93, 40]}\n", scene + "face: {policy: deface}\n").graph();
   const int found = given.find("original.found_landmarks");
   ASSERT_GE(found, 0);
   EXPECT_EQ(given.nodes[static_cast<std::size_t>(found)].sources.count("given"), 0u);
   EXPECT_EQ(source(given, "deface", "found"), found);
   EXPECT_EQ(source(given, "face", "found"), found);
   EXPECT_EQ(source(given, "original.landmarks", "given"), given.find("given_landmarks"));
-  const Graph cropped = Read("", scene + "face: {policy: crop}\n").graph();
+  const pipeline::Graph cropped = Read("", scene + "face: {policy: crop}\n").graph();
   EXPECT_NE(cropped.nodes[cropped.scan].key, gone.nodes[gone.scan].key);
   // A scene that says nothing of the face is held against it as well, in the scan as it is.
-  const Graph silent = Read("", "anatomies: {skull: }\n").graph();
+  const pipeline::Graph silent = Read("", "anatomies: {skull: }\n").graph();
   EXPECT_EQ(silent.scan, 0);
   EXPECT_EQ(source(silent, "face", "skin"), silent.find("skin.segment"));
 }
 
 TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {
   const Read r("landmarks: {inion: [0, 89, 6]}\n", "anatomies: {skull: }\nlandmarks: {nasion: 0.6, inion: 1}\n" + keep);
-  const Graph g = r.graph();
-  std::vector<NodeResult> results(g.nodes.size());
-  HeadLandmarks found;
+  const pipeline::Graph g = r.graph();
+  std::vector<pipeline::NodeResult> results(g.nodes.size());
+  head::HeadLandmarks found;
   found.landmarks = {{"nasion", {0, -93, 40}, 0.55, "found"}, {"inion", {0, 89, 6}, 1, "given"}};
   const auto content = [&] {
-    results[std::size_t(g.result(DataKind::landmarks))].data = std::make_shared<const HeadLandmarks>(found);
-    CaseManifest m;
-    add_head_content(r.config, g, results, m);
+    results[std::size_t(g.result(stages::DataKind::landmarks))].data =
+        std::make_shared<const head::HeadLandmarks>(found);
+    cases::CaseManifest m;
+    publish::add_head_content(r.config, g, results, m);
     return m;
   };
   try {

@@ -12,16 +12,17 @@
 namespace trephine {
 namespace {
 
-std::vector<CaseMaterial> shipped() {
-  ConfigFaults faults;
+std::vector<cases::CaseMaterial> shipped() {
+  config::ConfigFaults faults;
   const std::filesystem::path file = std::string(TREPHINE_SOURCE_DIR) + "/configs/materials.yaml";
-  MaterialsFileParams said;
-  read_declared({file, faults, {}, {}}, read_yaml(file), parameters_of<MaterialsFileParams>(), &said);
+  config::MaterialsFileParams said;
+  config::read_declared({file, faults, {}, {}}, config::read_yaml(file), parameters_of<config::MaterialsFileParams>(),
+                        &said);
   faults.raise();
-  std::vector<CaseMaterial> all;
+  std::vector<cases::CaseMaterial> all;
   for (const auto& [name, material] : said.materials) {
-    CaseMaterial& one = all.emplace_back();
-    static_cast<MaterialParams&>(one) = material;
+    cases::CaseMaterial& one = all.emplace_back();
+    static_cast<cases::MaterialParams&>(one) = material;
     one.name = name;
   }
   return all;
@@ -29,10 +30,10 @@ std::vector<CaseMaterial> shipped() {
 
 TEST(Materials, AllAreSoundAndWithinADesktopDevicesReach) {
   std::set<std::string> names;
-  for (CaseMaterial m : shipped()) {
+  for (cases::CaseMaterial m : shipped()) {
     names.insert(m.name);
-    EXPECT_EQ(fault_of(parameters_of<CaseMaterial>(), &m), "") << m.name;
-    for (const CaseFace& f : {m.front, m.back}) {
+    EXPECT_EQ(fault_of(parameters_of<cases::CaseMaterial>(), &m), "") << m.name;
+    for (const cases::CaseFace& f : {m.front, m.back}) {
       EXPECT_LE(f.stiffness_n_per_mm, 1) << m.name;
       EXPECT_LE(f.pop_through_n, 3) << m.name;
       // Passive at 1 kHz on a device with 0.0008 N s/mm of damping of its own: K < 2 (b - B) / T.
@@ -46,14 +47,15 @@ TEST(Materials, AllAreSoundAndWithinADesktopDevicesReach) {
 TEST(Materials, TheyDifferAsTissuesDo) {
   const auto all = shipped();
   const auto of = [&](const char* name) {
-    return *std::find_if(all.begin(), all.end(), [&](const CaseMaterial& m) { return m.name == name; });
+    return *std::find_if(all.begin(), all.end(), [&](const cases::CaseMaterial& m) { return m.name == name; });
   };
   const char* softer_first[] = {"brain", "csf", "soft_tissue", "vein", "skin", "disc", "bone"};
   for (int i = 0; i + 1 < 7; ++i)
     EXPECT_LT(of(softer_first[i]).front.stiffness_n_per_mm, of(softer_first[i + 1]).front.stiffness_n_per_mm);
   EXPECT_EQ(of("bone").front.pop_through_n, 0);
   EXPECT_GT(of("csf").front.pop_through_n, of("brain").front.pop_through_n);
-  for (const CaseMaterial& m : all) EXPECT_EQ(m.removal_energy_j_per_mm3 > 0, m.name == "bone" || m.name == "disc");
+  for (const cases::CaseMaterial& m : all)
+    EXPECT_EQ(m.removal_energy_j_per_mm3 > 0, m.name == "bone" || m.name == "disc");
 }
 
 }  // namespace

@@ -25,26 +25,26 @@ TEST(Recipes, OfSpineAndChestHaveTheirAnatomiesAndShowNoFace) {
       {"ct_chest_bone.yaml", {"skin", "bone"}},
   };
   for (const auto& [name, anatomies] : scenes) {
-    const CaseConfig c = read_case_config(shipped(name));
-    for (const RecipeAnatomy& a : c.anatomies) EXPECT_FALSE(a.shows_face) << name << " " << a.name;
+    const config::CaseConfig c = config::read_case_config(shipped(name));
+    for (const config::RecipeAnatomy& a : c.anatomies) EXPECT_FALSE(a.shows_face) << name << " " << a.name;
     std::vector<std::string> wanted;
-    for (const SceneAnatomy& a : c.scene) wanted.push_back(a.name);
+    for (const config::SceneAnatomy& a : c.scene) wanted.push_back(a.name);
     EXPECT_EQ(wanted, anatomies) << name;
     EXPECT_EQ(c.import.clamp_low_hu, -1024) << name;
     EXPECT_EQ(c.face, "") << name;
   }
 }
 
-class Nobody : public RunObserver {
+class Nobody : public pipeline::RunObserver {
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
   void finished(const std::string&, const std::string&, double, const Report&) override {}
 };
 
 /// Makes the case of a real scan; its manifest.
-CaseManifest made_of(const char* config, const char* data, const ScratchFolder& folder) {
+cases::CaseManifest made_of(const char* config, const char* data, const ScratchFolder& folder) {
   const char *own = std::getenv("TREPHINE_DATA"), *home = std::getenv("HOME");
-  RunRequest r;
+  publish::RunRequest r;
   r.config = shipped(config);
   r.overrides.series =
       std::filesystem::path(own ? own : std::string(home ? home : "") + "/.cache/trephine-data") / data;
@@ -55,13 +55,13 @@ CaseManifest made_of(const char* config, const char* data, const ScratchFolder& 
   r.params.pictures = false;
   r.program_version = "test";
   Nobody nobody;
-  return read_case(run_case(r, nobody).case_folder);
+  return cases::read_case(publish::run_case(r, nobody).case_folder);
 }
 #define NEEDS(manifest) \
   if ((manifest).case_token.empty()) GTEST_SKIP() << "no real data"
 
-void expect_volume(const CaseManifest& m, const char* anatomy, double low_ml, double high_ml) {
-  const CaseAnatomy* a = m.find_anatomy(anatomy);
+void expect_volume(const cases::CaseManifest& m, const char* anatomy, double low_ml, double high_ml) {
+  const cases::CaseAnatomy* a = m.find_anatomy(anatomy);
   ASSERT_NE(a, nullptr);
   EXPECT_GT(a->volume_ml, low_ml) << anatomy;
   EXPECT_LT(a->volume_ml, high_ml) << anatomy;
@@ -70,7 +70,7 @@ void expect_volume(const CaseManifest& m, const char* anatomy, double low_ml, do
 
 TEST(LongRecipes, ALumbarSpineIsWholeAndItsFieldOfViewHoldsNoSkin) {
   const ScratchFolder folder;
-  const CaseManifest m = made_of("ct_spine_bone.yaml", "spine_lumbar_hitachi", folder);
+  const cases::CaseManifest m = made_of("ct_spine_bone.yaml", "spine_lumbar_hitachi", folder);
   NEEDS(m);
   // Three osteoporotic vertebrae and parts of others: 87 to 100 ml where their bodies stay hollow.
   expect_volume(m, "bone", 140, 165);
@@ -86,7 +86,7 @@ TEST(LongRecipes, ALumbarSpineIsWholeAndItsFieldOfViewHoldsNoSkin) {
 
 TEST(LongRecipes, AChestHasItsBonesAndNoCouchInItsSkin) {
   const ScratchFolder folder;
-  const CaseManifest m = made_of("ct_chest.yaml", "chest_clavicle_LIDC-0314_top80", folder);
+  const cases::CaseManifest m = made_of("ct_chest.yaml", "chest_clavicle_LIDC-0314_top80", folder);
   NEEDS(m);
   expect_volume(m, "other_bone", 340, 410);
   expect_volume(m, "clavicle", 36, 48);

@@ -18,11 +18,11 @@ const fs::path configs = fs::path(TREPHINE_SOURCE_DIR) / "configs";
 
 // The lines of the faults, with their codes in front.
 std::string faults_of(const fs::path& file, std::vector<std::string> set) {
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   overrides.set = std::move(set);
   std::string all;
   try {
-    read_case_config(file, overrides);
+    config::read_case_config(file, overrides);
   } catch (const ErrorList& e) {
     for (const Error& one : e.all()) all += std::to_string(int(one.code())) + one.line("") + "\n";
   }
@@ -46,7 +46,7 @@ TEST(SetValues, ThousandsOfUnknownPathsTakeNoTime) {
     file.close();
     const std::clock_t begin = std::clock();
     try {
-      read_case_config(folder.path() / "c.yaml", {});
+      config::read_case_config(folder.path() / "c.yaml", {});
       ADD_FAILURE() << "read";
     } catch (const ErrorList& e) {
       EXPECT_EQ(e.all().size(), told) << count;
@@ -87,10 +87,10 @@ TEST(SetValues, WhatHasBeenReadAlreadyIsNotSet) {
 
 // The origin of each value of a burr hole is the file that gives it.
 TEST(SetValues, ABurrHolesValuesComeFromTheCase) {
-  const CaseConfig config = read_case_config(configs / "sample_drilled.yaml");
+  const config::CaseConfig config = config::read_case_config(configs / "sample_drilled.yaml");
   int from_the_case = 0;
-  for (const ValueRow& row : config.values)
-    if (row.path.rfind("burr_hole_1.", 0) == 0) from_the_case += row.origin.source == ValueSource::set;
+  for (const config::ValueRow& row : config.values)
+    if (row.path.rfind("burr_hole_1.", 0) == 0) from_the_case += row.origin.source == config::ValueSource::set;
   EXPECT_GE(from_the_case, 3);
 }
 

@@ -12,8 +12,8 @@
 namespace trephine {
 namespace {
 
-TradePoint point(const std::string& name, double seconds, double rms_mm, std::int64_t triangles) {
-  TradePoint p;
+config::TradePoint point(const std::string& name, double seconds, double rms_mm, std::int64_t triangles) {
+  config::TradePoint p;
   p.name = name;
   p.settings = {"*.decimate.max_deviation_mm=" + name};
   p.seconds = seconds;
@@ -26,15 +26,15 @@ TradePoint point(const std::string& name, double seconds, double rms_mm, std::in
 }
 
 // Errors fall steeply down to "knee" and hardly after it; "bad" is beaten, "none" was refused.
-std::vector<TradePoint> points() {
-  std::vector<TradePoint> all = {point("fine", 80, 0.04, 400000), point("fast", 5, 2, 5000),
-                                 point("knee", 12, 0.06, 90000),  point("bad", 30, 0.5, 200000),
-                                 point("mid", 8, 0.6, 30000),     point("none", 0, 0, 0)};
+std::vector<config::TradePoint> points() {
+  std::vector<config::TradePoint> all = {point("fine", 80, 0.04, 400000), point("fast", 5, 2, 5000),
+                                         point("knee", 12, 0.06, 90000),  point("bad", 30, 0.5, 200000),
+                                         point("mid", 8, 0.6, 30000),     point("none", 0, 0, 0)};
   all.back().refused = "brain.brain: finds nothing";
   return all;
 }
 
-std::vector<std::string> names(const std::vector<TradePoint>& all, const std::vector<std::size_t>& which) {
+std::vector<std::string> names(const std::vector<config::TradePoint>& all, const std::vector<std::size_t>& which) {
   std::vector<std::string> out;
   for (const std::size_t i : which) out.push_back(all[i].name);
   return out;
@@ -42,52 +42,53 @@ std::vector<std::string> names(const std::vector<TradePoint>& all, const std::ve
 
 TEST(TradeFront, HoldsWhatNoOtherBeatsInBoth) {
   const auto all = points();
-  EXPECT_EQ(names(all, pareto_front(all, TradeCost::seconds, TradeError::rms)),
+  EXPECT_EQ(names(all, config::pareto_front(all, config::TradeCost::seconds, config::TradeError::rms)),
             (std::vector<std::string>{"fast", "mid", "knee", "fine"}));
-  EXPECT_EQ(pareto_front({}, TradeCost::bytes, TradeError::max), std::vector<std::size_t>{});
+  EXPECT_EQ(config::pareto_front({}, config::TradeCost::bytes, config::TradeError::max), std::vector<std::size_t>{});
   // Of equal ones the first alone.
-  const std::vector<TradePoint> twins = {point("a", 1, 1, 10), point("b", 1, 1, 10)};
-  EXPECT_EQ(names(twins, pareto_front(twins, TradeCost::triangles, TradeError::p99)), std::vector<std::string>{"a"});
+  const std::vector<config::TradePoint> twins = {point("a", 1, 1, 10), point("b", 1, 1, 10)};
+  EXPECT_EQ(names(twins, config::pareto_front(twins, config::TradeCost::triangles, config::TradeError::p99)),
+            std::vector<std::string>{"a"});
 }
 
 TEST(TradeChoice, AccuracyTakesTheFastestThatKeepsIt) {
-  TradeRule rule;
+  config::TradeRule rule;
   rule.max_deviation_mm = 0.3;
-  const TradeChoice c = choose(points(), rule);
+  const config::TradeChoice c = config::choose(points(), rule);
   EXPECT_EQ(c.point.name, "knee");
   EXPECT_NE(c.why.find("the fastest of 2 of 6 points that keep max_deviation_mm 0.3"), std::string::npos) << c.why;
 }
 
 // Other voxels are fast and look accurate on the head that was measured; on the next they are not.
 TEST(TradeChoice, AccuracyIsNeverPromisedOfOtherVoxels) {
-  std::vector<TradePoint> all = points();
+  std::vector<config::TradePoint> all = points();
   all.push_back(point("voxels", 6, 0.05, 80000));
   all.back().settings.insert(all.back().settings.begin(), "resample.spacing_mm=[1, 1, 1]");
-  TradeRule rule;
+  config::TradeRule rule;
   rule.max_deviation_mm = 0.3;
-  EXPECT_EQ(choose(all, rule).point.name, "knee");
-  TradeRule budget;
+  EXPECT_EQ(config::choose(all, rule).point.name, "knee");
+  config::TradeRule budget;
   budget.seconds = 10;
-  EXPECT_EQ(choose(all, budget).point.name, "voxels");
+  EXPECT_EQ(config::choose(all, budget).point.name, "voxels");
 }
 
 TEST(TradeChoice, ABudgetTakesTheMostAccurateWithinIt) {
-  TradeRule rule;
+  config::TradeRule rule;
   rule.seconds = 10;
-  EXPECT_EQ(choose(points(), rule).point.name, "mid");
+  EXPECT_EQ(config::choose(points(), rule).point.name, "mid");
   rule.seconds = 0;
   rule.triangles_count = 200000;
-  EXPECT_EQ(choose(points(), rule).point.name, "knee");
+  EXPECT_EQ(config::choose(points(), rule).point.name, "knee");
   rule.seconds = 5;
-  EXPECT_EQ(choose(points(), rule).point.name, "fast");
+  EXPECT_EQ(config::choose(points(), rule).point.name, "fast");
 }
 
 TEST(TradeChoice, WhatNobodyKeepsIsRefusedNamingTheNearest) {
-  TradeRule rule;
+  config::TradeRule rule;
   rule.rms_deviation_mm = 0.03;
   rule.seconds = 60;
   try {
-    choose(points(), rule);
+    config::choose(points(), rule);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -96,10 +97,10 @@ TEST(TradeChoice, WhatNobodyKeepsIsRefusedNamingTheNearest) {
 }
 
 TEST(TradeChoice, ProfilesAreTheEndsAndTheKneeOfTheFront) {
-  TradeRule rule;
+  config::TradeRule rule;
   const auto chosen = [&](const char* profile) {
     rule.profile = profile;
-    return choose(points(), rule).point.name;
+    return config::choose(points(), rule).point.name;
   };
   EXPECT_EQ(chosen("draft"), "fast");
   EXPECT_EQ(chosen("standard"), "knee");
@@ -107,27 +108,27 @@ TEST(TradeChoice, ProfilesAreTheEndsAndTheKneeOfTheFront) {
   EXPECT_THROW(chosen("best"), Error);
   rule.profile = "standard";
   // Of two there is no knee: accuracy.
-  EXPECT_EQ(choose({point("slow", 30, 0.17, 4), point("quick", 27, 1.1, 4)}, rule).point.name, "slow");
+  EXPECT_EQ(config::choose({point("slow", 30, 0.17, 4), point("quick", 27, 1.1, 4)}, rule).point.name, "slow");
   // Of one point all three are it.
-  EXPECT_EQ(choose({point("only", 1, 0.1, 4)}, rule).point.name, "only");
+  EXPECT_EQ(config::choose({point("only", 1, 0.1, 4)}, rule).point.name, "only");
 }
 
 TEST(TradeChoice, MoreTrianglesThanTheSceneSaysAreForThoseWhoAskForThem) {
-  TradePoint more = point("more", 5, 0.01, 90);
+  config::TradePoint more = point("more", 5, 0.01, 90);
   more.settings = {"scene.triangles_ratio=2"};
-  TradePoint fewer = point("fewer", 0.5, 0.9, 1);
+  config::TradePoint fewer = point("fewer", 0.5, 0.9, 1);
   fewer.settings = {"scene.triangles_ratio=0.5"};
-  std::vector<TradePoint> all = points();
+  std::vector<config::TradePoint> all = points();
   all.insert(all.end(), {more, fewer});
-  const auto chosen = [&](const TradeRule& rule) { return choose(all, rule).point.name; };
-  TradeRule profile;
+  const auto chosen = [&](const config::TradeRule& rule) { return config::choose(all, rule).point.name; };
+  config::TradeRule profile;
   profile.profile = "draft";
   EXPECT_EQ(chosen(profile), "fewer");
   profile.profile = "standard";
   EXPECT_EQ(chosen(profile), "knee");
   profile.profile = "fine";
   EXPECT_EQ(chosen(profile), "more");
-  TradeRule accuracy;
+  config::TradeRule accuracy;
   accuracy.rms_deviation_mm = 0.011;
   EXPECT_THROW(chosen(accuracy), Error);
   accuracy.triangles_count = 100;
@@ -135,35 +136,35 @@ TEST(TradeChoice, MoreTrianglesThanTheSceneSaysAreForThoseWhoAskForThem) {
 }
 
 TEST(TradeFront, OfSeveralHeadsIsWhatHoldsForAll) {
-  TradePoint a = point("a", 10, 0.1, 40), b = point("b", 20, 0.05, 50), only = point("only", 1, 0.3, 5);
+  config::TradePoint a = point("a", 10, 0.1, 40), b = point("b", 20, 0.05, 50), only = point("only", 1, 0.3, 5);
   a.settings = {"x=1"}, b.settings = {"x=2"}, only.settings = {"x=3"};
-  TradePoint other_a = a, other_b = b;
+  config::TradePoint other_a = a, other_b = b;
   other_a.seconds = 4, other_a.deviation_rms_mm = 0.2, other_a.triangles_count = 60;
   other_b.refused = "brain.brain: nothing";
-  const auto all = points_of_all({{a, b, only}, {other_b, other_a}});
+  const auto all = config::points_of_all({{a, b, only}, {other_b, other_a}});
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].name, "a");
   EXPECT_EQ(all[0].seconds, 10);
   EXPECT_EQ(all[0].deviation_rms_mm, 0.2);
   EXPECT_EQ(all[0].triangles_count, 60);
   EXPECT_EQ(all[1].refused, "brain.brain: nothing");
-  EXPECT_EQ(points_of_all({{a, b, only}}).size(), 3u);
-  EXPECT_TRUE(points_of_all({{a}, {b}}).empty());
+  EXPECT_EQ(config::points_of_all({{a, b, only}}).size(), 3u);
+  EXPECT_TRUE(config::points_of_all({{a}, {b}}).empty());
 }
 
 TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
   const ScratchFolder folder;
   const auto file = folder.path() / "trade.json";
   const auto write = [&](const std::string& text) { write_file(file, text); };
-  const std::string list = trade_points_json(points());
+  const std::string list = config::trade_points_json(points());
   write(R"({"format": "trephine.trade", "version": 1, "points": )" + list + "}");
-  const auto read = read_trade_points(file);
+  const auto read = config::read_trade_points(file);
   ASSERT_EQ(read.size(), 6u);
-  EXPECT_EQ(trade_points_json(read), list);
+  EXPECT_EQ(config::trade_points_json(read), list);
   const auto field_of = [&](const std::string& text) {
     write(text);
     try {
-      read_trade_points(file);
+      config::read_trade_points(file);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.field();

@@ -22,32 +22,30 @@
 namespace trephine {
 namespace {
 
-using namespace phantom;
-
-ImportResult scanned(const ScanParams& p) {
+dicom::ImportResult scanned(const phantom::ScanParams& p) {
   const ScratchFolder folder;
-  const Head head{HeadParams{}};
-  SeriesParams raw;
-  raw.encoding = Encoding::none;
-  write_series(folder.path(), scan(head, p), p, raw, "tilt");
-  return import_series(folder.path(), {});
+  const phantom::Head head{phantom::HeadParams{}};
+  phantom::SeriesParams raw;
+  raw.encoding = phantom::Encoding::none;
+  phantom::write_series(folder.path(), phantom::scan(head, p), p, raw, "tilt");
+  return dicom::import_series(folder.path(), {});
 }
 
 double number(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
 
 void expect_marks(double tilt_deg) {
-  ScanParams p;
-  p.contents = Contents::fiducials;
+  phantom::ScanParams p;
+  p.contents = phantom::Contents::fiducials;
   p.columns_count = p.rows_count = 160;
   p.field_of_view_mm = 200;
   p.slices_count = 100;
   p.slice_step_mm = p.slice_thickness_mm = 2;
   p.noise_hu = 0;
   p.tilt_deg = tilt_deg;
-  const ImportResult r = scanned(p);
+  const dicom::ImportResult r = scanned(p);
   EXPECT_NEAR(std::abs(number(r.report, "tilt_deg")), std::abs(tilt_deg), 0.01);
-  const auto& g = std::get<Grid<std::int16_t>>(r.volume);
-  for (const Fiducial& mark : fiducials_of(p)) {
+  const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
+  for (const phantom::Fiducial& mark : phantom::fiducials_of(p)) {
     Vec3 sum;
     double weight = 0;
     const Vec3 middle = g.to_index(mark.centre_mm);
@@ -70,30 +68,31 @@ void expect_marks(double tilt_deg) {
 
 /// RMS of the skull against the analytic one, where a scan of any tilt has seen it.
 double skull_rms(double tilt_deg, int matrix, double step_mm) {
-  ScanParams p;
+  phantom::ScanParams p;
   p.columns_count = p.rows_count = matrix;
   p.field_of_view_mm = 240;
   p.slice_step_mm = p.slice_thickness_mm = step_mm;
   p.slices_count = static_cast<int>(130 / step_mm);
   p.tilt_deg = tilt_deg;
-  const ImportResult r = scanned(p);
-  SegmentParams bone;
+  const dicom::ImportResult r = scanned(p);
+  segmentation::SegmentParams bone;
   bone.lower_hu = 226;
   bone.seed_lower_hu = 400;
-  bone.edge = SegmentEdge::half_maximum;
-  bone.components = SegmentComponents::largest;
-  bone.fill = SegmentFill::cavities;
+  bone.edge = segmentation::SegmentEdge::half_maximum;
+  bone.components = segmentation::SegmentComponents::largest;
+  bone.fill = segmentation::SegmentFill::cavities;
   bone.fill_close_mm = 2;
   bone.fill_max_ml = 100;
   Report ignored;
-  const TriMesh mesh = contour(segment(r.volume, {}, bone, ignored), {}, ignored);
-  const Head head{HeadParams{}};
+  const surface::TriMesh mesh = meshing::contour(segmentation::segment(r.volume, {}, bone, ignored), {}, ignored);
+  const phantom::Head head{phantom::HeadParams{}};
   const auto seen = [](Vec3 at) { return at.z >= 26 && at.z <= 58; };  // by every tilt; above the base's thin plates
-  const TriMesh truth = truth_mesh(head, Anatomy::skull, Bounds{{-120, -130, 20}, {120, 110, 64}}, 2);
-  DeviationParams few;
+  const surface::TriMesh truth =
+      phantom::truth_mesh(head, phantom::Anatomy::skull, surface::Bounds{{-120, -130, 20}, {120, 110, 64}}, 2);
+  metrics::DeviationParams few;
   few.sample_count = 20000;
-  const Deviation d = measure_deviation_to_truth(
-      mesh, [&](Vec3 at) { return head.signed_distance_mm(Anatomy::skull, at); }, truth, few, seen);
+  const metrics::Deviation d = metrics::measure_deviation_to_truth(
+      mesh, [&](Vec3 at) { return head.signed_distance_mm(phantom::Anatomy::skull, at); }, truth, few, seen);
   std::printf("tilt %+5.1f: skull RMS %.4f mm, p99 %.3f mm, bias %+.3f mm\n", tilt_deg, d.both.rms_mm, d.both.p99_mm,
               d.both.bias_mm);
   return d.both.rms_mm;
@@ -118,18 +117,18 @@ std::filesystem::path data(const std::string& name) {
 }
 
 /// As readers do that know no tilt: the slices stacked square, the slanted step taken for the spacing.
-HuVolume stacked_square(const std::filesystem::path& folder) {
-  const dicom::Catalogue catalogue = dicom::scan(folder, ModalityPolicy::ct, {});
+grid::HuVolume stacked_square(const std::filesystem::path& folder) {
+  const dicom::Catalogue catalogue = dicom::scan(folder, dicom::ModalityPolicy::ct, {});
   const dicom::Series& s = dicom::choose(catalogue, "");
-  const dicom::StackGeometry g = dicom::analyse_stack(s.stack, GapPolicy::refuse, 8);
+  const dicom::StackGeometry g = dicom::analyse_stack(s.stack, dicom::GapPolicy::refuse, 8);
   const auto slice = [&](std::size_t k) { return static_cast<std::size_t>(g.levels[k].front()); };
-  Lattice l;
+  grid::Lattice l;
   l.size = {s.stack.columns, s.stack.rows, static_cast<int>(g.levels.size())};
   l.direction.column = {s.stack.u, s.stack.v, s.stack.normal()};
   const Vec3 first = s.stack.positions_mm[slice(0)];
   l.origin_mm = first;
   l.spacing_mm = {s.stack.dx_mm, s.stack.dy_mm, norm(s.stack.positions_mm[slice(1)] - first)};
-  Grid<std::int16_t> volume(l);
+  grid::Grid<std::int16_t> volume(l);
   std::vector<dicom::FrameRef> frames;
   for (std::size_t k = 0; k < g.levels.size(); ++k) frames.push_back(s.slices[slice(k)]);
   dicom::HuMapper<std::int16_t> mapper;
@@ -142,13 +141,13 @@ HuVolume stacked_square(const std::filesystem::path& folder) {
   return volume;
 }
 
-TriMesh plastic_skull(const HuVolume& volume) {
-  SegmentParams p;
+surface::TriMesh plastic_skull(const grid::HuVolume& volume) {
+  segmentation::SegmentParams p;
   p.lower_hu = 500;
-  p.edge = SegmentEdge::half_maximum;
-  p.components = SegmentComponents::largest;
+  p.edge = segmentation::SegmentEdge::half_maximum;
+  p.components = segmentation::SegmentComponents::largest;
   Report ignored;
-  return contour(segment(volume, {}, p, ignored), {}, ignored);
+  return meshing::contour(segmentation::segment(volume, {}, p, ignored), {}, ignored);
 }
 
 struct Motion {
@@ -169,7 +168,8 @@ std::vector<double> nearest_share(std::vector<double> distances, double share) {
 
 /// Trimmed iterated closest points (Chetverikov et al. 2002), rotation by Kabsch: the motion that carries the points
 /// onto the surface.
-Motion registered(const std::vector<Vec3>& points, const PointToMesh& surface, Motion m, double share, int rounds) {
+Motion registered(const std::vector<Vec3>& points, const surface::PointToMesh& surface, Motion m, double share,
+                  int rounds) {
   for (int round = 0; round < rounds; ++round) {
     std::vector<std::pair<double, std::size_t>> order;
     std::vector<Vec3> moved, target;
@@ -201,14 +201,15 @@ struct Fit {
 };
 
 /// How far the tilted scan's skull is from the untilted one's after the best rigid motion.
-Fit fit(const HuVolume& tilted, const TriMesh& reference) {
+Fit fit(const grid::HuVolume& tilted, const surface::TriMesh& reference) {
   constexpr double share = 0.8;  // the scans do not cover the same part
-  const TriMesh mesh = plastic_skull(tilted);
-  const std::vector<Vec3> coarse = points_on_surface(mesh, 2000), fine = points_on_surface(mesh, 20000);
-  const PointToMesh surface(reference);
+  const surface::TriMesh mesh = plastic_skull(tilted);
+  const std::vector<Vec3> coarse = metrics::points_on_surface(mesh, 2000),
+                          fine = metrics::points_on_surface(mesh, 20000);
+  const surface::PointToMesh surface(reference);
   Vec3 a, b;
   for (const Vec3& p : coarse) a += p / 2000;
-  for (const Vec3& p : points_on_surface(reference, 4000)) b += p / 4000;
+  for (const Vec3& p : metrics::points_on_surface(reference, 4000)) b += p / 4000;
   Motion start;
   start.shift = Eigen::Vector3d(b.x - a.x, b.y - a.y, b.z - a.z);
   const Motion m = registered(coarse, surface, start, share, 80);
@@ -224,8 +225,9 @@ TEST(RectifyRealScan, TiltedPlasticSkullLiesOnItsUntiltedTwin) {
   const auto tilted = data("phantom_tilt_Philips"), upright = data("phantom_untilted_Philips");
   if (!std::filesystem::exists(tilted) || !std::filesystem::exists(upright))
     GTEST_SKIP() << "no real data at " << tilted;
-  const TriMesh reference = plastic_skull(import_series(upright, {}).volume);
-  const Fit with = fit(import_series(tilted, {}).volume, reference), without = fit(stacked_square(tilted), reference);
+  const surface::TriMesh reference = plastic_skull(dicom::import_series(upright, {}).volume);
+  const Fit with = fit(dicom::import_series(tilted, {}).volume, reference),
+            without = fit(stacked_square(tilted), reference);
   std::printf("rectified: RMS %.3f mm, median %.3f, p90 %.3f; stacked square: RMS %.3f, median %.3f, p90 %.3f\n",
               with.rms_mm, with.median_mm, with.p90_mm, without.rms_mm, without.median_mm, without.p90_mm);
   EXPECT_LT(with.rms_mm, 0.5);

@@ -14,17 +14,17 @@
 namespace trephine::drawing {
 namespace {
 
-Vec3 at(const SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
+Vec3 at(const scene::SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
 
 // Of every vertex from every triangle.
-double worst_of_all(const SceneSurface& whole, const SceneSurface& coarse) {
+double worst_of_all(const scene::SceneSurface& whole, const scene::SceneSurface& coarse) {
   double worst = 0;
-  for (const SceneVertex& v : whole.vertices) {
+  for (const scene::SceneVertex& v : whole.vertices) {
     double nearest = 1e300;
     for (std::size_t t = 0; t < coarse.indices.size(); t += 3)
-      nearest = std::min(nearest, nearest_on_triangle(at(v), at(coarse.vertices[coarse.indices[t]]),
-                                                      at(coarse.vertices[coarse.indices[t + 1]]),
-                                                      at(coarse.vertices[coarse.indices[t + 2]]))
+      nearest = std::min(nearest, surface::nearest_on_triangle(at(v), at(coarse.vertices[coarse.indices[t]]),
+                                                               at(coarse.vertices[coarse.indices[t + 1]]),
+                                                               at(coarse.vertices[coarse.indices[t + 2]]))
                                       .squared_mm2);
     worst = std::max(worst, nearest);
   }
@@ -32,7 +32,7 @@ double worst_of_all(const SceneSurface& whole, const SceneSurface& coarse) {
 }
 
 // A closed needle of three sides, from the origin up to that height.
-void add_needle(SceneSurface& s, Vec3 foot, double height) {
+void add_needle(scene::SceneSurface& s, Vec3 foot, double height) {
   const auto first = std::uint32_t(s.vertices.size());
   const Vec3 corners[] = {{0.1, 0, 0}, {-0.1, 0.1, 0}, {-0.1, -0.1, 0}};
   for (const double z : {0.0, height})
@@ -45,11 +45,11 @@ void add_needle(SceneSurface& s, Vec3 foot, double height) {
 }  // namespace
 
 TEST(RenderCoarse, VerticesStayWithinTheBoundAndWhatIsClosedStaysClosed) {
-  const TriMesh ball = case_samples::ball(40, 60);
-  const SceneSurface whole = surface_of(ball, "ball", {1, 1, 1});
+  const surface::TriMesh ball = case_samples::ball(40, 60);
+  const scene::SceneSurface whole = surface_of(ball, "ball", {1, 1, 1});
   for (const double within_mm : {1.0, 3.0, 8.0}) {
     SCOPED_TRACE(within_mm);
-    const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm);
+    const render::CoarseTriangles coarse = render::coarse_triangles(whole.vertices, whole.indices, within_mm);
     ASSERT_EQ(coarse.indices.size(), 3 * coarse.from.size());
     EXPECT_GT(coarse.from.size(), 20u);
     EXPECT_LT(coarse.from.size(), whole.indices.size() / 3);
@@ -72,17 +72,17 @@ TEST(RenderCoarse, VerticesStayWithinTheBoundAndWhatIsClosedStaysClosed) {
     }
     for (const auto& [edge, count] : edges) ASSERT_EQ(count, 0) << "an open edge";
     EXPECT_NEAR(volume, 4.0 / 3 * M_PI * 40 * 40 * 40, 4 * M_PI * 40 * 40 * within_mm);
-    const SceneSurface less = coarse_surface(whole, within_mm);
+    const scene::SceneSurface less = render::coarse_surface(whole, within_mm);
     EXPECT_EQ(less.indices.size(), coarse.indices.size());
     EXPECT_LT(less.vertices.size(), whole.vertices.size());
   }
 }
 
 TEST(RenderCoarse, TheWorstPlaceIsTheWorstOfAll) {
-  const SceneSurface whole = surface_of(case_samples::ball(20, 24), "ball", {1, 1, 1});
+  const scene::SceneSurface whole = surface_of(case_samples::ball(20, 24), "ball", {1, 1, 1});
   for (const double mm : {2.0, 5.0}) {
-    const SceneSurface coarse = coarse_surface(whole, mm);
-    const CoarseFacts facts = coarse_facts(whole, coarse);
+    const scene::SceneSurface coarse = render::coarse_surface(whole, mm);
+    const render::CoarseFacts facts = render::coarse_facts(whole, coarse);
     EXPECT_EQ(facts.whole, whole.indices.size() / 3);
     EXPECT_EQ(facts.left, coarse.indices.size() / 3);
     EXPECT_LT(facts.left, facts.whole);
@@ -90,8 +90,8 @@ TEST(RenderCoarse, TheWorstPlaceIsTheWorstOfAll) {
     EXPECT_GT(facts.worst_mm, 0.01);
     EXPECT_LE(facts.worst_mm, mm);
     EXPECT_NEAR(facts.worst_mm, worst_of_all(whole, coarse), 1e-9);
-    const CoarseTriangles beside = coarse_triangles(whole.vertices, whole.indices, mm);
-    const CoarseFacts same = coarse_facts(whole.vertices, facts.whole, beside.indices);
+    const render::CoarseTriangles beside = render::coarse_triangles(whole.vertices, whole.indices, mm);
+    const render::CoarseFacts same = render::coarse_facts(whole.vertices, facts.whole, beside.indices);
     EXPECT_EQ(same.worst_mm, facts.worst_mm) << "the same triangles, beside the whole ones";
     EXPECT_EQ(same.bytes, beside.indices.size() * 4);
   }
@@ -99,10 +99,10 @@ TEST(RenderCoarse, TheWorstPlaceIsTheWorstOfAll) {
 
 // A needle of 0.2 mm vanishes in cells of 2.5 mm: its tip is 40 mm off then, far more than the size of a cell.
 TEST(RenderCoarse, AThinPartThatVanishesIsMeasuredToo) {
-  SceneSurface whole = surface_of(case_samples::ball(20, 24), "ball", {1, 1, 1});
+  scene::SceneSurface whole = surface_of(case_samples::ball(20, 24), "ball", {1, 1, 1});
   add_needle(whole, {0.3, 0.3, 20}, 40);
-  const SceneSurface coarse = coarse_surface(whole, 2.5);
-  const CoarseFacts facts = coarse_facts(whole, coarse);
+  const scene::SceneSurface coarse = render::coarse_surface(whole, 2.5);
+  const render::CoarseFacts facts = render::coarse_facts(whole, coarse);
   EXPECT_NEAR(facts.worst_mm, 40, 1);
   EXPECT_EQ(facts.values("ball"),
             (std::vector<std::string>{"ball", std::to_string(facts.left), std::to_string(facts.whole),
@@ -110,9 +110,9 @@ TEST(RenderCoarse, AThinPartThatVanishesIsMeasuredToo) {
 }
 
 TEST(RenderCoarse, WhatWouldVanishStaysWhole) {
-  SceneSurface needle;
+  scene::SceneSurface needle;
   add_needle(needle, {5, 5, 5}, 1);
-  EXPECT_EQ(coarse_surface(needle, 20).indices, needle.indices);
+  EXPECT_EQ(render::coarse_surface(needle, 20).indices, needle.indices);
 }
 
 class RenderCoarsePicture : public Picture {};
@@ -122,33 +122,33 @@ class RenderCoarsePicture : public Picture {};
 // there, each chunk has its own.
 TEST_F(RenderCoarsePicture, NoneOfThemIsLeftOutWrongly) {
   const double within_mm = 12;
-  const SceneSurface ball = surface_of(case_samples::ball(40, 40), "ball", {0.9, 0.8, 0.7});
-  SceneSurface front;  // hides the left half of the ball
+  const scene::SceneSurface ball = surface_of(case_samples::ball(40, 40), "ball", {0.9, 0.8, 0.7});
+  scene::SceneSurface front;  // hides the left half of the ball
   front.name = "front";
   for (const Vec3 p : {Vec3{-60, -60, -60}, Vec3{4, -60, -60}, Vec3{4, -60, 60}, Vec3{-60, -60, 60}})
     front.vertices.push_back({{float(p.x), float(p.y), float(p.z)}, {0, -127, 0, 0}});
   front.indices = {0, 1, 2, 0, 2, 3};
-  SceneData scene;
+  scene::SceneData scene;
   scene.bounds = {{-60, -60, -60}, {60, 60, 60}};
   scene.surfaces = {front, ball};
-  RenderQuality quality{1, false, 9, false, true, 0, {within_mm, 0}};
-  Renderer beside(scene, quality);
+  render::RenderQuality quality{1, false, 9, false, true, 0, {within_mm, 0}};
+  render::Renderer beside(scene, quality);
   ASSERT_TRUE(make_coarse(beside, 1, within_mm));
-  scene.surfaces[1] = coarse_surface(ball, within_mm);
-  Renderer alone(scene, {1, false, 9, false, false, 0, {}});
-  SceneState state;
+  scene.surfaces[1] = render::coarse_surface(ball, within_mm);
+  render::Renderer alone(scene, {1, false, 9, false, false, 0, {}});
+  scene::SceneState state;
   state.opacity = {1, 1};
   int seen = 0;
   for (int n = 0; n < 24; ++n) {
-    OrbitCamera camera;
-    camera.look(ViewPreset::front, scene.bounds, {}, {});
+    scene::OrbitCamera camera;
+    camera.look(scene::ViewPreset::front, scene.bounds, {}, {});
     if (n > 0) {  // from near, beside the hidden half, so that chunks lie across the picture's edges
       camera.zoom(0.2);
       camera.target_mm = {4.0 + 1.5 * n, 0, 25.0 - 2 * n};
       camera.distance_mm += 60;
     }
-    const EyeView eye = camera.eye(width, height, scene.bounds);
-    const trephine::Picture a = drawn(beside, eye, state), b = drawn(alone, eye, state);
+    const scene::EyeView eye = camera.eye(width, height, scene.bounds);
+    const trephine::scene::Picture a = drawn(beside, eye, state), b = drawn(alone, eye, state);
     int other = 0;
     for (std::size_t p = 0; p < a.rgb.size(); p += 3) {
       other += !std::equal(&a.rgb[p], &a.rgb[p] + 3, &b.rgb[p]);
@@ -161,11 +161,11 @@ TEST_F(RenderCoarsePicture, NoneOfThemIsLeftOutWrongly) {
 
 // Where large triangles stay as many, they are not drawn coarser: that would be off and no quicker.
 TEST_F(RenderCoarsePicture, WhatIsCoarseAlreadyStaysAsItIs) {
-  SceneData scene;
+  scene::SceneData scene;
   scene.bounds = {{-40, -40, -40}, {40, 40, 40}};
   scene.surfaces = {surface_of(case_samples::ball(40, 80), "fine", {1, 1, 1}),
                     surface_of(case_samples::ball(30, 20), "coarse", {1, 1, 1})};
-  Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
+  render::Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
   EXPECT_TRUE(make_coarse(renderer, 0, 5));
   EXPECT_FALSE(make_coarse(renderer, 1, 5));
 }
@@ -173,16 +173,16 @@ TEST_F(RenderCoarsePicture, WhatIsCoarseAlreadyStaysAsItIs) {
 // Where a smooth surface turns away from the viewer its normals lean over the edge first, on triangles that are still
 // seen from outside: they must not have the darker and redder colour of an inner side, which made specks there.
 TEST_F(RenderCoarsePicture, AnEdgeHasNoSpecksOfTheInnerSide) {
-  SceneData scene;
+  scene::SceneData scene;
   scene.bounds = {{-40, -40, -40}, {40, 40, 40}};
   scene.surfaces = {surface_of(case_samples::ball(40, 12), "ball", {0.8, 0.8, 0.8})};
-  Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
-  OrbitCamera camera;
-  camera.look(ViewPreset::front, scene.bounds, {}, {});
-  const EyeView eye = camera.eye(width, height, scene.bounds);
-  SceneState state;
+  render::Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
+  scene::OrbitCamera camera;
+  camera.look(scene::ViewPreset::front, scene.bounds, {}, {});
+  const scene::EyeView eye = camera.eye(width, height, scene.bounds);
+  scene::SceneState state;
   state.opacity = {1};
-  const trephine::Picture p = drawn(renderer, eye, state);
+  const trephine::scene::Picture p = drawn(renderer, eye, state);
   int seen = 0, reddish = 0;
   for (std::size_t k = 0; k < p.rgb.size(); k += 3) {
     seen += p.rgb[k] > 60;

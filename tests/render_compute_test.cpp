@@ -17,25 +17,25 @@ struct Difference {
   std::size_t bricks = 0;  // with another number of triangles
   std::size_t triangles = 0;
   double most_mm = 0;    // between corners of the same triangle
-  int most_normal = 0;   // in steps of 1/127
+  int max_normal = 0;    // in steps of 1/127
   int unequal_bits = 0;  // corners whose positions are not the same to the bit
 };
 
-Difference compare(const SurfaceMaker& a, const SurfaceMaker& b) {
+Difference compare(const render::SurfaceMaker& a, const render::SurfaceMaker& b) {
   Difference d;
   for (std::size_t n = 0; n < a.shadow().layout().count(); ++n) {
-    const DrawnBrick x = a.read(n), y = b.read(n);
+    const render::DrawnBrick x = a.read(n), y = b.read(n);
     if (x.indices.size() != y.indices.size()) {
       ++d.bricks;
       continue;
     }
     d.triangles += x.indices.size() / 3;
     for (std::size_t i = 0; i < x.indices.size(); ++i) {
-      const SceneVertex &p = x.vertices[x.indices[i]], &q = y.vertices[y.indices[i]];
+      const scene::SceneVertex &p = x.vertices[x.indices[i]], &q = y.vertices[y.indices[i]];
       double far = 0;
       for (int c = 0; c < 3; ++c) {
         far = std::max(far, std::abs(double(p.position_mm[c]) - double(q.position_mm[c])));
-        d.most_normal = std::max(d.most_normal, std::abs(int(p.normal[c]) - int(q.normal[c])));
+        d.max_normal = std::max(d.max_normal, std::abs(int(p.normal[c]) - int(q.normal[c])));
       }
       d.unequal_bits += far > 0;
       d.most_mm = std::max(d.most_mm, far);
@@ -44,11 +44,11 @@ Difference compare(const SurfaceMaker& a, const SurfaceMaker& b) {
   return d;
 }
 
-void expect_same(const SurfaceMaker& a, const SurfaceMaker& b, const char* when) {
+void expect_same(const render::SurfaceMaker& a, const render::SurfaceMaker& b, const char* when) {
   const Difference d = compare(a, b);
   EXPECT_EQ(d.bricks, 0u) << when;
   EXPECT_LT(d.most_mm, 1e-5) << when;  // of some 30 mm in floats
-  EXPECT_LE(d.most_normal, 1) << when;
+  EXPECT_LE(d.max_normal, 1) << when;
 }
 
 class RenderCompute : public Picture {};
@@ -57,36 +57,36 @@ class RenderCompute : public Picture {};
 TEST_F(RenderCompute, RandomVoxelsGiveTheSameTriangles) {
   std::mt19937_64 rng(7);
   for (int n = 0; n < 8; ++n) {
-    HapticVolume v;
-    Lattice l = lattice(9 + 5 * n, 0.7);
+    voxel::HapticVolume v;
+    grid::Lattice l = lattice(9 + 5 * n, 0.7);
     l.size = {9 + 5 * n, 30 - 3 * n, 17};
     l.spacing_mm = {0.7, 1.1, 0.4};
     if (n % 2 == 1) l.direction.column[0] = l.direction.column[0] * -1;
-    v.voxels = Grid<std::int16_t>(l, haptic_empty);
-    v.shapes = {occupancy_shape("bone", 1), occupancy_shape("brain", 2)};
+    v.voxels = grid::Grid<std::int16_t>(l, voxel::haptic_empty);
+    v.shapes = {voxel::occupancy_shape("bone", 1), voxel::occupancy_shape("brain", 2)};
     for (std::int16_t& raw : v.voxels.voxels)
       if (rng() % 100 < std::uint64_t(15 + 10 * n))
-        raw = detail::join(1 + int(rng() % 5 == 0), 1 + int(rng() % 255), rng() % 3 > 0);
-    const auto a = processor_maker(v, 1, {1, 2, 3}), b = compute_maker(v, 1, {1, 2, 3});
+        raw = voxel::detail::join(1 + int(rng() % 5 == 0), 1 + int(rng() % 255), rng() % 3 > 0);
+    const auto a = render::processor_maker(v, 1, {1, 2, 3}), b = render::compute_maker(v, 1, {1, 2, 3});
     expect_same(*a, *b, "random");
     EXPECT_GT(compare(*a, *b).triangles, 1000u);
     EXPECT_EQ(a->placed().mirrored, n % 2 == 1);
     // One voxel more is seen: the comparison can fail.
-    HapticVolume other = v;
-    const bool solid = detail::share_of(v.voxels, 1, 4, 4, 8) > 127;
-    other.voxels.at(4, 4, 8) = solid ? haptic_empty : std::int16_t(1255);
-    const Difference d = compare(*processor_maker(other, 1, {1, 2, 3}), *b);
+    voxel::HapticVolume other = v;
+    const bool solid = voxel::detail::share_of(v.voxels, 1, 4, 4, 8) > 127;
+    other.voxels.at(4, 4, 8) = solid ? voxel::haptic_empty : std::int16_t(1255);
+    const Difference d = compare(*render::processor_maker(other, 1, {1, 2, 3}), *b);
     EXPECT_TRUE(d.bricks > 0 || d.most_mm > 0.01);
   }
 }
 
 // While a shape is drilled, with room for much and with so little that the surface is made anew again and again.
 TEST_F(RenderCompute, FollowsADrillAsTheProcessorDoes) {
-  for (const ComputeRoom room : {ComputeRoom{}, ComputeRoom{12, 3}}) {
-    HapticVolume v = layers(52, 0.5);
-    DirtyBricks marks(v.voxels);
-    Drill drill(v, of_layers(), ball(1.6), {}, &marks);
-    const auto a = processor_maker(v, 2, {}), b = compute_maker(v, 2, {}, room);
+  for (const render::ComputeRoom room : {render::ComputeRoom{}, render::ComputeRoom{12, 3}}) {
+    voxel::HapticVolume v = layers(52, 0.5);
+    drill::DirtyBricks marks(v.voxels);
+    drill::Drill drill(v, of_layers(), ball(1.6), {}, &marks);
+    const auto a = render::processor_maker(v, 2, {}), b = render::compute_maker(v, 2, {}, room);
     std::mt19937_64 rng(5);
     std::vector<std::size_t> marked;
     std::size_t made = 0;
@@ -106,17 +106,17 @@ TEST_F(RenderCompute, FollowsADrillAsTheProcessorDoes) {
     }
     expect_same(*a, *b, "at the end");
     EXPECT_GT(made, 200u);
-    expect_same(*compute_maker(v, 2, {}), *b, "made anew");
+    expect_same(*render::compute_maker(v, 2, {}), *b, "made anew");
   }
 }
 
 // A brick that was wholly solid gets a surface, and one that loses its surface draws nothing.
 TEST_F(RenderCompute, BricksComeAndGo) {
-  HapticVolume v = full(40, 0.5);
-  DirtyBricks marks(v.voxels);
-  Drill drill(v, only(1, 0.1), ball(3), {}, &marks);
-  const auto a = processor_maker(v, 1, {}), b = compute_maker(v, 1, {});
-  const BrickLayout& layout = a->shadow().layout();
+  voxel::HapticVolume v = full(40, 0.5);
+  drill::DirtyBricks marks(v.voxels);
+  drill::Drill drill(v, only(1, 0.1), ball(3), {}, &marks);
+  const auto a = render::processor_maker(v, 1, {}), b = render::compute_maker(v, 1, {});
+  const drill::BrickLayout& layout = a->shadow().layout();
   const std::size_t inner = layout.index(2, 2, 2);
   EXPECT_TRUE(b->read(inner).indices.empty());
   bool had = false;
@@ -136,17 +136,17 @@ TEST_F(RenderCompute, BricksComeAndGo) {
 
 // The measurement gives a maker that works, and the processor wherever it draws as well.
 TEST_F(RenderCompute, TheFasterMakerIsTaken) {
-  const HapticVolume v = layers(30, 0.5);
-  MakerChoice choice;
-  const auto here = wanted_maker(ViewParams::SurfaceBy::measured, true, v, 2, {}, choice);
+  const voxel::HapticVolume v = layers(30, 0.5);
+  render::MakerChoice choice;
+  const auto here = render::wanted_maker(scene::ViewParams::SurfaceBy::measured, true, v, 2, {}, choice);
   EXPECT_FALSE(choice.graphics);
   EXPECT_EQ(choice.text(), "the processor");
-  const auto measured = wanted_maker(ViewParams::SurfaceBy::measured, false, v, 2, {}, choice);
+  const auto measured = render::wanted_maker(scene::ViewParams::SurfaceBy::measured, false, v, 2, {}, choice);
   EXPECT_GT(choice.processor_ms, 0);
   EXPECT_GT(choice.graphics_ms, 0);
   EXPECT_EQ(choice.graphics, choice.graphics_ms < choice.processor_ms);
   expect_same(*here, *measured, "measured");
-  const auto wanted = wanted_maker(ViewParams::SurfaceBy::graphics, true, v, 2, {}, choice);
+  const auto wanted = render::wanted_maker(scene::ViewParams::SurfaceBy::graphics, true, v, 2, {}, choice);
   EXPECT_TRUE(choice.graphics);
   expect_same(*here, *wanted, "wanted");
 }

@@ -25,26 +25,27 @@ class Picture : public ::testing::Test {
   void SetUp() override {
     ::setenv("LP_NUM_THREADS", "1", 1);
     try {
-      context_ = std::make_unique<OffscreenContext>();
+      context_ = std::make_unique<render::OffscreenContext>();
     } catch (const Error& e) {
       const char* check = std::getenv("TREPHINE_CHECK");
       if (check && std::string(check) == "1") FAIL() << e.what();
       GTEST_SKIP() << e.what();
     }
   }
-  std::unique_ptr<OffscreenContext> context_;
+  std::unique_ptr<render::OffscreenContext> context_;
 };
 
 constexpr int width = 320, height = 240;
 
-inline SceneSurface surface_of(const TriMesh& mesh, const std::string& name, std::array<double, 3> colour) {
-  SceneSurface s;
+inline scene::SceneSurface surface_of(const surface::TriMesh& mesh, const std::string& name,
+                                      std::array<double, 3> colour) {
+  scene::SceneSurface s;
   s.name = name;
   s.colour_rgb = colour;
   const std::vector<Vec3> normals = mesh.normals;
   for (std::size_t n = 0; n < mesh.points_mm.size(); ++n) {
     const Vec3 p = mesh.world_mm(n), normal = normals.empty() ? normalized(mesh.points_mm[n]) : normals[n];
-    SceneVertex v{{float(p.x), float(p.y), float(p.z)}, {0, 0, 0, 0}};
+    scene::SceneVertex v{{float(p.x), float(p.y), float(p.z)}, {0, 0, 0, 0}};
     for (int a = 0; a < 3; ++a) v.normal[a] = std::int8_t(127 * normal[a]);
     s.vertices.push_back(v);
   }
@@ -54,8 +55,8 @@ inline SceneSurface surface_of(const TriMesh& mesh, const std::string& name, std
 }
 
 /// The eye of the toolchain's pictures.
-inline EyeView eye_of(const detail::Camera& c) {
-  EyeView e;
+inline scene::EyeView eye_of(const picture::detail::Camera& c) {
+  scene::EyeView e;
   e.eye_mm = c.target_mm + c.toward * c.distance_mm;
   e.right = c.right;
   e.up = c.up;
@@ -70,18 +71,19 @@ inline EyeView eye_of(const detail::Camera& c) {
   return e;
 }
 
-inline trephine::Picture drawn(Renderer& renderer, const EyeView& eye, const SceneState& state) {
+inline trephine::scene::Picture drawn(render::Renderer& renderer, const scene::EyeView& eye,
+                                      const scene::SceneState& state) {
   renderer.draw(eye, state, width, height);
-  OffscreenPicture out(width, height);
+  render::OffscreenPicture out(width, height);
   out.bind();
   renderer.present(0, 0, width, height);
   return out.read();
 }
 
 /// Makes coarser triangles beside a surface's own, all at once; false where they are not worth it.
-inline bool make_coarse(Renderer& renderer, int surface, double within_mm) {
-  std::optional<CoarseParts> made =
-      coarse_parts(*renderer.parts(surface), within_mm, std::numeric_limits<std::size_t>::max());
+inline bool make_coarse(render::Renderer& renderer, int surface, double within_mm) {
+  std::optional<render::CoarseParts> made =
+      render::coarse_parts(*renderer.parts(surface), within_mm, std::numeric_limits<std::size_t>::max());
   const bool any = made.has_value();
   renderer.set_coarse(surface, std::move(made));
   while (renderer.upload_coarse(1000)) {
@@ -97,19 +99,20 @@ class PlayCase : public Picture {
     if (IsSkipped() || HasFatalFailure()) return;
     folder_ = std::filesystem::temp_directory_path() / ("trephine-stage-" + std::to_string(::getpid()));
     case_samples::play_case().write(folder_ / "case");
-    loaded_ = load_case(folder_ / "case");
+    loaded_ = cases::load_case(folder_ / "case");
     view_.samples = 1;
     view_.places = false;
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path folder_;
-  LoadedCase loaded_;
-  ViewParams view_;
+  cases::LoadedCase loaded_;
+  scene::ViewParams view_;
 };
 
-inline trephine::Picture shot(Stage& stage, const OrbitCamera& camera, int w = width, int h = height) {
-  OffscreenPicture out(w, h);
-  stage.draw(camera, w, h, [&](Eye) { out.bind(); });
+inline trephine::scene::Picture shot(render::Stage& stage, const scene::OrbitCamera& camera, int w = width,
+                                     int h = height) {
+  render::OffscreenPicture out(w, h);
+  stage.draw(camera, w, h, [&](render::Eye) { out.bind(); });
   return out.read();
 }
 

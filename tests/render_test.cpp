@@ -12,7 +12,7 @@
 namespace trephine::drawing {
 namespace {
 
-constexpr Rgb key{0, 0, 1};  // of the background: no surface here is blue
+constexpr picture::Rgb key{0, 0, 1};  // of the background: no surface here is blue
 
 std::vector<std::uint8_t> covered(const std::uint8_t* rgb) {
   std::vector<std::uint8_t> mask(std::size_t(width) * height);
@@ -46,26 +46,26 @@ struct Compared {
   int out_of_one = 0;
 };
 
-Compared compare(const TriMesh& mesh, const RenderParams& params) {
-  SceneData scene;
-  scene.bounds = bounds_of(mesh);
+Compared compare(const surface::TriMesh& mesh, const picture::RenderParams& params) {
+  scene::SceneData scene;
+  scene.bounds = surface::bounds_of(mesh);
   scene.surfaces = {surface_of(mesh, "bone", {0.9, 0.8, 0.7})};
-  RenderQuality quality;
+  render::RenderQuality quality;
   quality.samples = 1;
-  Renderer renderer(scene, quality);
+  render::Renderer renderer(scene, quality);
   renderer.set_background({0, 0, 1});
-  SceneState state;
+  scene::SceneState state;
   state.opacity = {1};
-  if (params.clip) state.cut = CutPlane{params.clip->point_mm, params.clip->normal};
-  const std::vector<SurfaceView> views = {{&mesh, {0.9, 0.8, 0.7}, 1}};
-  const Image image = render_surfaces(views, params);
-  const trephine::Picture picture = drawn(renderer, eye_of(detail::camera_for(views, params)), state);
+  if (params.clip) state.cut = scene::CutPlane{params.clip->point_mm, params.clip->normal};
+  const std::vector<picture::SurfaceView> views = {{&mesh, {0.9, 0.8, 0.7}, 1}};
+  const picture::Image image = picture::render_surfaces(views, params);
+  const trephine::scene::Picture picture = drawn(renderer, eye_of(picture::detail::camera_for(views, params)), state);
   const auto a = covered(picture.rgb.data()), b = covered(image.rgb.data());
   return {sum(a), sum(b), outside(a, b) + outside(b, a)};
 }
 
-RenderParams plain(View view) {
-  RenderParams p;
+picture::RenderParams plain(picture::View view) {
+  picture::RenderParams p;
   p.view = view;
   p.width = width;
   p.height = height;
@@ -79,14 +79,15 @@ using RenderPicture = Picture;
 
 // The same silhouettes as the toolchain's rasteriser draws, from every side, whole and cut.
 TEST_F(RenderPicture, SilhouettesAreThoseOfTheToolchainWithinAPixel) {
-  const TriMesh mesh = case_samples::ball(60, 60);
-  for (const View view : {View::front, View::left, View::top, View::oblique_left, View::oblique_right}) {
-    RenderParams params = plain(view);
+  const surface::TriMesh mesh = case_samples::ball(60, 60);
+  for (const picture::View view : {picture::View::front, picture::View::left, picture::View::top,
+                                   picture::View::oblique_left, picture::View::oblique_right}) {
+    picture::RenderParams params = plain(view);
     Compared c = compare(mesh, params);
     EXPECT_GT(c.theirs, 10000u);
     EXPECT_EQ(c.out_of_one, 0);
     EXPECT_LT(std::abs(double(c.ours) - double(c.theirs)), 0.005 * double(c.theirs));
-    params.clip = ClipPlane{{5, -10, 3}, {0.3, -0.8, 0.5}};
+    params.clip = picture::ClipPlane{{5, -10, 3}, {0.3, -0.8, 0.5}};
     c = compare(mesh, params);
     EXPECT_EQ(c.out_of_one, 0) << "cut";
     EXPECT_LT(std::abs(double(c.ours) - double(c.theirs)), 0.005 * double(c.theirs));
@@ -96,21 +97,21 @@ TEST_F(RenderPicture, SilhouettesAreThoseOfTheToolchainWithinAPixel) {
 // A point before, at and behind the plane of convergence, seen by two eyes.
 TEST_F(RenderPicture, StereoHasTheDisparityOfTheDepth) {
   for (const double depth : {350.0, 500.0, 700.0}) {
-    OrbitCamera camera;
+    scene::OrbitCamera camera;
     camera.distance_mm = 500;
-    const Bounds bounds{{-200, -200, -200}, {200, 200, 200}};
-    SceneData scene;
+    const surface::Bounds bounds{{-200, -200, -200}, {200, 200, 200}};
+    scene::SceneData scene;
     scene.bounds = bounds;
-    Renderer renderer(scene, {1, false, 9, false});
-    SceneState state;
-    Marker marker;
+    render::Renderer renderer(scene, {1, false, 9, false});
+    scene::SceneState state;
+    scene::Marker marker;
     marker.position_mm = camera.eye_mm() - camera.toward * depth;
     marker.radius_mm = 4;
     state.markers = {marker};
     double middle[2];
     for (const int side : {-1, 1}) {
-      const EyeView eye = camera.eye(width, height, bounds, 32.0 * side, 500);
-      const trephine::Picture p = drawn(renderer, eye, state);
+      const scene::EyeView eye = camera.eye(width, height, bounds, 32.0 * side, 500);
+      const trephine::scene::Picture p = drawn(renderer, eye, state);
       double weight = 0, x = 0;
       for (int n = 0; n < width * height; ++n) {
         const bool lit = p.rgb[std::size_t(3 * n)] > 60;
@@ -127,40 +128,40 @@ TEST_F(RenderPicture, StereoHasTheDisparityOfTheDepth) {
 }
 
 // A green ball within a red one of 60 mm.
-SceneData ball_in_ball(double inner_mm) {
-  SceneData scene;
-  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(inner_mm, 30);
-  scene.bounds = bounds_of(outer);
+scene::SceneData ball_in_ball(double inner_mm) {
+  scene::SceneData scene;
+  const surface::TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(inner_mm, 30);
+  scene.bounds = surface::bounds_of(outer);
   scene.surfaces = {surface_of(outer, "outer", {1, 0, 0}), surface_of(inner, "inner", {0, 1, 0})};
   return scene;
 }
 
-EyeView from_the_front(const SceneData& scene) {
-  OrbitCamera camera;
-  camera.look(ViewPreset::front, scene.bounds, {}, {});
+scene::EyeView from_the_front(const scene::SceneData& scene) {
+  scene::OrbitCamera camera;
+  camera.look(scene::ViewPreset::front, scene.bounds, {}, {});
   return camera.eye(width, height, scene.bounds);
 }
 
 // A ball before a plate: its shadow lies where the key light's ray through the ball's middle meets the plate, at any
 // height, so the way between the two tells the height.
 TEST_F(RenderPicture, TheToolsShadowLiesWhereTheLightGoes) {
-  SceneData scene;
+  scene::SceneData scene;
   scene.bounds = {{-100, -100, -1}, {100, 100, 30}};
-  SceneSurface plate;
+  scene::SceneSurface plate;
   plate.name = "plate";
   plate.colour_rgb = {0.8, 0.8, 0.8};
   for (const auto& [x, y] : {std::pair{-100.f, -100.f}, {100.f, -100.f}, {100.f, 100.f}, {-100.f, 100.f}})
     plate.vertices.push_back({{x, y, 0}, {0, 0, 127, 0}});
   plate.indices = {0, 1, 2, 0, 2, 3};
   scene.surfaces = {plate};
-  RenderQuality quality;
+  render::RenderQuality quality;
   quality.samples = 1;
   quality.occlusion = false;
-  Renderer renderer(scene, quality);
-  renderer.set_tool(ball_solid(2, {1, 1, 1}));
-  EyeView eye;
+  render::Renderer renderer(scene, quality);
+  renderer.set_tool(scene::ball_solid(2, {1, 1, 1}));
+  scene::EyeView eye;
   eye.eye_mm = {0, 0, 300};
-  SceneState state;
+  scene::SceneState state;
   state.opacity = {1};
   const auto picture = [&](bool shown, int taps) {
     state.tool_shown = shown;
@@ -172,7 +173,7 @@ TEST_F(RenderPicture, TheToolsShadowLiesWhereTheLightGoes) {
   for (const double above_mm : {3.0, 8.0, 16.0}) {
     SCOPED_TRACE(above_mm);
     state.tip_mm = {5, -4, above_mm};
-    const trephine::Picture without = picture(true, 0), with = picture(true, 5);
+    const trephine::scene::Picture without = picture(true, 0), with = picture(true, 5);
     double x = 0, y = 0;
     int count = 0;
     for (int n = 0; n < width * height; ++n)
@@ -193,9 +194,9 @@ TEST_F(RenderPicture, TheToolsShadowLiesWhereTheLightGoes) {
 
 // The bottom of a hole is darker than what is around it, and a plane as bright as it would be.
 TEST_F(RenderPicture, AHoleIsDarkenedAndAPlaneIsNot) {
-  SceneData scene;
+  scene::SceneData scene;
   scene.bounds = {{-60, -60, -8}, {60, 60, 1}};
-  SceneSurface s;
+  scene::SceneSurface s;
   s.name = "plate";
   s.colour_rgb = {0.6, 0.6, 0.6};
   const auto quad = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
@@ -222,17 +223,17 @@ TEST_F(RenderPicture, AHoleIsDarkenedAndAPlaneIsNot) {
   quad({r, -r, 0}, {r, -r, deep}, {-r, -r, deep}, {-r, -r, 0});
   quad({-r, r, 0}, {-r, r, deep}, {r, r, deep}, {r, r, 0});
   scene.surfaces = {s};
-  RenderQuality quality;
+  render::RenderQuality quality;
   quality.samples = 1;
   quality.ask_hidden = false;
-  EyeView eye;
+  scene::EyeView eye;
   eye.eye_mm = {0, 0, 300};
-  SceneState state;
+  scene::SceneState state;
   state.opacity = {1};
   const auto brightness = [&](bool occlusion, Vec3 at) {
     quality.occlusion = occlusion;
-    Renderer renderer(scene, quality);
-    const trephine::Picture p = drawn(renderer, eye, state);
+    render::Renderer renderer(scene, quality);
+    const trephine::scene::Picture p = drawn(renderer, eye, state);
     const Vec3 px = eye.project(at, width, height);
     return int(p.rgb[3 * (std::size_t(px.y) * width + std::size_t(px.x))]);
   };
@@ -245,13 +246,13 @@ TEST_F(RenderPicture, AHoleIsDarkenedAndAPlaneIsNot) {
 
 // A shell within a shell: what is seen through both is mixed in the order of depth.
 TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
-  const SceneData scene = ball_in_ball(30);
-  Renderer renderer(scene, {1, false, 9, false});
-  SceneState state;
-  const EyeView eye = from_the_front(scene);
+  const scene::SceneData scene = ball_in_ball(30);
+  render::Renderer renderer(scene, {1, false, 9, false});
+  scene::SceneState state;
+  const scene::EyeView eye = from_the_front(scene);
   const auto middle = [&](double outer_opacity, double inner_opacity) {
     state.opacity = {outer_opacity, inner_opacity};
-    const trephine::Picture p = drawn(renderer, eye, state);
+    const trephine::scene::Picture p = drawn(renderer, eye, state);
     const std::size_t at = std::size_t((height / 2) * width + width / 2) * 3;
     return std::array<int, 3>{p.rgb[at], p.rgb[at + 1], p.rgb[at + 2]};
   };
@@ -267,13 +268,13 @@ TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
 
 // The cap of a cut has the colour of what it cuts, and that of the inner solid where that is.
 TEST_F(RenderPicture, CapsShowTheInnerSolidWithinTheOuter) {
-  const SceneData scene = ball_in_ball(25);
-  Renderer renderer(scene, {1, false, 9, false});
-  SceneState state;
+  const scene::SceneData scene = ball_in_ball(25);
+  render::Renderer renderer(scene, {1, false, 9, false});
+  scene::SceneState state;
   state.opacity = {1, 1};
-  state.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
-  const EyeView eye = from_the_front(scene);
-  const trephine::Picture p = drawn(renderer, eye, state);
+  state.cut = scene::CutPlane{{0, 0, 0}, {0, -1, 0}};
+  const scene::EyeView eye = from_the_front(scene);
+  const trephine::scene::Picture p = drawn(renderer, eye, state);
   const auto at = [&](Vec3 place) {
     const Vec3 px = eye.project(place, width, height);
     const std::size_t n = std::size_t(int(px.y) * width + int(px.x)) * 3;
@@ -290,73 +291,75 @@ TEST_F(RenderPicture, CapsShowTheInnerSolidWithinTheOuter) {
 // inset.
 class RenderCt : public Picture {
  protected:
-  static Grid<std::int16_t> ct() {
-    Lattice l;
+  static grid::Grid<std::int16_t> ct() {
+    grid::Lattice l;
     l.size = {40, 36, 20};
     l.spacing_mm = {1.5, 1.5, 3};
     l.origin_mm = {-29.25, -26.25, -28.5};
-    Grid<std::int16_t> g(l, std::int16_t(0));
+    grid::Grid<std::int16_t> g(l, std::int16_t(0));
     for (int k = 0; k < 20; ++k)
       for (int j = 0; j < 36; ++j)
         for (int i = 0; i < 40; ++i)
           if (i >= 20 && j >= 18 && k >= 10) g.at(i, j, k) = 1000;
     return g;
   }
-  SceneData scene_ = [] {
-    SceneData s;
-    const TriMesh outer = case_samples::ball(24, 40);
-    s.bounds = bounds_of(outer);
+  scene::SceneData scene_ = [] {
+    scene::SceneData s;
+    const surface::TriMesh outer = case_samples::ball(24, 40);
+    s.bounds = surface::bounds_of(outer);
     s.surfaces = {surface_of(outer, "outer", {0.9, 0.8, 0.7})};
     return s;
   }();
-  SceneState state_ = [] {
-    SceneState s;
+  scene::SceneState state_ = [] {
+    scene::SceneState s;
     s.opacity = {1};
     s.ct_low_hu = -100;
     s.ct_high_hu = 900;
     return s;
   }();
-  static int grey(const trephine::Picture& p, Vec3 px) {
+  static int grey(const trephine::scene::Picture& p, Vec3 px) {
     return p.rgb[std::size_t(int(px.y) * width + int(px.x)) * 3 + 1];
   }
 };
 
 TEST_F(RenderCt, ACutShowsTheCtWhereItIs) {
-  Renderer renderer(scene_, {1, false, 9, false});
+  render::Renderer renderer(scene_, {1, false, 9, false});
   renderer.set_ct(ct());
-  const EyeView eye = from_the_front(scene_);
-  const auto at = [&](const trephine::Picture& p, Vec3 place) { return grey(p, eye.project(place, width, height)); };
-  state_.cut = CutPlane{{0, 4, 0}, {0, -1, 0}};  // behind the middle: the bright eighth is in it
-  const trephine::Picture cut = drawn(renderer, eye, state_);
+  const scene::EyeView eye = from_the_front(scene_);
+  const auto at = [&](const trephine::scene::Picture& p, Vec3 place) {
+    return grey(p, eye.project(place, width, height));
+  };
+  state_.cut = scene::CutPlane{{0, 4, 0}, {0, -1, 0}};  // behind the middle: the bright eighth is in it
+  const trephine::scene::Picture cut = drawn(renderer, eye, state_);
   EXPECT_GT(at(cut, {8, 4, 8}), at(cut, {-8, 4, 8}) + 60);
   EXPECT_GT(at(cut, {8, 4, 8}), at(cut, {8, 4, -8}) + 60);
   state_.cut_shows_ct = false;
-  const trephine::Picture plain = drawn(renderer, eye, state_);
+  const trephine::scene::Picture plain = drawn(renderer, eye, state_);
   EXPECT_EQ(at(plain, {8, 4, 8}), at(plain, {-8, 4, 8}));
   state_.cut.reset();
   state_.opacity = {0};
   state_.ct_planes = {{1, {0, 4, 0}}};
-  const trephine::Picture slice = drawn(renderer, eye, state_);
+  const trephine::scene::Picture slice = drawn(renderer, eye, state_);
   EXPECT_GT(at(slice, {8, 4, 8}), 200);
   EXPECT_LT(at(slice, {-8, 4, 8}), 120);
 }
 
 TEST_F(RenderCt, InsetsHaveThePatientsLeftOnTheRight) {
-  Renderer renderer(scene_, {1, false, 9, false});
+  render::Renderer renderer(scene_, {1, false, 9, false});
   renderer.set_ct(ct());
-  OffscreenPicture out(width, height);
+  render::OffscreenPicture out(width, height);
   const auto inset = [&](int axis) {
-    renderer.draw(OrbitCamera().eye(width, height, scene_.bounds), state_, width, height);
+    renderer.draw(scene::OrbitCamera().eye(width, height, scene_.bounds), state_, width, height);
     out.bind();
     renderer.present(0, 0, width, height);
     renderer.draw_inset({axis, {6, 6, 6}}, state_, 100, 20, 120, 20);
     return out.read();
   };
   // 3 px a mm, the cross at (160, 160) from the upper left corner; the bright eighth begins 6 mm before the point.
-  const auto at = [&](const trephine::Picture& p, int right_mm, int up_mm) {
+  const auto at = [&](const trephine::scene::Picture& p, int right_mm, int up_mm) {
     return grey(p, {160.0 + 3 * right_mm + 1, 160.0 - 3 * up_mm + 1, 0});
   };
-  const trephine::Picture axial = inset(2), coronal = inset(1), sagittal = inset(0);
+  const trephine::scene::Picture axial = inset(2), coronal = inset(1), sagittal = inset(0);
   EXPECT_GT(at(axial, 4, 0), 240);    // left
   EXPECT_LT(at(axial, -10, 0), 120);  // right
   EXPECT_GT(at(axial, 0, -4), 240);   // back is down
@@ -371,12 +374,12 @@ TEST_F(RenderCt, InsetsHaveThePatientsLeftOnTheRight) {
 
 // Where the head goes, what lies in the window's plane stays, and what lies behind it moves with the head.
 TEST(RenderHead, TheWindowsPlaneStands) {
-  OrbitCamera camera;
+  scene::OrbitCamera camera;
   camera.target_mm = {3, -5, 7};
   camera.distance_mm = 400;
-  const Bounds bounds{{-100, -100, -100}, {100, 100, 100}};
-  const EyeView still = camera.eye(width, height, bounds);
-  const EyeView moved = Stage::beside(still, camera.distance_mm, {60, -40, 90});
+  const surface::Bounds bounds{{-100, -100, -100}, {100, 100, 100}};
+  const scene::EyeView still = camera.eye(width, height, bounds);
+  const scene::EyeView moved = render::Stage::beside(still, camera.distance_mm, {60, -40, 90});
   for (const Vec3 in_plane : {Vec3{0, 0, 0}, Vec3{30, 0, 20}, Vec3{-50, 0, 35}}) {
     const Vec3 a = still.project(camera.target_mm + in_plane, width, height),
                b = moved.project(camera.target_mm + in_plane, width, height);

@@ -6,8 +6,8 @@ namespace trephine {
 
 /// f(world position in mm) at every voxel's centre.
 template <class F>
-Grid<float> sampled(const Lattice& l, F&& f) {
-  Grid<float> g(l);
+grid::Grid<float> sampled(const grid::Lattice& l, F&& f) {
+  grid::Grid<float> g(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) g.at(i, j, k) = float(f(l.to_world_mm({double(i), double(j), double(k)})));

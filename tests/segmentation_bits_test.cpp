@@ -11,8 +11,8 @@
 namespace trephine::segmentation {
 namespace {
 
-Lattice anisotropic(int nx, int ny, int nz) {
-  Lattice l;
+grid::Lattice anisotropic(int nx, int ny, int nz) {
+  grid::Lattice l;
   l.size = {nx, ny, nz};
   l.spacing_mm = {0.5, 0.7, 1.25};
   l.origin_mm = {-10, 20, 5};
@@ -20,8 +20,8 @@ Lattice anisotropic(int nx, int ny, int nz) {
 }
 
 /// A fixed scatter of voxels, about one in `one_in`.
-BitMask scatter(const Lattice& l, unsigned one_in, unsigned state = 1) {
-  BitMask m(l);
+mask::BitMask scatter(const grid::Lattice& l, unsigned one_in, unsigned state = 1) {
+  mask::BitMask m(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -32,13 +32,13 @@ BitMask scatter(const Lattice& l, unsigned one_in, unsigned state = 1) {
 }
 
 template <class F>
-void for_voxels(const Lattice& l, F&& f) {
+void for_voxels(const grid::Lattice& l, F&& f) {
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) f(i, j, k);
 }
 
-double distance_by_search(const BitMask& m, int i, int j, int k) {
+double distance_by_search(const mask::BitMask& m, int i, int j, int k) {
   const Vec3 s = m.lattice().spacing_mm;
   double best = 1e6;
   for_voxels(m.lattice(), [&](int x, int y, int z) {
@@ -48,11 +48,11 @@ double distance_by_search(const BitMask& m, int i, int j, int k) {
 }
 
 TEST(SegmentationBits, DilationIsABallInMillimetres) {
-  const Lattice l = anisotropic(70, 15, 9);  // rows longer than a word
-  const BitMask m = scatter(l, 900);
+  const grid::Lattice l = anisotropic(70, 15, 9);  // rows longer than a word
+  const mask::BitMask m = scatter(l, 900);
   ASSERT_GT(m.count(), 3u);
   for (double radius : {0.4, 0.5, 1.3, 2.6}) {
-    const BitMask d = dilated(m, radius);
+    const mask::BitMask d = mask::dilated(m, radius);
     for_voxels(l, [&](int i, int j, int k) {
       ASSERT_EQ(d.get(i, j, k), distance_by_search(m, i, j, k) <= radius + 1e-6)
           << radius << " " << i << " " << j << " " << k;
@@ -61,61 +61,61 @@ TEST(SegmentationBits, DilationIsABallInMillimetres) {
 }
 
 TEST(SegmentationBits, ErosionKeepsWhatTheEdgeCuts) {
-  const Lattice l = anisotropic(40, 12, 8);
-  BitMask m(l);
+  const grid::Lattice l = anisotropic(40, 12, 8);
+  mask::BitMask m(l);
   for_voxels(l, [&](int i, int j, int k) {
     if (i < 20) m.set(i, j, k);
   });
-  const BitMask e = eroded(m, 1.0);
+  const mask::BitMask e = mask::eroded(m, 1.0);
   for_voxels(l, [&](int i, int j, int k) { ASSERT_EQ(e.get(i, j, k), i < 18) << i << " " << j << " " << k; });
 }
 
 TEST(SegmentationBits, ClosingBridgesGapsButNotToTheEdge) {
-  const Lattice l = anisotropic(80, 9, 9);
-  BitMask m(l);
+  const grid::Lattice l = anisotropic(80, 9, 9);
+  mask::BitMask m(l);
   for_voxels(l, [&](int i, int j, int k) {
     if ((i >= 10 && i < 20) || (i >= 24 && i < 30) || (i >= 40 && i < 78)) m.set(i, j, k);
   });
-  const BitMask c =
-      closed(m, 1.2);  // closes 2.0 mm between 20 and 24, not the 5 mm, nor the last mm to the volume's edge
+  const mask::BitMask c =
+      mask::closed(m, 1.2);  // closes 2.0 mm between 20 and 24, not the 5 mm, nor the last mm to the volume's edge
   for (int i = 0; i < 80; ++i) EXPECT_EQ(c.get(i, 4, 4), (i >= 10 && i < 30) || (i >= 40 && i < 78)) << i;
 }
 
 TEST(SegmentationBits, ComponentsByFacesAndByCorners) {
-  BitMask m(anisotropic(130, 4, 4));
+  mask::BitMask m(anisotropic(130, 4, 4));
   m.set(0, 0, 0);
   m.set(1, 1, 0);                                 // by an edge
   m.set(2, 2, 1);                                 // by a corner
   for (int i = 60; i < 130; ++i) m.set(i, 3, 3);  // across words
-  const Components faces = components(m), corners = components(m, true);
+  const mask::Components faces = mask::components(m), corners = mask::components(m, true);
   ASSERT_EQ(faces.list.size(), 4u);
   ASSERT_EQ(corners.list.size(), 2u);
   EXPECT_EQ(corners.list[0].voxels, 3u);
   EXPECT_EQ(corners.list[1].voxels, 70u);
   EXPECT_EQ(corners.list[1].faces, 3);
-  EXPECT_EQ(largest(faces).count(), 70u);
-  EXPECT_EQ(select(corners, {1, 0}).count(), 3u);
+  EXPECT_EQ(mask::largest(faces).count(), 70u);
+  EXPECT_EQ(mask::select(corners, {1, 0}).count(), 3u);
   EXPECT_EQ(m.bounds().end[0], 130);
   const double ml = 3 * m.lattice().voxel_volume_mm3() / 1000;
-  EXPECT_EQ(at_least_ml(corners, ml).count(), 73u);
-  EXPECT_EQ(at_least_ml(corners, 1.01 * ml).count(), 70u);
+  EXPECT_EQ(mask::at_least_ml(corners, ml).count(), 73u);
+  EXPECT_EQ(mask::at_least_ml(corners, 1.01 * ml).count(), 70u);
 }
 
 TEST(SegmentationBits, CentreIsTheMeanOfTheSetVoxels) {
-  const Lattice l = anisotropic(130, 9, 7);
-  const BitMask m = scatter(l, 3, 11);
+  const grid::Lattice l = anisotropic(130, 9, 7);
+  const mask::BitMask m = scatter(l, 3, 11);
   Vec3 sum;
   for_voxels(l, [&](int i, int j, int k) {
     if (m.get(i, j, k)) sum += l.to_world_mm({double(i), double(j), double(k)});
   });
   EXPECT_LT(norm(m.centre_mm() - sum / double(m.count())), 1e-9);
-  EXPECT_LT(norm(BitMask(l).centre_mm() - l.origin_mm), 1e-9);
+  EXPECT_LT(norm(mask::BitMask(l).centre_mm() - l.origin_mm), 1e-9);
 }
 
 TEST(SegmentationBits, ComponentsOfNoiseAgreeWithAFloodFill) {
-  const Lattice l = anisotropic(67, 11, 7);
-  const BitMask m = scatter(l, 2, 7);
-  Grid<std::uint8_t> seen(l);
+  const grid::Lattice l = anisotropic(67, 11, 7);
+  const mask::BitMask m = scatter(l, 2, 7);
+  grid::Grid<std::uint8_t> seen(l);
   std::size_t pieces = 0;
   for_voxels(l, [&](int i, int j, int k) {
     if (!m.get(i, j, k) || seen.at(i, j, k)) return;
@@ -133,22 +133,22 @@ TEST(SegmentationBits, ComponentsOfNoiseAgreeWithAFloodFill) {
       }
     }
   });
-  EXPECT_EQ(components(m).list.size(), pieces);
+  EXPECT_EQ(mask::components(m).list.size(), pieces);
 }
 
 TEST(SegmentationBits, DistanceIsExact) {
-  const Lattice l = anisotropic(23, 17, 9);
-  const BitMask m = scatter(l, 300);
-  const Grid<float> d = distance_mm(m);
+  const grid::Lattice l = anisotropic(23, 17, 9);
+  const mask::BitMask m = scatter(l, 300);
+  const grid::Grid<float> d = mask::distance_mm(m);
   for_voxels(l, [&](int i, int j, int k) { ASSERT_NEAR(d.at(i, j, k), distance_by_search(m, i, j, k), 1e-4); });
-  EXPECT_GT(distance_mm(BitMask(l)).voxels[0], 1e5);
+  EXPECT_GT(mask::distance_mm(mask::BitMask(l)).voxels[0], 1e5);
 }
 
 TEST(SegmentationBits, GaussianKeepsTheSumAndHasItsWidth) {
-  Lattice l = anisotropic(81, 61, 41);
-  Grid<float> g(l);
+  grid::Lattice l = anisotropic(81, 61, 41);
+  grid::Grid<float> g(l);
   g.at(40, 30, 20) = 1000;
-  gaussian(g, 2.0);
+  mask::gaussian(g, 2.0);
   double sum = 0, x2 = 0, z2 = 0;
   for_voxels(l, [&](int i, int j, int k) {
     sum += g.at(i, j, k);
@@ -161,16 +161,16 @@ TEST(SegmentationBits, GaussianKeepsTheSumAndHasItsWidth) {
 }
 
 TEST(SegmentationBits, MaskedGaussianDoesNotLetBoneBleedIn) {
-  const Lattice l = anisotropic(40, 20, 12);
-  Grid<float> v(l, 30);
-  BitMask soft(l);
+  const grid::Lattice l = anisotropic(40, 20, 12);
+  grid::Grid<float> v(l, 30);
+  mask::BitMask soft(l);
   for_voxels(l, [&](int i, int j, int k) {
     if (i >= 20)
       v.at(i, j, k) = 1400;
     else
       soft.set(i, j, k);
   });
-  const Grid<float> s = masked_gaussian(v, soft, 1.0, -1000);
+  const grid::Grid<float> s = mask::masked_gaussian(v, soft, 1.0, -1000);
   EXPECT_NEAR(s.at(19, 10, 6), 30, 1e-3);
   EXPECT_NEAR(s.at(21, 10, 6), 30, 1e-3);
   EXPECT_EQ(s.at(39, 10, 6), -1000);
@@ -178,19 +178,19 @@ TEST(SegmentationBits, MaskedGaussianDoesNotLetBoneBleedIn) {
 
 TEST(SegmentationBits, FloodPartsAtTheNarrowestPlace) {
   // Two chambers joined by a channel that is narrowest at i = 30.
-  Lattice l;
+  grid::Lattice l;
   l.size = {60, 21, 21};
-  BitMask space(l);
+  mask::BitMask space(l);
   for_voxels(l, [&](int i, int j, int k) {
     const double half = std::min(9.0, 2.0 + 0.4 * std::abs(i - 30));
     if (std::hypot(j - 10, k - 10) <= half) space.set(i, j, k);
   });
-  BitMask wall = space;
+  mask::BitMask wall = space;
   wall.invert();
-  Mask seeds(l);
+  grid::Mask seeds(l);
   seeds.at(2, 10, 10) = 1;
   seeds.at(57, 10, 10) = 2;
-  const Mask labels = flood(distance_mm(wall), space, seeds);
+  const grid::Mask labels = mask::flood(mask::distance_mm(wall), space, seeds);
   for_voxels(l, [&](int i, int j, int k) {
     const int label = labels.at(i, j, k);
     if (!space.get(i, j, k)) {
@@ -203,9 +203,9 @@ TEST(SegmentationBits, FloodPartsAtTheNarrowestPlace) {
 
 TEST(SegmentationBits, HolesWithNarrowAndWideWaysOut) {
   // A block with three chambers: closed; open by a channel of 2 mm; open by a channel of 8 mm.
-  Lattice l;
+  grid::Lattice l;
   l.size = {90, 40, 40};
-  BitMask m(l);
+  mask::BitMask m(l);
   for_voxels(l, [&](int i, int j, int k) {
     if (i < 5 || i >= 85 || j < 5 || j >= 35 || k < 5 || k >= 35) return;
     for (int c : {18, 45, 72}) {
@@ -215,18 +215,18 @@ TEST(SegmentationBits, HolesWithNarrowAndWideWaysOut) {
     }
     m.set(i, j, k);
   });
-  const BitMask simple = holes(m, {0, 1000, false}), closing = holes(m, {2, 1000, false});
+  const mask::BitMask simple = mask::holes(m, {0, 1000, false}), closing = mask::holes(m, {2, 1000, false});
   EXPECT_TRUE(simple.get(18, 20, 20));
   EXPECT_FALSE(simple.get(45, 20, 20));
   EXPECT_TRUE(closing.get(18, 20, 20));
   EXPECT_TRUE(closing.get(45, 20, 20));
   EXPECT_FALSE(closing.get(45, 5, 20)) << "the mouth stays open as deep as the closing";
   EXPECT_FALSE(closing.get(72, 20, 20));
-  EXPECT_FALSE(holes(m, {0, 3, false}).get(18, 20, 20)) << "larger than 3 ml";
+  EXPECT_FALSE(mask::holes(m, {0, 3, false}).get(18, 20, 20)) << "larger than 3 ml";
   // Cut open by one face of the volume.
-  const BitMask half = crop(m, {{0, 0, 20}, {90, 40, 40}});
-  EXPECT_FALSE(holes(half, {0, 1000, false}).get(18, 20, 0));
-  EXPECT_TRUE(holes(half, {0, 1000, true}).get(18, 20, 0));
+  const mask::BitMask half = mask::crop(m, {{0, 0, 20}, {90, 40, 40}});
+  EXPECT_FALSE(mask::holes(half, {0, 1000, false}).get(18, 20, 0));
+  EXPECT_TRUE(mask::holes(half, {0, 1000, true}).get(18, 20, 0));
 }
 
 }  // namespace

@@ -19,14 +19,14 @@ bool in_strut(int i, int j, int k) { return i >= 60 && i < rail && j >= 32 && j 
 
 /// A ball of 40 HU with a cavity that a thin sheet parts, in air, a rail of 200 HU 3 mm beside it, and a strut of 1.5
 /// mm between them; an oblique lattice whose sizes no cell divides.
-HuVolume scan() {
-  Lattice l;
+grid::HuVolume scan() {
+  grid::Lattice l;
   l.size = {91, 67, 29};
   l.spacing_mm = {0.5, 0.5, 1.2};
   l.origin_mm = {-11, 4, 100};
   const double c = std::cos(0.3), s = std::sin(0.3);
   l.direction.column = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
-  Grid<std::int16_t> g(l, -1000);
+  grid::Grid<std::int16_t> g(l, -1000);
   const Vec3 middle = l.to_world_mm({32, 33, 14});
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -40,29 +40,29 @@ HuVolume scan() {
   return g;
 }
 
-SegmentParams params(double coarse_mm) {
-  SegmentParams p;
+segmentation::SegmentParams params(double coarse_mm) {
+  segmentation::SegmentParams p;
   p.lower_hu = -475;
   p.open_mm = 2;
-  p.components = SegmentComponents::largest;
+  p.components = segmentation::SegmentComponents::largest;
   p.coarse_mm = coarse_mm;
   return p;
 }
 
-bool inside(const Field& f, const Box& at, int i, int j, int k) {
+bool inside(const grid::Field& f, const grid::Box& at, int i, int j, int k) {
   const int x = i - at.begin[0], y = j - at.begin[1], z = k - at.begin[2];
   return f.contains(x, y, z) && f.at(x, y, z) > 0;
 }
 
 TEST(CoarseSegment, HoldsTheFineShapeAndNothingFurtherThanACell) {
-  const HuVolume volume = scan();
-  const Lattice& l = lattice_of(volume);
+  const grid::HuVolume volume = scan();
+  const grid::Lattice& l = grid::lattice_of(volume);
   Report ignored;
-  const Field fine = segment(volume, {}, params(0), ignored);
-  const Box fine_at = place_in(fine, l);
+  const grid::Field fine = segmentation::segment(volume, {}, params(0), ignored);
+  const grid::Box fine_at = grid::place_in(fine, l);
   for (const double cell_mm : {0.5, 1.0, 1.5, 2.0}) {
-    const Field coarse = segment(volume, {}, params(cell_mm), ignored);
-    const Box at = place_in(coarse, l);
+    const grid::Field coarse = segmentation::segment(volume, {}, params(cell_mm), ignored);
+    const grid::Box at = grid::place_in(coarse, l);
     const int reach = static_cast<int>(cell_mm / 0.5), up = std::max(1, static_cast<int>(cell_mm / 1.2));
     int missing = 0, far = 0;
     for (int k = 0; k < l.size[2]; ++k)
@@ -84,35 +84,35 @@ TEST(CoarseSegment, HoldsTheFineShapeAndNothingFurtherThanACell) {
 }
 
 TEST(CoarseSegment, CellsAtTheExtremes) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {91, 2, 1};
   l.spacing_mm = {double(0.3f), 0.5, 1e-9};
-  const auto factor = [&](double cell_mm) { return segmentation::coarse_raster(l, cell_mm, true).factor; };
+  const auto factor = [&](double cell_mm) { return mask::coarse_raster(l, cell_mm, true).factor; };
   EXPECT_EQ(factor(1.5), (std::array<int, 3>{5, 2, 1}));   // as in voxels of 0.3 mm
   EXPECT_EQ(factor(1e-6), (std::array<int, 3>{1, 1, 1}));  // never less than a voxel
   EXPECT_EQ(factor(1e12), (std::array<int, 3>{91, 2, 1}));
-  const auto whole = segmentation::coarse_raster(l, 1e300);
+  const auto whole = mask::coarse_raster(l, 1e300);
   for (int a = 0; a < 3; ++a) EXPECT_EQ(whole.cells.size[a], 1);
   EXPECT_NEAR(norm(whole.cells.origin_mm - l.to_world_mm({45, 0.5, 0})), 0, 1e-9);
 }
 
 TEST(CoarseMean, IsThatOfTheKnownVoxelsOfEachCell) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {7, 4, 3};
-  Grid<float> hu(l);
+  grid::Grid<float> hu(l);
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 7; ++i) hu.at(i, j, k) = float(i + 10 * j + 100 * k);
-  const auto cells = segmentation::coarse_raster(l, std::array<int, 3>{3, 2, 2});
+  const auto cells = mask::coarse_raster(l, std::array<int, 3>{3, 2, 2});
   EXPECT_EQ(cells.cells.size, (std::array<int, 3>{3, 2, 2}));
-  const Field all = segmentation::coarse_mean(hu, cells);
+  const grid::Field all = mask::coarse_mean(hu, cells);
   EXPECT_EQ(all.at(0, 0, 0), 56);   // of 12 voxels
   EXPECT_EQ(all.at(2, 1, 1), 231);  // of the 2 that the last cell has
-  segmentation::BitMask known(l);
+  mask::BitMask known(l);
   known.set(1, 0, 0);
   known.set(2, 1, 1);
   known.set(6, 3, 2);
-  const Grid<float> some = segmentation::coarse_mean(segmentation::HuView(hu), known, cells, -1);
+  const grid::Grid<float> some = mask::coarse_mean(mask::HuView(hu), known, cells, -1);
   EXPECT_EQ(some.at(0, 0, 0), 56.5f);
   EXPECT_EQ(some.at(2, 1, 1), 236);
   EXPECT_EQ(some.at(1, 0, 0), -1);
@@ -120,18 +120,18 @@ TEST(CoarseMean, IsThatOfTheKnownVoxelsOfEachCell) {
 
 // One layer of cells is a single slice, which is refused as one of voxels is.
 TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
-  const auto whole = std::get<Grid<std::int16_t>>(scan());
-  Lattice l = whole;
+  const auto whole = std::get<grid::Grid<std::int16_t>>(scan());
+  grid::Lattice l = whole;
   l.size[2] = 3;
-  Grid<std::int16_t> slices(l);
+  grid::Grid<std::int16_t> slices(l);
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) slices.at(i, j, k) = whole.at(i, j, 14);
   Report ignored;
-  EXPECT_EQ(segment(slices, {}, params(1.5), ignored).size[2], 3);
+  EXPECT_EQ(segmentation::segment(slices, {}, params(1.5), ignored).size[2], 3);
   for (const double cell_mm : {3.6, 10.0, 1e9}) {
     try {
-      segment(slices, {}, params(cell_mm), ignored);
+      segmentation::segment(slices, {}, params(cell_mm), ignored);
       FAIL() << cell_mm;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << cell_mm;
@@ -142,22 +142,22 @@ TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
 TEST(CoarseSegment, SameBytesWhateverTheThreads) {
   Report ignored;
   set_thread_count(1);
-  const Field one = segment(scan(), {}, params(1.5), ignored);
+  const grid::Field one = segmentation::segment(scan(), {}, params(1.5), ignored);
   for (const int threads : {2, 8}) {
     set_thread_count(threads);
-    EXPECT_TRUE(segment(scan(), {}, params(1.5), ignored) == one) << threads;
+    EXPECT_TRUE(segmentation::segment(scan(), {}, params(1.5), ignored) == one) << threads;
   }
   set_thread_count(0);
 }
 
 TEST(CoarseSegment, NoNumberIsRefused) {
-  const auto whole = std::get<Grid<std::int16_t>>(scan());
-  Grid<float> g(static_cast<const Lattice&>(whole));
+  const auto whole = std::get<grid::Grid<std::int16_t>>(scan());
+  grid::Grid<float> g(static_cast<const grid::Lattice&>(whole));
   for (std::size_t i = 0; i < g.voxels.size(); ++i) g.voxels[i] = whole.voxels[i];
   g.at(30, 30, 14) = std::numeric_limits<float>::quiet_NaN();
   Report ignored;
   try {
-    segment(g, {}, params(1.5), ignored);
+    segmentation::segment(g, {}, params(1.5), ignored);
     FAIL() << "accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -166,9 +166,9 @@ TEST(CoarseSegment, NoNumberIsRefused) {
 
 TEST(CoarseSegment, NotWithOtherAnatomies) {
   Report report;
-  const Field field = segment(scan(), {}, params(1.5), report);
+  const grid::Field field = segmentation::segment(scan(), {}, params(1.5), report);
   try {
-    segment(scan(), {&field, nullptr}, params(1.5), report);
+    segmentation::segment(scan(), {&field, nullptr}, params(1.5), report);
     FAIL() << "accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::usage);

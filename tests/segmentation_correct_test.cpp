@@ -12,8 +12,8 @@
 namespace trephine {
 namespace {
 
-Lattice raster(std::array<int, 3> size, Vec3 origin, double spacing = 1) {
-  Lattice l;
+grid::Lattice raster(std::array<int, 3> size, Vec3 origin, double spacing = 1) {
+  grid::Lattice l;
   l.size = size;
   l.spacing_mm = {spacing, spacing, 1.5 * spacing};
   l.origin_mm = origin;
@@ -21,14 +21,14 @@ Lattice raster(std::array<int, 3> size, Vec3 origin, double spacing = 1) {
   return l;
 }
 
-const Lattice scan = raster({60, 50, 40}, {-30, 10, 200});
+const grid::Lattice scan = raster({60, 50, 40}, {-30, 10, 200});
 constexpr double radius = 17.03;  // no voxel lies on it
 
 Vec3 middle() { return scan.to_world_mm({30, 25, 20}); }
 
 /// HU above a threshold: 40 HU for each mm within the ball.
-Field ball(const Lattice& l, double radius_mm) {
-  Field f(l);
+grid::Field ball(const grid::Lattice& l, double radius_mm) {
+  grid::Field f(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -36,17 +36,17 @@ Field ball(const Lattice& l, double radius_mm) {
   return f;
 }
 
-Lattice part_of_scan(std::array<int, 3> begin, std::array<int, 3> end) {
-  Lattice l = scan;
+grid::Lattice part_of_scan(std::array<int, 3> begin, std::array<int, 3> end) {
+  grid::Lattice l = scan;
   l.origin_mm = scan.to_world_mm({double(begin[0]), double(begin[1]), double(begin[2])});
   for (std::size_t a = 0; a < 3; ++a) l.size[a] = end[a] - begin[a];
   return l;
 }
 
-LabelFile labels_of(const Field& f, int value = 3) {
-  Mask m(static_cast<const Lattice&>(f));
+grid::LabelFile labels_of(const grid::Field& f, int value = 3) {
+  grid::Mask m(static_cast<const grid::Lattice&>(f));
   for (std::size_t i = 0; i < m.voxels.size(); ++i) m.voxels[i] = f.voxels[i] > 0 ? std::uint8_t(value) : 0;
-  LabelFile out;
+  grid::LabelFile out;
   out.lattice = m;
   out.samples = m;
   out.format = "NRRD";
@@ -54,8 +54,8 @@ LabelFile labels_of(const Field& f, int value = 3) {
 }
 
 /// Paints the scan's voxels [begin, end) of a map that may cover a part of the scan.
-void paint(LabelFile& map, std::array<int, 3> begin, std::array<int, 3> end, int value) {
-  Mask& m = std::get<Mask>(map.samples);
+void paint(grid::LabelFile& map, std::array<int, 3> begin, std::array<int, 3> end, int value) {
+  grid::Mask& m = std::get<grid::Mask>(map.samples);
   for (int k = begin[2]; k < end[2]; ++k)
     for (int j = begin[1]; j < end[1]; ++j)
       for (int i = begin[0]; i < end[0]; ++i) {
@@ -74,23 +74,23 @@ bool within(std::array<int, 3> at, std::array<int, 3> begin, std::array<int, 3> 
   return true;
 }
 
-LabelFile painted_correction(const Field& field) {
-  const LabelFile before = labels_of(field);
-  LabelFile after = before;
+grid::LabelFile painted_correction(const grid::Field& field) {
+  const grid::LabelFile before = labels_of(field);
+  grid::LabelFile after = before;
   paint(after, bump_begin, bump_end, 3);
   paint(after, pit_begin, pit_end, 0);
   Report report;
-  return correction_between(before, after, "3", "3", report);
+  return segmentation::correction_between(before, after, "3", "3", report);
 }
 
 std::int64_t count(const Report& r, const char* name) { return std::get<std::int64_t>(*r.find(name)); }
 double number(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
 
 TEST(Correct, OnlyWhatWasPaintedChanges) {
-  const Field field = ball(scan, radius);
-  const LabelFile correction = decode_labels(encode_labels(painted_correction(field)));
+  const grid::Field field = ball(scan, radius);
+  const grid::LabelFile correction = grid::decode_labels(grid::encode_labels(painted_correction(field)));
   Report report;
-  const Field out = corrected(field, scan, correction, report);
+  const grid::Field out = segmentation::corrected(field, scan, correction, report);
   ASSERT_EQ(out.size, field.size);
   std::int64_t plus = 0, minus = 0, kept = 0;
   for (int k = 0; k < scan.size[2]; ++k)
@@ -124,10 +124,10 @@ TEST(Correct, OnlyWhatWasPaintedChanges) {
 }
 
 TEST(Correct, SurvivesAnotherSegmentation) {
-  const LabelFile correction = painted_correction(ball(scan, radius));
-  const Field other = ball(scan, 16.2);  // another threshold
+  const grid::LabelFile correction = painted_correction(ball(scan, radius));
+  const grid::Field other = ball(scan, 16.2);  // another threshold
   Report report;
-  const Field out = corrected(other, scan, correction, report);
+  const grid::Field out = segmentation::corrected(other, scan, correction, report);
   for (int k = 0; k < scan.size[2]; ++k)
     for (int j = 0; j < scan.size[1]; ++j)
       for (int i = 0; i < scan.size[0]; ++i) {
@@ -140,26 +140,26 @@ TEST(Correct, SurvivesAnotherSegmentation) {
   EXPECT_GT(number(report, "already_ratio"), 0);  // a part of the pit's rim is outside already
   // Applied again it changes nothing, and says so.
   Report again;
-  EXPECT_EQ(corrected(out, scan, correction, again), out);
+  EXPECT_EQ(segmentation::corrected(out, scan, correction, again), out);
   EXPECT_EQ(number(again, "already_ratio"), 1);
   EXPECT_EQ(again.warnings.size(), 1u);
 }
 
 TEST(Correct, FieldsGrowToWhatWasAdded) {
   // As segmentations are: cropped to the shape and three voxels around it.
-  const Field all = ball(scan, radius);
-  const Lattice part = part_of_scan({10, 5, 6}, {48, 45, 34});
-  const Field field = ball(part, radius);
-  const LabelFile before = labels_of(field);
-  LabelFile after = labels_of(all);  // an editor saves the whole scan's voxels
+  const grid::Field all = ball(scan, radius);
+  const grid::Lattice part = part_of_scan({10, 5, 6}, {48, 45, 34});
+  const grid::Field field = ball(part, radius);
+  const grid::LabelFile before = labels_of(field);
+  grid::LabelFile after = labels_of(all);  // an editor saves the whole scan's voxels
   paint(after, {44, 23, 18}, {57, 27, 22}, 3);
   Report report;
-  const LabelFile correction = correction_between(before, after, "3", "", report);
+  const grid::LabelFile correction = segmentation::correction_between(before, after, "3", "", report);
   EXPECT_EQ(count(report, "removed_voxels_count"), 0);
   Report applied;
-  const Field out = corrected(field, scan, correction, applied);
+  const grid::Field out = segmentation::corrected(field, scan, correction, applied);
   EXPECT_GT(out.size[0], field.size[0]);
-  const Box place = place_in(out, scan);
+  const grid::Box place = grid::place_in(out, scan);
   for (int k = place.begin[2]; k < place.end[2]; ++k)
     for (int j = place.begin[1]; j < place.end[1]; ++j)
       for (int i = place.begin[0]; i < place.end[0]; ++i)
@@ -169,16 +169,16 @@ TEST(Correct, FieldsGrowToWhatWasAdded) {
 }
 
 TEST(Correct, OtherVoxelsTakeTheNearest) {
-  const LabelFile correction = painted_correction(ball(scan, radius));
-  const Lattice coarse = raster({38, 32, 26}, scan.origin_mm, 1.6);
-  const Field field = ball(coarse, radius);
+  const grid::LabelFile correction = painted_correction(ball(scan, radius));
+  const grid::Lattice coarse = raster({38, 32, 26}, scan.origin_mm, 1.6);
+  const grid::Field field = ball(coarse, radius);
   Report report;
-  const Field out = corrected(field, coarse, correction, report);
+  const grid::Field out = segmentation::corrected(field, coarse, correction, report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_TRUE(std::get<bool>(*report.find("resampled")));
   // Of the bump, what lay outside of the ball: sampled by a few dozen voxels.
   std::int64_t outside = 0;
-  const Field fine = ball(scan, radius);
+  const grid::Field fine = ball(scan, radius);
   for (int k = bump_begin[2]; k < bump_end[2]; ++k)
     for (int j = bump_begin[1]; j < bump_end[1]; ++j)
       for (int i = bump_begin[0]; i < bump_end[0]; ++i) outside += fine.at(i, j, k) <= 0;
@@ -201,48 +201,55 @@ std::string refused(const std::function<void()>& f, int code = 65) {
 }
 
 TEST(Correct, WhatIsNoCorrectionIsRefused) {
-  const Field field = ball(scan, radius);
-  const LabelFile before = labels_of(field);
+  const grid::Field field = ball(scan, radius);
+  const grid::LabelFile before = labels_of(field);
   Report r;
-  EXPECT_EQ(refused([&] { correction_between(before, before, "3", "3", r); }),
+  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "3", "3", r); }),
             "after: nothing of the label is different");
-  EXPECT_EQ(refused([&] { correction_between(before, before, "4", "3", r); }).substr(0, 8), "before: ");
-  EXPECT_EQ(refused([&] { correction_between(before, labels_of(ball(scan, radius), 5), "3", "4", r); }).substr(0, 7),
+  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "4", "3", r); }).substr(0, 8), "before: ");
+  EXPECT_EQ(refused([&] {
+              segmentation::correction_between(before, labels_of(ball(scan, radius), 5), "3", "4", r);
+            }).substr(0, 7),
             "after: ");
-  LabelFile moved = before;
+  grid::LabelFile moved = before;
   moved.lattice.origin_mm.x += 0.4;
-  std::get<Mask>(moved.samples).origin_mm.x += 0.4;
-  EXPECT_NE(refused([&] { correction_between(before, moved, "3", "3", r); }).find("do not lie on those of before"),
+  std::get<grid::Mask>(moved.samples).origin_mm.x += 0.4;
+  EXPECT_NE(refused([&] {
+              segmentation::correction_between(before, moved, "3", "3", r);
+            }).find("do not lie on those of before"),
             std::string::npos);
-  EXPECT_NE(refused([&] { corrected(field, scan, before, r); }).find("is no correction"), std::string::npos);
-  LabelFile far = painted_correction(field);
+  EXPECT_NE(refused([&] { segmentation::corrected(field, scan, before, r); }).find("is no correction"),
+            std::string::npos);
+  grid::LabelFile far = painted_correction(field);
   far.lattice.origin_mm.x += 500;
-  std::get<Mask>(far.samples).origin_mm.x += 500;
-  EXPECT_NE(refused([&] { corrected(field, scan, far, r); }).find("no voxel of the correction lies in the scan"),
+  std::get<grid::Mask>(far.samples).origin_mm.x += 500;
+  EXPECT_NE(refused([&] {
+              segmentation::corrected(field, scan, far, r);
+            }).find("no voxel of the correction lies in the scan"),
             std::string::npos);
 }
 
 TEST(Correct, AnotherOrderOfAxesIsTheSameRaster) {
-  const Field field = ball(scan, radius);
-  const LabelFile before = labels_of(field);
-  LabelFile after = before;
+  const grid::Field field = ball(scan, radius);
+  const grid::LabelFile before = labels_of(field);
+  grid::LabelFile after = before;
   paint(after, bump_begin, bump_end, 3);
   // The painted map with its first axis reversed.
-  const Mask& m = std::get<Mask>(after.samples);
-  Lattice l = m;
+  const grid::Mask& m = std::get<grid::Mask>(after.samples);
+  grid::Lattice l = m;
   l.origin_mm = m.to_world_mm({m.size[0] - 1.0, 0, 0});
   l.direction.column[0] = -l.direction.column[0];
-  Mask flipped(l);
+  grid::Mask flipped(l);
   for (int k = 0; k < m.size[2]; ++k)
     for (int j = 0; j < m.size[1]; ++j)
       for (int i = 0; i < m.size[0]; ++i) flipped.at(m.size[0] - 1 - i, j, k) = m.at(i, j, k);
-  LabelFile other = after;
+  grid::LabelFile other = after;
   other.lattice = l;
   other.samples = flipped;
   Report a, b;
-  const LabelFile one = correction_between(before, after, "3", "3", a),
-                  two = correction_between(before, other, "3", "3", b);
-  EXPECT_EQ(std::get<Mask>(one.samples), std::get<Mask>(two.samples));
+  const grid::LabelFile one = segmentation::correction_between(before, after, "3", "3", a),
+                        two = segmentation::correction_between(before, other, "3", "3", b);
+  EXPECT_EQ(std::get<grid::Mask>(one.samples), std::get<grid::Mask>(two.samples));
   EXPECT_GT(count(b, "added_voxels_count"), 0);
 }
 

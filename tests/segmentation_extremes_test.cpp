@@ -23,40 +23,42 @@ using phantom::Anatomy;
 struct Outcome {
   ExitCode code = ExitCode::ok;
   std::string field, what;
-  Field skin, skull, brain, ventricles;  ///< as far as it came
-  HeadLandmarks landmarks;
-  HeadClass head_class = HeadClass::unknown;
+  grid::Field skin, skull, brain, ventricles;  ///< as far as it came
+  head::HeadLandmarks landmarks;
+  head::HeadClass head_class = head::HeadClass::unknown;
 };
 
 /// The values of pipelines/ventriculostomy.yaml, with `smoothing_sigma_mm` of brain and ventricles.
-Outcome through_recipe(const HuVolume& volume, double smoothing_sigma_mm = 0) {
+Outcome through_recipe(const grid::HuVolume& volume, double smoothing_sigma_mm = 0) {
   Outcome o;
   Report report;
   try {
-    with_field("skin.segment", [&] { o.skin = segment(volume, {}, head_recipe::skin(), report); });
-    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr}, head_recipe::skull(), report); });
+    with_field("skin.segment", [&] { o.skin = segmentation::segment(volume, {}, head_recipe::skin(), report); });
+    with_field("skull.segment", [&] {
+      o.skull = segmentation::segment(volume, {&o.skin, nullptr}, head_recipe::skull(), report);
+    });
     with_field("brain.brain", [&] {
-      BrainParams p = head_recipe::brain();
+      head::BrainParams p = head_recipe::brain();
       p.smoothing_sigma_mm = smoothing_sigma_mm;
-      o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, p, report);
+      o.brain = head::find_brain(volume, {&o.skull, nullptr, nullptr}, p, report);
     });
     with_field("ventricles.ventricles", [&] {
-      VentriclesParams p;
+      head::VentriclesParams p;
       p.smoothing_sigma_mm = smoothing_sigma_mm;
-      o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, p, report);
+      o.ventricles = head::find_ventricles(volume, {&o.brain, nullptr}, p, report);
     });
-    LandmarkInputs in;
+    head::LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;
     in.brain = &o.brain;
     in.ventricles = &o.ventricles;
-    with_field("landmarks", [&] { o.landmarks = find_landmarks(volume, in, {}, report); });
+    with_field("landmarks", [&] { o.landmarks = head::find_landmarks(volume, in, {}, report); });
     with_field("anatomy", [&] {
-      const segmentation::ScanFigures scan = segmentation::measure_scan(volume);
-      const AnatomyFindings found =
-          examine_anatomy({&o.skin, &o.skull, &o.brain, &o.ventricles, &scan}, &o.landmarks, {}, report);
+      const mask::ScanFigures scan = mask::measure_scan(volume);
+      const consistency::AnatomyFindings found =
+          consistency::examine_anatomy({&o.skin, &o.skull, &o.brain, &o.ventricles, &scan}, &o.landmarks, {}, report);
       o.head_class = found.figures.head_class;
-      require_anatomy(found);
+      consistency::require_anatomy(found);
     });
   } catch (const Error& e) {
     o.code = e.code();
@@ -71,7 +73,7 @@ const phantom::Head& head() {
   return h;
 }
 
-HuVolume scanned(const phantom::ScanParams& how) { return phantom::volume_of(phantom::scan(head(), how)); }
+grid::HuVolume scanned(const phantom::ScanParams& how) { return phantom::volume_of(phantom::scan(head(), how)); }
 
 phantom::ScanParams usual() {
   phantom::ScanParams how;
@@ -83,7 +85,7 @@ phantom::ScanParams usual() {
 }
 
 /// Of the voxels in both, on the field's own raster.
-double dice(const Field& field, Anatomy anatomy) {
+double dice(const grid::Field& field, Anatomy anatomy) {
   double found = 0, truth = 0, both = 0;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
@@ -96,10 +98,10 @@ double dice(const Field& field, Anatomy anatomy) {
 }
 
 /// Refused where it had to be, or with shapes at least so good.
-void right_or_refused(const Outcome& o, double least_brain, double least_ventricles) {
+void right_or_refused(const Outcome& o, double min_brain, double min_ventricles) {
   if (o.code == ExitCode::ok || o.field == "landmarks" || o.field.rfind("anatomy", 0) == 0) {
-    EXPECT_GT(dice(o.brain, Anatomy::brain), least_brain) << o.what;
-    EXPECT_GT(dice(o.ventricles, Anatomy::ventricles), least_ventricles) << o.what;
+    EXPECT_GT(dice(o.brain, Anatomy::brain), min_brain) << o.what;
+    EXPECT_GT(dice(o.ventricles, Anatomy::ventricles), min_ventricles) << o.what;
   }
   if (o.code == ExitCode::ok) return;
   EXPECT_TRUE(o.code == ExitCode::quality || o.code == ExitCode::bad_input) << int(o.code) << " " << o.what;
@@ -141,7 +143,7 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
   const double sigma_mm = std::stod(o.what.substr(at + key.size()));
   const Outcome smoothed = through_recipe(scanned(how), sigma_mm);
   EXPECT_EQ(smoothed.code, ExitCode::ok) << sigma_mm << " " << smoothed.field << " " << smoothed.what;
-  EXPECT_EQ(smoothed.head_class, HeadClass::uncertain);
+  EXPECT_EQ(smoothed.head_class, head::HeadClass::uncertain);
   right_or_refused(smoothed, 0.8, 0.45);
 }
 
@@ -150,18 +152,18 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
 TEST(RecipeExtremes, AStronglyDenoisedScanIsUncertain) {
   phantom::ScanParams how = usual();
   how.noise_hu = 8;
-  HuVolume volume = scanned(how);
-  EXPECT_EQ(judge_scan(segmentation::measure_scan(volume), {}).kernel, "soft");
-  auto& hu = std::get<Grid<std::int16_t>>(volume);
-  Grid<float> smooth(static_cast<const Lattice&>(hu));
+  grid::HuVolume volume = scanned(how);
+  EXPECT_EQ(head::judge_scan(mask::measure_scan(volume), {}).kernel, "soft");
+  auto& hu = std::get<grid::Grid<std::int16_t>>(volume);
+  grid::Grid<float> smooth(static_cast<const grid::Lattice&>(hu));
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) smooth.voxels[v] = float(hu.voxels[v]);
-  segmentation::gaussian(smooth, 2.2);
+  mask::gaussian(smooth, 2.2);
   for (std::size_t v = 0; v < hu.voxels.size(); ++v)  // bone and air stay sharp, as such filters leave them
     if (hu.voxels[v] > -50 && hu.voxels[v] < 110) hu.voxels[v] = std::int16_t(std::lround(smooth.voxels[v]));
-  EXPECT_EQ(judge_scan(segmentation::measure_scan(volume), {}).kernel, "denoised");
+  EXPECT_EQ(head::judge_scan(mask::measure_scan(volume), {}).kernel, "denoised");
   const Outcome o = through_recipe(volume);
   ASSERT_EQ(o.code, ExitCode::ok) << o.field << " " << o.what;
-  EXPECT_EQ(o.head_class, HeadClass::uncertain);
+  EXPECT_EQ(o.head_class, head::HeadClass::uncertain);
 }
 
 TEST(RecipeExtremes, VoxelsOfFourMillimetresAreNotTakenForNoise) {
@@ -204,7 +206,7 @@ TEST(LongRecipeExtremes, VoxelsOfAThirdOfAMillimetreInSlicesOfFive) {
 
 TEST(RecipeExtremes, TheSameValueEverywhere) {
   for (const int value : {-1000, 0, 40, 1500}) {
-    Grid<std::int16_t> volume;
+    grid::Grid<std::int16_t> volume;
     volume.size = {40, 40, 30};
     volume.spacing_mm = {2, 2, 2};
     volume.voxels.assign(volume.count(), std::int16_t(value));

@@ -20,17 +20,17 @@ double truth(Vec3 p) {
 }
 
 struct Scene {
-  Grid<float> hu;
-  BitMask known;
-  Field start;  ///< 0.8 mm too thin
+  grid::Grid<float> hu;
+  mask::BitMask known;
+  grid::Field start;  ///< 0.8 mm too thin
 };
 
 Scene scene(double noise_hu) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {56, 44, 20};
   l.spacing_mm = {0.95, 0.95, 2};
   l.origin_mm = {-15, -18, -17};
-  Scene s{Grid<float>(l), BitMask(l), Field(l)};
+  Scene s{grid::Grid<float>(l), mask::BitMask(l), grid::Field(l)};
   unsigned state = 11;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -57,7 +57,7 @@ Scene scene(double noise_hu) {
 }
 
 /// Mean distance from the truth where the field crosses 0 along the axes, and the signed mean.
-std::pair<double, double> off(const Field& f) {
+std::pair<double, double> off(const grid::Field& f) {
   double sum = 0, signed_sum = 0, n = 0;
   for (int k = 0; k < f.size[2]; ++k)
     for (int j = 0; j < f.size[1]; ++j)
@@ -74,7 +74,7 @@ std::pair<double, double> off(const Field& f) {
 
 TEST(VentriclesFit, ThinAndThickAreNeitherShrunkNorWidenedInThickSlices) {
   const Scene s = scene(0);
-  const auto [mean, bias] = off(fit_fluid(s.hu, s.known, s.start, 0));
+  const auto [mean, bias] = off(head::fit_fluid(s.hu, s.known, s.start, 0));
   RecordProperty("mean_um", int(1000 * mean));
   EXPECT_LT(mean, 0.1);
   EXPECT_LT(std::abs(bias), 0.1);
@@ -83,7 +83,7 @@ TEST(VentriclesFit, ThinAndThickAreNeitherShrunkNorWidenedInThickSlices) {
 TEST(VentriclesFit, NoiseOfHalfTheContrastLeavesATenthOfAVoxelOfBias) {
   const Scene s = scene(12);
   const double noise = 12 * std::sqrt(s.hu.voxel_volume_mm3());
-  const auto [mean, bias] = off(fit_fluid(s.hu, s.known, s.start, noise));
+  const auto [mean, bias] = off(head::fit_fluid(s.hu, s.known, s.start, noise));
   RecordProperty("mean_um", int(1000 * mean));
   EXPECT_LT(mean, 0.25);
   EXPECT_LT(std::abs(bias), 0.15);
@@ -96,13 +96,13 @@ double joined_balls(Vec3 p, double passage_mm) {
 }
 
 TEST(VentriclesFit, ANarrowPassageStaysOpen) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {46, 26, 26};
   l.spacing_mm = {0.95, 0.95, 1};
   l.origin_mm = {-21.4, -11.9, -12.5};
-  Grid<float> hu(l);
-  BitMask known(l), everywhere(l);
-  Field start(l);
+  grid::Grid<float> hu(l);
+  mask::BitMask known(l), everywhere(l);
+  grid::Field start(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -112,8 +112,8 @@ TEST(VentriclesFit, ANarrowPassageStaysOpen) {
         everywhere.set(i, j, k);
         start.at(i, j, k) = float(joined_balls(p, 0.9));  // as noise and blur leave it
       }
-  const auto narrowest = [&](const BitMask* necks) {
-    const Field fit = fit_fluid(hu, known, start, 10, necks);
+  const auto narrowest = [&](const mask::BitMask* necks) {
+    const grid::Field fit = head::fit_fluid(hu, known, start, 10, necks);
     double least = 100;
     for (double x = -4; x <= 4; x += 0.5) {
       const Vec3 q = fit.to_index({x, 0, 0});
@@ -128,7 +128,7 @@ TEST(VentriclesFit, ANarrowPassageStaysOpen) {
 TEST(VentriclesFit, FluidThatIsNotThereIsLeftAlone) {
   Scene s = scene(0);
   for (float& d : s.start.voxels) d = -5;  // no voxel inside: nothing to measure the fluid in
-  const Field f = fit_fluid(s.hu, s.known, s.start, 0);
+  const grid::Field f = head::fit_fluid(s.hu, s.known, s.start, 0);
   for (const float v : f.voxels) ASSERT_LT(v, 0);
 }
 

@@ -29,10 +29,10 @@ bool in_ventricles(Vec3 p) {
 bool in_brain(Vec3 p) { return ellipsoid(p, {0, 0, 0}, {63, 78, 58}) < 1 && p.z > -50; }
 
 /// 1.0 x 1.0 x 2.0 mm, noise of `noise_hu`, all soft tissue `shift_hu` brighter than usual.
-Grid<std::int16_t> head(double noise_hu, double shift_hu = 0) {
-  Grid<std::int16_t> g;
-  static_cast<Lattice&>(g) = [] {
-    Lattice l;
+grid::Grid<std::int16_t> head(double noise_hu, double shift_hu = 0) {
+  grid::Grid<std::int16_t> g;
+  static_cast<grid::Lattice&>(g) = [] {
+    grid::Lattice l;
     l.size = {170, 200, 80};
     l.spacing_mm = {1, 1, 2};
     l.origin_mm = {-84.5, -99.5, -90};
@@ -67,8 +67,8 @@ Grid<std::int16_t> head(double noise_hu, double shift_hu = 0) {
 }
 
 template <class Truth>
-double dice(const Field& f, const Lattice& l, Truth&& truth) {
-  const Box at = place_in(f, l);
+double dice(const grid::Field& f, const grid::Lattice& l, Truth&& truth) {
+  const grid::Box at = grid::place_in(f, l);
   double both = 0, sum = 0;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -82,12 +82,12 @@ double dice(const Field& f, const Lattice& l, Truth&& truth) {
   return 2 * both / sum;
 }
 
-head_recipe::Fields segment_head(const HuVolume& volume) {
+head_recipe::Fields segment_head(const grid::HuVolume& volume) {
   head_recipe::Fields f;
   Report report;
-  f.skull = segment(volume, {}, head_recipe::skull(), report);
-  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, head_recipe::brain(22), report);
-  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  f.skull = segmentation::segment(volume, {}, head_recipe::skull(), report);
+  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, head_recipe::brain(22), report);
+  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}, report);
   return f;
 }
 
@@ -115,7 +115,7 @@ TEST(SegmentHead, StreaksBesideTheVentriclesAreNoneOfThem) {
           streaked.at(i, j, k) += std::int16_t(std::lround(18 * std::sin(across / 3.5 + std::sin(across / 15))));
       }
   Report report;
-  const Field found = find_ventricles(streaked, {&sound.brain, nullptr}, {}, report);
+  const grid::Field found = head::find_ventricles(streaked, {&sound.brain, nullptr}, {}, report);
   const auto truth = [](Vec3 p) { return in_ventricles(p); };
   EXPECT_GT(dice(found, streaked, truth), 0.9) << dice(sound.ventricles, streaked, truth) << " without streaks";
   int said = 0;
@@ -125,32 +125,33 @@ TEST(SegmentHead, StreaksBesideTheVentriclesAreNoneOfThem) {
 
 TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
   const auto volume = head(6);
-  BrainParams p;
+  head::BrainParams p;
   p.lower_hu = 22;
   Report report;
-  const Field brain = find_brain(volume, {}, p, report);
+  const grid::Field brain = head::find_brain(volume, {}, p, report);
   EXPECT_GT(dice(brain, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
   ASSERT_NE(report.find("cranial_cavity_ml"), nullptr);
 }
 
 TEST(SegmentHead, WhatCannotBeABrainIsRefused) {
-  const HuVolume volume = head(6);
+  const grid::HuVolume volume = head(6);
   Report report;
-  const Field envelope = find_brain(volume, {}, {}, report);
-  EXPECT_GT(dice(envelope, lattice_of(volume), [](Vec3 x) { return in_brain(x); }), 0.97);
-  VentriclesParams ventricles;
+  const grid::Field envelope = head::find_brain(volume, {}, {}, report);
+  EXPECT_GT(dice(envelope, grid::lattice_of(volume), [](Vec3 x) { return in_brain(x); }), 0.97);
+  head::VentriclesParams ventricles;
   ventricles.lower_hu = 20;
-  EXPECT_THROW(find_ventricles(volume, {&envelope, nullptr}, ventricles, report), Error) << "above upper_hu's default";
+  EXPECT_THROW(head::find_ventricles(volume, {&envelope, nullptr}, ventricles, report), Error)
+      << "above upper_hu's default";
   try {
-    find_ventricles(volume, {}, {}, report);
+    head::find_ventricles(volume, {}, {}, report);
     ADD_FAILURE() << "ventricles without a brain";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::usage);
   }
   // What is not of one value only is looked at.
-  const Field skull = segment(volume, {}, {}, report);
+  const grid::Field skull = segmentation::segment(volume, {}, {}, report);
   try {
-    find_brain(Grid<std::int16_t>(lattice_of(volume), 40), {&skull, nullptr, nullptr}, {}, report);
+    head::find_brain(grid::Grid<std::int16_t>(grid::lattice_of(volume), 40), {&skull, nullptr, nullptr}, {}, report);
     ADD_FAILURE() << "a brain in a constant image";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -159,7 +160,7 @@ TEST(SegmentHead, WhatCannotBeABrainIsRefused) {
 }
 
 TEST(SegmentHead, TheSameBitsWithOneAndTwoThreadsAndAtTheSameTime) {
-  const HuVolume volume = head(6);
+  const grid::HuVolume volume = head(6);
   const int before = thread_count();
   set_thread_count(1);
   const head_recipe::Fields one = segment_head(volume);
@@ -178,12 +179,12 @@ TEST(SegmentHead, TheSameBitsWithOneAndTwoThreadsAndAtTheSameTime) {
 }
 
 TEST(SegmentHead, CanBeCancelled) {
-  const HuVolume volume = head(6);
+  const grid::HuVolume volume = head(6);
   std::atomic<bool> cancel{true};
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   Report report;
-  EXPECT_THROW(segment(volume, {}, p, report, Progress({}, &cancel)), Cancelled);
+  EXPECT_THROW(segmentation::segment(volume, {}, p, report, Progress({}, &cancel)), Cancelled);
 }
 
 }  // namespace

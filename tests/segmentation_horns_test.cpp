@@ -10,18 +10,18 @@ namespace trephine::segmentation {
 namespace {
 
 struct Scene {
-  Grid<float> hu;
-  BitMask known, others, shape;
+  grid::Grid<float> hu;
+  mask::BitMask known, others, shape;
 };
 
 /// The tube's middle line: 30 mm forwards and down from the ventricle's end.
 Vec3 course(double t) { return {30, 12 - 30 * t, -8 - 14 * t * t}; }
 
 Scene scene(double tube_radius_mm) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {110, 120, 90};
   l.origin_mm = {-54.5, -59.5, -44.5};
-  Scene s{Grid<float>(l), BitMask(l), BitMask(l), BitMask(l)};
+  Scene s{grid::Grid<float>(l), mask::BitMask(l), mask::BitMask(l), mask::BitMask(l)};
   unsigned state = 7;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -45,7 +45,7 @@ Scene scene(double tube_radius_mm) {
 TEST(Horns, ThinTubeInNoiseIsFollowedToItsEnd) {
   const Scene s = scene(1.9);
   int count = 0;
-  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
+  const grid::Grid<float> d = head::find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
   EXPECT_EQ(count, 1);
   const auto value = [&](Vec3 p) {
     const Vec3 q = d.to_index(p);
@@ -71,7 +71,7 @@ TEST(Horns, ThinTubeInNoiseIsFollowedToItsEnd) {
 TEST(Horns, NoneIsFoundInNoiseAlone) {
   const Scene s = scene(0);
   int count = -1;
-  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
+  const grid::Grid<float> d = head::find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
   EXPECT_EQ(count, 0);
   for (const float v : d.voxels) ASSERT_LT(v, 0);
 }

@@ -16,17 +16,17 @@ namespace {
 
 using namespace segment_test;
 
-std::size_t inside(const Field& f) {
+std::size_t inside(const grid::Field& f) {
   std::size_t n = 0;
   for (float v : f.voxels) n += v > 0;
   return n;
 }
 
-ExitCode code_of(const HuVolume& volume, const SegmentParams& params, std::string* what = nullptr,
-                 const SegmentMasks& masks = {}) {
+ExitCode code_of(const grid::HuVolume& volume, const segmentation::SegmentParams& params, std::string* what = nullptr,
+                 const segmentation::SegmentMasks& masks = {}) {
   Report report;
   try {
-    segment(volume, masks, params, report);
+    segmentation::segment(volume, masks, params, report);
   } catch (const Error& e) {
     if (what) *what = e.what();
     return e.code();
@@ -40,7 +40,7 @@ struct Cube {
   double half, hu;
 };
 
-Grid<std::int16_t> cubes(const std::vector<Cube>& list, const Lattice& l) {
+grid::Grid<std::int16_t> cubes(const std::vector<Cube>& list, const grid::Lattice& l) {
   return rounded(sampled(l, [&](Vec3 p) {
     double hu = 0;
     for (const Cube& c : list) {
@@ -53,11 +53,11 @@ Grid<std::int16_t> cubes(const std::vector<Cube>& list, const Lattice& l) {
 
 TEST(SegmentThreshold, HysteresisKeepsOnlyPiecesWithASeed) {
   const auto v = cubes({{{-8, 0, 0}, 3, 250}, {{8, 0, 0}, 3, 250}, {{8, 0, 0}, 1, 500}}, lattice(60, 30, 16));
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   EXPECT_TRUE(holds(run(v, p), {-8, 0, 0.5}));
   p.seed_lower_hu = 400;
-  const Field f = run(v, p);
+  const grid::Field f = run(v, p);
   EXPECT_FALSE(holds(f, {-8, 0, 0.5}));
   EXPECT_TRUE(holds(f, {8, 0, 0.5}));
   EXPECT_LT(f.size[0], 22) << "cropped to what is left";
@@ -65,17 +65,17 @@ TEST(SegmentThreshold, HysteresisKeepsOnlyPiecesWithASeed) {
 
 TEST(SegmentThreshold, UpperLimitComponentsAndSizes) {
   const auto v = cubes({{{-9, 0, 0}, 4, 300}, {{1, 0, 0}, 2, 300}, {{9, 0, 0}, 3, 900}}, lattice(70, 30, 16));
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   p.upper_hu = 600;
-  Field f = run(v, p);
+  grid::Field f = run(v, p);
   EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && holds(f, {1, 0, 0.5}) && !holds(f, {9, 0, 0.5}));
   p.min_component_ml = 0.2;
   f = run(v, p);
   EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && !holds(f, {1, 0, 0.5}));
   p.min_component_ml = 0;
   p.upper_hu = 100000;
-  p.components = SegmentComponents::largest;
+  p.components = segmentation::SegmentComponents::largest;
   f = run(v, p);
   EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && !holds(f, {1, 0, 0.5}) && !holds(f, {9, 0, 0.5}));
   EXPECT_EQ(inside(f), 16u * 16 * 8);
@@ -84,7 +84,7 @@ TEST(SegmentThreshold, UpperLimitComponentsAndSizes) {
 TEST(SegmentThreshold, OpeningPartsTheHolderAndKeepsTheEar) {
   // A head (ball), an ear (plate of 2 mm, 12 mm out), a holder (plate of 4 mm through the volume) that the head
   // touches.
-  const Lattice l = lattice(130, 150, 120, {1, 1, 1});
+  const grid::Lattice l = lattice(130, 150, 120, {1, 1, 1});
   const auto hu = [](Vec3 p) {
     const bool head = norm(p) < 45;
     const bool ear = std::abs(p.y) < 1.2 && p.x > 40 && p.x < 57 && std::abs(p.z) < 10;
@@ -92,13 +92,13 @@ TEST(SegmentThreshold, OpeningPartsTheHolderAndKeepsTheEar) {
     const bool pad = std::hypot(p.x, p.z) < 2 && p.y > 40 && p.y < 47;
     return head || ear || holder || pad ? 40.0 : -1000.0;
   };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = -475;
-  p.components = SegmentComponents::largest;
-  const HuVolume volume = rounded(sampled(l, hu));
+  p.components = segmentation::SegmentComponents::largest;
+  const grid::HuVolume volume = rounded(sampled(l, hu));
   EXPECT_TRUE(holds(run(volume, p), {30, 47.5, 30})) << "without opening the holder hangs on";
   p.open_mm = 3;
-  const Field f = run(volume, p);
+  const grid::Field f = run(volume, p);
   EXPECT_FALSE(holds(f, {30, 47.5, 30}));
   EXPECT_FALSE(holds(f, {8, 47.5, 0}));
   EXPECT_TRUE(holds(f, {0, 40, 0}));
@@ -107,11 +107,11 @@ TEST(SegmentThreshold, OpeningPartsTheHolderAndKeepsTheEar) {
 
 TEST(SegmentThreshold, RegionOfInterestInMillimetres) {
   const auto v = cubes({{{0, 0, 0}, 8, 300}}, lattice(60, 60, 30));
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   p.roi_min_mm = {-4, -100, -100};
   p.roi_max_mm = {100, 3, 100};
-  const Field f = run(v, p);
+  const grid::Field f = run(v, p);
   EXPECT_TRUE(holds(f, {-3, 2, 0.5}));
   EXPECT_FALSE(holds(f, {-5, 2, 0.5}));
   EXPECT_FALSE(holds(f, {-3, 4, 0.5}));
@@ -121,12 +121,12 @@ TEST(SegmentThreshold, RegionOfInterestInMillimetres) {
 }
 
 TEST(SegmentThreshold, FieldIsCroppedOnTheVolumesRaster) {
-  const Lattice l = lattice(60, 50, 30);
+  const grid::Lattice l = lattice(60, 50, 30);
   const auto v = cubes({{{5, -2, 1}, 3, 300}}, l);
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
-  const Field f = run(v, p);
-  const Box at = place_in(f, l);  // throws where it is not the same raster
+  const grid::Field f = run(v, p);
+  const grid::Box at = grid::place_in(f, l);  // throws where it is not the same raster
   std::size_t n = 0;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -143,34 +143,34 @@ TEST(SegmentThreshold, FieldIsCroppedOnTheVolumesRaster) {
 }
 
 TEST(SegmentThreshold, RefusesWhatIsNoShape) {
-  const Lattice l = lattice(20, 20, 10);
-  SegmentParams p;
+  const grid::Lattice l = lattice(20, 20, 10);
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
   std::string what;
-  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 0), p, &what), ExitCode::quality);
+  EXPECT_EQ(code_of(grid::Grid<std::int16_t>(l, 0), p, &what), ExitCode::quality);
   EXPECT_NE(what.find("0 of 4000 voxels"), std::string::npos) << what;
-  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 300), p, &what), ExitCode::quality);
+  EXPECT_EQ(code_of(grid::Grid<std::int16_t>(l, 300), p, &what), ExitCode::quality);
   EXPECT_NE(what.find("4000"), std::string::npos) << what;
-  Grid<std::int16_t> slice(l, 0);
+  grid::Grid<std::int16_t> slice(l, 0);
   for (int j = 5; j < 15; ++j)
     for (int i = 5; i < 15; ++i) slice.at(i, j, 4) = 300;
   EXPECT_EQ(code_of(slice, p, &what), ExitCode::quality);
   EXPECT_NE(what.find("single slice: 100 voxels"), std::string::npos) << what;
   for (float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    Grid<float> g(l, 300);
+    grid::Grid<float> g(l, 300);
     g.at(3, 3, 3) = bad;
     EXPECT_EQ(code_of(g, p), ExitCode::bad_input);
   }
   p.upper_hu = 100;
-  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 300), p), ExitCode::usage);
+  EXPECT_EQ(code_of(grid::Grid<std::int16_t>(l, 300), p), ExitCode::usage);
   // A mask of another raster.
   p.upper_hu = 100000;
-  const Field other(lattice(20, 20, 10, {0.6, 0.5, 1}), 1.f);
-  SegmentMasks masks;
+  const grid::Field other(lattice(20, 20, 10, {0.6, 0.5, 1}), 1.f);
+  segmentation::SegmentMasks masks;
   masks.within = &other;
   EXPECT_EQ(code_of(slice, p, nullptr, masks), ExitCode::bad_input);
   // A region of interest whose corners are exchanged.
-  SegmentParams exchanged = p;
+  segmentation::SegmentParams exchanged = p;
   exchanged.roi_min_mm = {0, 5, 0};
   exchanged.roi_max_mm = {9, 4, 9};
   EXPECT_EQ(code_of(slice, exchanged, &what), ExitCode::usage);

@@ -22,7 +22,7 @@ using phantom::Head;
 
 struct Scene {
   Head head;
-  Grid<std::int16_t> volume;
+  grid::Grid<std::int16_t> volume;
 };
 
 Scene scanned(const phantom::HeadParams& who, const phantom::ScanParams& how) {
@@ -31,8 +31,8 @@ Scene scanned(const phantom::HeadParams& who, const phantom::ScanParams& how) {
   return s;
 }
 
-double dice(const Head& head, Anatomy anatomy, const Field& field, const Lattice& l) {
-  const Box at = place_in(field, l);
+double dice(const Head& head, Anatomy anatomy, const grid::Field& field, const grid::Lattice& l) {
+  const grid::Box at = grid::place_in(field, l);
   std::vector<std::size_t> both(l.size[2]), sum(l.size[2]);
   parallel_for(0, l.size[2], 1, [&](std::int64_t k0, std::int64_t) {
     const int k = int(k0);
@@ -55,7 +55,7 @@ struct Deviation {
 };
 
 /// Of one in `every` crossings of the field along the lattice's edges, 2.5 mm off the scan's ends.
-Deviation deviation(const Head& head, Anatomy anatomy, const Field& field, const Lattice& l, int every) {
+Deviation deviation(const Head& head, Anatomy anatomy, const grid::Field& field, const grid::Lattice& l, int every) {
   const double lowest = l.to_world_mm({0, 0, 0}).z + 2.5, highest = l.to_world_mm({0, 0, l.size[2] - 1.0}).z - 2.5;
   std::vector<std::vector<double>> slices(field.size[2]);
   parallel_for(0, field.size[2], 1, [&](std::int64_t k0, std::int64_t) {

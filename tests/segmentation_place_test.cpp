@@ -17,8 +17,8 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-Lattice lattice_about(Vec3 centre, Vec3 half_mm, double spacing_mm) {
-  Lattice l;
+grid::Lattice lattice_about(Vec3 centre, Vec3 half_mm, double spacing_mm) {
+  grid::Lattice l;
   for (int a = 0; a < 3; ++a) {
     l.size[a] = 2 * int(half_mm[a] / spacing_mm) + 1;
     l.spacing_mm[a] = spacing_mm;
@@ -28,19 +28,20 @@ Lattice lattice_about(Vec3 centre, Vec3 half_mm, double spacing_mm) {
 }
 
 template <class F>
-BitMask mask_of(const Lattice& l, F&& holds) {
-  return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+mask::BitMask mask_of(const grid::Lattice& l, F&& holds) {
+  return mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = holds(l.to_world_mm({double(i), double(j), double(k)}));
   });
 }
 
 double ventricle_mm(Vec3 p) {
-  return std::min({place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p), place_mm(Place::third, p)});
+  return std::min({place::place_mm(place::Place::lateral_left, p), place::place_mm(place::Place::lateral_right, p),
+                   place::place_mm(place::Place::third, p)});
 }
 
 /// A head that lies as the template does.
-HeadPlace straight() {
-  HeadPlace place;
+place::HeadPlace straight() {
+  place::HeadPlace place;
   place.centre_mm = place.to_template({0, 0, 0});
   place.sure = true;
   return place;
@@ -72,14 +73,15 @@ TEST(SegmentPlace, ATiltedStretchedAndCutHeadIsFound) {
   for (const double pitch_deg : {-28.0, 12.0})
     for (const double top_mm : {1e3, 40.0}) {
       const double c = std::cos(pitch_deg * pi / 180), s = std::sin(pitch_deg * pi / 180);
-      HeadPlace truth;
+      place::HeadPlace truth;
       truth.centre_mm = centre;
       truth.axes.column = {Vec3{1, 0, 0}, Vec3{0, c, s}, Vec3{0, -s, c}};
       truth.scale = scale;
-      Lattice l = lattice_about(centre, {90, 110, 100}, 2.5);
+      grid::Lattice l = lattice_about(centre, {90, 110, 100}, 2.5);
       if (top_mm < 100) l.size[2] = int((centre.z + top_mm - l.origin_mm.z) / 2.5);
-      const BitMask cavity = mask_of(l, [&](Vec3 p) { return template_cavity_mm(truth.to_template(p)) < 0; });
-      const HeadPlace found = place_head(cavity, nullptr, l);
+      const mask::BitMask cavity =
+          mask_of(l, [&](Vec3 p) { return place::template_cavity_mm(truth.to_template(p)) < 0; });
+      const place::HeadPlace found = place::place_head(cavity, nullptr, l);
       EXPECT_TRUE(found.sure);
       EXPECT_LT(found.residual_mm, 1.5);
       for (const Vec3 p : {Vec3{0, -6, 43}, Vec3{22, -44, 56}, Vec3{-24, 40, 50}, Vec3{0, 26, -24}})
@@ -88,21 +90,21 @@ TEST(SegmentPlace, ATiltedStretchedAndCutHeadIsFound) {
 }
 
 TEST(SegmentPlace, WhatIsNoHeadIsNotSure) {
-  const Lattice l = lattice_about({0, 0, 0}, {60, 60, 160}, 3);
-  EXPECT_FALSE(place_head(BitMask(l), nullptr, l).sure);
+  const grid::Lattice l = lattice_about({0, 0, 0}, {60, 60, 160}, 3);
+  EXPECT_FALSE(place::place_head(mask::BitMask(l), nullptr, l).sure);
   Report report;
-  const BitMask pipe = mask_of(l, [](Vec3 p) { return std::hypot(p.x, p.y) < 25; });
-  const HeadPlace place = place_head(pipe, nullptr, l);
+  const mask::BitMask pipe = mask_of(l, [](Vec3 p) { return std::hypot(p.x, p.y) < 25; });
+  const place::HeadPlace place = place::place_head(pipe, nullptr, l);
   EXPECT_FALSE(place.sure);
-  report_place(place, report);
+  place::report_place(place, report);
   ASSERT_EQ(report.warnings.size(), 1u);
 }
 
 /// Soft tissue with the template's fluid, a slit of a third ventricle, and what is not ventricle.
 struct Scene {
-  Lattice lattice = lattice_about({0, 5, 45}, {66, 85, 62}, 1);
-  BitMask envelope = mask_of(lattice, [](Vec3 p) { return template_cavity_mm(p) < -3; });
-  Grid<float> soft{lattice, 30.f};
+  grid::Lattice lattice = lattice_about({0, 5, 45}, {66, 85, 62}, 1);
+  mask::BitMask envelope = mask_of(lattice, [](Vec3 p) { return place::template_cavity_mm(p) < -3; });
+  grid::Grid<float> soft{lattice, 30.f};
   static constexpr Vec3 cyst{24, -52, 78};
   Scene() {
     for (int k = 0; k < lattice.size[2]; ++k)
@@ -110,24 +112,26 @@ struct Scene {
         for (int i = 0; i < lattice.size[0]; ++i) {
           const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)});
           float& v = soft.at(i, j, k);
-          if (std::min(place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p)) < 0) v = 6;
+          if (std::min(place::place_mm(place::Place::lateral_left, p),
+                       place::place_mm(place::Place::lateral_right, p)) < 0)
+            v = 6;
           if (std::abs(p.x) < 1.2 && p.y > -20 && p.y < 6 && p.z > 36 && p.z < 50) v = 21;
           if (std::abs(p.x) < 1.6 && p.z > 69 && p.z < 100 && std::abs(p.y) < 50) v = 6;
-          if (place_mm(Place::quadrigeminal, p) < 0) v = 6;
+          if (place::place_mm(place::Place::quadrigeminal, p) < 0) v = 6;
           if (norm(p - cyst) < 14) v = 6;
         }
   }
 };
 
-bool holds(const BitMask& m, Vec3 p) {
+bool holds(const mask::BitMask& m, Vec3 p) {
   const Vec3 q = m.lattice().to_index(p);
   return m.at(int(std::lround(q.x)), int(std::lround(q.y)), int(std::lround(q.z)));
 }
 
 TEST(SegmentPlace, SlitsAreFoundFissuresCisternsAndCystsAreNot) {
   const Scene s;
-  BitMask others;
-  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others);
+  mask::BitMask others;
+  const mask::BitMask found = head::deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others);
   for (const double side : {-1.0, 1.0})
     for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}})
       EXPECT_TRUE(holds(found, {side * p.x, p.y, p.z})) << side * p.x << " " << p.y;
@@ -148,16 +152,16 @@ TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
         const double t = std::clamp(dot(p - from, to - from) / dot(to - from, to - from), 0.0, 1.0);
         if (norm(p - on(t)) < 2) s.soft.at(i, j, k) = 6;
       }
-  BitMask others, cut_off;
-  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others, &cut_off);
+  mask::BitMask others, cut_off;
+  const mask::BitMask found = head::deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others, &cut_off);
   // Its stubs in the ventricles are said.
   Report report;
-  warn_of_stubs(cut_off, found, report);
+  head::warn_of_stubs(cut_off, found, report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("a thin dark streak was cut off"), std::string::npos) << report.warnings[0];
   const Scene whole;
-  const BitMask sound = deep_csf(whole.soft, whole.envelope, straight(), -15, 18.5, {}, nullptr, &cut_off);
-  warn_of_stubs(cut_off, sound, report);
+  const mask::BitMask sound = head::deep_csf(whole.soft, whole.envelope, straight(), -15, 18.5, {}, nullptr, &cut_off);
+  head::warn_of_stubs(cut_off, sound, report);
   EXPECT_EQ(report.warnings.size(), 1u);
   for (const double side : {-1.0, 1.0})
     for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}, Vec3{33, -5, 27}})
@@ -169,16 +173,17 @@ TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
 }
 
 TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
-  const Lattice l = lattice_about({0, 5, 45}, {45, 75, 45}, 1.5);
-  const BitMask whole = mask_of(l, [](Vec3 p) { return ventricle_mm(p) < 0; });
+  const grid::Lattice l = lattice_about({0, 5, 45}, {45, 75, 45}, 1.5);
+  const mask::BitMask whole = mask_of(l, [](Vec3 p) { return ventricle_mm(p) < 0; });
   Report sound;
-  report_parts(whole, straight(), sound);
+  head::report_parts(whole, straight(), sound);
   EXPECT_TRUE(sound.warnings.empty()) << sound.warnings.front();
   EXPECT_NEAR(std::get<double>(*sound.find("asymmetry_ml")), 0, 0.2);
-  const BitMask hurt = mask_of(
-      l, [](Vec3 p) { return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place_mm(Place::third, p) > 0; });
+  const mask::BitMask hurt = mask_of(l, [](Vec3 p) {
+    return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place::place_mm(place::Place::third, p) > 0;
+  });
   Report report;
-  report_parts(hurt, straight(), report);
+  head::report_parts(hurt, straight(), report);
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_EQ(report.warnings[0], "no frontal horn of the left lateral ventricle found where it should be");
   EXPECT_EQ(report.warnings[1], "no third ventricle found where it should be");
@@ -186,9 +191,9 @@ TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
 }
 
 TEST(SegmentPlace, PitsThatNoiseExplainsAreNoSulci) {
-  const Lattice l = lattice_about({0, 0, 0}, {30, 30, 30}, 1);
-  const BitMask shape = mask_of(l, [](Vec3 p) { return norm(p) < 28; });
-  Grid<float> hu(l, 30.f);
+  const grid::Lattice l = lattice_about({0, 0, 0}, {30, 30, 30}, 1);
+  const mask::BitMask shape = mask_of(l, [](Vec3 p) { return norm(p) < 28; });
+  grid::Grid<float> hu(l, 30.f);
   std::uint32_t state = 1;
   for (float& v : hu.voxels) {  // the sum of four uniform numbers, of a standard deviation of 12
     float sum = 0;
@@ -204,8 +209,8 @@ TEST(SegmentPlace, PitsThatNoiseExplainsAreNoSulci) {
         if (sulcus(p)) hu.at(i, j, k) -= 20;
         if (pit(p)) hu.at(i, j, k) -= 5;  // what a search for dark places in noise comes upon
       }
-  const BitMask cut = mask_of(l, [&](Vec3 p) { return norm(p) < 28 && (sulcus(p) || pit(p)); });
-  const BitMask pits = noise_pits(cut, shape, hu, shape, 12);
+  const mask::BitMask cut = mask_of(l, [&](Vec3 p) { return norm(p) < 28 && (sulcus(p) || pit(p)); });
+  const mask::BitMask pits = head::noise_pits(cut, shape, hu, shape, 12);
   EXPECT_TRUE(holds(pits, {22, 12, 0}));
   EXPECT_FALSE(holds(pits, {0, 0, 20}));
 }

@@ -13,8 +13,8 @@ namespace {
 
 /// A body of 40 HU with an elliptical cross-section in air, scanned with a field of view of that diameter about the
 /// middle; beyond the circle is `padding`.
-HuVolume scanned(double half_width_mm, double half_depth_mm, double field_mm, std::int16_t padding, bool round) {
-  Grid<std::int16_t> g;
+grid::HuVolume scanned(double half_width_mm, double half_depth_mm, double field_mm, std::int16_t padding, bool round) {
+  grid::Grid<std::int16_t> g;
   g.size = {120, 120, 20};
   g.spacing_mm = {field_mm / 120, field_mm / 120, 2};
   g.origin_mm = {-0.5 * 119 * g.spacing_mm.x, -0.5 * 119 * g.spacing_mm.y, 0};
@@ -30,21 +30,21 @@ HuVolume scanned(double half_width_mm, double half_depth_mm, double field_mm, st
   return g;
 }
 
-SegmentParams skin() {
-  SegmentParams p;
+segmentation::SegmentParams skin() {
+  segmentation::SegmentParams p;
   p.lower_hu = -475;
   p.smoothing_sigma_mm = 1.5;
   p.open_mm = 3;
-  p.components = SegmentComponents::largest;
+  p.components = segmentation::SegmentComponents::largest;
   p.max_scan_edge_ratio = 0.5;
   return p;
 }
 
-double ratio_of(const HuVolume& v, double limit) {
-  SegmentParams p = skin();
+double ratio_of(const grid::HuVolume& v, double limit) {
+  segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = limit;
   Report report;
-  segment(v, {}, p, report);
+  segmentation::segment(v, {}, p, report);
   return std::get<double>(*report.find("scan_edge_ratio"));
 }
 
@@ -52,7 +52,7 @@ TEST(ScanEdge, AFieldOfViewWithinTheBodyHasNoSkin) {
   for (const std::int16_t padding : {-2000, -1024}) {  // undeclared; made air
     Report report;
     try {
-      segment(scanned(170, 110, 140, padding, true), {}, skin(), report);
+      segmentation::segment(scanned(170, 110, 140, padding, true), {}, skin(), report);
       FAIL() << "not refused";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality);
@@ -62,7 +62,7 @@ TEST(ScanEdge, AFieldOfViewWithinTheBodyHasNoSkin) {
   }
   // A square field that the body fills: the whole rim is the volume's side.
   Report report;
-  EXPECT_THROW(segment(scanned(400, 400, 140, -1024, false), {}, skin(), report), Error);
+  EXPECT_THROW(segmentation::segment(scanned(400, 400, 140, -1024, false), {}, skin(), report), Error);
 }
 
 TEST(ScanEdge, ABodyWithinTheFieldHasAllOfItAndOneCutAtTheSidesMost) {
@@ -76,10 +76,10 @@ TEST(ScanEdge, ABodyWithinTheFieldHasAllOfItAndOneCutAtTheSidesMost) {
 }
 
 TEST(ScanEdge, NotAskedForNothingIsSaid) {
-  SegmentParams p = skin();
+  segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = 1;
   Report report;
-  EXPECT_NO_THROW(segment(scanned(170, 110, 140, -1024, true), {}, p, report));
+  EXPECT_NO_THROW(segmentation::segment(scanned(170, 110, 140, -1024, true), {}, p, report));
   EXPECT_EQ(report.find("scan_edge_ratio"), nullptr);
 }
 

@@ -13,24 +13,24 @@
 
 using namespace trephine;
 using namespace trephine::phantom;
-using segmentation::measure_scan;
-using segmentation::ScanFigures;
+using mask::measure_scan;
+using mask::ScanFigures;
 
 namespace {
 
 /// A slab of a head with brain in it, at level hard, so that every kernel is at hand.
-const Head& head() {
-  static const Head h = [] {
-    HeadParams p;
-    p.level = Level::hard;
+const phantom::Head& one_head() {
+  static const phantom::Head h = [] {
+    phantom::HeadParams p;
+    p.level = phantom::Level::hard;
     p.seed = 7;
-    return Head(p);
+    return phantom::Head(p);
   }();
   return h;
 }
 
-ScanParams slab(double noise_hu) {
-  ScanParams p;
+phantom::ScanParams slab(double noise_hu) {
+  phantom::ScanParams p;
   p.columns_count = p.rows_count = 400;
   p.field_of_view_mm = 200;
   p.slices_count = 6;
@@ -39,17 +39,19 @@ ScanParams slab(double noise_hu) {
   return p;
 }
 
-HuVolume scanned(const ScanParams& p, const Kernel& kernel) { return volume_of(scan(head(), p, kernel)); }
+grid::HuVolume scanned(const phantom::ScanParams& p, const phantom::Kernel& kernel) {
+  return phantom::volume_of(phantom::scan(one_head(), p, kernel));
+}
 
 }  // namespace
 
 // Item 3: noise of 5 to 60 HU is measured within a tenth, whatever its colour. What the sharp kernel makes of it is
 // known from a scan of air.
 TEST(ScanFigures, NoiseIsMeasuredWhateverItsColour) {
-  ScanParams air = slab(1.5);  // so that nothing is clipped at -1024 HU
+  phantom::ScanParams air = slab(1.5);  // so that nothing is clipped at -1024 HU
   air.centre_mm = {0, -400, 64};
   air.table = false;
-  const Scan in_air = scan(head(), air, Kernel{0.6, 2});
+  const phantom::Scan in_air = phantom::scan(one_head(), air, phantom::Kernel{0.6, 2});
   double square = 0;
   for (const std::int16_t v : in_air.hu) square += (v + 1000.0) * (v + 1000.0);
   const double gain = std::sqrt(square / double(in_air.hu.size())) / 1.5;
@@ -74,9 +76,9 @@ TEST(ScanFigures, NoiseIsMeasuredWhateverItsColour) {
 
 // A sharp kernel's noise once looked white to the brain's own guard, and the brain was found with a Dice of 0.
 TEST(ScanFigures, NoiseOfAnyColourThatHidesTheBrainIsRefused) {
-  EXPECT_NO_THROW(segmentation::check_scan_noise(scanned(slab(12), {0.6, 2})));
-  for (const Kernel& kernel : {Kernel{1.0, 0}, Kernel{0.6, 2}}) try {
-      segmentation::check_scan_noise(scanned(slab(60), kernel));
+  EXPECT_NO_THROW(head::check_scan_noise(scanned(slab(12), {0.6, 2})));
+  for (const phantom::Kernel& kernel : {phantom::Kernel{1.0, 0}, phantom::Kernel{0.6, 2}}) try {
+      head::check_scan_noise(scanned(slab(60), kernel));
       ADD_FAILURE() << "not refused";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality);
@@ -85,7 +87,7 @@ TEST(ScanFigures, NoiseOfAnyColourThatHidesTheBrainIsRefused) {
 }
 
 TEST(ScanFigures, ThickOverlappingSlicesAndWideKernelsShow) {
-  ScanParams p = slab(12);
+  phantom::ScanParams p = slab(12);
   p.slice_thickness_mm = 2;
   EXPECT_NEAR(measure_scan(scanned(p, {1.0, 0})).slice_correlation_ratio, 0.67, 0.15);
   double before = 0;
@@ -98,21 +100,21 @@ TEST(ScanFigures, ThickOverlappingSlicesAndWideKernelsShow) {
 }
 
 TEST(ScanFigures, StreaksShow) {
-  HeadParams who;
-  who.level = Level::hard;
+  phantom::HeadParams who;
+  who.level = phantom::Level::hard;
   who.hard.clip = true;
-  ScanParams p = slab(8);
+  phantom::ScanParams p = slab(8);
   p.centre_mm = {0, -5, 22};
-  const double clean = measure_scan(volume_of(scan(head(), p))).artefact_ratio;
+  const double clean = measure_scan(phantom::volume_of(phantom::scan(one_head(), p))).artefact_ratio;
   p.streak_hu = 400;
-  const double streaks = measure_scan(volume_of(scan(Head(who), p))).artefact_ratio;
+  const double streaks = measure_scan(phantom::volume_of(phantom::scan(phantom::Head(who), p))).artefact_ratio;
   std::printf("artefacts: %.3f without, %.3f with a clip\n", clean, streaks);
   EXPECT_LT(clean, 0.05);
   EXPECT_GT(streaks, clean + 0.05);
 }
 
 TEST(ScanFigures, SameWhateverTheThreadsAndTheAxis) {
-  const HuVolume v = scanned(slab(12), {1.0, 0});
+  const grid::HuVolume v = scanned(slab(12), {1.0, 0});
   set_thread_count(1);
   const ScanFigures one = measure_scan(v);
   set_thread_count(4);
@@ -125,13 +127,13 @@ TEST(ScanFigures, SameWhateverTheThreadsAndTheAxis) {
 
 // Nothing to measure is said, not guessed.
 TEST(ScanFigures, AirIsUnknown) {
-  Grid<std::int16_t> air;
+  grid::Grid<std::int16_t> air;
   air.size = {64, 64, 20};
   air.voxels.assign(64 * 64 * 20, -1000);
-  const ScanFigures f = measure_scan(HuVolume(air));
+  const ScanFigures f = measure_scan(grid::HuVolume(air));
   EXPECT_FALSE(f.known());
-  const ScanVerdict v = judge_scan(f, {});
-  EXPECT_EQ(v.brain, Suitability::unknown);
+  const head::ScanVerdict v = head::judge_scan(f, {});
+  EXPECT_EQ(v.brain, head::Suitability::unknown);
   EXPECT_EQ(v.kernel, "unknown");
   ASSERT_EQ(v.reasons.size(), 1u);
 }
@@ -141,13 +143,13 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
   ScanFigures good;
   good.pixel_mm = 0.5, good.slice_step_mm = 1, good.tiles_count = 5000, good.noise_hu = 8, good.cube_noise_hu = 4;
   good.neighbour_correlation_ratio = 0.7, good.kernel_mm = 1, good.edge_mm = 1;
-  const ScanLimits limits;
-  EXPECT_EQ(judge_scan(good, limits).text(), "suited for brain, ventricles and skull");
-  EXPECT_TRUE(judge_scan(good, limits).reasons.empty());
+  const head::ScanLimits limits;
+  EXPECT_EQ(head::judge_scan(good, limits).text(), "suited for brain, ventricles and skull");
+  EXPECT_TRUE(head::judge_scan(good, limits).reasons.empty());
   const auto changed = [&](auto change) {
     ScanFigures f = good;
     change(f);
-    const ScanVerdict v = judge_scan(f, limits);
+    const head::ScanVerdict v = head::judge_scan(f, limits);
     for (const std::string& r : v.reasons) {
       EXPECT_NE(r.find("; choose"), std::string::npos) << r;
     }
@@ -177,15 +179,15 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
 }
 
 TEST(ScanVerdict, RefusesWhereAsked) {
-  ScanLimits limits;
-  const HuVolume noisy = scanned(slab(60), {0.6, 2});
+  head::ScanLimits limits;
+  const grid::HuVolume noisy = scanned(slab(60), {0.6, 2});
   Report report;
-  judge_scan(noisy, limits, report);
+  head::judge_scan(noisy, limits, report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings[0].find("softer kernel"), std::string::npos);
   limits.refuse = true;
   try {
-    judge_scan(noisy, limits, report);
+    head::judge_scan(noisy, limits, report);
     FAIL() << "not refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

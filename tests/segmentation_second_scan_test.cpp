@@ -23,9 +23,9 @@
 namespace trephine {
 namespace {
 
+using mask::BitMask;
 using phantom::Anatomy;
 using phantom::Head;
-using segmentation::BitMask;
 
 Head head_of(phantom::Level level, int seed, bool contrast = false) {
   phantom::HeadParams p;
@@ -36,8 +36,8 @@ Head head_of(phantom::Level level, int seed, bool contrast = false) {
 }
 
 /// A second scan of the head where it lies, on the CT's voxels.
-HuVolume laid(const Head& head, phantom::SecondScan contrast, double voxel_mm, const Lattice& on, double noise = 0.04,
-              double bias = 0.3) {
+grid::HuVolume laid(const Head& head, phantom::SecondScan contrast, double voxel_mm, const grid::Lattice& on,
+                    double noise = 0.04, double bias = 0.3) {
   phantom::SecondScanParams p;
   p.contrast = contrast;
   p.voxel_mm = voxel_mm;
@@ -46,12 +46,12 @@ HuVolume laid(const Head& head, phantom::SecondScan contrast, double voxel_mm, c
   p.turn_deg = {6, -9, 4};
   p.shift_mm = {10, -7, 12};
   const phantom::Second second = phantom::second_scan(head, p);
-  return resample_onto(HuVolume(second.volume), on, second.truth,
-                       contrast == phantom::SecondScan::mr ? 0.0f : -1000.0f);
+  return itk::resample_onto(grid::HuVolume(second.volume), on, second.truth,
+                            contrast == phantom::SecondScan::mr ? 0.0f : -1000.0f);
 }
 
-Lattice box(double voxel_mm) {
-  Lattice l;
+grid::Lattice box(double voxel_mm) {
+  grid::Lattice l;
   l.size = {static_cast<int>(180 / voxel_mm), static_cast<int>(220 / voxel_mm), static_cast<int>(190 / voxel_mm)};
   l.spacing_mm = {voxel_mm, voxel_mm, voxel_mm};
   l.origin_mm = {-89.7, -115.3, -45.2};
@@ -59,14 +59,14 @@ Lattice box(double voxel_mm) {
 }
 
 struct Ct {
-  HuVolume volume;
+  grid::HuVolume volume;
   BitMask cavity;
 };
 
 Ct ct_of(const Head& head, double voxel_mm) {
   Ct ct{laid(head, phantom::SecondScan::ct, voxel_mm, box(voxel_mm), 0.01), {}};
   Report report;
-  ct.cavity = segmentation::cranial_cavity(segmentation::bone_of(segmentation::HuView(ct.volume)), report, {});
+  ct.cavity = head::cranial_cavity(head::bone_of(mask::HuView(ct.volume)), report, {});
   return ct;
 }
 
@@ -76,7 +76,7 @@ std::string said(const Report& report) {
   return text;
 }
 
-double dice(const Head& head, Anatomy anatomy, const Field& field) {
+double dice(const Head& head, Anatomy anatomy, const grid::Field& field) {
   double both = 0, sum = 0;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
@@ -102,14 +102,14 @@ std::string refused(const std::function<void()>& f) {
 TEST(SecondScan, BrainAndVentriclesOfAnMr) {
   const Head head = head_of(phantom::Level::clinical, 4);
   const Ct ct = ct_of(head, 1.6);
-  const HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, lattice_of(ct.volume));
+  const grid::HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, grid::lattice_of(ct.volume));
   Report report, ignored;
-  T1ContrastParams params;
-  const HuVolume grey = t1_contrast(mr, ct.volume, ct.cavity, params, report);
-  const Field brain = find_brain(grey, {}, {}, ignored);
-  params.bright = T1Bright::white;
-  const HuVolume white = t1_contrast(mr, ct.volume, ct.cavity, params, ignored);
-  const Field ventricles = find_ventricles(white, {&brain, nullptr}, {}, ignored);
+  segmentation::T1ContrastParams params;
+  const grid::HuVolume grey = segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, report);
+  const grid::Field brain = head::find_brain(grey, {}, {}, ignored);
+  params.bright = segmentation::T1Bright::white;
+  const grid::HuVolume white = segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, ignored);
+  const grid::Field ventricles = head::find_ventricles(white, {&brain, nullptr}, {}, ignored);
   const double of_brain = dice(head, Anatomy::brain, brain),
                of_ventricles = dice(head, Anatomy::ventricles, ventricles);
   std::printf("brain %.4f, ventricles %.4f\n%s", of_brain, of_ventricles, said(report).c_str());
@@ -121,28 +121,28 @@ TEST(SecondScan, BrainAndVentriclesOfAnMr) {
   EXPECT_GT(std::get<double>(*report.find("bias_ratio")), 0.1);
   // The CT's bone stays, and the same comes of one thread.
   set_thread_count(1);
-  EXPECT_EQ(std::get<Grid<float>>(t1_contrast(mr, ct.volume, ct.cavity, params, ignored)),
-            std::get<Grid<float>>(white));
+  EXPECT_EQ(std::get<grid::Grid<float>>(segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, ignored)),
+            std::get<grid::Grid<float>>(white));
   set_thread_count(0);
 }
 
 TEST(SecondScan, WhatIsNoT1IsRefused) {
   const Head head = head_of(phantom::Level::clinical, 4);
   const Ct ct = ct_of(head, 2.5);
-  HuVolume mr = laid(head, phantom::SecondScan::mr, 2.5, lattice_of(ct.volume));
+  grid::HuVolume mr = laid(head, phantom::SecondScan::mr, 2.5, grid::lattice_of(ct.volume));
   Report report;
-  const auto why = [&](const HuVolume& scan) {
-    return refused([&] { t1_contrast(scan, ct.volume, ct.cavity, {}, report); });
+  const auto why = [&](const grid::HuVolume& scan) {
+    return refused([&] { segmentation::t1_contrast(scan, ct.volume, ct.cavity, {}, report); });
   };
   EXPECT_EQ(why(mr), "");
   // T2: what is bright becomes dark.
-  HuVolume t2 = mr;
-  for (auto& v : std::get<Grid<std::int16_t>>(t2).voxels)
+  grid::HuVolume t2 = mr;
+  for (auto& v : std::get<grid::Grid<std::int16_t>>(t2).voxels)
     v = static_cast<std::int16_t>(v > 0 ? 1400 - std::min<int>(v, 1300) : 0);
   EXPECT_NE(why(t2).find("not that of T1"), std::string::npos) << why(t2);
   // Half of the head.
-  HuVolume half = mr;
-  auto& grid = std::get<Grid<std::int16_t>>(half);
+  grid::HuVolume half = mr;
+  auto& grid = std::get<grid::Grid<std::int16_t>>(half);
   std::fill(grid.voxels.begin(), grid.voxels.begin() + static_cast<std::ptrdiff_t>(grid.voxels.size() / 2),
             std::int16_t(0));
   EXPECT_NE(why(half).find("outside of the MR"), std::string::npos);
@@ -151,13 +151,13 @@ TEST(SecondScan, WhatIsNoT1IsRefused) {
 void check_vessels(double ct_mm, double cta_mm, bool without) {
   const Head head = head_of(phantom::Level::hard, 3), with = head_of(phantom::Level::hard, 3, true);
   const Ct ct = ct_of(head, ct_mm);
-  const HuVolume cta = laid(head, phantom::SecondScan::cta, cta_mm, lattice_of(ct.volume), 0.012);
+  const grid::HuVolume cta = laid(head, phantom::SecondScan::cta, cta_mm, grid::lattice_of(ct.volume), 0.012);
   Report report;
-  const Field found = find_vessels(cta, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
+  const grid::Field found = segmentation::find_vessels(cta, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
   double truth = 0, hit = 0, all = 0, near = 0;
-  const Grid<float> mm = segmentation::signed_distance_mm(found, {});
-  const Lattice& l = lattice_of(ct.volume);
-  const Box at = place_in(found, l);
+  const grid::Grid<float> mm = mask::signed_distance_mm(found, {});
+  const grid::Lattice& l = grid::lattice_of(ct.volume);
+  const grid::Box at = grid::place_in(found, l);
   for (int k = 0; k < found.size[2]; ++k)
     for (int j = 0; j < found.size[1]; ++j)
       for (int i = 0; i < found.size[0]; ++i) {
@@ -181,8 +181,10 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
   EXPECT_GT(near, 0.85 * all);
   if (!without) return;
   // Without contrast agent there is none.
-  const HuVolume plain = laid(head, phantom::SecondScan::ct, cta_mm, l, 0.012);
-  EXPECT_NE(refused([&] { find_vessels(plain, ct.volume, ct.cavity, nullptr, nullptr, {}, report); }).find("no vessel"),
+  const grid::HuVolume plain = laid(head, phantom::SecondScan::ct, cta_mm, l, 0.012);
+  EXPECT_NE(refused([&] {
+              segmentation::find_vessels(plain, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
+            }).find("no vessel"),
             std::string::npos);
 }
 
@@ -191,12 +193,12 @@ TEST(SecondScan, LongVesselsOfAnAngiography) { check_vessels(1, 0.8, true); }
 
 // A trunk of sorts: two opacified vessels in soft tissue between a bone and a lung. `without` leaves the vein out.
 TEST(SecondScan, VesselsOfATrunk) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {60, 64, 48};
   l.spacing_mm = {1, 1, 1};
-  Grid<std::int16_t> ct(l), cta(l);
-  Field vein(l);
-  segmentation::BitMask bone(l);
+  grid::Grid<std::int16_t> ct(l), cta(l);
+  grid::Field vein(l);
+  mask::BitMask bone(l);
   const auto tube = [](int j, int k, double y, double z, double r) { return r - std::hypot(j - y, k - z); };
   double artery_mm3 = 0;
   for (int k = 0; k < 48; ++k)
@@ -215,23 +217,27 @@ TEST(SecondScan, VesselsOfATrunk) {
         ct.voxels[n] = static_cast<std::int16_t>(plain + noise(1));
         cta.voxels[n] = static_cast<std::int16_t>(plain + 250 * std::max(artery, in_vein) + noise(2));
       }
-  VesselsParams params;
-  params.region = VesselRegion::soft_tissue;
+  segmentation::VesselsParams params;
+  params.region = segmentation::VesselRegion::soft_tissue;
   params.enhancement_hu = 125;
   params.smoothing_sigma_mm = 0.5;
   Report report;
-  const segmentation::BitMask tissue = soft_tissue_around(HuVolume(ct), bone);
-  const auto volume_of = [&](const Field& f) {
+  const mask::BitMask tissue = segmentation::soft_tissue_around(grid::HuVolume(ct), bone);
+  const auto volume_of = [&](const grid::Field& f) {
     return static_cast<double>(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));
   };
-  const Field both = find_vessels(HuVolume(cta), HuVolume(ct), tissue, nullptr, nullptr, params, report);
+  const grid::Field both =
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, nullptr, params, report);
   EXPECT_GT(volume_of(both), 1.8 * artery_mm3);
-  const Field artery = find_vessels(HuVolume(cta), HuVolume(ct), tissue, nullptr, &vein, params, report);
+  const grid::Field artery =
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, &vein, params, report);
   EXPECT_NEAR(volume_of(artery), artery_mm3, 0.1 * artery_mm3);
-  const Field of_vein = find_vessels(HuVolume(cta), HuVolume(ct), tissue, &vein, nullptr, params, report);
+  const grid::Field of_vein =
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, &vein, nullptr, params, report);
   EXPECT_NEAR(volume_of(of_vein), volume_of(vein), 0.1 * volume_of(vein));
   EXPECT_NE(refused([&] {
-              find_vessels(HuVolume(ct), HuVolume(ct), tissue, nullptr, nullptr, params, report);
+              segmentation::find_vessels(grid::HuVolume(ct), grid::HuVolume(ct), tissue, nullptr, nullptr, params,
+                                         report);
             }).find("no vessel"),
             std::string::npos);
 }
@@ -250,26 +256,27 @@ void check_zones(const std::vector<int>& seeds) {
     const Head head = head_of(phantom::Level::hard, seed, true);
     const Ct ct = ct_of(head_of(phantom::Level::hard, seed), 1.5);
     Report ignored;
-    const Field brain = find_brain(ct.volume, {}, {}, ignored);
-    const Field ventricles = find_ventricles(ct.volume, {&brain, nullptr}, {}, ignored);
-    const auto zone = [&](Zone what, double thickness_mm = 0) {
-      ZoneParams params;
+    const grid::Field brain = head::find_brain(ct.volume, {}, {}, ignored);
+    const grid::Field ventricles = head::find_ventricles(ct.volume, {&brain, nullptr}, {}, ignored);
+    const auto zone = [&](place::Zone what, double thickness_mm = 0) {
+      place::ZoneParams params;
       params.what = what;
       params.thickness_mm = thickness_mm;
       params.half_width_mm = 3;
       Report report;
-      Field field = find_zone(ct.cavity, {nullptr, &ventricles}, params, report);
+      grid::Field field = place::find_zone(ct.cavity, {nullptr, &ventricles}, params, report);
       std::printf("seed %d: %s\n", seed, said(report).c_str());
       for (const float v : field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
       return field;
     };
-    const auto holds = [](const Field& f, Vec3 p, double mm = 0) {
+    const auto holds = [](const grid::Field& f, Vec3 p, double mm = 0) {
       const Vec3 q = f.to_index(p);
       const int i = int(std::lround(q.x)), j = int(std::lround(q.y)), k = int(std::lround(q.z));
       return f.contains(i, j, k) && f.at(i, j, k) > -mm;
     };
-    const Field sinus = zone(Zone::sagittal_sinus), third = zone(Zone::third_ventricle), stem = zone(Zone::brainstem),
-                midline = zone(Zone::midline), dura = zone(Zone::dura), shell = zone(Zone::dura, 3);
+    const grid::Field sinus = zone(place::Zone::sagittal_sinus), third = zone(place::Zone::third_ventricle),
+                      stem = zone(place::Zone::brainstem), midline = zone(place::Zone::midline),
+                      dura = zone(place::Zone::dura), shell = zone(place::Zone::dura, 3);
     double sinus_all = 0, sinus_in = 0, stem_all = 0, stem_in = 0, stem_both = 0, third_all = 0, third_in = 0,
            lateral_all = 0, lateral_in = 0, slab = 0, slab_in = 0, within = 0, within_in = 0;
     for (double z = -30; z < 125; z += 1.5)
@@ -306,13 +313,13 @@ void check_zones(const std::vector<int>& seeds) {
     EXPECT_GT(within_in, 0.97 * within);  // the rest are voxels at the inner table
     EXPECT_GT(slab_in, 0.98 * slab);
     // Lateral ventricles that are wider than the template's, by 4 mm all around, are none of the third.
-    Field wide = Field(ventricles, 0.0f);
-    wide.voxels = segmentation::signed_distance_mm(ventricles).voxels;
+    grid::Field wide = grid::Field(ventricles, 0.0f);
+    wide.voxels = mask::signed_distance_mm(ventricles).voxels;
     for (float& v : wide.voxels) v = std::clamp(v + 4, -10.0f, 10.0f);
-    ZoneParams params;
-    params.what = Zone::third_ventricle;
+    place::ZoneParams params;
+    params.what = place::Zone::third_ventricle;
     Report report;
-    const Field of_wide = find_zone(ct.cavity, {nullptr, &wide}, params, report);
+    const grid::Field of_wide = place::find_zone(ct.cavity, {nullptr, &wide}, params, report);
     double zone_all = 0, zone_lateral = 0;
     for (int k = 0; k < of_wide.size[2]; ++k)
       for (int j = 0; j < of_wide.size[1]; ++j)

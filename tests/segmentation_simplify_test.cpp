@@ -19,18 +19,18 @@ namespace {
 using namespace shapes;
 
 struct Result {
-  Field field;
+  grid::Field field;
   Report report;
   double number(const char* name) const { return std::get<double>(*report.find(name)); }
   std::int64_t count(const char* name) const { return std::get<std::int64_t>(*report.find(name)); }
 };
 
-Result simplified(const Field& f, double handles_mm, double cavities_ml) {
-  SimplifyParams p;
+Result simplified(const grid::Field& f, double handles_mm, double cavities_ml) {
+  mask::SimplifyParams p;
   p.close_handles_mm = handles_mm;
   p.close_cavities_ml = cavities_ml;
   Result r;
-  r.field = simplify_topology(f, p, r.report);
+  r.field = mask::simplify_topology(f, p, r.report);
   // Where the sign did not change the value did not.
   std::int64_t changed = 0;
   for (std::size_t i = 0; i < f.voxels.size(); ++i)
@@ -42,10 +42,10 @@ Result simplified(const Field& f, double handles_mm, double cavities_ml) {
   return r;
 }
 
-long genus(const Field& f) { return topology_of(surface(f)).genus; }
+long genus(const grid::Field& f) { return surface::topology_of(contoured(f)).genus; }
 
 /// A plate of 5 mm with holes of 2, 4 and 8 mm through it, on voxels of 0.5 x 0.6 x 0.7 mm.
-Field plate() {
+grid::Field plate() {
   return sample(lattice(100, 40, 24, {0.5, 0.6, 0.7}), [](Vec3 p) {
     double d = 2.5 - std::abs(p.z - 8);
     d = std::min({d, p.x - 3, 46 - p.x, p.y - 3, 21 - p.y});
@@ -56,7 +56,7 @@ Field plate() {
 }
 
 TEST(SimplifyTopology, HolesNarrowerThanAskedAreClosed) {
-  const Field f = plate();
+  const grid::Field f = plate();
   ASSERT_EQ(genus(f), 3);
   const long expected[] = {3, 2, 1, 0};
   const double width[] = {1.5, 2.8, 5.5, 9.5};
@@ -78,7 +78,7 @@ TEST(SimplifyTopology, HolesNarrowerThanAskedAreClosed) {
 
 TEST(SimplifyTopology, GapsAndFurrowsStayOpen) {
   // Two plates a millimetre apart, joined at one side; and a furrow: closing fills both, and neither has a tunnel.
-  const Field f = sample(lattice(60, 40, 40, {0.5, 0.5, 0.5}), [](Vec3 p) {
+  const grid::Field f = sample(lattice(60, 40, 40, {0.5, 0.5, 0.5}), [](Vec3 p) {
     const double plates = std::max(1.5 - std::abs(p.z - 8), 1.5 - std::abs(p.z - 12));
     const double bridge = 2 - std::abs(p.x - 5);
     const double in =
@@ -92,30 +92,30 @@ TEST(SimplifyTopology, GapsAndFurrowsStayOpen) {
 
 TEST(SimplifyTopology, PiecesAreNotJoined) {
   // Two balls a millimetre apart, and a ring that is open by a millimetre: closing would join them.
-  const Field f = sample(lattice(80, 44, 24, {0.5, 0.5, 0.5}), [](Vec3 p) {
+  const grid::Field f = sample(lattice(80, 44, 24, {0.5, 0.5, 0.5}), [](Vec3 p) {
     const double balls = std::max(4 - norm(p - Vec3{6, 6, 6}), 4 - norm(p - Vec3{15, 6, 6}));
     const double ring = 1.5 - std::hypot(std::hypot(p.x - 29, p.y - 14) - 6, p.z - 6);
     return std::max(balls, std::min(ring, std::max(std::abs(p.y - 14) - 0.5, p.x - 29)));
   });
   const Result r = simplified(f, 3, 1);
-  EXPECT_EQ(topology_of(surface(r.field)).components, 3);
+  EXPECT_EQ(surface::topology_of(contoured(r.field)).components, 3);
   EXPECT_EQ(genus(r.field), 0);
   EXPECT_EQ(r.count("voxels_changed_count"), 0);
 }
 
 TEST(SimplifyTopology, CavitiesByTheirSize) {
   // 0.27 ml and 4.2 ml, and a pocket of 2.1 ml whose mouth is 2 mm wide.
-  const Field f = sample(lattice(90, 44, 44), [](Vec3 p) {
+  const grid::Field f = sample(lattice(90, 44, 44), [](Vec3 p) {
     const double body = std::min({20 - std::abs(p.z - 21), 20 - std::abs(p.y - 21), 43 - std::abs(p.x - 44)});
     const double small = norm(p - Vec3{12, 21, 21}) - 4, large = norm(p - Vec3{35, 21, 21}) - 10;
     const double pocket =
         std::min(norm(p - Vec3{65, 21, 21}) - 8, std::max(std::hypot(p.x - 65, p.y - 21) - 1.3, 21 - p.z));
     return std::min({body, small, large, pocket});
   });
-  EXPECT_EQ(topology_of(surface(f)).components, 3);
+  EXPECT_EQ(surface::topology_of(contoured(f)).components, 3);
   const Result little = simplified(f, 0, 1);
   EXPECT_EQ(little.count("cavities_filled_count"), 1);
-  EXPECT_EQ(topology_of(surface(little.field)).components, 2);
+  EXPECT_EQ(surface::topology_of(contoured(little.field)).components, 2);
   EXPECT_EQ(little.number("moved_max_mm"), 0);
   // The pocket would become a cavity larger than is filled: it stays open.
   const Result open = simplified(f, 5, 1);
@@ -123,14 +123,14 @@ TEST(SimplifyTopology, CavitiesByTheirSize) {
   EXPECT_EQ(open.count("cavities_after_count"), 1);
   const Result all = simplified(f, 5, 5);
   EXPECT_EQ(all.count("cavities_filled_count"), 3);
-  EXPECT_EQ(topology_of(surface(all.field)).components, 1);
+  EXPECT_EQ(surface::topology_of(contoured(all.field)).components, 1);
   EXPECT_NEAR(all.number("volume_added_ml"), 0.268 + 4.189 + 2.145, 0.15);
 }
 
 /// Smooth noise: walls and gaps of a few voxels.
-Field sponge(int n, std::uint64_t seed) {
-  const Field rough = noise(n + 4, seed, 0.5, false);
-  Field f(lattice(n, n, n));
+grid::Field sponge(int n, std::uint64_t seed) {
+  const grid::Field rough = noise(n + 4, seed, 0.5, false);
+  grid::Field f(lattice(n, n, n));
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i)
@@ -141,7 +141,7 @@ Field sponge(int n, std::uint64_t seed) {
 TEST(SimplifyTopology, SpongesLoseTheirHandles) {
   long before = 0, after = 0;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    const Field f = sponge(28, seed);
+    const grid::Field f = sponge(28, seed);
     const Result r = simplified(f, 4, 0.1);
     EXPECT_GE(r.count("euler_characteristic_after"), r.count("euler_characteristic_before"));
     EXPECT_LE(r.count("handles_after_count"), r.count("handles_before_count"));
@@ -153,11 +153,11 @@ TEST(SimplifyTopology, SpongesLoseTheirHandles) {
 }
 
 TEST(SimplifyTopology, RefusesWhatIsNotFinite) {
-  Field f = plate();
+  grid::Field f = plate();
   f.at(3, 2, 1) = std::numeric_limits<float>::quiet_NaN();
   Report r;
   try {
-    simplify_topology(f, {}, r);
+    mask::simplify_topology(f, {}, r);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -166,7 +166,7 @@ TEST(SimplifyTopology, RefusesWhatIsNotFinite) {
 }
 
 TEST(SimplifyTopology, SameBitsWithAnyThreads) {
-  const Field f = noise(40, 9, 0.4, false);
+  const grid::Field f = noise(40, 9, 0.4, false);
   set_thread_count(1);
   const Result one = simplified(f, 3, 0.1);
   set_thread_count(2);

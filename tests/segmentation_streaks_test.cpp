@@ -21,19 +21,19 @@ double streak_hu(Vec3 p) { return 16 * std::sin(across(p) / 4.0 + std::sin(acros
 
 /// Tissue of 30 HU with noise, a dark fissure of 70 mm, and a horn of 20 mm that lies along the streaks.
 struct Scene {
-  Lattice lattice;
-  BitMask known;
-  Grid<float> sound;
+  grid::Lattice lattice;
+  mask::BitMask known;
+  grid::Grid<float> sound;
   static bool in_horn(Vec3 p) { return std::abs(across(p) + 20) < 3 && std::abs(along(p) - 10) < 10; }
 
   Scene() {
     lattice.size = {130, 150, 5};
     lattice.spacing_mm = {1, 1, 3};
     lattice.origin_mm = {-64.5, -74.5, 0};
-    known = make_mask(lattice, [&](int j, int, std::uint8_t* row) {
+    known = mask::make_mask(lattice, [&](int j, int, std::uint8_t* row) {
       for (int i = 0; i < lattice.size[0]; ++i) row[i] = std::hypot((i - 64.5) / 60, (j - 74.5) / 70) < 1;
     });
-    sound = Grid<float>(lattice, 30.f);
+    sound = grid::Grid<float>(lattice, 30.f);
     std::uint32_t state = 1;
     for (int k = 0; k < lattice.size[2]; ++k)
       for (int j = 0; j < lattice.size[1]; ++j)
@@ -45,8 +45,8 @@ struct Scene {
             v += 5 * (float((state = state * 1664525u + 1013904223u) >> 8) / 16777216.f - 0.5f) / std::sqrt(4.f / 12);
         }
   }
-  Grid<float> streaked() const {
-    Grid<float> out = sound;
+  grid::Grid<float> streaked() const {
+    grid::Grid<float> out = sound;
     for (const int k : {1, 2})
       for (int j = 0; j < lattice.size[1]; ++j)
         for (int i = 0; i < lattice.size[0]; ++i)
@@ -54,7 +54,7 @@ struct Scene {
     return out;
   }
   /// The RMS of the difference from the sound slice, over known voxels.
-  double off_hu(const Grid<float>& g, int k) const {
+  double off_hu(const grid::Grid<float>& g, int k) const {
     double sum = 0;
     int count = 0;
     for (int j = 0; j < lattice.size[1]; ++j)
@@ -65,7 +65,7 @@ struct Scene {
       }
     return std::sqrt(sum / count);
   }
-  double horn_hu(const Grid<float>& g, int k) const {
+  double horn_hu(const grid::Grid<float>& g, int k) const {
     double sum = 0;
     int count = 0;
     for (int j = 0; j < lattice.size[1]; ++j)
@@ -79,8 +79,8 @@ struct Scene {
 
 TEST(Streaks, AreTakenOffTheirSlicesAndAHornStays) {
   const Scene s;
-  Grid<float> hu = s.streaked();
-  const auto found = remove_streaks(hu, s.known);
+  grid::Grid<float> hu = s.streaked();
+  const auto found = mask::remove_streaks(hu, s.known);
   ASSERT_EQ(found.size(), 2u);
   for (int n = 0; n < 2; ++n) {
     const int k = 1 + n;
@@ -95,32 +95,32 @@ TEST(Streaks, AreTakenOffTheirSlicesAndAHornStays) {
 
 TEST(Streaks, AFissureAndAHornAreNone) {
   const Scene s;
-  Grid<float> hu = s.sound;
-  EXPECT_TRUE(remove_streaks(hu, s.known).empty());
+  grid::Grid<float> hu = s.sound;
+  EXPECT_TRUE(mask::remove_streaks(hu, s.known).empty());
   EXPECT_EQ(hu.voxels, s.sound.voxels);
 }
 
 TEST(Streaks, TheSameBitsWhateverTheThreads) {
   const Scene s;
-  Grid<float> one = s.streaked(), four = one;
+  grid::Grid<float> one = s.streaked(), four = one;
   const int before = thread_count();
   set_thread_count(1);
-  remove_streaks(one, s.known);
+  mask::remove_streaks(one, s.known);
   set_thread_count(4);
-  remove_streaks(four, s.known);
+  mask::remove_streaks(four, s.known);
   set_thread_count(before);
   EXPECT_EQ(one.voxels, four.voxels);
 }
 
 TEST(Streaks, AreSaidWhereVentriclesLieInThem) {
   const Scene s;
-  BitMask high(s.lattice), low(s.lattice);
+  mask::BitMask high(s.lattice), low(s.lattice);
   high.set(60, 60, 4);
   low.set(60, 60, 1);
   Report report;
-  warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, high, report);
+  head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, high, report);
   EXPECT_TRUE(report.warnings.empty());
-  warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, low, report);
+  head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, low, report);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("streaks of 9 HU cross the slices at z 3 to 6 mm"), std::string::npos)
       << report.warnings[0];

@@ -27,7 +27,7 @@ TEST(SegmentThreshold, ABlurredSphereLiesWherePartialVolumeSays) {
   const double R = 9.3, sigma = 0.5;
   const Vec3 centre{0.13, -0.21, 0.37};
   const auto hu = [&](Vec3 p) { return -1000 + 1040 * blurred_ball(norm(p - centre), R, sigma); };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = -480;
   // Where a ball's blurred image is at half its height: within it by sigma^2 / R.
   const double radius = R - sigma * sigma / R;
@@ -44,12 +44,12 @@ TEST(SegmentThreshold, HalfMaximumUndoesTheBiasOfALowThresholdAndKeepsThinBone) 
   const auto thick = [&](Vec3 p) {
     return 40 + 1360 * (blurred_ball(norm(p), 14, sigma) - blurred_ball(norm(p), 10, sigma));
   };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
-  const HuVolume volume = rounded(sampled(lattice(76, 76, 38), thick));
+  const grid::HuVolume volume = rounded(sampled(lattice(76, 76, 38), thick));
   const auto off = [](Vec3 x) { return std::abs(norm(x) - 12) - 2; };
   const auto fixed = field_deviation(run(volume, p), off);
-  p.edge = SegmentEdge::half_maximum;
+  p.edge = segmentation::SegmentEdge::half_maximum;
   const auto half = field_deviation(run(volume, p), off);
   EXPECT_GT(fixed.mean, 0.3) << "what the half maximum is for";
   EXPECT_LT(std::abs(half.mean), 0.05);
@@ -59,7 +59,7 @@ TEST(SegmentThreshold, HalfMaximumUndoesTheBiasOfALowThresholdAndKeepsThinBone) 
   const auto thin = [&](Vec3 x) {
     return 40 + 1360 * (blurred_ball(norm(x), 12.25, sigma) - blurred_ball(norm(x), 11.75, sigma));
   };
-  const Field lamella = run(rounded(sampled(lattice(76, 76, 38), thin)), p);
+  const grid::Field lamella = run(rounded(sampled(lattice(76, 76, 38), thin)), p);
   for (double t = 0; t < 6.2; t += 0.1) EXPECT_TRUE(holds(lamella, {12 * std::cos(t), 12 * std::sin(t), 0.5})) << t;
 }
 
@@ -70,11 +70,11 @@ TEST(SegmentThreshold, TablesThinnerThanTheSlicesKeepTheirPlace) {
   for (double r = 0; r < 80; r += fine)
     hu.push_back(float(40 + 1360 * blurred_ball(r, outer, sigma) - 850 * blurred_ball(r, outer - table, sigma) +
                        850 * blurred_ball(r, inner + table, sigma) - 1360 * blurred_ball(r, inner, sigma)));
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
-  p.edge = SegmentEdge::half_maximum;
+  p.edge = segmentation::SegmentEdge::half_maximum;
   for (const double thick : {1.0, 2.0, 3.0}) {
-    Lattice l = lattice(148, 148, int(40 / thick), {0.5, 0.5, thick});
+    grid::Lattice l = lattice(148, 148, int(40 / thick), {0.5, 0.5, thick});
     l.origin_mm.z = 0;
     const auto slice = [&](Vec3 x) {  // the mean over its thickness
       constexpr int parts = 10;
@@ -83,7 +83,7 @@ TEST(SegmentThreshold, TablesThinnerThanTheSlicesKeepTheirPlace) {
         sum += hu[std::size_t(norm(x + Vec3{0, 0, thick * ((n + 0.5) / parts - 0.5)}) / fine)];
       return sum / parts;
     };
-    const Field bone = run(rounded(sampled(l, slice)), p);
+    const grid::Field bone = run(rounded(sampled(l, slice)), p);
     double off[2] = {0, 0};
     int count[2] = {0, 0};
     for_crossings(bone, [&](Vec3 x) {
@@ -107,10 +107,10 @@ TEST(SegmentThreshold, FilledBoneKeepsItsOuterSurface) {
     const double cell = blurred_ball(norm(p - Vec3{4, 0, 0}), 2.5, sigma);
     return 40 + 1360 * blurred_ball(r, 13, sigma) - 1000 * blurred_ball(r, 11.2, sigma) - 1300 * cell;
   };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 226;
-  p.edge = SegmentEdge::half_maximum;
-  p.fill = SegmentFill::cavities;
+  p.edge = segmentation::SegmentEdge::half_maximum;
+  p.fill = segmentation::SegmentFill::cavities;
   p.fill_close_mm = 2;
   const auto d =
       field_deviation(run(rounded(sampled(lattice(70, 70, 36), hu)), p), [&](Vec3 x) { return norm(x) - 13; });
@@ -122,18 +122,18 @@ TEST(SegmentThreshold, FilledBoneKeepsItsOuterSurface) {
 // walls.
 TEST(SegmentThreshold, ClosingOutletsKeepsTheWallsOfWiderHoles) {
   for (const double diameter : {3.0, 5.0, 6.0, 8.0}) {
-    const Grid<float> shell = sampled(lattice(76, 76, 76, {0.5, 0.5, 0.5}), [&](Vec3 p) {
+    const grid::Grid<float> shell = sampled(lattice(76, 76, 76, {0.5, 0.5, 0.5}), [&](Vec3 p) {
       const double r = norm(p), bone = blurred_ball(r, 17, 0.4) - blurred_ball(r, 12, 0.4);
       const double across = std::hypot(p.x, p.y) - diameter / 2;
       return 40 + 1160 * bone * (p.z > 0 ? std::clamp(0.5 + across, 0.0, 1.0) : 1.0);
     });
-    SegmentParams p;
+    segmentation::SegmentParams p;
     p.lower_hu = 620;
-    p.fill = SegmentFill::cavities;
-    const Field open = run(shell, p);
+    p.fill = segmentation::SegmentFill::cavities;
+    const grid::Field open = run(shell, p);
     p.fill_close_mm = 2;
     Report report;
-    const Field filled = segment(HuVolume(shell), {}, p, report);
+    const grid::Field filled = segmentation::segment(grid::HuVolume(shell), {}, p, report);
     const double by_closing_ml = std::get<double>(*report.find("filled_by_closing_ml"));
     if (diameter < 4) {
       EXPECT_TRUE(holds(filled, {0, 0, 13})) << "the outermost 2 mm stay, as a dimple";
@@ -147,17 +147,17 @@ TEST(SegmentThreshold, ClosingOutletsKeepsTheWallsOfWiderHoles) {
 
 TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
   // A mask whose plane is oblique to the lattice cuts a block of one HU.
-  const Lattice l = lattice(50, 50, 25);
-  const Grid<float> block = sampled(l, [](Vec3 p) {
+  const grid::Lattice l = lattice(50, 50, 25);
+  const grid::Grid<float> block = sampled(l, [](Vec3 p) {
     return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 9.2 ? 300.0 : 0.0;
   });
   const Vec3 normal = normalized({1, 0.4, 0.25});
-  const Field half = sampled(l, [&](Vec3 p) { return dot(p, normal) < 0 ? 1.0 : -1.0; });
-  SegmentParams p;
+  const grid::Field half = sampled(l, [&](Vec3 p) { return dot(p, normal) < 0 ? 1.0 : -1.0; });
+  segmentation::SegmentParams p;
   p.lower_hu = 150;
-  SegmentMasks masks;
+  segmentation::SegmentMasks masks;
   masks.within = &half;
-  const Field f = run(block, p, masks);
+  const grid::Field f = run(block, p, masks);
   double rms = 0;
   int n = 0;
   for_crossings(f, [&](Vec3 x) {
@@ -176,9 +176,9 @@ TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
 
 TEST(SegmentThreshold, GrowMovesTheSurfaceByMillimetres) {
   const auto hu = [&](Vec3 p) { return 1000 * blurred_ball(norm(p), 8, 0.5); };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 500;
-  const HuVolume volume = sampled(lattice(64, 64, 32), hu);
+  const grid::HuVolume volume = sampled(lattice(64, 64, 32), hu);
   for (double grow : {-2.0, 1.5, 3.0}) {
     p.grow_mm = grow;
     const auto d = field_deviation(run(volume, p), [&](Vec3 x) { return norm(x) - 8 - grow; });
@@ -197,9 +197,9 @@ TEST(SegmentThreshold, SmoothingTakesNoiseAway) {
     }
     return (norm(p) < 8 ? 30.0 : 8.0) + 12 * noise;
   };
-  SegmentParams p;
+  segmentation::SegmentParams p;
   p.lower_hu = 19;
-  p.components = SegmentComponents::largest;
+  p.components = segmentation::SegmentComponents::largest;
   p.smoothing_sigma_mm = 1;
   const auto d = field_deviation(run(sampled(lattice(60, 60, 30), hu), p), [](Vec3 x) { return norm(x) - 8; });
   EXPECT_LT(std::abs(d.mean), 0.15);

@@ -15,13 +15,13 @@ using segmentation::BandRun;
 using segmentation::evolve_band;
 
 constexpr Vec3 centre{0.13, -0.21, 0.17};
-Grid<float> ball(const Lattice& l, double radius) {
+grid::Grid<float> ball(const grid::Lattice& l, double radius) {
   return sampled(l, [&](Vec3 p) { return radius - norm(p - centre); });
 }
 
 TEST(SnakeBand, TheStartBecomesADistanceAndStaysInPlace) {
-  const Lattice l = lattice({30, 30, 30}, {0.7, 0.7, 1.2});
-  Grid<float> phi = sampled(l, [](Vec3 p) { return 40 * (100 - dot(p, p)); });  // no distance at all
+  const grid::Lattice l = lattice({30, 30, 30}, {0.7, 0.7, 1.2});
+  grid::Grid<float> phi = sampled(l, [](Vec3 p) { return 40 * (100 - dot(p, p)); });  // no distance at all
   BandParams none;
   none.max_iterations_count = 0;
   const BandRun run = evolve_band(phi, phi, none, {});
@@ -44,9 +44,9 @@ TEST(SnakeBand, TheStartBecomesADistanceAndStaysInPlace) {
 TEST(SnakeBand, AFrontMovesAtItsSpeed) {
   for (const Vec3 spacing : {Vec3{0.5, 0.5, 0.5}, Vec3{0.4, 0.4, 1.2}})
     for (const double speed : {1.0, 0.4, -0.7}) {
-      const Lattice l = lattice({32, 32, 32}, spacing);
-      Grid<float> phi = ball(l, 8);
-      const Grid<float> g(l, float(speed));
+      const grid::Lattice l = lattice({32, 32, 32}, spacing);
+      grid::Grid<float> phi = ball(l, 8);
+      const grid::Grid<float> g(l, float(speed));
       BandParams p;
       p.max_iterations_count = 24;
       const BandRun run = evolve_band(g, phi, p, {});
@@ -67,12 +67,12 @@ TEST(SnakeBand, CurvatureFlowFollowsTheLawOfABall) {
   for (const Case& c :
        {Case{{0.5, 0.5, 0.5}, 0.02}, Case{{1, 1, 1}, 0.02}, Case{{0.4, 0.4, 0.6}, 0.06}, Case{{0.4, 0.4, 1.0}, 0.2}})
     for (const double weight : {0.2, 1.0}) {
-      const Lattice l = lattice({26, 26, 26}, c.spacing);
+      const grid::Lattice l = lattice({26, 26, 26}, c.spacing);
       BandParams p;
       p.propagation = 0;
       p.curvature = weight;
       p.max_iterations_count = 1;
-      Grid<float> phi = ball(l, 9);
+      grid::Grid<float> phi = ball(l, 9);
       const double dt = evolve_band(phi, phi, p, {}).time_step;
       p.max_iterations_count = int((81 - 29.16) / (4 * weight) / dt);
       phi = ball(l, 9);
@@ -84,9 +84,9 @@ TEST(SnakeBand, CurvatureFlowFollowsTheLawOfABall) {
 }
 
 TEST(SnakeBand, SaysHowItEnded) {
-  const Lattice l = lattice({16, 16, 16}, {0.5, 0.5, 0.5});
+  const grid::Lattice l = lattice({16, 16, 16}, {0.5, 0.5, 0.5});
   const auto ended = [&](float speed, double min_change, std::size_t most) {
-    Grid<float> phi = ball(l, 5), g(l, speed);
+    grid::Grid<float> phi = ball(l, 5), g(l, speed);
     BandParams p;
     p.max_iterations_count = 100;
     p.min_change_mm = min_change;

@@ -16,18 +16,19 @@ constexpr Vec3 centre{0.2, -0.3, 0.4};
 /// The speed of a shape of signed distance d (positive inside), its edge blurred.
 inline double soft(double d) { return std::tanh(d); }
 
-inline Field ball_speed(const Lattice& l, double radius) {
+inline grid::Field ball_speed(const grid::Lattice& l, double radius) {
   return sampled(l, [&](Vec3 p) { return soft(radius - norm(p - centre)); });
 }
 
 struct Evolved {
-  Field field;
+  grid::Field field;
   Report report;
 };
 
-inline Evolved run(const Field& speed, const SnakeParams& p, const SnakeMasks& masks = {}) {
+inline Evolved run(const grid::Field& speed, const segmentation::SnakeParams& p,
+                   const segmentation::SnakeMasks& masks = {}) {
   Evolved r;
-  r.field = snake(speed, masks, p, r.report);
+  r.field = segmentation::snake(speed, masks, p, r.report);
   for (const float v : r.field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
   return r;
 }

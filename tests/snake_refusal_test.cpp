@@ -14,23 +14,23 @@ namespace {
 using namespace snake_test;
 
 TEST(Snake, BubblesAreReadStrictly) {
-  const auto two = parse_bubbles("1,2,3,4; -1.5, 0 ,2e1,0.5");
+  const auto two = segmentation::parse_bubbles("1,2,3,4; -1.5, 0 ,2e1,0.5");
   ASSERT_EQ(two.size(), 2u);
   EXPECT_EQ(two[1].centre_mm, (Vec3{-1.5, 0, 20}));
   EXPECT_EQ(two[1].radius_mm, 0.5);
   for (const char* bad : {"", ";", "1,2,3", "1,2,3,4,5", "1,2,3,0", "1,2,3,-4", "1,2,3,nan", "1,2,3,4;", "1 2 3 4",
                           "1,2,3,0x4", "1e7,0,0,1", "a,b,c,d"})
-    EXPECT_EQ(error_of([&] { parse_bubbles(bad); }).code(), ExitCode::usage) << bad;
+    EXPECT_EQ(error_of([&] { segmentation::parse_bubbles(bad); }).code(), ExitCode::usage) << bad;
 }
 
 TEST(Snake, NothingToBeginWithIsRefused) {
-  const Lattice l = lattice({20, 20, 20}, {1, 1, 1});
-  const Field speed = ball_speed(l, 6);
+  const grid::Lattice l = lattice({20, 20, 20}, {1, 1, 1});
+  const grid::Field speed = ball_speed(l, 6);
   Report report;
-  const auto refused = [&](const SnakeParams& p, const SnakeMasks& masks = {}) {
-    return error_of([&] { snake(speed, masks, p, report); });
+  const auto refused = [&](const segmentation::SnakeParams& p, const segmentation::SnakeMasks& masks = {}) {
+    return error_of([&] { segmentation::snake(speed, masks, p, report); });
   };
-  SnakeParams p;
+  segmentation::SnakeParams p;
   EXPECT_EQ(refused(p).code(), ExitCode::usage);
   p.bubbles = "0,0,0,3";
   p.bubbles_count = 1;
@@ -44,7 +44,7 @@ TEST(Snake, NothingToBeginWithIsRefused) {
   EXPECT_EQ(refused(p).code(), ExitCode::quality);
   EXPECT_NE(std::string(refused(p).what()).find("ball 2"), std::string::npos);
   p.bubbles.clear();
-  const Field nothing(l, -1.f);
+  const grid::Field nothing(l, -1.f);
   EXPECT_EQ(refused(p, {&nothing, nullptr, nullptr}).code(), ExitCode::quality);
   EXPECT_EQ(refused(p, {&speed, &nothing, nullptr}).code(), ExitCode::quality);
   p.propagation = p.curvature = 0;
@@ -53,40 +53,40 @@ TEST(Snake, NothingToBeginWithIsRefused) {
 
 TEST(Snake, ALeakIsRefusedByItsVolumeAndWarnedOfAtTheEdge) {
   // A ball with a hole in its wall into a slab that leaves the volume.
-  const Lattice l = lattice({50, 30, 30}, {0.7, 0.7, 0.7});
-  const Field speed = sampled(l, [](Vec3 p) {
+  const grid::Lattice l = lattice({50, 30, 30}, {0.7, 0.7, 0.7});
+  const grid::Field speed = sampled(l, [](Vec3 p) {
     const double in = 8 - norm(p + Vec3{10, 0, 0});
     const double hole = 2 - norm(Vec3{0, p.y, p.z});
     return soft(std::max({in, p.x > -10 ? hole : -9.0, p.x - 5}));
   });
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.bubbles = "-10,0,0,5";
   const Evolved leaked = run(speed, p);
   ASSERT_FALSE(leaked.report.warnings.empty());
   EXPECT_NE(leaked.report.warnings[0].find("edge"), std::string::npos);
   p.max_volume_ml = 4;
   Report report;
-  const Error e = error_of([&] { snake(speed, {}, p, report); });
+  const Error e = error_of([&] { segmentation::snake(speed, {}, p, report); });
   EXPECT_EQ(e.code(), ExitCode::quality);
   EXPECT_EQ(e.field(), "max_volume_ml");
 }
 
 TEST(Snake, AGeodesicSnakeStaysWithinThePresegmentationsMask) {
   // No edge anywhere: what holds the surface is the speed's -1 outside of presegment's `within` alone.
-  const Lattice l = lattice({40, 40, 40}, {0.9, 0.9, 2});
+  const grid::Lattice l = lattice({40, 40, 40}, {0.9, 0.9, 2});
   Noise noise(11);
-  const Grid<float> volume = sampled(l, [&](Vec3) { return 30 + noise.gaussian(); });
-  const Field within = sampled(l, [](Vec3 p) { return 13 - norm(p - centre); });
-  PresegmentParams edges;
-  edges.method = PresegmentMethod::edges;
+  const grid::Grid<float> volume = sampled(l, [&](Vec3) { return 30 + noise.gaussian(); });
+  const grid::Field within = sampled(l, [](Vec3 p) { return 13 - norm(p - centre); });
+  segmentation::PresegmentParams edges;
+  edges.method = segmentation::PresegmentMethod::edges;
   edges.edge_kappa_hu_per_mm = 5;
   Report report;
-  const Field speed = presegment(volume, {&within, nullptr}, edges, report);
-  SnakeParams p;
-  p.method = SnakeMethod::geodesic;
+  const grid::Field speed = segmentation::presegment(volume, {&within, nullptr}, edges, report);
+  segmentation::SnakeParams p;
+  p.method = segmentation::SnakeMethod::geodesic;
   p.bubbles = "0,0,0,6";
   const Evolved r = run(speed, p);
-  const Field mask = fit(within, static_cast<const Lattice&>(r.field), -1.f);
+  const grid::Field mask = grid::fit(within, static_cast<const grid::Lattice&>(r.field), -1.f);
   std::size_t outside = 0;
   for (std::size_t v = 0; v < mask.count(); ++v) outside += r.field.voxels[v] > 0 && !(mask.voxels[v] > 0);
   EXPECT_EQ(outside, 0u);
@@ -99,19 +99,20 @@ TEST(Snake, AGeodesicSnakeStaysWithinThePresegmentationsMask) {
 
 TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
   // Fluid of 0 HU in tissue of 20, noise of 12: a window that takes half of the tissue in leaks into all of it.
-  const Lattice l = lattice({60, 50, 50}, {0.8, 0.8, 0.8});
+  const grid::Lattice l = lattice({60, 50, 50}, {0.8, 0.8, 0.8});
   Noise noise(9);
-  const Grid<float> volume = sampled(l, [&](Vec3 p) { return (norm(p) < 9 ? 0.0 : 20.0) + 12 * noise.gaussian(); });
-  const Field within = sampled(l, [](Vec3 p) { return 20 - norm(p); });
+  const grid::Grid<float> volume =
+      sampled(l, [&](Vec3 p) { return (norm(p) < 9 ? 0.0 : 20.0) + 12 * noise.gaussian(); });
+  const grid::Field within = sampled(l, [](Vec3 p) { return 20 - norm(p); });
   const auto evolved = [&](double upper_hu, double sigma_mm) {
-    PresegmentParams window;
+    segmentation::PresegmentParams window;
     window.lower_hu = -40;
     window.upper_hu = upper_hu;
     window.smoothing_sigma_mm = sigma_mm;
     Report report;
-    SnakeParams p;
+    segmentation::SnakeParams p;
     p.bubbles = "0,0,0,5";
-    return run(presegment(volume, {&within, nullptr}, window, report), p, {nullptr, &within, nullptr});
+    return run(segmentation::presegment(volume, {&within, nullptr}, window, report), p, {nullptr, &within, nullptr});
   };
   const auto warned = [](const Evolved& r, const char* of) {
     for (const std::string& w : r.report.warnings)
@@ -124,8 +125,8 @@ TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
   EXPECT_GT(figure(noisy, "volume_ml"), 6);
   EXPECT_TRUE(warned(noisy, "the speed is negative"));
   // Without presegment's: the speed goes on beyond the mask.
-  const Field all(l, 0.8f);
-  SnakeParams p;
+  const grid::Field all(l, 0.8f);
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,5";
   const Evolved held = run(all, p, {nullptr, &within, nullptr});
   EXPECT_GT(figure(held, "held_by_limits_ratio"), 0.9);
@@ -133,36 +134,38 @@ TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
 }
 
 TEST(Snake, WhatVanishesFillsAllOrLosesItsStructureIsRefused) {
-  const Lattice l = lattice({20, 20, 20}, {0.8, 0.8, 0.8});
-  const Field start = sampled(l, [](Vec3 p) { return 5 - norm(p); });
+  const grid::Lattice l = lattice({20, 20, 20}, {0.8, 0.8, 0.8});
+  const grid::Field start = sampled(l, [](Vec3 p) { return 5 - norm(p); });
   Report report;
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.max_iterations_count = 1000;
-  const auto refused = [&](const Field& speed) { return error_of([&] { evolve_snake(speed, start, p, report); }); };
-  EXPECT_EQ(refused(Field(l, -1.f)).field(), "start");
-  EXPECT_EQ(refused(Field(l, 1.f)).field(), "speed");
-  EXPECT_EQ(refused(Field(l, 1.f)).code(), ExitCode::quality);
+  const auto refused = [&](const grid::Field& speed) {
+    return error_of([&] { segmentation::evolve_snake(speed, start, p, report); });
+  };
+  EXPECT_EQ(refused(grid::Field(l, -1.f)).field(), "start");
+  EXPECT_EQ(refused(grid::Field(l, 1.f)).field(), "speed");
+  EXPECT_EQ(refused(grid::Field(l, 1.f)).code(), ExitCode::quality);
   p.min_mean_speed = 0.5;
   p.max_iterations_count = 1;
-  EXPECT_EQ(refused(Field(l, 0.1f)).field(), "min_mean_speed");
+  EXPECT_EQ(refused(grid::Field(l, 0.1f)).field(), "min_mean_speed");
 }
 
 TEST(Snake, NoNumberNoHuAndNoOtherRasterGetIn) {
-  const Lattice l = lattice({20, 20, 20}, {1, 1, 1});
-  const Field good = ball_speed(l, 6);
+  const grid::Lattice l = lattice({20, 20, 20}, {1, 1, 1});
+  const grid::Field good = ball_speed(l, 6);
   Report report;
-  const auto code = [&](const Field& speed, const Field& start) {
-    return error_of([&] { evolve_snake(speed, start, {}, report); }).code();
+  const auto code = [&](const grid::Field& speed, const grid::Field& start) {
+    return error_of([&] { segmentation::evolve_snake(speed, start, {}, report); }).code();
   };
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 40.f}) {
-    Field speed = good;
+    grid::Field speed = good;
     speed.at(3, 4, 5) = bad;
     EXPECT_EQ(code(speed, good), ExitCode::bad_input) << bad;
     if (bad != 40.f) {
       EXPECT_EQ(code(good, speed), ExitCode::bad_input) << bad;
     }
   }
-  Field other = good;
+  grid::Field other = good;
   other.spacing_mm.x = 1.1;
   EXPECT_EQ(code(good, other), ExitCode::bad_input);
 }

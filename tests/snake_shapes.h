@@ -13,8 +13,8 @@
 // Grids sampled from closed forms, and how far a field's surface lies from one.
 namespace trephine::snake_test {
 
-inline Lattice lattice(Vec3 extent_mm, Vec3 spacing) {
-  Lattice l;
+inline grid::Lattice lattice(Vec3 extent_mm, Vec3 spacing) {
+  grid::Lattice l;
   for (int a = 0; a < 3; ++a) l.size[a] = std::max(2, int(std::lround(extent_mm[a] / spacing[a])));
   l.spacing_mm = spacing;
   for (int a = 0; a < 3; ++a) l.origin_mm[a] = -0.5 * (l.size[a] - 1) * spacing[a];
@@ -34,13 +34,13 @@ class Noise {
   Random random_;
 };
 
-inline std::size_t inside(const Field& f) {
+inline std::size_t inside(const grid::Field& f) {
   return std::size_t(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));
 }
 
 /// Dice of two fields on one raster.
-inline double dice(const Field& a, const Field& b) {
-  const Field c = fit(b, static_cast<const Lattice&>(a), -1.f);
+inline double dice(const grid::Field& a, const grid::Field& b) {
+  const grid::Field c = grid::fit(b, static_cast<const grid::Lattice&>(a), -1.f);
   std::size_t both = 0;
   for (std::size_t v = 0; v < a.count(); ++v) both += a.voxels[v] > 0 && c.voxels[v] > 0;
   return 2.0 * double(both) / double(inside(a) + inside(b));

@@ -17,15 +17,15 @@ using segmentation::Histogram;
 using segmentation::TissueMixture;
 
 /// HU that rise along x from -200 by 2 a voxel.
-Grid<float> ramp() {
+grid::Grid<float> ramp() {
   return sampled(lattice({200, 6, 6}, {1, 1, 1}), [](Vec3 p) { return 2 * (p.x + 99.5) - 200; });
 }
 
 TEST(Presegment, RegionsFollowTheFormulaOfItkSnap) {
-  const HuVolume volume = ramp();
-  PresegmentParams p;  // 40 to 80, smoothness 3
+  const grid::HuVolume volume = ramp();
+  segmentation::PresegmentParams p;  // 40 to 80, smoothness 3
   Report report;
-  const Field speed = presegment(volume, {}, p, report);
+  const grid::Field speed = segmentation::presegment(volume, {}, p, report);
   const double k = std::log((2 - 1e-3) / 1e-3) / 40;
   for (int i = 0; i < 200; ++i) {
     const double x = 2.0 * i - 200;
@@ -34,25 +34,25 @@ TEST(Presegment, RegionsFollowTheFormulaOfItkSnap) {
   EXPECT_NEAR(speed.at(130, 3, 3), 1 - 2e-3, 1e-5) << "60 HU: halfway";
   EXPECT_NEAR(speed.at(120, 3, 3), 0, 2e-3) << "40 HU";
 
-  p.sides = PresegmentSides::lower;
+  p.sides = segmentation::PresegmentSides::lower;
   const double one = std::log((2 - 1e-3) / 1e-3) / (398.0 / 3);
-  EXPECT_NEAR(presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((100 - 40) * one), 1e-5);
-  p.sides = PresegmentSides::upper;
+  EXPECT_NEAR(segmentation::presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((100 - 40) * one), 1e-5);
+  p.sides = segmentation::PresegmentSides::upper;
   p.smooth_range_hu = 100;
-  EXPECT_NEAR(presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((80 - 100) * k * 0.4), 1e-5);
+  EXPECT_NEAR(segmentation::presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((80 - 100) * k * 0.4), 1e-5);
 }
 
 TEST(Presegment, EdgesAreInMm) {
   // A blurred step of 100 HU across z; whatever the spacing, the same speed at the same place.
   for (const double step : {0.5, 1.0, 2.0}) {
-    const HuVolume volume = sampled(lattice({8, 8, 40}, {0.7, 0.7, step}),
-                                    [](Vec3 p) { return 50 * std::erf((p.z - 0.3) / (std::sqrt(2.0) * 2)); });
-    PresegmentParams p;
-    p.method = PresegmentMethod::edges;
+    const grid::HuVolume volume = sampled(lattice({8, 8, 40}, {0.7, 0.7, step}),
+                                          [](Vec3 p) { return 50 * std::erf((p.z - 0.3) / (std::sqrt(2.0) * 2)); });
+    segmentation::PresegmentParams p;
+    p.method = segmentation::PresegmentMethod::edges;
     p.edge_sigma_mm = 1.5;
     p.edge_kappa_hu_per_mm = 10;
     Report report;
-    const Field speed = presegment(volume, {}, p, report);
+    const grid::Field speed = segmentation::presegment(volume, {}, p, report);
     const double s = std::hypot(2.0, 1.5);
     for (int k = 4; k < speed.size[2] - 4; ++k) {
       const double z = speed.to_world_mm({0, 0, double(k)}).z - 0.3;
@@ -95,16 +95,16 @@ TEST(Presegment, TheMixtureFindsItsClasses) {
 
 TEST(Presegment, ClassesPartTissuesInNoise) {
   Noise noise(11);
-  const Lattice l = lattice({40, 40, 40}, {1, 1, 1});
+  const grid::Lattice l = lattice({40, 40, 40}, {1, 1, 1});
   const auto shape = [](Vec3 p) { return 12 - norm(p); };
-  const HuVolume volume = sampled(l, [&](Vec3 p) { return (shape(p) > 0 ? 8 : 34) + 6 * noise.gaussian(); });
-  const Field all = sampled(l, [](Vec3 p) { return 15 - norm(p); });
-  PresegmentParams p;
-  p.method = PresegmentMethod::classes;
+  const grid::HuVolume volume = sampled(l, [&](Vec3 p) { return (shape(p) > 0 ? 8 : 34) + 6 * noise.gaussian(); });
+  const grid::Field all = sampled(l, [](Vec3 p) { return 15 - norm(p); });
+  segmentation::PresegmentParams p;
+  p.method = segmentation::PresegmentMethod::classes;
   p.classes_count = 2;
   p.smoothing_sigma_mm = 0.6;
   Report report;
-  const Field speed = presegment(volume, {&all, nullptr}, p, report);
+  const grid::Field speed = segmentation::presegment(volume, {&all, nullptr}, p, report);
   EXPECT_GT(dice(speed, sampled(l, [&](Vec3 x) { return shape(x); })), 0.97);
   EXPECT_NEAR(std::get<double>(*report.find("class_1_hu")), 8, 2.5);
   EXPECT_NEAR(std::get<double>(*report.find("class_2_hu")), 34, 2.5);
@@ -113,34 +113,36 @@ TEST(Presegment, ClassesPartTissuesInNoise) {
 }
 
 TEST(Presegment, WhatTellsNothingIsRefused) {
-  const Lattice l = lattice({10, 10, 10}, {1, 1, 1});
+  const grid::Lattice l = lattice({10, 10, 10}, {1, 1, 1});
   Report report;
-  const auto refused = [&](const Grid<float>& volume, const PresegmentParams& p, const PresegmentMasks& masks = {}) {
-    return error_of([&] { presegment(volume, masks, p, report); });
+  const auto refused = [&](const grid::Grid<float>& volume, const segmentation::PresegmentParams& p,
+                           const segmentation::PresegmentMasks& masks = {}) {
+    return error_of([&] { segmentation::presegment(volume, masks, p, report); });
   };
-  for (const PresegmentMethod method :
-       {PresegmentMethod::regions, PresegmentMethod::edges, PresegmentMethod::classes}) {
-    PresegmentParams p;
+  for (const segmentation::PresegmentMethod method :
+       {segmentation::PresegmentMethod::regions, segmentation::PresegmentMethod::edges,
+        segmentation::PresegmentMethod::classes}) {
+    segmentation::PresegmentParams p;
     p.method = method;
-    for (const float hu : {0.f, 60.f}) EXPECT_EQ(refused(Grid<float>(l, hu), p).code(), ExitCode::quality) << hu;
-    Grid<float> nan(l, 0.f);
+    for (const float hu : {0.f, 60.f}) EXPECT_EQ(refused(grid::Grid<float>(l, hu), p).code(), ExitCode::quality) << hu;
+    grid::Grid<float> nan(l, 0.f);
     nan.at(1, 2, 3) = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(refused(nan, p).code(), ExitCode::bad_input);
-    const Field nothing(l, -1.f);
-    Field other = nothing;
+    const grid::Field nothing(l, -1.f);
+    grid::Field other = nothing;
     other.spacing_mm.y = 1.2;
     EXPECT_EQ(refused(ramp(), p, {&other, nullptr}).code(), ExitCode::bad_input) << "another raster";
-    EXPECT_EQ(refused(Grid<float>(l, 60.f), p, {&nothing, nullptr}).code(), ExitCode::quality) << "empty";
+    EXPECT_EQ(refused(grid::Grid<float>(l, 60.f), p, {&nothing, nullptr}).code(), ExitCode::quality) << "empty";
     p.roi_min_mm = {500, 500, 500};
     EXPECT_EQ(refused(ramp(), p).code(), ExitCode::quality) << "no voxel in the region";
   }
-  PresegmentParams p;
+  segmentation::PresegmentParams p;
   p.lower_hu = 80;
   EXPECT_EQ(refused(ramp(), p).code(), ExitCode::usage);
   p = {};
-  p.sides = PresegmentSides::lower;
-  EXPECT_EQ(refused(Grid<float>(l, 60.f), p).code(), ExitCode::quality);
-  p.method = PresegmentMethod::classes;
+  p.sides = segmentation::PresegmentSides::lower;
+  EXPECT_EQ(refused(grid::Grid<float>(l, 60.f), p).code(), ExitCode::quality);
+  p.method = segmentation::PresegmentMethod::classes;
   p.last_class = 3;
   EXPECT_EQ(refused(ramp(), p).code(), ExitCode::usage);
 }

@@ -17,7 +17,7 @@ using namespace snake_test;
 TEST(Snake, ABubbleGrowsToTheEdgeOfABall) {
   const double radius = 14;
   for (const Vec3 spacing : {Vec3{0.5, 0.5, 0.5}, Vec3{0.7, 0.7, 1.5}, Vec3{0.3, 0.3, 5}}) {
-    SnakeParams p;
+    segmentation::SnakeParams p;
     p.bubbles = "3,2,1,6";
     p.curvature = 0;
     const Evolved r = run(ball_speed(lattice({40, 40, 50}, spacing), radius), p);
@@ -36,7 +36,7 @@ TEST(Snake, CurvatureDrawsABallInByTheBalanceOfForces) {
   const double radius = 10, weight = 0.6;
   double rest = radius;
   for (int i = 0; i < 50; ++i) rest = radius - std::atanh(2 * weight / rest);
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,7";
   p.curvature = weight;
   p.min_change_mm = 0.0002;
@@ -48,25 +48,25 @@ TEST(Snake, CurvatureDrawsABallInByTheBalanceOfForces) {
 
 TEST(Snake, NoiseAndBlurLeaveAnEllipsoidAndACapsuleWithinAFractionOfAVoxel) {
   // HU of CSF 8 in tissue 32, noise of 8 HU at 0.6 mm; a window, and its snake with ITK-SNAP's weights.
-  const Lattice l = lattice({50, 40, 40}, {0.6, 0.6, 0.9});
+  const grid::Lattice l = lattice({50, 40, 40}, {0.6, 0.6, 0.9});
   const Vec3 a{15, 9, 8};
   const auto ellipsoid = [&](Vec3 p) {
     const Vec3 q{p.x / a.x, p.y / a.y, p.z / a.z}, g{q.x / a.x, q.y / a.y, q.z / a.z};
     return norm(q) > 0 ? norm(q) * (1 - norm(q)) / norm(g) : a.z;  // distance to first order
   };
   const auto capsule = [&](Vec3 p) { return 6 - norm(p - Vec3{std::clamp(p.x, -12.0, 12.0), 0, 0}); };
-  PresegmentParams window;
+  segmentation::PresegmentParams window;
   window.lower_hu = -30;
   window.upper_hu = 20;
   window.smoothing_sigma_mm = 0.8;
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.bubbles_count = 1;
   const auto check = [&](auto&& distance, double bias, double rms) {
     Noise noise(7);
-    const Grid<float> volume = sampled(
+    const grid::Grid<float> volume = sampled(
         l, [&](Vec3 x) { return 20 - 12 * std::erf(distance(x) / (std::sqrt(2.0) * 0.6)) + 8 * noise.gaussian(); });
     Report report;
-    const Evolved r = run(presegment(volume, {}, window, report), p);
+    const Evolved r = run(segmentation::presegment(volume, {}, window, report), p);
     const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return -distance(x); });
     EXPECT_LT(std::abs(d.mean), bias);
     EXPECT_LT(d.rms, rms);
@@ -78,18 +78,18 @@ TEST(Snake, NoiseAndBlurLeaveAnEllipsoidAndACapsuleWithinAFractionOfAVoxel) {
 
 TEST(Snake, AGeodesicSnakeRestsWhereItsForcesBalance) {
   const double radius = 11, sigma = 0.7;
-  const Lattice l = lattice({32, 32, 32}, {0.5, 0.5, 0.7});
-  const Grid<float> volume =
+  const grid::Lattice l = lattice({32, 32, 32}, {0.5, 0.5, 0.7});
+  const grid::Grid<float> volume =
       sampled(l, [&](Vec3 p) { return 100 * std::erf((radius - norm(p - centre)) / (std::sqrt(2.0) * sigma)); });
   // With ITK-SNAP's kappa the surface stops where the gradient begins to rise; with a steeper one, at the edge.
   for (const double kappa : {2.6, 45.0}) {
-    PresegmentParams edges;
-    edges.method = PresegmentMethod::edges;
+    segmentation::PresegmentParams edges;
+    edges.method = segmentation::PresegmentMethod::edges;
     edges.edge_kappa_hu_per_mm = kappa;
     Report report;
-    const Field speed = presegment(volume, {}, edges, report);
-    SnakeParams p;
-    p.method = SnakeMethod::geodesic;
+    const grid::Field speed = segmentation::presegment(volume, {}, edges, report);
+    segmentation::SnakeParams p;
+    p.method = segmentation::SnakeMethod::geodesic;
     const double s = std::hypot(sigma, edges.edge_sigma_mm);
     const auto g = [&](double r) {
       const double slope = 200 / (std::sqrt(2 * M_PI) * s) * std::exp(-std::pow((r - radius) / s, 2) / 2);
@@ -111,11 +111,11 @@ TEST(Snake, AGeodesicSnakeRestsWhereItsForcesBalance) {
 }
 
 TEST(Snake, CoarseLevelsChangeTheWayNotTheResult) {
-  const Field speed = ball_speed(lattice({44, 44, 44}, {0.5, 0.5, 0.8}), 17);
-  SnakeParams p;
+  const grid::Field speed = ball_speed(lattice({44, 44, 44}, {0.5, 0.5, 0.8}), 17);
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,5";
   p.coarse_levels_count = 0;
-  const Field direct = run(speed, p).field;
+  const grid::Field direct = run(speed, p).field;
   for (int levels : {1, 2, 4}) {
     p.coarse_levels_count = levels;
     EXPECT_GT(dice(run(speed, p).field, direct), 0.998) << levels;
@@ -123,10 +123,10 @@ TEST(Snake, CoarseLevelsChangeTheWayNotTheResult) {
 }
 
 TEST(Snake, AStructureThinnerThanTheCoarseVoxelsIsKept) {
-  const Lattice l = lattice({30, 20, 20}, {0.5, 0.5, 0.5});
+  const grid::Lattice l = lattice({30, 20, 20}, {0.5, 0.5, 0.5});
   const auto rod = [](Vec3 p) { return 1.1 - norm(p - Vec3{std::clamp(p.x, -10.0, 10.0), 0, 0}); };
-  const Field speed = sampled(l, [&](Vec3 p) { return std::clamp(3 * rod(p), -1.0, 1.0); });
-  SnakeParams p;
+  const grid::Field speed = sampled(l, [&](Vec3 p) { return std::clamp(3 * rod(p), -1.0, 1.0); });
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,1";
   p.coarse_levels_count = 3;
   const Evolved r = run(speed, p);
@@ -134,50 +134,50 @@ TEST(Snake, AStructureThinnerThanTheCoarseVoxelsIsKept) {
 }
 
 TEST(Snake, StaysWithinAndWithoutToAFractionOfAVoxel) {
-  const Lattice l = lattice({40, 40, 40}, {0.6, 0.6, 0.6});
-  const Field speed = ball_speed(l, 16);
-  const Field within = sampled(l, [](Vec3 p) { return 1000 * (7.3 - std::abs(p.x)); });
-  const Field without = sampled(l, [](Vec3 p) { return p.y - 5.2; });
-  SnakeParams p;
+  const grid::Lattice l = lattice({40, 40, 40}, {0.6, 0.6, 0.6});
+  const grid::Field speed = ball_speed(l, 16);
+  const grid::Field within = sampled(l, [](Vec3 p) { return 1000 * (7.3 - std::abs(p.x)); });
+  const grid::Field without = sampled(l, [](Vec3 p) { return p.y - 5.2; });
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,4";
   const Evolved r = run(speed, p, {nullptr, &within, &without});
-  double most_x = 0, most_y = -100;
+  double max_x = 0, max_y = -100;
   field_deviation(r.field, [&](Vec3 x) {
-    most_x = std::max(most_x, std::abs(x.x));
-    most_y = std::max(most_y, x.y);
+    max_x = std::max(max_x, std::abs(x.x));
+    max_y = std::max(max_y, x.y);
     return 0;
   });
-  EXPECT_NEAR(most_x, 7.3, 0.1);
-  EXPECT_NEAR(most_y, 5.2, 0.1);
+  EXPECT_NEAR(max_x, 7.3, 0.1);
+  EXPECT_NEAR(max_y, 5.2, 0.1);
 }
 
 TEST(Snake, BubblesArePlacedWhereThereIsRoom) {
-  const Lattice l = lattice({80, 40, 40}, {0.5, 0.5, 1});
+  const grid::Lattice l = lattice({80, 40, 40}, {0.5, 0.5, 1});
   const auto two = [](Vec3 p) { return std::max(9 - norm(p - Vec3{-18, 0, 0}), 6 - norm(p - Vec3{20, 3, 0})); };
-  const Field speed = sampled(l, [&](Vec3 p) { return soft(two(p)); });
-  const std::vector<Bubble> bubbles = place_bubbles(speed, 2, 3);
+  const grid::Field speed = sampled(l, [&](Vec3 p) { return soft(two(p)); });
+  const std::vector<segmentation::Bubble> bubbles = segmentation::place_bubbles(speed, 2, 3);
   ASSERT_EQ(bubbles.size(), 2u);
   EXPECT_LT(norm(bubbles[0].centre_mm - Vec3{-18, 0, 0}), 1.5);
   EXPECT_NEAR(bubbles[0].radius_mm, 8.1, 0.8);
   EXPECT_LT(norm(bubbles[1].centre_mm - Vec3{20, 3, 0}), 1.5);
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.bubbles_count = 2;
   const Evolved both = run(speed, p);
   const FieldDeviation d = field_deviation(both.field, [&](Vec3 x) { return -two(x); });
   EXPECT_LT(std::abs(d.mean), 0.1);
   // Where they were placed can be given again; the balls do not touch.
-  const auto again = parse_bubbles(std::get<std::string>(*both.report.find("bubbles")));
+  const auto again = segmentation::parse_bubbles(std::get<std::string>(*both.report.find("bubbles")));
   ASSERT_EQ(again.size(), 2u);
   EXPECT_LT(norm(again[1].centre_mm - bubbles[1].centre_mm), 0.1);
   EXPECT_EQ(to_text(*both.report.find("pieces_count")), "2");
-  const Error e = error_of([&] { place_bubbles(speed, 2, 12); });
+  const Error e = error_of([&] { segmentation::place_bubbles(speed, 2, 12); });
   EXPECT_EQ(e.code(), ExitCode::quality);
   EXPECT_EQ(e.field(), "bubble_min_radius_mm");
 }
 
 TEST(Snake, IterationsAreThoseOfAllResolutionsTogether) {
-  const Field speed = ball_speed(lattice({44, 44, 44}, {0.5, 0.5, 0.8}), 17);
-  SnakeParams p;
+  const grid::Field speed = ball_speed(lattice({44, 44, 44}, {0.5, 0.5, 0.8}), 17);
+  segmentation::SnakeParams p;
   p.bubbles = "0,0,0,5";
   p.min_change_mm = 0;
   for (const int levels : {0, 1, 3})
@@ -194,42 +194,44 @@ TEST(Snake, IterationsAreThoseOfAllResolutionsTogether) {
 }
 
 TEST(Snake, ManyIterationsStayBoundedWhateverTheSpeed) {
-  const Lattice l = lattice({10, 10, 10}, {0.5, 0.5, 1.7});
+  const grid::Lattice l = lattice({10, 10, 10}, {0.5, 0.5, 1.7});
   Noise noise(3);
-  const Field rough =
+  const grid::Field rough =
       sampled(l, [&](Vec3 p) { return std::clamp(0.7 * soft(4 - norm(p)) + 0.6 * noise.gaussian(), -1.0, 1.0); });
-  SnakeParams p;
+  segmentation::SnakeParams p;
   p.max_iterations_count = 10000;
   p.min_change_mm = 0;
   p.coarse_levels_count = 0;
   p.bubbles = "0,0,0,3";
   for (const double curvature : {0.2, 10.0})
-    for (const SnakeMethod method : {SnakeMethod::region_competition, SnakeMethod::geodesic}) {
+    for (const segmentation::SnakeMethod method :
+         {segmentation::SnakeMethod::region_competition, segmentation::SnakeMethod::geodesic}) {
       p.curvature = curvature;
       p.method = method;
       Report report;
       const Error e = error_of([&] {
-        const Field f = snake(rough, {}, p, report);
+        const grid::Field f = segmentation::snake(rough, {}, p, report);
         for (const float v : f.voxels) ASSERT_LE(std::abs(v), 6.0f);
       });
       EXPECT_TRUE(e.code() == ExitCode::ok || e.code() == ExitCode::quality) << e.what();
-      if (curvature == 0.2 && method == SnakeMethod::region_competition) {
+      if (curvature == 0.2 && method == segmentation::SnakeMethod::region_competition) {
         EXPECT_EQ(e.code(), ExitCode::ok) << e.what();
       }
     }
 }
 
 TEST(Snake, TheSameBytesWithOneTwoAndEightThreads) {
-  const Lattice l = lattice({40, 36, 32}, {0.6, 0.6, 1.1});
+  const grid::Lattice l = lattice({40, 36, 32}, {0.6, 0.6, 1.1});
   Noise noise(5);
-  const Grid<float> volume =
+  const grid::Grid<float> volume =
       sampled(l, [&](Vec3 p) { return 20 + 20 * soft(12 - norm(p - centre)) + 15 * noise.gaussian(); });
-  std::vector<Field> fields;
+  std::vector<grid::Field> fields;
   for (const int threads : {1, 2, 8}) {
     set_thread_count(threads);
-    for (const PresegmentMethod method :
-         {PresegmentMethod::regions, PresegmentMethod::edges, PresegmentMethod::classes}) {
-      PresegmentParams w;
+    for (const segmentation::PresegmentMethod method :
+         {segmentation::PresegmentMethod::regions, segmentation::PresegmentMethod::edges,
+          segmentation::PresegmentMethod::classes}) {
+      segmentation::PresegmentParams w;
       w.method = method;
       w.lower_hu = 20;
       w.upper_hu = 90;
@@ -237,15 +239,15 @@ TEST(Snake, TheSameBytesWithOneTwoAndEightThreads) {
       w.classes_count = 2;
       w.first_class = w.last_class = 2;
       Report report;
-      SnakeParams p;
+      segmentation::SnakeParams p;
       p.bubbles_count = 3;
       p.max_iterations_count = 60;
-      if (method == PresegmentMethod::edges) {
-        p.method = SnakeMethod::geodesic;
+      if (method == segmentation::PresegmentMethod::edges) {
+        p.method = segmentation::SnakeMethod::geodesic;
         p.bubbles_count = 0;
         p.bubbles = "0,0,0,6";
       }
-      fields.push_back(snake(presegment(volume, {}, w, report), {}, p, report));
+      fields.push_back(segmentation::snake(segmentation::presegment(volume, {}, w, report), {}, p, report));
     }
   }
   set_thread_count(0);

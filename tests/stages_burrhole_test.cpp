@@ -15,13 +15,13 @@ namespace {
 
 constexpr double outer_mm = 80, inner_mm = 73;
 
-std::shared_ptr<const TriMesh> hollow_ball() {
+std::shared_ptr<const surface::TriMesh> hollow_ball() {
   static const auto mesh = [] {
-    Lattice l;
+    grid::Lattice l;
     l.size = {90, 90, 90};
     l.spacing_mm = {2, 2, 2};
     l.origin_mm = {-89, -89, -89};
-    Field f(l);
+    grid::Field f(l);
     for (int k = 0; k < l.size[2]; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
@@ -29,7 +29,7 @@ std::shared_ptr<const TriMesh> hollow_ball() {
           f.at(i, j, k) = float(std::min(outer_mm - r, r - inner_mm));
         }
     Report report;
-    return std::make_shared<const TriMesh>(contour(f, ContourParams(), report));
+    return std::make_shared<const surface::TriMesh>(meshing::contour(f, meshing::ContourParams(), report));
   }();
   return mesh;
 }
@@ -37,8 +37,8 @@ std::shared_ptr<const TriMesh> hollow_ball() {
 /// On the midline, that far from the nasion over the ball.
 Vec3 on_midline(double arc_mm) { return Vec3{0, -std::cos(arc_mm / outer_mm), std::sin(arc_mm / outer_mm)} * outer_mm; }
 
-HeadLandmarks marks(double bregma_arc_mm, double bregma_confidence = 1, double nasion_confidence = 1) {
-  HeadLandmarks all;
+head::HeadLandmarks marks(double bregma_arc_mm, double bregma_confidence = 1, double nasion_confidence = 1) {
+  head::HeadLandmarks all;
   all.landmarks = {{"nasion", on_midline(0), nasion_confidence, "found"},
                    {"inion", {0, outer_mm, 0}, 1, "found"},
                    {"tragus_left", {outer_mm, 0, 0}, 1, "found"},
@@ -48,13 +48,13 @@ HeadLandmarks marks(double bregma_arc_mm, double bregma_confidence = 1, double n
 }
 
 /// What the stage says: "made", or its error.
-std::string said(const HeadLandmarks& landmarks, Report& report, const BurrHoleParams& params = {}) {
-  const StageType& stage = stage_named("burrhole");
+std::string said(const head::HeadLandmarks& landmarks, Report& report, const boolean::BurrHoleParams& params = {}) {
+  const stages::StageType& stage = stages::stage_named("burrhole");
   AnyParams any = stage.make_params();
-  any.as<BurrHoleParams>() = params;
-  StageInputs in;
+  any.as<boolean::BurrHoleParams>() = params;
+  stages::StageInputs in;
   in.by_port["bone"] = hollow_ball();
-  in.by_port["landmarks"] = std::make_shared<const HeadLandmarks>(landmarks);
+  in.by_port["landmarks"] = std::make_shared<const head::HeadLandmarks>(landmarks);
   try {
     stage.run(any, in, report, {});
   } catch (const Error& e) {
@@ -63,7 +63,7 @@ std::string said(const HeadLandmarks& landmarks, Report& report, const BurrHoleP
   }
   return "made";
 }
-std::string said(const HeadLandmarks& landmarks, const BurrHoleParams& params = {}) {
+std::string said(const head::HeadLandmarks& landmarks, const boolean::BurrHoleParams& params = {}) {
   Report report;
   return said(landmarks, report, params);
 }
@@ -80,12 +80,12 @@ TEST(StageBurrHole, KochersPointLies5To25MillimetresBeforeTheSuture) {
   EXPECT_NE(far.find("landmarks_file"), std::string::npos) << far;
   EXPECT_NE(behind.find("behind the coronal suture"), std::string::npos) << behind;
   // What the message says to do works.
-  BurrHoleParams followed;
+  boolean::BurrHoleParams followed;
   const std::string key = "set `along_mm` to ";
   ASSERT_NE(far.find(key), std::string::npos) << far;
   followed.along_mm = std::stod(far.substr(far.find(key) + key.size()));
   EXPECT_EQ(said(marks(150), followed), "made");
-  BurrHoleParams wider;
+  boolean::BurrHoleParams wider;
   wider.max_before_suture_mm = 45;
   EXPECT_EQ(said(marks(150), wider), "made");
 }
@@ -101,8 +101,8 @@ TEST(StageBurrHole, ADoubtfulSutureIsSaidAndADoubtfulNasionRefused) {
 }
 
 TEST(StageBurrHole, APositionIsCheckedForBoneAndDirectionAlone) {
-  BurrHoleParams at;
-  at.at = BurrHoleRequest::At::position;
+  boolean::BurrHoleParams at;
+  at.at = boolean::BurrHoleRequest::At::position;
   at.position_mm = {0, 0, outer_mm};  // 25 mm behind the suture
   EXPECT_EQ(said(marks(100, 1, 0.1), at), "made");
 }

@@ -16,57 +16,60 @@ namespace {
 
 TEST(StageData, AVolumeIsNoFieldForContour) {
   const ScratchFolder folder;
-  Lattice l;
+  grid::Lattice l;
   l.size = {4, 4, 4};
-  const auto kind = [&](const char* name) { return kind_of(load_field_or_volume(folder.path() / name)); };
-  write_nrrd(folder.path() / "hu.nrrd", HuVolume(Grid<std::int16_t>(l, 40)), {{"content", "HU"}});
-  write_nrrd(folder.path() / "foreign.nrrd", HuVolume(Grid<std::int16_t>(l, 40)));
-  write_nrrd(folder.path() / "resampled.nrrd", HuVolume(Grid<float>(l, 40)), {{"content", "HU"}});
-  write_nrrd(folder.path() / "field.nrrd", Field(l, 1), {{"content", "field"}});
-  write_nrrd(folder.path() / "mask.nrrd", Mask(l, 1));
+  const auto kind = [&](const char* name) {
+    return stages::kind_of(stages::load_field_or_volume(folder.path() / name));
+  };
+  grid::write_nrrd(folder.path() / "hu.nrrd", grid::HuVolume(grid::Grid<std::int16_t>(l, 40)), {{"content", "HU"}});
+  grid::write_nrrd(folder.path() / "foreign.nrrd", grid::HuVolume(grid::Grid<std::int16_t>(l, 40)));
+  grid::write_nrrd(folder.path() / "resampled.nrrd", grid::HuVolume(grid::Grid<float>(l, 40)), {{"content", "HU"}});
+  grid::write_nrrd(folder.path() / "field.nrrd", grid::Field(l, 1), {{"content", "field"}});
+  grid::write_nrrd(folder.path() / "mask.nrrd", grid::Mask(l, 1));
   for (const char* name : {"hu.nrrd", "foreign.nrrd", "resampled.nrrd"})
-    EXPECT_EQ(kind(name), DataKind::volume) << name;
-  for (const char* name : {"field.nrrd", "mask.nrrd"}) EXPECT_EQ(kind(name), DataKind::field) << name;
+    EXPECT_EQ(kind(name), stages::DataKind::volume) << name;
+  for (const char* name : {"field.nrrd", "mask.nrrd"}) EXPECT_EQ(kind(name), stages::DataKind::field) << name;
 }
 
 // The graph of a case finds stages by kind and by their parameters, so that it need not know names.
 TEST(Stages, WhatTheGraphAsksForHasOneStage) {
   std::map<const ParameterSet*, int> with_params;
   int face_removals = 0, haptic = 0;
-  for (const StageType& stage : stage_types()) {
+  for (const stages::StageType& stage : stages::stage_types()) {
     ++with_params[stage.make_params().set];
     face_removals += stage.removes_face;
-    haptic += stage.output == DataKind::haptic;
+    haptic += stage.output == stages::DataKind::haptic;
   }
-  for (const StageType* stage : stages_of(StagePlace::scene))
+  for (const stages::StageType* stage : stages::stages_of(stages::StagePlace::scene))
     EXPECT_EQ(with_params[stage->make_params().set], 1) << stage->name;
   EXPECT_EQ(face_removals, 1);
   EXPECT_EQ(haptic, 1);
 }
 
 TEST(Stages, APortsSourceIsOneThatItsStageCanHave) {
-  for (const StageType& stage : stage_types())
-    for (const Port& port : stage.ports) {
+  for (const stages::StageType& stage : stages::stage_types())
+    for (const stages::Port& port : stage.ports) {
       const std::string where = stage.name + "." + port.name;
-      const bool recipe = port.from == From::recipe, scan = port.from == From::scan || port.from == From::ct;
-      if (stage.place == StagePlace::anatomy) {
+      const bool recipe = port.from == stages::From::recipe,
+                 scan = port.from == stages::From::scan || port.from == stages::From::ct;
+      if (stage.place == stages::StagePlace::anatomy) {
         EXPECT_TRUE(recipe || scan) << where;
       }
       // What the scan is made of is not known before it is made.
-      if (stage.place == StagePlace::scan && stage.output == DataKind::volume && !stage.removes_face) {
-        EXPECT_TRUE(port.from == From::import || port.from == From::scan) << where;
+      if (stage.place == stages::StagePlace::scan && stage.output == stages::DataKind::volume && !stage.removes_face) {
+        EXPECT_TRUE(port.from == stages::From::import || port.from == stages::From::scan) << where;
       }
-      EXPECT_EQ(port.from == From::anatomies, bool(port.anatomies)) << where;
-      if (port.from == From::role) {
+      EXPECT_EQ(port.from == stages::From::anatomies, bool(port.anatomies)) << where;
+      if (port.from == stages::From::role) {
         EXPECT_NE(port.role, "") << where;
       }
-      const bool is_mesh = port.from >= From::role && port.from <= From::felt_surfaces;
+      const bool is_mesh = port.from >= stages::From::role && port.from <= stages::From::felt_surfaces;
       if (is_mesh) {
-        EXPECT_EQ(port.kind, DataKind::mesh) << where;
+        EXPECT_EQ(port.kind, stages::DataKind::mesh) << where;
       }
-      EXPECT_EQ(port.kind == DataKind::volume, port.from <= From::published_ct) << where;
-      EXPECT_EQ(port.kind == DataKind::cutters, port.from == From::cutters) << where;
-      EXPECT_EQ(port.kind == DataKind::haptic, port.from == From::haptic) << where;
+      EXPECT_EQ(port.kind == stages::DataKind::volume, port.from <= stages::From::published_ct) << where;
+      EXPECT_EQ(port.kind == stages::DataKind::cutters, port.from == stages::From::cutters) << where;
+      EXPECT_EQ(port.kind == stages::DataKind::haptic, port.from == stages::From::haptic) << where;
     }
 }
 
@@ -85,9 +88,9 @@ TEST(Stages, EveryPortsHelpSaysWhatThePortIs) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
     return text;
   };
-  for (const StageType& stage : stage_types()) {
+  for (const stages::StageType& stage : stages::stage_types()) {
     std::map<std::string, std::string> port_of;
-    for (const Port& port : stage.ports) {
+    for (const stages::Port& port : stage.ports) {
       const std::string where = stage.name + "." + port.name;
       EXPECT_TRUE(port_of.emplace(port.help, port.name).second) << where << " has the help of " << port_of[port.help];
       const std::string name = port.name.substr(0, port.name.find(".*"));
@@ -103,16 +106,16 @@ TEST(Stages, EveryPortsHelpSaysWhatThePortIs) {
 }
 
 TEST(Stages, EveryLandmarkThatIsLookedForHasASlice) {
-  std::vector<std::string> declared, known = findable_landmarks();
-  for (const StagePoint& point : stage_named("landmarks").points) declared.push_back(point.name);
+  std::vector<std::string> declared, known = head::findable_landmarks();
+  for (const stages::StagePoint& point : stages::stage_named("landmarks").points) declared.push_back(point.name);
   std::sort(declared.begin(), declared.end());
   std::sort(known.begin(), known.end());
   EXPECT_EQ(declared, known);
-  EXPECT_EQ(plane_of_landmark("bregma"), SlicePlane::sagittal);
-  EXPECT_EQ(plane_of_landmark("monro_right"), SlicePlane::axial);
-  EXPECT_EQ(plane_of_landmark("pedicle_2_left_entry"), SlicePlane::axial);  // of a family
-  EXPECT_EQ(plane_of_landmark("pedicles"), SlicePlane::coronal);
-  EXPECT_EQ(plane_of_landmark("a_point_of_the_user"), SlicePlane::coronal);
+  EXPECT_EQ(stages::plane_of_landmark("bregma"), picture::SlicePlane::sagittal);
+  EXPECT_EQ(stages::plane_of_landmark("monro_right"), picture::SlicePlane::axial);
+  EXPECT_EQ(stages::plane_of_landmark("pedicle_2_left_entry"), picture::SlicePlane::axial);  // of a family
+  EXPECT_EQ(stages::plane_of_landmark("pedicles"), picture::SlicePlane::coronal);
+  EXPECT_EQ(stages::plane_of_landmark("a_point_of_the_user"), picture::SlicePlane::coronal);
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 namespace trephine::shapes {
 
 /// Geodesic sphere: 20 * 4^level triangles, points moved by `displace` (unit direction to radius).
-inline TriMesh geodesic(int level, const std::function<double(Vec3)>& radius_mm, Vec3 centre = {}) {
+inline surface::TriMesh geodesic(int level, const std::function<double(Vec3)>& radius_mm, Vec3 centre = {}) {
   const double g = (1 + std::sqrt(5.0)) / 2;
-  TriMesh m;
+  surface::TriMesh m;
   m.origin_mm = centre;
   m.points_mm = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                  {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
@@ -41,13 +41,13 @@ inline TriMesh geodesic(int level, const std::function<double(Vec3)>& radius_mm,
   return m;
 }
 
-inline TriMesh sphere(int level, double radius_mm, Vec3 centre = {}) {
+inline surface::TriMesh sphere(int level, double radius_mm, Vec3 centre = {}) {
   return geodesic(
       level, [=](Vec3) { return radius_mm; }, centre);
 }
 
 /// A lumpy surface with detail of a few millimetres at radius 90 mm: as hard for the tree as a skull's outside.
-inline TriMesh lumpy(int level, Vec3 centre = {}) {
+inline surface::TriMesh lumpy(int level, Vec3 centre = {}) {
   return geodesic(
       level,
       [](Vec3 u) {
@@ -57,8 +57,8 @@ inline TriMesh lumpy(int level, Vec3 centre = {}) {
       centre);
 }
 
-inline TriMesh box(Vec3 lo, Vec3 hi) {
-  TriMesh m;
+inline surface::TriMesh box(Vec3 lo, Vec3 hi) {
+  surface::TriMesh m;
   for (int i = 0; i < 8; ++i) m.points_mm.push_back({i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z});
   m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
@@ -66,8 +66,8 @@ inline TriMesh box(Vec3 lo, Vec3 hi) {
 }
 
 /// A square of side `side_mm` at height z, n x n cells, facing +z.
-inline TriMesh plane(double side_mm, double z_mm, int n) {
-  TriMesh m;
+inline surface::TriMesh plane(double side_mm, double z_mm, int n) {
+  surface::TriMesh m;
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) m.points_mm.push_back({side_mm * i / n, side_mm * j / n, z_mm});
   for (std::uint32_t j = 0; j < std::uint32_t(n); ++j)

@@ -60,11 +60,11 @@ sweeps:
   fs::path at(const std::string& name) const { return folder.path() / name; }
 
   ScratchFolder folder;
-  TradeRequest request;
+  trade::TradeRequest request;
 };
 
-const PointTrade& named(const TradeResult& r, const std::string& name) {
-  for (const PointTrade& p : r.points)
+const trade::PointTrade& named(const trade::TradeResult& r, const std::string& name) {
+  for (const trade::PointTrade& p : r.points)
     if (p.total.name == name) return p;
   throw std::runtime_error("no point " + name);
 }
@@ -76,7 +76,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-class Nobody : public RunObserver {
+class Nobody : public pipeline::RunObserver {
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
   void finished(const std::string&, const std::string&, double, const Report&) override {}
@@ -84,12 +84,12 @@ class Nobody : public RunObserver {
 
 TEST_F(Trade, MeasuresEveryPointOnceAndSharesWhatPointsShare) {
   request.params.repeats_count = 2;
-  const TradeResult r = measure_trade(request);
+  const trade::TradeResult r = trade::measure_trade(request);
   ASSERT_EQ(r.points.size(), 6u);
   // import; then on three voxel sizes resample, segment, contour; decimate, smooth, normals, measure and the files of
   // six points (finest, three bounds, two voxel sizes), five compared with the finest.
   EXPECT_EQ(r.measured_count, 1 + 3 * 3 + 6 * 5 + 5);
-  const PointTrade &finest = r.points[0], &tight = named(r, "bound/0.3"), &loose = named(r, "bound/2");
+  const trade::PointTrade &finest = r.points[0], &tight = named(r, "bound/0.3"), &loose = named(r, "bound/2");
   EXPECT_EQ(finest.total.deviation_max_mm, 0);
   EXPECT_LE(tight.total.deviation_max_mm, 0.3 + 0.1 + 1e-6);  // decimation's bound, and smoothing's
   EXPECT_LT(tight.total.deviation_rms_mm, loose.total.deviation_rms_mm);
@@ -99,47 +99,47 @@ TEST_F(Trade, MeasuresEveryPointOnceAndSharesWhatPointsShare) {
             named(r, "voxel/[8, 8, 8]/1").total.deviation_rms_mm);
   EXPECT_NEAR(loose.anatomies[0].volume_ml,
               finest.anatomies[0].volume_ml * (1 + loose.anatomies[0].volume_change_percent / 100), 1e-6);
-  for (const PointTrade& p : r.points) {
+  for (const trade::PointTrade& p : r.points) {
     EXPECT_EQ(p.total.refused, "");
     double sum = 0;
-    for (const StageTrade& s : p.stages) sum += s.median_s;
+    for (const trade::StageTrade& s : p.stages) sum += s.median_s;
     EXPECT_DOUBLE_EQ(p.total.seconds, sum);
     EXPECT_EQ(p.stages.back().name, "publish");
     EXPECT_GT(p.total.peak_memory_mb, 0);
   }
   // The finest has more triangles than the scene allows: it is measured, and never chosen.
   EXPECT_NE(finest.beyond_scene.find("the scene allows 2500"), std::string::npos) << finest.beyond_scene;
-  for (const TradePoint& p : r.choosable()) EXPECT_LE(p.triangles_count, 2500);
+  for (const config::TradePoint& p : r.choosable()) EXPECT_LE(p.triangles_count, 2500);
 
-  const TradeResult again = measure_trade(request);
+  const trade::TradeResult again = trade::measure_trade(request);
   EXPECT_EQ(again.measured_count, 0);
-  EXPECT_EQ(trade_json(again, "test"), trade_json(r, "test"));
+  EXPECT_EQ(trade::trade_json(again, "test"), trade::trade_json(r, "test"));
 }
 
 TEST_F(Trade, ASweepThatWasStoppedGoesOn) {
   struct Stop {};
   int works = 0;
   std::string last;
-  const TradeObserver stop = [&](std::size_t, std::size_t, const std::string& work, double) {
+  const trade::TradeObserver stop = [&](std::size_t, std::size_t, const std::string& work, double) {
     if (work != last && ++works == 12) throw Stop{};
     last = work;
   };
-  EXPECT_THROW(measure_trade(request, stop), Stop);
-  const TradeResult rest = measure_trade(request);
+  EXPECT_THROW(trade::measure_trade(request, stop), Stop);
+  const trade::TradeResult rest = trade::measure_trade(request);
   EXPECT_LT(rest.measured_count, 45 - 5);
   EXPECT_GT(rest.measured_count, 0);
-  EXPECT_EQ(measure_trade(request).measured_count, 0);
+  EXPECT_EQ(trade::measure_trade(request).measured_count, 0);
   // A damaged record is one that was never there.
   const fs::path records = at("trade") / ".trade" / "measured";
   const fs::path one = fs::directory_iterator(records)->path();
   write_file(one, "{\"report\"");
-  EXPECT_EQ(measure_trade(request).measured_count, 1);
+  EXPECT_EQ(trade::measure_trade(request).measured_count, 1);
   // What no point asks for any more goes.
   request.plan = at("less.yaml");
   write_file(request.plan, R"(trephine: 1
 sweeps: {bound: {values: {skin.decimate.max_deviation_mm: [1]}}}
 )");
-  measure_trade(request);
+  trade::measure_trade(request);
   const auto count = std::distance(fs::directory_iterator(records), fs::directory_iterator());
   EXPECT_EQ(count, 1 + 3 + 2 * 5 + 1);
 }
@@ -149,15 +149,15 @@ TEST_F(Trade, WhatAGateRefusesIsAPointWithAReason) {
   write_file(request.plan, R"(trephine: 1
 sweeps: {nothing: {values: {skin.segment.lower_hu: [30000]}}}
 )");
-  const TradeResult r = measure_trade(request);
+  const trade::TradeResult r = trade::measure_trade(request);
   EXPECT_NE(r.points[1].total.refused.find("skin.segment"), std::string::npos) << r.points[1].total.refused;
-  EXPECT_NE(trade_table(r).find("refused: skin.segment"), std::string::npos);
+  EXPECT_NE(trade::trade_table(r).find("refused: skin.segment"), std::string::npos);
 }
 
 TEST_F(Trade, TheFilesSayTheSame) {
-  const TradeResult r = measure_trade(request);
-  write_trade(r, request.out, "test");
-  const auto csv = lines_of(trade_csv(r));
+  const trade::TradeResult r = trade::measure_trade(request);
+  trade::write_trade(r, request.out, "test");
+  const auto csv = lines_of(trade::trade_csv(r));
   ASSERT_EQ(csv.size(), 1 + 2 * r.points.size());  // the case and its one anatomy
   const auto cells = [](const std::string& line) {
     std::size_t count = 1;
@@ -169,8 +169,8 @@ TEST_F(Trade, TheFilesSayTheSame) {
     return count;
   };
   for (const std::string& line : csv) EXPECT_EQ(cells(line), cells(csv[0])) << line;
-  const auto points = read_trade_points(request.out / "trade.json");
-  EXPECT_EQ(trade_points_json(points), trade_points_json(r.choosable()));
+  const auto points = config::read_trade_points(request.out / "trade.json");
+  EXPECT_EQ(config::trade_points_json(points), config::trade_points_json(r.choosable()));
   if (std::system("command -v gnuplot > /dev/null") != 0) {
     ASSERT_EQ(std::getenv("TREPHINE_CHECK"), nullptr) << "gnuplot is not installed";
     GTEST_SKIP() << "gnuplot is not installed";
@@ -180,13 +180,13 @@ TEST_F(Trade, TheFilesSayTheSame) {
       EXPECT_GT(fs::file_size(request.out / (std::string("error_") + axis + ending)), 5000u) << axis << ending;
   // Unchanged data draw nothing anew.
   const auto before = fs::last_write_time(request.out / "error_seconds.png");
-  write_trade(r, request.out, "test");
+  trade::write_trade(r, request.out, "test");
   EXPECT_EQ(fs::last_write_time(request.out / "error_seconds.png"), before);
 }
 
 TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
-  write_trade(measure_trade(request), request.out, "test");
-  RunRequest run;
+  trade::write_trade(trade::measure_trade(request), request.out, "test");
+  publish::RunRequest run;
   run.config = at("asks.yaml");
   run.library = at("library");
   run.overrides.series = sample;
@@ -196,17 +196,17 @@ TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
   const auto made = [&](const std::string& rule) {
     write_file(run.config, "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\n" + rule);
     Nobody nobody;
-    return read_case(run_case(run, nobody).case_folder);
+    return cases::read_case(publish::run_case(run, nobody).case_folder);
   };
-  const auto bound = [](const CaseManifest& m) {
+  const auto bound = [](const cases::CaseManifest& m) {
     for (const auto& [name, value] : m.parameters)
       if (name == "skin.decimate.max_deviation_mm") return std::get<double>(value);
     return -1.0;
   };
-  const CaseManifest accurate = made("trade: trade/trade.json\naccuracy: {max_deviation_mm: 1.5}\n");
+  const cases::CaseManifest accurate = made("trade: trade/trade.json\naccuracy: {max_deviation_mm: 1.5}\n");
   EXPECT_EQ(bound(accurate), 1);
   EXPECT_LE(accurate.anatomies[0].deviation.max_mm, 1.5);
-  const CaseManifest small = made("trade: trade/trade.json\nbudget: {triangles: 2500}\n");
+  const cases::CaseManifest small = made("trade: trade/trade.json\nbudget: {triangles: 2500}\n");
   EXPECT_LE(small.anatomies[0].triangles, 2500u);
   const auto code_of = [&](const std::string& rule) {
     try {
@@ -229,12 +229,12 @@ TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
 }
 
 TEST(TradePlan, EveryCombinationOnceTheLastParameterFastest) {
-  TradePlan plan;
+  trade::TradePlan plan;
   plan.sweeps = {{"a", {"x=1"}, {{"p", {"1", "2"}}, {"q", {"u", "v"}}}}, {"b", {}, {{"p", {"7"}}}}};
   std::vector<std::string> names;
-  for (const PlannedPoint& p : points_of(plan)) names.push_back(p.name);
+  for (const trade::PlannedPoint& p : trade::points_of(plan)) names.push_back(p.name);
   EXPECT_EQ(names, (std::vector<std::string>{"finest", "a/1/u", "a/1/v", "a/2/u", "a/2/v", "b/7"}));
-  EXPECT_EQ(points_of(plan)[3].settings, (std::vector<std::string>{"x=1", "p=2", "q=u"}));
+  EXPECT_EQ(trade::points_of(plan)[3].settings, (std::vector<std::string>{"x=1", "p=2", "q=u"}));
 }
 
 TEST(TradePlan, FaultsAreNamedWithTheirPlace) {
@@ -243,7 +243,7 @@ TEST(TradePlan, FaultsAreNamedWithTheirPlace) {
   const auto fault = [&](const std::string& text) {
     write_file(file, text);
     try {
-      read_trade_plan(file);
+      trade::read_trade_plan(file);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);
       return e.line("trade");
@@ -262,10 +262,10 @@ TEST(TradePlan, FaultsAreNamedWithTheirPlace) {
 
 TEST(TradePlan, TheStandardOneIsOfPathsThatAnyHeadHas) {
   for (const bool haptic : {false, true})
-    for (const PlannedPoint& p : points_of(standard_plan(haptic))) {
-      ConfigOverrides overrides;
+    for (const trade::PlannedPoint& p : trade::points_of(trade::standard_plan(haptic))) {
+      config::ConfigOverrides overrides;
       overrides.set = p.settings;
-      EXPECT_NO_THROW(read_case_config(
+      EXPECT_NO_THROW(config::read_case_config(
           fs::path(TREPHINE_SOURCE_DIR) / "configs" / (haptic ? "ct_head.yaml" : "ct_skull.yaml"), overrides))
           << p.name;
     }

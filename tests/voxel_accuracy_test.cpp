@@ -20,15 +20,15 @@ const std::vector<Vec3> spacings{{0.8, 0.8, 0.8}, {0.4, 0.4, 0.95}};
 
 double smallest(Vec3 v) { return std::min({v.x, v.y, v.z}); }
 
-Lattice lattice_for(const Solid& solid, Vec3 spacing_mm, std::mt19937_64& rng) {
+grid::Lattice lattice_for(const Solid& solid, Vec3 spacing_mm, std::mt19937_64& rng) {
   const Vec3 anchor{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
-  return shapes::lattice_around(bounds_of(solid.mesh), spacing_mm, shapes::turned(rng), anchor);
+  return shapes::lattice_around(surface::bounds_of(solid.mesh), spacing_mm, shapes::turned(rng), anchor);
 }
 
-Offsets felt(const Solid& solid, const Lattice& lattice) {
+Offsets felt(const Solid& solid, const grid::Lattice& lattice) {
   Report report;
-  const HapticVolume volume = voxelize(lattice, {{"a", &solid.mesh}}, report);
-  const HapticDecoder decoder(volume);
+  const voxel::HapticVolume volume = voxel::voxelize(lattice, {{"a", &solid.mesh}}, report);
+  const voxel::HapticDecoder decoder(volume);
   return offsets_of(solid.points, 2, [&](Vec3 p) { return decoder.trilinear(1, p); });
 }
 
@@ -71,9 +71,9 @@ TEST(Accuracy, ThinSheetsAreFelt) {
         const Vec3 centre{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
         const Solid solid = shapes::block({9, 9, thick / 2}, centre, pose, 3, 400, rng, 2);
         Report report;
-        const HapticVolume volume =
-            voxelize(shapes::lattice_around(bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}, report);
-        const HapticDecoder decoder(volume);
+        const voxel::HapticVolume volume = voxel::voxelize(
+            shapes::lattice_around(surface::bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}, report);
+        const voxel::HapticDecoder decoder(volume);
         for (const auto& s : solid.points) {
           const Vec3 inner = s.point_mm - s.normal * (thick / 2);
           ASSERT_GT(decoder.trilinear(1, inner), 0.5) << voxels << " voxels, sheet " << n << " at " << h.x;
@@ -90,19 +90,19 @@ TEST(Accuracy, Volumes) {
     const Solid ball = shapes::ball(10, {3, 2, 1}, 0, rng);
     const Solid block = shapes::block({6, 8, 10}, {}, shapes::turned(rng), 0, 0, rng);
     Report report;
-    const HapticVolume a = voxelize(lattice_for(ball, h, rng), {{"a", &ball.mesh}}, report);
-    const HapticVolume b = voxelize(lattice_for(block, h, rng), {{"b", &block.mesh}}, report);
-    EXPECT_NEAR(shape_volume_mm3(a, 1), 4.0 / 3 * M_PI * 1000, 0.006 * 4.0 / 3 * M_PI * 1000);
-    EXPECT_NEAR(shape_volume_mm3(b, 1), 3840, 0.006 * 3840);
-    EXPECT_EQ(shape_volume_mm3(b, 2), 0);
-    EXPECT_EQ(std::get<double>(*report.find("b.volume_ml")), shape_volume_mm3(b, 1) / 1000);
+    const voxel::HapticVolume a = voxel::voxelize(lattice_for(ball, h, rng), {{"a", &ball.mesh}}, report);
+    const voxel::HapticVolume b = voxel::voxelize(lattice_for(block, h, rng), {{"b", &block.mesh}}, report);
+    EXPECT_NEAR(voxel::shape_volume_mm3(a, 1), 4.0 / 3 * M_PI * 1000, 0.006 * 4.0 / 3 * M_PI * 1000);
+    EXPECT_NEAR(voxel::shape_volume_mm3(b, 1), 3840, 0.006 * 3840);
+    EXPECT_EQ(voxel::shape_volume_mm3(b, 2), 0);
+    EXPECT_EQ(std::get<double>(*report.find("b.volume_ml")), voxel::shape_volume_mm3(b, 1) / 1000);
   }
 }
 
 // Solids in the order of precedence: each shape is its solid less those before it.
 struct Scene {
   std::vector<Solid> solids;
-  HapticVolume volume;
+  voxel::HapticVolume volume;
   // Distance to the region of a shape (0 based): at most the true one, and of its sign.
   double region(std::size_t n, Vec3 p) const {
     double d = solids[n].distance(p);
@@ -114,12 +114,12 @@ struct Scene {
 Scene make_scene(std::vector<Solid> solids, Vec3 h, std::mt19937_64& rng) {
   Scene scene;
   scene.solids = std::move(solids);
-  std::vector<VoxelizeShape> list;
+  std::vector<voxel::VoxelizeShape> list;
   for (std::size_t n = 0; n < scene.solids.size(); ++n)
     list.push_back({"shape_" + std::to_string(n + 1), &scene.solids[n].mesh});
-  Bounds all;
+  surface::Bounds all;
   for (const Solid& s : scene.solids) {
-    const Bounds b = bounds_of(s.mesh);
+    const surface::Bounds b = surface::bounds_of(s.mesh);
     for (int a = 0; a < 3; ++a) {
       all.min_mm[a] = std::min(all.min_mm[a], b.min_mm[a]);
       all.max_mm[a] = std::max(all.max_mm[a], b.max_mm[a]);
@@ -127,7 +127,7 @@ Scene make_scene(std::vector<Solid> solids, Vec3 h, std::mt19937_64& rng) {
   }
   const Vec3 anchor{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
   Report report;
-  scene.volume = voxelize(shapes::lattice_around(all, h, shapes::turned(rng), anchor), list, report);
+  scene.volume = voxel::voxelize(shapes::lattice_around(all, h, shapes::turned(rng), anchor), list, report);
   return scene;
 }
 
@@ -152,8 +152,8 @@ TEST(NoThirdShape, OnRandomPaths) {
   std::mt19937_64 rng(5);
   for (const Vec3 h : spacings)
     for (const Scene& scene : scenes(h, rng)) {
-      const HapticDecoder decoder(scene.volume);
-      const Lattice& l = scene.volume.voxels;
+      const voxel::HapticDecoder decoder(scene.volume);
+      const grid::Lattice& l = scene.volume.voxels;
       const double half_diagonal = norm(h) / 2;
       for (int path = 0; path < 600; ++path) {
         Vec3 end[2];
@@ -185,8 +185,8 @@ TEST(NoThirdShape, InVoxels) {
   std::mt19937_64 rng(6);
   for (const Vec3 h : spacings)
     for (const Scene& scene : scenes(h, rng)) {
-      const HapticDecoder decoder(scene.volume);
-      const Lattice& l = scene.volume.voxels;
+      const voxel::HapticDecoder decoder(scene.volume);
+      const grid::Lattice& l = scene.volume.voxels;
       std::size_t of_two = 0;
       for (int k = 0; k < l.size[2]; ++k)
         for (int j = 0; j < l.size[1]; ++j)
@@ -221,7 +221,7 @@ TEST(TwoShapes, ShareTheirSurface) {
     const std::vector<Scene> all = scenes(h, rng);
     for (std::size_t at = 0; at < all.size(); ++at) {
       const Scene& scene = all[at];
-      const HapticDecoder decoder(scene.volume);
+      const voxel::HapticDecoder decoder(scene.volume);
       for (std::size_t n = 0; n < scene.solids.size(); ++n) {
         const int number = int(n + 1);
         std::vector<shapes::SurfacePoint> shared, free;

@@ -18,11 +18,11 @@ using shapes::Solid;
 using shapes::uniform;
 
 struct Tool {
-  DistanceFunction distance;
-  Bounds bounds;
+  surface::DistanceFunction distance;
+  surface::Bounds bounds;
 };
 
-Bounds around(Vec3 centre, double reach) {
+surface::Bounds around(Vec3 centre, double reach) {
   return {centre - Vec3{reach, reach, reach}, centre + Vec3{reach, reach, reach}};
 }
 
@@ -62,24 +62,25 @@ TEST(CutVolume, RemovesTheExactVolume) {
     for (int n = 0; n < 4; ++n) {
       const Mat3 pose = shapes::turned(rng);
       const Solid plate = shapes::block({14, 14, 4}, {}, pose, 0, 0, rng);
-      const Lattice l = shapes::lattice_around(bounds_of(plate.mesh), h, shapes::turned(rng));
+      const grid::Lattice l = shapes::lattice_around(surface::bounds_of(plate.mesh), h, shapes::turned(rng));
       Report made;
-      HapticVolume v = voxelize(l, {{"bone", &plate.mesh}}, made);
+      voxel::HapticVolume v = voxel::voxelize(l, {{"bone", &plate.mesh}}, made);
       // A burr hole through the plate, and a ball within it.
       const Tool hole = cylinder_tool({}, pose.column[2], 6, 9);
-      const double before = shape_volume_mm3(v, 1);
-      HapticVolume w = v;
+      const double before = voxel::shape_volume_mm3(v, 1);
+      voxel::HapticVolume w = v;
       Report report;
-      cut_volume(w, hole.distance, hole.bounds, {}, report);
+      voxel::cut_volume(w, hole.distance, hole.bounds, {}, report);
       const double exact = M_PI * 36 * 8;
       EXPECT_NEAR(removed(report, "bone"), exact, 0.01 * exact) << n << " at " << h.x;
-      EXPECT_NEAR(before - shape_volume_mm3(w, 1), removed(report, "bone"), 1e-6);
-      check_haptic_volume(w);
+      EXPECT_NEAR(before - voxel::shape_volume_mm3(w, 1), removed(report, "bone"), 1e-6);
+      voxel::check_haptic_volume(w);
       const Solid block = shapes::block({9, 9, 9}, {}, pose, 0, 0, rng);
-      HapticVolume b = voxelize(shapes::lattice_around(bounds_of(block.mesh), h, shapes::turned(rng)),
-                                {{"bone", &block.mesh}}, made);
+      voxel::HapticVolume b =
+          voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
+                          {{"bone", &block.mesh}}, made);
       const Tool ball = ball_tool({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)}, 7);
-      cut_volume(b, ball.distance, ball.bounds, {1}, report = {});
+      voxel::cut_volume(b, ball.distance, ball.bounds, {1}, report = {});
       const double of_ball = 4.0 / 3 * M_PI * 343;
       EXPECT_NEAR(removed(report, "bone"), of_ball, 0.01 * of_ball) << n << " at " << h.x;
     }
@@ -90,11 +91,12 @@ TEST(CutVolume, TheNewSurfaceIsTheTools) {
   for (const Vec3 h : {Vec3{0.8, 0.8, 0.8}, Vec3{0.4, 0.4, 0.95}}) {
     const Solid block = shapes::block({12, 12, 12}, {}, shapes::turned(rng), 0, 0, rng);
     Report report;
-    HapticVolume v = voxelize(shapes::lattice_around(bounds_of(block.mesh), h, shapes::turned(rng)),
-                              {{"bone", &block.mesh}}, report);
+    voxel::HapticVolume v =
+        voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
+                        {{"bone", &block.mesh}}, report);
     const Tool ball = ball_tool({1, 2, 0}, 7);
-    cut_volume(v, ball.distance, ball.bounds, {}, report);
-    const HapticDecoder d(v);
+    voxel::cut_volume(v, ball.distance, ball.bounds, {}, report);
+    const voxel::HapticDecoder d(v);
     std::vector<shapes::SurfacePoint> points;
     for (int n = 0; n < 1500; ++n) {
       const Vec3 u = shapes::unit_vector(rng);
@@ -110,15 +112,15 @@ TEST(CutVolume, TheNewSurfaceIsTheTools) {
 }
 
 // Nested and touching shapes: ventricle, brain, skull, skin, and a block that touches the skin's side.
-HapticVolume phantom(Vec3 h, std::mt19937_64& rng) {
+voxel::HapticVolume phantom(Vec3 h, std::mt19937_64& rng) {
   const Mat3 pose = shapes::turned(rng);
   const Solid a = shapes::ball(4, {1, 1, 0}, 0, rng, 4), b = shapes::ellipsoid({7, 9, 8}, {}, pose, 0, rng);
   const Solid c = shapes::ellipsoid({8.6, 10.8, 9.7}, {}, pose, 0, rng);
   const Solid e = shapes::ellipsoid({11, 13, 12}, {}, pose, 0, rng);
   const Solid f = shapes::block({5, 9, 9}, pose * Vec3{12, 0, 0}, pose, 0, 0, rng);
   Report report;
-  return voxelize(
-      shapes::lattice_around(bounds_of(e.mesh), h, shapes::turned(rng)),
+  return voxel::voxelize(
+      shapes::lattice_around(surface::bounds_of(e.mesh), h, shapes::turned(rng)),
       {{"ventricles", &a.mesh}, {"brain", &b.mesh}, {"skull", &c.mesh}, {"skin", &e.mesh}, {"block", &f.mesh}}, report);
 }
 
@@ -127,8 +129,8 @@ void expect_that_nobody_gains(int rounds, unsigned seed) {
   int switched = 0;
   for (int n = 0; n < rounds; ++n) {
     const Vec3 h = n % 2 ? Vec3{0.8, 0.8, 0.8} : Vec3{0.5, 0.5, 0.95};
-    const HapticVolume before = phantom(h, rng);
-    HapticVolume after = before;
+    const voxel::HapticVolume before = phantom(h, rng);
+    voxel::HapticVolume after = before;
     std::vector<int> cut;
     for (int s = 1; s <= 5; ++s)
       if (n % 5 != 0 && rng() % 2) cut.push_back(s);  // every fifth time all of them
@@ -141,16 +143,16 @@ void expect_that_nobody_gains(int rounds, unsigned seed) {
                                : slab_tool(centre, shapes::turned(rng), {size, uniform(rng, 0.2, 6), 9}));
     }
     Report report;
-    for (const Tool& t : tools) cut_volume(after, t.distance, t.bounds, cut, report);
-    check_haptic_volume(after);
-    const HapticDecoder was(before), is(after);
+    for (const Tool& t : tools) voxel::cut_volume(after, t.distance, t.bounds, cut, report);
+    voxel::check_haptic_volume(after);
+    const voxel::HapticDecoder was(before), is(after);
     const auto left_of = [&](Vec3 p) {
       double d = 1e300;
       for (const Tool& t : tools) d = std::min(d, t.distance(p));
       return d;
     };
     const auto is_cut = [&](int s) { return cut.empty() || std::count(cut.begin(), cut.end(), s) > 0; };
-    const Lattice& l = before.voxels;
+    const grid::Lattice& l = before.voxels;
     for (int k = 0; k < l.size[2]; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
@@ -191,12 +193,12 @@ TEST(LongCutVolume, NobodyGains) { expect_that_nobody_gains(150, 4); }
 
 TEST(CutVolume, CutTwiceIsCutOnce) {
   std::mt19937_64 rng(4);
-  HapticVolume v = phantom({0.8, 0.8, 0.8}, rng);
+  voxel::HapticVolume v = phantom({0.8, 0.8, 0.8}, rng);
   const Tool t = cylinder_tool({6, 0, 0}, {1, 0, 0}, 4, 9);
   Report first, second;
-  cut_volume(v, t.distance, t.bounds, {}, first);
-  const HapticVolume once = v;
-  cut_volume(v, t.distance, t.bounds, {}, second);
+  voxel::cut_volume(v, t.distance, t.bounds, {}, first);
+  const voxel::HapticVolume once = v;
+  voxel::cut_volume(v, t.distance, t.bounds, {}, second);
   EXPECT_EQ(v.voxels, once.voxels);
   EXPECT_GT(std::get<std::int64_t>(*first.find("voxels_count")), 500);
   EXPECT_EQ(std::get<std::int64_t>(*second.find("voxels_count")), 0);
@@ -205,37 +207,37 @@ TEST(CutVolume, CutTwiceIsCutOnce) {
 
 TEST(CutVolume, ToolsThatMissOrAreNone) {
   std::mt19937_64 rng(5);
-  const HapticVolume v = phantom({0.8, 0.8, 0.8}, rng);
-  HapticVolume w = v;
+  const voxel::HapticVolume v = phantom({0.8, 0.8, 0.8}, rng);
+  voxel::HapticVolume w = v;
   Report report;
   const Tool far = ball_tool({500, 0, 0}, 7);
-  cut_volume(w, far.distance, far.bounds, {}, report);
-  cut_volume(w, far.distance, Bounds{}, {}, report);
+  voxel::cut_volume(w, far.distance, far.bounds, {}, report);
+  voxel::cut_volume(w, far.distance, surface::Bounds{}, {}, report);
   const auto nan = [](Vec3) { return std::nan(""); };
-  cut_volume(w, nan, around({}, 9), {}, report);
+  voxel::cut_volume(w, nan, around({}, 9), {}, report);
   EXPECT_EQ(w.voxels, v.voxels);
   const std::string all_shapes = "removes nothing of ventricles, brain, skull, skin, block";
   EXPECT_EQ(report.warnings, std::vector<std::string>(3, all_shapes));
   const Tool inner = ball_tool({}, 2);  // in the brain, far from the skin
-  cut_volume(w, inner.distance, inner.bounds, {4}, report = {});
+  voxel::cut_volume(w, inner.distance, inner.bounds, {4}, report = {});
   EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of skin"});
   w = v;
-  EXPECT_THROW(cut_volume(w, far.distance, far.bounds, {6}, report), Error);
+  EXPECT_THROW(voxel::cut_volume(w, far.distance, far.bounds, {6}, report), Error);
   // Everything.
   const Tool all = ball_tool({}, 90);
-  cut_volume(w, all.distance, all.bounds, {}, report = {});
+  voxel::cut_volume(w, all.distance, all.bounds, {}, report = {});
   EXPECT_TRUE(report.warnings.empty());
-  EXPECT_EQ(std::count(w.voxels.voxels.begin(), w.voxels.voxels.end(), haptic_empty),
+  EXPECT_EQ(std::count(w.voxels.voxels.begin(), w.voxels.voxels.end(), voxel::haptic_empty),
             std::ptrdiff_t(w.voxels.voxels.size()));
 }
 
 TEST(CutVolume, OfWindowsOfHu) {
   std::mt19937_64 rng(6);
-  Lattice l;
+  grid::Lattice l;
   l.size = {50, 50, 50};
   l.spacing_mm = {0.6, 0.6, 0.6};
   l.origin_mm = {-14.7, -14.7, -14.7};
-  Grid<float> ct(l);
+  grid::Grid<float> ct(l);
   const auto step = [](double d) { return 0.5 * std::erfc(d / (0.7 * std::sqrt(2.0))); };
   for (int k = 0; k < 50; ++k)
     for (int j = 0; j < 50; ++j)
@@ -244,14 +246,14 @@ TEST(CutVolume, OfWindowsOfHu) {
         ct.at(i, j, k) = float(-1000 + 1040 * step(r - 12) + 960 * step(r - 6));
       }
   Report report;
-  const HapticVolume before = voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}, report);
+  const voxel::HapticVolume before = voxel::voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}, report);
   for (int n = 0; n < 12; ++n) {
-    HapticVolume after = before;
+    voxel::HapticVolume after = before;
     const Tool t = n % 2 ? ball_tool(uniform(rng, 0, 10) * shapes::unit_vector(rng), uniform(rng, 2, 5))
                          : cylinder_tool({}, shapes::unit_vector(rng), 3, 20);
     const std::vector<int> cut = n % 3 == 0 ? std::vector<int>{} : std::vector<int>{1 + n % 3 % 2};
-    cut_volume(after, t.distance, t.bounds, cut, report);
-    const HapticDecoder was(before), is(after);
+    voxel::cut_volume(after, t.distance, t.bounds, cut, report);
+    const voxel::HapticDecoder was(before), is(after);
     for (int k = 0; k < 50; ++k)
       for (int j = 0; j < 50; ++j)
         for (int i = 0; i < 50; ++i) {
@@ -273,10 +275,10 @@ TEST(CutVolume, OfWindowsOfHu) {
         }
   }
   // In the skin alone, away from the bone, the new surface is the tool's.
-  HapticVolume after = before;
+  voxel::HapticVolume after = before;
   const Tool t = ball_tool({0, 0, 11}, 3);
-  cut_volume(after, t.distance, t.bounds, {}, report);
-  const HapticDecoder d(after);
+  voxel::cut_volume(after, t.distance, t.bounds, {}, report);
+  const voxel::HapticDecoder d(after);
   std::vector<shapes::SurfacePoint> points;
   for (int n = 0; n < 1000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
@@ -291,11 +293,11 @@ TEST(CutVolume, OfWindowsOfHu) {
 
 TEST(CutField, ContoursToTheCutSolid) {
   for (const double unit : {1.0, 400.0}) {  // mm, or HU a mm
-    Lattice l;
+    grid::Lattice l;
     l.size = {70, 70, 35};
     l.spacing_mm = {0.45, 0.45, 0.95};
     l.origin_mm = {-15.5, -15.5, -16.1};
-    Field field(l);
+    grid::Field field(l);
     for (int k = 0; k < l.size[2]; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i)
@@ -303,10 +305,10 @@ TEST(CutField, ContoursToTheCutSolid) {
               float(unit * std::clamp(12 - norm(l.to_world_mm({double(i), double(j), double(k)})), -1.5, 1.5));
     const Tool t = cylinder_tool({0, 0, 8}, normalized({0.2, 0.1, 1}), 4, 9);
     Report report;
-    cut_field(field, t.distance, t.bounds, report);
+    voxel::cut_field(field, t.distance, t.bounds, report);
     EXPECT_NEAR(std::get<double>(*report.find("unit_per_mm")), unit, 0.1 * unit);
     for (const float f : field.voxels) ASSERT_TRUE(std::isfinite(f));
-    const TriMesh mesh = contour(field, ContourParams{}, report);
+    const surface::TriMesh mesh = meshing::contour(field, meshing::ContourParams{}, report);
     double sum = 0, worst = 0;
     std::size_t on_tool = 0;
     for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) {
@@ -320,27 +322,27 @@ TEST(CutField, ContoursToTheCutSolid) {
     EXPECT_LT(std::sqrt(sum / double(mesh.points_mm.size())), 0.05);
     EXPECT_LT(worst, 0.25 * 0.95);
     const double exact = 4.0 / 3 * M_PI * 1728 - M_PI * 16 * (std::sqrt(144.0 - 16) + 1);  // about: the cap is curved
-    EXPECT_NEAR(volume_mm3(mesh), exact, 0.01 * exact);
+    EXPECT_NEAR(surface::volume_mm3(mesh), exact, 0.01 * exact);
   }
 }
 
 TEST(CutField, ThatMissesChangesNothing) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {9, 9, 9};
-  Field field(l, -1);
+  grid::Field field(l, -1);
   field.at(4, 4, 4) = 1;
-  const Field before = field;
+  const grid::Field before = field;
   Report report;
   const Tool far = ball_tool({99, 0, 0}, 3);
-  cut_field(field, far.distance, far.bounds, report);
+  voxel::cut_field(field, far.distance, far.bounds, report);
   EXPECT_EQ(field, before);
   EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of the field"});
   // Within what is outside already values fall, but nothing is removed.
   const Tool in_air = ball_tool({1, 1, 1}, 2);
-  cut_field(field, in_air.distance, in_air.bounds, report = {});
+  voxel::cut_field(field, in_air.distance, in_air.bounds, report = {});
   EXPECT_EQ(report.warnings.size(), 1u);
   const Tool near = ball_tool({4, 4, 4}, 2);
-  cut_field(field, near.distance, near.bounds, report = {});
+  voxel::cut_field(field, near.distance, near.bounds, report = {});
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_LE(field.at(4, 4, 4), 0);
 }

@@ -13,18 +13,18 @@ namespace {
 
 using shapes::uniform;
 
-HapticVolume volume_of(std::array<int, 3> size, int shapes) {
-  HapticVolume v;
-  Lattice l;
+voxel::HapticVolume volume_of(std::array<int, 3> size, int shapes) {
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = size;
-  v.voxels = Grid<std::int16_t>(l, haptic_empty);
-  for (int n = 1; n <= shapes; ++n) v.shapes.push_back(occupancy_shape("shape_" + std::to_string(n), n));
+  v.voxels = grid::Grid<std::int16_t>(l, voxel::haptic_empty);
+  for (int n = 1; n <= shapes; ++n) v.shapes.push_back(voxel::occupancy_shape("shape_" + std::to_string(n), n));
   return v;
 }
 
 TEST(Decode, SharesOfAVoxel) {
-  HapticVolume v = volume_of({5, 5, 5}, 3);
-  const HapticDecoder d(v);
+  voxel::HapticVolume v = volume_of({5, 5, 5}, 3);
+  const voxel::HapticDecoder d(v);
   v.voxels.at(2, 2, 2) = 1102;
   EXPECT_EQ(d.occupancy(1, 2, 2, 2), 102 / 255.0);
   EXPECT_EQ(d.occupancy(2, 2, 2, 2), 0);  // nobody is near
@@ -54,10 +54,10 @@ TEST(Decode, SharesOfAVoxel) {
 
 TEST(Decode, RawValuesAreNeverMixed) {
   // Shape 3 beside EMPTY, and beside shape 1: the mean of the raw values would be shapes 1 and 2.
-  HapticVolume v = volume_of({6, 1, 1}, 3);
+  voxel::HapticVolume v = volume_of({6, 1, 1}, 3);
   for (int i = 0; i < 3; ++i) v.voxels.at(i, 0, 0) = 3255;
   v.voxels.at(3, 0, 0) = v.voxels.at(4, 0, 0) = 1255;
-  const HapticDecoder d(v);
+  const voxel::HapticDecoder d(v);
   for (double x = -1; x <= 6; x += 0.01) {
     EXPECT_EQ(d.trilinear(2, {x, 0, 0}), 0);
     EXPECT_NEAR(d.trilinear(3, {x, 0, 0}), x < 0 ? 1 + x : std::clamp(3 - x, 0.0, 1.0), 1e-12);
@@ -67,15 +67,15 @@ TEST(Decode, RawValuesAreNeverMixed) {
 
 TEST(Decode, AgreesWithItsVoxels) {
   std::mt19937_64 rng(1);
-  HapticVolume v = volume_of({7, 8, 9}, 4);
+  voxel::HapticVolume v = volume_of({7, 8, 9}, 4);
   v.voxels.spacing_mm = {0.4, 0.5, 0.95};
   v.voxels.direction = shapes::turned(rng);
   v.voxels.origin_mm = {5, -7, 30};
   for (auto& raw : v.voxels.voxels)
     raw = std::int16_t(rng() % 4 == 0 ? 0 : 1000 * (1 + rng() % 4) + 1 + rng() % 255 + 300 * (rng() % 2));
-  check_haptic_volume(v);
-  const HapticDecoder d(v);
-  const Lattice& l = v.voxels;
+  voxel::check_haptic_volume(v);
+  const voxel::HapticDecoder d(v);
+  const grid::Lattice& l = v.voxels;
   for (int n = 0; n < 20000; ++n) {
     const Vec3 index{uniform(rng, -2, 9), uniform(rng, -2, 10), uniform(rng, -2, 11)}, p = l.to_world_mm(index);
     const int number = 1 + int(rng() % 4);
@@ -98,9 +98,9 @@ TEST(Decode, AgreesWithItsVoxels) {
 }
 
 TEST(Decode, PositionsThatAreNone) {
-  HapticVolume v = volume_of({3, 3, 3}, 1);
+  voxel::HapticVolume v = volume_of({3, 3, 3}, 1);
   for (auto& raw : v.voxels.voxels) raw = 1255;
-  const HapticDecoder d(v);
+  const voxel::HapticDecoder d(v);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, inf, -inf, 1e300, -1e300, 1e12})
     for (int a = 0; a < 3; ++a) {
@@ -118,9 +118,10 @@ TEST(Decode, GradientPointsIntoTheShape) {
   std::mt19937_64 rng(2);
   const auto solid = shapes::ball(9, {}, 500, rng);
   Report report;
-  const HapticVolume v = voxelize(shapes::lattice_around(bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)),
-                                  {{"a", &solid.mesh}}, report);
-  const HapticDecoder d(v);
+  const voxel::HapticVolume v =
+      voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)),
+                      {{"a", &solid.mesh}}, report);
+  const voxel::HapticDecoder d(v);
   double worst = 1;
   for (const auto& s : solid.points) worst = std::min(worst, dot(normalized(d.gradient(1, s.point_mm)), -s.normal));
   EXPECT_GT(worst, 0.97);
@@ -128,14 +129,14 @@ TEST(Decode, GradientPointsIntoTheShape) {
 
 // A ball of 300 HU within one of 40, in air, blurred as a scanner does.
 struct SyntheticCt {
-  Grid<float> hu;
+  grid::Grid<float> hu;
   static constexpr double outer = 12, inner = 7, blur = 0.7;
   SyntheticCt() {
-    Lattice l;
+    grid::Lattice l;
     l.size = {60, 60, 60};
     l.spacing_mm = {0.6, 0.6, 0.6};
     l.origin_mm = {-17.7, -17.7, -17.7};
-    hu = Grid<float>(l);
+    hu = grid::Grid<float>(l);
     const auto step = [](double d) { return 0.5 * std::erfc(d / (blur * std::sqrt(2.0))); };
     for (int k = 0; k < 60; ++k)
       for (int j = 0; j < 60; ++j)
@@ -150,9 +151,9 @@ TEST(DecodeHu, SaturatesAtAirAndIsNearestWhereWindowsMeet) {
   const SyntheticCt ct;
   Report report;
   // On the CT's own raster: tissue of -300 to 169, bone of 170 on.
-  const HapticVolume v = voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}, report);
+  const voxel::HapticVolume v = voxel::voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}, report);
   EXPECT_EQ(std::get<std::int64_t>(*report.find("clamped_voxels_count")), 0);
-  const HapticDecoder d(v);
+  const voxel::HapticDecoder d(v);
   std::mt19937_64 rng(3);
   // Where the blurred HU cross -300 and 169.5.
   const auto radius_at = [&](double level) {
@@ -201,14 +202,14 @@ TEST(DecodeHu, SaturatesAtAirAndIsNearestWhereWindowsMeet) {
 }
 
 TEST(DecodeHu, ValuesOfNoWindowAreNobodys) {
-  HapticVolume v;
-  v.encoding = HapticEncoding::hu;
-  Lattice l;
+  voxel::HapticVolume v;
+  v.encoding = voxel::HapticEncoding::hu;
+  grid::Lattice l;
   l.size = {5, 1, 1};
-  v.voxels = Grid<std::int16_t>(l, 1500);
+  v.voxels = grid::Grid<std::int16_t>(l, 1500);
   v.shapes = {{"soft", 1, -200, 100}, {"hard", 2, 300, 2000}};
-  check_haptic_volume(v);
-  const HapticDecoder d(v);
+  voxel::check_haptic_volume(v);
+  const voxel::HapticDecoder d(v);
   const std::int16_t raw[5] = {-1000, 40, 200, 1500, 2500};
   std::copy(raw, raw + 5, v.voxels.voxels.begin());
   const int expected[5] = {0, 1, 0, 2, 0};
@@ -225,85 +226,85 @@ TEST(DecodeHu, ValuesOfNoWindowAreNobodys) {
 }
 
 TEST(VoxelizeHu, ResamplesAndCounts) {
-  Lattice l;
+  grid::Lattice l;
   l.size = {4, 4, 4};
-  Grid<float> ct(l);
+  grid::Grid<float> ct(l);
   for (int k = 0; k < 4; ++k)
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i) ct.at(i, j, k) = float(100 * i + 10 * j + k);
-  Lattice finer;
+  grid::Lattice finer;
   finer.size = {17, 3, 3};
   finer.spacing_mm = {0.5, 1, 1};
   finer.origin_mm = {-2, 0.5, 1};
   Report report;
-  const HapticVolume v = voxelize_hu(ct, finer, {{"a", 0, 1000}}, report);
+  const voxel::HapticVolume v = voxel::voxelize_hu(ct, finer, {{"a", 0, 1000}}, report);
   for (int i = 0; i < 17; ++i) {
     const double x = -2 + 0.5 * i;
     const double expected = x < -0.5 || x > 3.5 ? -1024 : 100 * std::clamp(x, 0.0, 3.0) + 10 * 0.5 + 1;
     EXPECT_EQ(v.voxels.at(i, 0, 0), int(std::floor(expected + 0.5))) << x;
   }
   ct.at(1, 1, 1) = 1e6f;
-  voxelize_hu(ct, ct, {{"a", 0, 1000}}, report = {});
+  voxel::voxelize_hu(ct, ct, {{"a", 0, 1000}}, report = {});
   EXPECT_EQ(std::get<std::int64_t>(*report.find("clamped_voxels_count")), 1);
-  for (const auto& windows : std::vector<std::vector<HuWindow>>{
-           {}, {{"a", 5, 4}}, {{"a", 0, 100}, {"b", 100, 200}}, std::vector<HuWindow>(33, {"a", 0, 1})})
-    EXPECT_THROW(voxelize_hu(ct, ct, windows, report), Error);
+  for (const auto& windows : std::vector<std::vector<voxel::HuWindow>>{
+           {}, {{"a", 5, 4}}, {{"a", 0, 100}, {"b", 100, 200}}, std::vector<voxel::HuWindow>(33, {"a", 0, 1})})
+    EXPECT_THROW(voxel::voxelize_hu(ct, ct, windows, report), Error);
   for (const int low : {-1024, -1025, -32768}) try {
-      voxelize_hu(ct, ct, {{"bone", 300, 3071}, {"air", std::int16_t(low), -900}}, report);
+      voxel::voxelize_hu(ct, ct, {{"bone", 300, 3071}, {"air", std::int16_t(low), -900}}, report);
       FAIL() << low;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);
       EXPECT_EQ(e.field(), "haptic.windows.air");
       EXPECT_NE(std::string(e.what()).find("above -1024"), std::string::npos) << e.what();
     }
-  voxelize_hu(ct, ct, {{"air", -1023, 3071}}, report);
-  const Mask hard = haptic_hardness(ct, l, 100, 300);
+  voxel::voxelize_hu(ct, ct, {{"air", -1023, 3071}}, report);
+  const grid::Mask hard = voxel::haptic_hardness(ct, l, 100, 300);
   EXPECT_EQ(hard.at(0, 3, 3), 0);
   EXPECT_EQ(hard.at(2, 0, 0), 128);
   EXPECT_EQ(hard.at(3, 0, 0), 255);
-  EXPECT_THROW(haptic_hardness(ct, l, 300, 300), Error);
+  EXPECT_THROW(voxel::haptic_hardness(ct, l, 300, 300), Error);
 }
 
 TEST(CheckHapticVolume, NamesTheField) {
-  const auto field_of = [](const std::function<void(HapticVolume&)>& spoil) -> std::string {
-    HapticVolume v = volume_of({4, 4, 4}, 2);
+  const auto field_of = [](const std::function<void(voxel::HapticVolume&)>& spoil) -> std::string {
+    voxel::HapticVolume v = volume_of({4, 4, 4}, 2);
     v.voxels.at(1, 1, 1) = 1001;
     v.voxels.at(1, 1, 2) = 2555;
-    check_haptic_volume(v);
+    voxel::check_haptic_volume(v);
     spoil(v);
     try {
-      check_haptic_volume(v);
+      voxel::check_haptic_volume(v);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.field();
     }
     return "";
   };
-  EXPECT_EQ(field_of([](HapticVolume&) {}), "");
+  EXPECT_EQ(field_of([](voxel::HapticVolume&) {}), "");
   for (const int raw : {-1, 1, 1000, 1256, 1300, 1556, 3001, 32767})
-    EXPECT_EQ(field_of([&](HapticVolume& v) { v.voxels.at(3, 3, 3) = std::int16_t(raw); }), "data") << raw;
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes.pop_back(); }), "data");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[1].number = 1; }), "shapes[1].number");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[1].number = 33; }), "shapes[1].number");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[1].name = "shape_1"; }), "shapes[1].name");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[0].name = "Skin"; }), "shapes[0].name");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[0].name = ""; }), "shapes[0].name");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.shapes[0].window_high = 1300; }), "shapes[0].window");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.spacing_mm.y = 0; }), "spacing");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.spacing_mm.y = NAN; }), "spacing");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.origin_mm.x = INFINITY; }), "origin");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.direction.column[0].x = 0.9; }), "direction");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.size[0] = -4; }), "sizes");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.size = {1 << 30, 1 << 30, 1 << 30}; }), "sizes");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.voxels.voxels.pop_back(); }), "sizes");
-  EXPECT_EQ(field_of([](HapticVolume& v) {
-              v.hardness = Mask(cropped(v.voxels, {{0, 0, 0}, {2, 2, 2}}));
+    EXPECT_EQ(field_of([&](voxel::HapticVolume& v) { v.voxels.at(3, 3, 3) = std::int16_t(raw); }), "data") << raw;
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes.pop_back(); }), "data");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[1].number = 1; }), "shapes[1].number");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[1].number = 33; }), "shapes[1].number");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[1].name = "shape_1"; }), "shapes[1].name");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[0].name = "Skin"; }), "shapes[0].name");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[0].name = ""; }), "shapes[0].name");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.shapes[0].window_high = 1300; }), "shapes[0].window");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.spacing_mm.y = 0; }), "spacing");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.spacing_mm.y = NAN; }), "spacing");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.origin_mm.x = INFINITY; }), "origin");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.direction.column[0].x = 0.9; }), "direction");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.size[0] = -4; }), "sizes");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.size = {1 << 30, 1 << 30, 1 << 30}; }), "sizes");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.voxels.voxels.pop_back(); }), "sizes");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) {
+              v.hardness = grid::Mask(grid::cropped(v.voxels, {{0, 0, 0}, {2, 2, 2}}));
             }),
             "hardness");
-  EXPECT_EQ(field_of([](HapticVolume& v) { v.hardness = Mask(v.voxels, 7); }), "");
+  EXPECT_EQ(field_of([](voxel::HapticVolume& v) { v.hardness = grid::Mask(v.voxels, 7); }), "");
   const auto in_hu = [](int low) {
-    return [low](HapticVolume& v) {
-      v.encoding = HapticEncoding::hu;
+    return [low](voxel::HapticVolume& v) {
+      v.encoding = voxel::HapticEncoding::hu;
       v.shapes[1].window_low = std::int16_t(low);
       v.shapes[1].window_high = 1000;
     };

@@ -14,17 +14,18 @@
 namespace trephine {
 namespace {
 
-HapticVolume sample_volume() {
+voxel::HapticVolume sample_volume() {
   std::mt19937_64 rng(1);
   const auto a = shapes::ball(3, {1, 0, 0}, 0, rng, 3), b = shapes::ball(4.5, {}, 0, rng, 3);
   Report report;
-  HapticVolume v = voxelize(shapes::lattice_around(bounds_of(b.mesh), {0.8, 0.9, 1}, shapes::turned(rng)),
-                            {{"ventricles", &a.mesh}, {"brain", &b.mesh}}, report);
-  v.hardness = Mask(v.voxels, 9);
+  voxel::HapticVolume v =
+      voxel::voxelize(shapes::lattice_around(surface::bounds_of(b.mesh), {0.8, 0.9, 1}, shapes::turned(rng)),
+                      {{"ventricles", &a.mesh}, {"brain", &b.mesh}}, report);
+  v.hardness = grid::Mask(v.voxels, 9);
   return v;
 }
 
-bool same(const HapticVolume& a, const HapticVolume& b) {
+bool same(const voxel::HapticVolume& a, const voxel::HapticVolume& b) {
   if (a.encoding != b.encoding || a.voxels != b.voxels || a.hardness != b.hardness ||
       a.shapes.size() != b.shapes.size())
     return false;
@@ -36,28 +37,28 @@ bool same(const HapticVolume& a, const HapticVolume& b) {
 }
 
 TEST(HapticFile, ComesBackAsItWas) {
-  const HapticVolume v = sample_volume();
-  const std::string bytes = encode_haptic(v), hardness = encode_hardness(v);
-  EXPECT_EQ(bytes, encode_haptic(v));
-  EXPECT_TRUE(same(decode_haptic(bytes, hardness), v));
-  EXPECT_TRUE(decode_haptic(bytes).hardness.voxels.empty());
+  const voxel::HapticVolume v = sample_volume();
+  const std::string bytes = voxel::encode_haptic(v), hardness = voxel::encode_hardness(v);
+  EXPECT_EQ(bytes, voxel::encode_haptic(v));
+  EXPECT_TRUE(same(voxel::decode_haptic(bytes, hardness), v));
+  EXPECT_TRUE(voxel::decode_haptic(bytes).hardness.voxels.empty());
   EXPECT_NE(
       bytes.find("trephine-haptic:={\"version\":1,\"encoding\":\"occupancy\",\"shapes\":[{\"name\":\"ventricles\","
                  "\"number\":1,\"window\":[1001,1555]}"),
       std::string::npos);
-  HapticVolume hu;
-  hu.encoding = HapticEncoding::hu;
+  voxel::HapticVolume hu;
+  hu.encoding = voxel::HapticEncoding::hu;
   hu.voxels = v.voxels;
   hu.shapes = {{"skin", 1, -300, 225}, {"bone", 7, 226, 32767}};
-  EXPECT_TRUE(same(decode_haptic(encode_haptic(hu)), hu));
+  EXPECT_TRUE(same(voxel::decode_haptic(voxel::encode_haptic(hu)), hu));
 
   const ScratchFolder folder;
   const auto file = folder.path() / "h.nrrd";
-  write_haptic(file, hu);
-  EXPECT_TRUE(same(read_haptic(file), hu));
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(read_nrrd(file).grid), hu.voxels);
+  voxel::write_haptic(file, hu);
+  EXPECT_TRUE(same(voxel::read_haptic(file), hu));
+  EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(grid::read_nrrd(file).grid), hu.voxels);
   try {
-    read_haptic(folder.path() / "none.nrrd");
+    voxel::read_haptic(folder.path() / "none.nrrd");
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::no_input);
@@ -67,7 +68,7 @@ TEST(HapticFile, ComesBackAsItWas) {
 // True where it is taken, false where it is refused as bad input; anything else fails the test.
 bool taken(std::string_view bytes, std::string_view hardness = {}, std::string* field = nullptr) {
   try {
-    check_haptic_volume(decode_haptic(bytes, hardness));
+    voxel::check_haptic_volume(voxel::decode_haptic(bytes, hardness));
     return true;
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input) << e.what();
@@ -77,9 +78,9 @@ bool taken(std::string_view bytes, std::string_view hardness = {}, std::string* 
 }
 
 TEST(HapticFile, DamagedBytes) {
-  HapticVolume v = sample_volume();
+  voxel::HapticVolume v = sample_volume();
   v.hardness = {};
-  const std::string bytes = encode_haptic(v);
+  const std::string bytes = voxel::encode_haptic(v);
   ASSERT_TRUE(taken(bytes));
   for (std::size_t n = 0; n < bytes.size(); n += n < 1000 ? 1 : 37) ASSERT_FALSE(taken(bytes.substr(0, n))) << n;
   EXPECT_FALSE(taken(bytes + '\0'));
@@ -93,9 +94,9 @@ TEST(HapticFile, DamagedBytes) {
 }
 
 TEST(HapticFile, HostileHeaders) {
-  HapticVolume v = sample_volume();
+  voxel::HapticVolume v = sample_volume();
   v.hardness = {};
-  const std::string bytes = encode_haptic(v);
+  const std::string bytes = voxel::encode_haptic(v);
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string b = bytes;
     const auto at = b.find(from);
@@ -122,32 +123,32 @@ TEST(HapticFile, HostileHeaders) {
   EXPECT_FALSE(taken(with("trephine-haptic", "trephine-heptic"), {}, &field));
   EXPECT_EQ(field, "trephine-haptic");
   EXPECT_FALSE(taken(with("{\"version\"", std::string(200000, '[') + "{\"version\""), {}, &field));
-  EXPECT_FALSE(taken(encode_nrrd(Mask(v.voxels, 1)), {}, &field));
+  EXPECT_FALSE(taken(grid::encode_nrrd(grid::Mask(v.voxels, 1)), {}, &field));
   EXPECT_EQ(field, "type");
-  EXPECT_FALSE(taken(bytes, encode_nrrd(Mask(cropped(v.voxels, {{0, 0, 0}, {2, 2, 2}}), 1)), &field));
+  EXPECT_FALSE(taken(bytes, grid::encode_nrrd(grid::Mask(grid::cropped(v.voxels, {{0, 0, 0}, {2, 2, 2}}), 1)), &field));
   EXPECT_EQ(field, "hardness");
 }
 
 TEST(HapticFile, AVolumeOf256CubedIsCheckedQuickly) {
-  HapticVolume v;
-  Lattice l;
+  voxel::HapticVolume v;
+  grid::Lattice l;
   l.size = {256, 256, 256};
-  v.voxels = Grid<std::int16_t>(l);
-  for (int n = 1; n <= 4; ++n) v.shapes.push_back(occupancy_shape("s" + std::to_string(n), n));
+  v.voxels = grid::Grid<std::int16_t>(l);
+  for (int n = 1; n <= 4; ++n) v.shapes.push_back(voxel::occupancy_shape("s" + std::to_string(n), n));
   std::mt19937_64 rng(2);
   for (std::size_t i = 0; i < v.voxels.voxels.size(); ++i)
     v.voxels.voxels[i] = std::int16_t(1000 * (1 + (i >> 8 & 3)) + 1 + (i % 255));
   double best = 1e9;
   for (int n = 0; n < 5; ++n) {
     const std::clock_t start = std::clock();  // of the processor: a busy machine is no fault
-    check_haptic_volume(v);
+    voxel::check_haptic_volume(v);
     best = std::min(best, double(std::clock() - start) / CLOCKS_PER_SEC);
   }
 #if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_LT(best, 2);  // 0.04 s on a machine that nobody shares
 #endif
   v.voxels.voxels.back() = 1299;
-  EXPECT_THROW(check_haptic_volume(v), Error);
+  EXPECT_THROW(voxel::check_haptic_volume(v), Error);
 }
 
 }  // namespace

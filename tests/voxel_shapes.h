@@ -36,8 +36,8 @@ struct SurfacePoint {
 };
 
 struct Solid {
-  TriMesh mesh;
-  DistanceFunction distance;
+  surface::TriMesh mesh;
+  surface::DistanceFunction distance;
   std::vector<SurfacePoint> points;
 };
 
@@ -102,13 +102,14 @@ inline Solid block(Vec3 half_mm, Vec3 centre, const Mat3& pose, double rim_mm, i
 }
 
 /// Voxels of that spacing around a box, along `direction`.
-inline Lattice lattice_around(const Bounds& bounds, Vec3 spacing_mm, const Mat3& direction = {}, Vec3 anchor_mm = {}) {
-  VoxelizeParams params;
+inline grid::Lattice lattice_around(const surface::Bounds& bounds, Vec3 spacing_mm, const Mat3& direction = {},
+                                    Vec3 anchor_mm = {}) {
+  voxel::VoxelizeParams params;
   params.spacing_mm = {spacing_mm.x, spacing_mm.y, spacing_mm.z};
-  Bounds region = bounds;
+  surface::Bounds region = bounds;
   region.min_mm += Vec3{-3, -3, -3};
   region.max_mm += Vec3{3, 3, 3};
-  return haptic_lattice(region, direction, anchor_mm, params);
+  return voxel::haptic_lattice(region, direction, anchor_mm, params);
 }
 
 /// Offsets along the normals at which a value falls through 1/2, nearest to the surface; `missed` counts points without

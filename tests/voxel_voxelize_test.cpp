@@ -24,16 +24,17 @@ TEST(Voxelize, ClearOfASurface) {
   const Solid brain = shapes::ball(8, {}, 0, rng), skull = shapes::ball(14, {}, 0, rng);
   const Solid skull_hole = shapes::ball(11, {}, 0, rng), skin = shapes::ball(18, {}, 0, rng);
   // A shell, by parity: the skull's inner surface is a second shell within it.
-  TriMesh shell = skull.mesh;
+  surface::TriMesh shell = skull.mesh;
   const auto offset = std::uint32_t(shell.points_mm.size());
   for (const Vec3 p : skull_hole.mesh.points_mm) shell.points_mm.push_back(p);
   for (const auto& t : skull_hole.mesh.triangles)
     shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
-  const Lattice l = shapes::lattice_around(bounds_of(skin.mesh), {0.8, 0.8, 0.8});
+  const grid::Lattice l = shapes::lattice_around(surface::bounds_of(skin.mesh), {0.8, 0.8, 0.8});
   Report report;
-  std::vector<VoxelizeShape> list{{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 4}};
-  const HapticVolume volume = voxelize(l, list, report);
-  const HapticDecoder decoder(volume);
+  std::vector<voxel::VoxelizeShape> list{
+      {"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 4}};
+  const voxel::HapticVolume volume = voxel::voxelize(l, list, report);
+  const voxel::HapticDecoder decoder(volume);
   for (int n = 0; n < 2000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
     ASSERT_EQ(decoder.trilinear(3, u * 9.5), 0);  // the gap is nobody's
@@ -42,8 +43,8 @@ TEST(Voxelize, ClearOfASurface) {
     ASSERT_GT(decoder.trilinear(3, u * 16), 0.99);
   }
   list[2].clear_mm = 2;  // to a radius of 10: between there and the skull is skin again
-  const HapticVolume thinner = voxelize(l, list, report);
-  const HapticDecoder again(thinner);
+  const voxel::HapticVolume thinner = voxel::voxelize(l, list, report);
+  const voxel::HapticDecoder again(thinner);
   std::vector<shapes::SurfacePoint> points;
   for (int n = 0; n < 1000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
@@ -58,16 +59,16 @@ TEST(Voxelize, ClearOfASurface) {
 TEST(Voxelize, ClearOnlyAsFarAsTheWall) {
   std::mt19937_64 rng(12);
   const Solid brain = shapes::ball(8, {}, 0, rng), skin = shapes::ball(17, {}, 0, rng);
-  TriMesh shell = shapes::sphere(5, 12);
-  const TriMesh hole = shapes::sphere(5, 10);
+  surface::TriMesh shell = shapes::sphere(5, 12);
+  const surface::TriMesh hole = shapes::sphere(5, 10);
   const auto offset = std::uint32_t(shell.points_mm.size());
   shell.points_mm.insert(shell.points_mm.end(), hole.points_mm.begin(), hole.points_mm.end());
   for (const auto& t : hole.triangles) shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
   Report report;
-  const HapticVolume volume =
-      voxelize(shapes::lattice_around(bounds_of(skin.mesh), {0.7, 0.7, 0.7}),
-               {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}, report);
-  const HapticDecoder decoder(volume);
+  const voxel::HapticVolume volume =
+      voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}),
+                      {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}, report);
+  const voxel::HapticDecoder decoder(volume);
   std::vector<shapes::SurfacePoint> outer;
   for (int n = 0; n < 2000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
@@ -84,13 +85,13 @@ TEST(Voxelize, SameBytesWhateverTheThreadCount) {
   std::mt19937_64 rng(9);
   const Solid a = shapes::ball(9, {}, 0, rng);
   const Solid b = shapes::ellipsoid({10, 12, 14}, {}, shapes::turned(rng), 0, rng);
-  const Lattice l = shapes::lattice_around(bounds_of(b.mesh), {0.4, 0.4, 0.95});
-  std::vector<HapticVolume> made;
+  const grid::Lattice l = shapes::lattice_around(surface::bounds_of(b.mesh), {0.4, 0.4, 0.95});
+  std::vector<voxel::HapticVolume> made;
   for (const int threads : {1, 2, 4}) {
     set_thread_count(threads);
     Report report;
-    made.push_back(voxelize(l, {{"a", &a.mesh}, {"b", &b.mesh, &a.mesh, 2.5}}, report));
-    cut_volume(made.back(), a.distance, bounds_of(a.mesh), {2}, report);
+    made.push_back(voxel::voxelize(l, {{"a", &a.mesh}, {"b", &b.mesh, &a.mesh, 2.5}}, report));
+    voxel::cut_volume(made.back(), a.distance, surface::bounds_of(a.mesh), {2}, report);
   }
   set_thread_count(0);
   EXPECT_EQ(made[0].voxels, made[1].voxels);
@@ -110,16 +111,16 @@ TEST(Voxelize, RefusesWhatItCannotFill) {
   std::mt19937_64 rng(10);
   const Solid a = shapes::ball(5, {}, 0, rng, 3), far = shapes::ball(5, {100, 0, 0}, 0, rng, 3);
   const Solid within = shapes::ball(2, {}, 0, rng, 3);
-  const Lattice l = shapes::lattice_around(bounds_of(a.mesh), {1, 1, 1});
-  TriMesh open = a.mesh;
+  const grid::Lattice l = shapes::lattice_around(surface::bounds_of(a.mesh), {1, 1, 1});
+  surface::TriMesh open = a.mesh;
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 200);
   Report r;
-  EXPECT_EQ(code_of([&] { voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}}, r); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}}, r); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { voxelize(l, {{"open", &open}}, r); }), ExitCode::bad_input);
-  EXPECT_EQ(code_of([&] { voxelize(l, {}, r); }), ExitCode::bad_config);
-  const TriMesh none;
-  EXPECT_EQ(code_of([&] { voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}}, r); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}}, r); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"open", &open}}, r); }), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {}, r); }), ExitCode::bad_config);
+  const surface::TriMesh none;
+  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
 }
 
 // A membrane: what lies deeper than its thickness belongs to the shapes after it, and it is no wall to a clearance.
@@ -127,11 +128,13 @@ TEST(Voxelize, AShellOfAShape) {
   std::mt19937_64 rng(14);
   const Solid dura = shapes::ball(12, {}, 0, rng), brain = shapes::ball(8, {}, 0, rng);
   const Solid skin = shapes::ball(17, {}, 0, rng);
-  std::vector<VoxelizeShape> list{{"dura", &dura.mesh}, {"brain", &brain.mesh}, {"skin", &skin.mesh, &brain.mesh, 6}};
+  std::vector<voxel::VoxelizeShape> list{
+      {"dura", &dura.mesh}, {"brain", &brain.mesh}, {"skin", &skin.mesh, &brain.mesh, 6}};
   list[0].shell_mm = 2;
   Report report;
-  const HapticVolume volume = voxelize(shapes::lattice_around(bounds_of(skin.mesh), {0.7, 0.7, 0.7}), list, report);
-  const HapticDecoder decoder(volume);
+  const voxel::HapticVolume volume =
+      voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}), list, report);
+  const voxel::HapticDecoder decoder(volume);
   std::vector<shapes::SurfacePoint> outer, inner;
   for (int n = 0; n < 2000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
@@ -151,7 +154,7 @@ TEST(Voxelize, AShellOfAShape) {
     EXPECT_LT(o.rms, 0.2 * 0.7);
   }
   const double shell_mm3 = 4.0 / 3 * M_PI * (12 * 12 * 12 - 10 * 10 * 10);
-  EXPECT_NEAR(shape_volume_mm3(volume, 1), shell_mm3, 0.02 * shell_mm3);
+  EXPECT_NEAR(voxel::shape_volume_mm3(volume, 1), shell_mm3, 0.02 * shell_mm3);
 }
 
 // A shape that has only slivers of voxels fills 0 ml and would be felt nowhere.
@@ -159,14 +162,14 @@ TEST(Voxelize, RefusesAShapeThatHasNoHalfOfAnyVoxel) {
   std::mt19937_64 rng(13);
   const Solid a = shapes::ball(5, {}, 0, rng);
   const Solid dot = shapes::ball(0.45, {0.5, 0.5, 0.5}, 0, rng, 3);  // between the voxel centres
-  Lattice l = shapes::lattice_around(bounds_of(a.mesh), {1, 1, 1});
+  grid::Lattice l = shapes::lattice_around(surface::bounds_of(a.mesh), {1, 1, 1});
   l.origin_mm = {-9, -9, -9};
   l.size = {19, 19, 19};
-  const auto refused = [&](const std::vector<VoxelizeShape>& list) -> std::string {
+  const auto refused = [&](const std::vector<voxel::VoxelizeShape>& list) -> std::string {
     Report r;
     try {
-      const HapticVolume v = voxelize(l, list, r);
-      for (const HapticShape& s : v.shapes) EXPECT_GT(shape_volume_mm3(v, s.number), 0) << s.name;
+      const voxel::HapticVolume v = voxel::voxelize(l, list, r);
+      for (const voxel::HapticShape& s : v.shapes) EXPECT_GT(voxel::shape_volume_mm3(v, s.number), 0) << s.name;
       return "";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
@@ -187,14 +190,14 @@ TEST(Voxelize, RefusesAShapeThatHasNoHalfOfAnyVoxel) {
 
 TEST(Lattice, CoversTheRegionOnTheAnchorsRaster) {
   std::mt19937_64 rng(11);
-  VoxelizeParams params;
+  voxel::VoxelizeParams params;
   for (int n = 0; n < 200; ++n) {
     params.spacing_mm = {uniform(rng, 0.3, 1), uniform(rng, 0.3, 1), uniform(rng, 0.3, 1)};
     const Mat3 axes = n % 2 ? shapes::turned(rng) : Mat3{};
     const Vec3 anchor{uniform(rng, -99, 99), uniform(rng, -99, 99), uniform(rng, -99, 99)};
-    Bounds region{{uniform(rng, -9, 0), uniform(rng, -9, 0), uniform(rng, -9, 0)},
-                  {uniform(rng, 0, 9), uniform(rng, 0, 9), uniform(rng, 0, 9)}};
-    const Lattice l = haptic_lattice(region, axes, anchor, params);
+    surface::Bounds region{{uniform(rng, -9, 0), uniform(rng, -9, 0), uniform(rng, -9, 0)},
+                           {uniform(rng, 0, 9), uniform(rng, 0, 9), uniform(rng, 0, 9)}};
+    const grid::Lattice l = voxel::haptic_lattice(region, axes, anchor, params);
     for (int c = 0; c < 8; ++c) {
       const Vec3 i = l.to_index({c & 1 ? region.min_mm.x : region.max_mm.x, c & 2 ? region.min_mm.y : region.max_mm.y,
                                  c & 4 ? region.min_mm.z : region.max_mm.z});
@@ -206,15 +209,19 @@ TEST(Lattice, CoversTheRegionOnTheAnchorsRaster) {
     const Vec3 at_anchor = l.to_index(anchor);
     for (int a = 0; a < 3; ++a) ASSERT_NEAR(at_anchor[a], std::round(at_anchor[a]), 1e-9);
     region.max_mm += Vec3{5, 5, 5};
-    EXPECT_NO_THROW(place_in(l, haptic_lattice(region, axes, anchor, params)));
+    EXPECT_NO_THROW(grid::place_in(l, voxel::haptic_lattice(region, axes, anchor, params)));
   }
   params.spacing_mm = {1, 1, 1};
   // A region of whole voxels gets no more of them.
-  EXPECT_EQ(haptic_lattice({{-0.5, -1.5, 0.5}, {1.5, 1.5, 3.5}}, {}, {}, params).size, (std::array<int, 3>{2, 3, 3}));
+  EXPECT_EQ(voxel::haptic_lattice({{-0.5, -1.5, 0.5}, {1.5, 1.5, 3.5}}, {}, {}, params).size,
+            (std::array<int, 3>{2, 3, 3}));
   params.max_voxels_millions = 0.001;
-  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {10, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
-  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {1e300, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
-  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {NAN, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] { voxel::haptic_lattice({{0, 0, 0}, {10, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] {
+              voxel::haptic_lattice({{0, 0, 0}, {1e300, 10, 10}}, {}, {}, params);
+            }),
+            ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] { voxel::haptic_lattice({{0, 0, 0}, {NAN, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
 }
 
 }  // namespace

@@ -37,33 +37,34 @@ std::string with_table(const std::string& page, const std::string& name, const s
 
 TEST(Actions, EachIsDeclaredWhole) {
   std::set<std::string> names;
-  std::set<std::pair<int, KeyUse::How>> uses;
-  ASSERT_GT(all_actions().size(), 30u);
-  for (const Action& a : all_actions()) {
-    SCOPED_TRACE(a.what.of(Language::english));
+  std::set<std::pair<int, window::KeyUse::How>> uses;
+  ASSERT_GT(window::all_actions().size(), 30u);
+  for (const window::Action& a : window::all_actions()) {
+    SCOPED_TRACE(a.what.of(texts::Language::english));
     EXPECT_TRUE(a.name.empty() || names.insert(a.name).second) << "two of one name";
     EXPECT_TRUE(a.name.empty() || a.run) << "a line of the remote that does nothing";
     EXPECT_FALSE(a.name.empty() && a.keys.empty()) << "nobody can do it";
-    for (const Language language : {Language::english, Language::german}) {
+    for (const texts::Language language : {texts::Language::english, texts::Language::german}) {
       if (!a.keys.empty()) EXPECT_TRUE(a.what.of(language)) << "no help";
-      EXPECT_EQ(!a.label.of(language), !a.label.of(Language::english)) << "a button in one language";
-      EXPECT_EQ(keys_text(a, language).empty(), a.keys.empty());
+      EXPECT_EQ(!a.label.of(language), !a.label.of(texts::Language::english)) << "a button in one language";
+      EXPECT_EQ(window::keys_text(a, language).empty(), a.keys.empty());
     }
-    if (!a.keys.empty()) EXPECT_STRNE(a.what.of(Language::english), a.what.of(Language::german));
-    for (const KeyUse& use : a.keys) {
-      EXPECT_TRUE(uses.insert({use.key, use.how}).second) << key_name(use.key, Language::english) << " does two things";
-      const bool goes_on = use.how == KeyUse::How::held || use.how == KeyUse::How::drag;
+    if (!a.keys.empty()) EXPECT_STRNE(a.what.of(texts::Language::english), a.what.of(texts::Language::german));
+    for (const window::KeyUse& use : a.keys) {
+      EXPECT_TRUE(uses.insert({use.key, use.how}).second)
+          << window::key_name(use.key, texts::Language::english) << " does two things";
+      const bool goes_on = use.how == window::KeyUse::How::held || use.how == window::KeyUse::How::drag;
       EXPECT_TRUE(goes_on ? a.during != nullptr : bool(a.run));
-      EXPECT_EQ(use.how == KeyUse::How::numbered, use.how == KeyUse::How::numbered && a.choices);
+      EXPECT_EQ(use.how == window::KeyUse::How::numbered, use.how == window::KeyUse::How::numbered && a.choices);
     }
   }
   for (const char* name : {"tool", "view", "cut", "arm", "places", "slices", "erase", "incise", "aspirate", "pause",
                            "next", "back", "finish"})
-    EXPECT_NO_THROW(action_of(name)) << "a button of the panels";
+    EXPECT_NO_THROW(window::action_of(name)) << "a button of the panels";
 }
 
 TEST(Actions, WordsAreReadAsTheRemoteSendsThem) {
-  Words words("place 1 -2.5 3e1 0 0 x");
+  window::Words words("place 1 -2.5 3e1 0 0 x");
   EXPECT_EQ(words.verb(), "place");
   const Vec3 p = words.point();
   EXPECT_EQ(p.x, 1);
@@ -72,30 +73,31 @@ TEST(Actions, WordsAreReadAsTheRemoteSendsThem) {
   EXPECT_TRUE(words.more());
   EXPECT_THROW(words.point(), Error);
   for (const char* wrong : {"zoom", "zoom 1x", "zoom nan", "zoom inf", "zoom 1e999"})
-    EXPECT_THROW(Words(wrong).number(), Error) << wrong;
-  EXPECT_TRUE(Words("trace on").on(false));
-  EXPECT_FALSE(Words("trace off").on(true));
-  EXPECT_FALSE(Words("trace toggle").on(true));
-  EXPECT_THROW(Words("trace maybe").on(true), Error);
-  EXPECT_EQ(Words("").verb(), "");
-  EXPECT_EQ(Words("", "orbit_more").word(), "orbit_more") << "of an action that only keys have";
+    EXPECT_THROW(window::Words(wrong).number(), Error) << wrong;
+  EXPECT_TRUE(window::Words("trace on").on(false));
+  EXPECT_FALSE(window::Words("trace off").on(true));
+  EXPECT_FALSE(window::Words("trace toggle").on(true));
+  EXPECT_THROW(window::Words("trace maybe").on(true), Error);
+  EXPECT_EQ(window::Words("").verb(), "");
+  EXPECT_EQ(window::Words("", "orbit_more").word(), "orbit_more") << "of an action that only keys have";
 }
 
 TEST(Actions, KeysHaveNames) {
-  EXPECT_EQ(keys_text(action_of("tool"), Language::english), "1 to 9");
-  EXPECT_EQ(keys_text(action_of("view"), Language::german), "F1 bis F8");
-  EXPECT_EQ(keys_text(action_of("finish"), Language::german), "Eingabe, zweimal");
-  EXPECT_EQ(keys_text(action_of("move_cut"), Language::english), "[, ]");
-  EXPECT_EQ(keys_text(action_of("zoom"), Language::english), "Ctrl + wheel, +, -");
+  EXPECT_EQ(window::keys_text(window::action_of("tool"), texts::Language::english), "1 to 9");
+  EXPECT_EQ(window::keys_text(window::action_of("view"), texts::Language::german), "F1 bis F8");
+  EXPECT_EQ(window::keys_text(window::action_of("finish"), texts::Language::german), "Eingabe, zweimal");
+  EXPECT_EQ(window::keys_text(window::action_of("move_cut"), texts::Language::english), "[, ]");
+  EXPECT_EQ(window::keys_text(window::action_of("zoom"), texts::Language::english), "Ctrl + wheel, +, -");
 }
 
 // With TREPHINE_WRITE=1 the page is written instead: what CONTRIBUTING says of a new action.
 TEST(Actions, ThePageHasTheTablesThatTheProgramWrites) {
   std::string page = page_text();
-  const std::pair<const char*, std::string> tables[] = {{"keys", keys_table(Action::Group::work)},
-                                                        {"keys of a lesson", keys_table(Action::Group::lesson)},
-                                                        {"keys of the C-arm", keys_table(Action::Group::arm)},
-                                                        {"lines of the remote", remote_table()}};
+  const std::pair<const char*, std::string> tables[] = {
+      {"keys", window::keys_table(window::Action::Group::work)},
+      {"keys of a lesson", window::keys_table(window::Action::Group::lesson)},
+      {"keys of the C-arm", window::keys_table(window::Action::Group::arm)},
+      {"lines of the remote", window::remote_table()}};
   for (const auto& [name, table] : tables) {
     page = with_table(page, name, table);
     ASSERT_FALSE(page.empty()) << "docs/play.md has no place for the table: " << name;

@@ -18,8 +18,8 @@ TEST(Layout, NoPanelLiesOverAnother) {
         const bool has_xray = shown & 1, has_scores = shown & 2, has_shots = shown & 4, has_time = shown & 8;
         if (has_xray && has_scores) continue;  // one while the lesson goes on, the other after it
         SCOPED_TRACE(testing::Message() << width << " x " << height << ", letters " << letter << ", shown " << shown);
-        const Layout l(width, height, letter, has_xray, has_scores, has_shots, has_time);
-        std::vector<Place> places{l.work, l.status};
+        const window::Layout l(width, height, letter, has_xray, has_scores, has_shots, has_time);
+        std::vector<window::Place> places{l.work, l.status};
         if (has_xray) places.push_back(l.xray);
         if (has_scores) places.push_back(l.scores);
         if (has_shots) places.push_back(l.shots);

@@ -9,7 +9,7 @@ using namespace trephine;
 namespace {
 
 // So many pictures of that time; returns how often another step began.
-int pictures(Reduction& r, double ms, int count) {
+int pictures(window::Reduction& r, double ms, int count) {
   int changes = 0;
   for (int n = 0; n < count; ++n) changes += r.look(ms);
   return changes;
@@ -18,38 +18,39 @@ int pictures(Reduction& r, double ms, int count) {
 }  // namespace
 
 TEST(Reduction, StepsAreTakenInTheirOrderAndTold) {
-  Reduction r(100, {}, 40, false);
+  window::Reduction r(100, {}, 40, false);
   EXPECT_EQ(r.level(), 0);
-  EXPECT_EQ(r.text(Language::english), "");
+  EXPECT_EQ(r.text(texts::Language::english), "");
   EXPECT_EQ(pictures(r, 300, 8), 1);
   EXPECT_FALSE(r.view().occlusion);
   EXPECT_TRUE(r.view().shadow) << "it tells the depth: it goes last";
-  EXPECT_EQ(r.text(Language::english), "no darkening of creases, rough edges");
-  EXPECT_EQ(r.text(Language::german), "ohne Abdunkeln von Falten, raue Kanten");
+  EXPECT_EQ(r.text(texts::Language::english), "no darkening of creases, rough edges");
+  EXPECT_EQ(r.text(texts::Language::german), "ohne Abdunkeln von Falten, raue Kanten");
   EXPECT_EQ(pictures(r, 300, 8), 1);
   EXPECT_FALSE(r.view().grain);
   EXPECT_EQ(r.coarse().within_mm, 0);
   EXPECT_EQ(pictures(r, 300, 8), 1);
   EXPECT_EQ(r.coarse().within_mm, 2.5) << "three times too long: the largest triangles at once";
-  EXPECT_NE(r.text(Language::english).find("coarse surfaces (2.5 mm) beyond 40 mm of the tool"), std::string::npos);
+  EXPECT_NE(r.text(texts::Language::english).find("coarse surfaces (2.5 mm) beyond 40 mm of the tool"),
+            std::string::npos);
   EXPECT_EQ(r.scale(), 1);
   EXPECT_EQ(pictures(r, 300, 800), 1) << "there is no further step";
   EXPECT_EQ(r.scale(), 0.5);
   EXPECT_FALSE(r.view().shadow);
-  EXPECT_NE(r.text(Language::english).find("half the pixels"), std::string::npos);
+  EXPECT_NE(r.text(texts::Language::english).find("half the pixels"), std::string::npos);
 }
 
 TEST(Reduction, AMachineThatIsQuickEnoughKeepsAll) {
-  Reduction r(100, {}, 40, false);
+  window::Reduction r(100, {}, 40, false);
   EXPECT_EQ(pictures(r, 99, 1000), 0);
-  Reduction never(0, {}, 40, true);
+  window::Reduction never(0, {}, 40, true);
   EXPECT_EQ(pictures(never, 1e4, 1000), 0);
   EXPECT_EQ(never.level(), 0);
 }
 
 // One slow picture of eight is none; where all are quick a step is taken back, but not to and fro for ever.
 TEST(Reduction, ItDoesNotSway) {
-  Reduction r(100, {}, 40, true);
+  window::Reduction r(100, {}, 40, true);
   EXPECT_EQ(r.level(), 1) << "the processor draws";
   for (int n = 0; n < 20; ++n) {
     r.look(900);
@@ -64,7 +65,7 @@ TEST(Reduction, ItDoesNotSway) {
 
 // How much too long pictures take says how large triangles become; if that does not do, they become larger.
 TEST(Reduction, ItTakesTheFinestTrianglesThatDo) {
-  Reduction r(100, {}, 40, false);
+  window::Reduction r(100, {}, 40, false);
   pictures(r, 110, 16);
   EXPECT_EQ(r.coarse().within_mm, 0);
   for (const double mm : {0.5, 1.0, 1.5}) {
@@ -73,10 +74,10 @@ TEST(Reduction, ItTakesTheFinestTrianglesThatDo) {
     EXPECT_EQ(r.level(), 3);
     EXPECT_EQ(pictures(r, 90, 80), 0) << "it does";
   }
-  EXPECT_EQ(r.text(Language::german),
+  EXPECT_EQ(r.text(texts::Language::german),
             "ohne Abdunkeln von Falten, raue Kanten, ohne Körnung, grobe Flächen (1.5 mm) weiter als 40 mm vom "
             "Instrument");
-  Reduction slower(100, {}, 40, false);
+  window::Reduction slower(100, {}, 40, false);
   pictures(slower, 140, 24);
   EXPECT_EQ(slower.coarse().within_mm, 1);
   pictures(slower, 180, 8);
@@ -87,9 +88,9 @@ TEST(Reduction, ItTakesTheFinestTrianglesThatDo) {
 }
 
 TEST(Reduction, ASizeThatIsGivenIsTheOnlyOne) {
-  ViewParams whole;
+  scene::ViewParams whole;
   whole.coarse_mm = 1.2;
-  Reduction r(100, whole, 40, false);
+  window::Reduction r(100, whole, 40, false);
   pictures(r, 300, 16);
   EXPECT_EQ(r.coarse().within_mm, 0);
   pictures(r, 300, 8);

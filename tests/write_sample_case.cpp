@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
   try {
     const std::string kind = argc > 2 ? argv[2] : "";
     if (kind == "head" || kind == "head_drilled") {
-      lessons::head_case(kind == "head" ? lessons::Kind::whole : lessons::Kind::drilled).write(argv[1]);
+      ::lesson_cases::head_case(kind == "head" ? ::lesson_cases::Kind::whole : ::lesson_cases::Kind::drilled)
+          .write(argv[1]);
       return 0;
     }
     if (kind == "chest") {
@@ -22,7 +23,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (kind == "spine" || kind == "spine_without_ct") {
-      case_samples::MemoryCase c = lessons::spine_case();
+      case_samples::MemoryCase c = ::lesson_cases::spine_case();
       if (kind != "spine") {
         c.manifest.ct = {};
         c.manifest.files.pop_back();

@@ -11,65 +11,66 @@
 #include "stage_command.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 /// Does the stage's work and makes a picture of the worst place where one is asked for.
-Report examine(const ParsedCommand& parsed, const Progress& progress) {
+Report examine(const cli::ParsedCommand& parsed, const Progress& progress) {
   const char* const names[] = {"skin", "skull", "brain", "ventricles"};
-  std::optional<Field> given[4];
+  std::optional<grid::Field> given[4];
   bool any = false;
   for (int a = 0; a < 4; ++a)
     if (parsed.has(names[a])) {
-      given[a] = read_foreign_field(parsed.path(names[a]));
+      given[a] = grid::read_foreign_field(parsed.path(names[a]));
       any = true;
     }
   if (!any) throw Error(ExitCode::usage, "", "--skin, --skull, --brain, --ventricles", "none is given");
   const auto field = [&](int a) { return given[a] ? &*given[a] : nullptr; };
-  std::optional<HuVolume> volume;
-  segmentation::ScanFigures scan;
+  std::optional<grid::HuVolume> volume;
+  mask::ScanFigures scan;
   if (parsed.has("volume")) {
-    volume = read_foreign_hu(parsed.path("volume"));
-    scan = segmentation::measure_scan(*volume, progress);
+    volume = grid::read_foreign_hu(parsed.path("volume"));
+    scan = mask::measure_scan(*volume, progress);
   }
-  const HeadFields fields{field(0), field(1), field(2), field(3), volume ? &scan : nullptr};
-  StageData landmarks;
-  const HeadLandmarks* known = nullptr;
+  const head::HeadFields fields{field(0), field(1), field(2), field(3), volume ? &scan : nullptr};
+  stages::StageData landmarks;
+  const head::HeadLandmarks* known = nullptr;
   if (parsed.has("landmarks")) {
-    landmarks = load_data(parsed.path("landmarks"), DataKind::landmarks);
-    known = std::get<std::shared_ptr<const HeadLandmarks>>(landmarks).get();
+    landmarks = stages::load_data(parsed.path("landmarks"), stages::DataKind::landmarks);
+    known = std::get<std::shared_ptr<const head::HeadLandmarks>>(landmarks).get();
   }
   Report report;
-  const AnatomyFindings found = examine_anatomy(fields, known, parsed.params<AnatomyGateParams>(), report, progress);
+  const consistency::AnatomyFindings found =
+      consistency::examine_anatomy(fields, known, parsed.params<consistency::AnatomyGateParams>(), report, progress);
   if (parsed.has("picture") && !found.faults.empty())
-    write_file(parsed.path("picture"), anatomy_picture(*volume, fields, found.faults[0]));
+    write_file(parsed.path("picture"), consistency::anatomy_picture(*volume, fields, found.faults[0]));
   if (!found.faults.empty()) {
     // The measurements are useful even where the check refuses the case.
-    if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
-    require_anatomy(found);
+    if (parsed.has("report")) write_file(parsed.path("report"), stages::report_json(report));
+    consistency::require_anatomy(found);
   }
   return report;
 }
 
 }  // namespace
 
-Command anatomy_command() {
-  const StageType& stage = stage_named("anatomy");
-  Command c;
+cli::Command anatomy_command() {
+  const stages::StageType& stage = stages::stage_named("anatomy");
+  cli::Command c;
   c.name = stage.name;
   c.summary = stage.summary;
   c.description = stage.description;
   c.examples = stage.examples;
-  for (const Port& port : stage.ports) {
-    Argument a = argument(port.name.c_str(), Argument::Kind::in_file, "");
-    a.help = "File of " + port.help + " (" + file_extension(port.kind) + ").";
+  for (const stages::Port& port : stage.ports) {
+    cli::Argument a = cli::argument(port.name.c_str(), cli::Argument::Kind::in_file, "");
+    a.help = "File of " + port.help + " (" + stages::file_extension(port.kind) + ").";
     c.arguments.push_back(a);
   }
-  c.arguments.push_back(argument("picture", Argument::Kind::out_file,
-                                 "File for slices through the worst place, if something is wrong (.png)."));
+  c.arguments.push_back(cli::argument("picture", cli::Argument::Kind::out_file,
+                                      "File for slices through the worst place, if something is wrong (.png)."));
   c.arguments.push_back(report_argument());
   c.groups = {{"Parameters", stage.make_params}};
-  c.run = [](const ParsedCommand& parsed) {
+  c.run = [](const cli::ParsedCommand& parsed) {
     if (parsed.has("picture") && !parsed.has("volume"))
       throw Error(ExitCode::usage, "", "--picture", "needs --volume, of which it is a picture");
     run_with_report(parsed, [&](const Progress& progress) { return examine(parsed, progress); });
@@ -78,4 +79,4 @@ Command anatomy_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

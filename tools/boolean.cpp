@@ -11,7 +11,7 @@
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 enum class CutterKind { none, cylinder, cone, ellipsoid, sphere };
@@ -20,9 +20,9 @@ struct CutterParams {
   CutterKind kind = CutterKind::none;
   std::array<double, 3> position_mm{0, 0, 0};
   std::array<double, 3> direction{0, 0, -1}, across{1, 0, 0};
-  double radius_mm = Cutter().radius_mm, end_radius_mm = Cutter().end_radius_mm;
-  std::array<double, 3> radii_mm = Cutter().radii_mm;
-  double above_mm = Cutter().above_mm, depth_mm = Cutter().depth_mm;
+  double radius_mm = boolean::Cutter().radius_mm, end_radius_mm = boolean::Cutter().end_radius_mm;
+  std::array<double, 3> radii_mm = boolean::Cutter().radii_mm;
+  double above_mm = boolean::Cutter().above_mm, depth_mm = boolean::Cutter().depth_mm;
 
   template <class V>
   static void describe(V& v) {
@@ -56,111 +56,114 @@ Vec3 unit(const std::array<double, 3>& a, const char* flag) {
   return normalized(v);
 }
 
-Cutter cutter_of(const CutterParams& p) {
-  Cutter c;
+boolean::Cutter cutter_of(const CutterParams& p) {
+  boolean::Cutter c;
   c.name = "cutter";
-  c.kind = p.kind == CutterKind::cylinder    ? Cutter::Kind::cylinder
-           : p.kind == CutterKind::cone      ? Cutter::Kind::cone
-           : p.kind == CutterKind::ellipsoid ? Cutter::Kind::ellipsoid
-                                             : Cutter::Kind::sphere;
+  c.kind = p.kind == CutterKind::cylinder    ? boolean::Cutter::Kind::cylinder
+           : p.kind == CutterKind::cone      ? boolean::Cutter::Kind::cone
+           : p.kind == CutterKind::ellipsoid ? boolean::Cutter::Kind::ellipsoid
+                                             : boolean::Cutter::Kind::sphere;
   c.position_mm = vec(p.position_mm);
   c.direction = unit(p.direction, "--direction");
   // The ellipsoid's first axis is made perpendicular to its third.
   const Vec3 across = unit(p.across, "--across");
   c.across = normalized(across - c.direction * dot(across, c.direction));
-  if (c.kind == Cutter::Kind::ellipsoid && !(norm(c.across) > 0.5))
+  if (c.kind == boolean::Cutter::Kind::ellipsoid && !(norm(c.across) > 0.5))
     throw Error(ExitCode::usage, "", "--across", "must not be parallel to --direction");
   c.radius_mm = p.radius_mm;
   c.end_radius_mm = p.end_radius_mm;
   c.radii_mm = p.radii_mm;
   c.above_mm = p.above_mm;
   c.depth_mm = p.depth_mm;
-  check_cutter(c, ExitCode::usage);
+  boolean::check_cutter(c, ExitCode::usage);
   return c;
 }
 
-std::vector<Cutter> cutters_given(const ParsedCommand& parsed) {
-  std::vector<Cutter> all;
+std::vector<boolean::Cutter> cutters_given(const cli::ParsedCommand& parsed) {
+  std::vector<boolean::Cutter> all;
   const auto& params = parsed.params<CutterParams>();
   if (params.kind != CutterKind::none) all.push_back(cutter_of(params));
   for (const std::string& file : parsed.all("cutters")) {
-    const StageData data = load_data(file, DataKind::cutters);
-    const auto& more = *std::get<std::shared_ptr<const std::vector<Cutter>>>(data);
+    const stages::StageData data = stages::load_data(file, stages::DataKind::cutters);
+    const auto& more = *std::get<std::shared_ptr<const std::vector<boolean::Cutter>>>(data);
     all.insert(all.end(), more.begin(), more.end());
   }
   for (const std::string& file : parsed.all("cutter_mesh")) {
-    Cutter c;
-    c.kind = Cutter::Kind::mesh;
+    boolean::Cutter c;
+    c.kind = boolean::Cutter::Kind::mesh;
     c.name = "mesh_" + std::to_string(all.size() + 1);
     Report ignored;
-    c.mesh = std::make_shared<const TriMesh>(read_mesh_file(file, ignored));
-    with_file(file, [&] { check_cutter(c, ExitCode::bad_input); });
+    c.mesh = std::make_shared<const surface::TriMesh>(meshio::read_mesh_file(file, ignored));
+    with_file(file, [&] { boolean::check_cutter(c, ExitCode::bad_input); });
     all.push_back(std::move(c));
   }
   if (all.empty())
     throw Error(ExitCode::usage, "", "--cutters, --cutter-mesh, --kind", "nothing to cut with: give one of them");
-  return with_unique_names(std::move(all));
+  return boolean::with_unique_names(std::move(all));
 }
 
-Report cut_surface_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
-  StageInputs inputs;
-  inputs.by_port["surface"] = load_data(parsed.path("input"), DataKind::mesh);
-  inputs.by_port["cutters.1"] = std::make_shared<const std::vector<Cutter>>(cutters);
+Report cut_surface_file(const cli::ParsedCommand& parsed, const std::vector<boolean::Cutter>& cutters,
+                        const Progress& progress) {
+  stages::StageInputs inputs;
+  inputs.by_port["surface"] = stages::load_data(parsed.path("input"), stages::DataKind::mesh);
+  inputs.by_port["cutters.1"] = std::make_shared<const std::vector<boolean::Cutter>>(cutters);
   Report report;
-  save_data(parsed.path("output"),
-            stage_named("boolean").run(AnyParams::make(parsed.params<CutSurfaceParams>()), inputs, report, progress));
+  stages::save_data(parsed.path("output"),
+                    stages::stage_named("boolean").run(AnyParams::make(parsed.params<boolean::CutSurfaceParams>()),
+                                                       inputs, report, progress));
   return report;
 }
 
-Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
-  HapticVolume volume =
-      *std::get<std::shared_ptr<const HapticVolume>>(load_data(parsed.path("input"), DataKind::haptic));
+Report cut_haptic_file(const cli::ParsedCommand& parsed, const std::vector<boolean::Cutter>& cutters,
+                       const Progress& progress) {
+  voxel::HapticVolume volume = *std::get<std::shared_ptr<const voxel::HapticVolume>>(
+      stages::load_data(parsed.path("input"), stages::DataKind::haptic));
   std::vector<int> numbers;
   for (const std::string& name : parsed.all("shape")) {
-    const HapticShape* shape = volume.find_shape(name);
+    const voxel::HapticShape* shape = volume.find_shape(name);
     if (!shape) throw Error(ExitCode::usage, parsed.text("input"), "--shape", name + ", the volume has no such shape");
     numbers.push_back(shape->number);
   }
-  const double widen_mm = parsed.params<CutSurfaceParams>().widen_mm;
+  const double widen_mm = parsed.params<boolean::CutSurfaceParams>().widen_mm;
   Report report;
-  for (const Cutter& given : cutters) {
-    const Cutter c = widened(given, widen_mm);
+  for (const boolean::Cutter& given : cutters) {
+    const boolean::Cutter c = boolean::widened(given, widen_mm);
     Report one;
-    cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
-    warn_of_thin(report, c, volume.voxels.spacing_mm);
-    add_of_cutter(report, c, one);
+    voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), numbers, one, progress);
+    boolean::warn_of_thin(report, c, volume.voxels.spacing_mm);
+    boolean::add_of_cutter(report, c, one);
   }
-  write_haptic(parsed.path("output"), volume);
+  voxel::write_haptic(parsed.path("output"), volume);
   return report;
 }
 
-Report cut_field_file(const ParsedCommand& parsed, Field field, const std::vector<Cutter>& cutters,
+Report cut_field_file(const cli::ParsedCommand& parsed, grid::Field field, const std::vector<boolean::Cutter>& cutters,
                       const Progress& progress) {
-  const double widen_mm = parsed.params<CutSurfaceParams>().widen_mm;
+  const double widen_mm = parsed.params<boolean::CutSurfaceParams>().widen_mm;
   Report report;
-  for (const Cutter& given : cutters) {
-    const Cutter c = widened(given, widen_mm);
+  for (const boolean::Cutter& given : cutters) {
+    const boolean::Cutter c = boolean::widened(given, widen_mm);
     Report one;
-    cut_field(field, distance_to(c), bounds_of(c), one, progress);
-    warn_of_thin(report, c, field.spacing_mm);
-    add_of_cutter(report, c, one);
+    voxel::cut_field(field, boolean::distance_to(c), boolean::bounds_of(c), one, progress);
+    boolean::warn_of_thin(report, c, field.spacing_mm);
+    boolean::add_of_cutter(report, c, one);
   }
-  save_data(parsed.path("output"), std::make_shared<const Field>(std::move(field)));
+  stages::save_data(parsed.path("output"), std::make_shared<const grid::Field>(std::move(field)));
   return report;
 }
 
 }  // namespace
 
-Command boolean_command() {
-  const StageType& stage = stage_named("boolean");
-  Command c;
+cli::Command boolean_command() {
+  const stages::StageType& stage = stages::stage_named("boolean");
+  cli::Command c;
   c.name = stage.name;
   c.summary = "cuts burr holes and other solids out of a surface, a field or a haptic volume";
   c.description = stage.description +
                   "\n\nA field or a haptic volume is cut voxel by voxel, and the cut surface lies between the voxels "
                   "as the rest does. A cut never makes a shape of a haptic volume grow.";
   c.examples = stage.examples;
-  Argument input, cutters, mesh, shape, output;
+  cli::Argument input, cutters, mesh, shape, output;
   input.name = "input";
   input.help = "Surface (.vtp), field or haptic volume (.nrrd).";
   input.positional = input.required = true;
@@ -171,16 +174,16 @@ Command boolean_command() {
   mesh.repeated = true;
   mesh.help = "A closed surface to cut away (.vtp, .stl, .ply, .obj, .vtk, .glb).";
   shape.name = "shape";
-  shape.kind = Argument::Kind::text;
+  shape.kind = cli::Argument::Kind::text;
   shape.repeated = true;
   shape.help = "A shape of a haptic volume to cut; all shapes where none is given.";
   output.name = "output";
-  output.kind = Argument::Kind::out_file;
+  output.kind = cli::Argument::Kind::out_file;
   output.help = "File for the result, with the input's extension.";
   output.required = true;
   c.arguments = {input, cutters, mesh, shape, output, report_argument()};
-  c.groups = {ParameterGroup::of<CutterParams>("Cutter"), {"Parameters", stage.make_params}};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<CutterParams>("Cutter"), {"Parameters", stage.make_params}};
+  c.run = [](const cli::ParsedCommand& parsed) {
     const std::string extension = parsed.path("input").extension();
     if (extension != ".vtp" && extension != ".nrrd")
       throw Error(ExitCode::usage, parsed.text("input"), "input", "must end in .vtp or .nrrd");
@@ -188,22 +191,22 @@ Command boolean_command() {
       throw Error(ExitCode::usage, parsed.text("output"), "output", "must end in " + extension + " like the input");
     if (extension == ".vtp" && parsed.has("shape"))
       throw Error(ExitCode::usage, "", "--shape", "is of a haptic volume, and the input is a surface");
-    const std::vector<Cutter> all = cutters_given(parsed);
+    const std::vector<boolean::Cutter> all = cutters_given(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (extension == ".vtp") return cut_surface_file(parsed, all, progress);
-      BoundedGrid nrrd =
-          with_file(parsed.text("input"), [&] { return read_nrrd_bounded(parsed.path("input"), labels_limit); });
-      if (nrrd.keys.count(haptic_file_key)) {
+      grid::BoundedGrid nrrd = with_file(
+          parsed.text("input"), [&] { return grid::read_nrrd_bounded(parsed.path("input"), grid::labels_limit); });
+      if (nrrd.keys.count(voxel::haptic_file_key)) {
         nrrd = {};
         return cut_haptic_file(parsed, all, progress);
       }
       if (holds_hu(nrrd.keys))
         throw Error(ExitCode::bad_input, parsed.text("input"), "content", "HU, must be a field or a haptic volume");
-      return cut_field_file(parsed, to_field(std::move(nrrd.grid)), all, progress);
+      return cut_field_file(parsed, grid::to_field(std::move(nrrd.grid)), all, progress);
     });
     return ExitCode::ok;
   };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -2,33 +2,33 @@
 #pragma once
 #include "cli/command.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 /// Commands that do more than run a stage, one in each file of this folder. All other commands come from the
 /// declarations of the stages (stage_command.h).
-Command phantom_command();
-Command import_command();
-Command anatomy_command();
-Command measure_command();
-Command run_command();
-Command trade_command();
-Command export_command();
-Command convert_command();
-Command page_command();
-Command diff_command();
-Command correction_command();
-Command preview_command();
-Command rubric_command();
-Command boolean_command();
-Command voxelize_command();
-Command repair_command();
-Command register_command();
-Command library_build_command();
-Command library_list_command();
-Command library_show_command();
-Command library_verify_command();
-Command library_gc_command();
-Command library_job_command();
-Command library_approve_command();
+cli::Command phantom_command();
+cli::Command import_command();
+cli::Command anatomy_command();
+cli::Command measure_command();
+cli::Command run_command();
+cli::Command trade_command();
+cli::Command export_command();
+cli::Command convert_command();
+cli::Command page_command();
+cli::Command diff_command();
+cli::Command correction_command();
+cli::Command preview_command();
+cli::Command rubric_command();
+cli::Command boolean_command();
+cli::Command voxelize_command();
+cli::Command repair_command();
+cli::Command register_command();
+cli::Command library_build_command();
+cli::Command library_list_command();
+cli::Command library_show_command();
+cli::Command library_verify_command();
+cli::Command library_gc_command();
+cli::Command library_job_command();
+cli::Command library_approve_command();
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,25 +10,25 @@
 #include "stage_command.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 std::string endings_text() {
   std::string text;
-  for (const std::string& e : written_volume_endings()) text += (text.empty() ? "" : ", ") + e;
+  for (const std::string& e : itk::written_volume_endings()) text += (text.empty() ? "" : ", ") + e;
   return text;
 }
 
-const char* sample_name(const AnyGrid& grid) {
+const char* sample_name(const grid::AnyGrid& grid) {
   constexpr const char* names[] = {"int16", "float32", "uint8"};
   return names[grid.index()];
 }
 
-Report convert(const ParsedCommand& parsed, const Progress& progress) {
+Report convert(const cli::ParsedCommand& parsed, const Progress& progress) {
   const std::filesystem::path input = parsed.path("input");
-  if (has_ending(input, ".nrrd") && with_file(input.string(), [&] {
+  if (itk::has_ending(input, ".nrrd") && with_file(input.string(), [&] {
         try {
-          return read_nrrd_bounded(input, labels_limit).keys.count(haptic_file_key) > 0;
+          return grid::read_nrrd_bounded(input, grid::labels_limit).keys.count(voxel::haptic_file_key) > 0;
         } catch (const Error&) {
           return false;  // another encoding, which ITK reads, or a fault that is told below
         }
@@ -38,9 +38,10 @@ Report convert(const ParsedCommand& parsed, const Progress& progress) {
   Report report;
   std::string format;
   std::vector<std::string> warnings;
-  const AnyGrid grid = read_grid_file(input, &format, &warnings, progress.part(0, 0.5), parsed.text("analyze_axes"));
-  write_volume_file(parsed.path("output"), grid, progress.part(0.5, 1));
-  const Lattice& lattice = std::visit([](const auto& g) -> const Lattice& { return g; }, grid);
+  const grid::AnyGrid grid =
+      itk::read_grid_file(input, &format, &warnings, progress.part(0, 0.5), parsed.text("analyze_axes"));
+  itk::write_volume_file(parsed.path("output"), grid, progress.part(0.5, 1));
+  const grid::Lattice& lattice = std::visit([](const auto& g) -> const grid::Lattice& { return g; }, grid);
   report.add("format", format);
   report.add("size", fmt::format("{}x{}x{}", lattice.size[0], lattice.size[1], lattice.size[2]));
   report.add("spacing_x_mm", lattice.spacing_mm.x);
@@ -53,9 +54,9 @@ Report convert(const ParsedCommand& parsed, const Progress& progress) {
 
 }  // namespace
 
-Command convert_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command convert_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "convert";
   c.summary = "writes a volume, a field or labels in another program's format";
   c.description =
@@ -69,19 +70,20 @@ Command convert_command() {
   c.examples = {"trephine convert head.nrrd --output head.mnc", "trephine convert skull.nrrd --output skull.mha",
                 "trephine convert painted.mha --output painted.nii.gz",
                 "trephine convert old.hdr --analyze-axes LAS --output old.nii.gz"};
-  Argument input = argument("input", Kind::in_file, "The volume.");
-  Argument output = argument("output", Kind::out_file, "Where it goes (" + endings_text() + ").");
+  cli::Argument input = cli::argument("input", Kind::in_file, "The volume.");
+  cli::Argument output = cli::argument("output", Kind::out_file, "Where it goes (" + endings_text() + ").");
   input.positional = input.required = output.required = true;
-  Argument axes = argument("analyze_axes", Kind::text,
-                           "Of Analyze 7.5 (.hdr and .img), which does not say which side is left: the sides to which "
-                           "its columns, rows and slices rise, as three letters, one of R and L, one of A and P, one "
-                           "of S and I.");
+  cli::Argument axes =
+      cli::argument("analyze_axes", Kind::text,
+                    "Of Analyze 7.5 (.hdr and .img), which does not say which side is left: the sides to which "
+                    "its columns, rows and slices rise, as three letters, one of R and L, one of A and P, one "
+                    "of S and I.");
   c.arguments = {input, output, axes, report_argument()};
-  c.run = [](const ParsedCommand& parsed) {
+  c.run = [](const cli::ParsedCommand& parsed) {
     run_with_report(parsed, [&](const Progress& progress) { return convert(parsed, progress); });
     return ExitCode::ok;
   };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

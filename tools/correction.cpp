@@ -6,7 +6,7 @@
 #include "segmentation/correct.h"
 #include "stage_command.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 struct CorrectionParams {
@@ -23,9 +23,9 @@ struct CorrectionParams {
 
 }  // namespace
 
-Command correction_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command correction_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "correction";
   c.summary = "takes out what a person changed of a label";
   c.description =
@@ -36,20 +36,20 @@ Command correction_command() {
       "docs/other-programs.md goes through it step by step.";
   c.examples = {"trephine correction labels.seg.nrrd painted.seg.nrrd --label skull --output skull_correction.nrrd",
                 "trephine correction labels.nii.gz painted.nii.gz --label 2 --output skull_correction.nrrd"};
-  const Argument before = positional_argument(
+  const cli::Argument before = cli::positional_argument(
       "before", Kind::in_file, "Labels as `export --labels` wrote them (.seg.nrrd, .nii.gz, .mha, ...).");
-  const Argument after = positional_argument("after", Kind::in_file, "The same labels after painting.");
-  const Argument output = required_argument("output", Kind::out_file, "Where the correction goes (.nrrd).");
+  const cli::Argument after = cli::positional_argument("after", Kind::in_file, "The same labels after painting.");
+  const cli::Argument output = cli::required_argument("output", Kind::out_file, "Where the correction goes (.nrrd).");
   c.arguments = {before, after, output, report_argument()};
-  c.groups = {ParameterGroup::of<CorrectionParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<CorrectionParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     const auto& params = parsed.params<CorrectionParams>();
     run_with_report(parsed, [&](const Progress&) {
       Report report;
-      const LabelFile made =
-          correction_between(read_label_file(parsed.path("before")), read_label_file(parsed.path("after")),
-                             params.label, params.painted_label.empty() ? params.label : params.painted_label, report);
-      write_file(parsed.path("output"), encode_labels(made));
+      const grid::LabelFile made = segmentation::correction_between(
+          itk::read_label_file(parsed.path("before")), itk::read_label_file(parsed.path("after")), params.label,
+          params.painted_label.empty() ? params.label : params.painted_label, report);
+      write_file(parsed.path("output"), grid::encode_labels(made));
       return report;
     });
     return ExitCode::ok;
@@ -57,4 +57,4 @@ Command correction_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,7 +10,7 @@
 #include "compare/compare_cases.h"
 #include "compare/compare_libraries.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 struct Compared {
@@ -19,16 +19,24 @@ struct Compared {
   ExitCode code = ExitCode::quality;
 };
 
-Compared compare_two_cases(const ParsedCommand& parsed, const CompareParams& params, const Progress& progress) {
-  const LoadedCase old_case = load_case(parsed.path("old")), new_case = load_case(parsed.path("new"));
-  const CaseComparison made = compare_cases(old_case, new_case, params, progress);
-  return {comparison_text(made), comparison_json(made), made.warnings, beyond_limits(made, params), ExitCode::quality};
+Compared compare_two_cases(const cli::ParsedCommand& parsed, const compare::CompareParams& params,
+                           const Progress& progress) {
+  const cases::LoadedCase old_case = cases::load_case(parsed.path("old")),
+                          new_case = cases::load_case(parsed.path("new"));
+  const compare::CaseComparison made = compare::compare_cases(old_case, new_case, params, progress);
+  return {compare::comparison_text(made), compare::comparison_json(made), made.warnings,
+          compare::beyond_limits(made, params), ExitCode::quality};
 }
 
-Compared compare_two_libraries(const ParsedCommand& parsed, const CompareParams& params, const Progress& progress) {
-  const auto made = compare_libraries(parsed.path("old"), parsed.path("new"), params, progress);
-  Compared out{libraries_text(made), libraries_json(made), {}, beyond_limits(made, params), ExitCode::quality};
-  for (const LibraryCaseChange& c : made) {
+Compared compare_two_libraries(const cli::ParsedCommand& parsed, const compare::CompareParams& params,
+                               const Progress& progress) {
+  const auto made = compare::compare_libraries(parsed.path("old"), parsed.path("new"), params, progress);
+  Compared out{compare::libraries_text(made),
+               compare::libraries_json(made),
+               {},
+               compare::beyond_limits(made, params),
+               ExitCode::quality};
+  for (const compare::LibraryCaseChange& c : made) {
     if (!c.fault.empty()) out.code = ExitCode::bad_input;
     for (const std::string& w : c.comparison.warnings) out.warnings.push_back(c.token + ": " + w);
   }
@@ -37,9 +45,9 @@ Compared compare_two_libraries(const ParsedCommand& parsed, const CompareParams&
 
 }  // namespace
 
-Command diff_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command diff_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "diff";
   c.summary = "says what changed between two versions of a case";
   c.description =
@@ -56,18 +64,19 @@ Command diff_command() {
                 "trephine diff library/head-01 trial/head-01 --json changes.json --max-deviation-mm 0.5",
                 "trephine diff library trial --json changes.json",
                 "trephine diff old/head-01 new/head-01 --quiet --max-deviation-mm 0.3 --max-point-mm 1"};
-  const Argument old_case =
-      positional_argument("old", Kind::in_folder, "The older case's folder, or the older library.");
-  const Argument new_case =
-      positional_argument("new", Kind::in_folder, "The newer case's folder, or the newer library.");
-  c.arguments = {old_case, new_case, argument("json", Kind::out_file, "Write everything that was compared as JSON.")};
-  c.groups = {ParameterGroup::of<CompareParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
-    const auto& params = parsed.params<CompareParams>();
-    const bool libraries = is_library(parsed.path("old")) && is_library(parsed.path("new"));
+  const cli::Argument old_case =
+      cli::positional_argument("old", Kind::in_folder, "The older case's folder, or the older library.");
+  const cli::Argument new_case =
+      cli::positional_argument("new", Kind::in_folder, "The newer case's folder, or the newer library.");
+  c.arguments = {old_case, new_case,
+                 cli::argument("json", Kind::out_file, "Write everything that was compared as JSON.")};
+  c.groups = {cli::ParameterGroup::of<compare::CompareParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    const auto& params = parsed.params<compare::CompareParams>();
+    const bool libraries = compare::is_library(parsed.path("old")) && compare::is_library(parsed.path("new"));
     Compared made;
     {
-      ProgressDisplay display(parsed.quiet);
+      cli::ProgressDisplay display(parsed.quiet);
       const Progress progress = display.start("diff");
       made = libraries ? compare_two_libraries(parsed, params, progress) : compare_two_cases(parsed, params, progress);
       display.finish("diff", "");
@@ -84,4 +93,4 @@ Command diff_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -20,20 +20,20 @@
 #include "stage_command.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool holds_several(const ExportFormat& f) { return f.several; }
+bool holds_several(const meshio::ExportFormat& f) { return f.several; }
 
 constexpr const char* markups_format = "mrk.json";
 
 // Every name that --format takes.
 std::vector<std::string> format_choices() {
   std::vector<std::string> names;
-  for (const ExportFormat& f : all_export_formats()) names.emplace_back(f.name);
-  for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
+  for (const meshio::ExportFormat& f : meshio::all_export_formats()) names.emplace_back(f.name);
+  for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
   names.emplace_back(markups_format);
   return names;
 }
@@ -49,7 +49,8 @@ struct ExportParams {
     v.text(&P::name, "name",
            "Name for a surface from a file, for the one file of --together, or for the labels; where empty, the "
            "input's name, or labels.");
-    static const std::string together = "All anatomies in one file (" + format_names(holds_several) + " hold several).";
+    static const std::string together =
+        "All anatomies in one file (" + meshio::format_names(holds_several) + " hold several).";
     v.flag(&P::together, "together", together.c_str());
     v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1},
               "Colour (sRGB) of a surface from a file; a case has its own colours.");
@@ -58,8 +59,8 @@ struct ExportParams {
 };
 
 struct Formats {
-  std::vector<const ExportFormat*> surfaces;
-  std::vector<const LabelFormat*> labels;
+  std::vector<const meshio::ExportFormat*> surfaces;
+  std::vector<const meshio::LabelFormat*> labels;
   bool markups = false;
 };
 
@@ -68,13 +69,13 @@ void add_once(std::vector<const Format*>& formats, const Format& format) {
   if (std::find(formats.begin(), formats.end(), &format) == formats.end()) formats.push_back(&format);
 }
 
-Formats formats_of(const ParsedCommand& parsed) {
-  const std::vector<LabelFormat>& all_labels = all_label_formats();
+Formats formats_of(const cli::ParsedCommand& parsed) {
+  const std::vector<meshio::LabelFormat>& all_labels = meshio::all_label_formats();
   Formats formats;
   for (const std::string& name : items_of(parsed, "format")) {
-    const auto labels =
-        std::find_if(all_labels.begin(), all_labels.end(), [&](const LabelFormat& f) { return name == f.name; });
-    const ExportFormat* surface = find_export_format(name);
+    const auto labels = std::find_if(all_labels.begin(), all_labels.end(),
+                                     [&](const meshio::LabelFormat& f) { return name == f.name; });
+    const meshio::ExportFormat* surface = meshio::find_export_format(name);
     if (name == markups_format)
       formats.markups = true;
     else if (labels != all_labels.end())
@@ -90,10 +91,10 @@ Formats formats_of(const ParsedCommand& parsed) {
 void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& wanted, ExportInput& input,
                         Report& report, const Progress& progress) {
   std::vector<std::string> known;
-  for (const CaseAnatomy& a : input.manifest.anatomies) known.push_back(a.name);
+  for (const cases::CaseAnatomy& a : input.manifest.anatomies) known.push_back(a.name);
   for (const std::string& name : wanted)
     if (!input.manifest.find_anatomy(name)) unknown_name("--anatomy", name, known);
-  for (const CaseAnatomy& a : input.manifest.anatomies) {
+  for (const cases::CaseAnatomy& a : input.manifest.anatomies) {
     progress.check();
     const bool named = std::find(wanted.begin(), wanted.end(), a.name) != wanted.end();
     if (!wanted.empty() && !named) continue;
@@ -103,8 +104,8 @@ void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& 
       report.warn(a.name + ": " + what);
       continue;
     }
-    const std::string bytes = read_case_file(folder, *input.manifest.find_file(a.file));
-    input.meshes.push_back(with_file(a.file, [&] { return read_glb(bytes).mesh; }));
+    const std::string bytes = cases::read_case_file(folder, *input.manifest.find_file(a.file));
+    input.meshes.push_back(with_file(a.file, [&] { return cases::read_glb(bytes).mesh; }));
     input.surfaces.push_back({&input.meshes.back(), a.name, a.colour_rgb, a.opacity, false});
   }
 }
@@ -113,16 +114,16 @@ void load_file_surface(const fs::path& file, const ExportParams& params, ExportI
   const std::string name = params.name.empty() ? file.stem().string() : params.name;
   check_export_name("--name", name);
   Report ignored;
-  input.meshes.push_back(read_mesh_file(file, ignored, {}, progress));
+  input.meshes.push_back(meshio::read_mesh_file(file, ignored, {}, progress));
   input.surfaces.push_back({&input.meshes.back(), name, params.colour_rgb, params.opacity, false});
 }
 
-ExportInput load_input(const ParsedCommand& parsed, bool surfaces, Report& report, const Progress& progress) {
+ExportInput load_input(const cli::ParsedCommand& parsed, bool surfaces, Report& report, const Progress& progress) {
   ExportInput input;
   if (!parsed.has("input")) return input;
   const fs::path path = parsed.path("input");
   const auto wanted = items_of(parsed, "anatomy");
-  if (fs::is_directory(path)) input.manifest = read_case(path);
+  if (fs::is_directory(path)) input.manifest = cases::read_case(path);
   if (!surfaces) return input;
   if (fs::is_directory(path)) {
     load_case_surfaces(path, wanted, input, report, progress);
@@ -131,7 +132,7 @@ ExportInput load_input(const ParsedCommand& parsed, bool surfaces, Report& repor
     load_file_surface(path, parsed.params<ExportParams>(), input, progress);
   }
   std::vector<std::string> names;
-  for (const ExportSurface& s : input.surfaces) names.push_back(s.name);
+  for (const meshio::ExportSurface& s : input.surfaces) names.push_back(s.name);
   for (const std::string& name : items_of(parsed, "texture_coordinates")) {
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) unknown_name("--texture-coordinates", name, names);
@@ -141,16 +142,16 @@ ExportInput load_input(const ParsedCommand& parsed, bool surfaces, Report& repor
 }
 
 struct Exported {
-  std::vector<ExportFile> files;
+  std::vector<meshio::ExportFile> files;
   std::vector<std::string> table;  ///< one line for each file
 };
 
 // Encodes a surface, lets another program read it, and keeps the bytes: nothing is written before all files are valid.
-void export_one(const ExportFormat& format, const std::vector<ExportSurface>& surfaces, const std::string& stem,
-                Exported& out, Report& report, const Progress& progress) {
-  auto made = encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
-  const ExportCheck check = verify_export(format, surfaces, made, progress.part(0.5, 1));
-  const ExportFile& main = made.back();
+void export_one(const meshio::ExportFormat& format, const std::vector<meshio::ExportSurface>& surfaces,
+                const std::string& stem, Exported& out, Report& report, const Progress& progress) {
+  auto made = meshio::encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
+  const meshio::ExportCheck check = meshio::verify_export(format, surfaces, made, progress.part(0.5, 1));
+  const meshio::ExportFile& main = made.back();
   report.add(main.name + ".triangles_count", check.triangles);
   report.add(main.name + ".bytes", main.bytes.size());
   report.add(main.name + ".reread_by", check.read_by);
@@ -165,10 +166,10 @@ void export_one(const ExportFormat& format, const std::vector<ExportSurface>& su
                 grouped_text(static_cast<long long>(check.triangles)).c_str(), double(main.bytes.size()) / 1e6,
                 check.read_by.c_str(), check.largest_difference_mm);
   out.table.emplace_back(line);
-  for (ExportFile& f : made) out.files.push_back(std::move(f));
+  for (meshio::ExportFile& f : made) out.files.push_back(std::move(f));
 }
 
-Exported export_surfaces(const ExportInput& input, const std::vector<const ExportFormat*>& formats,
+Exported export_surfaces(const ExportInput& input, const std::vector<const meshio::ExportFormat*>& formats,
                          const ExportParams& params, const std::string& together_name, Report& report,
                          const Progress& progress) {
   Exported out;
@@ -185,12 +186,12 @@ Exported export_surfaces(const ExportInput& input, const std::vector<const Expor
   return out;
 }
 
-void check_combination(const ParsedCommand& parsed, const Formats& formats) {
+void check_combination(const cli::ParsedCommand& parsed, const Formats& formats) {
   const auto& params = parsed.params<ExportParams>();
   if (!params.name.empty()) check_export_name("--name", params.name);
   if (formats.labels.empty() == parsed.has("labels")) {
     std::vector<std::string> names;
-    for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
+    for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
     export_usage("--labels", "and --format " + with_commas(names) + " belong together");
   }
   if (formats.markups && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
@@ -198,16 +199,17 @@ void check_combination(const ParsedCommand& parsed, const Formats& formats) {
   if (!formats.surfaces.empty() && !parsed.has("input"))
     export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
-    for (const ExportFormat* f : formats.surfaces)
+    for (const meshio::ExportFormat* f : formats.surfaces)
       if (!f->several) export_usage("--together", std::string(f->name) + " holds one surface a file");
 }
 
 // Landmarks, targets and trajectories, each read back as it would be given to a run.
-std::vector<ExportFile> markup_files(const CaseManifest& manifest, const MarkupsParams& params, Report& report) {
-  std::vector<ExportFile> files;
-  for (const Markup& m : markups_of_case(manifest, params)) {
-    files.push_back({m.name + "." + markups_format, encode_slicer_markups(m)});
-    const auto back = parse_slicer_markups(files.back().bytes);
+std::vector<meshio::ExportFile> markup_files(const cases::CaseManifest& manifest, const meshio::MarkupsParams& params,
+                                             Report& report) {
+  std::vector<meshio::ExportFile> files;
+  for (const meshio::Markup& m : meshio::markups_of_case(manifest, params)) {
+    files.push_back({m.name + "." + markups_format, meshio::encode_slicer_markups(m)});
+    const auto back = head::parse_slicer_markups(files.back().bytes);
     for (std::size_t i = 0; i < m.points.size(); ++i)
       if (back.size() != m.points.size() || back[i].position_mm != m.points[i].position_mm)
         throw Error(ExitCode::io, files.back().name, m.points[i].label, "what is written does not read back");
@@ -218,7 +220,7 @@ std::vector<ExportFile> markup_files(const CaseManifest& manifest, const Markups
 }
 
 // Fills the report (for --report) and returns the text to be printed.
-std::string run_export(const ParsedCommand& parsed, Report& report, const Progress& progress) {
+std::string run_export(const cli::ParsedCommand& parsed, Report& report, const Progress& progress) {
   const auto& params = parsed.params<ExportParams>();
   const Formats formats = formats_of(parsed);
   check_combination(parsed, formats);
@@ -234,21 +236,21 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
   std::string text;
   if (!exported.table.empty()) text = "file                       triangles       MB   re-read by   off by, mm\n";
   for (const std::string& line : exported.table) text += line + "\n";
-  std::vector<ExportFile> markups;
+  std::vector<meshio::ExportFile> markups;
   if (formats.markups) {
     markups = with_file(parsed.text("input"),
-                        [&] { return markup_files(input.manifest, parsed.params<MarkupsParams>(), report); });
-    for (const ExportFile& f : markups) text += f.name + "\n";
+                        [&] { return markup_files(input.manifest, parsed.params<meshio::MarkupsParams>(), report); });
+    for (const meshio::ExportFile& f : markups) text += f.name + "\n";
   }
   Report labels;
-  LabelMap map;
+  meshio::LabelMap map;
   if (!formats.labels.empty()) map = label_map_of(parsed, input.manifest, labels, progress.part(0.8, 0.95));
   make_output_folder(out);
-  write_export(out, exported.files);
-  write_export(out, markups);
-  for (const LabelFormat* f : formats.labels)
+  meshio::write_export(out, exported.files);
+  meshio::write_export(out, markups);
+  for (const meshio::LabelFormat* f : formats.labels)
     f->write(out / ((params.name.empty() ? "labels" : params.name) + "." + f->name), map);
-  text += report_text(labels);
+  text += stages::report_text(labels);
   for (const auto& f : labels.figures) report.figures.push_back(f);
   return text;
 }
@@ -256,19 +258,21 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
 // What the formats hold, from their own declarations.
 std::string formats_text() {
   std::vector<std::string> formats;
-  for (const ExportFormat& f : all_export_formats()) formats.emplace_back(f.help);
-  const auto says_space = [](const ExportFormat& f) { return f.says_space; };
-  const auto in_metres = [](const ExportFormat& f) { return f.metres_y_up; };
-  const auto rounds = [](const ExportFormat& f) { return f.precision == Precision::float32_world; };
-  const auto colourless = [](const ExportFormat& f) { return !f.read_back.colour; };
+  for (const meshio::ExportFormat& f : meshio::all_export_formats()) formats.emplace_back(f.help);
+  const auto says_space = [](const meshio::ExportFormat& f) { return f.says_space; };
+  const auto in_metres = [](const meshio::ExportFormat& f) { return f.metres_y_up; };
+  const auto rounds = [](const meshio::ExportFormat& f) { return f.precision == meshio::Precision::float32_world; };
+  const auto colourless = [](const meshio::ExportFormat& f) { return !f.read_back.colour; };
   std::string text = with_commas(formats) + ". Coordinates are DICOM patient LPS in mm, which " +
-                     format_names(says_space) + " say as 3D Slicer reads it (SPACE=LPS); " + format_names(in_metres) +
-                     " is in metres, Y up. " + format_names(rounds) + " hold float32, " + format_names(colourless) +
+                     meshio::format_names(says_space) + " say as 3D Slicer reads it (SPACE=LPS); " +
+                     meshio::format_names(in_metres) + " is in metres, Y up. " + meshio::format_names(rounds) +
+                     " hold float32, " + meshio::format_names(colourless) +
                      " no colour.\n\n"
                      "Every surface is checked in its rounded coordinates (closed, 2-manifold, no "
                      "self-intersections), and every file is read back by another program's reader and compared, "
                      "triangle by triangle, before anything is written.";
-  for (const LabelFormat& f : all_label_formats()) text += "\n\nFormat " + std::string(f.name) + " is " + f.help;
+  for (const meshio::LabelFormat& f : meshio::all_label_formats())
+    text += "\n\nFormat " + std::string(f.name) + " is " + f.help;
   return text +
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
@@ -277,8 +281,8 @@ std::string formats_text() {
 
 }  // namespace
 
-Command export_command() {
-  Command c;
+cli::Command export_command() {
+  cli::Command c;
   c.name = "export";
   c.summary = "writes surfaces and labels in the formats of other programs";
   c.description =
@@ -291,38 +295,41 @@ Command export_command() {
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export library/head-01 --format mrk.json --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
-  const auto argument = [](const char* name, Argument::Kind kind, const std::string& help) {
-    Argument a;
+  const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
+    cli::Argument a;
     a.name = name;
     a.kind = kind;
     a.help = help;
     return a;
   };
-  Argument input = argument("input", Argument::Kind::in_path, "A case's folder, or a surface file.");
+  cli::Argument input = argument("input", cli::Argument::Kind::in_path, "A case's folder, or a surface file.");
   input.positional = true;
-  Argument format = argument("format", Argument::Kind::text,
-                             "Formats, with commas between them: " + with_commas(format_choices()) + ".");
+  cli::Argument format = argument("format", cli::Argument::Kind::text,
+                                  "Formats, with commas between them: " + with_commas(format_choices()) + ".");
   format.required = format.repeated = true;
-  const Argument out = required_argument("out", Argument::Kind::out_folder,
-                                         "Folder for the files; files of the same name are replaced.");
-  Argument anatomy =
-      argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all where none is given.");
-  Argument texture = argument("texture_coordinates", Argument::Kind::text,
-                              "Surfaces that get spherical texture coordinates, where the format has them (not " +
-                                  format_names([](const ExportFormat& f) { return !f.texture; }) + ").");
-  Argument labels = argument("labels", Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
+  const cli::Argument out = cli::required_argument("out", cli::Argument::Kind::out_folder,
+                                                   "Folder for the files; files of the same name are replaced.");
+  cli::Argument anatomy =
+      argument("anatomy", cli::Argument::Kind::text, "Anatomies of the case to export; all where none is given.");
+  cli::Argument texture =
+      argument("texture_coordinates", cli::Argument::Kind::text,
+               "Surfaces that get spherical texture coordinates, where the format has them (not " +
+                   meshio::format_names([](const meshio::ExportFormat& f) { return !f.texture; }) + ").");
+  cli::Argument labels =
+      argument("labels", cli::Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
   anatomy.repeated = texture.repeated = labels.repeated = true;
   c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};
-  c.groups = {ParameterGroup::of<ExportParams>("Parameters"), ParameterGroup::of<MarkupsParams>("Markups")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
+              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;
     {
-      ProgressDisplay display(parsed.quiet);
+      cli::ProgressDisplay display(parsed.quiet);
       text = run_export(parsed, report, display.start("export"));
       display.finish("export", "");
     }
-    if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
+    if (parsed.has("report")) write_file(parsed.path("report"), stages::report_json(report));
     for (const std::string& w : report.warnings) log_warning(w);
     if (!parsed.quiet) std::cout << text;
     return ExitCode::ok;
@@ -330,4 +337,4 @@ Command export_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

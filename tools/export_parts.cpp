@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "grid/bounded_read.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 std::string with_commas(const std::vector<std::string>& words) {
   std::string text;
@@ -13,7 +13,7 @@ std::string with_commas(const std::vector<std::string>& words) {
   return text;
 }
 
-std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string& argument) {
+std::vector<std::string> items_of(const cli::ParsedCommand& parsed, const std::string& argument) {
   std::vector<std::string> items;
   for (const std::string& text : parsed.all(argument)) {
     std::size_t from = 0;
@@ -43,8 +43,8 @@ void check_export_name(const std::string& field, const std::string& name) {
 namespace {
 
 // The recipes' colours, and some more that can be told apart.
-std::array<double, 3> label_colour(const CaseManifest& manifest, const std::string& name, std::size_t number) {
-  if (const CaseAnatomy* a = manifest.find_anatomy(name)) return a->colour_rgb;
+std::array<double, 3> label_colour(const cases::CaseManifest& manifest, const std::string& name, std::size_t number) {
+  if (const cases::CaseAnatomy* a = manifest.find_anatomy(name)) return a->colour_rgb;
   if (name == "skin") return {0.87, 0.68, 0.56};
   if (name == "skull" || name == "bone") return {0.93, 0.89, 0.78};
   if (name == "brain") return {0.85, 0.62, 0.62};
@@ -56,22 +56,22 @@ std::array<double, 3> label_colour(const CaseManifest& manifest, const std::stri
 
 }  // namespace
 
-LabelMap label_map_of(const ParsedCommand& parsed, const CaseManifest& manifest, Report& report,
-                      const Progress& progress) {
-  std::list<Field> fields;
-  std::vector<LabelledField> shapes;
+meshio::LabelMap label_map_of(const cli::ParsedCommand& parsed, const cases::CaseManifest& manifest, Report& report,
+                              const Progress& progress) {
+  std::list<grid::Field> fields;
+  std::vector<meshio::LabelledField> shapes;
   for (const std::string& item : items_of(parsed, "labels")) {
     const auto equals = item.find('=');
     if (equals == std::string::npos) export_usage("--labels", item + ": must be NAME=FIELD.nrrd");
     const std::string name = item.substr(0, equals);
     check_export_name("--labels", name);
-    for (const LabelledField& s : shapes)
+    for (const meshio::LabelledField& s : shapes)
       if (s.name == name) export_usage("--labels", name + ": is there twice");
-    fields.push_back(read_foreign_field(item.substr(equals + 1)));
+    fields.push_back(grid::read_foreign_field(item.substr(equals + 1)));
     shapes.push_back({&fields.back(), name, label_colour(manifest, name, shapes.size())});
     progress.check();
   }
-  return make_label_map(shapes, report, progress);
+  return meshio::make_label_map(shapes, report, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

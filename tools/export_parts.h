@@ -11,12 +11,12 @@
 #include "meshio/export_mesh.h"
 #include "meshio/label_map.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 /// What the parts of the command `export` share.
 
 /// Reads "a,b", given once or more.
-std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string& argument);
+std::vector<std::string> items_of(const cli::ParsedCommand& parsed, const std::string& argument);
 std::string with_commas(const std::vector<std::string>& words);
 
 /// Throw Error 64: a wrong use of a flag; a name that is none of those known; a name that cannot be a file's.
@@ -27,13 +27,13 @@ void check_export_name(const std::string& field, const std::string& name);
 
 /// What is exported. The meshes stay where they are.
 struct ExportInput {
-  std::list<TriMesh> meshes;
-  std::vector<ExportSurface> surfaces;
-  CaseManifest manifest;  ///< for a case
+  std::list<surface::TriMesh> meshes;
+  std::vector<meshio::ExportSurface> surfaces;
+  cases::CaseManifest manifest;  ///< for a case
 };
 
 /// The shapes of --labels as one map; colours are the case's, where there is one.
-LabelMap label_map_of(const ParsedCommand& parsed, const CaseManifest& manifest, Report& report,
-                      const Progress& progress);
+meshio::LabelMap label_map_of(const cli::ParsedCommand& parsed, const cases::CaseManifest& manifest, Report& report,
+                              const Progress& progress);
 
-}  // namespace trephine
+}  // namespace trephine::tools

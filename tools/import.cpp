@@ -14,7 +14,7 @@
 #include "stage_command.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 namespace {
 
@@ -27,7 +27,7 @@ struct ListParams {
   }
 };
 
-void check_usage(const ParsedCommand& parsed) {
+void check_usage(const cli::ParsedCommand& parsed) {
   const bool list = parsed.params<ListParams>().list;
   const auto contradicts = [](const char* field, const char* what) { throw Error(ExitCode::usage, "", field, what); };
   if (!list && !parsed.has("output")) contradicts("output", "is needed: give --output FILE.nrrd, or --list");
@@ -44,25 +44,25 @@ void write_private_file(const std::filesystem::path& file, const std::string& by
   ::umask(before);
 }
 
-ExitCode list(const ParsedCommand& parsed) {
+ExitCode list(const cli::ParsedCommand& parsed) {
   // First, so that it is there also where the list is refused.
-  if (parsed.has("file_map")) write_private_file(parsed.path("file_map"), scan_file_map(parsed.path("input")));
-  SeriesList found;
+  if (parsed.has("file_map")) write_private_file(parsed.path("file_map"), dicom::scan_file_map(parsed.path("input")));
+  dicom::SeriesList found;
   {
-    ProgressDisplay display(parsed.quiet);
-    found = list_series(parsed.path("input"), parsed.params<ImportParams>(), display.start("list"));
+    cli::ProgressDisplay display(parsed.quiet);
+    found = dicom::list_series(parsed.path("input"), parsed.params<dicom::ImportParams>(), display.start("list"));
     display.finish("list", "");
   }
-  if (parsed.has("json")) write_file(parsed.path("json"), list_json(found));
+  if (parsed.has("json")) write_file(parsed.path("json"), dicom::list_json(found));
   for (const std::string& w : found.folder.warnings) log_warning(w);
-  if (!parsed.quiet || !parsed.has("json")) std::cout << list_text(found);
+  if (!parsed.quiet || !parsed.has("json")) std::cout << dicom::list_text(found);
   return ExitCode::ok;
 }
 
 }  // namespace
 
-Command import_command() {
-  Command c;
+cli::Command import_command() {
+  cli::Command c;
   c.name = "import";
   c.summary = "reads a CT series (DICOM folder, ZIP archive) or a volume file into a volume in HU";
   c.description =
@@ -76,31 +76,33 @@ Command import_command() {
                 "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd",
                 "trephine import head.nii.gz --volume-values hu --output head.nrrd"};
-  Argument from;
+  cli::Argument from;
   from.name = "input";
-  from.kind = Argument::Kind::in_scan;
+  from.kind = cli::Argument::Kind::in_scan;
   from.help = "Folder (searched five levels deep), ZIP archive or file with the series.";
   from.required = from.positional = true;
-  Argument to;
+  cli::Argument to;
   to.name = "output";
-  to.kind = Argument::Kind::out_file;
+  to.kind = cli::Argument::Kind::out_file;
   to.help = "File for the volume (.nrrd); required except with --list.";
-  Argument json;
+  cli::Argument json;
   json.name = "json";
-  json.kind = Argument::Kind::out_file;
+  json.kind = cli::Argument::Kind::out_file;
   json.help = "With --list: write the table as JSON.";
-  Argument map;
+  cli::Argument map;
   map.name = "file_map";
-  map.kind = Argument::Kind::out_file;
+  map.kind = cli::Argument::Kind::out_file;
   map.help = "With --list: write which file has which number in messages, readable for its owner alone.";
   c.arguments = {from, to, report_argument(), json, map};
-  c.groups = {ParameterGroup::of<ImportParams>("Parameters"), ParameterGroup::of<ListParams>("Listing")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<dicom::ImportParams>("Parameters"),
+              cli::ParameterGroup::of<ListParams>("Listing")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     check_usage(parsed);
     if (parsed.params<ListParams>().list) return list(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      ImportResult result = import_series(parsed.path("input"), parsed.params<ImportParams>(), progress);
-      save_data(parsed.path("output"), std::make_shared<const HuVolume>(std::move(result.volume)));
+      dicom::ImportResult result =
+          dicom::import_series(parsed.path("input"), parsed.params<dicom::ImportParams>(), progress);
+      stages::save_data(parsed.path("output"), std::make_shared<const grid::HuVolume>(std::move(result.volume)));
       Report all = std::move(result.report);
       for (auto& f : result.folder.figures) all.figures.push_back(std::move(f));
       for (auto& w : result.folder.warnings) all.warnings.push_back(std::move(w));
@@ -111,4 +113,4 @@ Command import_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -8,7 +8,7 @@
 #include "lesson/approval.h"
 #include "publish/case_lock.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 struct ApproveParams {
@@ -24,9 +24,9 @@ struct ApproveParams {
 
 }  // namespace
 
-Command library_approve_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command library_approve_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "library approve";
   c.summary = "says that lessons may use a case, after a person has looked at it";
   c.description =
@@ -35,25 +35,26 @@ Command library_approve_command() {
       "case is checked as a simulator checks it.";
   c.examples = {"trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2",
                 "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
-  const Argument folder = positional_argument("case", Kind::in_folder, "The case's folder.");
-  const Argument by = required_argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
+  const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "The case's folder.");
+  const cli::Argument by =
+      cli::required_argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
   c.arguments = {folder, by};
-  c.groups = {ParameterGroup::of<ApproveParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<ApproveParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     const ApproveParams& p = parsed.params<ApproveParams>();
     const std::filesystem::path folder = parsed.path("case");
-    validate_token(parsed.text("by"), "--by");
+    lesson::validate_token(parsed.text("by"), "--by");
     // What is approved is what was checked: no run may publish another case in between. The lock's file would stay in a
     // folder that is no case.
-    std::optional<CaseLock> lock;
+    std::optional<publish::CaseLock> lock;
     if (std::filesystem::exists(folder / "case.json")) lock.emplace(folder);
     if (p.withdraw) {
-      const bool was = remove_approval(folder);
+      const bool was = lesson::remove_approval(folder);
       if (!parsed.quiet) std::cout << folder.string() << (was ? ": no longer approved\n" : ": was not approved\n");
       return ExitCode::ok;
     }
-    const LoadedCase loaded = load_case(folder, whole_case);
-    write_approval(folder, parsed.text("by"), p.difficulty_level);
+    const cases::LoadedCase loaded = cases::load_case(folder, cases::whole_case);
+    lesson::write_approval(folder, parsed.text("by"), p.difficulty_level);
     if (!parsed.quiet)
       std::cout << loaded.manifest.case_token << ": approved by " << parsed.text("by") << ", difficulty "
                 << p.difficulty_level << "\n";
@@ -62,4 +63,4 @@ Command library_approve_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -7,10 +7,10 @@
 #include "commands.h"
 #include "library_display.h"
 
-namespace trephine {
-Command library_build_command() {
-  using Kind = Argument::Kind;
-  Command c;
+namespace trephine::tools {
+cli::Command library_build_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "library build";
   c.summary = "brings every case of a library up to date";
   c.description =
@@ -23,25 +23,28 @@ Command library_build_command() {
                 "trephine library build LIBRARY.yaml --out library --dry-run",
                 "trephine library build LIBRARY.yaml --out library --why head-01",
                 "trephine library build LIBRARY.yaml --out library --set skull.decimate.max_deviation_mm=0.2"};
-  const Argument config = positional_argument("config", Kind::in_file, "The library's configuration (.yaml).");
-  const Argument out =
-      required_argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
-  Argument only = argument("case", Kind::text, "Build only this case.");
-  Argument why = argument("why", Kind::text, "Say why this case would be built, and build nothing.");
-  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value in every case.");
-  Argument phantom = argument("phantom", Kind::text, "Override parameter=value of every phantom.");
-  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configurations may lead to.");
+  const cli::Argument config =
+      cli::positional_argument("config", Kind::in_file, "The library's configuration (.yaml).");
+  const cli::Argument out =
+      cli::required_argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
+  cli::Argument only = cli::argument("case", Kind::text, "Build only this case.");
+  cli::Argument why = cli::argument("why", Kind::text, "Say why this case would be built, and build nothing.");
+  cli::Argument set = cli::argument("set", Kind::text, "Override anatomy.stage.parameter=value in every case.");
+  cli::Argument phantom = cli::argument("phantom", Kind::text, "Override parameter=value of every phantom.");
+  cli::Argument root =
+      cli::argument("root", Kind::in_folder, "A further folder that paths in the configurations may lead to.");
   only.repeated = why.repeated = set.repeated = phantom.repeated = root.repeated = true;
-  c.arguments = {config, out,
-                 only,   why,
-                 set,    phantom,
-                 root,   argument("json", Kind::out_file, "Also write here, as JSON, what was built and what failed.")};
-  c.groups = {ParameterGroup::of<LibraryBuildParams>("Parameters")};
-  c.only_looks = [](const ParsedCommand& parsed) {
-    return parsed.params<LibraryBuildParams>().dry_run || parsed.has("why");
+  c.arguments = {
+      config, out,
+      only,   why,
+      set,    phantom,
+      root,   cli::argument("json", Kind::out_file, "Also write here, as JSON, what was built and what failed.")};
+  c.groups = {cli::ParameterGroup::of<library::LibraryBuildParams>("Parameters")};
+  c.only_looks = [](const cli::ParsedCommand& parsed) {
+    return parsed.params<library::LibraryBuildParams>().dry_run || parsed.has("why");
   };
-  c.run = [](const ParsedCommand& parsed) {
-    LibraryBuildRequest request;
+  c.run = [](const cli::ParsedCommand& parsed) {
+    library::LibraryBuildRequest request;
     request.config = parsed.path("config");
     request.library = parsed.path("out");
     request.only = parsed.all("case");
@@ -49,12 +52,12 @@ Command library_build_command() {
     request.overrides.set = parsed.all("set");
     request.overrides.phantom = parsed.all("phantom");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
-    request.params = parsed.params<LibraryBuildParams>();
+    request.params = parsed.params<library::LibraryBuildParams>();
     request.program_version = "trephine " TREPHINE_VERSION;
-    LibraryBuildResult result;
+    library::LibraryBuildResult result;
     {
       LibraryDisplay display(parsed.quiet);
-      result = build_library(request, display);
+      result = library::build_library(request, display);
     }
     const bool asked = request.params.dry_run || !request.why.empty();
     if (asked || !parsed.quiet) {
@@ -70,4 +73,4 @@ Command library_build_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "cli/progress_display.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 struct LibraryDisplay::State {
   bool quiet = false, terminal = false, painted = false;
@@ -73,19 +73,19 @@ void LibraryDisplay::working(const std::vector<std::pair<std::string, std::strin
   const std::lock_guard<std::mutex> lock(state_->mutex);
   std::string text = std::to_string(done) + " of " + std::to_string(state_->jobs) + " done";
   if (failed > 0) text += ", " + std::to_string(failed) + " failed";
-  if (seconds_left >= 0) text += ", " + duration_text(seconds_left) + " left";
+  if (seconds_left >= 0) text += ", " + cli::duration_text(seconds_left) + " left";
   for (const auto& [job, stage] : running) text += " | " + job.substr(job.find('.') + 1) + " " + stage;
   state_->paint(text);
 }
 
-void LibraryDisplay::finished(const std::string& job, const JobResult& result) {
+void LibraryDisplay::finished(const std::string& job, const library::JobResult& result) {
   if (state_->quiet) return;
   const std::lock_guard<std::mutex> lock(state_->mutex);
   const std::string name = job.rfind("case.", 0) == 0 ? job.substr(5) : "phantom " + job.substr(job.find('.') + 1);
   std::string text =
-      name + ": " + duration_text(result.seconds) + ", " + to_text(static_cast<int>(result.memory_mb)) + " MB";
+      name + ": " + cli::duration_text(result.seconds) + ", " + to_text(static_cast<int>(result.memory_mb)) + " MB";
   if (result.code != 0) text = name + ": failed with " + std::to_string(result.code) + ": " + result.reason;
   state_->line(text);
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

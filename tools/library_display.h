@@ -4,12 +4,12 @@
 
 #include "library/build.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 /// Shows a library build on the terminal: one line that is repainted (cases done, failed and in work with their stages,
 /// time left), and a line that stays for each case that ended. Elsewhere than on a terminal it writes only the lines
 /// that stay; with `quiet` none.
-class LibraryDisplay : public LibraryObserver {
+class LibraryDisplay : public library::LibraryObserver {
  public:
   explicit LibraryDisplay(bool quiet);
   ~LibraryDisplay() override;
@@ -18,11 +18,11 @@ class LibraryDisplay : public LibraryObserver {
   void started(const std::string& job) override;
   void working(const std::vector<std::pair<std::string, std::string>>& running, int done, int failed,
                double seconds_left) override;
-  void finished(const std::string& job, const JobResult& result) override;
+  void finished(const std::string& job, const library::JobResult& result) override;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,22 +10,22 @@
 #include "library/keeping.h"
 #include "library/sheet.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
-Argument library_argument() {
-  return positional_argument("library", Argument::Kind::in_folder, "The library's folder.");
+cli::Argument library_argument() {
+  return cli::positional_argument("library", cli::Argument::Kind::in_folder, "The library's folder.");
 }
 
-Argument json_argument() {
-  Argument a;
+cli::Argument json_argument() {
+  cli::Argument a;
   a.name = "json";
-  a.kind = Argument::Kind::out_file;
+  a.kind = cli::Argument::Kind::out_file;
   a.help = "Also write the result as JSON here (/dev/stdout: instead of the table).";
   return a;
 }
 
-void tell(const ParsedCommand& parsed, const std::string& table, const std::string& json) {
+void tell(const cli::ParsedCommand& parsed, const std::string& table, const std::string& json) {
   const bool to_stdout = parsed.path("json") == "/dev/stdout";
   if (to_stdout)
     std::cout << json;
@@ -52,8 +52,8 @@ struct SheetParams {
 
 }  // namespace
 
-Command library_list_command() {
-  Command c;
+cli::Command library_list_command() {
+  cli::Command c;
   c.name = "library list";
   c.summary = "lists the cases of a library with their figures";
   c.description =
@@ -63,52 +63,54 @@ Command library_list_command() {
   c.examples = {"trephine library list library", "trephine library list library --class hydrocephalic",
                 "trephine library list library --json list.json --sheet"};
   c.arguments = {library_argument(), json_argument()};
-  c.groups = {ParameterGroup::of<LibraryFilter>("Filter"), ParameterGroup::of<SheetParams>("Contact sheet")};
-  c.run = [](const ParsedCommand& parsed) {
-    const std::vector<CaseRow> rows = read_library(parsed.path("library"), parsed.params<LibraryFilter>());
-    tell(parsed, library_table(rows), library_json(rows));
-    if (parsed.params<SheetParams>().sheet) make_sheet(parsed.path("library"));
+  c.groups = {cli::ParameterGroup::of<library::LibraryFilter>("Filter"),
+              cli::ParameterGroup::of<SheetParams>("Contact sheet")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    const std::vector<library::CaseRow> rows =
+        library::read_library(parsed.path("library"), parsed.params<library::LibraryFilter>());
+    tell(parsed, library::library_table(rows), library::library_json(rows));
+    if (parsed.params<SheetParams>().sheet) library::make_sheet(parsed.path("library"));
     return ExitCode::ok;
   };
   return c;
 }
 
-Command library_show_command() {
-  Command c;
+cli::Command library_show_command() {
+  cli::Command c;
   c.name = "library show";
   c.summary = "shows all figures of one case of a library";
   c.description =
       "Shows surfaces, felt shapes, landmarks, burr holes, the patient's figures, and the warnings of the case's run.";
   c.examples = {"trephine library show library head-01"};
-  const Argument token = positional_argument("case", Argument::Kind::text, "Name of the case.");
+  const cli::Argument token = cli::positional_argument("case", cli::Argument::Kind::text, "Name of the case.");
   c.arguments = {library_argument(), token, json_argument()};
-  c.run = [](const ParsedCommand& parsed) {
-    const CaseRow row = read_library_case(parsed.path("library"), parsed.text("case"));
-    tell(parsed, case_text(row), library_json({row}));
+  c.run = [](const cli::ParsedCommand& parsed) {
+    const library::CaseRow row = library::read_library_case(parsed.path("library"), parsed.text("case"));
+    tell(parsed, library::case_text(row), library::library_json({row}));
     return ExitCode::ok;
   };
   return c;
 }
 
-Command library_verify_command() {
-  Command c;
+cli::Command library_verify_command() {
+  cli::Command c;
   c.name = "library verify";
   c.summary = "compares every byte of a library's cases with their checksums";
   c.description = "Ends with exit code 65 where a case is damaged, and names every damaged case.";
   c.examples = {"trephine library verify library", "trephine library verify library --case head-01"};
-  Argument only;
+  cli::Argument only;
   only.name = "case";
-  only.kind = Argument::Kind::text;
+  only.kind = cli::Argument::Kind::text;
   only.help = "Only this case.";
   only.repeated = true;
   c.arguments = {library_argument(), only};
-  c.groups = {ParameterGroup::of<VerifyParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
-    VerifyResult result;
+  c.groups = {cli::ParameterGroup::of<VerifyParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    library::VerifyResult result;
     {
-      ProgressDisplay display(parsed.quiet);
-      result = verify_library(parsed.path("library"), parsed.all("case"), parsed.params<VerifyParams>().load,
-                              display.start("verify"));
+      cli::ProgressDisplay display(parsed.quiet);
+      result = library::verify_library(parsed.path("library"), parsed.all("case"), parsed.params<VerifyParams>().load,
+                                       display.start("verify"));
     }
     std::cout << result.table;
     return result.faults.empty() ? ExitCode::ok : ExitCode::bad_input;
@@ -116,8 +118,8 @@ Command library_verify_command() {
   return c;
 }
 
-Command library_gc_command() {
-  Command c;
+cli::Command library_gc_command() {
+  cli::Command c;
   c.name = "library gc";
   c.summary = "removes from a library what nothing refers to any more";
   c.description =
@@ -126,24 +128,27 @@ Command library_gc_command() {
       "No case is ever removed.";
   c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
   c.arguments = {library_argument()};
-  c.groups = {ParameterGroup::of<GcParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.groups = {cli::ParameterGroup::of<library::GcParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     const Progress progress([](double) {}, &cancel_requested());
-    const GcResult result = collect_garbage(parsed.path("library"), parsed.params<GcParams>(), progress);
+    const library::GcResult result =
+        library::collect_garbage(parsed.path("library"), parsed.params<library::GcParams>(), progress);
     std::cout << result.table;
     return ExitCode::ok;
   };
   return c;
 }
 
-Command library_job_command() {
-  Command c;
+cli::Command library_job_command() {
+  cli::Command c;
   c.name = "library job";
   c.summary = "does one job of a library build";
   c.hidden = true;
-  c.arguments = {positional_argument("name", Argument::Kind::text, "Which of the build's jobs.")};
-  c.run = [](const ParsedCommand& parsed) { return static_cast<ExitCode>(run_library_job(parsed.text("name"))); };
+  c.arguments = {cli::positional_argument("name", cli::Argument::Kind::text, "Which of the build's jobs.")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    return static_cast<ExitCode>(library::run_library_job(parsed.text("name")));
+  };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -6,11 +6,11 @@
 #include "schemas.h"
 #include "stage_command.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
-Program declare() {
-  Program program;
+cli::Program declare() {
+  cli::Program program;
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
@@ -21,10 +21,10 @@ Program declare() {
                       export_command(),       convert_command(),        phantom_command(),
                       rubric_command(),       library_approve_command()};
   // Stages as their declarations say, except those whose commands do more than run the stage.
-  std::vector<Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
-                              voxelize_command(), repair_command(),  register_command()};
-  for (const StageType& stage : stage_types()) {
-    const auto more = std::find_if(own.begin(), own.end(), [&](const Command& c) { return c.name == stage.name; });
+  std::vector<cli::Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
+                                   voxelize_command(), repair_command(),  register_command()};
+  for (const stages::StageType& stage : stages::stage_types()) {
+    const auto more = std::find_if(own.begin(), own.end(), [&](const cli::Command& c) { return c.name == stage.name; });
     program.commands.push_back(more == own.end() ? make_stage_command(stage) : *more);
   }
   program.files = {{"PREFIX/share/trephine/configs/*.yaml",
@@ -40,6 +40,6 @@ Program declare() {
 }
 
 }  // namespace
-}  // namespace trephine
+}  // namespace trephine::tools
 
-int main(int argc, char** argv) { return trephine::run_program("trephine", trephine::declare, argc, argv); }
+int main(int argc, char** argv) { return trephine::cli::run_program("trephine", trephine::tools::declare, argc, argv); }

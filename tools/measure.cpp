@@ -15,7 +15,7 @@
 #include "picture/deviation_picture.h"
 #include "stage_command.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 struct LabelParams {
@@ -40,15 +40,15 @@ struct LimitParams {
 };
 
 // A mask of the voxels that have the requested labels.
-Mask selected(Mask labels, const LabelParams& params) {
+grid::Mask selected(grid::Mask labels, const LabelParams& params) {
   const int first = params.label ? params.label : 1;
   const int last = !params.label ? 255 : std::max(params.label, params.last_label);
   for (std::uint8_t& v : labels.voxels) v = v >= first && v <= last;
   return labels;
 }
 
-Argument file_argument(const char* name, const char* help) {
-  Argument a;
+cli::Argument file_argument(const char* name, const char* help) {
+  cli::Argument a;
   a.name = name;
   a.help = help;
   return a;
@@ -62,10 +62,10 @@ phantom::Anatomy anatomy_named(const std::string& name) {
 }
 
 // A flag that would have no effect is refused.
-void check_flags(const ParsedCommand& parsed) {
+void check_flags(const cli::ParsedCommand& parsed) {
   if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
     throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
-  if (!parsed.has("reference") && (parsed.has("picture") || parsed.params<CertifyParams>().certify))
+  if (!parsed.has("reference") && (parsed.has("picture") || parsed.params<metrics::CertifyParams>().certify))
     throw Error(ExitCode::usage, "", parsed.has("picture") ? "--picture" : "--certify",
                 "is of a comparison, give --reference too");
   if (parsed.has("anatomy") && !parsed.has("truth"))
@@ -79,42 +79,43 @@ void check_flags(const ParsedCommand& parsed) {
 }
 
 // Reads a file of ours directly, and a file of another program by the reader of its format.
-TriMesh read_surface(const std::filesystem::path& file) {
-  if (file.extension() == ".vtp") return read_vtp(file);
+surface::TriMesh read_surface(const std::filesystem::path& file) {
+  if (file.extension() == ".vtp") return meshio::read_vtp(file);
   Report ignored;
-  return read_mesh_file(file, ignored);
+  return meshio::read_mesh_file(file, ignored);
 }
 
 // Measures the surface, or the field where the file is a .nrrd.
-Report measure_against_truth(const ParsedCommand& parsed, const Progress& progress) {
+Report measure_against_truth(const cli::ParsedCommand& parsed, const Progress& progress) {
   const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
   const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
-  const auto& params = parsed.params<MeasureParams>();
+  const auto& params = parsed.params<metrics::MeasureParams>();
   const auto known = [&] { return phantom::truth_surface(truth, anatomy, progress.part(0, 0.4)); };
   if (parsed.path("surface").extension() == ".nrrd") {
-    const Field field = read_foreign_field(parsed.path("surface"));
+    const grid::Field field = grid::read_foreign_field(parsed.path("surface"));
     return phantom::measure_against_truth(field, known(), params.sample_count, progress.part(0.4, 1));
   }
-  const TriMesh surface = read_surface(parsed.path("surface"));
+  const surface::TriMesh surface = read_surface(parsed.path("surface"));
   return phantom::measure_against_truth(surface, known(), params, progress.part(0.4, 1));
 }
 
-Report measure_against_mesh(const ParsedCommand& parsed, const TriMesh& mesh, const Progress& progress) {
-  const TriMesh reference = read_surface(parsed.path("reference"));
-  Report report =
-      measure_surface(mesh, MeshReference{&reference}, parsed.params<MeasureParams>(), progress.part(0, 0.4));
-  if (const auto& certify = parsed.params<CertifyParams>(); certify.certify)
-    add_certified(report, certify_deviation(mesh, reference, certify, progress.part(0.4, 0.8)));
+Report measure_against_mesh(const cli::ParsedCommand& parsed, const surface::TriMesh& mesh, const Progress& progress) {
+  const surface::TriMesh reference = read_surface(parsed.path("reference"));
+  Report report = metrics::measure_surface(mesh, metrics::MeshReference{&reference},
+                                           parsed.params<metrics::MeasureParams>(), progress.part(0, 0.4));
+  if (const auto& certify = parsed.params<metrics::CertifyParams>(); certify.certify)
+    metrics::add_certified(report, metrics::certify_deviation(mesh, reference, certify, progress.part(0.4, 0.8)));
   if (parsed.has("picture"))
-    write_file(parsed.path("picture"), encode_png(deviation_picture(mesh, reference, 0, progress.part(0.8, 1))));
+    write_file(parsed.path("picture"),
+               picture::encode_png(picture::deviation_picture(mesh, reference, 0, progress.part(0.8, 1))));
   return report;
 }
 
 }  // namespace
 
-Command measure_command() {
-  const StageType& stage = stage_named("measure");
-  Command c;
+cli::Command measure_command() {
+  const stages::StageType& stage = stages::stage_named("measure");
+  cli::Command c;
   c.name = stage.name;
   c.summary = stage.summary;
   c.description = stage.description +
@@ -122,16 +123,16 @@ Command measure_command() {
                   "surface (caps, where the scan cuts the surface, are left out); a field is compared with the truth "
                   "on its own voxels, with Dice, volume and, for a skull, how much too thick it is.";
   c.examples = stage.examples;
-  Argument surface = file_argument(
+  cli::Argument surface = file_argument(
       "surface",
       "Surface to measure (.vtp, .stl, .ply, .obj, .vtk, .glb); with --truth also the field of an anatomy (.nrrd).");
   surface.positional = surface.required = true;
-  Argument anatomy = file_argument("anatomy", "The anatomy of the truth that the surface or field shows.");
-  anatomy.kind = Argument::Kind::choice;
+  cli::Argument anatomy = file_argument("anatomy", "The anatomy of the truth that the surface or field shows.");
+  anatomy.kind = cli::Argument::Kind::choice;
   for (const phantom::Anatomy a : phantom::all_anatomies) anatomy.choices.push_back(phantom::name_of(a));
-  Argument picture = file_argument(
+  cli::Argument picture = file_argument(
       "picture", "With --reference: the surface coloured by its distance to it, red outside, blue inside (.png).");
-  picture.kind = Argument::Kind::out_file;
+  picture.kind = cli::Argument::Kind::out_file;
   c.arguments = {surface,
                  file_argument("reference", "Surface to compare with, in the same formats."),
                  file_argument("labels", "Labels to compare with (.nrrd)."),
@@ -140,23 +141,24 @@ Command measure_command() {
                  picture,
                  report_argument()};
   c.groups = {{"Parameters", stage.make_params},
-              ParameterGroup::of<LabelParams>("Labels"),
-              ParameterGroup::of<CertifyParams>("Proof"),
-              ParameterGroup::of<LimitParams>("Limit")};
-  c.run = [](const ParsedCommand& parsed) {
+              cli::ParameterGroup::of<LabelParams>("Labels"),
+              cli::ParameterGroup::of<metrics::CertifyParams>("Proof"),
+              cli::ParameterGroup::of<LimitParams>("Limit")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     check_flags(parsed);
     const auto measure = [&](const Progress& progress) -> Report {
       if (parsed.has("truth")) return measure_against_truth(parsed, progress);
       if (parsed.path("surface").extension() == ".nrrd")
         throw Error(ExitCode::usage, parsed.path("surface").string(), "--truth",
                     "is needed for a field: it is measured against a phantom's truth alone");
-      const TriMesh mesh = read_surface(parsed.path("surface"));
-      const auto& params = parsed.params<MeasureParams>();
+      const surface::TriMesh mesh = read_surface(parsed.path("surface"));
+      const auto& params = parsed.params<metrics::MeasureParams>();
       if (parsed.has("labels")) {
-        const Mask labels = selected(read_foreign_mask(parsed.path("labels")), parsed.params<LabelParams>());
-        return measure_surface(mesh, LabelReference{&labels, 0}, params, progress);
+        const grid::Mask labels =
+            selected(grid::read_foreign_mask(parsed.path("labels")), parsed.params<LabelParams>());
+        return metrics::measure_surface(mesh, metrics::LabelReference{&labels, 0}, params, progress);
       }
-      if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);
+      if (!parsed.has("reference")) return metrics::measure_surface(mesh, {}, params, progress);
       return measure_against_mesh(parsed, mesh, progress);
     };
     run_with_report(parsed, [&](const Progress& progress) {
@@ -168,4 +170,4 @@ Command measure_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -5,7 +5,7 @@
 #include "base/params.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 std::pair<std::string, std::string> named_value(const std::string& flag, const std::string& text) {
   const std::size_t equals = text.find('=');
@@ -26,7 +26,7 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   return std::get<std::vector<double>>(value);
 }
 
-bool holds_hu(const NrrdKeys& keys) {
+bool holds_hu(const grid::NrrdKeys& keys) {
   const auto content = keys.find("content");
   return content != keys.end() && content->second == "HU";
 }
@@ -61,4 +61,4 @@ std::vector<std::pair<std::string, std::filesystem::path>> named_paths(const std
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -9,7 +9,7 @@
 #include "base/vec3.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::tools {
 
 /// Splits "skull=skull.vtp" into skull and skull.vtp. Throws Error 64 naming the flag where the name or the value is
 /// missing.
@@ -29,6 +29,6 @@ std::vector<std::pair<std::string, std::filesystem::path>> named_paths(const std
                                                                        const std::vector<std::string>& texts);
 
 /// Whether the file is a volume as `import` writes it, which must not be taken for a field.
-bool holds_hu(const NrrdKeys& keys);
+bool holds_hu(const grid::NrrdKeys& keys);
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,24 +10,24 @@
 #include "commands.h"
 #include "publish/case_lock.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 namespace fs = std::filesystem;
 
 // Beside its case the page belongs to what the folder holds now, so no run may change that meanwhile.
-fs::path write_beside_case(const fs::path& folder, const PageParams& params, const Progress& progress) {
-  const CaseLock lock(folder);
-  const std::string page = make_case_page(folder, params, progress);
+fs::path write_beside_case(const fs::path& folder, const page::PageParams& params, const Progress& progress) {
+  const publish::CaseLock lock(folder);
+  const std::string page = page::make_case_page(folder, params, progress);
   make_output_folder(folder / "report");
-  write_file(folder / "report" / page_file, page);
-  return folder / "report" / page_file;
+  write_file(folder / "report" / page::page_file, page);
+  return folder / "report" / page::page_file;
 }
 
 }  // namespace
 
-Command page_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command page_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "page";
   c.summary = "makes the page of a case, which shows it in a browser";
   c.description =
@@ -39,18 +39,19 @@ Command page_command() {
       "checks it. Deviations and warnings are shown where the case's report folder holds them.";
   c.examples = {"trephine page library/head-01", "trephine page library/head-01 --output head-01.html",
                 "trephine page library/head-01 --max-mb 12"};
-  const Argument folder = positional_argument("case", Kind::in_folder, "The case's folder.");
-  c.arguments = {folder, argument("output", Kind::out_file, "Write the page here, instead of CASE/report/view.html.")};
-  c.groups = {ParameterGroup::of<PageParams>("Page")};
-  c.run = [](const ParsedCommand& parsed) {
+  const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "The case's folder.");
+  c.arguments = {folder,
+                 cli::argument("output", Kind::out_file, "Write the page here, instead of CASE/report/view.html.")};
+  c.groups = {cli::ParameterGroup::of<page::PageParams>("Page")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     fs::path written = parsed.path("output");
     {
-      ProgressDisplay display(parsed.quiet);
+      cli::ProgressDisplay display(parsed.quiet);
       const Progress progress = display.start("page");
       if (written.empty())
-        written = write_beside_case(parsed.path("case"), parsed.params<PageParams>(), progress);
+        written = write_beside_case(parsed.path("case"), parsed.params<page::PageParams>(), progress);
       else
-        write_file(written, make_case_page(parsed.path("case"), parsed.params<PageParams>(), progress));
+        write_file(written, page::make_case_page(parsed.path("case"), parsed.params<page::PageParams>(), progress));
       display.finish("page", "");
     }
     if (!parsed.quiet)
@@ -61,4 +62,4 @@ Command page_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -4,11 +4,10 @@
 #include "commands.h"
 #include "stage_command.h"
 
-namespace trephine {
+namespace trephine::tools {
 
-Command phantom_command() {
-  using namespace phantom;
-  Command c;
+cli::Command phantom_command() {
+  cli::Command c;
   c.name = "phantom";
   c.summary = "makes a synthetic head, spine or chest as a CT series, with its truth";
   c.description =
@@ -26,33 +25,34 @@ Command phantom_command() {
                 "trephine phantom spine --body spine --columns-count 256 --rows-count 256 --field-of-view-mm 240",
                 "trephine phantom chest --body chest --columns-count 256 --rows-count 256 --field-of-view-mm 330 "
                 "--slices-count 112"};
-  Argument out;
+  cli::Argument out;
   out.name = "folder";
-  out.kind = Argument::Kind::out_folder;
+  out.kind = cli::Argument::Kind::out_folder;
   out.help = "Folder in which dicom/ and truth/ are made.";
   out.required = out.positional = true;
   c.arguments = {out, report_argument()};
-  c.groups = {ParameterGroup::of<BodyParams>("Body"),
-              ParameterGroup::of<HeadParams>("Head"),
-              ParameterGroup::of<HardParams>("Hard"),
-              ParameterGroup::of<ScanParams>("Scanner"),
-              ParameterGroup::of<SeriesParams>("Series"),
-              ParameterGroup::of<TruthParams>("Truth"),
-              ParameterGroup::of<SecondScanParams>("Second scan")};
-  c.run = [](const ParsedCommand& parsed) {
-    PhantomParams params;
-    params.body = parsed.params<BodyParams>();
-    params.head = parsed.params<HeadParams>();
-    params.head.hard = parsed.params<HardParams>();
-    params.scan = parsed.params<ScanParams>();
-    params.series = parsed.params<SeriesParams>();
-    params.truth = parsed.params<TruthParams>();
-    params.second = parsed.params<SecondScanParams>();
-    run_with_report(parsed,
-                    [&](const Progress& progress) { return make_phantom(parsed.path("folder"), params, progress); });
+  c.groups = {cli::ParameterGroup::of<phantom::BodyParams>("Body"),
+              cli::ParameterGroup::of<phantom::HeadParams>("Head"),
+              cli::ParameterGroup::of<phantom::HardParams>("Hard"),
+              cli::ParameterGroup::of<phantom::ScanParams>("Scanner"),
+              cli::ParameterGroup::of<phantom::SeriesParams>("Series"),
+              cli::ParameterGroup::of<phantom::TruthParams>("Truth"),
+              cli::ParameterGroup::of<phantom::SecondScanParams>("Second scan")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    phantom::PhantomParams params;
+    params.body = parsed.params<phantom::BodyParams>();
+    params.head = parsed.params<phantom::HeadParams>();
+    params.head.hard = parsed.params<phantom::HardParams>();
+    params.scan = parsed.params<phantom::ScanParams>();
+    params.series = parsed.params<phantom::SeriesParams>();
+    params.truth = parsed.params<phantom::TruthParams>();
+    params.second = parsed.params<phantom::SecondScanParams>();
+    run_with_report(parsed, [&](const Progress& progress) {
+      return phantom::make_phantom(parsed.path("folder"), params, progress);
+    });
     return ExitCode::ok;
   };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

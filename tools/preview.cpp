@@ -14,14 +14,14 @@
 #include "named_values.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-class DisplayObserver : public RunObserver {
+class DisplayObserver : public pipeline::RunObserver {
  public:
-  explicit DisplayObserver(ProgressDisplay& display) : display_(display) {}
+  explicit DisplayObserver(cli::ProgressDisplay& display) : display_(display) {}
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
   void finished(const std::string& node, const std::string& how, double, const Report&) override {
@@ -29,7 +29,7 @@ class DisplayObserver : public RunObserver {
   }
 
  private:
-  ProgressDisplay& display_;
+  cli::ProgressDisplay& display_;
 };
 
 bool ends_with(const std::string& text, const std::string& end) {
@@ -37,34 +37,34 @@ bool ends_with(const std::string& text, const std::string& end) {
 }
 
 /// A file of a single tool, or of run --keep.
-StageData load_result(const fs::path& file) {
+stages::StageData load_result(const fs::path& file) {
   const std::string name = file.filename().string();
-  if (ends_with(name, ".vtp")) return load_data(file, DataKind::mesh);
+  if (ends_with(name, ".vtp")) return stages::load_data(file, stages::DataKind::mesh);
   if (ends_with(name, ".json")) {
     try {
-      return load_data(file, DataKind::cutters);
+      return stages::load_data(file, stages::DataKind::cutters);
     } catch (const Error&) {
-      return load_data(file, DataKind::landmarks);
+      return stages::load_data(file, stages::DataKind::landmarks);
     }
   }
   if (ends_with(name, ".seg.nrrd") || ends_with(name, ".nii.gz") || ends_with(name, ".nii"))
-    return load_data(file, DataKind::labels);
-  if (ends_with(name, ".nrrd")) return load_field_or_volume(file);
+    return stages::load_data(file, stages::DataKind::labels);
+  if (ends_with(name, ".nrrd")) return stages::load_field_or_volume(file);
   throw Error(ExitCode::usage, file.string(), "input", "must be .yaml, .nrrd, .vtp, .json, .seg.nrrd or .nii.gz");
 }
 
-Preview preview_file(const ParsedCommand& parsed, const Progress& progress) {
+publish::Preview preview_file(const cli::ParsedCommand& parsed, const Progress& progress) {
   const fs::path file = parsed.path("input");
-  const StageData data = load_result(file);
-  std::optional<HuVolume> volume;
-  if (parsed.has("volume")) volume = read_foreign_hu(parsed.path("volume"));
+  const stages::StageData data = load_result(file);
+  std::optional<grid::HuVolume> volume;
+  if (parsed.has("volume")) volume = grid::read_foreign_hu(parsed.path("volume"));
   return with_file(file.string(), [&] {
-    return draw_preview(file.stem().string(), data, volume ? &*volume : nullptr, parsed.params<PreviewParams>(),
-                        progress);
+    return publish::draw_preview(file.stem().string(), data, volume ? &*volume : nullptr,
+                                 parsed.params<publish::PreviewParams>(), progress);
   });
 }
 
-void check_flags(const ParsedCommand& parsed, bool of_config) {
+void check_flags(const cli::ParsedCommand& parsed, bool of_config) {
   if (of_config && parsed.has("volume")) throw Error(ExitCode::usage, "", "--volume", "is for a result's file");
   for (const char* flag : {"series", "scan", "set", "root", "landmarks", "cache"})
     if (!of_config && parsed.has(flag))
@@ -76,9 +76,9 @@ void check_flags(const ParsedCommand& parsed, bool of_config) {
 
 }  // namespace
 
-Command preview_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command preview_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "preview";
   c.summary = "draws a stage's result on three slices and as a small surface";
   c.description =
@@ -94,43 +94,45 @@ Command preview_command() {
                 "trephine preview configs/ct_head.yaml --series FOLDER --stage skull.segment "
                 "--set skull.segment.lower_hu=300 --cache tries --output skull.png",
                 "trephine preview skull.nrrd --volume head.nrrd --output skull.png"};
-  Argument input =
-      argument("input", Kind::in_file, "A configuration (.yaml), or a result's file (.nrrd, .vtp, .json).");
-  Argument output = argument("output", Kind::out_file, "Where the picture goes (.png).");
+  cli::Argument input =
+      cli::argument("input", Kind::in_file, "A configuration (.yaml), or a result's file (.nrrd, .vtp, .json).");
+  cli::Argument output = cli::argument("output", Kind::out_file, "Where the picture goes (.png).");
   input.positional = input.required = output.required = true;
-  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, as for `run`.");
-  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
-  Argument scan = argument("scan", Kind::text,
-                           "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
+  cli::Argument set = cli::argument("set", Kind::text, "Override anatomy.stage.parameter=value, as for `run`.");
+  cli::Argument root =
+      cli::argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  cli::Argument scan = cli::argument(
+      "scan", Kind::text, "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
   set.repeated = root.repeated = scan.repeated = true;
-  c.arguments = {input,
-                 output,
-                 argument("volume", Kind::in_file, "Of a result's file: the CT volume that the slices show (.nrrd)."),
-                 argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
-                 argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
-                 scan,
-                 set,
-                 root,
-                 argument("cache", Kind::out_folder, "Folder of the stage cache, such as LIBRARY/.trephine-cache.")};
-  c.groups = {ParameterGroup::of<PreviewParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
+  c.arguments = {
+      input,
+      output,
+      cli::argument("volume", Kind::in_file, "Of a result's file: the CT volume that the slices show (.nrrd)."),
+      cli::argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
+      cli::argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
+      scan,
+      set,
+      root,
+      cli::argument("cache", Kind::out_folder, "Folder of the stage cache, such as LIBRARY/.trephine-cache.")};
+  c.groups = {cli::ParameterGroup::of<publish::PreviewParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
     const bool of_config = parsed.path("input").extension() == ".yaml" || parsed.path("input").extension() == ".yml";
     check_flags(parsed, of_config);
-    Preview made;
+    publish::Preview made;
     {
-      ProgressDisplay display(parsed.quiet);
+      cli::ProgressDisplay display(parsed.quiet);
       if (of_config) {
-        PreviewRequest request;
+        publish::PreviewRequest request;
         request.config = parsed.path("input");
         request.overrides.series = parsed.path("series");
         request.overrides.landmarks = parsed.path("landmarks");
         request.overrides.set = parsed.all("set");
         request.overrides.scans = named_paths("--scan", parsed.all("scan"));
         for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
-        request.params = parsed.params<PreviewParams>();
+        request.params = parsed.params<publish::PreviewParams>();
         request.cache = parsed.path("cache");
         DisplayObserver observer(display);
-        made = preview_stage(request, observer);
+        made = publish::preview_stage(request, observer);
       } else {
         made = preview_file(parsed, display.start("preview"));
         display.finish("preview", "");
@@ -139,10 +141,10 @@ Command preview_command() {
     write_file(parsed.path("output"), made.png);
     for (const std::string& w : made.report.warnings) log_warning(w);
     made.report.warnings.clear();
-    if (!parsed.quiet) std::cout << report_text(made.report);
+    if (!parsed.quiet) std::cout << stages::report_text(made.report);
     return ExitCode::ok;
   };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

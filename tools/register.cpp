@@ -13,14 +13,14 @@
 #include "stage_command.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 constexpr int square_px = 40, side_px = 640;
 
 // The window of grey values in which the middle 98 % of a scan's tissue is seen.
-SliceParams window_of(const HuVolume& volume, bool is_hu) {
-  SliceParams p;
+picture::SliceParams window_of(const grid::HuVolume& volume, bool is_hu) {
+  picture::SliceParams p;
   p.longer_side_px = side_px;
   p.marks = false;
   if (is_hu) return p;
@@ -38,10 +38,10 @@ SliceParams window_of(const HuVolume& volume, bool is_hu) {
 }
 
 // The voxels above a value as a field, of which a slice shows the outline.
-Field above(const HuVolume& volume, float value) {
+grid::Field above(const grid::HuVolume& volume, float value) {
   return std::visit(
       [&](const auto& grid) {
-        Field field(static_cast<const Lattice&>(grid));
+        grid::Field field(static_cast<const grid::Lattice&>(grid));
         for (std::size_t i = 0; i < grid.voxels.size(); ++i)
           field.voxels[i] = static_cast<float>(grid.voxels[i]) - value;
         return field;
@@ -50,35 +50,36 @@ Field above(const HuVolume& volume, float value) {
 }
 
 // Three slices through the middle: a checkerboard of both scans, and the second scan with the CT's bone and skin on it.
-Image overlay_picture(const HuVolume& ct, const HuVolume& second, bool second_is_hu) {
-  const Field bone = above(ct, 226), skin = above(ct, -300);
-  const Lattice& lattice = lattice_of(ct);
+picture::Image overlay_picture(const grid::HuVolume& ct, const grid::HuVolume& second, bool second_is_hu) {
+  const grid::Field bone = above(ct, 226), skin = above(ct, -300);
+  const grid::Lattice& lattice = grid::lattice_of(ct);
   const Vec3 middle =
       lattice.to_world_mm({(lattice.size[0] - 1) / 2.0, (lattice.size[1] - 1) / 2.0, (lattice.size[2] - 1) / 2.0});
-  std::vector<Image> cells;
-  for (const SlicePlane plane : {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal}) {
-    SliceParams p = window_of(ct, true), q = window_of(second, second_is_hu);
+  std::vector<picture::Image> cells;
+  for (const picture::SlicePlane plane :
+       {picture::SlicePlane::axial, picture::SlicePlane::coronal, picture::SlicePlane::sagittal}) {
+    picture::SliceParams p = window_of(ct, true), q = window_of(second, second_is_hu);
     p.plane = q.plane = plane;
-    p.position_mm = q.position_mm = plane == SlicePlane::axial     ? middle.z
-                                    : plane == SlicePlane::coronal ? middle.y
-                                                                   : middle.x;
-    Image board = slice_overlay(ct, p, {});
-    const Image other = slice_overlay(second, q, {});
+    p.position_mm = q.position_mm = plane == picture::SlicePlane::axial     ? middle.z
+                                    : plane == picture::SlicePlane::coronal ? middle.y
+                                                                            : middle.x;
+    picture::Image board = picture::slice_overlay(ct, p, {});
+    const picture::Image other = picture::slice_overlay(second, q, {});
     for (int y = 0; y < board.height; ++y)
       for (int x = 0; x < board.width; ++x)
         if ((x / square_px + y / square_px) % 2) std::copy_n(other.at(x, y), 3, board.at(x, y));
     cells.push_back(std::move(board));
     q.marks = true;
-    cells.push_back(slice_overlay(
+    cells.push_back(picture::slice_overlay(
         second, q,
         {{nullptr, {1, 0.8, 0.2}, "bone of the CT", &bone}, {nullptr, {0.3, 0.8, 1}, "skin of the CT", &skin}}));
   }
-  return contact_sheet(cells, 2);
+  return picture::contact_sheet(cells, 2);
 }
 
-LinearMap map_of(const Report& report) {
+itk::LinearMap map_of(const Report& report) {
   const auto& rows = std::get<std::vector<double>>(*report.find("transform"));
-  LinearMap map;
+  itk::LinearMap map;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) map.matrix.column[k][i] = rows[static_cast<std::size_t>(4 * i + k)];
     map.offset_mm[i] = rows[static_cast<std::size_t>(4 * i + 3)];
@@ -88,35 +89,37 @@ LinearMap map_of(const Report& report) {
 
 }  // namespace
 
-Command register_command() {
-  const StageType& stage = stage_named("register");
-  Command c = make_stage_command(stage);
-  for (Argument& a : c.arguments)
+cli::Command register_command() {
+  const stages::StageType& stage = stages::stage_named("register");
+  cli::Command c = make_stage_command(stage);
+  for (cli::Argument& a : c.arguments)
     if (a.name == "moving") a.positional = true;
-  c.arguments.push_back(argument(
-      "transform", Argument::Kind::out_file,
+  c.arguments.push_back(cli::argument(
+      "transform", cli::Argument::Kind::out_file,
       "Write the transform, from the CT to the second scan, as 3D Slicer and ITK read it (.tfm, or .h5: HDF5)."));
-  c.arguments.push_back(argument(
-      "picture", Argument::Kind::out_file,
+  c.arguments.push_back(cli::argument(
+      "picture", cli::Argument::Kind::out_file,
       "Write slices of both scans as a checkerboard, and with the CT's outlines (.png); also "
       "of a doubtful result, so that it can be seen what is wrong. It shows the face of whoever was scanned: keep it "
       "as you keep the scans."));
-  c.run = [stage](const ParsedCommand& parsed) {
-    const auto& params = parsed.params<RegistrationParams>();
+  c.run = [stage](const cli::ParsedCommand& parsed) {
+    const auto& params = parsed.params<itk::RegistrationParams>();
     if (parsed.path("output").extension() != ".nrrd")
       throw Error(ExitCode::usage, parsed.text("output"), "output", "must end in .nrrd");
-    if (parsed.has("transform") && !is_transform_file(parsed.path("transform")))
+    if (parsed.has("transform") && !itk::is_transform_file(parsed.path("transform")))
       throw Error(ExitCode::usage, parsed.text("transform"), "transform", "must end in .tfm or .h5");
     run_with_report(parsed, [&](const Progress& progress) {
-      const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
+      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
       Report report;
-      StageData made;
+      stages::StageData made;
       const auto picture = [&] {
         if (!parsed.has("picture")) return;
-        const HuVolume &ct = *inputs.get<HuVolume>("volume"), &moving = *inputs.get<HuVolume>("moving");
-        const bool is_hu = params.moving == MovingValues::hu;
-        const HuVolume second = resample_onto(moving, lattice_of(ct), map_of(report), is_hu ? -1000.0f : 0.0f);
-        write_file(parsed.path("picture"), encode_png(overlay_picture(ct, second, is_hu)));
+        const grid::HuVolume &ct = *inputs.get<grid::HuVolume>("volume"),
+                             &moving = *inputs.get<grid::HuVolume>("moving");
+        const bool is_hu = params.moving == itk::MovingValues::hu;
+        const grid::HuVolume second =
+            itk::resample_onto(moving, grid::lattice_of(ct), map_of(report), is_hu ? -1000.0f : 0.0f);
+        write_file(parsed.path("picture"), picture::encode_png(overlay_picture(ct, second, is_hu)));
       };
       try {
         made = stage.run(parsed.groups[0], inputs, report, progress.part(0.1, 0.95));
@@ -125,8 +128,8 @@ Command register_command() {
         throw;
       }
       picture();
-      if (parsed.has("transform")) write_transform(parsed.path("transform"), map_of(report));
-      save_data(parsed.path("output"), made);
+      if (parsed.has("transform")) itk::write_transform(parsed.path("transform"), map_of(report));
+      stages::save_data(parsed.path("output"), made);
       return report;
     });
     return ExitCode::ok;
@@ -134,4 +137,4 @@ Command register_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -9,11 +9,11 @@
 #include "lessons/rubric_types.h"
 #include "rubric_file.h"
 
-namespace trephine {
+namespace trephine::tools {
 
-Command rubric_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command rubric_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "rubric";
   c.summary = "checks a rubric, by which lessons are scored, and compiles it for the simulator";
   c.description =
@@ -22,13 +22,14 @@ Command rubric_command() {
       "that this command writes, which is checked and carries the SHA-256 of what it says. docs/lessons.md tells what "
       "each row measures.";
   c.examples = {"trephine rubric configs/rubrics/ventriculostomy.yaml --output ventriculostomy.rubric.json"};
-  const Argument file = positional_argument("config", Kind::in_file, "The rubric (.yaml).");
-  const Argument output = required_argument("output", Kind::out_file, "Write the compiled rubric here.");
+  const cli::Argument file = cli::positional_argument("config", Kind::in_file, "The rubric (.yaml).");
+  const cli::Argument output = cli::required_argument("output", Kind::out_file, "Write the compiled rubric here.");
   c.arguments = {file, output};
-  c.run = [](const ParsedCommand& parsed) {
+  c.run = [](const cli::ParsedCommand& parsed) {
     const std::filesystem::path from = parsed.path("config");
-    const std::string json = compile_rubric(read_rubric_yaml(from));
-    const CompiledRubric again = read_rubric(json, rubric_types());  // what is written is what will be read
+    const std::string json = lesson::compile_rubric(read_rubric_yaml(from));
+    const lesson::CompiledRubric again =
+        lesson::read_rubric(json, lessons::rubric_types());  // what is written is what will be read
     write_file(parsed.path("output"), json);
     if (!parsed.quiet) std::cout << parsed.text("output") << "  rubric " << again.sha256.substr(0, 16) << "\n";
     return ExitCode::ok;
@@ -36,4 +37,4 @@ Command rubric_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

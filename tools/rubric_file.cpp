@@ -7,12 +7,12 @@
 #include "config/declared.h"
 #include "lessons/rubric_types.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
-ParameterSet file_set(const RubricType& type) {
+ParameterSet file_set(const lesson::RubricType& type) {
   ParameterSet set;
-  for (const Parameter& p : parameters_of<VersionParams>().parameters)
+  for (const Parameter& p : parameters_of<config::VersionParams>().parameters)
     set.parameters.push_back(
         parameter_of_holder(p, [](void* file) -> void* { return &static_cast<RubricFile*>(file)->version; }));
   const ParameterSet& rubric = *type.make().set;
@@ -27,8 +27,8 @@ ParameterSet file_set(const RubricType& type) {
   return set;
 }
 
-const RubricType* find_type(const YamlNode& module, std::string& known) {
-  for (const RubricType& t : rubric_types()) {
+const lesson::RubricType* find_type(const config::YamlNode& module, std::string& known) {
+  for (const lesson::RubricType& t : lessons::rubric_types()) {
     if (t.module == module.text) return &t;
     known += (known.empty() ? "" : ", ") + t.module;
   }
@@ -37,10 +37,10 @@ const RubricType* find_type(const YamlNode& module, std::string& known) {
 
 }  // namespace
 
-AnyParams rubric_file_params(const RubricType& type) {
+AnyParams rubric_file_params(const lesson::RubricType& type) {
   static const std::map<std::string, ParameterSet> sets = [] {
     std::map<std::string, ParameterSet> all;
-    for (const RubricType& t : rubric_types()) all.emplace(t.module, file_set(t));
+    for (const lesson::RubricType& t : lessons::rubric_types()) all.emplace(t.module, file_set(t));
     return all;
   }();
   const ParameterSet& set = sets.at(type.module);
@@ -48,11 +48,11 @@ AnyParams rubric_file_params(const RubricType& type) {
 }
 
 AnyParams read_rubric_yaml(const std::filesystem::path& file) {
-  ConfigFaults faults;
-  const YamlNode tree = read_yaml(file);
-  const RubricType* type = &rubric_types().front();  // where the file names none, that is its fault
-  const YamlNode* module = tree.kind == YamlNode::Kind::map ? tree.find("module") : nullptr;
-  if (module && module->kind == YamlNode::Kind::scalar) {
+  config::ConfigFaults faults;
+  const config::YamlNode tree = config::read_yaml(file);
+  const lesson::RubricType* type = &lessons::rubric_types().front();  // where the file names none, that is its fault
+  const config::YamlNode* module = tree.kind == config::YamlNode::Kind::map ? tree.find("module") : nullptr;
+  if (module && module->kind == config::YamlNode::Kind::scalar) {
     std::string known;
     type = find_type(*module, known);
     if (!type) {
@@ -61,9 +61,9 @@ AnyParams read_rubric_yaml(const std::filesystem::path& file) {
     }
   }
   const AnyParams said = rubric_file_params(*type);
-  read_declared({file, faults, {}, {}}, tree, *said.set, said.object.get());
+  config::read_declared({file, faults, {}, {}}, tree, *said.set, said.object.get());
   faults.raise();
   return static_cast<const RubricFile*>(said.object.get())->rubric;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -9,18 +9,18 @@
 #include "named_values.h"
 #include "publish/run_case.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 // Shows the run's stages on the terminal.
-class DisplayObserver : public RunObserver {
+class DisplayObserver : public pipeline::RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : quiet_(quiet), display_(quiet) {}
   void kept(const std::filesystem::path& folder) override {
     if (!quiet_) log_line("what was made is kept for looking in " + folder.string());
   }
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override { display_.plan(expected_s); }
-  void publishing() override { display_.start(publishing_step); }
+  void publishing() override { display_.start(publish::publishing_step); }
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
   void finished(const std::string& node, const std::string& how, double, const Report& report) override {
@@ -32,7 +32,7 @@ class DisplayObserver : public RunObserver {
 
  private:
   bool quiet_;
-  ProgressDisplay display_;
+  cli::ProgressDisplay display_;
 };
 
 struct ExplainParams {
@@ -47,9 +47,9 @@ struct ExplainParams {
 
 }  // namespace
 
-Command run_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command run_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "run";
   c.summary = "builds a patient case from a CT series, as a configuration describes it";
   c.description =
@@ -60,35 +60,40 @@ Command run_command() {
   c.examples = {"trephine run configs/sample.yaml --out out",
                 "trephine run configs/ct_head.yaml --series DICOM-FOLDER --out library --case head-01",
                 "trephine run configs/sample.yaml --out out --set skull.decimate.max_deviation_mm=0.2"};
-  const Argument config = positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
-  const Argument out =
-      required_argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
-  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
-  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
-  Argument scan = argument("scan", Kind::text,
-                           "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
+  const cli::Argument config = cli::positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  const cli::Argument out =
+      cli::required_argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
+  cli::Argument set =
+      cli::argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
+  cli::Argument root =
+      cli::argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  cli::Argument scan = cli::argument(
+      "scan", Kind::text, "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
   set.repeated = root.repeated = scan.repeated = true;
-  Argument modality = argument("modality", Kind::choice,
-                               "ct says that the values of a volume file that is no DICOM (--series head.nii.gz) are "
-                               "HU; the same as --set import.volume_values=hu.");
+  cli::Argument modality =
+      cli::argument("modality", Kind::choice,
+                    "ct says that the values of a volume file that is no DICOM (--series head.nii.gz) are "
+                    "HU; the same as --set import.volume_values=hu.");
   modality.choices = {"ct"};
-  c.arguments = {config,
-                 out,
-                 argument("series", Kind::in_scan,
-                          "Folder, ZIP archive or volume file with the CT; overrides the configuration's."),
-                 modality,
-                 argument("landmarks", Kind::in_file,
-                          "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
-                 scan,
-                 set,
-                 root,
-                 argument("keep", Kind::out_folder, "Also write the output of every stage into this folder."),
-                 argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
-                 argument("json", Kind::out_file, "Also write run.json (times, reports, memory) here.")};
-  c.groups = {ParameterGroup::of<RunParams>("Parameters"), ParameterGroup::of<ExplainParams>("Explanation")};
-  c.only_looks = [](const ParsedCommand& parsed) { return parsed.params<ExplainParams>().explain; };
-  c.run = [](const ParsedCommand& parsed) {
-    RunRequest request;
+  c.arguments = {
+      config,
+      out,
+      cli::argument("series", Kind::in_scan,
+                    "Folder, ZIP archive or volume file with the CT; overrides the configuration's."),
+      modality,
+      cli::argument("landmarks", Kind::in_file,
+                    "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
+      scan,
+      set,
+      root,
+      cli::argument("keep", Kind::out_folder, "Also write the output of every stage into this folder."),
+      cli::argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
+      cli::argument("json", Kind::out_file, "Also write run.json (times, reports, memory) here.")};
+  c.groups = {cli::ParameterGroup::of<publish::RunParams>("Parameters"),
+              cli::ParameterGroup::of<ExplainParams>("Explanation")};
+  c.only_looks = [](const cli::ParsedCommand& parsed) { return parsed.params<ExplainParams>().explain; };
+  c.run = [](const cli::ParsedCommand& parsed) {
+    publish::RunRequest request;
     request.config = parsed.path("config");
     request.library = parsed.path("out");
     request.overrides.series = parsed.path("series");
@@ -97,21 +102,21 @@ Command run_command() {
     request.overrides.scans = named_paths("--scan", parsed.all("scan"));
     if (parsed.has("modality")) request.overrides.set.insert(request.overrides.set.begin(), "import.volume_values=hu");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
-    request.params = parsed.params<RunParams>();
+    request.params = parsed.params<publish::RunParams>();
     request.keep = parsed.path("keep");
     request.cache = parsed.path("cache");
     request.json = parsed.path("json");
     request.program_version = TREPHINE_VERSION;
     if (parsed.params<ExplainParams>().explain) {
-      const Explanation explanation = explain_case(request);
-      std::cout << explanation_table(explanation);
-      if (parsed.has("json")) write_file(parsed.path("json"), explanation_json(explanation));
+      const publish::Explanation explanation = publish::explain_case(request);
+      std::cout << publish::explanation_table(explanation);
+      if (parsed.has("json")) write_file(parsed.path("json"), publish::explanation_json(explanation));
       return ExitCode::ok;
     }
-    RunResult result;
+    publish::RunResult result;
     {
       DisplayObserver observer(parsed.quiet);
-      result = run_case(request, observer);
+      result = publish::run_case(request, observer);
     }
     if (!parsed.quiet) std::cout << "\n" << result.table << "\n" << (result.case_folder / "case.json").string() << "\n";
     if (parsed.has("json")) write_file(parsed.path("json"), result.json);
@@ -120,4 +125,4 @@ Command run_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -13,7 +13,7 @@
 #include "rubric_file.h"
 #include "trade/plan.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -26,7 +26,7 @@ std::string page(const std::string& title, const Json& schema) {
 
 template <class P>
 Json schema_of() {
-  return Json::parse(json_schema_of(AnyParams::make<P>()));
+  return Json::parse(cli::json_schema_of(AnyParams::make<P>()));
 }
 
 // One row of a Markdown table for each key.
@@ -57,7 +57,9 @@ std::string written_table(const ParameterSet& set, const std::string& prefix) {
   return rows;
 }
 
-std::string case_version() { return std::to_string(case_version_major) + "." + std::to_string(case_version_minor()); }
+std::string case_version() {
+  return std::to_string(cases::case_version_major) + "." + std::to_string(cases::case_version_minor());
+}
 
 std::string case_page() {
   return "# case.json\n\nEvery key of `case.json` in format " + case_version() +
@@ -66,15 +68,16 @@ std::string case_page() {
          "of a list. [The case package](../case-package.md) says how the file is read and what the other files of a "
          "case hold.\n\n| Key | Value | Meaning |\n|---|---|---|\n"
          "| `format` | text | `trephine-case " +
-         case_version() + "`, the first key of the file. |\n" + written_table(parameters_of<CaseManifest>(), "") +
+         case_version() + "`, the first key of the file. |\n" +
+         written_table(parameters_of<cases::CaseManifest>(), "") +
          "| `checksum` | text | SHA-256 of all bytes before its comma, the last key of the file. |\n";
 }
 
 Json case_schema() {
-  Json body = Json::parse(json_schema_of_written(parameters_of<CaseManifest>(), case_version_major));
-  body["properties"]["format"] = {{"type", "string"},
-                                  {"pattern", "^trephine-case " + std::to_string(case_version_major) + "\\.[0-9]+$"}};
-  body["properties"]["checksum"] = {{"type", "string"}, {"pattern", case_form::sha256.pattern}};
+  Json body = Json::parse(cli::json_schema_of_written(parameters_of<cases::CaseManifest>(), cases::case_version_major));
+  body["properties"]["format"] = {
+      {"type", "string"}, {"pattern", "^trephine-case " + std::to_string(cases::case_version_major) + "\\.[0-9]+$"}};
+  body["properties"]["checksum"] = {{"type", "string"}, {"pattern", cases::case_form::sha256.pattern}};
   body["required"].push_back("format");
   body["required"].push_back("checksum");
   return body;
@@ -84,13 +87,14 @@ Json case_schema() {
 template <class Section>
 std::string rubric_sections(const Section& section) {
   std::string text;
-  for (const RubricType& t : rubric_types())
+  for (const lesson::RubricType& t : lessons::rubric_types())
     text += section("A rubric of the lesson " + t.module + " (configs/rubrics/\\*.yaml)", rubric_file_params(t));
   return text;
 }
 Json rubric_schema() {
   Json all = Json::array();
-  for (const RubricType& t : rubric_types()) all.push_back(Json::parse(json_schema_of(rubric_file_params(t))));
+  for (const lesson::RubricType& t : lessons::rubric_types())
+    all.push_back(Json::parse(cli::json_schema_of(rubric_file_params(t))));
   return all.size() == 1 ? all[0] : Json{{"oneOf", all}};
 }
 
@@ -105,15 +109,15 @@ std::string keys_page() {
          "--out docs/reference`). NAME stands for a name that the file gives, a number for an item of a list. How the "
          "files "
          "work together is told in [configurations](../configurations.md).\n" +
-         section("A case (configs/\\*.yaml)", AnyParams::make<CaseFileParams>()) +
-         section("A scene (configs/scenes/\\*.yaml)", AnyParams::make<SceneFileParams>()) +
+         section("A case (configs/\\*.yaml)", AnyParams::make<config::CaseFileParams>()) +
+         section("A scene (configs/scenes/\\*.yaml)", AnyParams::make<config::SceneFileParams>()) +
          "\n## A recipe (pipelines/\\*.yaml)\n\n"
          "`anatomies.NAME.stages` lists the stages that make the anatomy; the page of each stage lists its "
          "parameters.\n\n" +
-         head + keys_table("", AnyParams::make<RecipeFileParams>()) +
-         section("Materials (configs/materials.yaml)", AnyParams::make<MaterialsFileParams>()) +
-         section("A library (LIBRARY.yaml)", library_file_params()) +
-         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params()) + rubric_sections(section);
+         head + keys_table("", AnyParams::make<config::RecipeFileParams>()) +
+         section("Materials (configs/materials.yaml)", AnyParams::make<config::MaterialsFileParams>()) +
+         section("A library (LIBRARY.yaml)", library::library_file_params()) +
+         section("The plan of a sweep (configs/trade/\\*.yaml)", trade::trade_file_params()) + rubric_sections(section);
 }
 
 }  // namespace
@@ -123,15 +127,16 @@ std::vector<std::pair<std::string, std::string>> file_schemas() {
       {"files.md", keys_page()},
       {"case.md", case_page()},
       {"case.schema.json", page("case.json of a Trephine case, version " + case_version(), case_schema())},
-      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", schema_of<RecipeFileParams>())},
-      {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
-      {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
-      {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
+      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", schema_of<config::RecipeFileParams>())},
+      {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<config::SceneFileParams>())},
+      {"configuration.schema.json",
+       page("The configuration of a case (configs/*.yaml)", schema_of<config::CaseFileParams>())},
+      {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<config::MaterialsFileParams>())},
       {"library.schema.json",
-       page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
-      {"trade.schema.json",
-       page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))},
+       page("A library of Trephine (LIBRARY.yaml)", Json::parse(cli::json_schema_of(library::library_file_params())))},
+      {"trade.schema.json", page("The plan of a sweep (configs/trade/*.yaml)",
+                                 Json::parse(cli::json_schema_of(trade::trade_file_params())))},
       {"rubric.schema.json", page("A rubric of Trephine (configs/rubrics/*.yaml)", rubric_schema())}};
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace trephine {
+namespace trephine::tools {
 
 /// JSON schemas (draft 2020-12) of case.json and of the files that a user writes, made from their declarations, as
 /// pages of the reference: case.schema.json, recipe.schema.json, scene.schema.json, configuration.schema.json,
@@ -12,4 +12,4 @@ namespace trephine {
 /// keys with them. case.md and files.md list the same keys for a reader.
 std::vector<std::pair<std::string, std::string>> file_schemas();
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -15,27 +15,27 @@
 #include "named_values.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::tools {
 
-Argument report_argument() {
-  Argument a;
+cli::Argument report_argument() {
+  cli::Argument a;
   a.name = "report";
-  a.kind = Argument::Kind::out_file;
+  a.kind = cli::Argument::Kind::out_file;
   a.help = "Write the stage's report as JSON.";
   return a;
 }
 
-void run_with_report(const ParsedCommand& parsed, const std::function<Report(const Progress&)>& work) {
+void run_with_report(const cli::ParsedCommand& parsed, const std::function<Report(const Progress&)>& work) {
   Report report;
   {
-    ProgressDisplay display(parsed.quiet);
+    cli::ProgressDisplay display(parsed.quiet);
     report = work(display.start(parsed.command->name));
     display.finish(parsed.command->name, "");
   }
-  const std::string json = report_json(report);
+  const std::string json = stages::report_json(report);
   for (const std::string& w : report.warnings) log_warning(w);
   report.warnings.clear();
-  if (!parsed.quiet) std::cout << report_text(report);
+  if (!parsed.quiet) std::cout << stages::report_text(report);
   if (parsed.has("report")) write_file(parsed.path("report"), json);
 }
 
@@ -43,95 +43,98 @@ namespace {
 
 constexpr const char* landmark_flag = "landmark";
 
-bool takes_landmarks(const StageType& stage) {
+bool takes_landmarks(const stages::StageType& stage) {
   return std::any_of(stage.ports.begin(), stage.ports.end(),
-                     [](const Port& p) { return p.kind == DataKind::landmarks; });
+                     [](const stages::Port& p) { return p.kind == stages::DataKind::landmarks; });
 }
 
-Argument argument_of(const Port& port, bool positional) {
-  Argument a;
+cli::Argument argument_of(const stages::Port& port, bool positional) {
+  cli::Argument a;
   a.name = port.group();
   a.positional = positional;
   a.required = port.required;
-  std::string extension = file_extension(port.kind);
+  std::string extension = stages::file_extension(port.kind);
   if (port.or_field) extension += ", .nrrd";
-  if (port.kind == DataKind::landmarks) extension += ", .mrk.json, .fcsv";
+  if (port.kind == stages::DataKind::landmarks) extension += ", .mrk.json, .fcsv";
   a.help = port.help + " (" + extension + ").";
   if (!port.is_many()) return a;
-  a.kind = Argument::Kind::text;
+  a.kind = cli::Argument::Kind::text;
   a.repeated = true;
-  a.help = (port.kind == DataKind::cutters ? "FILE: " : "NAME=FILE: ") + a.help;
+  a.help = (port.kind == stages::DataKind::cutters ? "FILE: " : "NAME=FILE: ") + a.help;
   return a;
 }
 
 // A surface, or the contour of a field.
-StageData load_surface(const std::filesystem::path& file, const Progress& progress) {
-  if (file.extension() != ".nrrd") return load_data(file, DataKind::mesh);
-  BoundedGrid nrrd = with_file(file.string(), [&] { return read_nrrd_bounded(file, labels_limit); });
+stages::StageData load_surface(const std::filesystem::path& file, const Progress& progress) {
+  if (file.extension() != ".nrrd") return stages::load_data(file, stages::DataKind::mesh);
+  grid::BoundedGrid nrrd = with_file(file.string(), [&] { return grid::read_nrrd_bounded(file, grid::labels_limit); });
   if (holds_hu(nrrd.keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
   Report ignored;
-  const Field field = to_field(std::move(nrrd.grid));
-  return std::make_shared<const TriMesh>(
-      with_file(file.string(), [&] { return contour(field, ContourParams{}, ignored, progress); }));
+  const grid::Field field = grid::to_field(std::move(nrrd.grid));
+  return std::make_shared<const surface::TriMesh>(
+      with_file(file.string(), [&] { return meshing::contour(field, meshing::ContourParams{}, ignored, progress); }));
 }
 
-StageData load_port(const Port& port, const std::filesystem::path& file, const Progress& progress) {
-  if (port.or_volume) return load_field_or_volume(file);
+stages::StageData load_port(const stages::Port& port, const std::filesystem::path& file, const Progress& progress) {
+  if (port.or_volume) return stages::load_field_or_volume(file);
   if (port.or_field) return load_surface(file, progress);
-  return load_data(file, port.kind);
+  return stages::load_data(file, port.kind);
 }
 
 // The landmarks of the file, if there is one; those of the flags replace them.
-StageData load_landmarks(const ParsedCommand& parsed, const std::string& port) {
-  std::vector<CaseLandmark> own;
+stages::StageData load_landmarks(const cli::ParsedCommand& parsed, const std::string& port) {
+  std::vector<cases::CaseLandmark> own;
   for (const auto& [name, at] : named_positions("--landmark", parsed.all(landmark_flag)))
     own.push_back({name, at, 1, "given"});
   if (!parsed.has(port)) {
-    HeadLandmarks given;
+    head::HeadLandmarks given;
     given.landmarks = std::move(own);
-    return std::make_shared<const HeadLandmarks>(std::move(given));
+    return std::make_shared<const head::HeadLandmarks>(std::move(given));
   }
-  const auto read = std::get<std::shared_ptr<const HeadLandmarks>>(load_data(parsed.path(port), DataKind::landmarks));
-  return std::make_shared<const HeadLandmarks>(merged(*read, own));
+  const auto read = std::get<std::shared_ptr<const head::HeadLandmarks>>(
+      stages::load_data(parsed.path(port), stages::DataKind::landmarks));
+  return std::make_shared<const head::HeadLandmarks>(head::merged(*read, own));
 }
 
 // Adds the file's name to a fault of a landmark that it gave.
 template <class F>
-auto naming_landmarks_file(const StageType& stage, const ParsedCommand& parsed, F&& f) {
+auto naming_landmarks_file(const stages::StageType& stage, const cli::ParsedCommand& parsed, F&& f) {
   try {
     return f();
   } catch (Error& e) {
     if (named_positions("--landmark", parsed.all(landmark_flag)).count(e.field()) == 0)
-      for (const Port& port : stage.ports)
-        if (port.kind == DataKind::landmarks && parsed.has(port.name))
-          for (const CaseLandmark& l : read_landmark_file(parsed.path(port.name)))
+      for (const stages::Port& port : stage.ports)
+        if (port.kind == stages::DataKind::landmarks && parsed.has(port.name))
+          for (const cases::CaseLandmark& l : head::read_landmark_file(parsed.path(port.name)))
             if (l.name == e.field()) e.in_file(parsed.path(port.name).string());
     throw;
   }
 }
 
-void check_output(const StageType& stage, const ParsedCommand& parsed) {
-  if (stage.output == DataKind::nothing) return;
+void check_output(const stages::StageType& stage, const cli::ParsedCommand& parsed) {
+  if (stage.output == stages::DataKind::nothing) return;
   const std::filesystem::path to = parsed.path("output");
-  if (to.extension() != file_extension(stage.output))
-    throw Error(ExitCode::usage, to.string(), "output", std::string("must end in ") + file_extension(stage.output));
+  if (to.extension() != stages::file_extension(stage.output))
+    throw Error(ExitCode::usage, to.string(), "output",
+                std::string("must end in ") + stages::file_extension(stage.output));
 }
 
 }  // namespace
 
-StageInputs stage_inputs(const StageType& stage, const ParsedCommand& parsed, const Progress& progress) {
-  StageInputs inputs;
+stages::StageInputs stage_inputs(const stages::StageType& stage, const cli::ParsedCommand& parsed,
+                                 const Progress& progress) {
+  stages::StageInputs inputs;
   bool took_landmarks = false;  // --landmark is of the first such port; another one holds what nobody gave
-  for (const Port& port : stage.ports) {
+  for (const stages::Port& port : stage.ports) {
     const std::string flag = port.group();
-    const bool takes_flags = port.kind == DataKind::landmarks && !std::exchange(took_landmarks, true);
+    const bool takes_flags = port.kind == stages::DataKind::landmarks && !std::exchange(took_landmarks, true);
     if (takes_flags && (parsed.has(flag) || parsed.has(landmark_flag))) {
       inputs.by_port[port.name] = load_landmarks(parsed, flag);
     } else if (port.is_many()) {
       const std::vector<std::string> given = parsed.all(flag);
       for (std::size_t i = 0; i < given.size(); ++i) {
-        const bool named = port.kind != DataKind::cutters;
+        const bool named = port.kind != stages::DataKind::cutters;
         const auto [name, file] =
             named ? named_value("--" + flag, given[i]) : std::make_pair(std::to_string(1000 + i), given[i]);
         if (inputs.by_port.count(flag + "." + name))
@@ -145,41 +148,42 @@ StageInputs stage_inputs(const StageType& stage, const ParsedCommand& parsed, co
   return inputs;
 }
 
-Command make_stage_command(const StageType& stage) {
-  Command c;
+cli::Command make_stage_command(const stages::StageType& stage) {
+  cli::Command c;
   c.name = stage.name;
   std::replace(c.name.begin(), c.name.end(), '_', '-');
   c.summary = stage.summary;
   c.description = stage.description;
   c.examples = stage.examples;
-  for (const Port& port : stage.ports)
+  for (const stages::Port& port : stage.ports)
     c.arguments.push_back(argument_of(port, &port == &stage.ports[0] && !port.is_many()));
   if (takes_landmarks(stage)) {
-    Argument landmark;
+    cli::Argument landmark;
     landmark.name = landmark_flag;
-    landmark.kind = Argument::Kind::text;
+    landmark.kind = cli::Argument::Kind::text;
     landmark.repeated = true;
     landmark.help = "NAME=X,Y,Z: a landmark, LPS, mm; it replaces the file's.";
     c.arguments.push_back(landmark);
   }
-  if (stage.output != DataKind::nothing) {
-    Argument output;
+  if (stage.output != stages::DataKind::nothing) {
+    cli::Argument output;
     output.name = "output";
-    output.kind = Argument::Kind::out_file;
-    output.help = std::string("Where the ") + to_text(stage.output) + " goes (" + file_extension(stage.output) + ").";
+    output.kind = cli::Argument::Kind::out_file;
+    output.help = std::string("Where the ") + stages::to_text(stage.output) + " goes (" +
+                  stages::file_extension(stage.output) + ").";
     output.required = true;
     c.arguments.push_back(output);
   }
   c.arguments.push_back(report_argument());
   c.groups.push_back({"Parameters", stage.make_params});
-  c.run = [stage](const ParsedCommand& parsed) {
+  c.run = [stage](const cli::ParsedCommand& parsed) {
     check_output(stage, parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
+      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
       Report report;
-      const StageData made = naming_landmarks_file(
+      const stages::StageData made = naming_landmarks_file(
           stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, report, progress.part(0.1, 1)); });
-      if (stage.output != DataKind::nothing) save_data(parsed.path("output"), made);
+      if (stage.output != stages::DataKind::nothing) stages::save_data(parsed.path("output"), made);
       return report;
     });
     return ExitCode::ok;
@@ -187,4 +191,4 @@ Command make_stage_command(const StageType& stage) {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -7,10 +7,10 @@
 #include "cli/progress_display.h"
 #include "commands.h"
 
-namespace trephine {
-Command trade_command() {
-  using Kind = Argument::Kind;
-  Command c;
+namespace trephine::tools {
+cli::Command trade_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "trade";
   c.summary = "measures what accuracy costs in a case: seconds, triangles, bytes";
   c.description =
@@ -21,23 +21,26 @@ Command trade_command() {
   c.examples = {"trephine trade configs/sample.yaml --out trade",
                 "trephine trade configs/ct_head.yaml --series head/dicom --truth head/truth/truth.json --out trade",
                 "trephine trade configs/sample.yaml --plan configs/trade/quick.yaml --out trade --repeats-count 1"};
-  const Argument config = positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
-  const Argument out = required_argument("out", Kind::out_folder, "Folder for the results.");
-  Argument set = argument("set", Kind::text, "Override of all points, as for `run`; swept parameters win over it.");
-  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  const cli::Argument config = cli::positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  const cli::Argument out = cli::required_argument("out", Kind::out_folder, "Folder for the results.");
+  cli::Argument set =
+      cli::argument("set", Kind::text, "Override of all points, as for `run`; swept parameters win over it.");
+  cli::Argument root =
+      cli::argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   set.repeated = root.repeated = true;
-  c.arguments = {config,
-                 out,
-                 argument("plan", Kind::in_file,
-                          "What is swept (.yaml). Without it, bounds, counts, smoothing and voxel sizes are swept."),
-                 argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
-                 argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
-                 argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
-                 set,
-                 root};
-  c.groups = {ParameterGroup::of<TradeParams>("Parameters")};
-  c.run = [](const ParsedCommand& parsed) {
-    TradeRequest request;
+  c.arguments = {
+      config,
+      out,
+      cli::argument("plan", Kind::in_file,
+                    "What is swept (.yaml). Without it, bounds, counts, smoothing and voxel sizes are swept."),
+      cli::argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
+      cli::argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
+      cli::argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
+      set,
+      root};
+  c.groups = {cli::ParameterGroup::of<trade::TradeParams>("Parameters")};
+  c.run = [](const cli::ParsedCommand& parsed) {
+    trade::TradeRequest request;
     request.config = parsed.path("config");
     request.plan = parsed.path("plan");
     request.out = parsed.path("out");
@@ -46,31 +49,32 @@ Command trade_command() {
     request.overrides.landmarks = parsed.path("landmarks");
     request.overrides.set = parsed.all("set");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
-    request.params = parsed.params<TradeParams>();
+    request.params = parsed.params<trade::TradeParams>();
     request.program_version = TREPHINE_VERSION;
-    TradeResult result;
+    trade::TradeResult result;
     {
-      ProgressDisplay display(parsed.quiet);
+      cli::ProgressDisplay display(parsed.quiet);
       display.start("sweep");
       std::string shown;
-      result = measure_trade(request, [&](std::size_t point, std::size_t count, const std::string& work, double done) {
-        if (work != shown) {
-          if (!shown.empty()) display.finish(shown);
-          display.start(shown = work);
-        }
-        display.report(work, done);
-        display.report("sweep", double(point) / double(count));
-      });
+      result = trade::measure_trade(request,
+                                    [&](std::size_t point, std::size_t count, const std::string& work, double done) {
+                                      if (work != shown) {
+                                        if (!shown.empty()) display.finish(shown);
+                                        display.start(shown = work);
+                                      }
+                                      display.report(work, done);
+                                      display.report("sweep", double(point) / double(count));
+                                    });
       if (!shown.empty()) display.finish(shown);
       display.finish("sweep", std::to_string(result.points.size()) + " points, " +
                                   std::to_string(result.measured_count) + " measurements made");
     }
-    write_trade(result, request.out, request.program_version);
+    trade::write_trade(result, request.out, request.program_version);
     if (!parsed.quiet)
-      std::cout << "\n" << trade_table(result) << "\n" << (request.out / "trade.json").string() << "\n";
+      std::cout << "\n" << trade::trade_table(result) << "\n" << (request.out / "trade.json").string() << "\n";
     return ExitCode::ok;
   };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,21 +10,21 @@
 #include "stage_command.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::tools {
 namespace {
 
 // Parameters in which every given surface is a shape, with what the command line says of shapes. The order is that of
 // the command line: the first shape has precedence.
-AnyParams shapes_of(const ParsedCommand& parsed) {
-  VoxelizeStageParams params = parsed.params<VoxelizeStageParams>();
-  const bool hu = params.encoding == HapticEncoding::hu;
+AnyParams shapes_of(const cli::ParsedCommand& parsed) {
+  stages::VoxelizeStageParams params = parsed.params<stages::VoxelizeStageParams>();
+  const bool hu = params.encoding == voxel::HapticEncoding::hu;
   if (hu == parsed.has("shape") || (hu && params.shapes.empty()))
     throw Error(ExitCode::usage, "", "--shape, --encoding", "give shapes as surfaces, or as windows of HU");
-  Named<HapticShapeParams> surfaces;
+  Named<stages::HapticShapeParams> surfaces;
   for (const std::string& text : parsed.all("shape")) {
     const std::string name = text.substr(0, text.find('='));
-    const HapticShapeParams* said = find_item(params.shapes, name);
-    surfaces.emplace_back(name, said ? *said : HapticShapeParams());
+    const stages::HapticShapeParams* said = find_item(params.shapes, name);
+    surfaces.emplace_back(name, said ? *said : stages::HapticShapeParams());
   }
   const auto require_surface = [&](const char* flag, const std::string& name, const char* also) {
     const std::vector<std::string> others = parsed.all(also);
@@ -40,15 +40,15 @@ AnyParams shapes_of(const ParsedCommand& parsed) {
   if (!parsed.has("region")) require_surface("--region-of", params.region_of, "shape");
   if (!hu) params.shapes = surfaces;
   for (const auto& [name, shape] : params.shapes)
-    if (!is_plain_name(name))
+    if (!config::is_plain_name(name))
       throw Error(ExitCode::usage, "", "--shape", name + ", a name has letters a-z, digits and _ only");
   for (const auto& [name, drill] : params.drill)
     if (!find_item(params.shapes, name)) throw Error(ExitCode::usage, "", "--drill", name + ", is none of the shapes");
   return AnyParams::make(params);
 }
 
-void check_flags(const ParsedCommand& parsed) {
-  const auto& params = parsed.params<VoxelizeStageParams>();
+void check_flags(const cli::ParsedCommand& parsed) {
+  const auto& params = parsed.params<stages::VoxelizeStageParams>();
   if (parsed.has("cutters") != !params.drill.empty())
     throw Error(ExitCode::usage, "", "--cutters, --drill", "go together: what cuts, and which shapes");
   const bool hard = params.hardness_high_hu > params.hardness_low_hu;
@@ -64,24 +64,24 @@ void check_flags(const ParsedCommand& parsed) {
 }  // namespace
 
 // The stage's command, which also writes the hardness volume.
-Command voxelize_command() {
-  const StageType& stage = stage_named("voxelize");
-  Command c = make_stage_command(stage);
-  Argument hardness;
+cli::Command voxelize_command() {
+  const stages::StageType& stage = stages::stage_named("voxelize");
+  cli::Command c = make_stage_command(stage);
+  cli::Argument hardness;
   hardness.name = "hardness";
-  hardness.kind = Argument::Kind::out_file;
+  hardness.kind = cli::Argument::Kind::out_file;
   hardness.help = "File for the hardness volume (.nrrd); needs --hardness-high-hu.";
   c.arguments.push_back(hardness);
-  c.run = [&stage](const ParsedCommand& parsed) {
+  c.run = [&stage](const cli::ParsedCommand& parsed) {
     check_flags(parsed);
     const AnyParams params = shapes_of(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.2));
+      const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.2));
       Report report;
-      const StageData data = stage.run(params, inputs, report, progress.part(0.2, 1));
-      const HapticVolume& made = *std::get<std::shared_ptr<const HapticVolume>>(data);
-      if (parsed.has("hardness")) write_file(parsed.path("hardness"), encode_hardness(made));
-      write_haptic(parsed.path("output"), made);
+      const stages::StageData data = stage.run(params, inputs, report, progress.part(0.2, 1));
+      const voxel::HapticVolume& made = *std::get<std::shared_ptr<const voxel::HapticVolume>>(data);
+      if (parsed.has("hardness")) write_file(parsed.path("hardness"), voxel::encode_hardness(made));
+      voxel::write_haptic(parsed.path("output"), made);
       return report;
     });
     return ExitCode::ok;
@@ -89,4 +89,4 @@ Command voxelize_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::tools

@@ -10,11 +10,11 @@
 using namespace trephine;
 
 // What a tool meets on its way: each shape whose surface (occupancy 1/2) the point crosses.
-void walk(const LoadedCase& c, Vec3 from_mm, Vec3 direction, double length_mm) {
-  const HapticDecoder decoder(c.haptic);
+void walk(const cases::LoadedCase& c, Vec3 from_mm, Vec3 direction, double length_mm) {
+  const voxel::HapticDecoder decoder(c.haptic);
   const Vec3 spacing = c.haptic.voxels.spacing_mm;
   const double step = std::min({spacing.x, spacing.y, spacing.z}) / 4;
-  for (const CaseShape& shape : c.manifest.haptic.shapes) {
+  for (const cases::CaseShape& shape : c.manifest.haptic.shapes) {
     bool inside = false;
     double before = 0;
     for (double way = 0; way <= length_mm; way += step) {
@@ -22,7 +22,7 @@ void walk(const LoadedCase& c, Vec3 from_mm, Vec3 direction, double length_mm) {
       if ((occupancy >= 0.5) != inside) {
         inside = !inside;
         const double at = way - step * (occupancy - 0.5) / (occupancy - before);
-        const CaseFace& face = inside ? shape.material.front : shape.material.back;
+        const cases::CaseFace& face = inside ? shape.material.front : shape.material.back;
         std::cout << "  " << at << " mm: " << (inside ? "into " : "out of ") << shape.name << " ("
                   << shape.material.name << "), ";
         if (face.touchable)
@@ -41,9 +41,9 @@ int main(int argc, char** argv) {
     return 64;
   }
   try {
-    const LoadedCase c = load_case(argv[1]);
-    for (const CaseAnatomy& a : c.manifest.anatomies)
-      if (const TriMesh* surface = c.find_surface(a.name))
+    const cases::LoadedCase c = cases::load_case(argv[1]);
+    for (const cases::CaseAnatomy& a : c.manifest.anatomies)
+      if (const surface::TriMesh* surface = c.find_surface(a.name))
         std::cout << a.name << ": " << surface->triangles.size() << " triangles\n";
     if (!c.has_haptic()) return 0;
     // Along the first burr hole, or else from the patient's left through the middle.

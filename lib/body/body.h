@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::body {
 
 struct BodyParams {
   double tissue_hu = -300;
@@ -61,6 +61,7 @@ struct BodyParams {
 /// strands), body_ml, and strands_on_skin_ml where there is such a mask; a warning where the body was not found, and
 /// the scan then stays as it is. The result has the same bits whatever the thread count. Throws Error 65 where a voxel
 /// is not finite; Cancelled.
-HuVolume keep_body(const HuVolume& volume, const BodyParams& params, Report& report, const Progress& progress = {});
+grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& params, Report& report,
+                         const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::body

@@ -11,26 +11,27 @@
 #include "base/refusal.h"
 #include "surface/ray_column.h"
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 namespace {
 
 constexpr double cells_mm = 3;                         ///< gaps in the bone that do not end it
 constexpr double above_point_mm = 10, search_mm = 40;  ///< where along the axis the skull is looked for
 constexpr double deeper_mm = 9, clearance_mm = 1, skin_clearance_mm = 2, bare_clearance_mm = 20;
-constexpr double least_on_bone = 0.75, least_fit_mm = 3;
+constexpr double min_on_bone = 0.75, min_fit_mm = 3;
 
 [[noreturn]] void refuse(const std::string& what, const Remedy& remedy) { throw refusal("", what, remedy); }
 
 std::string text_of(Vec3 p) { return fmt::format("[{:.1f}, {:.1f}, {:.1f}]", p.x, p.y, p.z); }
 
 /// The first bone behind `from`, where it begins before `to`.
-std::optional<Span> first_bone(const RayColumn& skull, double u, double v, double from, double to) {
-  for (const Span& s : skull.spans(u, v, cells_mm))
-    if (s.leave > from) return s.enter <= to ? std::optional<Span>(s) : std::nullopt;
+std::optional<surface::detail::Span> first_bone(const surface::detail::RayColumn& skull, double u, double v,
+                                                double from, double to) {
+  for (const surface::detail::Span& s : skull.spans(u, v, cells_mm))
+    if (s.leave > from) return s.enter <= to ? std::optional<surface::detail::Span>(s) : std::nullopt;
   return {};
 }
 
-Span bone_on_axis(const RayColumn& skull, Vec3 through_mm) {
+surface::detail::Span bone_on_axis(const surface::detail::RayColumn& skull, Vec3 through_mm) {
   const auto bone = first_bone(skull, 0, 0, -above_point_mm, search_mm);
   if (!bone)
     refuse(fmt::format("the axis meets no skull within {} mm of {}", search_mm, text_of(through_mm)),
@@ -89,14 +90,14 @@ std::optional<Plane> fit_trimmed(std::vector<Height> heights) {
 
 }  // namespace
 
-Vec3 perpendicular_to_skull(const TriMesh& skull, Vec3 through_mm, Vec3 inwards, double radius_mm) {
-  const double radius = std::max(radius_mm, least_fit_mm);
+Vec3 perpendicular_to_skull(const surface::TriMesh& skull, Vec3 through_mm, Vec3 inwards, double radius_mm) {
+  const double radius = std::max(radius_mm, min_fit_mm);
   Vec3 axis = inwards;
   for (int round = 0; round < 30; ++round) {
-    const RayColumn column(skull, through_mm, axis, radius);
-    const Span bone = bone_on_axis(column, through_mm);
+    const surface::detail::RayColumn column(skull, through_mm, axis, radius);
+    const surface::detail::Span bone = bone_on_axis(column, through_mm);
     std::vector<Height> heights;
-    for (const auto& s : disc_samples(300, 0)) {
+    for (const auto& s : surface::detail::disc_samples(300, 0)) {
       const double u = radius * s[0], v = radius * s[1];
       const auto hit = first_bone(column, u, v, bone.enter - above_point_mm - radius, bone.enter + search_mm);
       if (hit) heights.push_back({u, v, hit->enter});
@@ -114,16 +115,17 @@ Vec3 perpendicular_to_skull(const TriMesh& skull, Vec3 through_mm, Vec3 inwards,
   return axis;
 }
 
-HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through_mm, Vec3 direction, double radius_mm) {
-  const RayColumn bone(skull, through_mm, direction, radius_mm * 1.01);
-  const Span axis = bone_on_axis(bone, through_mm);
+HoleSection hole_section(const surface::TriMesh& skull, const surface::TriMesh* skin, Vec3 through_mm, Vec3 direction,
+                         double radius_mm) {
+  const surface::detail::RayColumn bone(skull, through_mm, direction, radius_mm * 1.01);
+  const surface::detail::Span axis = bone_on_axis(bone, through_mm);
   HoleSection out;
   out.bone_enter_mm = out.bone_begin_mm = axis.enter;
   out.bone_leave_mm = axis.leave;
   double deepest = axis.leave;
   int met = 0;
-  const auto samples = disc_samples(400, 96);
-  std::vector<std::optional<Span>> bones;
+  const auto samples = surface::detail::disc_samples(400, 96);
+  std::vector<std::optional<surface::detail::Span>> bones;
   for (const auto& s : samples) {
     bones.push_back(first_bone(bone, radius_mm * s[0], radius_mm * s[1], axis.enter - above_point_mm - 2 * radius_mm,
                                axis.leave + deeper_mm));
@@ -133,9 +135,9 @@ HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through
     deepest = std::max(deepest, bones.back()->leave);
   }
   out.on_bone_ratio = met / static_cast<double>(samples.size());
-  if (out.on_bone_ratio < least_on_bone)
+  if (out.on_bone_ratio < min_on_bone)
     refuse(fmt::format("only {:.0f} % of the hole at {} lie on the skull, at least {:.0f} %", 100 * out.on_bone_ratio,
-                       text_of(through_mm + direction * axis.enter), 100 * least_on_bone),
+                       text_of(through_mm + direction * axis.enter), 100 * min_on_bone),
            {"move it by `position_mm`, or make it smaller by `diameter_mm`"});
   if (deepest > axis.leave + deeper_mm)
     refuse(fmt::format("the bone within the hole ends {:.1f} mm deeper than on its axis, at most {} mm",
@@ -147,10 +149,10 @@ HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through
   if (!skin) return out;
 
   // The soft tissue that covers the bone: not what lies beyond air above it (the ear's shell, a tube).
-  const RayColumn cover(*skin, through_mm, direction, radius_mm * 1.01);
+  const surface::detail::RayColumn cover(*skin, through_mm, direction, radius_mm * 1.01);
   const auto skin_above = [&](double u, double v, double bone_at) {
     double top = bone_at;
-    for (const Span& s : cover.spans(u, v, 0))
+    for (const surface::detail::Span& s : cover.spans(u, v, 0))
       if (s.enter <= bone_at && s.leave >= bone_at) top = s.enter;
     return top;
   };
@@ -177,4 +179,4 @@ void check_within_scan(const Cutter& cutter, double from_mm, const std::vector<C
   }
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

@@ -8,13 +8,13 @@
 #include "boolean/cutter.h"
 #include "surface/trimesh.h"
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 
 /// Unit vector into the head, opposite to the normal of the plane that best fits the skull's outer surface where the
 /// axis through `through_mm` meets it, within the radius (at least 3 mm). Places that lie off the plane by more than
 /// 0.5 mm and by more than three times the median are left out. Found by iteration from `inwards`. Throws Error 80
 /// where the skull is not met.
-Vec3 perpendicular_to_skull(const TriMesh& skull, Vec3 through_mm, Vec3 inwards, double radius_mm);
+Vec3 perpendicular_to_skull(const surface::TriMesh& skull, Vec3 through_mm, Vec3 inwards, double radius_mm);
 
 /// What a hole of that radius meets.
 struct HoleSection {
@@ -29,9 +29,10 @@ struct HoleSection {
 /// `skin` may be null. Throws Error 80 where the axis meets no skull within 40 mm of the point, where less than three
 /// quarters of the hole lie on the skull, or where its inner surface within the hole lies more than 9 mm deeper than on
 /// the axis.
-HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through_mm, Vec3 direction, double radius_mm);
+HoleSection hole_section(const surface::TriMesh& skull, const surface::TriMesh* skin, Vec3 through_mm, Vec3 direction,
+                         double radius_mm);
 
 /// Throws Error 80 where the cutter, from `from_mm` on along its axis, leaves the scanned volume.
 void check_within_scan(const Cutter& cutter, double from_mm, const std::vector<CutFace>& faces);
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

@@ -12,7 +12,7 @@
 #include "boolean/cut_faces.h"
 #include "boolean/outer_curve.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 using namespace detail;
@@ -141,13 +141,14 @@ struct Entry {
 };
 
 /// Along the midline, then to the side.
-Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& surface,
+Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const surface::TriMesh& surface,
                    const std::vector<CutFace>& faces, const char* surface_name, Report& report) {
   const Vec3 front = normalized(m.nasion - m.centre_mm);
   const Vec3 onwards = normalized(m.up - front * dot(m.up, front));
-  const OuterCurve midline = without_ridges(outer_curve(surface, {m.centre_mm, front, onwards}), m.centre_mm, brow_mm);
+  const OuterCurve midline =
+      surface::without_ridges(outer_curve(surface, {m.centre_mm, front, onwards}), m.centre_mm, surface::brow_mm);
   const auto along = [&](const OuterCurve& curve, double length, const char* which) {
-    const auto p = point_along(curve, length);
+    const auto p = surface::point_along(curve, length);
     if (!p)
       refuse(fmt::format("the {} ends before {:.1f} mm along the {}", which, length, surface_name),
              {"lower `along_mm` or `lateral_mm`, or give the hole by `position_mm`"});
@@ -165,7 +166,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
   const Vec3 tangent = normalized(behind - ahead), outwards = cross(m.left, tangent);
   const Vec3 side = r.side == BurrHoleRequest::Side::left ? m.left : -m.left;
   const Vec3 middle = top - outwards * skull_depth_mm;
-  const OuterCurve lateral = without_ridges(outer_curve(surface, {middle, outwards, side, 5, 120}), middle, 0);
+  const OuterCurve lateral = surface::without_ridges(outer_curve(surface, {middle, outwards, side, 5, 120}), middle, 0);
   const Vec3 point = along(lateral, r.lateral_mm, "arc to the side");
   check_walk(lateral, point, faces, "arc to the side", report);
   report.add("midline_from", m.source);
@@ -177,7 +178,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
 }
 
 /// The axis through the entry.
-Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const TriMesh& skull) {
+Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const surface::TriMesh& skull) {
   const auto into_the_head = [&](Vec3 direction) {
     if (!(dot(direction, entry.inwards) > 0))
       refuse(fmt::format("the direction {} points out of the head", text_of(direction)),
@@ -192,14 +193,14 @@ Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const TriMesh& s
   return into_the_head(normalized(way));
 }
 
-BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const TriMesh* skin, const TriMesh& skull,
-               Report& report) {
+BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const surface::TriMesh* skin,
+               const surface::TriMesh& skull, Report& report) {
   check_request(request);
-  check_mesh(skull);
+  surface::check_mesh(skull);
   if (skull.triangles.empty())
     refuse("there is no skull: its surface is empty",
            {"lower `lower_hu` of its `segment`, or take a series with bone"});
-  if (skin) check_mesh(*skin);
+  if (skin) surface::check_mesh(*skin);
   if (skin && skin->triangles.empty()) skin = nullptr;
   std::vector<CutFace> faces = cut_faces(skull);
   if (skin)
@@ -209,7 +210,7 @@ BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const Tri
   if (request.at == BurrHoleRequest::At::kocher) {
     entry = kocher_point(request, find_midline(marks), skin ? *skin : skull, faces, skin ? "skin" : "skull", report);
   } else {
-    const Bounds b = bounds_of(skull);
+    const surface::Bounds b = surface::bounds_of(skull);
     entry = {request.position_mm, normalized((b.min_mm + b.max_mm) * 0.5 - request.position_mm)};
   }
   BurrHole hole;
@@ -240,11 +241,11 @@ BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const Tri
 
 }  // namespace
 
-BurrHole place_burr_hole(const BurrHoleRequest& asked, const Landmarks& landmarks_mm, const TriMesh* skin,
-                         const TriMesh& skull, Report& report) {
+BurrHole place_burr_hole(const BurrHoleRequest& asked, const Landmarks& landmarks_mm, const surface::TriMesh* skin,
+                         const surface::TriMesh& skull, Report& report) {
   BurrHoleRequest request = asked;
   if (request.name.empty()) request.name = "burr_hole_1";
   return with_field("burr_holes." + request.name, [&] { return place(request, landmarks_mm, skin, skull, report); });
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -8,7 +8,7 @@
 #include "boolean/cutter.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// A burr hole as it is requested.
 struct BurrHoleRequest {
@@ -52,6 +52,6 @@ struct BurrHole {
 /// than three quarters of the hole lie on it, where the inner table within the hole lies more than 9 mm deeper than on
 /// the axis, or where the hole would leave the volume (cut_faces.h). The field is burr_holes.<name>. Deterministic.
 BurrHole place_burr_hole(const BurrHoleRequest& request, const std::map<std::string, Vec3>& landmarks_mm,
-                         const TriMesh* skin, const TriMesh& skull, Report& report);
+                         const surface::TriMesh* skin, const surface::TriMesh& skull, Report& report);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

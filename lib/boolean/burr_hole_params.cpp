@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 Vec3 vector_of(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
@@ -50,4 +50,4 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
   return r;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

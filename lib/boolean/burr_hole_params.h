@@ -7,7 +7,7 @@
 #include "base/params.h"
 #include "boolean/burr_hole.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// How far a trajectory must keep from a zone; stands for the number alone: `avoid: {sagittal_sinus: 3}`.
 struct AvoidedZone {
@@ -78,4 +78,4 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
 constexpr const char* how_to_give_a_landmark =
     "give it in mm, LPS: `landmarks: {NAME: [x, y, z]}`, or a `landmarks_file` (.mrk.json or .fcsv of 3D Slicer)";
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -163,7 +163,7 @@ class Patch {
   }
 
   Difference& d_;
-  TriMesh& m_;
+  surface::TriMesh& m_;
   double shortest_, flattest_;
   std::vector<std::vector<std::uint32_t>> around_;
   std::vector<char> dead_;
@@ -180,4 +180,4 @@ void clean_cut(Difference& cut, double step, double shortest_mm, double flattest
   Patch(cut, shortest_mm, flattest_mm).run();
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -2,7 +2,7 @@
 #pragma once
 #include "boolean/corefine.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// Puts the new points of a cut on the raster of step_mm, and removes details that are too fine for it. A new point
 /// nearer than shortest_mm to a neighbour is merged into it (where the surface stays a 2-manifold and no triangle turns
@@ -11,4 +11,4 @@ namespace trephine {
 /// never move. The result may still intersect itself.
 void clean_cut(Difference& cut, double step_mm, double shortest_mm, double flattest_mm);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

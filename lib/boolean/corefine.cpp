@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -124,7 +124,7 @@ Difference ordered(const std::vector<Vec3>& points, const std::vector<std::uint3
 
 }  // namespace
 
-Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, double time_limit_s,
+Difference corefine_difference(const surface::TriMesh& surface, const surface::TriMesh& solid, double time_limit_s,
                                const Progress& progress) {
   std::vector<Vec3> solid_points;
   for (std::size_t i = 0; i < solid.points_mm.size(); ++i)
@@ -159,4 +159,4 @@ Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, dou
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -7,12 +7,12 @@
 #include "base/progress.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// The rest of a surface after a solid was taken out of it: computed exactly and then rounded to double.
 struct Difference {
-  std::string fault;  ///< why there is none, or empty
-  TriMesh mesh;       ///< relative to the surface's origin; may be empty
+  std::string fault;      ///< why there is none, or empty
+  surface::TriMesh mesh;  ///< relative to the surface's origin; may be empty
   static constexpr std::uint32_t none = 0xffffffffu;
   /// For each triangle and point of the mesh the unchanged one of the surface that it is, or none. Those come first, in
   /// the surface's order; new ones follow in the order of their coordinates.
@@ -23,7 +23,7 @@ struct Difference {
 /// oriented outwards and free of self-intersections. Near a degenerate position rounding may leave self-intersections
 /// or degenerate triangles, which are not looked for. A child that dies or refuses is reported as a fault. Throws Error
 /// 70 where it runs longer than time_limit_s or out of memory; Cancelled.
-Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, double time_limit_s,
+Difference corefine_difference(const surface::TriMesh& surface, const surface::TriMesh& solid, double time_limit_s,
                                const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstdint>
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 namespace {
 
-constexpr double flat_mm = 0.02, least_area_mm2 = 60, normal_bin = 2e-3, offset_bin_mm = 0.05;
-constexpr std::size_t least_triangles = 8, most_candidates = 32;
+constexpr double flat_mm = 0.02, min_area_mm2 = 60, normal_bin = 2e-3, offset_bin_mm = 0.05;
+constexpr std::size_t min_triangles = 8, max_candidates = 32;
 
 struct Facet {
   std::array<std::int32_t, 4> bin;  ///< of normal and offset
@@ -23,11 +23,11 @@ struct Candidate {
   double area = 0;
 };
 
-std::vector<Facet> binned_facets(const TriMesh& mesh) {
+std::vector<Facet> binned_facets(const surface::TriMesh& mesh) {
   std::vector<Facet> facets;
   facets.reserve(mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 n = normalized(triangle_normal(mesh, t));
+    const Vec3 n = normalized(surface::triangle_normal(mesh, t));
     const double offset = dot(n, mesh.points_mm[mesh.triangles[t][0]]);
     if (norm(n) == 0 || !(std::fabs(offset) < 1e6)) continue;
     const auto bin = [](double v, double width) { return static_cast<std::int32_t>(std::lround(v / width)); };
@@ -41,29 +41,29 @@ std::vector<Facet> binned_facets(const TriMesh& mesh) {
 }
 
 /// The fullest bins: a face may be shared by several that lie side by side, each a quarter of it at least.
-std::vector<Candidate> candidates(const TriMesh& mesh) {
+std::vector<Candidate> candidates(const surface::TriMesh& mesh) {
   const std::vector<Facet> facets = binned_facets(mesh);
   std::vector<Candidate> all;
   for (std::size_t from = 0, to; from < facets.size(); from = to) {
     for (to = from; to < facets.size() && facets[to].bin == facets[from].bin;) ++to;
-    if (to - from < least_triangles) continue;
+    if (to - from < min_triangles) continue;
     Candidate c;
     for (std::size_t i = from; i < to; ++i) {
-      const Vec3 n = triangle_normal(mesh, facets[i].triangle) * 0.5;
+      const Vec3 n = surface::triangle_normal(mesh, facets[i].triangle) * 0.5;
       c.normal += n;
       c.offset += dot(n, mesh.points_mm[mesh.triangles[facets[i].triangle][0]]);
       c.area += norm(n);
     }
-    if (c.area >= least_area_mm2 / 4) all.push_back(c);
+    if (c.area >= min_area_mm2 / 4) all.push_back(c);
   }
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.area > b.area; });
-  if (all.size() > most_candidates) all.resize(most_candidates);
+  if (all.size() > max_candidates) all.resize(max_candidates);
   return all;
 }
 
 }  // namespace
 
-std::vector<CutFace> cut_faces(const TriMesh& mesh) {
+std::vector<CutFace> cut_faces(const surface::TriMesh& mesh) {
   std::vector<CutFace> faces;
   for (const Candidate& c : candidates(mesh)) {
     const double length = norm(c.normal);
@@ -81,13 +81,13 @@ std::vector<CutFace> cut_faces(const TriMesh& mesh) {
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& v = mesh.triangles[t];
       if (height(v[0]) > -flat_mm && height(v[1]) > -flat_mm && height(v[2]) > -flat_mm)
-        face.area_mm2 += 0.5 * norm(triangle_normal(mesh, t));
+        face.area_mm2 += 0.5 * norm(surface::triangle_normal(mesh, t));
     }
-    if (face.area_mm2 < least_area_mm2) continue;
+    if (face.area_mm2 < min_area_mm2) continue;
     face.offset_mm += dot(face.normal, mesh.origin_mm);
     faces.push_back(face);
   }
   return faces;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

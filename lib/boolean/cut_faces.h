@@ -5,7 +5,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 
 /// A plane beyond which nothing was scanned: dot(normal, world) <= offset_mm for the whole surface.
 struct CutFace {
@@ -17,6 +17,6 @@ struct CutFace {
 /// The flat faces with which a contour closes an anatomy at the volume's border: at least 60 mm^2 and eight triangles
 /// in one plane to 0.02 mm, with the whole surface on one side of it. Bodies have no such faces of their own. The
 /// border of a rectified tilted scan is not flat and is not found.
-std::vector<CutFace> cut_faces(const TriMesh& mesh);
+std::vector<CutFace> cut_faces(const surface::TriMesh& mesh);
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

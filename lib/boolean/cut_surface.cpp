@@ -19,7 +19,7 @@
 #include "surface/point_to_mesh.h"
 #include "surface/results.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -57,7 +57,7 @@ std::vector<Placing> placings(const Cutter& c) {
   return all;
 }
 
-TriMesh solid_of(Cutter c, double deviation_mm, const Placing& p) {
+surface::TriMesh solid_of(Cutter c, double deviation_mm, const Placing& p) {
   if (p.slimmer_mm > 0) {
     const auto less = [&](double& r) { r = std::max(r - p.slimmer_mm, 0.9 * r); };
     less(c.radius_mm);
@@ -75,19 +75,19 @@ struct Dropped {
   double mm3 = 0;
 };
 
-TriMesh part_of(const TriMesh& m, const std::vector<int>& piece_of, int piece) {
-  TriMesh out;
+surface::TriMesh part_of(const surface::TriMesh& m, const std::vector<int>& piece_of, int piece) {
+  surface::TriMesh out;
   out.origin_mm = m.origin_mm;
   out.points_mm = m.points_mm;
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     if (piece_of[t] == piece) out.triangles.push_back(m.triangles[t]);
-  drop_unused_points(out);
+  surface::drop_unused_points(out);
   return out;
 }
 
 Dropped drop_loose(Difference& d, double below_mm3) {
   std::vector<int> piece_of;
-  const int pieces = label_components(d.mesh, piece_of);
+  const int pieces = surface::label_components(d.mesh, piece_of);
   if (pieces < 2) return {};
   std::vector<char> cut(pieces), goes(pieces);
   std::vector<double> volume(pieces);
@@ -103,8 +103,8 @@ Dropped drop_loose(Difference& d, double below_mm3) {
     goes[p] = 1;
     ++result.count;
     result.mm3 += volume[p];
-    const TriMesh shell = part_of(d.mesh, piece_of, p);
-    const PointToMesh inside(shell);
+    const surface::TriMesh shell = part_of(d.mesh, piece_of, p);
+    const surface::PointToMesh inside(shell);
     for (int q = 0; q < pieces; ++q) {
       if (q == p || volume[q] >= 0 || goes[q]) continue;
       const auto first = std::size_t(std::find(piece_of.begin(), piece_of.end(), q) - piece_of.begin());
@@ -121,38 +121,38 @@ Dropped drop_loose(Difference& d, double below_mm3) {
     }
   d.mesh.triangles.resize(kept);
   d.old_triangle.resize(kept);
-  drop_unused_points(d.mesh);
+  surface::drop_unused_points(d.mesh);
   return result;
 }
 
 /// The validity of a cut through a valid surface: triangles that existed before are known not to intersect each other.
-Validity validity_of(const Difference& d, const Progress& progress) {
-  Validity v;
-  const Incidence incidence(d.mesh);
-  v.topology = topology_of(d.mesh, incidence);
-  if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(d.mesh, incidence, v.places);
-  v.volume_mm3 = volume_mm3(d.mesh);
-  const auto degenerate = degenerate_triangles(d.mesh);
+meshing::Validity validity_of(const Difference& d, const Progress& progress) {
+  meshing::Validity v;
+  const surface::Incidence incidence(d.mesh);
+  v.topology = surface::topology_of(d.mesh, incidence);
+  if (!v.topology.closed() || !v.topology.manifold()) meshing::locate_topology_faults(d.mesh, incidence, v.places);
+  v.volume_mm3 = surface::volume_mm3(d.mesh);
+  const auto degenerate = meshing::degenerate_triangles(d.mesh);
   v.degenerate = degenerate.size();
   if (!degenerate.empty()) v.places.degenerate = {d.mesh.world_mm(d.mesh.triangles[degenerate.front()][0])};
   std::vector<std::uint32_t> fresh;
   for (std::uint32_t t = 0; t < d.old_triangle.size(); ++t)
     if (d.old_triangle[t] == Difference::none) fresh.push_back(t);
   if (fresh.empty()) return v;
-  const auto pairs = self_intersections(d.mesh, incidence, progress, fresh);
+  const auto pairs = meshing::self_intersections(d.mesh, incidence, progress, fresh);
   v.self_intersections = pairs.size();
   if (!pairs.empty())
-    v.places.self_intersections = {place_of_intersection_mm(d.mesh, pairs.front()[0], pairs.front()[1])};
+    v.places.self_intersections = {meshing::place_of_intersection_mm(d.mesh, pairs.front()[0], pairs.front()[1])};
   return v;
 }
 
 /// A surface that is cut again and again.
 class Cutting {
  public:
-  Cutting(TriMesh surface, const CutSurfaceParams& params)
-      : mesh(std::move(surface)), params_(params), step_(float32_step_mm(mesh)), start_(Clock::now()) {}
+  Cutting(surface::TriMesh surface, const CutSurfaceParams& params)
+      : mesh(std::move(surface)), params_(params), step_(meshing::float32_step_mm(mesh)), start_(Clock::now()) {}
 
-  TriMesh mesh;
+  surface::TriMesh mesh;
   double moved_mm = 0;
   int tries = 0;
   bool changed = false;
@@ -188,14 +188,14 @@ bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& rem
   const double left = params_.time_limit_s - std::chrono::duration<double>(Clock::now() - start_).count();
   if (left <= 0)
     throw Error(ExitCode::internal, "", "time_limit_s", to_text(params_.time_limit_s) + " s, the cut takes longer");
-  const TriMesh solid = solid_of(cutter, params_.cutter_deviation_mm, placing);
+  const surface::TriMesh solid = solid_of(cutter, params_.cutter_deviation_mm, placing);
   Difference d = corefine_difference(mesh, solid, left, progress.part(0, 0.6));
   fault_ = d.fault;
   if (!fault_.empty()) return false;
   // Where the two surfaces are the same, slivers may be left.
-  if (d.mesh.triangles.empty() || volume_mm3(d.mesh) < 1e-6 * volume_mm3(mesh)) {
+  if (d.mesh.triangles.empty() || surface::volume_mm3(d.mesh) < 1e-6 * surface::volume_mm3(mesh)) {
     fault_ = "nothing is left of the surface";
-    if (near_expected(volume_mm3(mesh), removed)) refuse(fault_);
+    if (near_expected(surface::volume_mm3(mesh), removed)) refuse(fault_);
     return false;
   }
   if (d.mesh.triangles.size() == mesh.triangles.size() && d.old_triangle.back() != Difference::none) {
@@ -216,13 +216,13 @@ bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& rem
 }
 
 bool Cutting::accept(Difference d, const Placing& placing, Removed& removed, const Progress& progress) {
-  removed.mm3 = volume_mm3(mesh) - volume_mm3(d.mesh);
+  removed.mm3 = surface::volume_mm3(mesh) - surface::volume_mm3(d.mesh);
   if (!near_expected(removed.mm3, removed)) {
     fault_ = "the cut removed " + to_text(removed.mm3) + " mm3, expected are " + to_text(removed.expected_mm3) + " mm3";
     return false;
   }
   const Dropped loose = drop_loose(d, params_.min_component_mm3);
-  const Validity v = validity_of(d, progress);
+  const meshing::Validity v = validity_of(d, progress);
   if (!v.valid()) {
     fault_ = "the cut surface has " + v.text();
     return false;
@@ -246,27 +246,27 @@ Cutting::Removed Cutting::cut(const Cutter& cutter, const Progress& progress) {
   }
   // A cutter that hardly touches the surface may leave it unchanged.
   if (removed.expected_mm3 <= 0.5) return {0, removed.expected_mm3};
-  const Bounds b = bounds_of(cutter);
+  const surface::Bounds b = bounds_of(cutter);
   const Vec3 at = (b.min_mm + b.max_mm) / 2;
   const auto rounded = [](double v) { return to_text(std::nearbyint(v * 100) / 100 + 0.0); };
   refuse(fault_ + "; the cutter's middle is at " + rounded(at.x) + ", " + rounded(at.y) + ", " + rounded(at.z) + " mm");
 }
 
 /// On float32's raster and valid.
-TriMesh checked(const TriMesh& surface, const Progress& progress) {
-  check_mesh(surface);
-  TriMesh mesh = surface;
+surface::TriMesh checked(const surface::TriMesh& surface, const Progress& progress) {
+  surface::check_mesh(surface);
+  surface::TriMesh mesh = surface;
   mesh.normals.clear();
-  snap_to_float32(mesh);
-  with_field("surface", [&] { require_valid(mesh, progress); });
-  drop_unused_points(mesh);
+  meshing::snap_to_float32(mesh);
+  with_field("surface", [&] { meshing::require_valid(mesh, progress); });
+  surface::drop_unused_points(mesh);
   return mesh;
 }
 
 }  // namespace
 
-TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& given, const CutSurfaceParams& params,
-                    Report& report, const Progress& progress) {
+surface::TriMesh cut_surface(const surface::TriMesh& surface, const std::vector<Cutter>& given,
+                             const CutSurfaceParams& params, Report& report, const Progress& progress) {
   std::vector<Cutter> cutters;
   for (const Cutter& c : given) cutters.push_back(widened(c, params.widen_mm));
   const auto name_of = [&](std::size_t i) {
@@ -282,16 +282,16 @@ TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& given, co
     const double n = double(cutters.size());
     const auto removed = with_field(
         name_of(i), [&] { return cutting.cut(cutters[i], progress.part(0.1 + 0.9 * i / n, 0.1 + 0.9 * (i + 1) / n)); });
-    add_result(each, RemovedResult{removed.mm3}, name_of(i) + ".");
+    add_result(each, surface::RemovedResult{removed.mm3}, name_of(i) + ".");
     each.add(name_of(i) + ".removed_expected_mm3", removed.expected_mm3);
     if (removed.mm3 == 0) each.warn(name_of(i) + " removes nothing");
     total += removed.mm3;
   }
-  TriMesh out = cutting.changed ? std::move(cutting.mesh) : surface;
-  if (!cutting.changed) snap_to_float32(out);
+  surface::TriMesh out = cutting.changed ? std::move(cutting.mesh) : surface;
+  if (!cutting.changed) meshing::snap_to_float32(out);
   if (cutting.changed && !surface.normals.empty()) {
     Report unread;
-    compute_normals(out, {}, unread);
+    meshing::compute_normals(out, {}, unread);
   }
   report.add("cutters_count", cutters.size());
   report.add("removed_mm3", total);
@@ -306,4 +306,4 @@ TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& given, co
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

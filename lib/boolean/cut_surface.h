@@ -8,7 +8,7 @@
 #include "boolean/cutter.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 struct CutSurfaceParams {
   double widen_mm = 0;
@@ -51,13 +51,13 @@ struct CutSurfaceParams {
 /// valid, nothing is left of it, no valid result can be found, or the removed volume differs from the expected one by
 /// more than 1 % and 0.5 mm^3 (the line says where); 70 where the cuts take longer than time_limit_s (no child outlives
 /// the call); Cancelled.
-TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& cutters, const CutSurfaceParams& params,
-                    Report& report, const Progress& progress = {});
+surface::TriMesh cut_surface(const surface::TriMesh& surface, const std::vector<Cutter>& cutters,
+                             const CutSurfaceParams& params, Report& report, const Progress& progress = {});
 
 /// The radius of the thickest probe that touches the surface nowhere. For a cylinder or cone the probe is a flat-ended
 /// cylinder about the cutter's axis, from 0.1 mm inside its outer end to 0.1 mm before its far end; for a sphere, an
 /// ellipsoid or a mesh it is a ball about the centre (for a mesh, of its bounds). Infinite where the surface does not
 /// come near the axis between its ends; 0 where the axis meets the surface.
-double free_radius_mm(const TriMesh& surface, const Cutter& cutter);
+double free_radius_mm(const surface::TriMesh& surface, const Cutter& cutter);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -10,7 +10,7 @@
 #include "meshing/validity.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 constexpr double pi = 3.14159265358979323846, least_mm = 1e-3, most_mm = 1e4, furthest_mm = 1e6;
@@ -49,14 +49,14 @@ void check_axis(const Cutter& c, ExitCode code) {
 void check_mesh_cutter(const Cutter& c, ExitCode code) {
   if (!c.mesh) refuse(code, "mesh", "none is given");
   try {
-    require_valid(*c.mesh);
+    meshing::require_valid(*c.mesh);
   } catch (const Error& e) {
     if (e.field() == "mesh") throw;
     refuse(code, "mesh", (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }
 }
 
-void add(Bounds& b, Vec3 centre, Vec3 half) { include(b, {centre - half, centre + half}); }
+void add(surface::Bounds& b, Vec3 centre, Vec3 half) { surface::include(b, {centre - half, centre + half}); }
 
 /// Half the extent of a disc along each axis.
 Vec3 disc(Vec3 normal, double radius) {
@@ -112,11 +112,11 @@ void check_cutter(const Cutter& c, ExitCode code) {
   }
 }
 
-Bounds bounds_of(const Cutter& c) {
-  Bounds b;
+surface::Bounds bounds_of(const Cutter& c) {
+  surface::Bounds b;
   switch (c.kind) {
     case Cutter::Kind::mesh:
-      return bounds_of(*c.mesh);
+      return surface::bounds_of(*c.mesh);
     case Cutter::Kind::sphere:
     case Cutter::Kind::ellipsoid: {
       const Mat3 f = frame_of(c);
@@ -141,7 +141,7 @@ Bounds bounds_of(const Cutter& c) {
 double volume_mm3(const Cutter& c) {
   switch (c.kind) {
     case Cutter::Kind::mesh:
-      return volume_mm3(*c.mesh);
+      return surface::volume_mm3(*c.mesh);
     case Cutter::Kind::sphere:
     case Cutter::Kind::ellipsoid: {
       const auto r = semi_axes_mm(c);
@@ -154,4 +154,4 @@ double volume_mm3(const Cutter& c) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -9,7 +9,7 @@
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// A solid that is cut away: the same object for meshes, fields and haptic volumes. World, LPS, mm.
 struct Cutter {
@@ -24,29 +24,29 @@ struct Cutter {
   /// Cylinder and cone reach from position_mm - above_mm * direction to position_mm + depth_mm * direction. A cone's
   /// side continues straight above the entry.
   double above_mm = 20, depth_mm = 20;
-  std::shared_ptr<const TriMesh> mesh;  ///< closed, valid
-  std::string mesh_file;                ///< where it comes from; only carried through JSON
+  std::shared_ptr<const surface::TriMesh> mesh;  ///< closed, valid
+  std::string mesh_file;                         ///< where it comes from; only carried through JSON
 };
 
 /// Throws Error with that code, naming the field, unless radii and lengths are 0.001 to 1e4 mm (end_radius_mm, above_mm
 /// and a cone's radius at its outer end may be 0), the direction has unit length, and the mesh is closed and valid.
 void check_cutter(const Cutter& cutter, ExitCode code);
 
-Bounds bounds_of(const Cutter& cutter);
+surface::Bounds bounds_of(const Cutter& cutter);
 double volume_mm3(const Cutter& cutter);  ///< exact (for a mesh: of its polyhedron)
 
 /// Signed distance to the cutter's surface, positive outside; exact for cylinder, cone, sphere and mesh, to 1e-6 mm for
 /// the ellipsoid. Safe from several threads.
-DistanceFunction distance_to(const Cutter& cutter);
+surface::DistanceFunction distance_to(const Cutter& cutter);
 
 /// The cutter's surface as a closed, valid mesh whose volume is the exact one to 1e-3 (the rings are placed so that the
 /// polyhedron has the circle's area), with no point further than max_deviation_mm from the surface. Deterministic.
 /// Throws Error 80 where that would take more than about 300,000 facets.
-TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm = 0.02);
+surface::TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm = 0.02);
 
 /// Writes cutters as JSON (kind, name, units in the names), and reads them back. A mesh cutter names its file, which
 /// the caller has to read: its `mesh` is null. Throws Error 65 naming the field.
 std::string cutters_json(const std::vector<Cutter>& cutters);
 std::vector<Cutter> parse_cutters_json(const std::string& json);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -7,7 +7,7 @@
 #include "boolean/cutter_shape.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 struct Flat {
@@ -58,14 +58,14 @@ double ellipsoid_distance(std::array<double, 3> e, std::array<double, 3> y) {
 }
 
 struct MeshDistance {
-  std::shared_ptr<const TriMesh> mesh;
-  PointToMesh tree;
-  explicit MeshDistance(std::shared_ptr<const TriMesh> m) : mesh(std::move(m)), tree(*mesh) {}
+  std::shared_ptr<const surface::TriMesh> mesh;
+  surface::PointToMesh tree;
+  explicit MeshDistance(std::shared_ptr<const surface::TriMesh> m) : mesh(std::move(m)), tree(*mesh) {}
 };
 
 }  // namespace
 
-DistanceFunction distance_to(const Cutter& c) {
+surface::DistanceFunction distance_to(const Cutter& c) {
   const Vec3 at = c.position_mm;
   switch (c.kind) {
     case Cutter::Kind::mesh: {
@@ -91,4 +91,4 @@ DistanceFunction distance_to(const Cutter& c) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

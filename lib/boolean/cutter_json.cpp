@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "boolean/cutter.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -127,4 +127,4 @@ std::vector<Cutter> parse_cutters_json(const std::string& text) {
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -10,11 +10,11 @@
 #include "boolean/cutter.h"
 #include "boolean/cutter_shape.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int most_corners = 8192, most_splits = 128;
+constexpr int max_corners = 8192, max_splits = 128;
 
 [[noreturn]] void too_fine(double max_deviation_mm) {
   throw refusal("cutter", "a deviation of " + to_text(max_deviation_mm) + " mm needs too many facets for its size",
@@ -25,19 +25,19 @@ constexpr int most_corners = 8192, most_splits = 128;
 double corner_factor(int n) { return std::sqrt(2 * pi / n / std::sin(2 * pi / n)); }
 
 int corners_for(double radius, double max_deviation_mm) {
-  for (int n = 16; n <= most_corners; n += n < 64 ? 4 : n / 8) {
+  for (int n = 16; n <= max_corners; n += n < 64 ? 4 : n / 8) {
     const double f = corner_factor(n);
     if (radius * (f - 1) <= max_deviation_mm && radius * (1 - f * std::cos(pi / n)) <= max_deviation_mm) return n;
   }
   too_fine(max_deviation_mm);
 }
 
-TriMesh frustum(const Cutter& c, double max_deviation_mm, double turn_ratio) {
+surface::TriMesh frustum(const Cutter& c, double max_deviation_mm, double turn_ratio) {
   const double r0 = start_radius_mm(c), r1 = far_radius_mm(c);
   const auto n = std::uint32_t(corners_for(std::max(r0, r1), max_deviation_mm));
   const double f = corner_factor(int(n));
   const Mat3 frame = frame_of(c);
-  TriMesh m;
+  surface::TriMesh m;
   m.origin_mm = c.position_mm;
   const auto ring = [&](double radius, double s) {
     if (radius > 0)
@@ -66,14 +66,14 @@ TriMesh frustum(const Cutter& c, double max_deviation_mm, double turn_ratio) {
 }
 
 /// The icosahedron with each edge in `splits` parts, on the unit sphere.
-TriMesh geodesic(int splits) {
+surface::TriMesh geodesic(int splits) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   const Vec3 corners[12] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
                             {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
   const int faces[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  TriMesh m;
+  surface::TriMesh m;
   // A point by the weights of the corners that it lies between; those within a face are the face's own.
   std::map<std::array<int, 4>, std::uint32_t> shared;
   std::vector<std::uint32_t> own;
@@ -112,18 +112,18 @@ TriMesh geodesic(int splits) {
   return m;
 }
 
-TriMesh ball(const Cutter& c, double max_deviation_mm, double turn_ratio) {
+surface::TriMesh ball(const Cutter& c, double max_deviation_mm, double turn_ratio) {
   const auto r = semi_axes_mm(c);
   const double largest = std::max({r[0], r[1], r[2]});
   double off = 0;
   // The deviation falls with the square of the splits.
-  for (int splits = 4; splits <= most_splits;
+  for (int splits = 4; splits <= max_splits;
        splits = std::max(splits + 1, int(0.98 * splits * std::sqrt(std::min(1e6, off / max_deviation_mm))))) {
-    TriMesh m = geodesic(splits);
-    const double f = std::cbrt(4 * pi / 3 / volume_mm3(m));
+    surface::TriMesh m = geodesic(splits);
+    const double f = std::cbrt(4 * pi / 3 / surface::volume_mm3(m));
     double within = 1;  // the nearest that a facet comes to the centre
     for (std::size_t t = 0; t < m.triangles.size(); ++t) {
-      const Vec3 n = normalized(triangle_normal(m, t));
+      const Vec3 n = normalized(surface::triangle_normal(m, t));
       within = std::min(within, dot(n, m.points_mm[m.triangles[t][0]]));
     }
     off = largest * std::max(f - 1, 1 - f * within);
@@ -144,9 +144,9 @@ TriMesh ball(const Cutter& c, double max_deviation_mm, double turn_ratio) {
 
 }  // namespace
 
-TriMesh mesh_of(const Cutter& c, double max_deviation_mm, double turn_ratio, Vec3 shift_mm) {
+surface::TriMesh mesh_of(const Cutter& c, double max_deviation_mm, double turn_ratio, Vec3 shift_mm) {
   if (!(max_deviation_mm > 0)) throw Error(ExitCode::usage, "", "max_deviation_mm", "must be above 0");
-  TriMesh m;
+  surface::TriMesh m;
   if (c.kind == Cutter::Kind::mesh) {
     m = *c.mesh;
     m.normals.clear();
@@ -159,6 +159,6 @@ TriMesh mesh_of(const Cutter& c, double max_deviation_mm, double turn_ratio, Vec
   return m;
 }
 
-TriMesh mesh_of(const Cutter& c, double max_deviation_mm) { return mesh_of(c, max_deviation_mm, 0, {}); }
+surface::TriMesh mesh_of(const Cutter& c, double max_deviation_mm) { return mesh_of(c, max_deviation_mm, 0, {}); }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

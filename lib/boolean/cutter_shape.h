@@ -5,7 +5,7 @@
 
 #include "boolean/cutter.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// Cylinder and cone: the radius at the outer end (position_mm - above_mm * direction), and at the far end.
 double start_radius_mm(const Cutter& cutter);
@@ -19,6 +19,6 @@ Mat3 frame_of(const Cutter& cutter);
 std::array<double, 3> semi_axes_mm(const Cutter& cutter);
 
 /// mesh_of with the facets turned about the axis by that share of a facet (not for a mesh), and the whole mesh moved.
-TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm, double turn_ratio, Vec3 shift_mm);
+surface::TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm, double turn_ratio, Vec3 shift_mm);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 std::vector<Cutter> with_unique_names(std::vector<Cutter> all) {
   std::set<std::string> known;
@@ -56,4 +56,4 @@ void warn_of_thin(Report& report, const Cutter& c, Vec3 spacing_mm) {
                 " mm: the voxels cannot hold it, more may be removed");
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

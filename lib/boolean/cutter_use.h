@@ -3,7 +3,7 @@
 #include "base/report.h"
 #include "boolean/cutter.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// What all code shares that cuts with cutters: surfaces, fields and haptic volumes.
 
@@ -21,4 +21,4 @@ void add_of_cutter(Report& report, const Cutter& cutter, const Report& one);
 /// removed.
 void warn_of_thin(Report& report, const Cutter& cutter, Vec3 spacing_mm);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -8,7 +8,7 @@
 #include "boolean/cut_surface.h"
 #include "surface/point_triangle.h"
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 /// The part of a convex polygon where sign * z >= sign * limit.
@@ -28,25 +28,26 @@ double from_axis(const std::vector<Vec3>& polygon) {
   double least2 = std::numeric_limits<double>::infinity();
   const auto flat = [](Vec3 p) { return Vec3{p.x, p.y, 0}; };
   for (std::size_t i = 0; i < polygon.size(); ++i)
-    least2 = std::min(
-        least2, nearest_on_triangle({}, flat(polygon[0]), flat(polygon[i]), flat(polygon[(i + 1) % polygon.size()]))
-                    .squared_mm2);
+    least2 = std::min(least2, surface::nearest_on_triangle({}, flat(polygon[0]), flat(polygon[i]),
+                                                           flat(polygon[(i + 1) % polygon.size()]))
+                                  .squared_mm2);
   return std::sqrt(least2);
 }
 
 }  // namespace
 
-double free_radius_mm(const TriMesh& surface, const Cutter& c) {
+double free_radius_mm(const surface::TriMesh& surface, const Cutter& c) {
   const bool has_axis = c.kind == Cutter::Kind::cylinder || c.kind == Cutter::Kind::cone;
   double least = std::numeric_limits<double>::infinity();
   if (!has_axis) {
     Vec3 centre = c.position_mm;
-    if (c.kind == Cutter::Kind::mesh) centre = (bounds_of(*c.mesh).min_mm + bounds_of(*c.mesh).max_mm) / 2;
+    if (c.kind == Cutter::Kind::mesh)
+      centre = (surface::bounds_of(*c.mesh).min_mm + surface::bounds_of(*c.mesh).max_mm) / 2;
     const Vec3 p = centre - surface.origin_mm;
     for (const auto& t : surface.triangles)
-      least = std::min(least,
-                       nearest_on_triangle(p, surface.points_mm[t[0]], surface.points_mm[t[1]], surface.points_mm[t[2]])
-                           .squared_mm2);
+      least = std::min(least, surface::nearest_on_triangle(p, surface.points_mm[t[0]], surface.points_mm[t[1]],
+                                                           surface.points_mm[t[2]])
+                                  .squared_mm2);
     return std::sqrt(least);
   }
   constexpr double end_mm = 0.1;
@@ -65,4 +66,4 @@ double free_radius_mm(const TriMesh& surface, const Cutter& c) {
   return least;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 namespace {
 
 constexpr double step_deg = 0.1;
@@ -64,7 +64,7 @@ class Fan {
 
 }  // namespace
 
-OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep) {
+OuterCurve outer_curve(const surface::TriMesh& mesh, const Sweep& sweep) {
   const Vec3 normal = cross(sweep.from, sweep.onwards), shift = mesh.origin_mm - sweep.centre_mm;
   std::vector<double> side(mesh.points_mm.size());
   for (std::size_t i = 0; i < side.size(); ++i) side[i] = dot(mesh.points_mm[i] + shift, normal);
@@ -93,4 +93,4 @@ OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep) {
   return curve;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

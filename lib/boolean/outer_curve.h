@@ -4,7 +4,7 @@
 #include "surface/arc.h"
 #include "surface/trimesh.h"
 
-namespace trephine::detail {
+namespace trephine::boolean::detail {
 
 /// A sweep in a plane: rays from the centre, turning from `from` (unit) towards `onwards` (unit, perpendicular to it).
 struct Sweep {
@@ -14,9 +14,9 @@ struct Sweep {
 
 /// The outermost point of the surface on each ray of the sweep, every 0.1 degrees: exact points where the plane cuts
 /// the triangles. Rays that meet nothing are left out. `start` is the number of the first point at or after `from`.
-using OuterCurve = Arc;
-OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep);
+using OuterCurve = surface::Arc;
+OuterCurve outer_curve(const surface::TriMesh& mesh, const Sweep& sweep);
 
-using trephine::point_along;
+using trephine::surface::point_along;
 
-}  // namespace trephine::detail
+}  // namespace trephine::boolean::detail

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 /// A convex polygon in the plane across the direction, with few corners.
@@ -141,14 +141,14 @@ class Raster {
 
 }  // namespace
 
-double overlap_mm3(const TriMesh& a, const TriMesh& b, Vec3 direction) {
+double overlap_mm3(const surface::TriMesh& a, const surface::TriMesh& b, Vec3 direction) {
   const Vec3 w = normalized(direction);
   const Vec3 u = normalized(cross(std::abs(w.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}, w));
   const Mat3 frame{{u, cross(w, u), w}};
   // About b's middle, so that little cancels.
-  const Bounds box = bounds_of(b);
+  const surface::Bounds box = surface::bounds_of(b);
   const Vec3 middle = (box.min_mm + box.max_mm) / 2;
-  const auto roof = [&](const TriMesh& m, std::size_t t) {
+  const auto roof = [&](const surface::TriMesh& m, std::size_t t) {
     std::array<Vec3, 3> p;
     for (int c = 0; c < 3; ++c) p[c] = transpose_times(frame, m.points_mm[m.triangles[t][c]] + (m.origin_mm - middle));
     return Roof(p);
@@ -168,4 +168,4 @@ double overlap_mm3(const TriMesh& a, const TriMesh& b, Vec3 direction) {
   return sum;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::boolean {
 namespace {
 
 constexpr double sharp_cosine = 0.86;  // 30 degrees
@@ -45,7 +45,7 @@ class Rim {
 
  private:
   Vec3 at(std::uint32_t v) const { return m_.points_mm[v]; }
-  Vec3 normal(std::uint32_t t) const { return normalized(triangle_normal(m_, t)); }
+  Vec3 normal(std::uint32_t t) const { return normalized(surface::triangle_normal(m_, t)); }
 
   void find_edges() {
     for (std::uint32_t t = 0; t < m_.triangles.size(); ++t)
@@ -152,7 +152,7 @@ class Rim {
   }
 
   Difference& d_;
-  TriMesh& m_;
+  surface::TriMesh& m_;
   double step_, width_;
   std::vector<Edge> edges_;
   std::vector<char> on_rim_;
@@ -163,4 +163,4 @@ class Rim {
 
 void divide_rim(Difference& cut, double step_mm, double width_mm) { Rim(cut, step_mm, width_mm).run(); }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

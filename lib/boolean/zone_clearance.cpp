@@ -6,11 +6,11 @@
 #include "base/error.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
-ZoneClearance clearance_of(const BurrHole& hole, std::optional<Vec3> toward_mm, const TriMesh& zone) {
+ZoneClearance clearance_of(const BurrHole& hole, std::optional<Vec3> toward_mm, const surface::TriMesh& zone) {
   constexpr double step_mm = 0.25;
-  const PointToMesh surface(zone);
+  const surface::PointToMesh surface(zone);
   const double radius_mm = 0.5 * hole.request.diameter_mm;
   // The cutter goes to where the bone ends over the whole of its cross-section.
   const double cut_mm = std::max(hole.bone_thickness_mm, hole.cutter.depth_mm);
@@ -30,4 +30,4 @@ ZoneClearance clearance_of(const BurrHole& hole, std::optional<Vec3> toward_mm, 
   return least;
 }
 
-}  // namespace trephine
+}  // namespace trephine::boolean

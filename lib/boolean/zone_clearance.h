@@ -5,7 +5,7 @@
 #include "boolean/burr_hole.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::boolean {
 
 /// How near a trajectory comes to a zone. Negative: it enters it.
 struct ZoneClearance {
@@ -17,6 +17,6 @@ struct ZoneClearance {
 /// closed surface, at places 0.25 mm apart. The line ends at `toward_mm` (projected onto the axis), or where the bone
 /// does where nothing is aimed at. Throws Error 65 as PointToMesh, and where
 /// `toward_mm` is more than 500 mm away.
-ZoneClearance clearance_of(const BurrHole& hole, std::optional<Vec3> toward_mm, const TriMesh& zone);
+ZoneClearance clearance_of(const BurrHole& hole, std::optional<Vec3> toward_mm, const surface::TriMesh& zone);
 
-}  // namespace trephine
+}  // namespace trephine::boolean

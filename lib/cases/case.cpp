@@ -9,7 +9,7 @@
 #include "base/write_file.h"
 #include "cases/case_names.h"
 
-namespace trephine {
+namespace trephine::cases {
 
 namespace fs = std::filesystem;
 
@@ -92,7 +92,7 @@ CaseManifest read_case(const fs::path& case_folder) {
   const fs::path file = case_folder / manifest_name;
   CaseManifest m;
   try {
-    m = parse_case_json(text_of(read_file(file, detail::most_manifest_bytes)));
+    m = parse_case_json(text_of(read_file(file, detail::max_manifest_bytes)));
   } catch (Error& e) {
     e.in_file(file.string());
     throw;
@@ -171,4 +171,4 @@ int remove_unnamed_case_files(const fs::path& case_folder) {
   return removed;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -14,7 +14,7 @@
 #include "base/vec3.h"
 #include "cases/material.h"
 
-namespace trephine {
+namespace trephine::cases {
 
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm. What these structs declare is what case.json holds, in this order: its reader,
@@ -357,4 +357,4 @@ void publish_case(const std::filesystem::path& case_folder, const CaseManifest& 
 /// again.
 int remove_unnamed_case_files(const std::filesystem::path& case_folder);
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 [[noreturn]] void contradiction(const std::string& field, const std::string& what) {
@@ -130,4 +130,4 @@ void detail::check_manifest(const CaseManifest& m) {
   check_names(m);
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

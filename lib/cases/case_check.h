@@ -2,9 +2,9 @@
 #pragma once
 #include "cases/case.h"
 
-namespace trephine::detail {
+namespace trephine::cases::detail {
 
 /// Throws Error 70 naming the field where a value is not as its declaration says, or the manifest contradicts itself.
 void check_manifest(const CaseManifest& manifest);
 
-}  // namespace trephine::detail
+}  // namespace trephine::cases::detail

@@ -9,7 +9,7 @@
 #include "cases/case_names.h"
 #include "json/declared_json.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 // The bytes at either end that a reader finds without parsing: the version first, the checksum last.
@@ -57,7 +57,7 @@ std::string to_json(const CaseManifest& manifest) {
   if (m.version_minor == newest_version) m.version_minor = case_version_minor();
   std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
   detail::check_manifest(m);
-  const std::string body = declared_json(parameters_of<CaseManifest>(), &m);
+  const std::string body = json::declared_json(parameters_of<CaseManifest>(), &m);
   // "{\n ...\n}": between the version before it and the checksum after it.
   std::string out = head + std::to_string(m.version_major) + "." + std::to_string(m.version_minor) + "\",";
   out += body.substr(1, body.size() - 3);
@@ -72,10 +72,10 @@ CaseManifest parse_case_json(std::string_view json) {
   const std::string_view covered = json.substr(0, json.size() - tail);
   if (std::string(json.substr(covered.size())) != tail_begin + sha256_of_bytes(covered) + tail_end)
     refuse("checksum", "is not that of the file: it is damaged or was edited");
-  JsonRules rules;
+  json::JsonRules rules;
   rules.version = m.version_minor;
-  rules.max_bytes = detail::most_manifest_bytes;
-  read_declared_json(json, parameters_of<CaseManifest>(), &m, rules);
+  rules.max_bytes = detail::max_manifest_bytes;
+  json::read_declared_json(json, parameters_of<CaseManifest>(), &m, rules);
   try {
     detail::check_manifest(m);
   } catch (const Error& e) {
@@ -85,4 +85,4 @@ CaseManifest parse_case_json(std::string_view json) {
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace trephine::detail {
+namespace trephine::cases::detail {
 
 constexpr const char* manifest_name = "case.json";
-constexpr std::uint64_t most_manifest_bytes = std::uint64_t{4} << 20;
+constexpr std::uint64_t max_manifest_bytes = std::uint64_t{4} << 20;
 
 /// Relative, at most one folder deep, letters, digits, '-', '_', '.': nothing that leaves the case's folder.
 bool is_case_file_name(std::string_view name);
@@ -15,4 +15,4 @@ bool is_case_file_name(std::string_view name);
 bool is_content_name(std::string_view name);
 bool is_token(const std::string& text);
 
-}  // namespace trephine::detail
+}  // namespace trephine::cases::detail

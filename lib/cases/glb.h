@@ -7,7 +7,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::cases {
 
 /// One surface as binary glTF 2.0 (registry.khronos.org/glTF/specs/2.0), which the simulator, a browser and a game
 /// engine can all load. It has one mesh of one indexed primitive, one vertex for each position, smooth normals, and
@@ -29,10 +29,10 @@ struct GlbParams {
 /// uint16 where they fit. The bytes are read back and compared (bounds, counts, positions and indices) before they are
 /// returned. Throws Error 65 where the mesh is damaged (check_mesh), 80 where it is empty or where rounding to float32
 /// merges two corners of a triangle.
-std::string make_glb(const TriMesh& mesh, const GlbParams& params);
+std::string make_glb(const surface::TriMesh& mesh, const GlbParams& params);
 
 struct GlbMesh {
-  TriMesh mesh;  ///< origin_mm is the centre; with normals
+  surface::TriMesh mesh;  ///< origin_mm is the centre; with normals
   std::string name;
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
   double opacity = 1;
@@ -45,4 +45,4 @@ GlbMesh read_glb(std::string_view bytes);
 /// Throws Error 66 where there is no file.
 GlbMesh read_glb_file(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::cases

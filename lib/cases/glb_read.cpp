@@ -10,11 +10,11 @@
 #include "cases/glb_layout.h"
 #include "cases/json_at.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 using At = detail::JsonAt;
-constexpr std::size_t most_json_bytes = 1 << 16;
+constexpr std::size_t max_json_bytes = 1 << 16;
 using detail::gltf_float, detail::gltf_triangles, detail::gltf_uint16, detail::gltf_uint32;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
@@ -38,7 +38,7 @@ Chunks chunks_of(std::string_view bytes) {
   if (le32(bytes, 4) != 2) refuse("header", "version " + std::to_string(le32(bytes, 4)) + ", must be 2");
   if (le32(bytes, 8) != bytes.size()) refuse("header", "the length is not that of the file");
   const std::uint32_t json_size = le32(bytes, 12);
-  if (le32(bytes, 16) != json_chunk || json_size % 4 != 0 || json_size > most_json_bytes ||
+  if (le32(bytes, 16) != json_chunk || json_size % 4 != 0 || json_size > max_json_bytes ||
       json_size > bytes.size() - 28)
     refuse("header", "the JSON chunk is damaged");
   const std::size_t at = 20 + std::size_t{json_size};
@@ -132,10 +132,10 @@ GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
   if (primitive.has("mode") && primitive["mode"].count(10) != gltf_triangles)
     refuse("primitives.mode", "must be triangles");
   const At attributes = primitive["attributes"];
-  const std::uint64_t most_items = 1 << 16;
-  const std::uint64_t position_index = attributes["POSITION"].count(most_items);
+  const std::uint64_t max_items = 1 << 16;
+  const std::uint64_t position_index = attributes["POSITION"].count(max_items);
   const View positions = view_of(root, position_index, "VEC3", gltf_float, 12, binary);
-  const View normals = view_of(root, attributes["NORMAL"].count(most_items), "VEC3", gltf_float, 12, binary);
+  const View normals = view_of(root, attributes["NORMAL"].count(max_items), "VEC3", gltf_float, 12, binary);
   if (positions.count == 0 || normals.count != positions.count) refuse("attributes", "one normal a vertex is wanted");
 
   GlbMesh out;
@@ -146,7 +146,7 @@ GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
     if (!(std::abs(norm(out.mesh.normals[i]) - 1) < 1e-3))
       refuse("NORMAL", "of vertex " + std::to_string(i) + " is not of length 1");
   check_bounds(root["accessors"].item(position_index), out.mesh.points_mm);
-  const std::uint64_t i = primitive["indices"].count(most_items);
+  const std::uint64_t i = primitive["indices"].count(max_items);
   if (root["accessors"].item(i)["componentType"].count(65535) == gltf_uint16)
     out.mesh.triangles =
         triangles_of<std::uint16_t>(view_of(root, i, "SCALAR", gltf_uint16, 2, binary), positions.count);
@@ -154,7 +154,7 @@ GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
     out.mesh.triangles =
         triangles_of<std::uint32_t>(view_of(root, i, "SCALAR", gltf_uint32, 4, binary), positions.count);
 
-  const At material = root["materials"].item(primitive["material"].count(most_items));
+  const At material = root["materials"].item(primitive["material"].count(max_items));
   const auto colour = material["pbrMetallicRoughness"]["baseColorFactor"].numbers(4);
   for (int c = 0; c < 4; ++c)
     if (!(colour[c] >= 0 && colour[c] <= 1)) refuse("baseColorFactor", "must lie between 0 and 1");
@@ -181,4 +181,4 @@ GlbMesh read_glb_file(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

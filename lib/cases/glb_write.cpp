@@ -12,7 +12,7 @@
 #include "cases/glb_layout.h"
 #include "surface/vertex_normals.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 using Json = nlohmann::json;
@@ -35,7 +35,7 @@ struct Arrays {
   Float3 least, most;
 };
 
-Arrays rounded(const TriMesh& mesh, Vec3 center_mm) {
+Arrays rounded(const surface::TriMesh& mesh, Vec3 center_mm) {
   Arrays a;
   a.least.fill(std::numeric_limits<float>::max());
   a.most.fill(std::numeric_limits<float>::lowest());
@@ -53,14 +53,14 @@ Arrays rounded(const TriMesh& mesh, Vec3 center_mm) {
     a.positions.push_back(f);
   }
   std::vector<Vec3> own;
-  if (mesh.normals.empty()) own = vertex_normals(mesh);
+  if (mesh.normals.empty()) own = surface::vertex_normals(mesh);
   const auto& normals = mesh.normals.empty() ? own : mesh.normals;
   a.normals.reserve(normals.size());
   for (const Vec3 n : normals) a.normals.push_back(to_unit_float(n));
   return a;
 }
 
-void check_triangles(const TriMesh& mesh, const std::vector<Float3>& positions) {
+void check_triangles(const surface::TriMesh& mesh, const std::vector<Float3>& positions) {
   std::size_t bad = 0;
   for (const auto& t : mesh.triangles)
     bad +=
@@ -80,7 +80,7 @@ void append(std::string& out, const T* data, std::size_t count) {
 }
 
 // The binary chunk: positions, normals, indices.
-std::string data_of(const TriMesh& mesh, const Arrays& arrays, bool narrow) {
+std::string data_of(const surface::TriMesh& mesh, const Arrays& arrays, bool narrow) {
   std::string out;
   append(out, arrays.positions.data(), arrays.positions.size());
   append(out, arrays.normals.data(), arrays.normals.size());
@@ -108,7 +108,8 @@ Json material_of(const GlbParams& params) {
   return m;
 }
 
-Json document_of(const TriMesh& mesh, const Arrays& arrays, const GlbParams& params, bool narrow, std::size_t bytes) {
+Json document_of(const surface::TriMesh& mesh, const Arrays& arrays, const GlbParams& params, bool narrow,
+                 std::size_t bytes) {
   using namespace detail;
   constexpr int array_buffer = 34962, element_array_buffer = 34963;
   const std::size_t points = arrays.positions.size(), corners = mesh.triangles.size() * 3;
@@ -166,8 +167,8 @@ void check_params(const GlbParams& params) {
     throw Error(ExitCode::internal, "", "glb", "name, centre, colour or opacity is out of range");
 }
 
-void check_written(const std::string& bytes, const TriMesh& mesh, const Arrays& arrays) {
-  const TriMesh back = read_glb(bytes).mesh;
+void check_written(const std::string& bytes, const surface::TriMesh& mesh, const Arrays& arrays) {
+  const surface::TriMesh back = read_glb(bytes).mesh;
   bool same = back.triangles == mesh.triangles && back.points_mm.size() == arrays.positions.size();
   for (std::size_t i = 0; same && i < arrays.positions.size(); ++i)
     for (int c = 0; c < 3; ++c) same = same && float(back.points_mm[i][c]) == arrays.positions[i][c];
@@ -176,8 +177,8 @@ void check_written(const std::string& bytes, const TriMesh& mesh, const Arrays& 
 
 }  // namespace
 
-std::string make_glb(const TriMesh& mesh, const GlbParams& params) {
-  check_mesh(mesh);
+std::string make_glb(const surface::TriMesh& mesh, const GlbParams& params) {
+  surface::check_mesh(mesh);
   check_params(params);
   if (mesh.triangles.empty())
     throw refusal("glb", "the surface is empty",
@@ -198,4 +199,4 @@ std::string make_glb(const TriMesh& mesh, const GlbParams& params) {
   return bytes;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cases/json_at.h"
 
-namespace trephine::detail {
+namespace trephine::cases::detail {
 
 namespace {
 
 // Bounds the nesting and the number of keys and values before anything is allocated.
 void check_structure(std::string_view text) {
-  constexpr int most_levels = 16;
+  constexpr int max_levels = 16;
   // Looking for a key walks over all keys before it.
-  constexpr std::size_t most_keys = 10000, most_values = 100000;
+  constexpr std::size_t max_keys = 10000, max_values = 100000;
   int levels = 0;
   std::size_t keys = 0, values = 0;
   bool within_text = false;
@@ -24,7 +24,7 @@ void check_structure(std::string_view text) {
     levels += (c == '[' || c == '{') - (c == ']' || c == '}');
     keys += c == ':';
     values += c == ',' || c == '[' || c == '{';
-    if (levels > most_levels || keys > most_keys || values > most_values)
+    if (levels > max_levels || keys > max_keys || values > max_values)
       throw Error(ExitCode::bad_input, "", "json", "holds too much, or is nested too deeply");
   }
 }
@@ -40,4 +40,4 @@ Json parse_json(std::string_view text) {
   }
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::cases::detail

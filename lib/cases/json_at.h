@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace trephine::detail {
+namespace trephine::cases::detail {
 
 /// For the sources of this room only.
 using Json = nlohmann::ordered_json;
@@ -97,4 +97,4 @@ class JsonAt {
 /// multiple of the text's size. Throws Error 65 with the field "json".
 Json parse_json(std::string_view text);
 
-}  // namespace trephine::detail
+}  // namespace trephine::cases::detail

@@ -16,7 +16,7 @@
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
@@ -34,18 +34,18 @@ void require_near(double file, double manifest, double smallest, const std::stri
     refuse(field, to_text(file) + ", case.json says " + to_text(manifest));
 }
 
-TriMesh read_surface(const std::vector<char>& bytes, const CaseAnatomy& anatomy, Vec3 center_mm) {
+surface::TriMesh read_surface(const std::vector<char>& bytes, const CaseAnatomy& anatomy, Vec3 center_mm) {
   GlbMesh glb = read_glb(std::string_view(bytes.data(), bytes.size()));
   require_same(glb.mesh.triangles.size(), std::size_t{anatomy.triangles}, "triangles");
   require_same(glb.mesh.points_mm.size(), std::size_t{anatomy.points}, "points");
   if (glb.mesh.origin_mm != center_mm) refuse("center_mm", "is not that of case.json");
   if (glb.name != anatomy.name) refuse("name", "'" + glb.name + "', case.json says '" + anatomy.name + "'");
-  require_near(volume_mm3(glb.mesh) / 1000, anatomy.volume_ml, 1e-6, "volume_ml");
-  require_near(area_mm2(glb.mesh) / 100, anatomy.area_cm2, 1e-6, "area_cm2");
+  require_near(surface::volume_mm3(glb.mesh) / 1000, anatomy.volume_ml, 1e-6, "volume_ml");
+  require_near(surface::area_mm2(glb.mesh) / 100, anatomy.area_cm2, 1e-6, "area_cm2");
   return std::move(glb.mesh);
 }
 
-void compare_shape(const HapticShape& file, const CaseShape& manifest) {
+void compare_shape(const voxel::HapticShape& file, const CaseShape& manifest) {
   const std::string at = "shapes." + manifest.name;
   if (file.name != manifest.name) refuse(at + ".name", "'" + file.name + "' in the file");
   require_same(file.number, manifest.number, at + ".number");
@@ -53,8 +53,8 @@ void compare_shape(const HapticShape& file, const CaseShape& manifest) {
   require_same(int{file.window_high}, int{manifest.window_high}, at + ".window");
 }
 
-void compare_haptic(const HapticVolume& volume, const CaseHaptic& manifest) {
-  if (volume.encoding != (manifest.encoding == "hu" ? HapticEncoding::hu : HapticEncoding::occupancy))
+void compare_haptic(const voxel::HapticVolume& volume, const CaseHaptic& manifest) {
+  if (volume.encoding != (manifest.encoding == "hu" ? voxel::HapticEncoding::hu : voxel::HapticEncoding::occupancy))
     refuse("encoding", "is not the '" + manifest.encoding + "' of case.json");
   for (int i = 0; i < 3; ++i) {
     require_same(volume.voxels.size[i], manifest.size[i], "size");
@@ -67,9 +67,9 @@ void compare_haptic(const HapticVolume& volume, const CaseHaptic& manifest) {
   for (std::size_t i = 0; i < manifest.shapes.size(); ++i) compare_shape(volume.shapes[i], manifest.shapes[i]);
 }
 
-Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& manifest) {
-  Nrrd nrrd = decode_nrrd({bytes.data(), bytes.size()});
-  auto* grid = std::get_if<Grid<std::int16_t>>(&nrrd.grid);
+grid::Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& manifest) {
+  grid::Nrrd nrrd = grid::decode_nrrd({bytes.data(), bytes.size()});
+  auto* grid = std::get_if<grid::Grid<std::int16_t>>(&nrrd.grid);
   if (!grid) refuse("type", "is not int16");
   for (int i = 0; i < 3; ++i) {
     require_same(grid->size[i], manifest.size[i], "size");
@@ -80,11 +80,12 @@ Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& manifes
 }
 
 // Volumes of 0 ml are those that the writer did not measure.
-void compare_volumes(const HapticVolume& volume, const CaseHaptic& manifest) {
-  if (volume.encoding != HapticEncoding::occupancy) return;  // an HU says nothing of a part of a voxel
+void compare_volumes(const voxel::HapticVolume& volume, const CaseHaptic& manifest) {
+  if (volume.encoding != voxel::HapticEncoding::occupancy) return;  // an HU says nothing of a part of a voxel
   for (const CaseShape& s : manifest.shapes)
     if (s.volume_ml > 0)
-      require_near(shape_volume_mm3(volume, s.number) / 1000, s.volume_ml, 1e-3, "shapes." + s.name + ".volume_ml");
+      require_near(voxel::shape_volume_mm3(volume, s.number) / 1000, s.volume_ml, 1e-3,
+                   "shapes." + s.name + ".volume_ml");
 }
 
 // Since 1.4 the figures of the patient are those of the surfaces.
@@ -99,7 +100,7 @@ void compare_figures(const CaseManifest& m) {
 // How many of the places lie within the lattice, give or take two voxels: what is capped at the scan's end, and padded.
 class Within {
  public:
-  explicit Within(const Lattice& lattice) : lattice_(lattice) {}
+  explicit Within(const grid::Lattice& lattice) : lattice_(lattice) {}
   void add(Vec3 world_mm) {
     const Vec3 index = lattice_.to_index(world_mm);
     bool in = true;
@@ -110,21 +111,22 @@ class Within {
   bool most() const { return outside_ <= inside_; }
 
  private:
-  const Lattice lattice_;
+  const grid::Lattice lattice_;
   std::size_t inside_ = 0, outside_ = 0;
 };
 
 // The CT is cut to what is seen and felt, so both lie within it.
 void compare_places(const LoadedCase& c) {
   Within surfaces(c.ct), felt(c.ct);
-  for (const TriMesh& mesh : c.surfaces)
+  for (const surface::TriMesh& mesh : c.surfaces)
     for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) surfaces.add(mesh.world_mm(i));
-  const Grid<std::int16_t>& voxels = c.haptic.voxels;
-  if (c.haptic.encoding == HapticEncoding::occupancy)
+  const grid::Grid<std::int16_t>& voxels = c.haptic.voxels;
+  if (c.haptic.encoding == voxel::HapticEncoding::occupancy)
     for (int k = 0; k < voxels.size[2]; ++k)
       for (int j = 0; j < voxels.size[1]; ++j)
         for (int i = (j + k) % 4; i < voxels.size[0]; i += 4)
-          if (voxels.at(i, j, k) != haptic_empty) felt.add(voxels.to_world_mm({double(i), double(j), double(k)}));
+          if (voxels.at(i, j, k) != voxel::haptic_empty)
+            felt.add(voxels.to_world_mm({double(i), double(j), double(k)}));
   if (!surfaces.most()) refuse("space origin", "most of what is seen lies beyond the CT");
   if (!felt.most()) refuse("space origin", "most of what is felt lies beyond the CT");
 }
@@ -151,8 +153,8 @@ class Loader {
 
   void read_manifest() {
     within(detail::manifest_name, [&] {
-      const std::vector<char> bytes = read_(detail::manifest_name, detail::most_manifest_bytes);
-      if (bytes.size() > detail::most_manifest_bytes) refuse("size", "more than a case.json can be");
+      const std::vector<char> bytes = read_(detail::manifest_name, detail::max_manifest_bytes);
+      if (bytes.size() > detail::max_manifest_bytes) refuse("size", "more than a case.json can be");
       out_.manifest = parse_case_json({bytes.data(), bytes.size()});
       out_.bytes = bytes.size();
     });
@@ -179,7 +181,7 @@ class Loader {
     std::vector<char> hardness;
     if (!h.hardness_file.empty()) hardness = bytes_of(h.hardness_file);
     try {
-      out_.haptic = decode_haptic({bytes.data(), bytes.size()}, {hardness.data(), hardness.size()});
+      out_.haptic = voxel::decode_haptic({bytes.data(), bytes.size()}, {hardness.data(), hardness.size()});
       compare_haptic(out_.haptic, h);
     } catch (Error& e) {
       e.in_file(prefix_ + (e.field().rfind("hardness", 0) == 0 ? h.hardness_file : h.file));
@@ -248,19 +250,19 @@ class Loader {
 
 }  // namespace
 
-const TriMesh* LoadedCase::find_surface(const std::string& anatomy) const {
+const surface::TriMesh* LoadedCase::find_surface(const std::string& anatomy) const {
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (manifest.anatomies[i].name == anatomy) return surfaces[i].triangles.empty() ? nullptr : &surfaces[i];
   return nullptr;
 }
 
 LoadedCase load_case(const std::filesystem::path& case_folder, LoadParts parts) {
-  const CaseFileReader read = [&](const std::string& name, std::uint64_t most_bytes) {
-    return read_file(case_folder / name, most_bytes);
+  const CaseFileReader read = [&](const std::string& name, std::uint64_t max_bytes) {
+    return read_file(case_folder / name, max_bytes);
   };
   return Loader(read, (case_folder / "").string(), parts).load();
 }
 
 LoadedCase load_case_through(const CaseFileReader& read, LoadParts parts) { return Loader(read, "", parts).load(); }
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -10,22 +10,22 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::cases {
 
 /// A case in memory as a simulator needs it. Everything in it has been checked.
 struct LoadedCase {
   CaseManifest manifest;
   /// One surface for each anatomy of the manifest, in its order: origin_mm is the case's centre, normals have unit
   /// length; empty where nothing is displayed.
-  std::vector<TriMesh> surfaces;
-  HapticVolume haptic;      ///< without voxels where the case has none
-  Grid<std::int16_t> ct;    ///< HU; without voxels where the case has none or it was not asked for
-  std::uint64_t bytes = 0;  ///< of all files and case.json
+  std::vector<surface::TriMesh> surfaces;
+  voxel::HapticVolume haptic;   ///< without voxels where the case has none
+  grid::Grid<std::int16_t> ct;  ///< HU; without voxels where the case has none or it was not asked for
+  std::uint64_t bytes = 0;      ///< of all files and case.json
 
   bool has_haptic() const { return !haptic.voxels.voxels.empty(); }
   bool has_ct() const { return !ct.voxels.empty(); }
   /// The surface of that anatomy; null where there is none.
-  const TriMesh* find_surface(const std::string& anatomy) const;
+  const surface::TriMesh* find_surface(const std::string& anatomy) const;
 };
 
 /// What of a case is loaded beside surfaces and haptic volume; what is not asked for is only hashed.
@@ -52,8 +52,8 @@ LoadedCase load_case(const std::filesystem::path& case_folder, LoadParts parts =
 
 /// The same from another source (an archive, a network, a test). `read` returns the whole file of that name, relative
 /// to the case ("case.json", "meshes/skull-0123456789abcdef.glb"), or throws Error; it should refuse a file longer than
-/// `most_bytes`. It is called from several threads.
-using CaseFileReader = std::function<std::vector<char>(const std::string& name, std::uint64_t most_bytes)>;
+/// `max_bytes`. It is called from several threads.
+using CaseFileReader = std::function<std::vector<char>(const std::string& name, std::uint64_t max_bytes)>;
 LoadedCase load_case_through(const CaseFileReader& read, LoadParts parts = {});
 
-}  // namespace trephine
+}  // namespace trephine::cases

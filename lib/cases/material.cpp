@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cases/material.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace {
 
 constexpr double deepest_mm = 30;  ///< a face that gives way only beyond this depth is taken for a mistake in the file
@@ -21,4 +21,4 @@ std::string CaseFace::fault() const {
   return "";
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

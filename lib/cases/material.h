@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::cases {
 
 /// What the materials of a haptic volume are made of, each value declared once: here. From these lines come
 /// configs/materials.yaml and its schema, case.json, its schema and its reference page, what `trephine diff` and
@@ -63,4 +63,4 @@ struct CaseMaterial : MaterialParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::cases {
 namespace fs = std::filesystem;
 namespace {
 
@@ -54,4 +54,4 @@ void let_case_appear(const fs::path& made_in, const fs::path& case_folder) {
     throw Error(ExitCode::io, case_folder.string(), "", std::string("perhaps not durable: ") + std::strerror(reason));
 }
 
-}  // namespace trephine
+}  // namespace trephine::cases

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace trephine {
+namespace trephine::cases {
 
 /// A case that is not there yet is written beside its place, in a hidden folder, and appears by one rename: whoever
 /// finds LIBRARY/NAME finds all of it. A case that is there is replaced in its place, case.json last (cases/case.h).
@@ -16,4 +16,4 @@ bool is_new_case_folder(const std::string& name);
 /// The rename, durable as the files within are. Throws Error 74; then the case is not there.
 void let_case_appear(const std::filesystem::path& made_in, const std::filesystem::path& case_folder);
 
-}  // namespace trephine
+}  // namespace trephine::cases

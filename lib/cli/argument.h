@@ -4,7 +4,7 @@
 
 #include "cli/command.h"
 
-namespace trephine {
+namespace trephine::cli {
 
 /// Makes an optional argument; the caller sets its other members.
 inline Argument argument(const std::string& name, Argument::Kind kind, const std::string& help) {
@@ -29,4 +29,4 @@ inline Argument positional_argument(const std::string& name, Argument::Kind kind
   return a;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace fs = std::filesystem;
 namespace {
 
@@ -93,4 +93,4 @@ void check_paths(const ParsedCommand& parsed) {
   if (!faults.empty()) throw ErrorList(faults);
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -11,7 +11,7 @@
 #include "base/exit_code.h"
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::cli {
 
 /// A command is declared once. Parsing, checks, help, reference pages, JSON schema and shell completion come from that
 /// declaration.
@@ -147,4 +147,4 @@ std::string json_schema_of_written(const ParameterSet& set, int major);
 /// A script for bash's programmable completion of the program.
 std::string bash_completion(const Program& program);
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 std::string joined(const std::vector<std::string>& words) {
@@ -89,4 +89,4 @@ std::string bash_completion(const Program& program) {
          function + " " + program.name + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

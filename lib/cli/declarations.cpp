@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 void check_name(const std::string& command, const std::string& name) {
@@ -177,4 +177,4 @@ void ParsedCommand::no_such_group() const {
   throw Error(ExitCode::internal, "", command ? command->name : "", "has no parameters of this type");
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -5,7 +5,7 @@
 
 #include "cli/command.h"
 
-namespace trephine {
+namespace trephine::cli {
 
 /// What parsing, help, reference and completion share; for the sources of this room only.
 
@@ -38,4 +38,4 @@ void check_declarations(const Program& program);
 /// Throws ErrorList where a path is not of the kind that its argument asks for.
 void check_paths(const ParsedCommand& parsed);
 
-}  // namespace trephine
+}  // namespace trephine::cli

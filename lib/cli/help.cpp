@@ -3,7 +3,7 @@
 
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 constexpr std::size_t line_width = 100;
@@ -85,4 +85,4 @@ std::string command_help(const Program& program, const Command& command) {
   return text;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -6,7 +6,7 @@
 
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 struct ExitStatus {
@@ -193,4 +193,4 @@ std::vector<std::pair<std::string, std::string>> man_pages(const Program& progra
   return pages;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

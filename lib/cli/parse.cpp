@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 class Parser {
@@ -179,4 +179,4 @@ ParsedCommand parse_command(const Command& command, const std::vector<std::strin
   return Parser(command).parse(words);
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

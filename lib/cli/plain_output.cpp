@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 constexpr std::size_t longest_wait = 1 << 16;  // of a text without an end of line
@@ -65,4 +65,4 @@ class PlainOutput::Filter : public std::streambuf {
 PlainOutput::PlainOutput() : filter_(std::make_unique<Filter>(std::cout)) {}
 PlainOutput::~PlainOutput() = default;
 
-}  // namespace trephine
+}  // namespace trephine::cli

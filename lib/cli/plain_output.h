@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-namespace trephine {
+namespace trephine::cli {
 
 /// While it lives, what is written to std::cout passes `printable` (base/text.h), line by line: a text of a case, a
 /// scan or a configuration cannot control the terminal, whoever prints it. Only line ends and tabs stay. It is the one
@@ -19,4 +19,4 @@ class PlainOutput {
   std::unique_ptr<Filter> filter_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -18,7 +18,7 @@
 #include "base/log.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -211,4 +211,4 @@ void ProgressDisplay::finish(const std::string& stage, const std::string& note) 
   if (!state_->quiet) state_->line(text);
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

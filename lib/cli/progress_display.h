@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 
-namespace trephine {
+namespace trephine::cli {
 
 /// Shows how far several concurrent stages are. On a terminal it repaints one line with each running stage's share,
 /// rate and time left, and writes a line that stays for each finished stage. Elsewhere it writes plain lines, at most
@@ -43,4 +43,4 @@ class ProgressDisplay {
 /// A duration as text: "8 s", "1 min 05 s", "2 h 03 min".
 std::string duration_text(double seconds);
 
-}  // namespace trephine
+}  // namespace trephine::cli

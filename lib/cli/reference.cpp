@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "cli/declarations.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -255,4 +255,4 @@ std::vector<std::pair<std::string, std::string>> reference_pages(const Program& 
   return pages;
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

@@ -18,7 +18,7 @@
 #include "cli/declarations.h"
 #include "cli/plain_output.h"
 
-namespace trephine {
+namespace trephine::cli {
 namespace {
 
 int number(ExitCode code) { return static_cast<int>(code); }
@@ -227,4 +227,4 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
   return number(ExitCode::internal);
 }
 
-}  // namespace trephine
+}  // namespace trephine::cli

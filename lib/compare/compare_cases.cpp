@@ -9,7 +9,7 @@
 #include "meshing/contour.h"
 #include "voxel/shape_field.h"
 
-namespace trephine {
+namespace trephine::compare {
 namespace {
 
 /// The names of both, in the order of the first.
@@ -35,26 +35,26 @@ InCases in_of(const void* a, const void* b) {
 
 /// What is seen of an anatomy: its own surface, or what is felt of it.
 struct Seen {
-  TriMesh own;
-  const TriMesh* surface = nullptr;
+  surface::TriMesh own;
+  const surface::TriMesh* surface = nullptr;
   bool felt = false;
 };
 
-const CaseShape* felt_shape(const LoadedCase& c, const std::string& name) {
+const cases::CaseShape* felt_shape(const cases::LoadedCase& c, const std::string& name) {
   return c.has_haptic() ? find_named(c.manifest.haptic.shapes, name) : nullptr;
 }
 
-Seen seen_of(const LoadedCase& c, const std::string& name, const Progress& progress) {
+Seen seen_of(const cases::LoadedCase& c, const std::string& name, const Progress& progress) {
   Seen seen;
-  const TriMesh* surface = c.find_surface(name);
+  const surface::TriMesh* surface = c.find_surface(name);
   if (surface && !surface->triangles.empty()) {
     seen.surface = surface;
-  } else if (const CaseShape* shape = felt_shape(c, name)) {
+  } else if (const cases::CaseShape* shape = felt_shape(c, name)) {
     Report ignored;
-    ContourParams params;
+    meshing::ContourParams params;
     params.min_component_mm3 = 0;
     params.keep_cavities = true;
-    seen.own = contour(shape_field(c.haptic, shape->number, progress), params, ignored, progress);
+    seen.own = meshing::contour(voxel::shape_field(c.haptic, shape->number, progress), params, ignored, progress);
     seen.surface = &seen.own;
     seen.felt = true;
   }
@@ -62,23 +62,24 @@ Seen seen_of(const LoadedCase& c, const std::string& name, const Progress& progr
 }
 
 /// Whether both show the anatomy by the same bytes: of its own file about the same centre, or of the haptic volume.
-bool same_file(const LoadedCase& a, const LoadedCase& b, const CaseAnatomy& x, const CaseAnatomy& y) {
+bool same_file(const cases::LoadedCase& a, const cases::LoadedCase& b, const cases::CaseAnatomy& x,
+               const cases::CaseAnatomy& y) {
   if (x.file.empty() != y.file.empty()) return false;
   const bool felt = x.file.empty();
-  const CaseFile *f = a.manifest.find_file(felt ? a.manifest.haptic.file : x.file),
-                 *g = b.manifest.find_file(felt ? b.manifest.haptic.file : y.file);
+  const cases::CaseFile *f = a.manifest.find_file(felt ? a.manifest.haptic.file : x.file),
+                        *g = b.manifest.find_file(felt ? b.manifest.haptic.file : y.file);
   if (!f || !g || f->sha256 != g->sha256) return false;
   if (!felt) return a.manifest.center_mm == b.manifest.center_mm;
-  const CaseShape *s = felt_shape(a, x.name), *t = felt_shape(b, y.name);
+  const cases::CaseShape *s = felt_shape(a, x.name), *t = felt_shape(b, y.name);
   return s && t && s->number == t->number && s->window_low == t->window_low && s->window_high == t->window_high;
 }
 
-AnatomyChange anatomy_change(const LoadedCase& a, const LoadedCase& b, const std::string& name,
+AnatomyChange anatomy_change(const cases::LoadedCase& a, const cases::LoadedCase& b, const std::string& name,
                              const CompareParams& params, const Progress& progress) {
   AnatomyChange change;
   change.name = name;
-  const CaseAnatomy *x = a.manifest.find_anatomy(name), *y = b.manifest.find_anatomy(name);
-  const auto fill = [](const CaseAnatomy* from, auto& ml, auto& triangles) {
+  const cases::CaseAnatomy *x = a.manifest.find_anatomy(name), *y = b.manifest.find_anatomy(name);
+  const auto fill = [](const cases::CaseAnatomy* from, auto& ml, auto& triangles) {
     if (!from) return;
     ml = from->volume_ml;
     if (!from->file.empty()) triangles = from->triangles;
@@ -98,7 +99,8 @@ AnatomyChange anatomy_change(const LoadedCase& a, const LoadedCase& b, const std
   if (!old_seen.surface || !new_seen.surface)
     change.not_measured = std::string("the ") + (old_seen.surface ? "new" : "old") + " case shows no surface of it";
   else
-    change.deviation = measure_deviation(*new_seen.surface, *old_seen.surface, params.deviation, progress.part(0.4, 1));
+    change.deviation =
+        metrics::measure_deviation(*new_seen.surface, *old_seen.surface, params.deviation, progress.part(0.4, 1));
   return change;
 }
 
@@ -122,9 +124,9 @@ void add_points(std::vector<PointChange>& out, PointChange::Kind kind, const std
 }
 
 /// Adds what differs; a value's text decides, because 1 and 1.0 are one value in JSON.
-void add_changes(std::vector<ValueChange>& out, const CaseValues& a, const CaseValues& b,
+void add_changes(std::vector<ValueChange>& out, const cases::CaseValues& a, const cases::CaseValues& b,
                  const std::string& prefix = "") {
-  const auto find = [](const CaseValues& values, const std::string& name) -> const ParameterValue* {
+  const auto find = [](const cases::CaseValues& values, const std::string& name) -> const ParameterValue* {
     for (const auto& [key, value] : values)
       if (key == name) return &value;
     return nullptr;
@@ -133,7 +135,7 @@ void add_changes(std::vector<ValueChange>& out, const CaseValues& a, const CaseV
     const ParameterValue* other = find(b, name);
     if (!other)
       out.push_back({prefix + name, value, {}});
-    else if (to_text(*other) != to_text(value))
+    else if (trephine::to_text(*other) != trephine::to_text(value))
       out.push_back({prefix + name, value, *other});
   }
   for (const auto& [name, value] : b)
@@ -146,8 +148,8 @@ void add_figures(std::vector<ValueChange>& out, const std::vector<T>& a, const s
     if (const T* y = find_named(b, x.name)) add_changes(out, x.figures, y->figures, x.name + ".");
 }
 
-CaseValues values_of(const AnyParams& params) {
-  CaseValues v;
+cases::CaseValues values_of(const AnyParams& params) {
+  cases::CaseValues v;
   for (const ParameterLeaf& leaf : leaves_of(params)) v.emplace_back(leaf.path, leaf.value());
   return v;
 }
@@ -158,9 +160,9 @@ std::string without(const std::string& text, const std::string& begin) {
 }
 
 // Its place in the volume says nothing, and what was measured of it comes with every change of a surface.
-CaseValues shape_values(CaseShape s) {
+cases::CaseValues shape_values(cases::CaseShape s) {
   s.mismatch = {};
-  CaseValues v;
+  cases::CaseValues v;
   for (auto& [path, value] : values_of(AnyParams::make(s)))
     if (path == "material.name")
       v.emplace_back("material", value);
@@ -170,8 +172,8 @@ CaseValues shape_values(CaseShape s) {
 }
 
 // All but the lists, which are compared item by item, and the files, which are compared by their content.
-CaseValues about(const CaseManifest& m) {
-  CaseManifest rest = m;
+cases::CaseValues about(const cases::CaseManifest& m) {
+  cases::CaseManifest rest = m;
   rest.anatomies.clear();
   rest.missing.clear();
   rest.landmarks.clear();
@@ -181,11 +183,11 @@ CaseValues about(const CaseManifest& m) {
   rest.figures.clear();
   rest.parameters.clear();
   rest.files.clear();
-  CaseValues v;
+  cases::CaseValues v;
   for (auto& [path, value] : values_of(AnyParams::make(rest)))
     if (path != "case" && path.find("file") == std::string::npos) v.emplace_back(without(path, "provenance."), value);
   const auto add_hash = [&](const char* name, const std::string& file) {
-    if (const CaseFile* f = file.empty() ? nullptr : m.find_file(file)) v.emplace_back(name, f->sha256);
+    if (const cases::CaseFile* f = file.empty() ? nullptr : m.find_file(file)) v.emplace_back(name, f->sha256);
   };
   add_hash("haptic.sha256", m.haptic.file);
   add_hash("hardness.sha256", m.haptic.hardness_file);
@@ -193,14 +195,15 @@ CaseValues about(const CaseManifest& m) {
   return v;
 }
 
-void add_shapes(std::vector<ValueChange>& out, const std::vector<CaseShape>& a, const std::vector<CaseShape>& b) {
+void add_shapes(std::vector<ValueChange>& out, const std::vector<cases::CaseShape>& a,
+                const std::vector<cases::CaseShape>& b) {
   for (const std::string& name : names_of(a, b)) {
-    const CaseShape *x = find_named(a, name), *y = find_named(b, name);
+    const cases::CaseShape *x = find_named(a, name), *y = find_named(b, name);
     if (x && y)
       add_changes(out, shape_values(*x), shape_values(*y), "haptic." + name + ".");
     else
-      add_changes(out, x ? CaseValues{{"shape", x->material.name}} : CaseValues{},
-                  y ? CaseValues{{"shape", y->material.name}} : CaseValues{}, "haptic." + name + ".");
+      add_changes(out, x ? cases::CaseValues{{"shape", x->material.name}} : cases::CaseValues{},
+                  y ? cases::CaseValues{{"shape", y->material.name}} : cases::CaseValues{}, "haptic." + name + ".");
   }
 }
 
@@ -210,14 +213,14 @@ const char* to_text(InCases in) {
   return in == InCases::both ? "both" : in == InCases::only_old ? "only_old" : "only_new";
 }
 
-CaseComparison compare_cases(const LoadedCase& old_case, const LoadedCase& new_case, const CompareParams& params,
-                             const Progress& progress) {
-  const CaseManifest &a = old_case.manifest, &b = new_case.manifest;
+CaseComparison compare_cases(const cases::LoadedCase& old_case, const cases::LoadedCase& new_case,
+                             const CompareParams& params, const Progress& progress) {
+  const cases::CaseManifest &a = old_case.manifest, &b = new_case.manifest;
   CaseComparison out;
   out.old_token = a.case_token;
   out.new_token = b.case_token;
   out.same_input = a.input_sha256 == b.input_sha256;
-  out.identical = to_json(a) == to_json(b);
+  out.identical = cases::to_json(a) == cases::to_json(b);
   if (!out.same_input)
     out.warnings.emplace_back(
         "the two cases are made from different scans: distances say something only where both lie in one frame");
@@ -239,16 +242,16 @@ CaseComparison compare_cases(const LoadedCase& old_case, const LoadedCase& new_c
   add_points(out.points, Kind::landmark, a.landmarks, b.landmarks, confidence);
   add_points(out.points, Kind::target, a.targets, b.targets, confidence);
   add_points(out.points, Kind::burr_hole, a.burr_holes, b.burr_holes,
-             [](PointChange& change, const CaseBurrHole* x, const CaseBurrHole* y) {
+             [](PointChange& change, const cases::CaseBurrHole* x, const cases::CaseBurrHole* y) {
                if (x && y) change.turned_deg = angle_deg(x->direction, y->direction);
              });
   add_changes(out.about, about(a), about(b));
   add_shapes(out.about, a.haptic.shapes, b.haptic.shapes);
   add_changes(out.figures, a.figures, b.figures);
   add_figures(out.figures, a.anatomies, b.anatomies);
-  for (const CaseBurrHole& x : a.burr_holes)
-    if (const CaseBurrHole* y = find_named(b.burr_holes, x.name)) {
-      CaseValues of_x = x.figures, of_y = y->figures;
+  for (const cases::CaseBurrHole& x : a.burr_holes)
+    if (const cases::CaseBurrHole* y = find_named(b.burr_holes, x.name)) {
+      cases::CaseValues of_x = x.figures, of_y = y->figures;
       of_x.emplace_back("diameter_mm", x.diameter_mm);
       of_y.emplace_back("diameter_mm", y->diameter_mm);
       add_changes(out.figures, of_x, of_y, x.name + ".");
@@ -260,7 +263,8 @@ CaseComparison compare_cases(const LoadedCase& old_case, const LoadedCase& new_c
 std::vector<std::string> beyond_limits(const CaseComparison& comparison, const CompareParams& params) {
   std::vector<std::string> beyond;
   const auto say = [&](const std::string& name, const std::string& what, double is, double most, const char* unit) {
-    beyond.push_back(name + " " + what + " " + to_text(is) + unit + ", the limit is " + to_text(most) + unit);
+    beyond.push_back(name + " " + what + " " + trephine::to_text(is) + unit + ", the limit is " +
+                     trephine::to_text(most) + unit);
   };
   for (const AnatomyChange& a : comparison.anatomies) {
     if (a.same_bytes) continue;
@@ -284,4 +288,4 @@ std::vector<std::string> beyond_limits(const CaseComparison& comparison, const C
   return beyond;
 }
 
-}  // namespace trephine
+}  // namespace trephine::compare

@@ -10,13 +10,13 @@
 #include "cases/load_case.h"
 #include "metrics/deviation.h"
 
-namespace trephine {
+namespace trephine::compare {
 
 /// What is different between two versions of a case. Positions are DICOM patient LPS, mm, of both; "old" is the first.
 
 struct CompareParams {
   double max_deviation_mm = 0, max_point_mm = 0, max_volume_ratio = 0;
-  DeviationParams deviation;
+  metrics::DeviationParams deviation;
   template <class V>
   static void describe(V& v) {
     using P = CompareParams;
@@ -43,7 +43,7 @@ struct AnatomyChange {
   bool same_bytes = false;  ///< shown by the same bytes: nothing was measured, for nothing can differ
   /// Of the new surface to the old one, where both have one; bias is positive where the new one lies outside. A shape
   /// that is displayed from the haptic volume has the surface that is felt.
-  std::optional<Deviation> deviation;
+  std::optional<metrics::Deviation> deviation;
   bool old_is_felt = false, new_is_felt = false;
   std::string not_measured;  ///< why there is no deviation; empty where there is one, or where same_bytes
   std::optional<double> old_ml, new_ml;
@@ -80,8 +80,8 @@ struct CaseComparison {
 
 /// Compares two cases, which may hold different anatomies. Deterministic. Throws what measure_deviation and contour
 /// throw, with the anatomy as the field; Cancelled.
-CaseComparison compare_cases(const LoadedCase& old_case, const LoadedCase& new_case, const CompareParams& params = {},
-                             const Progress& progress = {});
+CaseComparison compare_cases(const cases::LoadedCase& old_case, const cases::LoadedCase& new_case,
+                             const CompareParams& params = {}, const Progress& progress = {});
 
 /// What exceeds the limits, one line each; empty where nothing does. An anatomy or a point that is in one case only
 /// exceeds every limit that would have judged it.
@@ -92,4 +92,4 @@ std::vector<std::string> beyond_limits(const CaseComparison& comparison, const C
 std::string comparison_text(const CaseComparison& comparison);
 std::string comparison_json(const CaseComparison& comparison);
 
-}  // namespace trephine
+}  // namespace trephine::compare

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "base/text_table.h"
 
-namespace trephine {
+namespace trephine::compare {
 namespace fs = std::filesystem;
 namespace {
 
@@ -32,7 +32,7 @@ LibraryCaseChange compare_one(const fs::path& old_case, const fs::path& new_case
   LibraryCaseChange change;
   change.token = token;
   try {
-    change.comparison = compare_cases(load_case(old_case), load_case(new_case), params, progress);
+    change.comparison = compare_cases(cases::load_case(old_case), cases::load_case(new_case), params, progress);
   } catch (const Error& e) {
     // Where the library lies is nobody's business.
     std::filesystem::path file = std::filesystem::path(e.file()).filename();
@@ -90,8 +90,8 @@ std::vector<std::string> row_of(const LibraryCaseChange& c) {
   std::string changed_class;
   for (const ValueChange& v : c.comparison.figures)
     if (v.name == "class")
-      changed_class =
-          (v.old_value ? to_text(*v.old_value) : "-") + " -> " + (v.new_value ? to_text(*v.new_value) : "-");
+      changed_class = (v.old_value ? trephine::to_text(*v.old_value) : "-") + " -> " +
+                      (v.new_value ? trephine::to_text(*v.new_value) : "-");
   row.push_back(changed_class);
   row.push_back(note);
   return row;
@@ -157,4 +157,4 @@ std::string libraries_json(const std::vector<LibraryCaseChange>& cases) {
   return Json{{"cases", std::move(list)}}.dump(2) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::compare

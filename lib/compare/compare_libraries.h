@@ -6,7 +6,7 @@
 
 #include "compare/compare_cases.h"
 
-namespace trephine {
+namespace trephine::compare {
 
 /// One case of two libraries.
 struct LibraryCaseChange {
@@ -34,4 +34,4 @@ std::vector<std::string> beyond_limits(const std::vector<LibraryCaseChange>& cas
 std::string libraries_text(const std::vector<LibraryCaseChange>& cases);
 std::string libraries_json(const std::vector<LibraryCaseChange>& cases);
 
-}  // namespace trephine
+}  // namespace trephine::compare

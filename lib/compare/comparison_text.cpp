@@ -8,7 +8,7 @@
 #include "base/text_table.h"
 #include "compare/compare_cases.h"
 
-namespace trephine {
+namespace trephine::compare {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -26,7 +26,7 @@ std::string anatomies_text(const CaseComparison& c) {
   for (const AnatomyChange& a : c.anatomies) {
     std::vector<std::string> row{a.name};
     if (a.deviation) {
-      const DeviationStats& d = a.deviation->both;
+      const metrics::DeviationStats& d = a.deviation->both;
       for (const double v : {d.max_mm, d.p99_mm, d.rms_mm, d.bias_mm}) row.push_back(number(v, 4));
     } else {
       row.insert(row.end(), 4, a.same_bytes ? "0" : "-");
@@ -63,7 +63,7 @@ std::string points_text(const CaseComparison& c) {
 
 std::string value_text(const std::optional<ParameterValue>& value) {
   if (!value) return "-";
-  const std::string text = printable(to_text(*value));
+  const std::string text = printable(trephine::to_text(*value));
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
@@ -89,7 +89,7 @@ Json json_of(const std::vector<ValueChange>& changes) {
 
 Json json_of(const std::optional<Vec3>& p) { return p ? Json{p->x, p->y, p->z} : Json(nullptr); }
 Json json_of(const std::optional<double>& v) { return v ? Json(*v) : Json(nullptr); }
-Json json_of(const DeviationStats& d) {
+Json json_of(const metrics::DeviationStats& d) {
   return {
       {"max_mm", d.max_mm}, {"p99_mm", d.p99_mm}, {"rms_mm", d.rms_mm}, {"mean_mm", d.mean_mm}, {"bias_mm", d.bias_mm}};
 }
@@ -148,4 +148,4 @@ std::string comparison_json(const CaseComparison& c) {
   return json.dump(2) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::compare

@@ -5,7 +5,7 @@
 #include "config/config_root.h"
 #include "config/reading.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace fs = std::filesystem;
 
 ConfigReading::ConfigReading(const fs::path& f, const ConfigOverrides& o) : file(f), overrides(o) {
@@ -30,7 +30,7 @@ std::vector<std::string> ConfigReading::anatomy_names() const {
 
 std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
   if (const RecipeAnatomy* anatomy = out.find_anatomy(name)) {
-    const bool is_labels = !anatomy->steps.empty() && anatomy->steps.back().type->output == DataKind::labels;
+    const bool is_labels = !anatomy->steps.empty() && anatomy->steps.back().type->output == stages::DataKind::labels;
     return is_labels ? name + ", it gives labels and no surface" : "";
   }
   return name + ", the pipeline has no such anatomy" + did_you_mean(name, anatomy_names());
@@ -41,8 +41,8 @@ std::string ConfigReading::fault_of_landmark(const std::string& name) const {
   if (looked_for && looked_for->type->finds(name)) return "";
   std::vector<std::string> known;
   if (looked_for)
-    for (const StagePoint& point : looked_for->type->points) known.push_back(point.name);
-  for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
+    for (const stages::StagePoint& point : looked_for->type->points) known.push_back(point.name);
+  for (const cases::CaseLandmark& l : out.landmarks) known.push_back(l.name);
   if (std::find(known.begin(), known.end(), name) != known.end()) return "";
   return name + ", no such landmark is given" + (looked_for ? " or can be found" : "") + did_you_mean(name, known);
 }
@@ -77,13 +77,13 @@ bool CaseConfig::needs_landmarks() const {
   if (!scene_landmarks.empty()) return true;
   const auto given = landmark_positions_mm();
   return std::any_of(burr_holes.begin(), burr_holes.end(), [&](const CaseDrill& hole) {
-    return !missing_landmark(hole.params.as<BurrHoleParams>(), given).empty();
+    return !boolean::missing_landmark(hole.params.as<boolean::BurrHoleParams>(), given).empty();
   });
 }
 
 const RecipeStep* CaseConfig::landmarks_step() const {
   for (const RecipeStep& s : scan_steps)
-    if (s.type->output == DataKind::landmarks) return &s;
+    if (s.type->output == stages::DataKind::landmarks) return &s;
   return nullptr;
 }
 
@@ -112,7 +112,7 @@ void CaseConfig::leave_out(const std::string& anatomy) {
   erase(drilled, [](const SceneDrill& d) { return d.anatomy; });
   erase(haptic.shapes, [](const SceneShape& s) { return s.name; });
   // A copy: the values that are shown refer to what was read.
-  auto params = haptic.params.as<VoxelizeStageParams>();
+  auto params = haptic.params.as<stages::VoxelizeStageParams>();
   erase(params.shapes, [](const auto& s) { return s.first; });
   erase(params.drill, [](const auto& d) { return d.first; });
   haptic.params = AnyParams::make(params);
@@ -125,8 +125,8 @@ std::string CaseConfig::target_in(const std::string& landmark) const {
 
 std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {
   std::map<std::string, Vec3> all;
-  for (const CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
+  for (const cases::CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

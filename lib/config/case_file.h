@@ -10,7 +10,7 @@
 #include "config/trade_front.h"
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// The declaration of a case's configuration file (configs/*.yaml).
 
@@ -49,10 +49,10 @@ struct BudgetParams {
 
 struct CaseFileParams : VersionParams {
   std::string case_token, series, pipeline, scene, landmarks_file, profile;
-  ImportParams import;
+  dicom::ImportParams import;
   Named<CaseScanParams> scans;
   Named<SaidPosition> landmarks;
-  std::vector<BurrHoleParams> burr_holes;
+  std::vector<boolean::BurrHoleParams> burr_holes;
   std::vector<SaidPath> trade;
   std::optional<AccuracyParams> accuracy;
   std::optional<BudgetParams> budget;
@@ -88,4 +88,4 @@ struct CaseFileParams : VersionParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::config

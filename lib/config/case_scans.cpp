@@ -6,13 +6,13 @@
 
 #include "config/reading.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 using Fault = std::function<void(const std::string& where, const std::string& what)>;
 
 std::string fault_of_scan_name(const ConfigReading& r, const std::string& name) {
-  if (find_stage(name) || r.out.find_anatomy(name) || name == "haptic" || name == "scene" || name == "original")
+  if (stages::find_stage(name) || r.out.find_anatomy(name) || name == "haptic" || name == "scene" || name == "original")
     return "is the name of a stage, an anatomy or a part of the case already";
   return is_plain_name(name) ? "" : "must be a name of letters a-z, digits and _";
 }
@@ -23,13 +23,13 @@ CaseScan scan_of(const std::string& name, const CaseScanParams& said) {
   scan.name = name;
   scan.modality = said.modality;
   scan.same_patient_reason = said.same_patient_reason;
-  ImportParams reading = said.import;
-  reading.modality = hu ? ModalityPolicy::ct : ModalityPolicy::any;
-  reading.units = hu ? UnitPolicy::hu : UnitPolicy::any;
-  reading.volume_values = hu ? VolumeValues::hu : VolumeValues::any;
+  dicom::ImportParams reading = said.import;
+  reading.modality = hu ? dicom::ModalityPolicy::ct : dicom::ModalityPolicy::any;
+  reading.units = hu ? dicom::UnitPolicy::hu : dicom::UnitPolicy::any;
+  reading.volume_values = hu ? dicom::VolumeValues::hu : dicom::VolumeValues::any;
   scan.import = AnyParams::make(reading);
-  RegistrationParams registration = said.registration;
-  registration.moving = hu ? MovingValues::hu : MovingValues::any;
+  itk::RegistrationParams registration = said.registration;
+  registration.moving = hu ? itk::MovingValues::hu : itk::MovingValues::any;
   scan.registration = AnyParams::make(registration);
   return scan;
 }
@@ -105,4 +105,4 @@ void add_scan_values(ConfigReading& r) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -7,7 +7,7 @@
 #include "dicom/import.h"
 #include "itk/registration.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// What a scan of a case shows, from which follows how its values are read.
 enum class ScanModality { mr, cta, ct };
@@ -16,8 +16,8 @@ enum class ScanModality { mr, cta, ct };
 struct CaseScanParams {
   ScanModality modality = ScanModality::mr;
   std::string series, same_patient_reason;
-  ImportParams import;
-  RegistrationParams registration;
+  dicom::ImportParams import;
+  itk::RegistrationParams registration;
   template <class V>
   static void describe(V& v) {
     using P = CaseScanParams;
@@ -33,12 +33,13 @@ struct CaseScanParams {
     v.group(&P::registration, "register", "How it is laid on the CT.");
   }
   std::string fault() const {
-    if (import.modality != ModalityPolicy::ct || import.volume_values != VolumeValues::unsaid ||
-        import.units != UnitPolicy::hu)
+    if (import.modality != dicom::ModalityPolicy::ct || import.volume_values != dicom::VolumeValues::unsaid ||
+        import.units != dicom::UnitPolicy::hu)
       return "import: modality, units and volume_values follow from the scan's modality, leave them out";
-    if (registration.moving != MovingValues::any)
+    if (registration.moving != itk::MovingValues::any)
       return "register: moving_values follows from the scan's modality, leave it out";
-    return registration.kind == RegistrationKind::rigid ? "" : "register.kind: scans of one patient are laid rigidly";
+    return registration.kind == itk::RegistrationKind::rigid ? ""
+                                                             : "register.kind: scans of one patient are laid rigidly";
   }
 };
 
@@ -48,12 +49,12 @@ struct CaseScan {
   ScanModality modality = ScanModality::mr;
   std::filesystem::path series;  ///< empty: none given
   std::string same_patient_reason;
-  AnyParams import = AnyParams::make<ImportParams>();
-  AnyParams registration = AnyParams::make<RegistrationParams>();
+  AnyParams import = AnyParams::make<dicom::ImportParams>();
+  AnyParams registration = AnyParams::make<itk::RegistrationParams>();
 };
 const char* to_text(ScanModality modality);
 
 /// The name by which a recipe's step says that it reads the CT, as it does without saying.
 constexpr const char* first_scan = "ct";
 
-}  // namespace trephine
+}  // namespace trephine::config

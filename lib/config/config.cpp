@@ -10,7 +10,7 @@
 #include "config/reading.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace fs = std::filesystem;
 namespace {
 
@@ -56,7 +56,7 @@ class Reader {
     share_out_limits(r_);
     drop_unused_landmarks();
     add_given_landmarks(r_);
-    out.import = import_.as<ImportParams>();
+    out.import = import_.as<dicom::ImportParams>();
     r_.faults.raise();
     out.values = r_.values.rows();
     return std::move(out);
@@ -92,7 +92,7 @@ class Reader {
   void check_token() {
     if (r_.out.case_token.empty()) return;
     try {
-      validate_case_token(r_.out.case_token, ExitCode::bad_config);
+      cases::validate_case_token(r_.out.case_token, ExitCode::bad_config);
     } catch (const Error& e) {
       fault("case", "case", e.what());
     }
@@ -103,12 +103,13 @@ class Reader {
   void read_points(const fs::path& file, bool wins) {
     if (file.empty()) return;
     try {
-      const auto read = std::get<std::shared_ptr<const HeadLandmarks>>(load_data(file, DataKind::landmarks));
-      std::vector<CaseLandmark>& all = r_.out.landmarks;
-      for (const CaseLandmark& point : read->landmarks) {
+      const auto read =
+          std::get<std::shared_ptr<const head::HeadLandmarks>>(stages::load_data(file, stages::DataKind::landmarks));
+      std::vector<cases::CaseLandmark>& all = r_.out.landmarks;
+      for (const cases::CaseLandmark& point : read->landmarks) {
         points_.push_back(point.name);
         const auto known =
-            std::find_if(all.begin(), all.end(), [&](const CaseLandmark& l) { return l.name == point.name; });
+            std::find_if(all.begin(), all.end(), [&](const cases::CaseLandmark& l) { return l.name == point.name; });
         if (known == all.end())
           all.push_back(point);
         else if (wins)
@@ -124,15 +125,15 @@ class Reader {
   }
 
   void name_burr_holes() {
-    std::vector<BurrHoleParams> holes = said_.as<CaseFileParams>().burr_holes;
+    std::vector<boolean::BurrHoleParams> holes = said_.as<CaseFileParams>().burr_holes;
     for (std::size_t i = 0; i < holes.size(); ++i) {
-      BurrHoleParams& hole = holes[i];
+      boolean::BurrHoleParams& hole = holes[i];
       if (hole.name.empty()) hole.name = "burr_hole_" + std::to_string(i + 1);
       const auto same = [&](const CaseDrill& d) { return d.name == hole.name; };
       if (!is_plain_name(hole.name) || std::any_of(r_.out.burr_holes.begin(), r_.out.burr_holes.end(), same))
         fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
               printable(hole.name) + ", must be a name of its own, of letters a-z, digits and _");
-      else if (find_stage(hole.name) || r_.out.find_anatomy(hole.name) || r_.out.find_scan(hole.name) ||
+      else if (stages::find_stage(hole.name) || r_.out.find_anatomy(hole.name) || r_.out.find_scan(hole.name) ||
                hole.name == "haptic" || hole.name == "scene")
         fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
               hole.name + ", is the name of a stage, an anatomy or a part of the case already");
@@ -169,7 +170,7 @@ class Reader {
     CaseConfig& out = r_.out;
     if (out.anatomies.empty()) return;
     const auto& scene = out.scene_file.as<SceneFileParams>();
-    const bool of_hu = scene.haptic && scene.haptic->encoding == HapticEncoding::hu;
+    const bool of_hu = scene.haptic && scene.haptic->encoding == voxel::HapticEncoding::hu;
     const auto fault_of_name = [&](const std::string& kind, const std::string& name) {
       if (kind == "anatomy" || (kind == "shape" && !of_hu)) return r_.fault_of_anatomy(name);
       if (kind == "landmark") return r_.fault_of_landmark(name);
@@ -305,16 +306,16 @@ class Reader {
       fault("burr_holes", "burr_holes",
             "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}]");
     for (const CaseDrill& hole : out.burr_holes) try {
-        const auto& params = hole.params.as<BurrHoleParams>();
+        const auto& params = hole.params.as<boolean::BurrHoleParams>();
         for (const auto& [zone, clear] : params.avoid)
           if (const std::string what = r_.fault_of_anatomy(zone); !what.empty())
             throw Error(ExitCode::bad_config, "", "avoid." + zone, what);
         if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
           throw Error(ExitCode::bad_config, "", "toward", what);
         if (out.landmarks_step())
-          check_request(params, ExitCode::bad_config);  // a landmark that is not given is searched for
+          boolean::check_request(params, ExitCode::bad_config);  // a landmark that is not given is searched for
         else
-          request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);
+          boolean::request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);
       } catch (const Error& e) {
         fault("burr_holes", hole.name + "." + e.field(), e.what());
       }
@@ -329,15 +330,15 @@ class Reader {
     const auto is_in = [](const std::vector<std::string>& all, const std::string& name) {
       return std::find(all.begin(), all.end(), name) != all.end();
     };
-    std::vector<std::string> used = findable_landmarks();
-    for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<BurrHoleParams>().toward);
+    std::vector<std::string> used = head::findable_landmarks();
+    for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<boolean::BurrHoleParams>().toward);
     for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
     const RecipeStep* looked_for = out.landmarks_step();
     const auto is_used = [&](const std::string& name) {
       return is_in(used, name) || (looked_for && looked_for->type->finds(name));
     };
-    const auto unused = [&](const CaseLandmark& l) { return is_in(points_, l.name) && !is_used(l.name); };
-    for (const CaseLandmark& l : out.landmarks)
+    const auto unused = [&](const cases::CaseLandmark& l) { return is_in(points_, l.name) && !is_used(l.name); };
+    for (const cases::CaseLandmark& l : out.landmarks)
       if (const std::string near = nearest_name(l.name, used); !is_used(l.name) && !near.empty())
         log_warning(printable(l.name) + ", no landmark of that name is used, did you mean " + near + "?");
     out.landmarks.erase(std::remove_if(out.landmarks.begin(), out.landmarks.end(), unused), out.landmarks.end());
@@ -348,7 +349,7 @@ class Reader {
   Places at_;
   std::set<std::string> set_;  // paths below set: that could be read
   AnyParams said_ = AnyParams::make<CaseFileParams>();
-  AnyParams import_ = AnyParams::make<ImportParams>();
+  AnyParams import_ = AnyParams::make<dicom::ImportParams>();
   std::vector<std::string> points_;  // names that a file of landmarks holds
 };
 
@@ -358,4 +359,4 @@ CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrid
   return Reader(file, overrides).read();
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -16,11 +16,11 @@
 #include "config/values.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// One step of an anatomy: a stage, its effective parameters, and the sources of all its ports but the first.
 struct RecipeStep {
-  const StageType* type = nullptr;
+  const stages::StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
   std::string scan;                          ///< the scan that it reads; empty: the CT
@@ -38,16 +38,16 @@ struct SceneAnatomy : SceneAnatomyParams {
 };
 
 /// A shape of the scene's haptic volume, with what the voxelize stage's parameters do not say of it.
-struct SceneShape : ShapeParams {
+struct SceneShape : cases::ShapeParams {
   std::string name;
-  CaseMaterial material;
+  cases::CaseMaterial material;
 };
 
 struct SceneHaptic {
   bool wanted = false;
-  AnyParams params = AnyParams::make<VoxelizeStageParams>();
+  AnyParams params = AnyParams::make<stages::VoxelizeStageParams>();
   std::vector<SceneShape> shapes;  ///< in the scene's order
-  HapticEncoding encoding() const { return params.as<VoxelizeStageParams>().encoding; }
+  voxel::HapticEncoding encoding() const { return params.as<stages::VoxelizeStageParams>().encoding; }
 };
 
 /// A landmark that the scene requires.
@@ -57,7 +57,7 @@ struct SceneLandmark {
 };
 
 /// An anatomy from which the scene cuts the case's burr holes.
-struct SceneDrill : DrillParams {
+struct SceneDrill : stages::DrillParams {
   std::string anatomy;
 };
 
@@ -79,15 +79,15 @@ struct CaseTrade {
 struct CaseConfig {
   std::string case_token;        ///< empty: none given
   std::filesystem::path series;  ///< empty: none given
-  ImportParams import;
+  dicom::ImportParams import;
   std::vector<CaseScan> scans;           ///< further ones, in the configuration's order
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<RecipeStep> scan_steps;    ///< the whole recipe, in its order
   RecipeRoles roles;
-  std::vector<SceneAnatomy> scene;      ///< in the recipe's order; triangles scaled by triangles_ratio
-  std::string face, face_reason;        ///< "", keep, crop or deface
-  FaceBeliefParams face_belief;         ///< which landmarks say where the face is
-  std::vector<CaseLandmark> landmarks;  ///< given by the configuration or by a file that it names
+  std::vector<SceneAnatomy> scene;             ///< in the recipe's order; triangles scaled by triangles_ratio
+  std::string face, face_reason;               ///< "", keep, crop or deface
+  face::FaceBeliefParams face_belief;          ///< which landmarks say where the face is
+  std::vector<cases::CaseLandmark> landmarks;  ///< given by the configuration or by a file that it names
   std::vector<SceneLandmark> scene_landmarks;
   std::vector<CaseDrill> burr_holes;  ///< empty where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order
@@ -139,4 +139,4 @@ struct ConfigOverrides {
 /// override. The exit code is that of the first fault.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
-}  // namespace trephine
+}  // namespace trephine::config

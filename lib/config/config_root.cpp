@@ -10,13 +10,13 @@
 #include "base/error.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* root_marker = "trephine.root";
 
-constexpr int most_links = 40;  // as the kernel
+constexpr int max_links = 40;  // as the kernel
 
 // Part by part, as the kernel follows a path. The parts of a path that does not exist yet are only names; a ".." after
 // one of them would leave it to whoever makes the folder, or a link of its name, where the path leads.
@@ -47,7 +47,7 @@ fs::path follow(const fs::path& p, std::string& fault) {
       exists = false;
     }
     if (exists && S_ISLNK(s.st_mode)) {
-      if (++links > most_links) return fault = "leads through symbolic links in a circle", fs::path();
+      if (++links > max_links) return fault = "leads through symbolic links in a circle", fs::path();
       std::error_code error;
       const fs::path target = fs::read_symlink(next, error);
       if (error) return fault = error.message(), fs::path();
@@ -107,4 +107,4 @@ fs::path path_in_roots(const fs::path& folder, const std::string& text, const st
   return {};
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::config {
 
 /// The absolute path without links and dots; its end need not exist. Throws Error 66 where it cannot be followed: links
 /// in a circle, a name that is too long, ".." after a folder that does not exist, a NUL.
@@ -22,4 +22,4 @@ bool lies_in(const std::filesystem::path& path, const std::filesystem::path& roo
 std::filesystem::path path_in_roots(const std::filesystem::path& folder, const std::string& text,
                                     const std::vector<std::filesystem::path>& roots, std::string& fault);
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -5,7 +5,7 @@
 #include "config/reading.h"
 #include "segmentation/correct.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 constexpr const char* correct_step = "correct";
@@ -25,7 +25,7 @@ void for_each_source(CaseConfig& config, const Visit& visit) {
 int corrected_step(CaseConfig& config, const RecipeAnatomy& anatomy) {
   int last = -1, read = -1;
   for (std::size_t i = 0; i < anatomy.steps.size(); ++i) {
-    if (anatomy.steps[i].type->output != DataKind::field || anatomy.steps[i].type->changes_raster) continue;
+    if (anatomy.steps[i].type->output != stages::DataKind::field || anatomy.steps[i].type->changes_raster) continue;
     last = int(i);
     for_each_source(config, [&](const std::string& source) {
       if (source == anatomy.name + "." + anatomy.steps[i].type->name) read = int(i);
@@ -43,10 +43,10 @@ std::string add_step(CaseConfig& config, RecipeAnatomy& anatomy, const std::stri
   for_each_source(config, [&](std::string& source) {
     if (source == before) source = now;
   });
-  CorrectParams params;
+  segmentation::CorrectParams params;
   params.file = file;
   anatomy.steps.insert(anatomy.steps.begin() + at + 1,
-                       RecipeStep{&stage_named(correct_step), AnyParams::make(params), {}, {}});
+                       RecipeStep{&stages::stage_named(correct_step), AnyParams::make(params), {}, {}});
   return "";
 }
 
@@ -83,4 +83,4 @@ void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

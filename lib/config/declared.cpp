@@ -5,12 +5,12 @@
 
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 using Kind = YamlNode::Kind;
 
-constexpr std::size_t most_keys = 10000;
+constexpr std::size_t max_keys = 10000;
 
 class Reader {
  public:
@@ -150,10 +150,10 @@ class Reader {
     if (value.kind != Kind::map) return fault(value, where, shown(value) + "must hold keys and values");
     if (p.count && value.entries.size() > p.count) return fault(value, where, "at most " + std::to_string(p.count));
     if (p.required && value.entries.empty()) return fault(value, where, "names none");
-    if (value.entries.size() > most_keys)  // each is sought among those before it
+    if (value.entries.size() > max_keys)  // each is sought among those before it
       return fault(
           value, where,
-          std::to_string(value.entries.size()) + " keys, no configuration has more than " + std::to_string(most_keys));
+          std::to_string(value.entries.size()) + " keys, no configuration has more than " + std::to_string(max_keys));
     p.clear(object);
     for (const auto& [key, item] : value.entries) {
       const std::string path = below(where, key.text);
@@ -246,4 +246,4 @@ std::string did_you_mean(const std::string& name, const std::vector<std::string>
   return near.empty() ? "" : ", did you mean " + near + "?";
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

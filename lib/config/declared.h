@@ -9,7 +9,7 @@
 #include "base/params.h"
 #include "config/yaml_document.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// How a file of declared keys is read.
 struct DeclaredReading {
@@ -54,4 +54,4 @@ std::string set_parameter(void* object, const Parameter& parameter, const YamlNo
 /// ", did you mean brain?", or "" where no known name is near.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& known);
 
-}  // namespace trephine
+}  // namespace trephine::config

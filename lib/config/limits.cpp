@@ -4,7 +4,7 @@
 
 #include "config/reading.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 const ValueOrigin by_scene{ValueSource::scene, "what the scene allows", {}};
@@ -52,8 +52,8 @@ void share_out_deviation(ConfigReading& r) {
     else
       r.faults.add(Error(
           ExitCode::bad_config, r.values.origin(scene_path).where, "anatomies." + wanted.name + ".max_deviation_mm",
-          to_text(ParameterValue(wanted.max_deviation_mm)) + ", must exceed what smooth may move the surface by, " +
-              to_text(ParameterValue(smoothed_mm))));
+          trephine::to_text(ParameterValue(wanted.max_deviation_mm)) +
+              ", must exceed what smooth may move the surface by, " + trephine::to_text(ParameterValue(smoothed_mm))));
   }
 }
 
@@ -69,8 +69,8 @@ void keep_rule(ConfigReading& r) {
     const double now = r.values.number(path, 0);
     if (rest_mm <= 0)
       r.faults.add(Error(ExitCode::bad_config, r.file.string(), "accuracy.max_deviation_mm",
-                         to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + wanted.name +
-                             " by, " + to_text(ParameterValue(smoothed_mm))));
+                         trephine::to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " +
+                             wanted.name + " by, " + trephine::to_text(ParameterValue(smoothed_mm))));
     else if (now == 0 || now > rest_mm)
       r.values.set_value(path, rest_mm, {ValueSource::rule, "the accuracy that the case asks for", {}});
   }
@@ -84,4 +84,4 @@ void share_out_limits(ConfigReading& reading) {
   keep_rule(reading);
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -11,7 +11,7 @@
 #include "config/values.h"
 #include "config/yaml_document.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// The state that the parts of read_case_config share. Each part adds its faults and goes on.
 struct ConfigReading {
@@ -23,7 +23,7 @@ struct ConfigReading {
   ConfigFaults faults;
   CaseConfig out;
   ConfigValues values;
-  Named<MaterialParams> materials;                        ///< materials that the scene may name
+  Named<cases::MaterialParams> materials;                 ///< materials that the scene may name
   std::map<std::string, ValueOrigin> landmark_origins;    ///< of the landmarks that are given, by name
   std::filesystem::path recipe;                           ///< empty: the recipe could not be read
   std::vector<std::pair<std::string, ValueOrigin>> said;  ///< paths that the recipe and the scene set
@@ -70,4 +70,4 @@ void derive_scene(ConfigReading& reading);
 /// stages: smoothing keeps its bound, and decimation gets the rest.
 void share_out_limits(ConfigReading& reading);
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -4,13 +4,14 @@
 #include "base/text.h"
 #include "config/reading.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace fs = std::filesystem;
 namespace {
 
 // A hint for a fault, such as ": here ventricles.labels". It names another stage of the same anatomy that gives data of
 // the wanted kind.
-std::string hint_of_source(const std::string& source, DataKind kind, const std::vector<RecipeAnatomy>& anatomies) {
+std::string hint_of_source(const std::string& source, stages::DataKind kind,
+                           const std::vector<RecipeAnatomy>& anatomies) {
   const std::string name = source.substr(0, source.find('.'));
   std::string made;
   for (const RecipeAnatomy& anatomy : anatomies)
@@ -33,10 +34,10 @@ class RecipeReader {
     r_.out.roles = said_;
     if (r_.out.anatomies.empty()) return;
     r_.recipe = file_;
-    for (const StepChoice& choice : recipe_steps(StagePlace::scan))
+    for (const StepChoice& choice : recipe_steps(stages::StagePlace::scan))
       if (const AnyParams* said = find_item(said_.scan_steps, choice.name))
         add_scan_step(step_of(choice.name, *said));
-      else if (find_stage(choice.name)->in_every_recipe)
+      else if (stages::find_stage(choice.name)->in_every_recipe)
         add_scan_step(step_of(choice.name, {choice.set, choice.set->make()}));
   }
 
@@ -72,8 +73,8 @@ class RecipeReader {
   std::string fault_of_anatomy(const std::string& name) const {
     if (const RecipeAnatomyFileParams* anatomy = find_item(said_.anatomies, name)) {
       const Steps& steps = anatomy->stages;
-      const StageType* last = steps.empty() ? nullptr : find_stage(steps.back().first);
-      return last && last->output == DataKind::labels ? name + ", it gives labels and no surface" : "";
+      const stages::StageType* last = steps.empty() ? nullptr : stages::find_stage(steps.back().first);
+      return last && last->output == stages::DataKind::labels ? name + ", it gives labels and no surface" : "";
     }
     std::vector<std::string> known;
     for (const auto& anatomy : said_.anatomies) known.push_back(anatomy.first);
@@ -82,8 +83,8 @@ class RecipeReader {
 
   // A target may be a point that only some cases give, so an unknown name is refused only where it looks misspelt.
   std::string fault_of_target(const std::string& name) const {
-    std::vector<std::string> known = findable_landmarks();
-    for (const CaseLandmark& l : r_.out.landmarks) known.push_back(l.name);
+    std::vector<std::string> known = head::findable_landmarks();
+    for (const cases::CaseLandmark& l : r_.out.landmarks) known.push_back(l.name);
     if (std::find(known.begin(), known.end(), name) != known.end()) return "";
     const std::string near = did_you_mean(name, known);
     return near.empty() ? "" : name + ", no such landmark" + near;
@@ -91,7 +92,7 @@ class RecipeReader {
 
   static RecipeStep step_of(const std::string& stage, const AnyParams& said) {
     const auto& params = said.as<RecipeStepParams>();
-    return {find_stage(stage), params.params, params.ports, params.scan};
+    return {stages::find_stage(stage), params.params, params.ports, params.scan};
   }
 
   // Each step works on what the one before it gives, and the last one gives a surface.
@@ -100,24 +101,25 @@ class RecipeReader {
     static_cast<RecipeAnatomyParams&>(anatomy) = said;
     anatomy.name = name;
     const std::string where = "anatomies." + name + ".stages";
-    DataKind fed = DataKind::volume;
+    stages::DataKind fed = stages::DataKind::volume;
     for (const auto& [stage, params] : said.stages) {
       RecipeStep step = step_of(stage, params);
-      const DataKind wanted = step.type->ports[0].kind;
-      if (wanted != fed && !(wanted == DataKind::field && fed == DataKind::volume))
+      const stages::DataKind wanted = step.type->ports[0].kind;
+      if (wanted != fed && !(wanted == stages::DataKind::field && fed == stages::DataKind::volume))
         fault(at_.key(where + "." + stage), where + "." + stage,
-              std::string("works on a ") + to_text(wanted) + " but gets a " + to_text(fed));
+              std::string("works on a ") + stages::to_text(wanted) + " but gets a " + stages::to_text(fed));
       // Of a later step only a further volume is left to be said.
       const auto& ports = step.type->ports;
-      const bool reads = anatomy.steps.empty() || std::any_of(ports.begin() + 1, ports.end(),
-                                                              [](const Port& p) { return p.from == From::scan; });
+      const bool reads =
+          anatomy.steps.empty() || std::any_of(ports.begin() + 1, ports.end(),
+                                               [](const stages::Port& p) { return p.from == stages::From::scan; });
       if (!step.scan.empty() && !reads)
         fault(at_.at(where + "." + stage + ".scan"), where + "." + stage + ".scan",
               "the stage works on what the one before it gives, say the scan there");
       fed = step.type->output;
       anatomy.steps.push_back(std::move(step));
     }
-    const bool complete = fed == DataKind::mesh || fed == DataKind::labels;
+    const bool complete = fed == stages::DataKind::mesh || fed == stages::DataKind::labels;
     if (at_.has(where) && (anatomy.steps.empty() || !complete))
       fault(at_.at(where), where, "must end in a surface, or in labels that other anatomies take");
     r_.out.anatomies.push_back(std::move(anatomy));
@@ -138,13 +140,14 @@ class RecipeReader {
   bool check_source(const std::string& where, const RecipeStep& step, const std::string& port,
                     const std::vector<RecipeAnatomy>& among, const char* of) {
     const std::string& source = step.ports.at(port);
-    const DataKind kind = step.type->find_port(port)->kind;
+    const stages::DataKind kind = step.type->find_port(port)->kind;
     for (const RecipeAnatomy& anatomy : among)
       for (const RecipeStep& other : anatomy.steps)
         if (anatomy.name + "." + other.type->name == source && other.type->output == kind) return true;
     const std::string path = where + "." + port;
     fault(at_.at(path), path,
-          source + ", must be the " + to_text(kind) + of + ", as anatomy.stage" + hint_of_source(source, kind, among));
+          source + ", must be the " + stages::to_text(kind) + of + ", as anatomy.stage" +
+              hint_of_source(source, kind, among));
     return false;
   }
 
@@ -167,4 +170,4 @@ class RecipeReader {
 
 void read_recipe(ConfigReading& reading, const fs::path& file) { RecipeReader(reading, file).read(); }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/recipe_file.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 // The ports whose source a recipe names. The first port of an anatomy's step takes what the step before it gives.
-bool is_named(const StageType& stage, const Port& port) {
-  return port.from == From::recipe && (stage.place != StagePlace::anatomy || &port != &stage.ports[0]);
+bool is_named(const stages::StageType& stage, const stages::Port& port) {
+  return port.from == stages::From::recipe && (stage.place != stages::StagePlace::anatomy || &port != &stage.ports[0]);
 }
 
-Parameter port_parameter(const Port& port) {
+Parameter port_parameter(const stages::Port& port) {
   Parameter p;
   p.name = port.name;
   p.help = port.help + ", as anatomy.stage";
@@ -28,10 +28,10 @@ Parameter port_parameter(const Port& port) {
 }
 
 // Which of the case's scans the step reads, where it reads one at all.
-bool reads_scan(const StageType& stage) {
-  if (stage.place != StagePlace::anatomy) return false;
-  for (const Port& port : stage.ports)
-    if (port.kind == DataKind::volume || port.or_volume) return true;
+bool reads_scan(const stages::StageType& stage) {
+  if (stage.place != stages::StagePlace::anatomy) return false;
+  for (const stages::Port& port : stage.ports)
+    if (port.kind == stages::DataKind::volume || port.or_volume) return true;
   return false;
 }
 
@@ -48,12 +48,12 @@ Parameter scan_parameter() {
   return p;
 }
 
-ParameterSet step_set(const StageType& stage) {
+ParameterSet step_set(const stages::StageType& stage) {
   const auto params_of = [](void* q) { return static_cast<RecipeStepParams*>(q)->params.object.get(); };
   const ParameterSet& own = *stage.make_params().set;
   ParameterSet set;
   for (const Parameter& p : own.parameters) set.parameters.push_back(parameter_of_holder(p, params_of));
-  for (const Port& port : stage.ports)
+  for (const stages::Port& port : stage.ports)
     if (is_named(stage, port)) set.parameters.push_back(port_parameter(port));
   if (reads_scan(stage)) set.parameters.push_back(scan_parameter());
   set.make = [&stage] {
@@ -68,16 +68,16 @@ ParameterSet step_set(const StageType& stage) {
 
 }  // namespace
 
-std::vector<StepChoice> recipe_steps(StagePlace place) {
+std::vector<StepChoice> recipe_steps(stages::StagePlace place) {
   static const std::map<std::string, ParameterSet> sets = [] {
     std::map<std::string, ParameterSet> all;
-    for (const StageType& stage : stage_types()) all[stage.name] = step_set(stage);
+    for (const stages::StageType& stage : stages::stage_types()) all[stage.name] = step_set(stage);
     return all;
   }();
   std::vector<StepChoice> choices;
-  for (const StageType* stage : stages_of(place))
+  for (const stages::StageType* stage : stages::stages_of(place))
     choices.push_back({stage->name, stage->summary, &sets.at(stage->name)});
   return choices;
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

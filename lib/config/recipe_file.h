@@ -7,7 +7,7 @@
 #include "config/said.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// The declaration of everything in a recipe (pipelines/*.yaml). Its steps come from the registry of stages.
 
@@ -20,7 +20,7 @@ struct RecipeStepParams {
 };
 
 /// The steps that a recipe may name at that place, each with its parameters and the ports whose source a recipe names.
-std::vector<StepChoice> recipe_steps(StagePlace place);
+std::vector<StepChoice> recipe_steps(stages::StagePlace place);
 
 struct RecipeAnatomyParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
@@ -43,7 +43,7 @@ struct RecipeAnatomyFileParams : RecipeAnatomyParams {
   template <class V>
   static void describe(V& v) {
     v.template all_of<RecipeAnatomyParams>();
-    v.steps(&RecipeAnatomyFileParams::stages, "stages", recipe_steps(StagePlace::anatomy),
+    v.steps(&RecipeAnatomyFileParams::stages, "stages", recipe_steps(stages::StagePlace::anatomy),
             "The stages that make the anatomy; each works on what the one before it gives.")
         .is_required();
   }
@@ -89,8 +89,8 @@ struct RecipeFileParams : VersionParams, RecipeRoles {
     v.template all_of<VersionParams>();
     v.map(&P::anatomies, "anatomies", "The anatomies by name, and how each is made.").names("name").is_required();
     v.template all_of<RecipeRoles>();
-    for (const StepChoice& step : recipe_steps(StagePlace::scan)) v.group(&P::scan_steps, step);
+    for (const StepChoice& step : recipe_steps(stages::StagePlace::scan)) v.group(&P::scan_steps, step);
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::config

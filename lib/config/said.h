@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// Values that stand alone in a configuration's files, without keys of their own: `nasion: [0, -95, 10]`,
 /// `kocher_right: 0.5`.
@@ -68,4 +68,4 @@ struct VersionParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::config

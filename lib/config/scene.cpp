@@ -3,12 +3,12 @@
 
 #include "config/reading.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace fs = std::filesystem;
 namespace {
 
 // The materials by name, from the file that the scene names.
-Named<MaterialParams> read_materials(ConfigReading& r, const fs::path& file) {
+Named<cases::MaterialParams> read_materials(ConfigReading& r, const fs::path& file) {
   MaterialsFileParams said;
   DeclaredReading reading{file, r.faults, {}, {}};
   reading.said = [&](const std::string& path, const YamlNode& at) {
@@ -50,7 +50,7 @@ class SceneReader {
  private:
   // Is asked in the order of declaration: the file of materials and the encoding are known before a shape is read.
   std::string fault_of_name(const std::string& kind, const std::string& name, const SceneFileParams& said) {
-    const bool of_hu = said.haptic && said.haptic->encoding == HapticEncoding::hu;
+    const bool of_hu = said.haptic && said.haptic->encoding == voxel::HapticEncoding::hu;
     if (kind == "anatomy") return r_.fault_of_anatomy(name);
     if (kind == "landmark") return r_.fault_of_landmark(name);
     if (kind == "materials") return read_materials_of(name);
@@ -98,7 +98,7 @@ std::string name_of(FacePolicy policy) {
 }  // namespace
 
 std::string FacePolicyParams::fault() const {
-  if (believe != FaceBelief::both && believe_reason.find_first_not_of(" \t\r\n") == std::string::npos)
+  if (believe != face::FaceBelief::both && believe_reason.find_first_not_of(" \t\r\n") == std::string::npos)
     return "believe_reason: is missing: why are these landmarks right?";
   if (policy != FacePolicy::keep || reason.find_first_not_of(" \t\r\n") != std::string::npos) return "";
   return std::string("reason: is ") + (reason.empty() ? "missing" : "blank") +
@@ -108,9 +108,9 @@ std::string FacePolicyParams::fault() const {
 std::string SceneHapticParams::fault() const {
   if ((hardness_low_hu != 0 || hardness_high_hu != 0) && !(hardness_low_hu < hardness_high_hu))
     return "hardness_high_hu: must exceed hardness_low_hu";
-  if (encoding == HapticEncoding::hu)
+  if (encoding == voxel::HapticEncoding::hu)
     for (const auto& [name, shape] : shapes)
-      if (shape.window_hu == HapticShapeParams().window_hu) return "shapes." + name + ".window_hu: is missing";
+      if (shape.window_hu == stages::HapticShapeParams().window_hu) return "shapes." + name + ".window_hu: is missing";
   return "";
 }
 
@@ -130,7 +130,7 @@ void derive_scene(ConfigReading& r) {
   for (const auto& [name, least] : said.landmarks) out.scene_landmarks.push_back({name, least.least});
   for (const auto& [name, drill] : said.burr_holes) {
     SceneDrill one;
-    static_cast<DrillParams&>(one) = drill;
+    static_cast<stages::DrillParams&>(one) = drill;
     one.anatomy = name;
     out.drilled.push_back(one);
   }
@@ -150,16 +150,16 @@ void derive_scene(ConfigReading& r) {
   out.ct = said.ct;
   if (!said.haptic) return;
   out.haptic.wanted = true;
-  auto& stage = out.haptic.params.as<VoxelizeStageParams>();
-  static_cast<HapticVolumeParams&>(stage) = *said.haptic;
+  auto& stage = out.haptic.params.as<stages::VoxelizeStageParams>();
+  static_cast<stages::HapticVolumeParams&>(stage) = *said.haptic;
   for (const auto& [name, shape] : said.haptic->shapes) {
     stage.shapes.emplace_back(name, shape);
-    if (const DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
+    if (const stages::DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
     SceneShape& felt = out.haptic.shapes.emplace_back();
-    static_cast<ShapeParams&>(felt) = shape;
+    static_cast<cases::ShapeParams&>(felt) = shape;
     felt.name = name;
-    if (const MaterialParams* material = find_item(r.materials, shape.material)) {
-      static_cast<MaterialParams&>(felt.material) = *material;
+    if (const cases::MaterialParams* material = find_item(r.materials, shape.material)) {
+      static_cast<cases::MaterialParams&>(felt.material) = *material;
       felt.material.name = shape.material;
     }
     // A value from --set may be any text; a value from the file was checked where it stands.
@@ -170,4 +170,4 @@ void derive_scene(ConfigReading& r) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -8,7 +8,7 @@
 #include "face/deface.h"
 #include "stages/voxelize.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// The declarations of scene files (configs/scenes/*.yaml) and of the file of materials (configs/materials.yaml).
 
@@ -32,7 +32,7 @@ struct SceneAnatomyParams {
 
 enum class FacePolicy { keep, crop, deface };
 
-struct FacePolicyParams : FaceBeliefParams {
+struct FacePolicyParams : face::FaceBeliefParams {
   FacePolicy policy = FacePolicy::keep;
   std::string reason;
   template <class V>
@@ -44,13 +44,13 @@ struct FacePolicyParams : FaceBeliefParams {
              "what is near the skin, keep leaves it.")
         .is_required();
     v.text(&P::reason, "reason", "With policy keep: why the case may show the face. The reason is recorded.");
-    v.template all_of<FaceBeliefParams>();
+    v.template all_of<face::FaceBeliefParams>();
   }
   std::string fault() const;
 };
 
 /// A shape of the haptic volume: how it is made, what it feels like, and whether a tool may remove it.
-struct SceneShapeParams : HapticShapeParams, ShapeParams {
+struct SceneShapeParams : stages::HapticShapeParams, cases::ShapeParams {
   std::string material;
   template <class V>
   static void describe(V& v) {
@@ -58,21 +58,21 @@ struct SceneShapeParams : HapticShapeParams, ShapeParams {
     v.text(&P::material, "material", "The material that says how the shape feels, from the scene's file of materials.")
         .names("material")
         .is_required();
-    v.template all_of<ShapeParams>();
-    v.template all_of<HapticShapeParams>();
+    v.template all_of<cases::ShapeParams>();
+    v.template all_of<stages::HapticShapeParams>();
   }
 };
 
-struct SceneHapticParams : HapticVolumeParams {
+struct SceneHapticParams : stages::HapticVolumeParams {
   Named<SceneShapeParams> shapes;
   template <class V>
   static void describe(V& v) {
     using P = SceneHapticParams;
-    v.template all_of<HapticVolumeParams>();
+    v.template all_of<stages::HapticVolumeParams>();
     v.map(&P::shapes, "shapes",
           "The shapes by name, in order of precedence: a part that one shape fills does not belong to later ones.")
         .names("shape")
-        .at_most(haptic_max_shapes)
+        .at_most(voxel::haptic_max_shapes)
         .is_required();
   }
   std::string fault() const;
@@ -92,7 +92,7 @@ struct SceneFileParams : VersionParams {
   Named<SceneAnatomyParams> anatomies;
   double triangles_ratio = 1;
   Named<SaidConfidence> landmarks;
-  Named<DrillParams> burr_holes;
+  Named<stages::DrillParams> burr_holes;
   std::string materials;
   std::optional<SceneHapticParams> haptic;
   std::optional<SceneCtParams> ct;
@@ -123,7 +123,7 @@ struct SceneFileParams : VersionParams {
 };
 
 struct MaterialsFileParams : VersionParams {
-  Named<MaterialParams> materials;
+  Named<cases::MaterialParams> materials;
   template <class V>
   static void describe(V& v) {
     using P = MaterialsFileParams;
@@ -132,4 +132,4 @@ struct MaterialsFileParams : VersionParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -2,7 +2,7 @@
 #include "config/reading.h"
 #include "stages/points.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 // Adds all values of a copy under the prefix; setting one is refused with `why`.
@@ -29,12 +29,12 @@ void add_shown_values(ConfigReading& r) {
 }
 
 void add_given_landmarks(ConfigReading& r) {
-  for (const CaseLandmark& l : r.out.landmarks) {
-    const PointParams point{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source};
+  for (const cases::CaseLandmark& l : r.out.landmarks) {
+    const stages::PointParams point{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source};
     const std::string prefix = "given_landmarks.landmarks." + l.name;
     add_fixed(r.values, prefix, point, "is given with the case's landmarks, change it there");
     r.values.note(prefix + ".position_mm", r.landmark_origins[l.name]);
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

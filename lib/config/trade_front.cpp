@@ -11,12 +11,12 @@
 #include "base/text.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string number(double v) { return to_text(ParameterValue(v)); }
+std::string number(double v) { return trephine::to_text(ParameterValue(v)); }
 
 double infinite() { return std::numeric_limits<double>::infinity(); }
 
@@ -254,8 +254,8 @@ std::string trade_points_json(const std::vector<TradePoint>& points) {
 }
 
 std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
-  constexpr std::uint64_t most_bytes = 64 << 20;
-  const std::vector<char> bytes = read_file(file, most_bytes);
+  constexpr std::uint64_t max_bytes = 64 << 20;
+  const std::vector<char> bytes = read_file(file, max_bytes);
   const auto fault = [&](const std::string& field, const std::string& what) {
     return Error(ExitCode::bad_input, file.string(), field, what);
   };
@@ -289,4 +289,4 @@ std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
   return points;
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::config {
 
 /// One way to make a case that `trephine trade` measured: the settings and the resulting figures. Times are those of
 /// the machine that measured. Deviations are two-sided, measured to the finest result of the sweep; the worst anatomy
@@ -77,4 +77,4 @@ std::string trade_points_json(const std::vector<TradePoint>& points);
 constexpr const char* trade_format = "trephine.trade";
 constexpr int trade_format_version = 1;
 
-}  // namespace trephine
+}  // namespace trephine::config

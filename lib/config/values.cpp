@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "config/declared.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 YamlNode scalar(const std::string& text) {
@@ -187,8 +187,8 @@ void ConfigValues::check(
 std::vector<ValueRow> ConfigValues::rows() const {
   std::vector<ValueRow> all;
   for (const auto& [path, target] : targets_)
-    all.push_back({path, to_text(target.parameter->get(target.object)), origin(path)});
+    all.push_back({path, trephine::to_text(target.parameter->get(target.object)), origin(path)});
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

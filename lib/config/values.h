@@ -11,7 +11,7 @@
 #include "base/params.h"
 #include "config/yaml_document.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// The sources of a value, the weakest first: of two that set the same value, the later in this list wins.
 enum class ValueSource {
@@ -95,4 +95,4 @@ class ConfigValues {
   std::set<std::string> set_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::config

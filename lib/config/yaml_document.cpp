@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::config {
 namespace {
 
 constexpr std::uint64_t max_file_bytes = 1 << 20;
@@ -224,4 +224,4 @@ std::optional<YamlNode> read_yaml_or_fault(const std::filesystem::path& file, Co
   return {};
 }
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::config {
 
 /// A YAML file as a plain tree in which every node knows its position in the file. Scalars stay text: the parameter
 /// that reads them judges `010`, `.nan` and `0,5`, not YAML's guess. Anchors, aliases, tags and several documents in
@@ -35,11 +35,11 @@ class ConfigFaults {
   bool empty() const { return count_ == 0; }
   std::size_t count() const { return count_; }
   /// Whether more of them would only be counted: what they say need not be made up.
-  bool full() const { return faults_.size() >= most_told; }
+  bool full() const { return faults_.size() >= max_told; }
   /// Throws ErrorList with the first faults, and how many more there are, where there are any.
   void raise() const;
 
-  static constexpr std::size_t most_told = 20;
+  static constexpr std::size_t max_told = 20;
 
  private:
   std::vector<Error> faults_;
@@ -54,4 +54,4 @@ YamlNode read_yaml(const std::filesystem::path& file);
 /// to the others.
 std::optional<YamlNode> read_yaml_or_fault(const std::filesystem::path& file, ConfigFaults& faults);
 
-}  // namespace trephine
+}  // namespace trephine::config

@@ -12,12 +12,10 @@
 #include "head/cranium.h"
 #include "mask/coarse.h"
 
-namespace trephine {
+namespace trephine::consistency {
 namespace {
 
-using segmentation::BitMask;
-using segmentation::Clearance;
-using segmentation::Relation;
+using mask::BitMask;
 
 std::string fixed(double v, int digits) {
   const double scale = std::pow(10.0, digits);
@@ -27,8 +25,8 @@ std::string fixed(double v, int digits) {
 std::string at_text(Vec3 p) { return "(" + fixed(p.x, 1) + ", " + fixed(p.y, 1) + ", " + fixed(p.z, 1) + ") mm"; }
 
 /// The bone on voxels of about 2 mm; a coarse voxel is bone where any of its voxels is.
-BitMask coarse_bone(const Field& skull) {
-  return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
+BitMask coarse_bone(const grid::Field& skull) {
+  return mask::coarse_mask(mask::positive(skull, skull), mask::coarse_raster(skull, 2), 0);
 }
 
 const Remedy wrong_shape{
@@ -40,7 +38,7 @@ const Remedy wrong_or_cut_skin{
     wrong_shape.text + "; where the scan's field of view cuts the skin off there, take a series with a larger one"};
 
 struct Gate {
-  const HeadFields& fields;
+  const head::HeadFields& fields;
   const AnatomyGateParams& params;
   Report& report;
   const Progress& progress;
@@ -59,10 +57,10 @@ struct Gate {
   static double above(double ml) { return std::ceil(10 * ml + 0.5) / 10; }
 
   /// Checks `name` against `other_name`. `wrong_figure` and `gap_figure` are the names of the results in the report.
-  void check_pair(const char* name, const Field* one, const char* other_name, const Field* other, Relation relation,
-                  double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
+  void check_pair(const char* name, const grid::Field* one, const char* other_name, const grid::Field* other,
+                  Relation relation, double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
     if (!one || !other) return;
-    const Clearance c = segmentation::clearance(*one, *other, relation, gap_mm, progress);
+    const Clearance c = clearance(*one, *other, relation, gap_mm, progress);
     const bool inside = relation == Relation::inside;
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
@@ -81,7 +79,7 @@ struct Gate {
     }
   }
 
-  void check_empty(const char* name, const Field* field, const std::optional<double>& ml) {
+  void check_empty(const char* name, const grid::Field* field, const std::optional<double>& ml) {
     if (field && *ml <= 0)
       add(1e6, std::string("the ") + name + " have not one voxel",
           {"set other thresholds (`lower_hu`, `upper_hu`), or paint it and bring it back by the stage `labels`"}, {},
@@ -89,9 +87,9 @@ struct Gate {
   }
 
   /// Counts the pieces by face neighbours and checks those beside the largest.
-  void check_pieces(const char* name, const Field* field, double max_loose_ml) {
+  void check_pieces(const char* name, const grid::Field* field, double max_loose_ml) {
     if (!field) return;
-    const auto pieces = segmentation::components(segmentation::positive(*field, *field));
+    const auto pieces = mask::components(mask::positive(*field, *field));
     report.add(std::string(name) + "_pieces_count", pieces.list.size());
     if (pieces.list.size() < 2 || max_loose_ml < 0) return;
     std::size_t first = 0, second = 1, all = 0;
@@ -105,7 +103,7 @@ struct Gate {
     }
     const double unit = field->voxel_volume_mm3() / 1000, loose = double(all - pieces.list[first].voxels) * unit;
     if (loose <= max_loose_ml) return;
-    const Box& box = pieces.list[second].box;
+    const grid::Box& box = pieces.list[second].box;
     const Vec3 place = field->to_world_mm({0.5 * (box.begin[0] + box.end[0] - 1), 0.5 * (box.begin[1] + box.end[1] - 1),
                                            0.5 * (box.begin[2] + box.end[2] - 1)});
     add(loose,
@@ -116,9 +114,9 @@ struct Gate {
   }
 
   /// `allowed` is the cranial cavity with the bone, on a coarser raster.
-  void check_cavity(const char* name, const Field* field, const BitMask& allowed, double max_ml) {
+  void check_cavity(const char* name, const grid::Field* field, const BitMask& allowed, double max_ml) {
     if (!field) return;
-    const BitMask out = segmentation::make_mask(*field, [&](int j, int k, std::uint8_t* row) {
+    const BitMask out = mask::make_mask(*field, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < field->size[0]; ++i) {
         if (!(field->at(i, j, k) > 0)) continue;
         const Vec3 c = allowed.lattice().to_index(field->to_world_mm({double(i), double(j), double(k)}));
@@ -128,7 +126,7 @@ struct Gate {
     const double ml = double(out.count()) * field->voxel_volume_mm3() / 1000;
     report.add(std::string(name) + "_outside_skull_ml", ml);
     if (ml <= max_ml) return;
-    const Box box = segmentation::largest(segmentation::components(out)).bounds();
+    const grid::Box box = mask::largest(mask::components(out)).bounds();
     const Vec3 place = field->to_world_mm({0.5 * (box.begin[0] + box.end[0] - 1), 0.5 * (box.begin[1] + box.end[1] - 1),
                                            0.5 * (box.begin[2] + box.end[2] - 1)});
     add(ml,
@@ -142,7 +140,7 @@ struct Gate {
     const BitMask bone = coarse_bone(*fields.skull);
     BitMask cavity;
     try {
-      cavity = segmentation::cranial_cavity(bone, report, progress);
+      cavity = head::cranial_cavity(bone, report, progress);
     } catch (const Error& e) {
       if (e.code() != ExitCode::quality) throw;
       report.warn("the skull encloses no space in which a brain could lie: whether it lies inside was not checked");
@@ -179,10 +177,10 @@ Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
 AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
     : Error(refusal("", all_of(faults), remedies_of(faults))), faults_(std::move(faults)) {}
 
-AnatomyFindings examine_anatomy(const HeadFields& fields, const HeadLandmarks* landmarks,
+AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress) {
   AnatomyFindings out;
-  out.figures = measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
+  out.figures = head::measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
   Gate gate{fields, params, report, progress, {}};
   gate.check_empty("skin", fields.skin, out.figures.skin_ml);
   gate.check_empty("skull", fields.skull, out.figures.skull_ml);
@@ -220,4 +218,4 @@ void require_anatomy(const AnatomyFindings& findings) {
   if (!findings.faults.empty()) throw AnatomyError(findings.faults);
 }
 
-}  // namespace trephine
+}  // namespace trephine::consistency

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "head/head_figures.h"
 
-namespace trephine {
+namespace trephine::consistency {
 
-struct AnatomyGateParams : HeadClassParams {
+struct AnatomyGateParams : head::HeadClassParams {
   double min_skin_skull_gap_mm = 0.3;
   double min_skull_brain_gap_mm = 0;
   double min_brain_ventricles_gap_mm = 0;
@@ -35,7 +35,7 @@ struct AnatomyGateParams : HeadClassParams {
              "How much of the brain may lie outside of the cranial cavity (the brainstem below the foramen magnum).");
     v.number(&P::max_loose_brain_ml, "max_loose_brain_ml", Range{0, 10000},
              "How much of the brain may be in pieces beside the largest.");
-    HeadClassParams::describe(v);
+    head::HeadClassParams::describe(v);
   }
 };
 
@@ -52,7 +52,7 @@ struct AnatomyFault {
 };
 
 struct AnatomyFindings {
-  HeadFigures figures;
+  head::HeadFigures figures;
   std::vector<AnatomyFault> faults;  ///< the worst first
 };
 
@@ -82,7 +82,7 @@ class AnatomyError : public Error {
 /// brain_in_skull_ml, brain_outside_skull_ml, skull_outside_skin_ml, brain_pieces_count, ventricles_pieces_count,
 /// cranial_cavity_ml, faults_count. An anatomy without a voxel is a fault. Throws Error 65 where rasters differ or a
 /// voxel is not finite; Cancelled.
-AnatomyFindings examine_anatomy(const HeadFields& fields, const HeadLandmarks* landmarks,
+AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress = {});
 
 /// Throws AnatomyError where there are faults.
@@ -90,6 +90,6 @@ void require_anatomy(const AnatomyFindings& findings);
 
 /// The axial, coronal and sagittal slices through the place of the fault, side by side as PNG, with the outlines of the
 /// anatomies and a cross at the place. Deterministic. A place outside of the volume is moved to the volume's edge.
-std::string anatomy_picture(const HuVolume& volume, const HeadFields& fields, const AnatomyFault& fault);
+std::string anatomy_picture(const grid::HuVolume& volume, const head::HeadFields& fields, const AnatomyFault& fault);
 
-}  // namespace trephine
+}  // namespace trephine::consistency

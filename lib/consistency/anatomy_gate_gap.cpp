@@ -11,19 +11,19 @@
 #include "mask/filters.h"
 #include "surface/point_triangle.h"
 
-namespace trephine::segmentation {
+namespace trephine::consistency {
 namespace {
 
 using Word = std::uint64_t;
 constexpr double block_mm = 2;  ///< surfaces are searched in blocks of about this size
-constexpr double most_depth_mm = 40;
-constexpr double most_gap_mm = 5;
-constexpr std::size_t most_exact_count = 4096;
+constexpr double max_depth_mm = 40;
+constexpr double max_gap_mm = 5;
+constexpr std::size_t max_exact_count = 4096;
 
 /// The cells (of eight voxels, named by the lowest) through which the surface passes.
-BitMask surface_cells(const BitMask& inside) {
-  const Lattice& l = inside.lattice();
-  BitMask cells(l);
+mask::BitMask surface_cells(const mask::BitMask& inside) {
+  const grid::Lattice& l = inside.lattice();
+  mask::BitMask cells(l);
   const int words = inside.words();
   parallel_for(0, l.size[2] - 1, 8, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
@@ -53,7 +53,7 @@ struct Fan {
   int count = 0;
 };
 
-double value(const Field& f, int i, int j, int k) { return f.contains(i, j, k) ? double(f.at(i, j, k)) : -1.0; }
+double value(const grid::Field& f, int i, int j, int k) { return f.contains(i, j, k) ? double(f.at(i, j, k)) : -1.0; }
 
 /// The eight corners of a cell and where the surface crosses its edges, in mm along the lattice's axes.
 struct Cell {
@@ -61,7 +61,7 @@ struct Cell {
   int at[3];
   Vec3 spacing;
 
-  Cell(const Field& f, int i, int j, int k) : at{i, j, k}, spacing(f.spacing_mm) {
+  Cell(const grid::Field& f, int i, int j, int k) : at{i, j, k}, spacing(f.spacing_mm) {
     if (i >= 0 && j >= 0 && k >= 0 && i + 1 < f.size[0] && j + 1 < f.size[1] && k + 1 < f.size[2]) {
       const std::size_t dy = std::size_t(f.size[0]), dz = dy * f.size[1];
       const float* p = &f.voxels[f.index(i, j, k)];
@@ -94,7 +94,7 @@ struct Cell {
   }
 };
 
-Fan fan_of(const Field& f, int i, int j, int k) {
+Fan fan_of(const grid::Field& f, int i, int j, int k) {
   const Cell cell(f, i, j, k);
   Fan fan;
   fan.middle = cell.middle();
@@ -113,7 +113,7 @@ Fan fan_of(const Field& f, int i, int j, int k) {
 
 /// The cells and the centres of their fans, by rank.
 struct Cells {
-  BitMask mask;
+  mask::BitMask mask;
   std::vector<std::size_t> row_start;
   std::vector<std::array<float, 3>> middle;  ///< mm along the lattice's axes
 
@@ -139,7 +139,7 @@ void each_cell(const Cells& cells, int k, const Visit& visit) {
 
 /// One of the two fields on the lattice around both.
 struct Side {
-  const Field* field;
+  const grid::Field* field;
   std::array<int, 3> at;  ///< its first voxel
   Cells cells;
 
@@ -157,10 +157,10 @@ struct Side {
   }
 };
 
-Side side_of(const Field& field, const std::array<int, 3>& at, const BitMask& inside) {
+Side side_of(const grid::Field& field, const std::array<int, 3>& at, const mask::BitMask& inside) {
   Side side{&field, at, {surface_cells(inside), {}, {}}};
   Cells& c = side.cells;
-  const Lattice& l = inside.lattice();
+  const grid::Lattice& l = inside.lattice();
   std::size_t n = 0;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j) {
@@ -180,8 +180,8 @@ Side side_of(const Field& field, const std::array<int, 3>& at, const BitMask& in
 /// Calls visit(i, j, k) for the cells whose box lies within `limit()` of the box of cell (i, j, k), roughly the nearest
 /// first, until it returns true.
 template <class Limit, class Visit>
-void visit_near(const BitMask& cells, int ci, int cj, int ck, const Limit& limit, const Visit& visit) {
-  const Lattice& l = cells.lattice();
+void visit_near(const mask::BitMask& cells, int ci, int cj, int ck, const Limit& limit, const Visit& visit) {
+  const grid::Lattice& l = cells.lattice();
   const Vec3 s = l.spacing_mm;
   const auto gap = [&](int d, int a) { return std::max(0, std::abs(d) - 1) * s[a]; };
   const auto reach = [&](double mm, int a) { return int(std::min(mm / s[a], 1e6)) + 1; };
@@ -209,15 +209,15 @@ void visit_near(const BitMask& cells, int ci, int cj, int ck, const Limit& limit
 double to_fan(Vec3 p, const Fan& fan) {
   double best2 = 1e300;
   for (int e = 0; e < fan.count; ++e)
-    best2 = std::min(best2, nearest_on_triangle(p, fan.middle, fan.edges[e][0], fan.edges[e][1]).squared_mm2);
+    best2 = std::min(best2, surface::nearest_on_triangle(p, fan.middle, fan.edges[e][0], fan.edges[e][1]).squared_mm2);
   return std::sqrt(best2);
 }
 
 /// A lower bound of the distance from the cells of a block to the other surface.
 struct Blocks {
-  CoarseRaster raster;
-  Grid<float> to_other;  ///< from a block's centre to that of the nearest block with the other surface, mm
-  double slack_mm;       ///< how much nearer than that two cells of the blocks can be
+  mask::CoarseRaster raster;
+  grid::Grid<float> to_other;  ///< from a block's centre to that of the nearest block with the other surface, mm
+  double slack_mm;             ///< how much nearer than that two cells of the blocks can be
 
   double least_mm(int i, int j, int k) const {
     const auto& f = raster.factor;
@@ -226,22 +226,23 @@ struct Blocks {
 };
 
 Blocks blocks_of(const Cells& other, const Progress& progress) {
-  const Lattice& l = other.mask.lattice();
+  const grid::Lattice& l = other.mask.lattice();
   Blocks b;
-  b.raster = coarse_raster(l, block_mm);
+  b.raster = mask::coarse_raster(l, block_mm);
   b.slack_mm = norm(b.raster.cells.spacing_mm + l.spacing_mm) + 1e-3;  // a cell reaches a voxel beyond its block
-  BitMask with(b.raster.cells);
+  mask::BitMask with(b.raster.cells);
   const auto& f = b.raster.factor;
   for (int k = 0; k < l.size[2]; ++k)
     each_cell(other, k, [&](int i, int j, int, std::size_t) { with.set(i / f[0], j / f[1], k / f[2]); });
-  b.to_other = distance_mm(with, progress);
+  b.to_other = mask::distance_mm(with, progress);
   return b;
 }
 
 /// The box around both fields, in the raster of the other; `at` is where each field begins in it.
-Lattice around_both(const Field& one, const Field& other, std::array<int, 3>& one_at, std::array<int, 3>& other_at) {
-  const Box at = place_in(one, other);
-  Box box;
+grid::Lattice around_both(const grid::Field& one, const grid::Field& other, std::array<int, 3>& one_at,
+                          std::array<int, 3>& other_at) {
+  const grid::Box at = grid::place_in(one, other);
+  grid::Box box;
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = std::min(0, at.begin[a]);
     box.end[a] = std::max(other.size[a], at.end[a]);
@@ -250,20 +251,20 @@ Lattice around_both(const Field& one, const Field& other, std::array<int, 3>& on
     one_at[a] = at.begin[a] - box.begin[a];
     other_at[a] = -box.begin[a];
   }
-  Lattice l = other;
+  grid::Lattice l = other;
   l.origin_mm = other.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
   for (int a = 0; a < 3; ++a) l.size[a] = box.end[a] - box.begin[a];
   return l;
 }
 
-void measure_wrong(const BitMask& wrong, const BitMask& allowed, Clearance& out, const Progress& progress) {
-  const Lattice& l = wrong.lattice();
+void measure_wrong(const mask::BitMask& wrong, const mask::BitMask& allowed, Clearance& out, const Progress& progress) {
+  const grid::Lattice& l = wrong.lattice();
   out.wrong_ml = double(wrong.count()) * l.voxel_volume_mm3() / 1000;
   if (!(out.wrong_ml > 0)) return;
   const double least = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
-  const Box box = grown(wrong.bounds(), int(std::min(most_depth_mm / least, 200.0)), l);
-  const BitMask there = crop(wrong, box);
-  const Grid<float> depth = distance_mm(crop(allowed, box), progress);
+  const grid::Box box = grid::grown(wrong.bounds(), int(std::min(max_depth_mm / least, 200.0)), l);
+  const mask::BitMask there = mask::crop(wrong, box);
+  const grid::Grid<float> depth = mask::distance_mm(mask::crop(allowed, box), progress);
   out.depth_mm = -1;
   for (int k = 0; k < depth.size[2]; ++k)
     for (int j = 0; j < depth.size[1]; ++j)
@@ -272,7 +273,7 @@ void measure_wrong(const BitMask& wrong, const BitMask& allowed, Clearance& out,
           out.depth_mm = depth.at(i, j, k);
           out.deepest_mm = depth.to_world_mm({double(i), double(j), double(k)});
         }
-  out.depth_mm = std::min(out.depth_mm, most_depth_mm);
+  out.depth_mm = std::min(out.depth_mm, max_depth_mm);
 }
 
 struct Candidate {
@@ -284,15 +285,15 @@ struct Candidate {
 /// distance or nearer than `asked`.
 std::vector<Candidate> candidates_of(const Side& one, const Side& other, double margin, double asked,
                                      const Progress& progress) {
-  const Lattice& l = one.cells.mask.lattice();
+  const grid::Lattice& l = one.cells.mask.lattice();
   const Blocks blocks = blocks_of(other.cells, progress);
   std::vector<std::vector<Candidate>> slices(l.size[2]);
-  std::vector<float> least(l.size[2], float(most_gap_mm));
+  std::vector<float> least(l.size[2], float(max_gap_mm));
   parallel_for(0, l.size[2], 1, [&](std::int64_t k0, std::int64_t) {
     progress.check();
     float& best = least[k0];
     each_cell(one.cells, int(k0), [&](int i, int j, int k, std::size_t rank) {
-      const double wanted = std::min(most_gap_mm, std::max(best + margin, asked));
+      const double wanted = std::min(max_gap_mm, std::max(best + margin, asked));
       if (blocks.least_mm(i, j, k) > wanted) return;
       const auto& m = one.cells.middle[rank];
       double mine = wanted;
@@ -338,15 +339,15 @@ double exact_mm(const Fan& fan, const Side& other, const Candidate& c, double li
 
 }  // namespace
 
-Clearance clearance(const Field& one, const Field& other, Relation relation, double asked_mm,
+Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
                     const Progress& progress) {
   std::array<int, 3> one_at{}, other_at{};
-  const Lattice l = around_both(one, other, one_at, other_at);
-  const BitMask one_in = positive(one, l), other_in = positive(other, l);
+  const grid::Lattice l = around_both(one, other, one_at, other_at);
+  const mask::BitMask one_in = mask::positive(one, l), other_in = mask::positive(other, l);
   Clearance out;
-  BitMask allowed = other_in;
+  mask::BitMask allowed = other_in;
   if (relation == Relation::apart) allowed.invert();
-  BitMask wrong = one_in;
+  mask::BitMask wrong = one_in;
   wrong.remove(allowed);
   measure_wrong(wrong, allowed, out, progress);
   if (out.wrong_ml > 0) {
@@ -361,7 +362,7 @@ Clearance clearance(const Field& one, const Field& other, Relation relation, dou
       candidates_of(a, b, 0.35 * cell_mm, asked_mm > 0 ? asked_mm + 0.35 * cell_mm : 0, progress);
   std::stable_sort(near.begin(), near.end(), [](const Candidate& p, const Candidate& q) { return p.mm < q.mm; });
   Vec3 at;
-  for (std::size_t n = 0; n < std::min(near.size(), most_exact_count); ++n) {
+  for (std::size_t n = 0; n < std::min(near.size(), max_exact_count); ++n) {
     const Candidate& c = near[n];
     const double mm = exact_mm(a.fan(c.i, c.j, c.k), b, c, std::min<double>(out.gap_mm, c.mm + 1e-3), -1, at);
     if (mm < out.gap_mm) {
@@ -371,7 +372,7 @@ Clearance clearance(const Field& one, const Field& other, Relation relation, dou
     }
   }
   if (!(out.gap_mm < asked_mm)) return out;
-  const std::size_t step = near.size() / most_exact_count + 1;
+  const std::size_t step = near.size() / max_exact_count + 1;
   for (std::size_t n = 0; n < near.size(); n += step) {
     const Candidate& c = near[n];
     const Fan fan = a.fan(c.i, c.j, c.k);
@@ -382,4 +383,4 @@ Clearance clearance(const Field& one, const Field& other, Relation relation, dou
   return out;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::consistency

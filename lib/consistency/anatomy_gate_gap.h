@@ -2,7 +2,7 @@
 #pragma once
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::consistency {
 
 /// How two anatomies that must not touch lie to each other.
 struct Clearance {
@@ -25,7 +25,7 @@ enum class Relation { inside, apart };
 /// points of one surface to the triangles of the other is exact. near_mm2 is the area of the surface nearer than
 /// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. The result has the same bits
 /// whatever the thread count.
-Clearance clearance(const Field& one, const Field& other, Relation relation, double asked_mm,
+Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
                     const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::consistency

@@ -8,7 +8,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 /// What a walk does after a cell: end, go on to the next cell, or skip the rest of the cell's block.
 enum class WalkStep { end, cell, block };
@@ -78,4 +78,4 @@ void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -10,15 +10,15 @@
 #include "contact/contact_way.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 using detail::between;
 using detail::usable;
 using detail::within_cell;
 
-ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
+ContactVolume::ContactVolume(voxel::HapticVolume& volume, ContactParams params)
     : volume_(volume), params_(params), table_(65536, 0) {
-  const Lattice& l = volume.voxels;
+  const grid::Lattice& l = volume.voxels;
   std::size_t count = 1;
   for (std::size_t a = 0; a < 3; ++a) {
     blocks_[a] = std::max(0, (l.size[a] - 1) >> block_bits);
@@ -34,27 +34,28 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
       to_index_.column[std::size_t(b)][a] = l.direction.column[std::size_t(a)][b] / l.spacing_mm[a];
-  if (volume.encoding == HapticEncoding::hu) {
+  if (volume.encoding == voxel::HapticEncoding::hu) {
     lowest_ = std::numeric_limits<int>::max();
-    for (const HapticShape& s : volume.shapes) lowest_ = std::min<int>(lowest_, s.window_low);
+    for (const voxel::HapticShape& s : volume.shapes) lowest_ = std::min<int>(lowest_, s.window_low);
     for (int raw = -32768; raw <= 32767; ++raw) table_[std::uint16_t(raw)] = raw < lowest_ ? 0 : contact_gap;
-    for (const HapticShape& s : volume.shapes) {
+    for (const voxel::HapticShape& s : volume.shapes) {
       low_of_[s.number] = s.window_low;
       for (int raw = s.window_low; raw <= s.window_high; ++raw)
-        table_[std::uint16_t(raw)] = std::uint32_t(haptic_full << 8 | contact_pure | s.number);
+        table_[std::uint16_t(raw)] = std::uint32_t(voxel::haptic_full << 8 | contact_pure | s.number);
     }
-    note_blocks(whole_box(l));
+    note_blocks(grid::whole_box(l));
     return;
   }
-  for (const HapticShape& s : volume.shapes)
+  for (const voxel::HapticShape& s : volume.shapes)
     for (int raw = s.window_low; raw <= s.window_high; ++raw) {
-      const detail::RawVoxel v = detail::split(std::int16_t(raw));
+      const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
       if (v.number != s.number) continue;
-      const int rest = v.bare ? 0 : haptic_full - v.share, pure = v.share == haptic_full ? contact_pure : 0;
+      const int rest = v.bare ? 0 : voxel::haptic_full - v.share,
+                pure = v.share == voxel::haptic_full ? contact_pure : 0;
       table_[std::uint16_t(raw)] = std::uint32_t(rest) << 24 | std::uint32_t(v.share) << 16 |
                                    std::uint32_t(v.share + rest) << 8 | std::uint32_t(pure | v.number);
     }
-  settle(whole_box(l));
+  settle(grid::whole_box(l));
   keep_seconds();
 }
 
@@ -71,8 +72,8 @@ int ContactVolume::shape_of_uniform_cell(std::size_t block, int i, int j, int k)
 
 int ContactVolume::shape_of_voxel(int i, int j, int k) const {
   if (!volume_.voxels.contains(i, j, k)) return 0;
-  const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(volume_.voxels.at(i, j, k)))];
-  return 2 * entry_filled(e) > haptic_full ? entry_shape(e) : 0;
+  const std::uint32_t e = table_[std::uint16_t(voxel::detail::load_voxel(volume_.voxels.at(i, j, k)))];
+  return 2 * entry_filled(e) > voxel::haptic_full ? entry_shape(e) : 0;
 }
 
 int ContactVolume::shape_of(Vec3 index) const {
@@ -258,4 +259,4 @@ Contact ContactVolume::cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const 
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -9,7 +9,7 @@
 #include "base/vec3.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 class ContactCell;
 
@@ -85,16 +85,16 @@ class ContactVolume {
  public:
   /// The volume must outlive the object. With the encoding `occupancy` the constructor calls settle() for the whole
   /// volume, which marks partly filled voxels without another shape nearby as bare; no voxel means anything else then.
-  explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
+  explicit ContactVolume(voxel::HapticVolume& volume, ContactParams params = {});
 
   /// Forgets what is known of the blocks around the box. It must be called before voxels of the box are lowered, unless
   /// the thread that lowers them also does the walks. Where another thread may call settle() meanwhile, it must be
   /// called again after they were lowered. It takes no lock and does not allocate.
-  void loosen(const Box& box);
+  void loosen(const grid::Box& box);
   /// Looks again for blocks that walks can skip. The box must reach two voxels beyond those that were changed. Only one
   /// thread at a time may call it, one that can spend the time. Another may lower and loosen voxels meanwhile: a block
   /// that was loosened stays unknown, and no voxel gets an older value back.
-  void settle(const Box& box);
+  void settle(const grid::Box& box);
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
   int shape_at(Vec3 world_mm) const;
@@ -132,7 +132,7 @@ class ContactVolume {
   /// How often loosen() was called, modulo 2^32.
   std::uint32_t loosened() const { return __atomic_load_n(&loosened_, __ATOMIC_ACQUIRE); }
 
-  const HapticVolume& volume() const { return volume_; }
+  const voxel::HapticVolume& volume() const { return volume_; }
   const ContactParams& params() const { return params_; }
   double smallest_side_mm() const { return smallest_side_mm_; }
 
@@ -192,12 +192,12 @@ class ContactVolume {
   double share_around(int i, int j, int k, int from, int into) const;
   /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
   int second_of(int own, int i, int j, int k) const;
-  void note_blocks(const Box& box);
+  void note_blocks(const grid::Box& box);
   void keep_seconds();
   void note_seconds(std::size_t block, int bi, int bj, int bk);
-  Box blocks_of(const Box& voxels) const;
+  grid::Box blocks_of(const grid::Box& voxels) const;
 
-  HapticVolume& volume_;
+  voxel::HapticVolume& volume_;
   ContactParams params_;
   double smallest_side_mm_ = 1;
   std::uint32_t loosened_ = 0;
@@ -223,7 +223,7 @@ class ContactVolume {
   std::vector<std::uint32_t> block_seconds_;
   std::vector<std::uint8_t> seconds_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
-  int low_of_[haptic_max_shapes + 1] = {};
+  int low_of_[voxel::haptic_max_shapes + 1] = {};
 };
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -5,33 +5,33 @@
 #include "contact/contact_cell.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::contact {
 
-void ContactVolume::settle(const Box& box) {
-  Grid<std::int16_t>& v = volume_.voxels;
+void ContactVolume::settle(const grid::Box& box) {
+  grid::Grid<std::int16_t>& v = volume_.voxels;
   if (box.empty()) return;
-  if (volume_.encoding != HapticEncoding::occupancy) return note_blocks(box);
+  if (volume_.encoding != voxel::HapticEncoding::occupancy) return note_blocks(box);
   // Slices run in parallel: a voxel only gets the mark `bare`, and no other voxel's answer depends on that mark.
   parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
           std::int16_t& voxel = v.voxels[v.index(i, j, k)];
-          const std::int16_t raw = detail::load_voxel(voxel);
-          if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
-          const detail::RawVoxel r = detail::split(raw);
-          if (r.number == 0 || r.bare || detail::beside_other_shape(v, r.number, i, j, k)) continue;
+          const std::int16_t raw = voxel::detail::load_voxel(voxel);
+          if (raw == voxel::haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
+          const voxel::detail::RawVoxel r = voxel::detail::split(raw);
+          if (r.number == 0 || r.bare || voxel::detail::beside_other_shape(v, r.number, i, j, k)) continue;
           std::int16_t was = raw;  // a voxel that was lowered meanwhile keeps its new value
-          __atomic_compare_exchange_n(&voxel, &was, detail::join(r.number, r.share, true), false, __ATOMIC_RELAXED,
-                                      __ATOMIC_RELAXED);
+          __atomic_compare_exchange_n(&voxel, &was, voxel::detail::join(r.number, r.share, true), false,
+                                      __ATOMIC_RELAXED, __ATOMIC_RELAXED);
         }
   });
   note_blocks(box);
 }
 
 // The blocks that hold voxels of the box, or have them as the next voxels after their own.
-Box ContactVolume::blocks_of(const Box& box) const {
-  Box blocks;
+grid::Box ContactVolume::blocks_of(const grid::Box& box) const {
+  grid::Box blocks;
   for (std::size_t a = 0; a < 3; ++a) {
     blocks.begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
     blocks.end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
@@ -39,9 +39,9 @@ Box ContactVolume::blocks_of(const Box& box) const {
   return blocks;
 }
 
-void ContactVolume::loosen(const Box& box) {
+void ContactVolume::loosen(const grid::Box& box) {
   __atomic_fetch_add(&loosened_, 1, __ATOMIC_ACQ_REL);
-  const Box blocks = blocks_of(box);
+  const grid::Box blocks = blocks_of(box);
   for (int k = blocks.begin[2]; k < blocks.end[2]; ++k)
     for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
       for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
@@ -73,12 +73,12 @@ void ContactVolume::end_note(std::size_t block, std::uint32_t state, int shape) 
 void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
   constexpr int side = 1 << block_bits, corners = side + 1;
   std::uint32_t e[corners * corners * corners];
-  const Grid<std::int16_t>& v = volume_.voxels;
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
   std::uint32_t* to = e;
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
       const std::int16_t* row = v.voxels.data() + v.index(bi * side, bj * side + y, bk * side + z);
-      for (int x = 0; x < corners; ++x) *to++ = table_[std::uint16_t(detail::load_voxel(row[x]))];
+      for (int x = 0; x < corners; ++x) *to++ = table_[std::uint16_t(voxel::detail::load_voxel(row[x]))];
     }
   std::uint16_t names = __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED);
   const bool named = names != 0;
@@ -92,8 +92,8 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
         for (int c = 0; c < 8; ++c) {
           const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
           all = all && entry_shape(entry) == entry_shape(*first) &&
-                ((entry & contact_pure) || 2 * entry_share(entry) > haptic_full);
-          solid = solid || 2 * entry_filled(entry) > haptic_full;
+                ((entry & contact_pure) || 2 * entry_share(entry) > voxel::haptic_full);
+          solid = solid || 2 * entry_filled(entry) > voxel::haptic_full;
           some = some || entry_shape(entry) != 0;
         }
         std::uint64_t kind = solid && some ? 3 : 0;
@@ -112,9 +112,9 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
 }
 
 // Which blocks, with the voxels after them, are of one shape or of none.
-void ContactVolume::note_blocks(const Box& box) {
-  const Grid<std::int16_t>& v = volume_.voxels;
-  const Box blocks = blocks_of(box);
+void ContactVolume::note_blocks(const grid::Box& box) {
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
+  const grid::Box blocks = blocks_of(box);
   constexpr int side = 1 << block_bits;
   parallel_for(blocks.begin[2], blocks.end[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -123,12 +123,14 @@ void ContactVolume::note_blocks(const Box& box) {
           const std::size_t at = block_at(i, j, k);
           std::uint32_t state;
           if (!begin_note(at, state)) continue;
-          const std::uint32_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
+          const std::uint32_t first =
+              table_[std::uint16_t(voxel::detail::load_voxel(v.at(i * side, j * side, k * side)))];
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)
             for (int y = j * side; y <= (j + 1) * side && same; ++y) {
               const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
-              for (int x = 0; x <= side; ++x) same = same && table_[std::uint16_t(detail::load_voxel(row[x]))] == first;
+              for (int x = 0; x <= side; ++x)
+                same = same && table_[std::uint16_t(voxel::detail::load_voxel(row[x]))] == first;
             }
           if (same) {
             __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
@@ -147,7 +149,7 @@ void ContactVolume::note_blocks(const Box& box) {
             for (int y = begin[1]; y < end[1]; ++y) {
               const std::int16_t* row = v.voxels.data() + v.index(0, y, z);
               for (int x = begin[0]; x < end[0]; ++x)
-                near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+                near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(voxel::detail::load_voxel(row[x]))]);
             }
           __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
           note_seconds(at, i, j, k);
@@ -174,15 +176,15 @@ void ContactVolume::keep_seconds() {
 
 void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
   if (block_seconds_.empty() || block_seconds_[block] == 0) return;
-  const Grid<std::int16_t>& v = volume_.voxels;
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
   constexpr int side = 1 << block_bits;
   std::uint8_t* second = seconds_.data() + (std::size_t(block_seconds_[block]) << 3 * block_bits);
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x, ++second) {
         const int i = bi * side + x, j = bj * side + y, k = bk * side + z;
-        const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))];
-        const int shape = entry_rest(e) != 0 ? detail::other_shape(v, entry_shape(e), i, j, k) : 0;
+        const std::uint32_t e = table_[std::uint16_t(voxel::detail::load_voxel(v.at(i, j, k)))];
+        const int shape = entry_rest(e) != 0 ? voxel::detail::other_shape(v, entry_shape(e), i, j, k) : 0;
         __atomic_store_n(second, std::uint8_t(shape), __ATOMIC_RELAXED);
       }
 }
@@ -199,7 +201,7 @@ int ContactVolume::second_of(int own, int i, int j, int k) const {
       return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
     }
   }
-  return detail::other_shape(volume_.voxels, own, i, j, k);
+  return voxel::detail::other_shape(volume_.voxels, own, i, j, k);
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

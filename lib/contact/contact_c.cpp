@@ -12,9 +12,10 @@
 #include "contact/contact.h"
 
 using namespace trephine;
+using namespace trephine::contact;
 
 struct trephine_contact {
-  HapticVolume volume;
+  voxel::HapticVolume volume;
   std::unique_ptr<ContactVolume> walk;
   TouchableFaces faces{0, 0};
   // The last walk, for callers that ask shape by shape.
@@ -42,8 +43,8 @@ std::unique_ptr<trephine_contact> open_contact(const int16_t* voxels, const int3
                                                const trephine_shape* shapes, int32_t shape_count,
                                                const ContactParams& params) {
   require(voxels && size && spacing_mm && origin_mm, "voxels, size, spacing and origin must be given");
-  require(shapes && shape_count >= 1 && shape_count <= haptic_max_shapes, "shapes must be 1 to 32");
-  Lattice l;
+  require(shapes && shape_count >= 1 && shape_count <= voxel::haptic_max_shapes, "shapes must be 1 to 32");
+  grid::Lattice l;
   std::int64_t count = 1;
   for (int a = 0; a < 3; ++a) {
     require(size[a] >= 1 && size[a] <= 4096, "size must be 1 to 4096");
@@ -62,21 +63,21 @@ std::unique_ptr<trephine_contact> open_contact(const int16_t* voxels, const int3
       require(std::abs(dot(l.direction.column[std::size_t(a)], l.direction.column[std::size_t(b)]) - (a == b)) < 1e-6,
               "direction must be orthonormal");
   auto c = std::make_unique<trephine_contact>();
-  c->volume.encoding = encoding == TREPHINE_HU ? HapticEncoding::hu : HapticEncoding::occupancy;
-  c->volume.voxels = Grid<std::int16_t>(l);
+  c->volume.encoding = encoding == TREPHINE_HU ? voxel::HapticEncoding::hu : voxel::HapticEncoding::occupancy;
+  c->volume.voxels = grid::Grid<std::int16_t>(l);
   std::memcpy(c->volume.voxels.voxels.data(), voxels, std::size_t(count) * sizeof(*voxels));
   for (int32_t n = 0; n < shape_count; ++n) {
     const trephine_shape& s = shapes[n];
-    require(s.number >= 1 && s.number <= haptic_max_shapes, "a shape's number must be 1 to 32");
+    require(s.number >= 1 && s.number <= voxel::haptic_max_shapes, "a shape's number must be 1 to 32");
     const std::string name = "shape_" + std::to_string(s.number);
-    c->volume.shapes.push_back(encoding == TREPHINE_HU ? HapticShape{name, s.number, s.low, s.high}
-                                                       : occupancy_shape(name, s.number));
+    c->volume.shapes.push_back(encoding == TREPHINE_HU ? voxel::HapticShape{name, s.number, s.low, s.high}
+                                                       : voxel::occupancy_shape(name, s.number));
     if (s.touchable & TREPHINE_FRONT) c->faces.front |= std::uint64_t{1} << s.number;
     if (s.touchable & TREPHINE_BACK) c->faces.back |= std::uint64_t{1} << s.number;
   }
   std::sort(c->volume.shapes.begin(), c->volume.shapes.end(),
-            [](const HapticShape& a, const HapticShape& b) { return a.number < b.number; });
-  check_haptic_volume(c->volume);
+            [](const voxel::HapticShape& a, const voxel::HapticShape& b) { return a.number < b.number; });
+  voxel::check_haptic_volume(c->volume);
   c->walk = std::make_unique<ContactVolume>(c->volume, params);
   return c;
 }

@@ -6,10 +6,10 @@
 
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::contact {
 namespace {
 
-constexpr double half_full = 0.5 * haptic_full;
+constexpr double half_full = 0.5 * voxel::haptic_full;
 
 double interpolate(const std::array<double, 8>& c, Vec3 p) {
   const double x0 = c[0] + p.x * (c[1] - c[0]), x1 = c[2] + p.x * (c[3] - c[2]);
@@ -110,18 +110,18 @@ int nearest_corner(Vec3 p) { return (p.x >= 0.5 ? 1 : 0) | (p.y >= 0.5 ? 2 : 0) 
 }  // namespace
 
 ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch) {
-  const Grid<std::int16_t>& v = contact.volume_.voxels;
-  hu_ = contact.volume_.encoding == HapticEncoding::hu;
+  const grid::Grid<std::int16_t>& v = contact.volume_.voxels;
+  hu_ = contact.volume_.encoding == voxel::HapticEncoding::hu;
   if (i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2]) {
     const std::int16_t* at = v.voxels.data() + v.index(i, j, k);
     const std::size_t row = std::size_t(v.size[0]), slice = row * std::size_t(v.size[1]);
     const std::size_t offset[8] = {0, 1, row, row + 1, slice, slice + 1, slice + row, slice + row + 1};
-    for (std::size_t c = 0; c < 8; ++c) raw_[c] = detail::load_voxel(at[offset[c]]);
+    for (std::size_t c = 0; c < 8; ++c) raw_[c] = voxel::detail::load_voxel(at[offset[c]]);
   } else {
-    const std::int16_t beyond = hu_ ? std::int16_t(haptic_beyond_hu) : haptic_empty;
+    const std::int16_t beyond = hu_ ? std::int16_t(voxel::haptic_beyond_hu) : voxel::haptic_empty;
     for (int c = 0; c < 8; ++c) {
       const int x = i + (c & 1), y = j + (c >> 1 & 1), z = k + (c >> 2);
-      raw_[std::size_t(c)] = v.contains(x, y, z) ? detail::load_voxel(v.at(x, y, z)) : beyond;
+      raw_[std::size_t(c)] = v.contains(x, y, z) ? voxel::detail::load_voxel(v.at(x, y, z)) : beyond;
     }
   }
   bool same = true;
@@ -131,7 +131,7 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std:
     entry_[c] = contact.table_[std::uint16_t(raw_[c])];
     same = same && entry_[c] == entry_[0];
     here |= std::uint64_t{1} << entry_shape(entry_[c]);
-    if (2 * entry_filled(entry_[c]) > haptic_full) solid |= 1 << c;
+    if (2 * entry_filled(entry_[c]) > voxel::haptic_full) solid |= 1 << c;
   }
   const std::uint32_t own = std::uint32_t(here >> 1);
   if (solid == 0 || own == 0) return;
@@ -313,4 +313,4 @@ int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
   return count;
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

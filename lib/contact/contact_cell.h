@@ -6,7 +6,7 @@
 
 #include "contact/contact.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 /// What a table entry of ContactVolume says of a raw value.
 constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
@@ -63,4 +63,4 @@ class ContactCell {
   std::array<Corners, max_shapes> other_;  ///< hu: 1/2 minus the share of other shapes
 };
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -6,7 +6,7 @@
 #include "contact/contact_cell.h"
 #include "contact/contact_way.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 // Walks the part of a segment, from t0 to t1, that lies in a cell of more than one shape.
 bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const int* at, double t0, double t1,
@@ -122,4 +122,4 @@ ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, c
   return CellWalk(*this, s, shape, faces).run();
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -9,7 +9,7 @@
 #include "contact/contact_way.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::contact {
 
 namespace {
 
@@ -106,17 +106,17 @@ Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
 // What each of the 4 x 4 x 4 voxels from `begin` on holds of `into` (or of `from`, where `into` is 0); x is the first
 // index. False where they are not all in the lattice, and for the encoding `hu`.
 bool ContactVolume::shares_around(const int* begin, int from, int into, float (*v)[16]) const {
-  const Grid<std::int16_t>& voxels = volume_.voxels;
+  const grid::Grid<std::int16_t>& voxels = volume_.voxels;
   for (int a = 0; a < 3; ++a)
     if (begin[a] < 0 || begin[a] + 4 > voxels.size[std::size_t(a)]) return false;
-  if (volume_.encoding == HapticEncoding::hu) return false;
+  if (volume_.encoding == voxel::HapticEncoding::hu) return false;
   const std::size_t row_step = std::size_t(voxels.size[0]), slice_step = row_step * std::size_t(voxels.size[1]);
   const std::int16_t* const first = voxels.voxels.data() + voxels.index(begin[0], begin[1], begin[2]);
   std::uint32_t e[4][16];
   for (std::size_t z = 0; z < 4; ++z)
     for (std::size_t y = 0; y < 4; ++y) {
       const std::int16_t* row = first + z * slice_step + y * row_step;
-      for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = table_[std::uint16_t(detail::load_voxel(row[x]))];
+      for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = table_[std::uint16_t(voxel::detail::load_voxel(row[x]))];
     }
   if (from == 0 || into == 0) {  // no question of whose
     for (int x = 0; x < 4; ++x)
@@ -148,8 +148,10 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, float (*
 // The same voxel by voxel, whatever there is; of HU, those of air and of the shape.
 double ContactVolume::share_around(int i, int j, int k, int from, int into) const {
   const int number = into != 0 ? into : from;
-  const bool hu = volume_.encoding == HapticEncoding::hu, inside = volume_.voxels.contains(i, j, k);
-  const int raw = inside ? detail::load_voxel(volume_.voxels.at(i, j, k)) : hu ? haptic_beyond_hu : haptic_empty;
+  const bool hu = volume_.encoding == voxel::HapticEncoding::hu, inside = volume_.voxels.contains(i, j, k);
+  const int raw = inside ? voxel::detail::load_voxel(volume_.voxels.at(i, j, k))
+                  : hu   ? voxel::haptic_beyond_hu
+                         : voxel::haptic_empty;
   const std::uint32_t e = table_[std::uint16_t(raw)];
   if (!hu) {
     if (from == 0 || into == 0) return entry_filled(e);
@@ -164,7 +166,7 @@ double ContactVolume::share_around(int i, int j, int k, int from, int into) cons
 
 Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
   if (!detail::usable(world_mm) || from == into) return {};
-  const Lattice& l = volume_.voxels;
+  const grid::Lattice& l = volume_.voxels;
   const Vec3 index = to_index(world_mm);
   int begin[3];
   Vec3 f;
@@ -179,7 +181,7 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     for (int n = 0; n < 16; ++n)
       for (int x = 0; x < 4; ++x)
         v[x][n] = float(share_around(begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2), from, into));
-  Vec3 g = fitted_gradient(v, f, volume_.encoding == HapticEncoding::hu ? 1 : haptic_full);
+  Vec3 g = fitted_gradient(v, f, volume_.encoding == voxel::HapticEncoding::hu ? 1 : voxel::haptic_full);
   g = l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z};
   const double length = norm(g);
   if (!(length > 1e-9)) return {};
@@ -188,11 +190,11 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
 
 Vec3 ContactVolume::exact_normal(const Contact& contact, Vec3 way) const {
   if (!contact.hit || params_.surface == ContactParams::Surface::nearest) return {};
-  const Lattice& l = volume_.voxels;
+  const grid::Lattice& l = volume_.voxels;
   const Vec3 index = to_index(contact.point_mm), ahead = index + normalized(to_index_ * way) * 1e-7;
   const int i = int(std::floor(ahead.x)), j = int(std::floor(ahead.y)), k = int(std::floor(ahead.z));
   const Vec3 g = ContactCell(*this, i, j, k).gradient(detail::within_cell(index, i, j, k), contact.from, contact.into);
   return -normalized(l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z});
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -8,15 +8,15 @@
 #include "contact/contact_way.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::contact {
 namespace {
 
-int shape_of_entry(std::uint32_t e) { return 2 * entry_filled(e) > haptic_full ? entry_shape(e) : 0; }
+int shape_of_entry(std::uint32_t e) { return 2 * entry_filled(e) > voxel::haptic_full ? entry_shape(e) : 0; }
 
 // Where the surface lies between two voxels of different shapes, 0 to 1.
 double crossing_of(std::uint32_t a, std::uint32_t b) {
   if (shape_of_entry(a) == 0 || shape_of_entry(b) == 0) {
-    const double half = 0.5 * haptic_full, from = entry_filled(a), to = entry_filled(b);
+    const double half = 0.5 * voxel::haptic_full, from = entry_filled(a), to = entry_filled(b);
     return from != to ? std::clamp((half - from) / (to - from), 0.0, 1.0) : 0.5;
   }
   const double own = entry_share(a) - entry_rest(a), other = entry_share(b) - entry_rest(b);
@@ -32,16 +32,16 @@ struct Part {
 
 int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const {
   if (!detail::usable(from_mm) || !detail::usable(to_mm)) return 0;
-  const Grid<std::int16_t>& v = volume_.voxels;
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
   const Vec3 c = to_index(from_mm), along = to_index(to_mm) - c, way = to_mm - from_mm;
   const double way_squared = dot(way, way);
   Vec3 reach;  // in voxels
   for (int a = 0; a < 3; ++a) reach[a] = reach_mm / v.spacing_mm[a] + 1;
   // The voxels along axis a within reach of the part t of the line; part_near is the part that reaches a block.
   const auto voxels_of = [&](int a, Part t) {
-    const double p = c[a] + along[a] * t.begin, q = c[a] + along[a] * t.end, most_voxel = v.size[std::size_t(a)];
-    return std::array<int, 2>{int(std::clamp(std::floor(std::min(p, q) - reach[a]), -1.0, most_voxel)),
-                              int(std::clamp(std::ceil(std::max(p, q) + reach[a]), -1.0, most_voxel))};
+    const double p = c[a] + along[a] * t.begin, q = c[a] + along[a] * t.end, max_voxel = v.size[std::size_t(a)];
+    return std::array<int, 2>{int(std::clamp(std::floor(std::min(p, q) - reach[a]), -1.0, max_voxel)),
+                              int(std::clamp(std::ceil(std::max(p, q) + reach[a]), -1.0, max_voxel))};
   };
   constexpr int side = 1 << block_bits;
   const auto part_near = [&](int a, Part t, int block) {
@@ -51,10 +51,10 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
     return Part{std::max(t.begin, std::min(p, q)), std::min(t.end, std::max(p, q))};
   };
   const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
-  const bool hu = volume_.encoding == HapticEncoding::hu;
+  const bool hu = volume_.encoding == voxel::HapticEncoding::hu;
   int count = 0;
   const auto entry_at = [&](int i, int j, int k) {
-    return v.contains(i, j, k) ? table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))] : 0;
+    return v.contains(i, j, k) ? table_[std::uint16_t(voxel::detail::load_voxel(v.at(i, j, k)))] : 0;
   };
   // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
   // one voxel behind its voxel.
@@ -105,9 +105,9 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
               std::uint32_t here, next[3];
               if (inner) {
                 const std::int16_t* at = row + i;
-                const std::int16_t raw = detail::load_voxel(*at);
-                const std::int16_t x = detail::load_voxel(at[1]), y = detail::load_voxel(at[step[1]]),
-                                   z = detail::load_voxel(at[step[2]]);
+                const std::int16_t raw = voxel::detail::load_voxel(*at);
+                const std::int16_t x = voxel::detail::load_voxel(at[1]), y = voxel::detail::load_voxel(at[step[1]]),
+                                   z = voxel::detail::load_voxel(at[step[2]]);
                 if (raw == x && raw == y && raw == z) continue;  // most are
                 here = table_[std::uint16_t(raw)];
                 next[0] = table_[std::uint16_t(x)];
@@ -135,4 +135,4 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
   return count;
 }
 
-}  // namespace trephine
+}  // namespace trephine::contact

@@ -6,7 +6,7 @@
 
 #include "contact/contact.h"
 
-namespace trephine {
+namespace trephine::contact {
 namespace detail {
 
 constexpr double farthest_mm = 1e9;
@@ -45,4 +45,4 @@ struct ContactVolume::Crossing {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::contact

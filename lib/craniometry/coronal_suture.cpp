@@ -11,28 +11,28 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 
-namespace trephine {
+namespace trephine::craniometry {
 namespace {
 
-using segmentation::HuView;
+using mask::HuView;
 
 constexpr int half_planes = 40, planes = 2 * half_planes + 1;  ///< 1 mm apart
 constexpr double first_deg = 40, last_deg = 150, turn_deg = 0.25;
 constexpr int columns = int((last_deg - first_deg) / turn_deg) + 1;
 constexpr double reach_mm = 160;                            ///< bone farther from the centre is not seen
 constexpr double table_from_mm = 1, table_to_mm = 3;        ///< the depth at which the bone is looked at
-constexpr double least_arc_mm = 85, most_arc_mm = 175;      ///< over the bone, from the nasion's level
+constexpr double min_arc_mm = 85, max_arc_mm = 175;         ///< over the bone, from the nasion's level
 constexpr double cleft_beside_mm = 3, ridge_beside_mm = 8;  ///< where the bone is that a line is compared with
-constexpr double most_cleft = 0.3, most_ridge = 0.25;       ///< a burr hole is not worth more than a suture
+constexpr double max_cleft = 0.3, max_ridge = 0.25;         ///< a burr hole is not worth more than a suture
 constexpr double full_contrast = 0.1, seen_strength = 0.8;  ///< in units of full_contrast
-constexpr double other_line_mm = 8, most_halves_apart_mm = 10, beside_midline_mm = 8;
+constexpr double other_line_mm = 8, max_halves_apart_mm = 10, beside_midline_mm = 8;
 constexpr double ring_step = 0.1;  ///< of a slice
-constexpr int most_step = 2;       ///< columns from plane to plane
+constexpr int max_step = 2;        ///< columns from plane to plane
 constexpr double step_cost = 0.05;
 
 /// Trilinear; air outside.
 double hu_at(const HuView& hu, Vec3 world) {
-  const Lattice& l = hu.lattice();
+  const grid::Lattice& l = hu.lattice();
   const Vec3 p = l.to_index(world);
   int low[3];
   double t[3];
@@ -59,7 +59,7 @@ double hu_at(const HuView& hu, Vec3 world) {
 struct Unrolled {
   std::vector<Vec3> table_mm;
   std::vector<char> known;
-  Grid<float> density;  ///< HU of the table
+  grid::Grid<float> density;  ///< HU of the table
   double column_mm = 0;
 
   std::size_t at(int row, int column) const { return std::size_t(row) * columns + column; }
@@ -69,9 +69,9 @@ Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone) {
   Unrolled u;
   u.table_mm.resize(std::size_t(planes) * columns);
   u.known.assign(u.table_mm.size(), 0);
-  Lattice l;
+  grid::Lattice l;
   l.size = {columns, planes, 1};
-  u.density = Grid<float>(l, 0.f);
+  u.density = grid::Grid<float>(l, 0.f);
   parallel_for(0, planes, 1, [&](std::int64_t from, std::int64_t to) {
     for (int row = int(from); row < to; ++row)
       for (int c = 0; c < columns; ++c) {
@@ -91,15 +91,15 @@ Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone) {
   std::vector<float> radii;
   for (int c = 0; c < columns; ++c)
     if (u.known[u.at(half_planes, c)]) radii.push_back(float(norm(u.table_mm[u.at(half_planes, c)] - f.centre_mm)));
-  u.column_mm = turn_deg * std::acos(-1.0) / 180 * segmentation::median(radii, 100);
+  u.column_mm = turn_deg * std::acos(-1.0) / 180 * mask::median(radii, 100);
   u.density.spacing_mm = {u.column_mm, 1, 1};
   return u;
 }
 
 /// How much denser the table is than the bone around, as a share of that.
-Grid<float> contrast_of(const Unrolled& u) {
-  Grid<float> around = u.density, out = u.density;
-  segmentation::gaussian(around, 10);
+grid::Grid<float> contrast_of(const Unrolled& u) {
+  grid::Grid<float> around = u.density, out = u.density;
+  mask::gaussian(around, 10);
   for (std::size_t v = 0; v < out.voxels.size(); ++v)
     out.voxels[v] = std::clamp(out.voxels[v] / std::max(around.voxels[v], 300.f) - 1, -0.6f, 0.6f);
   return out;
@@ -107,7 +107,7 @@ Grid<float> contrast_of(const Unrolled& u) {
 
 /// Thick slices leave rings of alternating density where a vault crosses them: the median of all that lies at the same
 /// place between two slices is taken off, before the highest slice and behind it.
-void take_rings_off(Grid<float>& contrast, const Unrolled& u, const Lattice& scan) {
+void take_rings_off(grid::Grid<float>& contrast, const Unrolled& u, const grid::Lattice& scan) {
   std::vector<double> slice(u.table_mm.size(), 0);
   int top = 0;
   double highest = -1e9;
@@ -127,25 +127,25 @@ void take_rings_off(Grid<float>& contrast, const Unrolled& u, const Lattice& sca
       if (members.size() < 20) continue;
       std::vector<float> values;
       for (const std::size_t m : members) values.push_back(contrast.voxels[m]);
-      const float middle = segmentation::median(values, 0);
+      const float middle = mask::median(values, 0);
       for (const std::size_t m : members) contrast.voxels[m] -= middle;
     }
   }
 }
 
 /// Smoothed along the planes by `along_mm` and across them by `across_mm`.
-Grid<float> smooth(Grid<float> g, double across_mm, double along_mm) {
+grid::Grid<float> smooth(grid::Grid<float> g, double across_mm, double along_mm) {
   const double column_mm = g.spacing_mm.x;
   g.spacing_mm = {column_mm / along_mm, 1 / across_mm, 1};
-  segmentation::gaussian(g, 1);
+  mask::gaussian(g, 1);
   g.spacing_mm = {column_mm, 1, 1};
   return g;
 }
 
 /// How much each place looks like one of a suture that runs from side to side, in units of full_contrast.
-Grid<float> strength_of(const Grid<float>& contrast) {
-  const Grid<float> fine = smooth(contrast, 1, 0.5), coarse = smooth(contrast, 2, 2);
-  Grid<float> out(contrast, 0.f);
+grid::Grid<float> strength_of(const grid::Grid<float>& contrast) {
+  const grid::Grid<float> fine = smooth(contrast, 1, 0.5), coarse = smooth(contrast, 2, 2);
+  grid::Grid<float> out(contrast, 0.f);
   const int near = int(std::lround(cleft_beside_mm / contrast.spacing_mm.x)),
             far = int(std::lround(ridge_beside_mm / contrast.spacing_mm.x));
   for (int row = 0; row < planes; ++row)
@@ -154,7 +154,7 @@ Grid<float> strength_of(const Grid<float>& contrast) {
       const double ridge =
           double(coarse.at(c, row, 0)) - std::max(coarse.at(c - far, row, 0), coarse.at(c + far, row, 0));
       out.at(c, row, 0) =
-          float((std::clamp(cleft, 0.0, most_cleft) + std::clamp(ridge, 0.0, most_ridge)) / full_contrast);
+          float((std::clamp(cleft, 0.0, max_cleft) + std::clamp(ridge, 0.0, max_ridge)) / full_contrast);
     }
   return out;
 }
@@ -164,7 +164,7 @@ struct Line {
   std::vector<int> column;
   double strength = 0;
 };
-Line best_line(const Grid<float>& strength) {
+Line best_line(const grid::Grid<float>& strength) {
   std::vector<float> sum(strength.voxels.begin(), strength.voxels.begin() + columns);
   std::vector<signed char> from(std::size_t(planes) * columns, 0);
   for (int row = 1; row < planes; ++row) {
@@ -172,7 +172,7 @@ Line best_line(const Grid<float>& strength) {
     for (int c = 0; c < columns; ++c) {
       // Straight on first, so that of equal ways the straight one is taken.
       for (const int d : {0, 1, -1, 2, -2}) {
-        if (std::abs(d) > most_step || c - d < 0 || c - d >= columns) continue;
+        if (std::abs(d) > max_step || c - d < 0 || c - d >= columns) continue;
         const float value = sum[std::size_t(c - d)] - float(step_cost * std::abs(d));
         if (value > next[c]) next[c] = value, from[std::size_t(row) * columns + c] = static_cast<signed char>(d);
       }
@@ -194,7 +194,7 @@ Line best_line(const Grid<float>& strength) {
 
 /// Where a straight line through one half of the suture crosses the midline, in mm along it; what is seen clearly
 /// counts most.
-double crossing_mm(const Line& line, const Grid<float>& strength, bool left) {
+double crossing_mm(const Line& line, const grid::Grid<float>& strength, bool left) {
   double w = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (int row = 0; row < planes; ++row) {
     const double to_left = row - half_planes;
@@ -225,23 +225,23 @@ std::vector<double> arcs_of(const Unrolled& u, Vec3 nasion) {
 
 }  // namespace
 
-std::optional<CoronalSuture> find_coronal_suture(const HuVolume& volume, const CalvariaFrame& frame,
+std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, const CalvariaFrame& frame,
                                                  const BoneRay& bone) {
   const Unrolled u = unroll(HuView(volume), frame, bone);
   const std::vector<double> arc = arcs_of(u, frame.nasion_mm);
-  Grid<float> contrast = contrast_of(u);
-  take_rings_off(contrast, u, lattice_of(volume));
-  Grid<float> strength = strength_of(contrast);
+  grid::Grid<float> contrast = contrast_of(u);
+  take_rings_off(contrast, u, grid::lattice_of(volume));
+  grid::Grid<float> strength = strength_of(contrast);
   int searched = 0;
   for (int c = 0; c < columns; ++c) {
-    const bool wanted = arc[c] >= least_arc_mm && arc[c] <= most_arc_mm;
+    const bool wanted = arc[c] >= min_arc_mm && arc[c] <= max_arc_mm;
     searched += wanted;
     for (int row = 0; row < planes; ++row)
       if (!wanted || !u.known[u.at(row, c)]) strength.at(c, row, 0) = 0;
   }
   if (searched * u.column_mm < 30) return {};
   const Line line = best_line(strength);
-  Grid<float> rest = strength;
+  grid::Grid<float> rest = strength;
   const int near = int(other_line_mm / u.column_mm);
   int seen = 0;
   for (int row = 0; row < planes; ++row) {
@@ -260,10 +260,9 @@ std::optional<CoronalSuture> find_coronal_suture(const HuVolume& volume, const C
   out.visible_ratio = double(seen) / planes;
   out.distinct_ratio = line.strength / std::max(best_line(rest).strength, 0.05);
   out.halves_apart_mm = std::abs(crossing_mm(line, strength, true) - crossing_mm(line, strength, false));
-  out.confidence =
-      std::min(segmentation::ramp(out.visible_ratio, 0.4, 0.7), segmentation::ramp(out.distinct_ratio, 1.2, 2));
-  if (out.halves_apart_mm > most_halves_apart_mm) out.confidence *= 0.4;
+  out.confidence = std::min(mask::ramp(out.visible_ratio, 0.4, 0.7), mask::ramp(out.distinct_ratio, 1.2, 2));
+  if (out.halves_apart_mm > max_halves_apart_mm) out.confidence *= 0.4;
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::craniometry

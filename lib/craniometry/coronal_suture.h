@@ -7,7 +7,7 @@
 #include "base/vec3.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::craniometry {
 
 /// Where the suture is looked for: parallel planes to both sides of the midsagittal one, swept from `front` to `up`
 /// about axes through the centre, which lies inside the skull between nasion and inion. Unit vectors at right angles.
@@ -39,7 +39,7 @@ struct CoronalSuture {
 /// confidence stays below 0.5. It is 1 where the line shows in 70 % of the planes and is twice as clear as any other
 /// that lies 8 mm or more away, and falls to 0 at 40 % and 1.2. Empty where there is no bone along the midline.
 /// May fail: a saw cut from side to side looks like a suture. The same bits whatever the thread count.
-std::optional<CoronalSuture> find_coronal_suture(const HuVolume& volume, const CalvariaFrame& frame,
+std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, const CalvariaFrame& frame,
                                                  const BoneRay& bone);
 
-}  // namespace trephine
+}  // namespace trephine::craniometry

@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-namespace trephine::segmentation {
+namespace trephine::craniometry {
 
-Grid<float> near_distance_mm(const Field& f, int reach) {
+grid::Grid<float> near_distance_mm(const grid::Field& f, int reach) {
   const double step = f.spacing_mm.x;
   const float far = float(reach * step);
-  Grid<float> squared(f, far * far);
+  grid::Grid<float> squared(f, far * far);
   const std::array<std::array<int, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   // Each crossing of an edge between voxels tells all voxels around it how near it is.
   const auto tell = [&](int i, int j, int k, int axis, float part) {
@@ -42,4 +42,4 @@ Grid<float> near_distance_mm(const Field& f, int reach) {
   return squared;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::craniometry

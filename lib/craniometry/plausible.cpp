@@ -8,7 +8,7 @@
 #include <map>
 #include <optional>
 
-namespace trephine {
+namespace trephine::craniometry {
 namespace {
 
 constexpr double of_an_implausible_one = 0.4, weak = 0.4;
@@ -20,7 +20,7 @@ std::vector<std::string> members(const std::string& name) {
   return {name};
 }
 
-using Known = std::map<std::string, CaseLandmark>;
+using Known = std::map<std::string, cases::CaseLandmark>;
 
 std::optional<Vec3> place_of(const std::string& name, const Known& known) {
   Vec3 sum;
@@ -100,9 +100,9 @@ const std::vector<LandmarkRange>& landmark_ranges() {
   return ranges;
 }
 
-std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmarks) {
+std::vector<LandmarkDoubt> implausible(const std::vector<cases::CaseLandmark>& landmarks) {
   Known known;
-  for (const CaseLandmark& l : landmarks)
+  for (const cases::CaseLandmark& l : landmarks)
     if (l.source != "estimated") known[l.name] = l;
   std::map<std::string, std::string> blamed;
   for (;;) {
@@ -127,7 +127,7 @@ std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmark
     for (const auto& b : blamed) known.erase(b.first);
   }
   std::vector<LandmarkDoubt> out;
-  for (const CaseLandmark& l : landmarks)
+  for (const cases::CaseLandmark& l : landmarks)
     if (const auto b = blamed.find(l.name); b != blamed.end())
       out.push_back({l.name, of_an_implausible_one, b->second});
   return out;
@@ -140,4 +140,4 @@ double before_suture_mm(Vec3 point_mm, Vec3 bregma_mm, Vec3 centre_mm, Vec3 nasi
   return dot(point_mm - bregma_mm, forwards);
 }
 
-}  // namespace trephine
+}  // namespace trephine::craniometry

@@ -6,7 +6,7 @@
 
 #include "cases/case.h"
 
-namespace trephine {
+namespace trephine::craniometry {
 
 /// How much a landmark's confidence has to be lowered, and why.
 struct LandmarkDoubt {
@@ -34,12 +34,12 @@ const std::vector<LandmarkRange>& landmark_ranges();
 /// never to blame, and an estimate judges nobody. A landmark to blame gets the factor 0.4, so that it is doubtful
 /// whatever it was before. Landmarks that no range names are not judged. In the order of `landmarks`; only those with a
 /// doubt.
-std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmarks);
+std::vector<LandmarkDoubt> implausible(const std::vector<cases::CaseLandmark>& landmarks);
 
 /// How far a point lies before the coronal suture, along the midline (below 0: behind it). `centre_mm` lies inside the
 /// skull between nasion and inion.
 double before_suture_mm(Vec3 point_mm, Vec3 bregma_mm, Vec3 centre_mm, Vec3 nasion_mm);
 /// Kocher's point lies 1 to 2 cm before the suture; 5 mm on either side are left to the arcs.
-constexpr double least_before_suture_mm = 5, most_before_suture_mm = 25;
+constexpr double min_before_suture_mm = 5, max_before_suture_mm = 25;
 
-}  // namespace trephine
+}  // namespace trephine::craniometry

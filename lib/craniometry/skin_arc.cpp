@@ -7,14 +7,14 @@
 
 #include "base/parallel.h"
 
-namespace trephine::segmentation {
+namespace trephine::craniometry {
 namespace {
 
 constexpr double step_deg = 0.1;
 
 }  // namespace
 
-FieldView::FieldView(const Field& field, const Lattice& volume) : field_(field), volume_(volume) {}
+FieldView::FieldView(const grid::Field& field, const grid::Lattice& volume) : field_(field), volume_(volume) {}
 
 double FieldView::at_index(Vec3 p) const {
   const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
@@ -100,4 +100,4 @@ std::vector<Vec3> evenly_spaced(const std::vector<Vec3>& points, double step, do
   return smooth;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::craniometry

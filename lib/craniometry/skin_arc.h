@@ -7,16 +7,16 @@
 #include "grid/grid.h"
 #include "surface/arc.h"
 
-namespace trephine::segmentation {
+namespace trephine::craniometry {
 
 /// A field in world mm: trilinear between voxels, -1 outside its lattice. Keeps references to both arguments.
 class FieldView {
  public:
   /// `volume` is the scan of which the field covers a part.
-  FieldView(const Field& field, const Lattice& volume);
+  FieldView(const grid::Field& field, const grid::Lattice& volume);
   double operator()(Vec3 world_mm) const { return at_index(field_.to_index(world_mm)); }
-  const Field& field() const { return field_; }
-  const Lattice& volume() const { return volume_; }
+  const grid::Field& field() const { return field_; }
+  const grid::Lattice& volume() const { return volume_; }
 
   /// Where a ray (unit direction) first enters the shape after having been outside, to 1e-3 mm; shapes thinner than
   /// `step_mm` may be missed.
@@ -28,8 +28,8 @@ class FieldView {
 
  private:
   double at_index(Vec3 ijk) const;
-  const Field& field_;
-  const Lattice& volume_;
+  const grid::Field& field_;
+  const grid::Lattice& volume_;
 };
 
 /// A sweep in a plane: rays from the centre, turning from `from` (unit) towards `onwards` (unit, perpendicular to it).
@@ -42,10 +42,10 @@ struct Sweep {
 /// The outermost point of the surface on each ray of the sweep, every 0.1 degrees; rays that do not meet the surface
 /// are left out. `start` is the number of the first point at or after `from`. boolean/outer_curve.h has the same rule
 /// for a mesh.
-using Outline = Arc;
+using Outline = surface::Arc;
 Outline outline(const FieldView& view, const Sweep& sweep);
 
 /// The outline with new points every `step_mm` of its length, smoothed by a Gaussian along it; the end points stay.
 std::vector<Vec3> evenly_spaced(const std::vector<Vec3>& points_mm, double step_mm, double sigma_mm);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::craniometry

@@ -11,7 +11,7 @@
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
-namespace trephine::segmentation {
+namespace trephine::craniometry {
 namespace {
 
 constexpr int reach_voxels = 3;
@@ -19,13 +19,13 @@ constexpr double raster_mm = 2.5, cut_off_mm = 6, midline_reach_mm = 35, midline
 
 /// A shape's signed distance on the coarse raster, and points of its surface.
 struct Shape {
-  Grid<float> distance;
+  grid::Grid<float> distance;
   std::vector<Vec3> points;
 };
 
-Lattice coarse_lattice(const Lattice& field) {
-  const auto [low, high] = bounds_of(field);
-  Lattice l;
+grid::Lattice coarse_lattice(const grid::Lattice& field) {
+  const auto [low, high] = surface::bounds_of(field);
+  grid::Lattice l;
   l.spacing_mm = {raster_mm, raster_mm, raster_mm};
   l.origin_mm = low - Vec3{1, 1, 1} * (2 * raster_mm);
   for (int a = 0; a < 3; ++a) l.size[a] = int(std::min(400.0, std::ceil((high[a] - low[a]) / raster_mm) + 5));
@@ -33,7 +33,7 @@ Lattice coarse_lattice(const Lattice& field) {
 }
 
 Shape make_shape(const FieldView& view, const Progress& progress) {
-  Field coarse(coarse_lattice(view.field()));
+  grid::Field coarse(coarse_lattice(view.field()));
   parallel_for(0, coarse.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k) {
       progress.check();
@@ -61,7 +61,7 @@ Shape make_shape(const FieldView& view, const Progress& progress) {
   return s;
 }
 
-double sample(const Grid<float>& g, Vec3 world) {
+double sample(const grid::Grid<float>& g, Vec3 world) {
   const Vec3 p = (world - g.origin_mm) / raster_mm;
   const int x = int(std::floor(p.x)), y = int(std::floor(p.y)), z = int(std::floor(p.z));
   if (x < 0 || y < 0 || z < 0 || x >= g.size[0] - 1 || y >= g.size[1] - 1 || z >= g.size[2] - 1) return -cut_off_mm;
@@ -118,7 +118,7 @@ class Mirror {
     // Where little of the mirror image was scanned, the mean is less reliable.
     out.mean_mm = sum / count + 3 * std::max(0.0, 0.7 - out.scanned);
     out.matched = double(matched) / count;
-    if (with_median) out.median_mm = median(residuals, float(cut_off_mm));
+    if (with_median) out.median_mm = mask::median(residuals, float(cut_off_mm));
     return out;
   }
 
@@ -231,9 +231,9 @@ MirrorPlane find_mirror_plane(const FieldView& skin, const FieldView& skull, con
   plane.midline_mm = mirror.score(pose, 1, midline_reach_mm, true).median_mm;
   plane.matched = whole.matched;
   plane.scanned = whole.scanned;
-  plane.confidence =
-      std::min({ramp(plane.residual_mm, 4, 1), ramp(plane.matched, 0.5, 0.9), ramp(plane.rise_mm, 0.1, 0.6)});
+  plane.confidence = std::min(
+      {mask::ramp(plane.residual_mm, 4, 1), mask::ramp(plane.matched, 0.5, 0.9), mask::ramp(plane.rise_mm, 0.1, 0.6)});
   return plane;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::craniometry

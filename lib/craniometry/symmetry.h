@@ -4,7 +4,7 @@
 #include "base/progress.h"
 #include "craniometry/skin_arc.h"
 
-namespace trephine::segmentation {
+namespace trephine::craniometry {
 
 struct MirrorPlane {
   Vec3 point_mm;           ///< the point of the plane nearest to the skull's middle
@@ -27,4 +27,4 @@ struct MirrorPlane {
 /// falls in proportion to 0 at 4 mm, 50 % and 0.1.
 MirrorPlane find_mirror_plane(const FieldView& skin, const FieldView& skull, const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::craniometry

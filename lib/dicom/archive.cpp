@@ -68,7 +68,7 @@ bool is_link(zip_t* z, zip_uint64_t i) {
 // What the child does: members in the archive's order as kind, name, bytes.
 enum class Kind : std::uint64_t { member, hidden, link };
 // Of a member of another kind: a slice that has lost its beginning still names its series.
-constexpr std::size_t long_head = 16 << 10, short_head = 256, most_of_heads = 64 << 20;
+constexpr std::size_t long_head = 16 << 10, short_head = 256, max_of_heads = 64 << 20;
 
 class Unzipper {
  public:
@@ -124,7 +124,7 @@ class Unzipper {
     std::array<char, 1 << 18> buffer{};
     std::size_t have = read(member.get(), buffer.data(), std::min<std::uint64_t>(buffer.size(), s.size));
     if (!begins_as_dicom({buffer.data(), have}) && !is_taken_whole(name.text)) {
-      const std::size_t head = std::min(have, heads_ < most_of_heads ? long_head : short_head);
+      const std::size_t head = std::min(have, heads_ < max_of_heads ? long_head : short_head);
       heads_ += head;
       put(Kind::member, name.text, head);
       request_.write(buffer.data(), head);
@@ -156,8 +156,8 @@ class Unzipper {
   /// Damage must not make a slice look like a file of another kind, so that it is left out silently. Therefore a member
   /// that is about as large as a slice is inflated to its end, where the checksum is compared.
   void check_foreign(zip_file_t* member, const zip_stat_t& s, std::uint64_t have) {
-    constexpr std::uint64_t most = 64 << 20, most_of_all = std::uint64_t{2} << 30;
-    if (s.size > most || s.size / limits_.ratio > s.comp_size || checked_ > most_of_all) return;
+    constexpr std::uint64_t most = 64 << 20, max_of_all = std::uint64_t{2} << 30;
+    if (s.size > most || s.size / limits_.ratio > s.comp_size || checked_ > max_of_all) return;
     checked_ += s.size;
     std::array<char, 1 << 16> buffer{};
     while (const std::size_t n = read(member, buffer.data(), buffer.size())) have += n;

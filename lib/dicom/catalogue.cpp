@@ -108,9 +108,9 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
   }
   if (claimed > free_of_ratio && claimed / most > there)
     refuse(s, h.name, tag_name(h.pixels.tag), fmt::format("{} compressed bytes claim to be {}", there, claimed));
-  if (const int levels = count_levels(s.stack); levels < least_slices)
+  if (const int levels = count_levels(s.stack); levels < min_slices)
     refuse(s, h.name, "series",
-           fmt::format("{} slice position{}, at least {} are needed", levels, levels == 1 ? "" : "s", least_slices));
+           fmt::format("{} slice position{}, at least {} are needed", levels, levels == 1 ? "" : "s", min_slices));
   return s;
 }
 
@@ -198,11 +198,11 @@ void know_by_uid(const std::vector<InputFile>& files, Catalogue& c) {
   std::set<std::string> uids;
   for (const FileHeader& h : c.headers)
     if (h.series_uid.size() >= 6) uids.insert(h.series_uid);
-  constexpr std::size_t most_looked_into = 2000, most_series = 200;
-  if (uids.size() > most_series) return;
+  constexpr std::size_t max_looked_into = 2000, max_series = 200;
+  if (uids.size() > max_series) return;
   std::size_t looked_into = 0;
   for (Catalogue::Broken& b : c.broken) {
-    if (b.is_dicom || is_index(b.what) || ++looked_into > most_looked_into) continue;
+    if (b.is_dicom || is_index(b.what) || ++looked_into > max_looked_into) continue;
     try {
       ByteSource source(files[static_cast<std::size_t>(b.number - 1)].origin);
       const std::size_t size = static_cast<std::size_t>(std::min<std::uint64_t>(source.size(), ByteSource::max_value));

@@ -4,11 +4,11 @@
 
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::dicom {
 
 /// Whether positions in two series mean the same places, by FrameOfReferenceUID: two reconstructions of one scan have
 /// one. Nothing where one of them does not say (a volume file). The UIDs leave nothing behind. Throws as
 /// compare_patients does. (import.cpp)
 std::optional<bool> of_one_frame(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::dicom

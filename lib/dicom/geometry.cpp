@@ -170,9 +170,9 @@ StackGeometry analyse_stack(const SliceStack& stack, GapPolicy gaps, double max_
   const Vec3 u = stack.u, v = stack.v, n = stack.normal();
   StackGeometry g;
   g.levels = group_levels(stack);
-  if (static_cast<int>(g.levels.size()) < least_slices)
+  if (static_cast<int>(g.levels.size()) < min_slices)
     refuse(fmt::format("{} slice position{}, at least {} are needed", g.levels.size(), g.levels.size() == 1 ? "" : "s",
-                       least_slices));
+                       min_slices));
 
   // Positions are relative to the first slice, so that large coordinates cost no digits.
   const Vec3 first = stack.positions_mm[g.levels.front().front()];

@@ -16,7 +16,7 @@ constexpr double uniform_tolerance_mm = 1e-3;
 constexpr double drift_tolerance_mm = 0.02;
 /// Slices nearer than this are at the same position.
 constexpr double same_position_mm = 0.01;
-constexpr int least_slices = 3;
+constexpr int min_slices = 3;
 
 /// What the parallel slices of a stack have in common, and where each slice's first voxel lies (patient LPS, mm).
 struct SliceStack {
@@ -33,7 +33,7 @@ struct StackGeometry {
   std::vector<double> along_mm;          ///< for each level, along the normal; ascending
   std::vector<std::array<double, 2>>
       shift;  ///< per level: first voxel from the target's, in columns and rows of the target
-  Lattice target;
+  grid::Lattice target;
   double target_first_mm = 0;  ///< position of the target's first slice along the normal
   bool resampled = false;
   bool sheared = false;  ///< some shift is not 0

@@ -9,8 +9,7 @@
 #include "dicom/values.h"
 #include "dicom/volume_source.h"
 
-namespace trephine {
-namespace dicom {
+namespace trephine::dicom {
 namespace {
 
 struct Kind {
@@ -141,10 +140,7 @@ SeriesIdentity identity_of(const std::vector<FrameRef>& slices) {
   return out;
 }
 
-}  // namespace dicom
-
 PatientMatch compare_patients(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
-  using namespace dicom;
   std::array<Identity, 2> said;
   for (const SeriesChoice* c : {&a, &b}) {
     if (!volume_sources(c->folder_or_file, progress).empty()) return {};
@@ -164,4 +160,4 @@ PatientMatch compare_patients(const SeriesChoice& a, const SeriesChoice& b, cons
   return match;
 }
 
-}  // namespace trephine
+}  // namespace trephine::dicom

@@ -8,7 +8,7 @@
 
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::dicom {
 
 /// Whether two series are of one patient, by all attributes of identity that both say. Values are compared as digests
 /// and leave nothing behind; what programs that anonymise write for everybody (ANONYMOUS, 0, 19000101) says nothing.
@@ -18,8 +18,6 @@ struct PatientMatch {
 };
 /// Of a volume file nothing is said. Throws as import_series does up to the decoding.
 PatientMatch compare_patients(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
-
-namespace dicom {
 
 struct FrameRef;
 
@@ -55,5 +53,4 @@ struct SeriesIdentity {
 };
 SeriesIdentity identity_of(const std::vector<FrameRef>& slices);
 
-}  // namespace dicom
-}  // namespace trephine
+}  // namespace trephine::dicom

@@ -26,10 +26,8 @@
 #include "dicom/volume_import.h"
 #include "dicom/volume_source.h"
 
-namespace trephine {
+namespace trephine::dicom {
 namespace {
-
-using namespace dicom;
 
 /// A series ready to be read: its rules, and which slabs of target slices need which levels.
 struct Plan {
@@ -49,14 +47,14 @@ struct Plan {
 /// How many target slices a worker reads at once. Starting a child process pays only for some megabytes, and the slices
 /// that are being read must stay small beside the volume.
 int slab_size(const Series& series, const StackGeometry& g) {
-  constexpr std::int64_t least_bytes = 8 << 20, most_bytes = 128 << 20;
+  constexpr std::int64_t min_bytes = 8 << 20, max_bytes = 128 << 20;
   const FileHeader& h = *series.slices.front().header;
   const bool child = std::any_of(series.slices.begin(), series.slices.end(),
                                  [](const FrameRef& r) { return r.header->syntax->encoding != Encoding::native; });
   const int count = g.target.size[2];
   if (!child) return std::clamp(count / (4 * thread_count()), 4, 32);
   const auto slice_bytes = static_cast<std::int64_t>(std::max<std::uint64_t>(1, h.frame_bytes()));
-  const std::int64_t bytes = std::clamp(slice_bytes * count / (4 * thread_count()), least_bytes, most_bytes);
+  const std::int64_t bytes = std::clamp(slice_bytes * count / (4 * thread_count()), min_bytes, max_bytes);
   const int share = (count + thread_count() - 1) / thread_count();
   return std::clamp(static_cast<int>(bytes / slice_bytes), 1, std::max(1, share));
 }
@@ -147,7 +145,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
 /// Reads the slices straight into the volume.
 template <class T>
 struct Direct {
-  Grid<T>& volume;
+  grid::Grid<T>& volume;
   T* place(int level, std::vector<T>&) { return volume.voxels.data() + volume.index(0, 0, level); }
   void done(int, const T*) {}
 };
@@ -158,7 +156,7 @@ template <class T>
 struct Windowed {
   const Plan& plan;
   const Plan::Slab& slab;
-  Grid<T>& volume;
+  grid::Grid<T>& volume;
   int next = slab.begin;
   std::array<std::vector<float>, 4> window{};
 
@@ -190,8 +188,8 @@ struct Windowed {
 
 /// Returns nothing where a value does not fit T = int16.
 template <class T>
-std::optional<Grid<T>> read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
-  Grid<T> volume(plan.geometry.target);
+std::optional<grid::Grid<T>> read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
+  grid::Grid<T> volume(plan.geometry.target);
   std::vector<HuCounts> level_counts(plan.geometry.levels.size());
   const auto slabs = static_cast<std::int64_t>(plan.slabs.size());
   std::vector<std::exception_ptr> errors(plan.slabs.size());
@@ -222,7 +220,7 @@ std::optional<Grid<T>> read_volume(const Plan& plan, HuCounts& counts, const Pro
   return volume;
 }
 
-HuVolume read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
+grid::HuVolume read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
   const auto& size = plan.geometry.target.size;
   require_memory(plan.geometry.target.count() * (plan.integral ? sizeof(std::int16_t) : sizeof(float)),
                  fmt::format("a volume of {} x {} x {} voxels", size[0], size[1], size[2]));
@@ -253,10 +251,10 @@ std::string hash_of_series(const Series& series, const Progress& progress) {
   return sha.hex();
 }
 
-Report describe(const Series& series, const Plan& plan, const HuCounts& counts, const HuVolume& volume) {
+Report describe(const Series& series, const Plan& plan, const HuCounts& counts, const grid::HuVolume& volume) {
   const StackGeometry& g = plan.geometry;
   const FileHeader& h = *series.slices.front().header;
-  const auto text = [](const Lattice& l) { return fmt::format("{}x{}x{}", l.size[0], l.size[1], l.size[2]); };
+  const auto text = [](const grid::Lattice& l) { return fmt::format("{}x{}x{}", l.size[0], l.size[1], l.size[2]); };
   Report r;
   r.add("modality", series.summary.modality);
   r.add("slices_count", g.levels.size());
@@ -277,7 +275,7 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
   r.add("below_air_voxels_count", counts.below_air);
   r.add("hu_min", counts.min);
   r.add("hu_max", counts.max);
-  r.add("sample_type", std::holds_alternative<Grid<std::int16_t>>(volume) ? "int16" : "float32");
+  r.add("sample_type", std::holds_alternative<grid::Grid<std::int16_t>>(volume) ? "int16" : "float32");
   r.add("kernel", series.summary.kernel);
   r.add("image_type", series.summary.image_type);
   r.add("patient_position", h.patient_position);
@@ -369,4 +367,4 @@ std::optional<bool> of_one_frame(const SeriesChoice& a, const SeriesChoice& b, c
   return (*uids)[0] == (*uids)[1];
 }
 
-}  // namespace trephine
+}  // namespace trephine::dicom

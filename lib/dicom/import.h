@@ -11,7 +11,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::dicom {
 
 enum class GapPolicy { refuse, interpolate };
 enum class ModalityPolicy { ct, any };
@@ -85,7 +85,7 @@ struct SeriesSummary {
 };
 
 struct ImportResult {
-  HuVolume volume;           ///< patient LPS; direction right-handed; slices ascend along the normal
+  grid::HuVolume volume;     ///< patient LPS; direction right-handed; slices ascend along the normal
   Report report;             ///< of the series alone: equal series give equal reports
   Report folder;             ///< other content of the folder (skipped files, other series); not for case.json
   std::string input_sha256;  ///< hash_of_series_input of what was read
@@ -150,4 +150,4 @@ SeriesList list_series(const std::filesystem::path& folder_or_file, const Import
 std::string list_text(const SeriesList& list);
 std::string list_json(const SeriesList& list);
 
-}  // namespace trephine
+}  // namespace trephine::dicom

@@ -122,16 +122,16 @@ Error without_names(const Error& e, const fs::path& folder_or_file) {
 
 }  // namespace trephine::dicom
 
-namespace trephine {
+namespace trephine::dicom {
 
 std::string scan_file_map(const std::filesystem::path& folder_or_file, const Progress& progress) {
-  return dicom::with_scan(folder_or_file, [&] {
-    const dicom::InputList list = dicom::list_inputs(folder_or_file, progress);
+  return with_scan(folder_or_file, [&] {
+    const InputList list = list_inputs(folder_or_file, progress);
     std::string map = "place\tdigest\tpath\n";
     for (std::size_t i = 0; i < list.files.size(); ++i)
-      map += fmt::format("{}\t{}\t{}\n", i + 1, dicom::digest_of_input(list.files[i].origin), list.files[i].path);
+      map += fmt::format("{}\t{}\t{}\n", i + 1, digest_of_input(list.files[i].origin), list.files[i].path);
     return map;
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::dicom

@@ -10,15 +10,13 @@
 #include "dicom/archive.h"
 #include "dicom/elements.h"
 
-namespace trephine {
+namespace trephine::dicom {
 
 /// Which file of a scan has which place and digest in messages, as text: a line for each file with its place from 1,
 /// its digest and its path below `folder_or_file`, parted by tabulators. It holds names, which may be patients': it
 /// belongs into a file that only its owner may read. Throws as import_series does where the folder or archive cannot be
 /// read.
 std::string scan_file_map(const std::filesystem::path& folder_or_file, const Progress& progress = {});
-
-namespace dicom {
 
 /// A file to look into. Its path, below the folder or archive that was named, may be a patient's name, so messages call
 /// it by name_of_input.
@@ -55,5 +53,4 @@ auto with_scan(const std::filesystem::path& folder_or_file, F&& f) {
   }
 }
 
-}  // namespace dicom
-}  // namespace trephine
+}  // namespace trephine::dicom

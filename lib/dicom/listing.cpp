@@ -18,10 +18,8 @@
 #include "dicom/volume_import.h"
 #include "itk/volume_file.h"
 
-namespace trephine {
+namespace trephine::dicom {
 namespace {
-
-using namespace dicom;
 
 std::string plane_of(const SliceStack& stack) {
   const Vec3 n = stack.normal();
@@ -143,7 +141,7 @@ std::string list_text(const SeriesList& list) {
                     measured ? steps : "-", s.transfer_syntax, or_dash(s.orientation), s.verdict});
   }
   std::string out = text_table(rows, "l") + "\n";
-  for (const auto& [name, value] : list.folder.figures) out += fmt::format("{}: {}\n", name, to_text(value));
+  for (const auto& [name, value] : list.folder.figures) out += fmt::format("{}: {}\n", name, trephine::to_text(value));
   return out;
 }
 
@@ -180,4 +178,4 @@ std::string list_json(const SeriesList& list) {
   return all.dump(2) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::dicom

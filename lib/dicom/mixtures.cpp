@@ -123,7 +123,7 @@ Extent extent_of(const Series& s) {
 
 // One or two slices that differ in nothing but the series' UID, right beyond an end: they would be missed.
 bool continues(const Series& other, const Series& s, const Extent& range) {
-  if (other.slices.size() >= s.slices.size() || count_levels(other.stack) >= least_slices) return false;
+  if (other.slices.size() >= s.slices.size() || count_levels(other.stack) >= min_slices) return false;
   const FileHeader &h = *other.slices.front().header, &g = *s.slices.front().header;
   if (h.study_uid != g.study_uid || h.frame_uid != g.frame_uid || h.kernel != g.kernel || h.rows != g.rows ||
       h.columns != g.columns || h.modality != g.modality || h.raw_image_type != g.raw_image_type)

@@ -10,7 +10,7 @@
 namespace trephine::dicom {
 namespace {
 
-constexpr int most_told = 5;
+constexpr int max_told = 5;
 
 void warn_of_broken(const Catalogue& c, Report& r) {
   int told = 0, more = 0, empty = 0;
@@ -20,7 +20,7 @@ void warn_of_broken(const Catalogue& c, Report& r) {
       continue;
     }
     if (!b.is_dicom) continue;
-    if (++told > most_told) {
+    if (++told > max_told) {
       ++more;
       continue;
     }
@@ -39,13 +39,13 @@ void warn_of_broken(const Catalogue& c, Report& r) {
 void warn_of_odd(const Catalogue& c, const Series& chosen, Report& r) {
   int told = 0;
   for (const OddSlice& odd : chosen.odd)
-    if (++told <= most_told)
+    if (++told <= max_told)
       r.warn(
           std::isnan(odd.along_mm)
               ? fmt::format("an image with the series' UID and size was left out: {}: {}", odd.field, odd.what)
               : fmt::format("a slice with the series' UID was left out, {:.1f} mm along the slices' normal, {}: {}: {}",
                             odd.along_mm, odd.within ? "between the others" : "beyond an end", odd.field, odd.what));
-  if (told > most_told) r.warn(fmt::format("{} more slices with the series' UID were left out", told - most_told));
+  if (told > max_told) r.warn(fmt::format("{} more slices with the series' UID were left out", told - max_told));
   for (const Series& s : c.series)
     if (&s != &chosen && s.slices.empty() && s.sort_uid == chosen.sort_uid)
       r.warn(fmt::format("{} files with the series' UID were left out: {}: {}", s.summary.size[2], s.refusal_field,
@@ -112,7 +112,7 @@ Report describe_rest(const Catalogue& c, const Series* chosen) {
 
 }  // namespace trephine::dicom
 
-namespace trephine {
+namespace trephine::dicom {
 
 std::string SeriesSummary::line() const {
   std::string out =
@@ -124,4 +124,4 @@ std::string SeriesSummary::line() const {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::dicom

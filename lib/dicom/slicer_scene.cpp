@@ -12,8 +12,8 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "scene", what); }
 
-constexpr std::size_t most_nodes = 100000;
-constexpr std::size_t most_attributes = 1000;  ///< of a node
+constexpr std::size_t max_nodes = 100000;
+constexpr std::size_t max_attributes = 1000;  ///< of a node
 constexpr const char* blanks = " \t\r\n";
 
 struct Node {
@@ -66,7 +66,7 @@ Node tag_at(std::string_view text, std::size_t& at) {
       refuse("an attribute has no value");
     const std::size_t close = text.find(text[open], open + 1);
     if (close == std::string_view::npos) refuse("is cut short");
-    if (node.attributes.size() == most_attributes) refuse("a node has too many attributes");
+    if (node.attributes.size() == max_attributes) refuse("a node has too many attributes");
     node.attributes[trephine::trimmed(text.substr(at, equals - at))] =
         without_entities(text.substr(open + 1, close - open - 1));
     at = close + 1;
@@ -88,7 +88,7 @@ std::vector<Node> nodes_of(std::string_view text) {
     Node node = tag_at(text, at);
     is_scene = is_scene || node.tag == "MRML";
     if (!is_scene) refuse("is no scene of 3D Slicer");
-    if (nodes.size() == most_nodes) refuse("has too many nodes");
+    if (nodes.size() == max_nodes) refuse("has too many nodes");
     nodes.push_back(std::move(node));
   }
   if (!is_scene) refuse("is no scene of 3D Slicer");

@@ -16,7 +16,7 @@ namespace trephine::dicom {
 namespace {
 
 constexpr int bin_hu = 25, first_hu = -1025, bins = 200;  ///< from -1025 to 3975 HU
-constexpr double least_soft_share = 0.02;
+constexpr double min_soft_share = 0.02;
 
 struct Counts {
   std::int64_t padding = 0, clamped = 0;
@@ -27,7 +27,7 @@ struct Counts {
 
 // Padding becomes air, values beyond the limits are clamped; all is counted.
 template <class T>
-Counts cleaned(Grid<T>& grid, const ImportParams& params, bool hu) {
+Counts cleaned(grid::Grid<T>& grid, const ImportParams& params, bool hu) {
   Counts c;
   c.all = static_cast<std::int64_t>(grid.voxels.size());
   if (grid.voxels.empty()) return c;
@@ -67,7 +67,7 @@ void require_hu(const Counts& c) {
                     c.min));
   const std::int64_t light = count_between(c, first_hu, -500), air = count_between(c, -1025, -875);
   if (light == 0 || double(air) < 0.3 * double(light)) refuse("what is lighter than lung does not lie at air, -1000");
-  if (double(c.soft) < least_soft_share * double(c.all))
+  if (double(c.soft) < min_soft_share * double(c.all))
     refuse(
         fmt::format("{:.2f} % lie from -200 to 200, where soft tissue does", 100.0 * double(c.soft) / double(c.all)));
   if (c.max < 150) refuse(fmt::format("the largest is {:g}: there is no bone", c.max));
@@ -80,7 +80,7 @@ void require_values_said(const ImportParams& params) {
 }
 
 // All but the hash.
-ImportResult imported(VolumeFile read, const ImportParams& params) {
+ImportResult imported(itk::VolumeFile read, const ImportParams& params) {
   require_values_said(params);
   const bool hu = params.volume_values == VolumeValues::hu;
   if (hu && !read.modality.empty() && read.modality != "CT")
@@ -89,7 +89,7 @@ ImportResult imported(VolumeFile read, const ImportParams& params) {
   ImportResult result;
   const Counts counts = std::visit([&](auto& grid) { return cleaned(grid, params, hu); }, read.volume);
   if (hu) require_hu(counts);
-  const Lattice& lattice = lattice_of(read.volume);
+  const grid::Lattice& lattice = grid::lattice_of(read.volume);
   Report& r = result.report;
   r.add("modality", hu ? "CT" : "any");
   r.add("format", read.format);
@@ -102,7 +102,7 @@ ImportResult imported(VolumeFile read, const ImportParams& params) {
   r.add("clamped_voxels_count", counts.clamped);
   r.add("hu_min", counts.min);
   r.add("hu_max", counts.max);
-  r.add("sample_type", std::holds_alternative<Grid<std::int16_t>>(read.volume) ? "int16" : "float32");
+  r.add("sample_type", std::holds_alternative<grid::Grid<std::int16_t>>(read.volume) ? "int16" : "float32");
   for (const std::string& w : read.warnings) r.warn(w);
   if (hu) r.warn("a " + read.format + " file cannot say that its values are HU: whoever gave it said so");
   result.volume = std::move(read.volume);
@@ -130,8 +130,8 @@ SeriesSummary summary_of(const std::filesystem::path& path, VolumeSource& source
   s.token = source.token;
   try {
     unpack(path, source, progress.part(0, 0.2));
-    VolumeFile read = read_volume_file(source.file, progress.part(0.2, 1));
-    const Lattice& lattice = lattice_of(read.volume);
+    itk::VolumeFile read = itk::read_volume_file(source.file, progress.part(0.2, 1));
+    const grid::Lattice& lattice = grid::lattice_of(read.volume);
     s.size = lattice.size;
     s.spacing_mm = lattice.spacing_mm;
     s.smallest_step_mm = s.largest_gap_mm = lattice.spacing_mm.z;
@@ -152,19 +152,19 @@ ImportResult import_volume(const std::filesystem::path& path, const VolumeSource
                            const Progress& progress) {
   require_values_said(params);  // before anything is read
   return naming(path, volume, [&] {
-    VolumeFile read = read_volume_file(volume.file, progress);
-    const std::string token = token_of(volume, lattice_of(read.volume).size);
+    itk::VolumeFile read = itk::read_volume_file(volume.file, progress);
+    const std::string token = token_of(volume, grid::lattice_of(read.volume).size);
     if (params.series.find('-') != std::string::npos && params.series != token)
       throw Error(ExitCode::usage, name_of_scan(path), "series",
                   params.series + " is now " + token + ": look at it again");
     ImportResult result = imported(std::move(read), params);
-    result.input_sha256 = hash_of_volume_file(volume.file);
+    result.input_sha256 = itk::hash_of_volume_file(volume.file);
     return result;
   });
 }
 
 std::string hash_of_volume(const std::filesystem::path& path, const VolumeSource& volume) {
-  return naming(path, volume, [&] { return hash_of_volume_file(volume.file); });
+  return naming(path, volume, [&] { return itk::hash_of_volume_file(volume.file); });
 }
 
 SeriesList list_volumes(const std::filesystem::path& path, std::vector<VolumeSource> volumes,

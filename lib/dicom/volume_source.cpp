@@ -14,7 +14,7 @@ namespace trephine::dicom {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t most_scene_bytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t max_scene_bytes = std::uint64_t{64} << 20;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "scene", what); }
 
@@ -42,7 +42,7 @@ std::vector<VolumeSource> in_archive(const fs::path& file, const Progress& progr
     scene = &m;
   }
   if (!scene) refuse("the archive holds no scene (.mrml)");
-  if (scene->bytes.size() > most_scene_bytes) refuse("the scene is larger than 64 MiB");
+  if (scene->bytes.size() > max_scene_bytes) refuse("the scene is larger than 64 MiB");
   return sources_of(scene_volumes(scene->bytes), fs::path(scene->name).parent_path(), true);
 }
 
@@ -53,14 +53,14 @@ std::vector<VolumeSource> volume_sources(const fs::path& path, const Progress& p
   const std::string extension = path.extension().string();
   std::vector<VolumeSource> sources;
   if (fs::is_regular_file(path, none) && extension == ".mrml") {
-    const std::vector<char> text = read_file(path, most_scene_bytes);
+    const std::vector<char> text = read_file(path, max_scene_bytes);
     sources = with_scan(path, [&] {
       return sources_of(scene_volumes({text.data(), text.size()}), path.parent_path(), false);
     });
   } else if (fs::is_regular_file(path, none) && extension == ".mrb" && is_zip(path)) {
     sources = with_scan(path, [&] { return in_archive(path, progress); });
   } else {
-    for (fs::path& file : find_volume_files(path)) {
+    for (fs::path& file : itk::find_volume_files(path)) {
       sources.emplace_back();
       sources.back().file = std::move(file);
     }
@@ -76,7 +76,7 @@ std::vector<fs::path> files_beside(const fs::path& path) {
   try {
     for (const VolumeSource& s : volume_sources(path)) {
       if (s.file != path) files.push_back(s.file);
-      if (const fs::path data = data_file_of(s.file); !data.empty()) files.push_back(data);
+      if (const fs::path data = itk::data_file_of(s.file); !data.empty()) files.push_back(data);
     }
   } catch (const Error&) {
   }
@@ -113,7 +113,7 @@ void unpack(const fs::path& path, VolumeSource& source, const Progress& progress
     std::error_code none;
     if (!fs::is_regular_file(source.file, none)) refuse("the volume's file is not there");
     if (path.extension() == ".mrml") require_beneath(path, source.file);
-    if (find_volume_files(source.file).empty()) refuse("the volume's file is of no format that is read");
+    if (itk::find_volume_files(source.file).empty()) refuse("the volume's file is of no format that is read");
   });
 }
 

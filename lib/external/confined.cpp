@@ -22,7 +22,7 @@
 #include "external/hide.h"
 #include "external/restrict.h"
 
-namespace trephine {
+namespace trephine::external {
 namespace {
 
 using Json = nlohmann::json;
@@ -216,4 +216,4 @@ ConfinedResult run_confined(const ConfinedRequest& request, const Progress& prog
   return made;
 }
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 
-namespace trephine {
+namespace trephine::external {
 
 /// Somebody else's program, run with limits.
 struct ConfinedRequest {
@@ -45,4 +45,4 @@ struct ConfinedResult {
 /// Throws Error 70 where no child process can be started, or where it must be confined and cannot be; Cancelled.
 ConfinedResult run_confined(const ConfinedRequest& request, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -13,7 +13,7 @@
 #include <map>
 #include <vector>
 
-namespace trephine {
+namespace trephine::external {
 namespace {
 
 /// The parent of a process; -1 where it is gone. The name in /proc/N/stat may hold blanks and brackets.
@@ -78,4 +78,4 @@ void end_descendants(pid_t root) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace trephine {
+namespace trephine::external {
 
 /// Resident memory that is not shared, in bytes, of all processes that descend from this one, but for itself and
 /// `except`.
@@ -14,4 +14,4 @@ std::uint64_t memory_of_descendants(pid_t root, pid_t except);
 /// the caller, and gather orphans (PR_SET_CHILD_SUBREAPER): then no descendant can get away.
 void end_descendants(pid_t root);
 
-}  // namespace trephine
+}  // namespace trephine::external

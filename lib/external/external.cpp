@@ -25,12 +25,12 @@
 #include "grid/bounded_read.h"
 #include "grid/nifti.h"
 
-namespace trephine {
+namespace trephine::external {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr double version_limit_s = 120, same_voxel = 0.05, largest_output_gb = 16;
-constexpr std::size_t most_said = 200;
+constexpr std::size_t max_said = 200;
 
 [[noreturn]] void usage(const std::string& field, const std::string& what) {
   throw Error(ExitCode::usage, "", field, what);
@@ -124,10 +124,10 @@ class Run {
     report_.add("said_version", line);
   }
 
-  void label(const HuVolume& volume, const Progress& progress) {
+  void label(const grid::HuVolume& volume, const Progress& progress) {
     std::error_code ignored;
     fs::create_directories((scratch_.folder() / params_.labels_file).parent_path(), ignored);
-    write_file(scratch_.folder() / "input.nii.gz", encode_nifti(volume, true));
+    write_file(scratch_.folder() / "input.nii.gz", grid::encode_nifti(volume, true));
     report_.add("program_sha256", sha256_of_file(program_));
     const ConfinedResult result = run_confined(request_of(params_.arguments), progress);
     require_good(result, "");
@@ -220,7 +220,7 @@ class Run {
     if (std::size_t(s.st_size) > most) all += "\n" + read_at(s.st_size - off_t(most));
     std::vector<std::string> lines;
     for (const std::string& line : split_at(all, '\n'))
-      if (const std::string shown = printable(line).substr(0, most_said);
+      if (const std::string shown = printable(line).substr(0, max_said);
           shown.find_first_not_of(" ?") != std::string::npos)
         lines.push_back(shown);
     return lines;
@@ -248,13 +248,13 @@ class Run {
 
 /// Whole numbers of 8 or 16 bits in one layer.
 template <class T>
-Grid<T> as(const LabelFile& map) {
-  Grid<T> out(map.lattice);
+grid::Grid<T> as(const grid::LabelFile& map) {
+  grid::Grid<T> out(map.lattice);
   std::visit([&](const auto& g) { std::copy(g.voxels.begin(), g.voxels.end(), out.voxels.begin()); }, map.samples);
   return out;
 }
 
-void make_plain(LabelFile& map, const Named<ExternalLabel>& names, const Run& run) {
+void make_plain(grid::LabelFile& map, const Named<ExternalLabel>& names, const Run& run) {
   if (map.layers != 1) run.refuse("has " + std::to_string(map.layers) + " layers, must be a map of one");
   double largest = 0;
   std::visit(
@@ -269,7 +269,7 @@ void make_plain(LabelFile& map, const Named<ExternalLabel>& names, const Run& ru
     map.samples = as<std::uint8_t>(map);
   if (!names.empty()) map.segments.clear();
   for (const auto& [name, label] : names) {
-    LabelSegment segment;
+    grid::LabelSegment segment;
     segment.id = segment.name = name;
     segment.value = label.value;
     map.segments.push_back(segment);
@@ -277,7 +277,7 @@ void make_plain(LabelFile& map, const Named<ExternalLabel>& names, const Run& ru
   map.format = map.segments.empty() ? "NRRD" : "seg.nrrd";  // as encode_labels writes it
 }
 
-void require_same_grid(const Lattice& map, const Lattice& volume) {
+void require_same_grid(const grid::Lattice& map, const grid::Lattice& volume) {
   double off = map.size == volume.size ? 0 : 1e9;
   for (int c = 0; c < 8 && off < 1e9; ++c) {
     Vec3 at;
@@ -286,7 +286,7 @@ void require_same_grid(const Lattice& map, const Lattice& volume) {
     for (int a = 0; a < 3; ++a) off = std::max(off, std::abs(q[a] - at[a]));
   }
   if (off <= same_voxel) return;
-  const auto size = [](const Lattice& l) {
+  const auto size = [](const grid::Lattice& l) {
     return std::to_string(l.size[0]) + " x " + std::to_string(l.size[1]) + " x " + std::to_string(l.size[2]);
   };
   throw refusal("labels_file",
@@ -296,7 +296,7 @@ void require_same_grid(const Lattice& map, const Lattice& volume) {
                 {"set `same_grid` to false, and it is resampled"});
 }
 
-void report_labels(const LabelFile& map, Report& report) {
+void report_labels(const grid::LabelFile& map, Report& report) {
   std::set<int> values;
   std::size_t voxels = 0;
   std::visit(
@@ -318,25 +318,26 @@ void report_labels(const LabelFile& map, Report& report) {
 
 }  // namespace
 
-LabelFile run_external(const HuVolume& volume, const ExternalParams& params, Report& report, const Progress& progress) {
+grid::LabelFile run_external(const grid::HuVolume& volume, const ExternalParams& params, Report& report,
+                             const Progress& progress) {
   Run run(params, report);
   run.check_version(progress.part(0, 0.05));
   run.label(volume, progress.part(0.05, 0.95));
   const std::string bytes = run.output();
   report.add("output_sha256", sha256_of_bytes(bytes));
-  LabelFile map;
+  grid::LabelFile map;
   try {
-    map = decode_labels_bounded(bytes);
+    map = grid::decode_labels_bounded(bytes);
   } catch (const Error& e) {
     run.refuse("is no map of labels: " + (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }
   report.add("output_format", map.format);
   for (const std::string& w : map.warnings) report.warn(w);
   map.warnings.clear();
-  if (params.same_grid) require_same_grid(map.lattice, lattice_of(volume));
+  if (params.same_grid) require_same_grid(map.lattice, grid::lattice_of(volume));
   make_plain(map, params.names, run);
   report_labels(map, report);
   return map;
 }
 
-}  // namespace trephine
+}  // namespace trephine::external

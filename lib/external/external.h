@@ -9,7 +9,7 @@
 #include "grid/grid.h"
 #include "grid/labels.h"
 
-namespace trephine {
+namespace trephine::external {
 
 struct ExternalWord {
   std::string text;
@@ -77,7 +77,7 @@ struct ExternalParams {
 /// such program; 70 where it exceeds a limit, is killed, or ends with another code than 0 (with the last line that it
 /// said), or is not confined and had to be; 65 where its output is missing or no map of labels; 80 where the map lies
 /// on another grid than the volume's (same_grid), or holds no label; 73, 74; Cancelled.
-LabelFile run_external(const HuVolume& volume, const ExternalParams& params, Report& report,
-                       const Progress& progress = {});
+grid::LabelFile run_external(const grid::HuVolume& volume, const ExternalParams& params, Report& report,
+                             const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace trephine {
+namespace trephine::external {
 namespace {
 
 /// As in linux/mount.h (Linux 5.12), which glibc 2.36's sys/mount.h contradicts.
@@ -163,4 +163,4 @@ std::string forbid_calls(bool attributes) {
   return "";
 }
 
-}  // namespace trephine
+}  // namespace trephine::external

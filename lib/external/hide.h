@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::external {
 
 /// For the first process of a process namespace, in a mount namespace that separate() made: makes one more, in which
 /// every file system but these folders can only be read (so that neither modes, times, owners nor extended attributes
@@ -22,4 +22,4 @@ Hiding hide_the_rest(const std::vector<std::string>& may_write);
 /// that cannot be done; empty where it is.
 std::string forbid_calls(bool attributes);
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -21,7 +21,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::external {
 namespace {
 
 /// Newer than Debian 12's header; the kernel says by its version whether it knows them.
@@ -155,4 +155,4 @@ bool Restriction::enter() const {
   return rules_ < 0 || syscall(SYS_landlock_restrict_self, rules_, 0) == 0;
 }
 
-}  // namespace trephine
+}  // namespace trephine::external

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::external {
 
 /// What separate() could not do.
 struct Separation {
@@ -39,4 +39,4 @@ class Restriction {
   std::string open_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::external

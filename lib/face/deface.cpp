@@ -11,11 +11,10 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 
-namespace trephine {
+namespace trephine::face {
 namespace {
 
-using segmentation::BitMask;
-using segmentation::SkinDistance;
+using mask::BitMask;
 
 constexpr double soft_low_hu = 0, soft_high_hu = 80;  // what covers the cut
 constexpr double node_mm = 1.5;                       // raster of the distances
@@ -24,19 +23,20 @@ constexpr float level_reach_mm = 10;                  // distances beyond this h
 constexpr double side_to_front_mm = 40;               // from the tragi on, over which the depth grows
 constexpr double landmark_off_skin_mm = 25;           // what is found lies a few mm off, a nasion in the brain more
 
-double longest_side_mm(const Lattice& l) { return std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}); }
+double longest_side_mm(const grid::Lattice& l) { return std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}); }
 
 /// How deep the removal goes at each place.
 class Cut {
  public:
-  Cut(const FaceRegion& region, const DefaceParams& params, const Lattice& lattice) : region_(region), params_(params) {
+  Cut(const FaceRegion& region, const DefaceParams& params, const grid::Lattice& lattice)
+      : region_(region), params_(params) {
     const double voxel = longest_side_mm(lattice);
     above_ = std::max(params.above_mm, 2 * voxel + 1);
     behind_ = std::max(params.behind_mm, 2 * voxel + 1);
     ramp_ = 1.5 * std::cbrt(lattice.voxel_volume_mm3());
     // The errors of the distances and of the gate's steps, and the outer half of the ramp.
-    least_depth_ = face_clearance_mm + 1 + ramp_ / 2;
-    side_depth_ = std::max(params.side_depth_mm, least_depth_);
+    min_depth_ = face_clearance_mm + 1 + ramp_ / 2;
+    side_depth_ = std::max(params.side_depth_mm, min_depth_);
     depth_ = std::max(params.depth_mm, side_depth_);
     for (int a = 0; a < 3; ++a) {
       front_ramp_ += std::abs(dot(lattice.direction.column[a], region.front)) * lattice.spacing_mm[a];
@@ -62,20 +62,20 @@ class Cut {
     return std::clamp(0.5 - std::min(front / front_ramp_, up / up_ramp_), 0.0, 1.0);
   }
   /// Of what is left, without the reach of a voxel's cell.
-  double least_depth_mm() const { return least_depth_; }
+  double min_depth_mm() const { return min_depth_; }
   /// Positive above the plane of `crop`.
   double above_crop_mm(Vec3 p) const { return dot(p - crop_point_, crop_normal_); }
 
  private:
   const FaceRegion& region_;
   const DefaceParams& params_;
-  double least_depth_, side_depth_, depth_, above_, behind_, ramp_, front_ramp_ = 0, up_ramp_ = 0;
+  double min_depth_, side_depth_, depth_, above_, behind_, ramp_, front_ramp_ = 0, up_ramp_ = 0;
   Vec3 crop_point_, crop_normal_;
 };
 
 /// How far the cell of a voxel reaches towards the skin: what differs from its neighbours has a surface up to there.
 double voxel_reach_mm(const SkinDistance& skin, int i, int j, int k) {
-  const Grid<float>& depth = skin.signed_mm();
+  const grid::Grid<float>& depth = skin.signed_mm();
   double reach = 0;
   for (int a = 0; a < 3; ++a) {
     double step = 0;
@@ -90,12 +90,13 @@ double voxel_reach_mm(const SkinDistance& skin, int i, int j, int k) {
 }
 
 /// The distance to the cut's surface in mm at the nodes of the skin's distances; positive where something is left.
-Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams& params, const Progress& progress) {
-  const Lattice& l = skin.nodes();
+grid::Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams& params,
+                          const Progress& progress) {
+  const grid::Lattice& l = skin.nodes();
   const bool crop = params.policy == FaceRemoval::crop;
-  Grid<float> kept(l);
+  grid::Grid<float> kept(l);
   const auto limit = [&](Vec3 p, float d) { return crop ? std::min(d, float(cut.above_crop_mm(p))) : d; };
-  BitMask gone = segmentation::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  BitMask gone = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) {
       const std::size_t n = l.index(i, j, k);
       const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
@@ -106,22 +107,22 @@ Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams
   });
   if (params.rounding_mm > 0) {
     // Opened by a ball: what is left of the body is what balls within it reach.
-    const Grid<float> inwards = segmentation::distance_mm(gone, progress);
-    const BitMask middles = segmentation::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    const grid::Grid<float> inwards = mask::distance_mm(gone, progress);
+    const BitMask middles = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) row[i] = inwards.at(i, j, k) > params.rounding_mm;
     });
-    const Grid<float> off = segmentation::distance_mm(middles, progress);
+    const grid::Grid<float> off = mask::distance_mm(middles, progress);
     for (std::size_t n = 0; n < l.count(); ++n)
       kept.voxels[n] = std::min(kept.voxels[n], float(params.rounding_mm) - off.voxels[n]);
   }
   for (float& v : kept.voxels) v = std::clamp(v, -level_reach_mm, level_reach_mm);
-  segmentation::gaussian(kept, smoothing_mm, progress);
+  mask::gaussian(kept, smoothing_mm, progress);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
         const float depth = skin.signed_mm().at(i, j, k);
         float& v = kept.at(i, j, k);
-        v = std::min(v, depth - float(cut.least_depth_mm() + voxel_reach_mm(skin, i, j, k)));
+        v = std::min(v, depth - float(cut.min_depth_mm() + voxel_reach_mm(skin, i, j, k)));
       }
   return kept;
 }
@@ -129,8 +130,8 @@ Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams
 /// A row of the fine raster between the nodes: values by linear interpolation.
 class NodeRow {
  public:
-  NodeRow(const SkinDistance& skin, const Grid<float>& values, int j, int k) : step_(skin.voxels()[0]) {
-    const Lattice& l = skin.nodes();
+  NodeRow(const SkinDistance& skin, const grid::Grid<float>& values, int j, int k) : step_(skin.voxels()[0]) {
+    const grid::Lattice& l = skin.nodes();
     const int at[2] = {j, k};
     int begin[2], end[2];
     float part[2];
@@ -161,7 +162,7 @@ class NodeRow {
 
 struct Removed {
   std::int64_t body = 0, changed = 0;
-  double least_depth_mm = std::numeric_limits<double>::infinity();
+  double min_depth_mm = std::numeric_limits<double>::infinity();
 };
 
 template <class T>
@@ -173,8 +174,8 @@ T stored(double hu) {
 }
 
 template <class T>
-Removed remove(Grid<T>& volume, const Box& box, const Box& known, const SkinDistance& skin, const Grid<float>& kept,
-               const Cut& cut, const FaceRegion& region, const Progress& progress) {
+Removed remove(grid::Grid<T>& volume, const grid::Box& box, const grid::Box& known, const SkinDistance& skin,
+               const grid::Grid<float>& kept, const Cut& cut, const FaceRegion& region, const Progress& progress) {
   std::vector<Removed> by_slice(box.end[2] - box.begin[2]);
   const double ramp = cut.ramp_mm();
   parallel_for(box.begin[2], box.end[2], 2, [&](std::int64_t from, std::int64_t to) {
@@ -208,7 +209,7 @@ Removed remove(Grid<T>& volume, const Box& box, const Box& known, const SkinDist
             out.changed += row[i] != before;
           }
           out.body += share < 0.5 && depth > 0;
-          if (share > 0 && region.contains(p)) out.least_depth_mm = std::min(out.least_depth_mm, double(depth));
+          if (share > 0 && region.contains(p)) out.min_depth_mm = std::min(out.min_depth_mm, double(depth));
         }
       }
     }
@@ -217,12 +218,12 @@ Removed remove(Grid<T>& volume, const Box& box, const Box& known, const SkinDist
   for (const Removed& r : by_slice) {
     sum.body += r.body;
     sum.changed += r.changed;
-    sum.least_depth_mm = std::min(sum.least_depth_mm, r.least_depth_mm);
+    sum.min_depth_mm = std::min(sum.min_depth_mm, r.min_depth_mm);
   }
   return sum;
 }
 
-void check_landmark(const char* name, Vec3 p, const SkinDistance& skin, const Lattice& lattice) {
+void check_landmark(const char* name, Vec3 p, const SkinDistance& skin, const grid::Lattice& lattice) {
   const Vec3 at = lattice.to_index(p);
   for (int a = 0; a < 3; ++a)
     if (!(at[a] >= 0 && at[a] <= lattice.size[a] - 1)) return;
@@ -236,24 +237,24 @@ void check_landmark(const char* name, Vec3 p, const SkinDistance& skin, const La
 
 }  // namespace
 
-HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
-                Report& report, const Progress& progress) {
-  const Lattice& l = lattice_of(volume);
-  if (const auto* g = std::get_if<Grid<float>>(&volume))
+grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const FaceRegion& region,
+                      const DefaceParams& params, Report& report, const Progress& progress) {
+  const grid::Lattice& l = grid::lattice_of(volume);
+  if (const auto* g = std::get_if<grid::Grid<float>>(&volume))
     for (const float v : g->voxels)
       if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
-  const Box placed = place_in(skin, l);
-  segmentation::check_varies(volume);
+  const grid::Box placed = grid::place_in(skin, l);
+  mask::check_varies(volume);
   const Cut cut(region, params, l);
   report.add("face_policy", params.policy == FaceRemoval::crop ? "crop" : "deface");
-  HuVolume out = volume;
+  grid::HuVolume out = volume;
   // The cut's own box, and around it what decides its shape.
-  const Box zone = segmentation::box_of(region, l, cut.margin_mm() + cut.ramp_mm() + params.cover_mm);
-  const Box known = segmentation::box_of(region, l, cut.margin_mm() + params.rounding_mm + 6);
+  const grid::Box zone = box_of(region, l, cut.margin_mm() + cut.ramp_mm() + params.cover_mm);
+  const grid::Box known = box_of(region, l, cut.margin_mm() + params.rounding_mm + 6);
   Removed removed;
   if (!zone.empty()) {
     // In the skin's own indices.
-    Box in_skin = known;
+    grid::Box in_skin = known;
     for (int a = 0; a < 3; ++a) {
       in_skin.begin[a] -= placed.begin[a];
       in_skin.end[a] -= placed.begin[a];
@@ -261,16 +262,16 @@ HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& reg
     const SkinDistance distance(skin, in_skin, node_mm, progress.part(0, 0.4));
     if (!distance.empty()) {
       check_landmark("nasion", region.nasion_mm, distance, l);
-      const Grid<float> kept = kept_mm(distance, cut, params, progress.part(0.4, 0.6));
+      const grid::Grid<float> kept = kept_mm(distance, cut, params, progress.part(0.4, 0.6));
       removed = std::visit(
           [&](auto& g) { return remove(g, zone, known, distance, kept, cut, region, progress.part(0.6, 1)); }, out);
     }
   }
   report.add("face_removed_ml", double(removed.body) * l.voxel_volume_mm3() / 1000);
   report.add("face_removed_voxels_count", removed.changed);
-  report.add("face_depth_mm", std::isfinite(removed.least_depth_mm) ? removed.least_depth_mm : -1.0);
+  report.add("face_depth_mm", std::isfinite(removed.min_depth_mm) ? removed.min_depth_mm : -1.0);
   if (removed.body == 0) report.warn("no face in the volume: nothing was removed");
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::face

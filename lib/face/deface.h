@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 
-namespace trephine {
+namespace trephine::face {
 
 /// The region in which a head shows its face: in front of the plane through both tragi, and below the level 10 mm under
 /// the nasion, in the head's own axes, however it lies in the scanner. `left` runs from tragus to tragus. Seen from the
@@ -24,9 +24,9 @@ struct FaceRegion {
 };
 
 /// Throws Error 81 naming the landmark, and how to give it, where nasion, tragus_left or tragus_right is missing or its
-/// confidence is below `least_confidence`, or where the three cannot be those of a head (left and right swapped,
+/// confidence is below `min_confidence`, or where the three cannot be those of a head (left and right swapped,
 /// distances of no head, upside down).
-FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence = 0.5);
+FaceRegion face_region(const head::HeadLandmarks& landmarks, double min_confidence = 0.5);
 
 /// What stands in the place of a face that was removed.
 constexpr double removed_hu = -1000;
@@ -105,7 +105,7 @@ struct DefaceParams : FaceBeliefParams {
 /// the head. The result has the same bits whatever the thread count. Throws Error 65 where the skin is on another
 /// raster or a voxel is not finite; 81 where a landmark of the region lies in the volume but more than 25 mm off the
 /// skin (it cannot be right); Cancelled.
-HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
-                Report& report, const Progress& progress = {});
+grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const FaceRegion& region,
+                      const DefaceParams& params, Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::face

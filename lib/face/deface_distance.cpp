@@ -6,14 +6,14 @@
 
 #include "base/parallel.h"
 
-namespace trephine::segmentation {
+namespace trephine::face {
 
 namespace {
 
 constexpr float unknown_mm = 1e6f;
 
 /// Half the extent of a voxel-sized box along n.
-double reach_mm(const Lattice& l, Vec3 n, Vec3 voxels) {
+double reach_mm(const grid::Lattice& l, Vec3 n, Vec3 voxels) {
   double sum = 0;
   for (int a = 0; a < 3; ++a) sum += std::abs(dot(l.direction.column[a], n)) * l.spacing_mm[a] * voxels[a] / 2;
   return sum;
@@ -21,10 +21,10 @@ double reach_mm(const Lattice& l, Vec3 n, Vec3 voxels) {
 
 }  // namespace
 
-Box box_of(const FaceRegion& region, const Lattice& lattice, double margin_mm) {
+grid::Box box_of(const FaceRegion& region, const grid::Lattice& lattice, double margin_mm) {
   // Blocks of 8 voxels a side that touch the region.
   constexpr int block = 8;
-  Box box{lattice.size, {0, 0, 0}};
+  grid::Box box{lattice.size, {0, 0, 0}};
   const Vec3 extent{block, block, block};
   const double along_front = reach_mm(lattice, region.front, extent) + margin_mm;
   const double along_up = reach_mm(lattice, region.up, extent) + margin_mm;
@@ -39,10 +39,10 @@ Box box_of(const FaceRegion& region, const Lattice& lattice, double margin_mm) {
           box.end[a] = std::max(box.end[a], std::min(at[a] + block, lattice.size[a]));
         }
       }
-  return box.empty() ? Box{} : box;
+  return box.empty() ? grid::Box{} : box;
 }
 
-SkinDistance::SkinDistance(const Field& field, const Box& box, double step_mm, const Progress& progress) {
+SkinDistance::SkinDistance(const grid::Field& field, const grid::Box& box, double step_mm, const Progress& progress) {
   nodes_ = field;
   nodes_.origin_mm = field.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
   for (int a = 0; a < 3; ++a) {
@@ -58,7 +58,7 @@ SkinDistance::SkinDistance(const Field& field, const Box& box, double step_mm, c
     sweep(1, progress);
     sweep(-1, progress);
   }
-  signed_ = Grid<float>(nodes_);
+  signed_ = grid::Grid<float>(nodes_);
   for (int k = 0; k < nodes_.size[2]; ++k)
     for (int j = 0; j < nodes_.size[1]; ++j)
       for (int i = 0; i < nodes_.size[0]; ++i) {
@@ -92,8 +92,8 @@ void SkinDistance::offer(std::size_t node, int i, int j, int k, std::int32_t poi
   }
 }
 
-void SkinDistance::find_points(const Field& field, const Box& box, const Progress& progress) {
-  Box in = box;
+void SkinDistance::find_points(const grid::Field& field, const grid::Box& box, const Progress& progress) {
+  grid::Box in = box;
   for (int a = 0; a < 3; ++a) {
     in.begin[a] = std::clamp(in.begin[a], 0, field.size[a]);
     in.end[a] = std::clamp(in.end[a], 0, field.size[a]);
@@ -241,4 +241,4 @@ double SkinDistance::distance_mm(Vec3 world_mm) const {
   return least;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::face

@@ -8,7 +8,7 @@
 #include "face/deface.h"
 #include "grid/grid.h"
 
-namespace trephine::segmentation {
+namespace trephine::face {
 
 /// Distances to a field's surface within a box. It keeps the points where the surface crosses the edges of the field's
 /// raster, and a coarser lattice of nodes. Each node knows one of the nearest points (by vector sweeps
@@ -17,9 +17,9 @@ class SkinDistance {
  public:
   /// `box` is in the field's indices and may reach beyond it. The nodes cover it at a distance of `step_mm`, or of the
   /// raster's spacing where that is more. Only crossings within the box are known.
-  SkinDistance(const Field& field, const Box& box, double step_mm, const Progress& progress = {});
+  SkinDistance(const grid::Field& field, const grid::Box& box, double step_mm, const Progress& progress = {});
 
-  const Lattice& nodes() const { return nodes_; }
+  const grid::Lattice& nodes() const { return nodes_; }
   bool empty() const { return points_.empty(); }
   /// The distance from a world point; 1e6 where the box holds no surface. It is never too small by more than the
   /// surface bends between neighbouring voxels; near 5 mm it is too large by at most error_mm(), because the points lie
@@ -31,7 +31,7 @@ class SkinDistance {
   static constexpr double loose_mm = 1;
   /// The signed distance at the nodes, positive where the field is; beyond the field is outside. Up to 0.3 steps too
   /// large.
-  const Grid<float>& signed_mm() const { return signed_; }
+  const grid::Grid<float>& signed_mm() const { return signed_; }
   /// How many voxels of the raster make a step of the nodes, and where the first node lies.
   const std::array<int, 3>& voxels() const { return voxels_; }
 
@@ -41,19 +41,19 @@ class SkinDistance {
   void sort_points();
   double to_point_mm(const std::array<float, 3>& at, std::int32_t point) const;
   void offer(std::size_t node, int i, int j, int k, std::int32_t point);
-  void find_points(const Field& field, const Box& box, const Progress& progress);
+  void find_points(const grid::Field& field, const grid::Box& box, const Progress& progress);
   void sweep(int direction, const Progress& progress);
 
-  Lattice nodes_;
+  grid::Lattice nodes_;
   std::array<int, 3> voxels_{1, 1, 1};
   std::vector<std::array<float, 3>> points_;  ///< mm along the axes from node (0, 0, 0)
   std::vector<std::uint32_t> bucket_;  ///< of each node the first of the points in the cell above it, and the end
   std::vector<std::int32_t> nearest_;
   std::vector<float> distance_;
-  Grid<float> signed_;
+  grid::Grid<float> signed_;
 };
 
 /// The box of `lattice`'s voxels that may lie in the region grown by `margin_mm`; empty where none does.
-Box box_of(const FaceRegion& region, const Lattice& lattice, double margin_mm);
+grid::Box box_of(const FaceRegion& region, const grid::Lattice& lattice, double margin_mm);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::face

@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "face/deface.h"
 
-namespace trephine {
+namespace trephine::face {
 namespace {
 
 constexpr double below_nasion_mm = 10;
@@ -20,13 +20,13 @@ const char* how_to_give = "; give it: `landmarks: {nasion: [x, y, z], tragus_lef
   throw Error(ExitCode::privacy, "", "landmarks." + field, what);
 }
 
-Vec3 position_of(const HeadLandmarks& landmarks, const char* name, double least_confidence) {
-  const CaseLandmark* found = landmarks.find(name);
+Vec3 position_of(const head::HeadLandmarks& landmarks, const char* name, double min_confidence) {
+  const cases::CaseLandmark* found = landmarks.find(name);
   if (!found) refuse(name, std::string("is missing: without it nobody knows where the face is") + how_to_give);
   if (!is_finite(found->position_mm)) refuse(name, "is not finite");
-  if (!(found->confidence >= least_confidence))
+  if (!(found->confidence >= min_confidence))
     refuse(name, "found with a confidence of " + to_text(ParameterValue(found->confidence)) + ", must be at least " +
-                     to_text(ParameterValue(least_confidence)) + " to say where the face is" + how_to_give);
+                     to_text(ParameterValue(min_confidence)) + " to say where the face is" + how_to_give);
   return found->position_mm;
 }
 
@@ -39,11 +39,11 @@ void check(const char* field, const char* what, double value_mm, const double (&
 
 }  // namespace
 
-FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence) {
+FaceRegion face_region(const head::HeadLandmarks& landmarks, double min_confidence) {
   FaceRegion r;
-  r.nasion_mm = position_of(landmarks, "nasion", least_confidence);
-  const Vec3 left = position_of(landmarks, "tragus_left", least_confidence);
-  const Vec3 right = position_of(landmarks, "tragus_right", least_confidence);
+  r.nasion_mm = position_of(landmarks, "nasion", min_confidence);
+  const Vec3 left = position_of(landmarks, "tragus_left", min_confidence);
+  const Vec3 right = position_of(landmarks, "tragus_right", min_confidence);
   check("tragus_left", "lies apart from the right one by", norm(left - right), tragi_apart_mm);
   r.tragi_mm = 0.5 * (left + right);
   r.left = normalized(left - right);
@@ -64,4 +64,4 @@ FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence) 
   return r;
 }
 
-}  // namespace trephine
+}  // namespace trephine::face

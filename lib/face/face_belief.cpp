@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::face {
 namespace {
 
 constexpr const char* face_landmarks[] = {"nasion", "tragus_left", "tragus_right"};
@@ -25,11 +25,11 @@ const char* how_to_say =
 bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
 
 /// What a person gave and what was found contradict each other, and nobody said which is right.
-void check_agreement(const HeadLandmarks& known, const HeadLandmarks* found) {
+void check_agreement(const head::HeadLandmarks& known, const head::HeadLandmarks* found) {
   for (const char* name : face_landmarks) {
-    const CaseLandmark* used = known.find(name);
+    const cases::CaseLandmark* used = known.find(name);
     if (!used || (!found && used->source == "found")) continue;
-    const CaseLandmark* other = found ? found->find(name) : nullptr;
+    const cases::CaseLandmark* other = found ? found->find(name) : nullptr;
     if (!other)
       refuse(name, "is given and was not found, so that nothing says whether it is right: a face may be left" +
                        std::string(how_to_say));
@@ -43,10 +43,11 @@ void check_agreement(const HeadLandmarks& known, const HeadLandmarks* found) {
 }
 
 /// Known landmarks, with those that were found for sure in place of the given ones.
-HeadLandmarks as_found(const HeadLandmarks& known, const HeadLandmarks& found) {
-  HeadLandmarks out = known;
-  for (CaseLandmark& l : out.landmarks)
-    if (const CaseLandmark* other = found.find(l.name); other && other->confidence >= found_confidence) l = *other;
+head::HeadLandmarks as_found(const head::HeadLandmarks& known, const head::HeadLandmarks& found) {
+  head::HeadLandmarks out = known;
+  for (cases::CaseLandmark& l : out.landmarks)
+    if (const cases::CaseLandmark* other = found.find(l.name); other && other->confidence >= found_confidence)
+      l = *other;
   return out;
 }
 
@@ -58,7 +59,7 @@ bool is_same(const FaceRegion& a, const FaceRegion& b) {
 /// of two values the one nearer to air. (Soft tissue with which only one of them covered air is lost; a cut may
 /// cover what the other one removed.)
 template <class T>
-void unite(Grid<T>& a, const Grid<T>& b) {
+void unite(grid::Grid<T>& a, const grid::Grid<T>& b) {
   const T air = static_cast<T>(removed_hu);
   for (std::size_t v = 0; v < a.voxels.size(); ++v)
     a.voxels[v] = a.voxels[v] == air || b.voxels[v] == air ? air : std::min(a.voxels[v], b.voxels[v]);
@@ -71,8 +72,8 @@ T figure(const Report& report, const char* name) {
 
 }  // namespace
 
-std::vector<FaceRegion> face_regions(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,
-                                     const FaceBeliefParams& params) {
+std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
+                                     const grid::Field& skin, const FaceBeliefParams& params) {
   if (params.believe != FaceBelief::both && is_blank(params.believe_reason))
     throw Error(ExitCode::privacy, "", "believe_reason", "is missing: why are these landmarks right?");
   std::vector<FaceRegion> regions;
@@ -89,7 +90,7 @@ std::vector<FaceRegion> face_regions(const HeadLandmarks& known, const HeadLandm
   return regions;
 }
 
-std::optional<double> tragi_position_ratio(const FaceRegion& region, const Field& skin) {
+std::optional<double> tragi_position_ratio(const FaceRegion& region, const grid::Field& skin) {
   constexpr double beside_mm = 30, above_mm = 45, under_mm = 15;  // the slab about the midline where the occiput is
   constexpr int rim = 1;
   double back_mm = 0;
@@ -109,24 +110,25 @@ std::optional<double> tragi_position_ratio(const FaceRegion& region, const Field
   return front_mm / (front_mm + back_mm);
 }
 
-void check_tragi(const FaceRegion& region, const Field& skin) {
-  constexpr double least_ratio = 0.42;
+void check_tragi(const FaceRegion& region, const grid::Field& skin) {
+  constexpr double min_ratio = 0.42;
   const auto ratio = tragi_position_ratio(region, skin);
-  if (ratio && !(*ratio >= least_ratio))
+  if (ratio && !(*ratio >= min_ratio))
     refuse(
         "tragus_left, tragus_right",
         fmt::format("lie {:.0f} % of the way from the nasion to the back of the head, must be at least {:.0f}: an ear "
                     "lies farther back, and what is in front of it would show a face",
-                    100 * *ratio, 100 * least_ratio));
+                    100 * *ratio, 100 * min_ratio));
 }
 
-HuVolume deface(const HuVolume& volume, const Field& skin, const std::vector<FaceRegion>& regions,
-                const DefaceParams& params, Report& report, const Progress& progress) {
-  HuVolume out = deface(volume, skin, regions.at(0), params, report, progress.part(0, 1.0 / double(regions.size())));
+grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const std::vector<FaceRegion>& regions,
+                      const DefaceParams& params, Report& report, const Progress& progress) {
+  grid::HuVolume out =
+      deface(volume, skin, regions.at(0), params, report, progress.part(0, 1.0 / double(regions.size())));
   for (std::size_t r = 1; r < regions.size(); ++r) {
     Report more;
     const double share = 1.0 / double(regions.size());
-    const HuVolume other =
+    const grid::HuVolume other =
         deface(volume, skin, regions[r], params, more, progress.part(double(r) * share, double(r + 1) * share));
     std::visit(
         [&](auto& g) {
@@ -146,4 +148,4 @@ HuVolume deface(const HuVolume& volume, const Field& skin, const std::vector<Fac
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::face

@@ -9,7 +9,7 @@
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 
-namespace trephine {
+namespace trephine::face {
 
 /// Where the face is, when a person gave landmarks: what is removed, and what the gate checks, must not rest on a point
 /// that nobody checked. The face is the union of what the given and the found landmarks say; where they lie more than
@@ -23,19 +23,19 @@ constexpr double landmarks_agree_mm = 15;
 /// as face_region does; where given and found contradict each other and `params` does not say which to believe with a
 /// reason; where what is believed is not there; and where the tragi of a region cannot be those of this head
 /// (check_tragi).
-std::vector<FaceRegion> face_regions(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,
-                                     const FaceBeliefParams& params);
+std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
+                                     const grid::Field& skin, const FaceBeliefParams& params);
 
 /// Where between the nasion (0) and the back of the head (1) the tragi lie, along the region's `front`; none where the
 /// scan ends before the back of the head.
-std::optional<double> tragi_position_ratio(const FaceRegion& region, const Field& skin);
+std::optional<double> tragi_position_ratio(const FaceRegion& region, const grid::Field& skin);
 
 /// Throws Error 81 where the tragi lie too far to the front: a face in front of them would be published.
-void check_tragi(const FaceRegion& region, const Field& skin);
+void check_tragi(const FaceRegion& region, const grid::Field& skin);
 
 /// deface for each region, and the union of what was removed. The report is that of deface (of what was removed, the
 /// larger of the two; of depths, the least), and face_regions_count.
-HuVolume deface(const HuVolume& volume, const Field& skin, const std::vector<FaceRegion>& regions,
-                const DefaceParams& params, Report& report, const Progress& progress = {});
+grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const std::vector<FaceRegion>& regions,
+                      const DefaceParams& params, Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::face

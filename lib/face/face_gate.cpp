@@ -8,10 +8,8 @@
 #include "base/error.h"
 #include "face/deface_distance.h"
 
-namespace trephine {
+namespace trephine::face {
 namespace {
-
-using segmentation::SkinDistance;
 
 constexpr double node_mm = 2;
 constexpr double slack_mm = 0.1;                     // a place that could be nearer only by less than this is skipped
@@ -47,7 +45,7 @@ class Nearest {
   }
 
   /// A box about `middle`, half its sides along the lattice's axes.
-  void cell(const Lattice& l, Vec3 middle, Vec3 half) {
+  void cell(const grid::Lattice& l, Vec3 middle, Vec3 half) {
     const double radius = norm(half);
     if (region_.in_front_mm(middle) < -support(l, region_.front, half) ||
         region_.below_mm(middle) < -support(l, region_.up, half))
@@ -68,7 +66,7 @@ class Nearest {
   }
 
  private:
-  static double support(const Lattice& l, Vec3 n, Vec3 half) {
+  static double support(const grid::Lattice& l, Vec3 n, Vec3 half) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) sum += std::abs(dot(l.direction.column[a], n)) * half[a];
     return sum;
@@ -85,7 +83,7 @@ class Nearest {
 double distance_of(const FaceSurface& surface, const SkinDistance& skin, const FaceRegion& region,
                    const Progress& progress) {
   Nearest nearest(skin, region);
-  const TriMesh& m = *surface.mesh;
+  const surface::TriMesh& m = *surface.mesh;
   for (std::size_t t = 0; t < m.triangles.size(); ++t) {
     if (t % 65536 == 0) progress.check();
     nearest.triangle(m.world_mm(m.triangles[t][0]), m.world_mm(m.triangles[t][1]), m.world_mm(m.triangles[t][2]));
@@ -94,12 +92,12 @@ double distance_of(const FaceSurface& surface, const SkinDistance& skin, const F
 }
 
 template <class T>
-double distance_of(const Grid<T>& g, double empty_at_most, const SkinDistance& skin, const FaceRegion& region,
+double distance_of(const grid::Grid<T>& g, double empty_at_most, const SkinDistance& skin, const FaceRegion& region,
                    const Progress& progress) {
   Nearest nearest(skin, region);
   const Vec3 half = 0.5 * g.spacing_mm;
   // Cells, by their first corner; one more on either side, whose other corners are beyond the border.
-  const Box box = segmentation::box_of(region, g, 2 * norm(half));
+  const grid::Box box = box_of(region, g, 2 * norm(half));
   for (int k = box.begin[2] - 1; k < box.end[2]; ++k) {
     progress.check();
     for (int j = box.begin[1] - 1; j < box.end[1]; ++j)
@@ -128,17 +126,17 @@ double distance_of(const Grid<T>& g, double empty_at_most, const SkinDistance& s
 
 }  // namespace
 
-FaceVolume face_volume(const std::string& name, const HuVolume& volume) {
+FaceVolume face_volume(const std::string& name, const grid::HuVolume& volume) {
   FaceVolume out{name, {}, -900};
   std::visit([&](const auto& g) { out.grid = &g; }, volume);
   return out;
 }
-FaceVolume face_volume(const std::string& name, const HapticVolume& volume) {
-  return {name, &volume.voxels, volume.encoding == HapticEncoding::hu ? -900.0 : double(haptic_empty)};
+FaceVolume face_volume(const std::string& name, const voxel::HapticVolume& volume) {
+  return {name, &volume.voxels, volume.encoding == voxel::HapticEncoding::hu ? -900.0 : double(voxel::haptic_empty)};
 }
-FaceVolume face_volume(const std::string& name, const Mask& mask) { return {name, &mask, 0}; }
+FaceVolume face_volume(const std::string& name, const grid::Mask& mask) { return {name, &mask, 0}; }
 
-std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceRegion& region,
+std::vector<FaceDistance> face_distances(const grid::Field& original_skin, const FaceRegion& region,
                                          const std::vector<FaceSurface>& surfaces,
                                          const std::vector<FaceVolume>& volumes, const Progress& progress) {
   for (const float v : original_skin.voxels)
@@ -147,7 +145,7 @@ std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceR
     for (const Vec3& p : s.mesh->points_mm)
       if (!is_finite(p)) throw Error(ExitCode::bad_input, "", s.name, "a point is not finite");
   // The skin's raster, grown by the limit of the search: nothing farther away matters.
-  Box box = segmentation::box_of(region, original_skin, face_search_mm);
+  grid::Box box = box_of(region, original_skin, face_search_mm);
   std::vector<FaceDistance> out;
   for (const FaceSurface& s : surfaces) out.push_back({s.name, face_search_mm});
   for (const FaceVolume& v : volumes) out.push_back({v.name, face_search_mm});
@@ -167,12 +165,13 @@ std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceR
   return out;
 }
 
-void check_face_removed(const Field& original_skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
-                        const std::vector<FaceVolume>& volumes, Report& report, const Progress& progress) {
+void check_face_removed(const grid::Field& original_skin, const FaceRegion& region,
+                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                        Report& report, const Progress& progress) {
   check_face_removed(original_skin, std::vector<FaceRegion>{region}, surfaces, volumes, report, progress);
 }
 
-void check_face_removed(const Field& original_skin, const std::vector<FaceRegion>& regions,
+void check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
                         const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
                         Report& report, const Progress& progress) {
   FaceDistance least{"", face_search_mm};
@@ -192,4 +191,4 @@ void check_face_removed(const Field& original_skin, const std::vector<FaceRegion
             "a larger deface.side_depth_mm or a finer haptic.spacing_mm helps");
 }
 
-}  // namespace trephine
+}  // namespace trephine::face

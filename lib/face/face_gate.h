@@ -11,22 +11,22 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::face {
 
 /// What is about to be published. The pointers are used only while the check runs.
 struct FaceSurface {
   std::string name;
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
 };
 struct FaceVolume {
   std::string name;
-  std::variant<const Grid<std::int16_t>*, const Grid<float>*, const Mask*> grid;
+  std::variant<const grid::Grid<std::int16_t>*, const grid::Grid<float>*, const grid::Mask*> grid;
   double empty_at_most = 0;  ///< values above this at the lattice's border count as a surface there
 };
-FaceVolume face_volume(const std::string& name, const HuVolume& volume);
+FaceVolume face_volume(const std::string& name, const grid::HuVolume& volume);
 /// The voxels of a haptic volume; its hardness, where it has one, is a volume of its own (face_volume of a mask).
-FaceVolume face_volume(const std::string& name, const HapticVolume& volume);
-FaceVolume face_volume(const std::string& name, const Mask& mask);
+FaceVolume face_volume(const std::string& name, const voxel::HapticVolume& volume);
+FaceVolume face_volume(const std::string& name, const grid::Mask& mask);
 
 /// How near a published object comes to the original skin within the face region; the limit of the search where none
 /// comes near.
@@ -42,17 +42,18 @@ constexpr double face_search_mm = 15;
 /// of a cell (the box between eight voxel centres) whose samples differ at all lies on the isosurface of some value.
 /// Therefore the least distance of the points of such cells, to 0.25 mm, covers all isosurfaces of all values, noise
 /// included. Distances are rounded down, so what is reported as clear is clear.
-std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceRegion& region,
+std::vector<FaceDistance> face_distances(const grid::Field& original_skin, const FaceRegion& region,
                                          const std::vector<FaceSurface>& surfaces,
                                          const std::vector<FaceVolume>& volumes, const Progress& progress = {});
 
 /// The privacy gate. Throws Error 81, naming the nearest object and its distance, where that is below
 /// face_clearance_mm. The report: face_distance_mm, the least distance of all (at most face_search_mm).
-void check_face_removed(const Field& original_skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
-                        const std::vector<FaceVolume>& volumes, Report& report, const Progress& progress = {});
+void check_face_removed(const grid::Field& original_skin, const FaceRegion& region,
+                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                        Report& report, const Progress& progress = {});
 /// The same for a face that is the union of several regions (face_regions).
-void check_face_removed(const Field& original_skin, const std::vector<FaceRegion>& regions,
+void check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
                         const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
                         Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::face

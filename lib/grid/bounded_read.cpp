@@ -12,7 +12,7 @@
 #include "grid/image_pair.h"
 #include "grid/nifti.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace fs = std::filesystem;
 namespace {
 
@@ -228,4 +228,4 @@ Mask read_foreign_mask(const fs::path& file) {
   return with_file(file.string(), [&] { return to_mask(read_nrrd_bounded(file, labels_limit).grid); });
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -9,7 +9,7 @@
 #include "grid/labels.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 /// Files of strangers, read by the parsers of this room in a bounded child (base/child.h): whatever is in them, the
 /// caller lives, and neither memory nor time is taken beyond what bytes of that count can need. These functions throw
@@ -39,4 +39,4 @@ HuVolume read_foreign_hu(const std::filesystem::path& file);
 Field read_foreign_field(const std::filesystem::path& file);
 Mask read_foreign_mask(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "data", what); }
@@ -86,4 +86,4 @@ void ByteSource::require_end() {
   if (read_some(&one, 1) != 0) refuse("is longer than the header says");
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

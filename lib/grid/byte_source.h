@@ -9,7 +9,7 @@
 
 struct z_stream_s;
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 
 bool is_gzip(std::string_view bytes);
 
@@ -42,4 +42,4 @@ class ByteSource {
   bool ended_ = false;             ///< at the end of a member of the gzip stream
 };
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 bool operator==(const Lattice& a, const Lattice& b) {
   return a.size == b.size && a.spacing_mm == b.spacing_mm && a.origin_mm == b.origin_mm && a.direction == b.direction;
@@ -95,4 +95,4 @@ template Grid<std::int16_t> fit(const Grid<std::int16_t>&, const Lattice&, std::
 template Grid<float> fit(const Grid<float>&, const Lattice&, float);
 template Grid<std::uint8_t> fit(const Grid<std::uint8_t>&, const Lattice&, std::uint8_t);
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -8,7 +8,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 /// The lattice of a volume: where its voxels lie, without samples. The centre of voxel (i, j, k) is origin_mm +
 /// direction * (i sx, j sy, k sz), DICOM patient LPS, mm. The direction is orthonormal and may be oblique or
@@ -102,4 +102,4 @@ using Mask = Grid<std::uint8_t>;
 /// is; everything beyond its lattice is outside, unless the volume's edge cuts the shape there. Every voxel is finite.
 using Field = Grid<float>;
 
-}  // namespace trephine
+}  // namespace trephine::grid

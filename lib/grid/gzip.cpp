@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 namespace {
 
 // Level 1 by default: a mask of a head has 2 % of its size, and higher levels cost more than they save.
@@ -105,4 +105,4 @@ void gzip_expand(std::string_view compressed, char* out, std::uint64_t size) {
     throw Error(ExitCode::bad_input, "", "data", "bytes follow the gzip stream");
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

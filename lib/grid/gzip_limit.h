@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace trephine {
+namespace trephine::grid {
 
 /// How much compressed voxels may grow to: `free_bytes`, and beyond them 200 times what is compressed. Zeros grow to
 /// 1,032 times: a scan, which has noise, to 2 to 20; labels, where one value follows the other, to several hundred.
@@ -13,4 +13,4 @@ struct GzipLimit {
 };
 constexpr GzipLimit scan_limit{std::uint64_t{256} << 20}, labels_limit{std::uint64_t{2} << 30};
 
-}  // namespace trephine
+}  // namespace trephine::grid

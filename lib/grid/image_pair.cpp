@@ -13,7 +13,7 @@
 #include "grid/gzip_limit.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
 constexpr std::size_t header_bytes = 348, one_file_offset = 352;
@@ -156,4 +156,4 @@ ImagePair join_image_pair(std::string_view header, std::string_view image, bool 
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

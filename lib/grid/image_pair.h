@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace trephine {
+namespace trephine::grid {
 
 /// A header of 348 bytes and an image in two files (.hdr, .img or .img.gz): NIfTI-1, or Analyze 7.5, from which it came
 /// (analyzedirect.com, "Analyze 7.5 file format").
@@ -23,4 +23,4 @@ struct ImagePair {
 /// are not mm, a voxel's size that is not positive, more or fewer bytes than the voxels need.
 ImagePair join_image_pair(std::string_view header, std::string_view image, bool gzip, const std::string& analyze_axes);
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -12,11 +12,11 @@
 #include "grid/bounded_read.h"
 #include "grid/nifti.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
-constexpr int most_segments = 4096;
-constexpr std::size_t most_named = 20;
+constexpr int max_segments = 4096;
+constexpr std::size_t max_named = 20;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
@@ -60,7 +60,7 @@ std::vector<LabelSegment> segments_of(const NrrdKeys& keys, const LayeredNrrd& f
     if (!n || *n < 0 || *n > most) refuse(key, "'" + found->second + "' is out of range");
     return int(*n);
   };
-  for (int s = 0; s < most_segments; ++s) {
+  for (int s = 0; s < max_segments; ++s) {
     const std::string prefix = "Segment" + std::to_string(s) + "_";
     const auto id = keys.find(prefix + "ID"), name = keys.find(prefix + "Name");
     if (id == keys.end() && name == keys.end()) break;
@@ -100,7 +100,7 @@ std::size_t take(const Grid<T>& samples, const LabelFile& map, const Wanted& wan
   return count;
 }
 
-/// The values other than 0; at most `most_named` + 1 of them, which shows that there are more than can be named.
+/// The values other than 0; at most `max_named` + 1 of them, which shows that there are more than can be named.
 std::set<long long> values_of(const LabelFile& map) {
   std::set<long long> values;
   std::visit(
@@ -111,7 +111,7 @@ std::set<long long> values_of(const LabelFile& map) {
           if (n == last || n == 0) continue;
           last = n;
           values.insert(n);
-          if (values.size() > most_named) break;
+          if (values.size() > max_named) break;
         }
       },
       map.samples);
@@ -122,12 +122,12 @@ std::string names_of(const LabelFile& map) {
   std::string text;
   std::size_t n = 0;
   const auto add = [&](const std::string& item) {
-    if (n++ < most_named) text += (text.empty() ? "" : ", ") + item;
+    if (n++ < max_named) text += (text.empty() ? "" : ", ") + item;
   };
   for (const LabelSegment& s : map.segments) add(s.name + " (" + std::to_string(s.value) + ")");
   if (map.segments.empty())
     for (const long long v : values_of(map)) add(std::to_string(v));
-  if (n > most_named) text += ", ...";
+  if (n > max_named) text += ", ...";
   return text.empty() ? "no label" : text;
 }
 
@@ -280,4 +280,4 @@ PickedLabel pick_label(const LabelFile& map, const std::string& label) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

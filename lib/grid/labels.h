@@ -7,7 +7,7 @@
 
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 /// One segment that a .seg.nrrd of 3D Slicer describes.
 struct LabelSegment {
@@ -52,4 +52,4 @@ struct PickedLabel {
 /// several segments or layers, or samples are not whole numbers.
 PickedLabel pick_label(const LabelFile& map, const std::string& label);
 
-}  // namespace trephine
+}  // namespace trephine::grid

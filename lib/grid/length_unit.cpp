@@ -5,7 +5,7 @@
 #include <cctype>
 #include <map>
 
-namespace trephine {
+namespace trephine::grid {
 
 std::optional<double> mm_per_unit(const std::string& name) {
   static const std::map<std::string, double> known = {
@@ -23,4 +23,4 @@ std::optional<double> mm_per_unit(const std::string& name) {
   return found == known.end() ? std::nullopt : std::optional<double>(found->second);
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -3,10 +3,10 @@
 #include <optional>
 #include <string>
 
-namespace trephine {
+namespace trephine::grid {
 
 /// How many mm a unit of length is, by the names that files use for it, in any case: nm, um, mm, cm, dm, m, km, in, ft
 /// and their words; none where it is no unit that we know.
 std::optional<double> mm_per_unit(const std::string& name);
 
-}  // namespace trephine
+}  // namespace trephine::grid

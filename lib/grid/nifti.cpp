@@ -15,11 +15,11 @@
 #include "grid/nifti_place.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
-constexpr std::uint64_t most_extension_bytes = std::uint64_t{64} << 20;
-constexpr std::uint64_t most_place_bytes = 4096;
+constexpr std::uint64_t max_extension_bytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t max_place_bytes = 4096;
 constexpr std::int64_t label_intent = 1002;
 constexpr std::size_t piece_bytes = std::size_t{8} << 20;
 
@@ -315,12 +315,12 @@ Nifti decode_nifti(std::string_view bytes, GzipLimit limit) {
     out.warnings.push_back("intent_code " + number_text(h.intent) + ": the file says that its values are no picture's");
   // Four bytes that say whether extensions follow stand before the earliest place of data.
   const double header_bytes = h.version == 1 ? 348 : 540;
-  if (!(h.vox_offset >= header_bytes + 4 && h.vox_offset <= header_bytes + double(most_extension_bytes)) ||
+  if (!(h.vox_offset >= header_bytes + 4 && h.vox_offset <= header_bytes + double(max_extension_bytes)) ||
       h.vox_offset != std::floor(h.vox_offset))
     refuse("vox_offset", to_text(std::isfinite(h.vox_offset) ? h.vox_offset : -1) + " is no place of data");
   if (!in.may_hold(std::uint64_t(h.vox_offset - header_bytes))) refuse("vox_offset", "lies beyond the file");
   const auto between = std::uint64_t(h.vox_offset - header_bytes);
-  if (h.version == 1 && out.frame == "sform" && h.units == 2 && !h.swapped && between <= most_place_bytes) {
+  if (h.version == 1 && out.frame == "sform" && h.units == 2 && !h.swapped && between <= max_place_bytes) {
     std::string extension(between, '\0');
     in.read(extension.data(), extension.size());
     std::array<std::array<float, 4>, 3> sform{};
@@ -349,4 +349,4 @@ Nifti decode_nifti(std::string_view bytes, GzipLimit limit) {
   refuse("datatype", number_text(h.datatype) + " is not supported");
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -7,7 +7,7 @@
 #include "grid/gzip_limit.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 /// One volume of NIfTI-1 or NIfTI-2 (nifti.nimh.nih.gov), .nii or .nii.gz, either byte order.
 struct Nifti {
@@ -38,4 +38,4 @@ Nifti decode_nifti(std::string_view bytes, GzipLimit limit = labels_limit);
 std::string encode_nifti(const HuVolume& volume, bool gzip);
 std::string encode_nifti(const Mask& mask, bool gzip);
 
-}  // namespace trephine
+}  // namespace trephine::grid

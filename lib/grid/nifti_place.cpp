@@ -10,7 +10,7 @@
 
 #include "base/text.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 namespace {
 
 constexpr std::string_view mark = "trephine-place ";
@@ -80,4 +80,4 @@ void take_place_extension(std::string_view bytes, const std::array<std::array<fl
   if (sform_of(said) == sform) lattice = said;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

@@ -6,7 +6,7 @@
 
 #include "grid/grid.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 
 /// NIfTI-1 says a volume's place in single precision. For the sources of this room only.
 
@@ -27,4 +27,4 @@ std::string place_extension(const Lattice& lattice);
 void take_place_extension(std::string_view extensions, const std::array<std::array<float, 4>, 3>& sform,
                           Lattice& lattice);
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

@@ -8,11 +8,11 @@
 #include "grid/nifti_place.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
 constexpr std::size_t header_bytes = 348, data_at = 352;
-constexpr double most_rounding_mm = 0.005;  ///< beyond it the qform is left out, and the sform alone holds
+constexpr double max_rounding_mm = 0.005;  ///< beyond it the qform is left out, and the sform alone holds
 
 template <class T>
 void put(std::string& header, std::size_t at, T value) {
@@ -86,7 +86,7 @@ void put_frame(std::string& header, const Lattice& l) {
   }
   put(header, 76, mirrored ? -1.f : 1.f);
   for (int a = 0; a < 3; ++a) put(header, 80 + 4 * std::size_t(a), float(l.spacing_mm[a]));
-  put(header, 252, std::int16_t{rounding_mm(unit, rounded, l) <= most_rounding_mm});
+  put(header, 252, std::int16_t{rounding_mm(unit, rounded, l) <= max_rounding_mm});
   put(header, 254, std::int16_t{1});
 }
 
@@ -133,4 +133,4 @@ std::string encode_nifti(const HuVolume& volume, bool gzip) {
 }
 std::string encode_nifti(const Mask& mask, bool gzip) { return encoded(mask, gzip); }
 
-}  // namespace trephine
+}  // namespace trephine::grid

@@ -17,7 +17,7 @@
 #include "base/write_file.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
 using detail::bytes_of;
@@ -320,4 +320,4 @@ Mask to_mask(AnyGrid grid) {
       grid);
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

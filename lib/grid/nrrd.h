@@ -10,7 +10,7 @@
 #include "grid/grid.h"
 #include "grid/gzip_limit.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 /// NRRD 4 (teem.sourceforge.net/nrrd/format.html), 3 axes, one attached file, space left-posterior-superior, encoding
 /// raw or gzip, little endian. Only the fields that the format needs and the `keys` given are written: size, spacing,
@@ -66,4 +66,4 @@ HuVolume read_hu_nrrd(const std::filesystem::path& file);
 Field read_field_nrrd(const std::filesystem::path& file);
 Mask read_mask_nrrd(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::grid

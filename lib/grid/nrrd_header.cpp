@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "grid/nrrd_scale.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 namespace {
 
 // `space directions` holds spacing times direction, from which neither comes back to the last bit where an axis is
@@ -334,4 +334,4 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   return h;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

@@ -8,7 +8,7 @@
 #include "grid/grid.h"
 #include "grid/nrrd.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 
 enum class NrrdType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 std::size_t bytes_of(NrrdType type);
@@ -48,4 +48,4 @@ std::string gzip_compress(std::string_view bytes, int level = 1);
 /// Throws Error 65 where it is damaged, or longer or shorter.
 void gzip_expand(std::string_view compressed, char* out, std::uint64_t size);
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

@@ -11,7 +11,7 @@
 #include "grid/length_unit.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
@@ -59,10 +59,10 @@ std::string tellable_key(const std::string& key) {
 }
 
 std::string told_unknown(const std::vector<std::string>& keys) {
-  constexpr std::size_t most_told = 20;
+  constexpr std::size_t max_told = 20;
   std::string all;
-  for (std::size_t i = 0; i < std::min(keys.size(), most_told); ++i) all += (i ? ", " : "") + keys[i];
-  if (keys.size() > most_told) all += " and " + std::to_string(keys.size() - most_told) + " more";
+  for (std::size_t i = 0; i < std::min(keys.size(), max_told); ++i) all += (i ? ", " : "") + keys[i];
+  if (keys.size() > max_told) all += " and " + std::to_string(keys.size() - max_told) + " more";
   return all.empty() ? all : "keys that are not known are ignored: " + all;
 }
 
@@ -129,4 +129,4 @@ void check_scales(const Fields& fields, const std::array<Vec3, 3>& steps, std::s
       refuse(name, "the samples stand for others, which are not computed: convert the file");
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

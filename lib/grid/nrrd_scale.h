@@ -8,7 +8,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine::detail {
+namespace trephine::grid::detail {
 
 /// What the reader of a NRRD header needs of its fields' texts, and the fields that change the scale; for the sources
 /// of this room only.
@@ -30,4 +30,4 @@ Vec3 units_of(const Fields& fields);
 /// contradict them: spacings, axis mins and maxs, units, kinds, old min and old max.
 void check_scales(const Fields& fields, const std::array<Vec3, 3>& steps, std::size_t list_axes);
 
-}  // namespace trephine::detail
+}  // namespace trephine::grid::detail

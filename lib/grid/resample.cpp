@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::grid {
 namespace {
 
 // What one new sample along an axis is made of: old samples first, first + 1, ... with their weights, which sum to 1.
@@ -133,8 +133,8 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
   if (const auto* g = std::get_if<Grid<float>>(&volume))
     for (const float v : g->voxels)
       if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
-  constexpr double most_voxels = 4e9;
-  if (voxels > most_voxels)
+  constexpr double max_voxels = 4e9;
+  if (voxels > max_voxels)
     throw refusal("spacing_mm", "would make more than 4e9 voxels of this volume", {"choose a larger `spacing_mm`"});
   const std::size_t voxel_bytes = std::visit([](const auto& g) { return sizeof(g.voxels[0]); }, volume);
   require_memory(static_cast<std::uint64_t>(voxels) * voxel_bytes, "a volume of this `spacing_mm`");
@@ -147,4 +147,4 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::grid

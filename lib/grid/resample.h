@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::grid {
 
 struct ResampleParams {
   std::array<double, 3> spacing_mm{0, 0, 0};
@@ -27,4 +27,4 @@ struct ResampleParams {
 /// new volume would have more than 4e9 voxels.
 HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::grid

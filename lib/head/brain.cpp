@@ -15,13 +15,13 @@
 #include "mask/surface_field.h"
 #include "segmentation/finish.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double cell_mm = 1.0;  ///< at most; size of the cells on which the brain is found
 constexpr double sheet_mm_per_noise =
     0.04;  ///< sigma of the means along sulci for each unit of noise, mm per HU mm^1.5
-constexpr double least_sheet_mm = 0.4, most_sheet_mm = 1.8;
+constexpr double min_sheet_mm = 0.4, max_sheet_mm = 1.8;
 constexpr double strength_ratio = 0.13;  ///< strength of denoising for each unit of noise that is left, mm^-0.5
 constexpr double blur_mm = 0.7;          ///< sigma of the total blur: kernel, cells, means and denoising
 constexpr double sharpened_mm =
@@ -47,66 +47,68 @@ constexpr double cut_scale_hu = 10;
 
 /// The HU of the cells where brain or fluid is, far from bone, with tissue at 30.
 struct Tissue {
-  Grid<float> level, soft;  ///< before denoising and after it
-  BitMask known;
+  grid::Grid<float> level, soft;  ///< before denoising and after it
+  mask::BitMask known;
   double noise = 0;
 };
 
-Tissue tissue_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const BrainParams& p,
-                 Report& report, const Progress& progress) {
-  known &= make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
+Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::CoarseRaster& raster, mask::BitMask known,
+                 const BrainParams& p, Report& report, const Progress& progress) {
+  known &= mask::make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
     const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
     for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
   });
-  Grid<float> v = coarse_mean(hu, known, raster, -1000);
-  known = coarse_mask(known, raster, 0);
-  if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
-  if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
+  grid::Grid<float> v = mask::coarse_mean(hu, known, raster, -1000);
+  known = mask::coarse_mask(known, raster, 0);
+  if (p.smoothing_sigma_mm > 0)
+    v = mask::masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
+  if (p.edge == segmentation::SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
   // More noise is averaged over wider planes.
   const double noise = tissue_noise(v, known, progress);
   check_noise(noise, v, p.smoothing_sigma_mm);
   Tissue t{v, {}, known, noise};
-  const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
-  if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
+  const double wide_mm = std::min(max_sheet_mm, sheet_mm_per_noise * noise);
+  if (wide_mm >= min_sheet_mm) v = mask::averaged_along_sheets(v, known, wide_mm, progress);
   t.soft = soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
   return t;
 }
 
 /// Undoes the blur of edges and clefts to first order: adds what a Gaussian mean takes away.
-Field sharpened(Field soft, const Progress& progress) {
+grid::Field sharpened(grid::Field soft, const Progress& progress) {
   constexpr float nowhere = -1000;
-  const BitMask seen = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+  const mask::BitMask seen = mask::make_mask(soft, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > nowhere;
   });
-  const Grid<float> mean = masked_gaussian(soft, seen, blur_mm, nowhere, 0.02, progress);
+  const grid::Grid<float> mean = mask::masked_gaussian(soft, seen, blur_mm, nowhere, 0.02, progress);
   for (std::size_t v = 0; v < soft.voxels.size(); ++v)
     if (soft.voxels[v] > nowhere) soft.voxels[v] += soft.voxels[v] - mean.voxels[v];
   return soft;
 }
 
 /// The components of `domain` that touch `start`.
-BitMask reached(const BitMask& start, const BitMask& domain) {
-  const Components pieces = components(domain);
-  return select(pieces, touching(pieces, start));
+mask::BitMask reached(const mask::BitMask& start, const mask::BitMask& domain) {
+  const mask::Components pieces = mask::components(domain);
+  return mask::select(pieces, mask::touching(pieces, start));
 }
 
 /// Regions that are dark and wide, but not as dark as CSF.
-BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& progress) {
-  BitMask core = eroded(dark, wide_mm, progress);
-  core &= make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+mask::BitMask lesions(const grid::Grid<float>& soft, const mask::BitMask& dark, const Progress& progress) {
+  mask::BitMask core = mask::eroded(dark, wide_mm, progress);
+  core &= mask::make_mask(soft, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > lesion_hu;
   });
-  return dilated(at_least_ml(components(core), lesion_ml), wide_mm + 1, progress);
+  return mask::dilated(mask::at_least_ml(mask::components(core), lesion_ml), wide_mm + 1, progress);
 }
 
 /// CSF at the place of the fourth ventricle that narrow passages separate from the outside: it belongs to the brain.
-BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centre_mm, const Progress& progress) {
-  const Lattice& l = dark.lattice();
-  const Components pieces = components(eroded(dark, neck_mm, progress));
-  const std::vector<char> open = touching(pieces, outside);
+mask::BitMask fourth_ventricle(const mask::BitMask& dark, const mask::BitMask& outside, Vec3 centre_mm,
+                               const Progress& progress) {
+  const grid::Lattice& l = dark.lattice();
+  const mask::Components pieces = mask::components(mask::eroded(dark, neck_mm, progress));
+  const std::vector<char> open = mask::touching(pieces, outside);
   std::vector<char> keep;
   for (std::size_t c = 0; c < pieces.list.size(); ++c) {
-    const Box& b = pieces.list[c].box;
+    const grid::Box& b = pieces.list[c].box;
     Vec3 middle;
     for (int a = 0; a < 3; ++a) middle[a] = 0.5 * (b.begin[a] + b.end[a] - 1);
     const Vec3 p = l.to_world_mm(middle) - centre_mm;
@@ -114,15 +116,15 @@ BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centr
     for (int a = 0; a < 3; ++a) inside = inside && p[a] > fourth_from[a] && p[a] < fourth_to[a];
     keep.push_back(inside);
   }
-  return dilated(select(pieces, keep), neck_mm + 0.5, progress);
+  return mask::dilated(mask::select(pieces, keep), neck_mm + 0.5, progress);
 }
 
 /// Interpolated between cells, the field may reach into a voxel of bone, and single voxels may become detached.
-Field kept_within(Field field, const BitMask& allowed) {
+grid::Field kept_within(grid::Field field, const mask::BitMask& allowed) {
   constexpr float least = 0.002f * float(cut_scale_hu);
-  BitMask inside = positive(field, field);
+  mask::BitMask inside = mask::positive(field, field);
   inside &= allowed;
-  inside = largest(components(inside));
+  inside = mask::largest(mask::components(inside));
   parallel_for(0, field.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < field.size[1]; ++j)
@@ -132,130 +134,132 @@ Field kept_within(Field field, const BitMask& allowed) {
   return field;
 }
 
-Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, Report& report,
-               const Progress& progress) {
-  BitMask bone = masks.skull ? positive(*masks.skull, hu.lattice()) : bone_of(hu);
+grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const BrainParams& p, Report& report,
+                     const Progress& progress) {
+  mask::BitMask bone = masks.skull ? mask::positive(*masks.skull, hu.lattice()) : bone_of(hu);
   // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are not brain either.
-  const Components bright = components(make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
+  const mask::Components bright = mask::components(mask::make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
   }));
-  bone |= select(bright, touching(bright, bone));
-  BitMask cavity = cranial_cavity(bone, report, progress);
-  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  bone |= mask::select(bright, mask::touching(bright, bone));
+  mask::BitMask cavity = cranial_cavity(bone, report, progress);
+  const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   progress.report(0.3);
-  Box box = grown(cavity.bounds(), 4, hu.lattice());
-  bone = crop(bone, box);
-  cavity = crop(cavity, box);
-  if (masks.within) cavity &= positive(*masks.within, cavity.lattice());
-  if (masks.without) cavity.remove(positive(*masks.without, cavity.lattice()));
-  BitMask roi_mask(cropped(hu.lattice(), roi));
-  cavity &= placed(roi_mask.invert(), cavity.lattice());
+  grid::Box box = grid::grown(cavity.bounds(), 4, hu.lattice());
+  bone = mask::crop(bone, box);
+  cavity = mask::crop(cavity, box);
+  if (masks.within) cavity &= mask::positive(*masks.within, cavity.lattice());
+  if (masks.without) cavity.remove(mask::positive(*masks.without, cavity.lattice()));
+  mask::BitMask roi_mask(grid::cropped(hu.lattice(), roi));
+  cavity &= mask::placed(roi_mask.invert(), cavity.lattice());
 
   // Everything below works on cells of at most a millimetre, because noise hides anything finer.
-  const CoarseRaster raster = coarse_raster(cavity.lattice(), cell_mm, true);
-  BitMask known = cavity;
-  known.remove(dilated(bone, bone_blur_mm, progress));
+  const mask::CoarseRaster raster = mask::coarse_raster(cavity.lattice(), cell_mm, true);
+  mask::BitMask known = cavity;
+  known.remove(mask::dilated(bone, bone_blur_mm, progress));
   const Tissue scanned = tissue_of(hu, box, raster, std::move(known), p, report, progress);
-  Field soft = scanned.soft;
+  grid::Field soft = scanned.soft;
   progress.report(0.6);
-  BitMask allowed = cavity;
-  cavity.remove(dilated(bone, bone_margin_mm, progress));
-  cavity = coarse_mask(cavity, raster, 0.5);
+  mask::BitMask allowed = cavity;
+  cavity.remove(mask::dilated(bone, bone_margin_mm, progress));
+  cavity = mask::coarse_mask(cavity, raster, 0.5);
   const float lower = float(p.lower_hu), upper = float(p.upper_hu);
-  const auto within = [&](const Field& f, float from) {
-    BitMask tissue = make_mask(f, [&](int j, int k, std::uint8_t* row) {
+  const auto within = [&](const grid::Field& f, float from) {
+    mask::BitMask tissue = mask::make_mask(f, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < f.size[0]; ++i) row[i] = f.at(i, j, k) > from && f.at(i, j, k) < upper;
     });
     return tissue &= cavity;
   };
-  const BitMask tissue = within(soft, lower - float(inner_hu));
+  const mask::BitMask tissue = within(soft, lower - float(inner_hu));
 
   // Bridges (vessels, dura, nerves) are cut. Then the envelope is made: narrow sulci are closed and ventricles filled.
   const double open_mm = p.open_mm;
-  BitMask shape = dilated(largest(components(eroded(tissue, open_mm, progress))), open_mm + 1, progress);
+  mask::BitMask shape =
+      mask::dilated(mask::largest(mask::components(mask::eroded(tissue, open_mm, progress))), open_mm + 1, progress);
   shape &= tissue;
   progress.report(0.7);
-  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
-  shape = closed(shape, p.close_mm, progress);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
+  shape = mask::closed(shape, p.close_mm, progress);
   shape &= cavity;
-  BitMask filled = holes(shape, {p.fill_close_mm, p.fill_max_ml, true}, progress);
+  mask::BitMask filled = mask::holes(shape, {p.fill_close_mm, p.fill_max_ml, true}, progress);
   filled &= cavity;
   shape |= filled;
   report.add("filled_ml", double(filled.count()) * soft.voxel_volume_mm3() / 1000);
-  shape = largest(components(shape));
+  shape = mask::largest(mask::components(shape));
   report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
 
   // Sulci, fissures and cisterns are the CSF that is reached from outside without passing through the ventricles.
-  const BitMask wide = wide_csf(soft, shape, csf_hu, ventricle_hu, progress);
-  const HeadPlace place = place_head(shape, &wide, hu.lattice(), progress);
-  report_place(place, report);
+  const mask::BitMask wide = wide_csf(soft, shape, csf_hu, ventricle_hu, progress);
+  const place::HeadPlace place = place::place_head(shape, &wide, hu.lattice(), progress);
+  place::report_place(place, report);
   // The brain ends at the foramen magnum.
   if (place.sure)
-    shape &= make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
+    shape &= mask::make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < shape.lattice().size[0]; ++i)
-        row[i] =
-            place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})).z > template_foramen_z;
+        row[i] = place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})).z >
+                 place::template_foramen_z;
     });
-  BitMask closed_off =
-      dilated(deep_csf(soft, shape, place, csf_hu, ventricle_hu, progress), ventricle_wall_mm, progress);
+  mask::BitMask closed_off =
+      mask::dilated(deep_csf(soft, shape, place, csf_hu, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
   // The brainstem has no sulci, and the petrous bones on both sides darken it: only what is as dark as CSF is cut
   // there.
-  BitMask stem(shape.lattice());
+  mask::BitMask stem(shape.lattice());
   if (place.sure)
-    stem = make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
+    stem = mask::make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < shape.lattice().size[0]; ++i)
-        row[i] = in_brainstem(place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})));
+        row[i] = place::in_brainstem(place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})));
     });
-  const auto dark_in = [&](const Field& f) {
-    BitMask dark = within(f, lower - float(stem_darker_hu));
+  const auto dark_in = [&](const grid::Field& f) {
+    mask::BitMask dark = within(f, lower - float(stem_darker_hu));
     dark &= stem;
     dark |= within(f, lower);
     dark.invert();
     dark &= shape;
     return dark.remove(closed_off);
   };
-  const Field sharp = sharpened(soft, progress);
-  BitMask dark = dark_in(soft), deeper = dark_in(sharp), outside = shape;
+  const grid::Field sharp = sharpened(soft, progress);
+  mask::BitMask dark = dark_in(soft), deeper = dark_in(sharp), outside = shape;
   deeper.remove(lesions(soft, dark, progress));
   deeper |= outside.invert();
-  BitMask fourth = fourth_ventricle(deeper, outside, shape.centre_mm(), progress);
+  mask::BitMask fourth = fourth_ventricle(deeper, outside, shape.centre_mm(), progress);
   deeper.remove(fourth &= shape);
   // Sharpening deepens sulci that are reached without it. Alone it may reach nothing new, because it raises noise too.
   dark |= outside;
   dark &= deeper;
-  BitMask cut = grown_within(reached(outside, dark), deeper, sharpened_mm, progress);
+  mask::BitMask cut = mask::grown_within(reached(outside, dark), deeper, sharpened_mm, progress);
   cut &= shape;
-  const BitMask pits = noise_pits(cut, shape, scanned.level, scanned.known, scanned.noise, progress);
+  const mask::BitMask pits = noise_pits(cut, shape, scanned.level, scanned.known, scanned.noise, progress);
   report.add("noise_pits_ml", double(pits.count()) * soft.voxel_volume_mm3() / 1000);
   shape.remove(cut.remove(pits));
-  BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
+  mask::BitMask solid =
+      mask::dilated(mask::largest(mask::components(mask::eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
   shape &= solid;
-  shape = largest(components(shape));
+  shape = mask::largest(mask::components(shape));
   progress.report(0.8);
   soft = sharp;
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
-  report.add("cut_voxels_count", place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
-  Field field = refined(soft, raster);
+  report.add("cut_voxels_count", mask::place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
+  grid::Field field = mask::refined(soft, raster);
   return kept_within(std::move(field), allowed);
 }
 
 }  // namespace
-}  // namespace trephine::segmentation
+}  // namespace trephine::head
 
-namespace trephine {
+namespace trephine::head {
 
-Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
-                 const Progress& progress) {
+grid::Field find_brain(const grid::HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
+                       const Progress& progress) {
   segmentation::check_thresholds(params.lower_hu, params.upper_hu);
   return segmentation::found_and_finished(
       volume, {params.grow_mm, 1},
-      [&](const segmentation::HuView& hu) {
-        segmentation::check_varies(volume);
-        if (params.smoothing_sigma_mm == 0) segmentation::check_scan_noise(volume, progress);
-        return segmentation::brain_in(hu, masks, params, report, progress);
+      [&](const mask::HuView& hu) {
+        mask::check_varies(volume);
+        if (params.smoothing_sigma_mm == 0) check_scan_noise(volume, progress);
+        return brain_in(hu, masks, params, report, progress);
       },
       report, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -2,12 +2,12 @@
 #pragma once
 #include "head/tissue_params.h"
 
-namespace trephine {
+namespace trephine::head {
 
 struct BrainParams {
   double lower_hu = 22.5;
   double upper_hu = 100000;
-  SegmentEdge edge = SegmentEdge::half_maximum;
+  segmentation::SegmentEdge edge = segmentation::SegmentEdge::half_maximum;
   double smoothing_sigma_mm = 0;
   std::array<double, 3> roi_min_mm{-1e6, -1e6, -1e6};
   std::array<double, 3> roi_max_mm{1e6, 1e6, 1e6};
@@ -35,9 +35,9 @@ struct BrainParams {
 /// Fields of other anatomies (positive inside) on the volume's raster, perhaps covering only a part of it. Null where
 /// not given.
 struct BrainMasks {
-  const Field* skull = nullptr;    ///< the bone around the brain; without it, bone is every voxel above 226 HU
-  const Field* within = nullptr;   ///< the brain lies inside it
-  const Field* without = nullptr;  ///< the brain lies outside it
+  const grid::Field* skull = nullptr;    ///< the bone around the brain; without it, bone is every voxel above 226 HU
+  const grid::Field* within = nullptr;   ///< the brain lies inside it
+  const grid::Field* without = nullptr;  ///< the brain lies outside it
 };
 
 /// The brain's outer surface with sulci, fissures and cisterns, as a field like that of segment().
@@ -60,7 +60,7 @@ struct BrainMasks {
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 80 also where all voxels have one
 /// value, or no space enclosed by bone is found.
-Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
-                 const Progress& progress = {});
+grid::Field find_brain(const grid::HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
+                       const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::head

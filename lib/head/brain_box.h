@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// A box about the brain's centre, LPS mm, in an adult; heads lie straight to about 15 degrees.
 struct BrainBox {
@@ -12,4 +12,4 @@ struct BrainBox {
   }
 };
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -10,18 +10,18 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double coarse_mm = 2;
-constexpr double least_core_mm = 15;     ///< the centre of a cranium lies at least this far from bone
-constexpr double least_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
+constexpr double min_core_mm = 15;     ///< the centre of a cranium lies at least this far from bone
+constexpr double min_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
 constexpr double opening_mm = 2;
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
-/// Whether in at least `least_enclosure` of 26 directions a ray from that cell meets bone before it leaves the volume.
-bool is_enclosed(const BitMask& bone, int i, int j, int k) {
+/// Whether in at least `min_enclosure` of 26 directions a ray from that cell meets bone before it leaves the volume.
+bool is_enclosed(const mask::BitMask& bone, int i, int j, int k) {
   int met = 0, missed = 0;
   for (int dk = -1; dk <= 1; ++dk)
     for (int dj = -1; dj <= 1; ++dj)
@@ -37,21 +37,21 @@ bool is_enclosed(const BitMask& bone, int i, int j, int k) {
           y += dj;
           z += dk;
         }
-        if (!bone.lattice().contains(x, y, z) && ++missed > 26 * (1 - least_enclosure)) return false;
+        if (!bone.lattice().contains(x, y, z) && ++missed > 26 * (1 - min_enclosure)) return false;
       }
-  return met >= 26 * least_enclosure;
+  return met >= 26 * min_enclosure;
 }
 
 /// The cell farthest from bone among those that bone encloses.
-std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
+std::size_t core_of(const mask::BitMask& bone, const grid::Grid<float>& to_bone) {
   std::vector<std::uint32_t> order;
   // Space enclosed by bone lies within the bone's bounds. Without this limit the air around a head in a wide field of
   // view would be examined first.
-  const Box box = bone.bounds();
+  const grid::Box box = bone.bounds();
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
       for (int i = box.begin[0]; i < box.end[0]; ++i)
-        if (to_bone.at(i, j, k) >= least_core_mm) order.push_back(std::uint32_t(to_bone.index(i, j, k)));
+        if (to_bone.at(i, j, k) >= min_core_mm) order.push_back(std::uint32_t(to_bone.index(i, j, k)));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return to_bone.voxels[a] > to_bone.voxels[b]; });
   for (std::uint32_t v : order) {
@@ -64,9 +64,9 @@ std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
        "and bring it back by the stage `labels`"});
 }
 
-Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
-  const Lattice& l = bone.lattice();
-  Mask seeds(l);
+grid::Mask seeds_of(const mask::BitMask& bone, const grid::Grid<float>& to_bone) {
+  const grid::Lattice& l = bone.lattice();
+  grid::Mask seeds(l);
   seeds.voxels[core_of(bone, to_bone)] = 1;
   // The outside is what touches the volume's sides; above and below, the scan may cut the head.
   const int vertical = vertical_axis(l);
@@ -81,15 +81,15 @@ Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
 }
 
 /// Smooth across the border of the regions with that label, and above 0.5 inside them.
-Grid<float> share_of(const Mask& labels, std::uint8_t label, double sigma_mm) {
-  Grid<float> share(labels);
+grid::Grid<float> share_of(const grid::Mask& labels, std::uint8_t label, double sigma_mm) {
+  grid::Grid<float> share(labels);
   for (std::size_t v = 0; v < share.count(); ++v) share.voxels[v] = labels.voxels[v] == label;
-  gaussian(share, sigma_mm);
+  mask::gaussian(share, sigma_mm);
   return share;
 }
 
 /// The voxels of `lattice` where the coarse share, interpolated linearly, is above a half.
-BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattice& lattice) {
+mask::BitMask above_half(const grid::Grid<float>& share, const mask::CoarseRaster& c, const grid::Lattice& lattice) {
   struct Axis {
     std::vector<int> low;
     std::vector<float> part;
@@ -102,7 +102,7 @@ BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattic
       axes[a].low.push_back(low);
       axes[a].part.push_back(last ? float(x - low) : 0.f);
     }
-  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+  return mask::make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
     const int y = axes[1].low[j], z = axes[2].low[k];
     const float v = axes[1].part[j], w = axes[2].part[k];
     const int y1 = std::min(y + 1, share.size[1] - 1), z1 = std::min(z + 1, share.size[2] - 1);
@@ -119,49 +119,49 @@ BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattic
 
 }  // namespace
 
-int vertical_axis(const Lattice& l) {
+int vertical_axis(const grid::Lattice& l) {
   int vertical = 0;
   for (int a = 1; a < 3; ++a)
     if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[vertical].z)) vertical = a;
   return vertical;
 }
 
-BitMask bone_of(const HuView& hu) {
-  const Components pieces = components(above(hu, 226), true);
-  std::vector<char> keep = touching(pieces, above(hu, 400));
+mask::BitMask bone_of(const mask::HuView& hu) {
+  const mask::Components pieces = mask::components(mask::above(hu, 226), true);
+  std::vector<char> keep = mask::touching(pieces, mask::above(hu, 400));
   for (std::size_t c = 0; c < keep.size(); ++c)
     if (pieces.list[c].voxels * hu.lattice().voxel_volume_mm3() < 1000) keep[c] = 0;
-  return select(pieces, keep);
+  return mask::select(pieces, keep);
 }
 
-BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress) {
-  const CoarseRaster c = coarse_raster(bone.lattice(), coarse_mm);
-  const BitMask walls = coarse_mask(bone, c, 0);
-  const Grid<float> to_bone = distance_mm(walls, progress);
-  BitMask space = walls;
+mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Progress& progress) {
+  const mask::CoarseRaster c = mask::coarse_raster(bone.lattice(), coarse_mm);
+  const mask::BitMask walls = mask::coarse_mask(bone, c, 0);
+  const grid::Grid<float> to_bone = mask::distance_mm(walls, progress);
+  mask::BitMask space = walls;
   space.invert();
-  Mask labels = flood(to_bone, space, seeds_of(walls, to_bone), progress);
+  grid::Mask labels = mask::flood(to_bone, space, seeds_of(walls, to_bone), progress);
   // The spinal canal is what lies farther than a corner from where a ball of canal_mm fits.
-  BitMask wide = make_mask(c.cells, [&](int j, int k, std::uint8_t* row) {
+  mask::BitMask wide = mask::make_mask(c.cells, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < c.cells.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
   });
-  wide = dilated(largest(components(wide)), canal_mm + corner_mm, progress);
+  wide = mask::dilated(mask::largest(mask::components(wide)), canal_mm + corner_mm, progress);
   for (int k = 0; k < c.cells.size[2]; ++k)
     for (int j = 0; j < c.cells.size[1]; ++j)
       for (int i = 0; i < c.cells.size[0]; ++i)
         if (labels.at(i, j, k) == 1 && !wide.get(i, j, k)) labels.at(i, j, k) = 2;
   // Bone cells go to the nearer side, so that the border of the regions runs inside the bone.
-  Grid<float> into_bone = distance_mm(space, progress);
+  grid::Grid<float> into_bone = mask::distance_mm(space, progress);
   for (float& d : into_bone.voxels) d = std::max(0.f, 1000.f - d);
-  BitMask all(c.cells);
+  mask::BitMask all(c.cells);
   all.invert();
-  labels = flood(into_bone, all, labels, progress);
+  labels = mask::flood(into_bone, all, labels, progress);
 
-  BitMask cavity = above_half(share_of(labels, 1, 1.5), c, bone.lattice());
+  mask::BitMask cavity = above_half(share_of(labels, 1, 1.5), c, bone.lattice());
   cavity.remove(bone);
   // A space that is only connected by a pore in the bone (a sinus) does not belong to the cavity.
-  BitMask core = largest(components(eroded(cavity, opening_mm, progress)));
-  core = dilated(core, 2 * opening_mm, progress);
+  mask::BitMask core = mask::largest(mask::components(mask::eroded(cavity, opening_mm, progress)));
+  core = mask::dilated(core, 2 * opening_mm, progress);
   cavity &= core;
   const double ml = double(cavity.count()) * bone.lattice().voxel_volume_mm3() / 1000;
   report.add("cranial_cavity_ml", ml);
@@ -169,4 +169,4 @@ BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& prog
   return cavity;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

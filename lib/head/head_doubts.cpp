@@ -11,7 +11,7 @@
 #include "mask/bits.h"
 #include "mask/filters.h"
 
-namespace trephine {
+namespace trephine::head {
 
 const char* to_text(HeadClass c) {
   switch (c) {
@@ -31,11 +31,10 @@ const char* to_text(HeadClass c) {
   return "unknown";
 }
 
-namespace segmentation {
 namespace {
 
-constexpr double least_piece_ml = 0.1, slab_mm = 2, behind_horn_mm = 4, least_horn_length_mm = 6,
-                 least_behind_ratio = 0.6;  ///< the third ventricle alone reaches 20 to 25 of 45 to 75 mm
+constexpr double min_piece_ml = 0.1, slab_mm = 2, behind_horn_mm = 4, min_horn_length_mm = 6,
+                 min_behind_ratio = 0.6;  ///< the third ventricle alone reaches 20 to 25 of 45 to 75 mm
 
 /// The voxels of the ventricles told apart by side, those of the frontal horns by coronal slab too.
 struct Sides {
@@ -45,13 +44,13 @@ struct Sides {
   float horn_mm2(int side) const {
     std::vector<float> areas;
     for (const auto& s : slab_mm2[side]) areas.push_back(float(s.second));
-    return median(areas, 0);
+    return mask::median(areas, 0);
   }
   double behind_mm(int side) const { return slab_mm * double(behind[side].size()); }
   double horn_length_mm(int side) const { return slab_mm * double(slab_mm2[side].size()); }
 };
 
-Sides sides_of(const Field& f, const VentricleAxes& axes) {
+Sides sides_of(const grid::Field& f, const VentricleAxes& axes) {
   Sides s;
   const double voxel_mm3 = f.voxel_volume_mm3();
   for (int k = 0; k < f.size[2]; ++k)
@@ -68,16 +67,16 @@ Sides sides_of(const Field& f, const VentricleAxes& axes) {
   return s;
 }
 
-int pieces_of(const Field& f) {
+int pieces_of(const grid::Field& f) {
   int pieces = 0;
-  for (const Component& c : components(positive(f, f)).list)
-    pieces += double(c.voxels) * f.voxel_volume_mm3() / 1000 >= least_piece_ml;
+  for (const mask::Component& c : mask::components(mask::positive(f, f)).list)
+    pieces += double(c.voxels) * f.voxel_volume_mm3() / 1000 >= min_piece_ml;
   return pieces;
 }
 
 }  // namespace
 
-std::vector<std::string> ventricle_doubts(const Field& ventricles, const VentricleAxes& axes,
+std::vector<std::string> ventricle_doubts(const grid::Field& ventricles, const VentricleAxes& axes,
                                           const HeadLandmarks* landmarks, const HeadFigures& figures,
                                           const HeadClassParams& params, Report& report, bool& horns_whole) {
   std::vector<std::string> out;
@@ -104,21 +103,21 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
     const char* name = side == 0 ? "left" : "right";
     const double area = sides.horn_mm2(side), length = sides.horn_length_mm(side);
     report.add(side == 0 ? "horn_left_mm2" : "horn_right_mm2", area);
-    const bool missing = length < least_horn_length_mm;
-    const double least_mm2 = std::max(params.least_horn_mm2, params.least_horns_ratio * sides.horn_mm2(1 - side));
-    if (!missing && area >= least_mm2) continue;
+    const bool missing = length < min_horn_length_mm;
+    const double min_mm2 = std::max(params.least_horn_mm2, params.least_horns_ratio * sides.horn_mm2(1 - side));
+    if (!missing && area >= min_mm2) continue;
     horns_whole = false;
     out.push_back(missing ? fmt::format("the {} frontal horn is missing", name)
                           : fmt::format("the {} frontal horn is a thread of {:.0f} mm2, at least {:.0f} are plausible",
-                                        name, area, least_mm2));
+                                        name, area, min_mm2));
   }
   for (int side = 0; side < 2; ++side)
-    if (sides.behind_mm(side) < least_behind_ratio * sides.behind_mm(1 - side))
+    if (sides.behind_mm(side) < min_behind_ratio * sides.behind_mm(1 - side))
       out.push_back(fmt::format("the {} lateral ventricle ends {:.0f} mm behind the foramina, the other one {:.0f} mm",
                                 side == 0 ? "left" : "right", sides.behind_mm(side), sides.behind_mm(1 - side)));
   bool looked_for = false, seen = false;
   if (landmarks)
-    for (const CaseLandmark& l : landmarks->landmarks) {
+    for (const cases::CaseLandmark& l : landmarks->landmarks) {
       looked_for = looked_for || l.source == "found";
       seen = seen || (l.name.rfind("monro", 0) == 0 && l.confidence >= 0.5);
     }
@@ -130,7 +129,7 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
   return out;
 }
 
-std::string scan_doubt(const ScanFigures& scan, const HeadClassParams& params) {
+std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params) {
   if (!scan.known()) return "";
   if (scan.cube_noise_hu < params.least_cube_noise_hu)
     return fmt::format(
@@ -146,5 +145,4 @@ std::string scan_doubt(const ScanFigures& scan, const HeadClassParams& params) {
   return "";
 }
 
-}  // namespace segmentation
-}  // namespace trephine
+}  // namespace trephine::head

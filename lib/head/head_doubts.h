@@ -5,7 +5,7 @@
 
 #include "head/head_figures.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// The ventricles' own axes (unit vectors at right angles, the origin in the midsagittal plane), the middle between
 /// their sides, and the level of the foramina of Monro along `back`.
@@ -26,12 +26,12 @@ struct VentricleAxes {
 ///   lateral ones where both are missing or doubtful.
 /// - Volume, index and shift have to be those of a living person.
 /// Adds to the report ventricle_pieces_count, ventricle_sides_ratio, horn_left_mm2 and horn_right_mm2.
-std::vector<std::string> ventricle_doubts(const Field& ventricles, const VentricleAxes& axes,
+std::vector<std::string> ventricle_doubts(const grid::Field& ventricles, const VentricleAxes& axes,
                                           const HeadLandmarks* landmarks, const HeadFigures& figures,
                                           const HeadClassParams& params, Report& report, bool& horns_whole);
 
 /// Why ventricles of such a scan may be wrong whatever they look like: noise that hides horns, or a denoising that took
 /// them away with it. Empty where neither is so, or the noise is not known.
-std::string scan_doubt(const ScanFigures& scan, const HeadClassParams& params);
+std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -12,16 +12,16 @@
 #include "head/head_doubts.h"
 #include "mask/filters.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
 
 constexpr double line_mm = 1;         ///< distance of the lines along which widths are measured
 constexpr double step_mm = 0.4;       ///< of samples along them
 constexpr double monro_share = 0.31;  ///< of the ventricles' length lies in front of the foramina of Monro,
-constexpr double most_horn_mm = 32;   ///< but not more than this
+constexpr double max_horn_mm = 32;    ///< but not more than this
 constexpr double septum_mm = 12;      ///< walls farther apart than this are not those of a septum
 constexpr double third_mm = 16;       ///< a third ventricle is no wider
-constexpr double least_run_mm = 0.8;  ///< what is narrower is noise
+constexpr double min_run_mm = 0.8;    ///< what is narrower is noise
 constexpr double flank_mm = 20;       ///< inner skull: looked for from here outwards, beyond a calcified falx
 constexpr double extradural_mm = 30;  ///< and at most this far from the brain
 
@@ -44,7 +44,7 @@ HeadAxes axes_of(Vec3 origin, Vec3 normal) {
 }
 
 /// Trilinear; -1 beyond the lattice, which is outside.
-double value_at(const Field& f, Vec3 index) {
+double value_at(const grid::Field& f, Vec3 index) {
   int low[3];
   double t[3];
   for (int a = 0; a < 3; ++a) {
@@ -70,7 +70,7 @@ struct Run {
 };
 
 /// Where the line from + s * direction lies inside the field, s from s0 to s1, crossings placed within a step.
-std::vector<Run> runs_along(const Field& f, Vec3 from, Vec3 direction, double s0, double s1) {
+std::vector<Run> runs_along(const grid::Field& f, Vec3 from, Vec3 direction, double s0, double s1) {
   std::vector<Run> runs;
   const Vec3 a = f.to_index(from), b = f.to_index(from + direction) - a;
   const int steps = std::max(1, int(std::ceil((s1 - s0) / step_mm)));
@@ -88,8 +88,7 @@ std::vector<Run> runs_along(const Field& f, Vec3 from, Vec3 direction, double s0
     }
     before = now;
   }
-  runs.erase(std::remove_if(runs.begin(), runs.end(), [](const Run& r) { return r.width() < least_run_mm; }),
-             runs.end());
+  runs.erase(std::remove_if(runs.begin(), runs.end(), [](const Run& r) { return r.width() < min_run_mm; }), runs.end());
   return runs;
 }
 
@@ -110,7 +109,7 @@ struct Extent {
 };
 
 /// Of the voxels inside, along the axes.
-Extent extent_of(const Field& f, const HeadAxes& axes) {
+Extent extent_of(const grid::Field& f, const HeadAxes& axes) {
   std::vector<Extent> slices(f.size[2]);
   parallel_for(0, f.size[2], 1, [&](std::int64_t k0, std::int64_t) {
     const int k = int(k0);
@@ -135,7 +134,7 @@ Extent extent_of(const Field& f, const HeadAxes& axes) {
   return all;
 }
 
-Lines lines_of(const Field& f, const HeadAxes& axes, const Progress& progress) {
+Lines lines_of(const grid::Field& f, const HeadAxes& axes, const Progress& progress) {
   const Extent e = extent_of(f, axes);
   Lines l;
   l.axes = axes;
@@ -171,12 +170,12 @@ Horns horns_of(const Lines& l, const HeadLandmarks* landmarks) {
         last = std::max(last, b);
       }
   if (last < 0) return h;
-  h.monro_back = l.back(first) + std::min(monro_share * (l.back(last) - l.back(first)), most_horn_mm);
+  h.monro_back = l.back(first) + std::min(monro_share * (l.back(last) - l.back(first)), max_horn_mm);
   if (landmarks) {
     double sum = 0;
     int n = 0;
     for (const char* name : {"monro_left", "monro_right"})
-      if (const CaseLandmark* m = landmarks->find(name); m && m->confidence > 0) {
+      if (const cases::CaseLandmark* m = landmarks->find(name); m && m->confidence > 0) {
         sum += dot(m->position_mm - l.axes.origin, l.axes.back);
         ++n;
       }
@@ -306,7 +305,7 @@ void measure_shift(const HeadFields& fields, const Lines& l, const Horns& horns,
   if (!middles.empty()) out.midline_shift_mm = left - median_of(middles);
 }
 
-std::optional<double> ml_of(const Field* f) {
+std::optional<double> ml_of(const grid::Field* f) {
   if (!f) return {};
   std::vector<std::size_t> slices(f->size[2]);
   parallel_for(0, f->size[2], 1, [&](std::int64_t k, std::int64_t) {
@@ -335,11 +334,10 @@ bool doubt(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, c
            const HeadClassParams& params, HeadFigures& f, Report& report) {
   const double middle = f.midline_shift_mm ? dot(f.midline_place_mm - axes.origin, axes.left) : 0;
   bool horns_whole = true;
-  auto doubts =
-      segmentation::ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
-                                     landmarks, f, params, report, horns_whole);
+  auto doubts = ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
+                                 landmarks, f, params, report, horns_whole);
   if (fields.scan)
-    if (const std::string d = segmentation::scan_doubt(*fields.scan, params); !d.empty()) doubts.push_back(d);
+    if (const std::string d = scan_doubt(*fields.scan, params); !d.empty()) doubts.push_back(d);
   for (const std::string& d : doubts) report.warn("the class is uncertain: " + d);
   if (!horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
   return !doubts.empty();
@@ -394,4 +392,4 @@ HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmark
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -9,16 +9,16 @@
 #include "head/head_landmarks.h"
 #include "mask/scan_figures.h"
 
-namespace trephine {
+namespace trephine::head {
 
 /// The anatomies of one head as fields (positive inside) on one raster, each perhaps covering only a part of it. Null
 /// where not known; what needs that anatomy is then neither measured nor checked.
 struct HeadFields {
-  const Field* skin = nullptr;  ///< the whole head, filled
-  const Field* skull = nullptr;
-  const Field* brain = nullptr;  ///< includes the ventricles
-  const Field* ventricles = nullptr;
-  const segmentation::ScanFigures* scan = nullptr;  ///< of the scan that they were made from
+  const grid::Field* skin = nullptr;  ///< the whole head, filled
+  const grid::Field* skull = nullptr;
+  const grid::Field* brain = nullptr;  ///< includes the ventricles
+  const grid::Field* ventricles = nullptr;
+  const mask::ScanFigures* scan = nullptr;  ///< of the scan that they were made from
 };
 
 /// The class of a case, which follows from its ventricles; uncertain where they cannot be whole.
@@ -123,4 +123,4 @@ struct HeadFigures {
 HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
                          Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::head

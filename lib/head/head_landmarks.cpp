@@ -6,11 +6,11 @@
 
 #include "cases/json_at.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
 
-using detail::Json;
-using detail::JsonAt;
+using cases::detail::Json;
+using cases::detail::JsonAt;
 
 Json value_of(Vec3 p) { return Json::array({p.x, p.y, p.z}); }
 
@@ -26,7 +26,7 @@ double share_in(const JsonAt& at) {
 }
 
 // Of the sources that a case may name.
-std::string source_in(const detail::JsonAt& at) {
+std::string source_in(const cases::detail::JsonAt& at) {
   const std::string source = at.text();
   for (const char* known : {"found", "estimated", "given", "truth"})
     if (source == known) return source;
@@ -35,8 +35,8 @@ std::string source_in(const detail::JsonAt& at) {
 
 }  // namespace
 
-const CaseLandmark* HeadLandmarks::find(std::string_view name) const {
-  for (const CaseLandmark& l : landmarks)
+const cases::CaseLandmark* HeadLandmarks::find(std::string_view name) const {
+  for (const cases::CaseLandmark& l : landmarks)
     if (l.name == name) return &l;
   return nullptr;
 }
@@ -54,7 +54,7 @@ std::string landmarks_json(const HeadLandmarks& landmarks) {
                       {"normal", value_of(landmarks.midsagittal.normal)},
                       {"confidence", landmarks.midsagittal.confidence}};
   j["landmarks"] = Json::array();
-  for (const CaseLandmark& l : landmarks.landmarks)
+  for (const cases::CaseLandmark& l : landmarks.landmarks)
     j["landmarks"].push_back({{"name", l.name},
                               {"position_mm", value_of(l.position_mm)},
                               {"confidence", l.confidence},
@@ -63,7 +63,7 @@ std::string landmarks_json(const HeadLandmarks& landmarks) {
 }
 
 HeadLandmarks parse_landmarks_json(std::string_view text) {
-  const Json json = detail::parse_json(text);
+  const Json json = cases::detail::parse_json(text);
   const JsonAt root(json, "");
   HeadLandmarks out;
   const JsonAt plane = root["midsagittal"];
@@ -78,4 +78,4 @@ HeadLandmarks parse_landmarks_json(std::string_view text) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

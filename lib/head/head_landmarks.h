@@ -8,7 +8,7 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 
-namespace trephine {
+namespace trephine::head {
 
 /// The plane that separates the two sides of a head.
 struct MidsagittalPlane {
@@ -22,8 +22,8 @@ struct MidsagittalPlane {
 /// that the user chooses. No name occurs twice. Sources: "found", "estimated", "given", "truth".
 struct HeadLandmarks {
   MidsagittalPlane midsagittal;
-  std::vector<CaseLandmark> landmarks;
-  const CaseLandmark* find(std::string_view name) const;
+  std::vector<cases::CaseLandmark> landmarks;
+  const cases::CaseLandmark* find(std::string_view name) const;
 };
 
 /// The names of the landmarks that are searched for in a head; a user may give others.
@@ -39,13 +39,13 @@ HeadLandmarks parse_landmarks_json(std::string_view text);
 /// the confidence 1; labels become lower case, with underscores for blanks and hyphens. Throws Error 65 naming the
 /// field: no point, a name twice with different positions, a number that is not finite or beyond 1e5 mm, an unknown
 /// coordinate system or unit.
-std::vector<CaseLandmark> parse_slicer_markups(std::string_view text);
-std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text);
+std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text);
+std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text);
 
 /// Reads a file by its ending: .mrk.json, .fcsv, or .json for our own format. Throws Error 66; 65 as the parsers do,
 /// naming the file; and `other_ending` for any other ending.
 HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending = ExitCode::bad_input);
 /// Only the points of a file; throws Error 64 for another ending.
-std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file);
+std::vector<cases::CaseLandmark> read_landmark_file(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::head

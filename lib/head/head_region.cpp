@@ -12,10 +12,8 @@
 #include "mask/coarse.h"
 #include "mask/hu_view.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
-
-using namespace segmentation;
 
 constexpr double coarse_mm = 2;
 constexpr double bone_hu = 226;
@@ -28,16 +26,16 @@ struct UpAxis {
   int axis = 2;
   bool ascends = true;
 };
-UpAxis up_axis(const Lattice& l) {
+UpAxis up_axis(const grid::Lattice& l) {
   const int axis = vertical_axis(l);
   return {axis, l.direction.column[axis].z > 0};
 }
 
-double cell_face_mm2(const Lattice& l, int axis) { return l.voxel_volume_mm3() / l.spacing_mm[axis]; }
+double cell_face_mm2(const grid::Lattice& l, int axis) { return l.voxel_volume_mm3() / l.spacing_mm[axis]; }
 
 /// The mask's area in each slice across that axis.
-std::vector<double> areas_mm2(const BitMask& mask, int axis) {
-  const Lattice& l = mask.lattice();
+std::vector<double> areas_mm2(const mask::BitMask& mask, int axis) {
+  const grid::Lattice& l = mask.lattice();
   std::vector<double> area(l.size[axis]);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -46,9 +44,11 @@ std::vector<double> areas_mm2(const BitMask& mask, int axis) {
   return area;
 }
 
-BitMask part_of(const BitMask& mask, const Box& box) { return placed(crop(mask, box), mask.lattice()); }
+mask::BitMask part_of(const mask::BitMask& mask, const grid::Box& box) {
+  return mask::placed(mask::crop(mask, box), mask.lattice());
+}
 
-const char* side_name(const Lattice& l, int axis, bool last) {
+const char* side_name(const grid::Lattice& l, int axis, bool last) {
   const Vec3 out = l.direction.column[axis] * (last ? 1.0 : -1.0);
   if (std::abs(out.x) >= std::abs(out.y)) return out.x > 0 ? "left" : "right";
   return out.y > 0 ? "back" : "front";
@@ -56,15 +56,17 @@ const char* side_name(const Lattice& l, int axis, bool last) {
 
 }  // namespace
 
-HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& report, const Progress& progress) {
-  check_finite(volume);
-  const HuView hu(volume);
-  const Lattice& l = hu.lattice();
-  const CoarseRaster raster = coarse_raster(l, coarse_mm);
-  const BitMask bone = coarse_mask(above(hu, bone_hu), raster, 0.5);
-  const BitMask tissue = largest(components(coarse_mask(above(hu, p.tissue_hu), raster, 0.5)));
+grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams& p, Report& report,
+                           const Progress& progress) {
+  mask::check_finite(volume);
+  const mask::HuView hu(volume);
+  const grid::Lattice& l = hu.lattice();
+  const mask::CoarseRaster raster = mask::coarse_raster(l, coarse_mm);
+  const mask::BitMask bone = mask::coarse_mask(mask::above(hu, bone_hu), raster, 0.5);
+  const mask::BitMask tissue =
+      mask::largest(mask::components(mask::coarse_mask(mask::above(hu, p.tissue_hu), raster, 0.5)));
   progress.report(0.4);
-  BitMask cavity;
+  mask::BitMask cavity;
   try {
     cavity = cranial_cavity(bone, report, progress);
   } catch (const Error& e) {
@@ -74,7 +76,7 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
         "encloses");
     return volume;
   }
-  const Lattice& c = cavity.lattice();
+  const grid::Lattice& c = cavity.lattice();
   const UpAxis up = up_axis(c);
   const std::vector<double> area = areas_mm2(cavity, up.axis);
   const int n = c.size[up.axis];
@@ -96,14 +98,14 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
         "the scan ends above in the skull or the scalp: the skin of the vertex is missing, and closed by a plane");
 
   const int lowest = std::max(0, foramen - int(std::ceil(p.below_mm / c.spacing_mm[up.axis])));
-  Box box = whole_box(c);
+  grid::Box box = grid::whole_box(c);
   (up.ascends ? box.begin : box.end)[up.axis] = up.ascends ? lowest : n - lowest;
-  const BitMask head = part_of(tissue, box);
-  const Box tight = head.bounds();
+  const mask::BitMask head = part_of(tissue, box);
+  const grid::Box tight = head.bounds();
   // A side of the field of view that cuts the head itself (not the shoulders below it).
-  Box skull_box = box;
+  grid::Box skull_box = box;
   (up.ascends ? skull_box.begin : skull_box.end)[up.axis] = up.ascends ? foramen : n - foramen;
-  const BitMask upper = part_of(tissue, skull_box);
+  const mask::BitMask upper = part_of(tissue, skull_box);
   for (int a = 0; a < 3; ++a) {
     if (a == up.axis) continue;
     const std::vector<double> cut = areas_mm2(upper, a);
@@ -113,7 +115,7 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
                                 side_name(c, a, last)));
   }
 
-  Box fine;
+  grid::Box fine;
   for (int a = 0; a < 3; ++a) {
     const int margin = int(std::ceil(p.margin_mm / l.spacing_mm[a]));
     fine.begin[a] = std::max(0, tight.begin[a] * raster.factor[a] - margin);
@@ -123,10 +125,11 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
   if (lowest > 0)
     (up.ascends ? fine.begin : fine.end)[up.axis] =
         up.ascends ? lowest * raster.factor[up.axis] : std::min(l.size[up.axis], (n - lowest) * raster.factor[up.axis]);
-  const HuVolume out = std::visit([&](const auto& grid) { return HuVolume(crop(grid, fine)); }, volume);
-  report.add("region_ml", lattice_of(out).count() * l.voxel_volume_mm3() / 1000);
+  const grid::HuVolume out =
+      std::visit([&](const auto& grid) { return grid::HuVolume(grid::crop(grid, fine)); }, volume);
+  report.add("region_ml", grid::lattice_of(out).count() * l.voxel_volume_mm3() / 1000);
   report.add("neck_cut", lowest > 0);
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::head {
 
 struct HeadRegionParams {
   double below_mm = 90;
@@ -32,7 +32,7 @@ struct HeadRegionParams {
 /// reaches it), or a side of the head that the field of view cuts. Where no space enclosed by bone is found, the volume
 /// stays as it is and a warning says so. Throws Error 65 where a voxel is not finite; Cancelled. The result has the
 /// same bits whatever the thread count.
-HuVolume head_region(const HuVolume& volume, const HeadRegionParams& params, Report& report,
-                     const Progress& progress = {});
+grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams& params, Report& report,
+                           const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::head

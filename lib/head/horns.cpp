@@ -12,37 +12,37 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double raster_mm = 1.2;      ///< paths are searched on voxels merged up to this
 constexpr double fine_sigma_mm = 1.5;  ///< sigma of the mean that a path follows
 constexpr double wide_sigma_mm = 2.5;  ///< sigma of the mean by which its radius is measured
 constexpr double beside_sigma_mm = 6;  ///< sigma of the mean of the tissue around it
-constexpr double least_contrast_hu = 8;
+constexpr double min_contrast_hu = 8;
 constexpr double depth_mm = 10;  ///< least depth under the brain's surface
 constexpr double clear_mm = 3;   ///< least distance to other CSF
 constexpr double start_mm = 2;   ///< this near to the ventricles everything is dark by blur
 
 // The evidence for a horn: the share of CSF in the fine mean above the least share, summed along the path, in mm.
-constexpr double least_share = 0.2;
-constexpr double least_share_sigma = 2.2;  ///< and this many standard deviations of its noise
-constexpr double drop_mm = 1.5;            ///< a path ends where its sum has fallen by this
-constexpr double least_score_mm = 2;
-constexpr double least_reach_mm = 7;  ///< both from the ventricles and along the path
-constexpr double most_path_mm = 52;
+constexpr double min_share = 0.2;
+constexpr double min_share_sigma = 2.2;  ///< and this many standard deviations of its noise
+constexpr double drop_mm = 1.5;          ///< a path ends where its sum has fallen by this
+constexpr double min_score_mm = 2;
+constexpr double min_reach_mm = 7;  ///< both from the ventricles and along the path
+constexpr double max_path_mm = 52;
 constexpr double cost_rate = 4;  ///< a mm of path costs exp(-rate share)
 constexpr double apart_mm = 4;   ///< between two paths
-constexpr int most_paths = 8;
+constexpr int max_paths = 8;
 
 // The same with the wide mean, by which the path was not chosen.
 constexpr double wide_least = 0.1;  ///< a tube of 1.25 mm radius
 constexpr double wide_least_sigma = 2;
 constexpr double wide_drop_mm = 0.4, wide_score_mm = 0.5;
 constexpr double share_along_mm = 3, place_along_mm = 2;  ///< sigma of the means along a path
-constexpr double least_radius_mm = 1, most_radius_mm = 4;
+constexpr double min_radius_mm = 1, max_radius_mm = 4;
 constexpr double far_mm = 4;
-constexpr double least_spreads = 3;  ///< a horn is darker than this many standard deviations of lines beside it
+constexpr double min_spreads = 3;  ///< a horn is darker than this many standard deviations of lines beside it
 
 constexpr double horn_reach_mm = 9;  ///< a head's horns lie this near to the template's
 
@@ -59,20 +59,20 @@ constexpr Place temporal{{18, -25, -36}, {45, 35, 5}}, occipital{{10, 15, -18}, 
 
 /// The cells of the voxels of one lattice on which paths are searched. Voxels that fill no cell are left out.
 struct Cells {
-  Box whole;
-  CoarseRaster raster;
-  explicit Cells(const Lattice& l) {
+  grid::Box whole;
+  mask::CoarseRaster raster;
+  explicit Cells(const grid::Lattice& l) {
     std::array<int, 3> factor;
     for (int a = 0; a < 3; ++a) {
       factor[a] = std::max(1, std::min(l.size[a], int(raster_mm / l.spacing_mm[a])));
       whole.end[a] = l.size[a] - l.size[a] % factor[a];
     }
-    raster = coarse_raster(cropped(l, whole), factor);
+    raster = mask::coarse_raster(grid::cropped(l, whole), factor);
   }
   /// Set where at least half of the voxels are set.
-  BitMask of(const BitMask& m) const { return coarse_mask(crop(m, whole), raster, 0.5); }
-  Grid<float> of(const Grid<float>& hu, const BitMask& known) const {
-    return coarse_mean(HuView(hu), crop(known, whole), raster, 0);
+  mask::BitMask of(const mask::BitMask& m) const { return mask::coarse_mask(mask::crop(m, whole), raster, 0.5); }
+  grid::Grid<float> of(const grid::Grid<float>& hu, const mask::BitMask& known) const {
+    return mask::coarse_mean(mask::HuView(hu), mask::crop(known, whole), raster, 0);
   }
 };
 
@@ -83,9 +83,9 @@ struct Tree {
   std::vector<float> step;  ///< mm from the parent
 };
 
-Tree grow_tree(const Grid<float>& share, const BitMask& allowed, const BitMask& start, double least,
+Tree grow_tree(const grid::Grid<float>& share, const mask::BitMask& allowed, const mask::BitMask& start, double least,
                const Progress& progress) {
-  const Lattice& l = share;
+  const grid::Lattice& l = share;
   Tree t;
   t.parent.assign(l.count(), -1);
   t.step.assign(l.count(), 0.f);
@@ -107,7 +107,7 @@ Tree grow_tree(const Grid<float>& share, const BitMask& allowed, const BitMask& 
     done[std::size_t(v)] = 1;
     t.order.push_back(v);
     if (t.order.size() % 65536 == 0) progress.check();
-    if (best[std::size_t(v)] - score[std::size_t(v)] > drop_mm || length[std::size_t(v)] > most_path_mm) continue;
+    if (best[std::size_t(v)] - score[std::size_t(v)] > drop_mm || length[std::size_t(v)] > max_path_mm) continue;
     const int i = v % l.size[0], j = v / l.size[0] % l.size[1], k = v / l.size[0] / l.size[1];
     for (int c = -1; c <= 1; ++c)
       for (int b = -1; b <= 1; ++b)
@@ -132,7 +132,7 @@ Tree grow_tree(const Grid<float>& share, const BitMask& allowed, const BitMask& 
 
 /// The radius of a tube for which the two means differ by this share.
 double radius_of(double share) {
-  double from = 0, to = most_radius_mm;
+  double from = 0, to = max_radius_mm;
   for (int n = 0; n < 30; ++n) {
     const double r = 0.5 * (from + to);
     const double s = std::exp(-r * r / (2 * beside_sigma_mm * beside_sigma_mm)) -
@@ -149,17 +149,18 @@ struct Node {
 using Path = std::vector<Node>;  ///< from its tip to its root
 
 /// The best paths in the tree, the best first; none lies beside another or in `taken`.
-std::vector<Path> best_paths(const Tree& tree, const Grid<float>& share, const Grid<float>& wide_share, BitMask taken,
-                             const Grid<float>& off, double least, const Progress& progress) {
-  const Lattice& l = share;
+std::vector<Path> best_paths(const Tree& tree, const grid::Grid<float>& share, const grid::Grid<float>& wide_share,
+                             mask::BitMask taken, const grid::Grid<float>& off, double least,
+                             const Progress& progress) {
+  const grid::Lattice& l = share;
   const auto index_of = [&](std::int32_t v) {
     return std::array<int, 3>{v % l.size[0], v / l.size[0] % l.size[1], v / l.size[0] / l.size[1]};
   };
   std::vector<float> score(l.count(), 0.f);
   std::vector<Path> paths;
-  while (int(paths.size()) < most_paths) {
+  while (int(paths.size()) < max_paths) {
     std::int32_t tip = -1;
-    float most = float(least_score_mm);
+    float most = float(min_score_mm);
     for (const std::int32_t v : tree.order) {
       const std::size_t u = std::size_t(v);
       const auto [i, j, k] = index_of(v);
@@ -168,14 +169,14 @@ std::vector<Path> best_paths(const Tree& tree, const Grid<float>& share, const G
         continue;
       }
       score[u] = score[std::size_t(tree.parent[u])] + tree.step[u] * (share.voxels[u] - float(least));
-      if (score[u] > most && off.voxels[u] >= least_reach_mm) {
+      if (score[u] > most && off.voxels[u] >= min_reach_mm) {
         most = score[u];
         tip = v;
       }
     }
     if (tip < 0) break;
     Path path;
-    BitMask trace(l);
+    mask::BitMask trace(l);
     for (std::int32_t v = tip; v >= 0; v = tree.parent[std::size_t(v)]) {
       const auto [i, j, k] = index_of(v);
       const Vec3 at = l.to_world_mm({double(i), double(j), double(k)});
@@ -184,7 +185,7 @@ std::vector<Path> best_paths(const Tree& tree, const Grid<float>& share, const G
       trace.set(i, j, k);
       if (taken.get(i, j, k)) break;
     }
-    taken |= dilated(trace, apart_mm, progress);
+    taken |= mask::dilated(trace, apart_mm, progress);
     paths.push_back(std::move(path));
   }
   return paths;
@@ -208,7 +209,7 @@ Path tube_along(const Path& path, double wide_floor) {
     }
     n.at = at / at_weights;
     n.wide_share = share / share_weights;
-    n.radius_mm = std::clamp(radius_of(n.wide_share), least_radius_mm, most_radius_mm);
+    n.radius_mm = std::clamp(radius_of(n.wide_share), min_radius_mm, max_radius_mm);
   }
   std::size_t end = tube.size() - 1;
   double sum = 0, most = 0;
@@ -220,16 +221,16 @@ Path tube_along(const Path& path, double wide_floor) {
     }
     if (sum < most - wide_drop_mm) break;
   }
-  if (most < wide_score_mm || tube.back().along_mm - tube[end].along_mm < least_reach_mm) return {};
+  if (most < wide_score_mm || tube.back().along_mm - tube[end].along_mm < min_reach_mm) return {};
   tube.erase(tube.begin(), tube.begin() + std::ptrdiff_t(end));
   return tube;
 }
 
 /// Whether the tube is darker than what lies beside it is uneven: streaks are dark and bright lines side by side, of
 /// which any one looks like a horn. `share` is the share of CSF at each voxel, `tissue` where it means something.
-bool stands_out(const Path& tube, const Grid<float>& share, const BitMask& tissue) {
+bool stands_out(const Path& tube, const grid::Grid<float>& share, const mask::BitMask& tissue) {
   constexpr int ways = 8;
-  constexpr double beside_mm[] = {6, 8.5}, least_seen = 0.5;
+  constexpr double beside_mm[] = {6, 8.5}, min_seen = 0.5;
   const Vec3 along = normalized(tube.back().at - tube.front().at);
   const Vec3 aside = normalized(cross(along, std::abs(along.z) < 0.8 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
   const Vec3 other = cross(along, aside);
@@ -243,7 +244,7 @@ bool stands_out(const Path& tube, const Grid<float>& share, const BitMask& tissu
       sum += share.at(a, b, c);
       ++seen;
     }
-    if (double(seen) < least_seen * double(tube.size())) return {};
+    if (double(seen) < min_seen * double(tube.size())) return {};
     return sum / double(seen);
   };
   std::vector<float> beside;
@@ -254,16 +255,16 @@ bool stands_out(const Path& tube, const Grid<float>& share, const BitMask& tissu
         beside.push_back(float(*m));
     }
   if (beside.size() < ways) return true;
-  const float middle = median(beside, 0.f);
+  const float middle = mask::median(beside, 0.f);
   for (float& m : beside) m = std::abs(m - middle);
-  const double spread = 1.4826 * median(beside, 0.f), mine = *mean_at({}, true) - middle;
-  return mine >= least_spreads * spread;
+  const double spread = 1.4826 * mask::median(beside, 0.f), mine = *mean_at({}, true) - middle;
+  return mine >= min_spreads * spread;
 }
 
 /// The union with the signed distance to the tube.
-void draw(const Path& tube, Grid<float>& out) {
+void draw(const Path& tube, grid::Grid<float>& out) {
   const Vec3 s = out.spacing_mm;
-  const double reach = most_radius_mm + far_mm;
+  const double reach = max_radius_mm + far_mm;
   for (std::size_t n = 0; n + 1 < tube.size(); ++n) {
     const Node &a = tube[n], &b = tube[n + 1];
     const Vec3 p = out.to_index(a.at), ab = b.at - a.at;
@@ -283,56 +284,57 @@ void draw(const Path& tube, Grid<float>& out) {
 
 }  // namespace
 
-Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMask& envelope, const BitMask& others,
-                       const BitMask& shape, Vec3 centre_mm, const HeadPlace& place, double noise, int& count,
-                       const Progress& progress) {
-  Grid<float> out(hu, float(-far_mm));
+grid::Grid<float> find_horns(const grid::Grid<float>& hu, const mask::BitMask& known, const mask::BitMask& envelope,
+                             const mask::BitMask& others, const mask::BitMask& shape, Vec3 centre_mm,
+                             const place::HeadPlace& place, double noise, int& count, const Progress& progress) {
+  grid::Grid<float> out(hu, float(-far_mm));
   count = 0;
   const Cells cells(hu);
-  const Lattice& l = cells.raster.cells;
-  const BitMask core = cells.of(shape), sound = cells.of(known);
-  BitMask free = eroded(cells.of(envelope), depth_mm, progress);
-  free.remove(dilated(cells.of(others), clear_mm, progress));
-  const Grid<float> values = cells.of(hu, known);
+  const grid::Lattice& l = cells.raster.cells;
+  const mask::BitMask core = cells.of(shape), sound = cells.of(known);
+  mask::BitMask free = mask::eroded(cells.of(envelope), depth_mm, progress);
+  free.remove(mask::dilated(cells.of(others), clear_mm, progress));
+  const grid::Grid<float> values = cells.of(hu, known);
   std::vector<float> inside;
-  const BitMask inner = eroded(core, 1.0, progress);
+  const mask::BitMask inner = mask::eroded(core, 1.0, progress);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
         if (inner.get(i, j, k)) inside.push_back(values.at(i, j, k));
   if (inside.size() < 50) return out;
-  const float low = median(inside, 0.f);
-  BitMask start = dilated(core, start_mm, progress), tissue = sound;
+  const float low = mask::median(inside, 0.f);
+  mask::BitMask start = mask::dilated(core, start_mm, progress), tissue = sound;
   tissue &= free;
   tissue.remove(start);
-  BitMask way = free;
-  way &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  mask::BitMask way = free;
+  way &= mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) {
       const Vec3 at = l.to_world_mm({double(i), double(j), double(k)}), p = at - centre_mm;
-      row[i] = free.get(i, j, k) && (place.sure ? horns_mm(place.to_template(at)) <= horn_reach_mm
+      row[i] = free.get(i, j, k) && (place.sure ? place::horns_mm(place.to_template(at)) <= horn_reach_mm
                                                 : temporal.holds(p) || occipital.holds(p));
     }
   });
-  const Grid<float> fine = masked_gaussian(values, sound, fine_sigma_mm, 1000, 0.02, progress),
-                    wide = masked_gaussian(values, tissue, wide_sigma_mm, 1000, 0.02, progress),
-                    beside = masked_gaussian(values, tissue, beside_sigma_mm, -1000, 0.02, progress);
-  Grid<float> share(l), wide_share(l);
+  const grid::Grid<float> fine = mask::masked_gaussian(values, sound, fine_sigma_mm, 1000, 0.02, progress),
+                          wide = mask::masked_gaussian(values, tissue, wide_sigma_mm, 1000, 0.02, progress),
+                          beside = mask::masked_gaussian(values, tissue, beside_sigma_mm, -1000, 0.02, progress);
+  grid::Grid<float> share(l), wide_share(l);
   for (std::size_t v = 0; v < l.count(); ++v) {
-    const float contrast = std::max(beside.voxels[v] - low, float(least_contrast_hu));
+    const float contrast = std::max(beside.voxels[v] - low, float(min_contrast_hu));
     share.voxels[v] = std::clamp((beside.voxels[v] - fine.voxels[v]) / contrast, -0.5f, 1.f);
     wide_share.voxels[v] = std::clamp((beside.voxels[v] - wide.voxels[v]) / contrast, -0.5f, 1.f);
   }
   // The noise of a Gaussian mean, as a share.
   const auto noise_of = [&](double sigma_mm) {
     constexpr double pi = 3.14159265358979323846;
-    return noise * std::pow(4 * pi * sigma_mm * sigma_mm, -0.75) / std::max(tissue_level_hu - low, least_contrast_hu);
+    return noise * std::pow(4 * pi * sigma_mm * sigma_mm, -0.75) / std::max(tissue_level_hu - low, min_contrast_hu);
   };
-  const double least = std::max(least_share, least_share_sigma * noise_of(fine_sigma_mm));
+  const double least = std::max(min_share, min_share_sigma * noise_of(fine_sigma_mm));
   const double wide_floor = std::max(wide_least, wide_least_sigma * noise_of(wide_sigma_mm));
   start &= free;
   start |= core;
   const Tree tree = grow_tree(share, way, start, least, progress);
-  for (const Path& path : best_paths(tree, share, wide_share, start, distance_mm(core, progress), least, progress)) {
+  for (const Path& path :
+       best_paths(tree, share, wide_share, start, mask::distance_mm(core, progress), least, progress)) {
     const Path tube = tube_along(path, wide_floor);
     if (tube.empty() || !stands_out(tube, share, tissue)) continue;
     draw(tube, out);
@@ -341,4 +343,4 @@ Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMas
   return out;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

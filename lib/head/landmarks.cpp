@@ -17,28 +17,25 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
 
-using namespace segmentation;
-
 constexpr double tangent_mm = 5, middle_depth_mm = 70, tragi_to_nasion_deg = 20;
-constexpr double least_lopsided_mm = 3.5,
-                 most_lopsided_mm = 10;                ///< distance of one tragus from the other's mirror image
-constexpr double least_symmetry = 0.15;                ///< below this the plane is not that of a head
-constexpr double least_leap_mm = 2, most_leap_mm = 5;  ///< of the midline's skin between neighbouring points
-constexpr double most_vertices_apart_mm = 15;          ///< 6 degrees of another level
-constexpr double most_estimates_apart_mm = 10, of_an_estimate = 0.45;
+constexpr double min_lopsided_mm = 3.5, max_lopsided_mm = 10;  ///< distance of one tragus from the other's mirror image
+constexpr double min_symmetry = 0.15;                          ///< below this the plane is not that of a head
+constexpr double min_leap_mm = 2, max_leap_mm = 5;             ///< of the midline's skin between neighbouring points
+constexpr double max_vertices_apart_mm = 15;                   ///< 6 degrees of another level
+constexpr double max_estimates_apart_mm = 10, of_an_estimate = 0.45;
 const char* const how_to_give =
     "give nasion, inion, tragus_left and tragus_right (`landmarks: {nasion: [x, y, z], ...}`, mm, LPS; or a "
     "`landmarks_file`, .mrk.json or .fcsv of 3D Slicer)";
 
 class Finder {
  public:
-  Finder(const HuVolume& volume, const LandmarkInputs& in, const LandmarkParams& params, Report& report)
-      : volume_(volume), lattice_(lattice_of(volume)), in_(in), params_(params), report_(report) {
-    const auto check = [&](const Field* f, const char* name) {
-      if (f) with_field(name, [&] { place_in(*f, lattice_); });
+  Finder(const grid::HuVolume& volume, const LandmarkInputs& in, const LandmarkParams& params, Report& report)
+      : volume_(volume), lattice_(grid::lattice_of(volume)), in_(in), params_(params), report_(report) {
+    const auto check = [&](const grid::Field* f, const char* name) {
+      if (f) with_field(name, [&] { grid::place_in(*f, lattice_); });
     };
     if (!in.skin) throw Error(ExitCode::usage, "", "skin", "is needed");
     if (!in.skull) throw Error(ExitCode::usage, "", "skull", "is needed");
@@ -47,19 +44,19 @@ class Finder {
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
     check_given(in.given, *in.skin, in.ventricles, report);
-    check_varies(volume);
+    mask::check_varies(volume);
     out_.landmarks = in.given;
   }
 
   HeadLandmarks run(const Progress& progress) {
-    const FieldView skin(*in_.skin, lattice_), skull(*in_.skull, lattice_);
+    const craniometry::FieldView skin(*in_.skin, lattice_), skull(*in_.skull, lattice_);
     const bool by_points = plane_from_given();
     if (!by_points) plane_by_symmetry(skin, skull, progress.part(0, 0.7));
     progress.report(0.7);
     check_sides(in_.given, out_.midsagittal);
     set_frame(skull);
     const auto nasion = find_nasion(skin, skull, head_);
-    if (const CaseLandmark* given = out_.find("nasion"))
+    if (const cases::CaseLandmark* given = out_.find("nasion"))
       doubt_given(*given, nasion, report_);
     else
       add("nasion", nasion, "found", "no hollow between brow and nose");
@@ -86,7 +83,7 @@ class Finder {
     find_bregma(skin, skull);
     find_kocher(skin, skull);
     if (in_.ventricles) {
-      const auto monro = find_monro(FieldView(*in_.ventricles, lattice_), volume_, head_);
+      const auto monro = find_monro(craniometry::FieldView(*in_.ventricles, lattice_), volume_, head_);
       for (int s = 0; s < 2; ++s) {
         const char* name = s == 0 ? "monro_left" : "monro_right";
         if (!out_.find(name))
@@ -101,27 +98,27 @@ class Finder {
 
  private:
   const Vec3* given(const char* name) const {
-    for (const CaseLandmark& l : in_.given)
+    for (const cases::CaseLandmark& l : in_.given)
       if (l.name == name) return &l.position_mm;
     return nullptr;
   }
   std::set<std::string> given_names() const {
     std::set<std::string> names;
-    for (const CaseLandmark& l : in_.given) names.insert(l.name);
+    for (const cases::CaseLandmark& l : in_.given) names.insert(l.name);
     return names;
   }
   const Vec3* known(const char* name, double least = 0.3) const {
-    const CaseLandmark* l = out_.find(name);
+    const cases::CaseLandmark* l = out_.find(name);
     return l && l->confidence >= least ? &l->position_mm : nullptr;
   }
   double confidence_of(const char* name) const {
-    const CaseLandmark* l = out_.find(name);
+    const cases::CaseLandmark* l = out_.find(name);
     return l ? l->confidence : 0;
   }
 
   void add(const char* name, std::optional<FoundPoint> found, const char* source, const char* otherwise) {
     if (found) found->confidence *= out_.midsagittal.confidence;
-    if (found && found->confidence >= least_confidence && lies_in_scan(found->position_mm))
+    if (found && found->confidence >= min_confidence && lies_in_scan(found->position_mm))
       out_.landmarks.push_back({name, found->position_mm, found->confidence, source});
     else
       report_.warn(fmt::format("{} not found: {}", name,
@@ -129,7 +126,7 @@ class Finder {
                                : why_.count(name) ? why_[name].c_str()
                                                   : "too near the scan's edge, or doubtful"));
   }
-  bool lies_in_scan(Vec3 p) const { return FieldView(*in_.skin, lattice_).depth_in_scan_mm(p) >= 0; }
+  bool lies_in_scan(Vec3 p) const { return craniometry::FieldView(*in_.skin, lattice_).depth_in_scan_mm(p) >= 0; }
 
   bool plane_from_given() {
     const auto plane = plane_of_given(in_.given);
@@ -138,14 +135,15 @@ class Finder {
     return plane.has_value();
   }
 
-  void plane_by_symmetry(const FieldView& skin, const FieldView& skull, const Progress& progress) {
-    const MirrorPlane plane = find_mirror_plane(skin, skull, progress);
+  void plane_by_symmetry(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                         const Progress& progress) {
+    const craniometry::MirrorPlane plane = craniometry::find_mirror_plane(skin, skull, progress);
     report_.add("midsagittal_from", "symmetry");
     report_.add("symmetry_residual_mm", plane.residual_mm);
     report_.add("symmetry_midline_residual_mm", plane.midline_mm);
     report_.add("symmetry_matched_ratio", plane.matched);
     report_.add("symmetry_sharpness_mm", plane.rise_mm);
-    if (plane.confidence < least_symmetry)
+    if (plane.confidence < min_symmetry)
       throw refusal("midsagittal",
                     fmt::format("no symmetric skull was found (residual {:.1f} mm of at most 4, {:.0f} % match of at "
                                 "least 50, sharpness {:.2f} mm of at least 0.1)",
@@ -155,14 +153,14 @@ class Finder {
   }
 
   /// Axes in the plane, the superior one nearest to the scan's; the origin is the centre of the skull's bones.
-  void set_frame(const FieldView& skull) {
+  void set_frame(const craniometry::FieldView& skull) {
     const MidsagittalPlane& p = out_.midsagittal;
     head_.left = p.normal;
     head_.back = normalized(Vec3{0, 1, 0} - p.normal * p.normal.y);
     head_.up = cross(head_.left, head_.back);
     Vec3 sum;
     std::size_t count = 0;
-    const Field& f = skull.field();
+    const grid::Field& f = skull.field();
     for (int k = 0; k < f.size[2]; k += 3)
       for (int j = 0; j < f.size[1]; j += 4)
         for (int i = 0; i < f.size[0]; i += 4)
@@ -188,16 +186,16 @@ class Finder {
 
   /// The ears of a head differ less than a wrong rim is off, but which of the two is wrong is not known.
   void doubt_lopsided_tragi() {
-    CaseLandmark* tragi[2] = {nullptr, nullptr};
-    for (CaseLandmark& l : out_.landmarks)
+    cases::CaseLandmark* tragi[2] = {nullptr, nullptr};
+    for (cases::CaseLandmark& l : out_.landmarks)
       if (l.name == "tragus_left" || l.name == "tragus_right") tragi[l.name == "tragus_left" ? 0 : 1] = &l;
     if (!tragi[0] || !tragi[1]) return;
     const MidsagittalPlane& p = out_.midsagittal;
     const Vec3 left = tragi[0]->position_mm;
     const double apart_mm = norm(left - p.normal * (2 * dot(left - p.point_mm, p.normal)) - tragi[1]->position_mm);
     report_.add("tragi_asymmetry_mm", apart_mm);
-    for (CaseLandmark* l : tragi)
-      lower(*l, ramp(apart_mm, most_lopsided_mm, least_lopsided_mm),
+    for (cases::CaseLandmark* l : tragi)
+      lower(*l, mask::ramp(apart_mm, max_lopsided_mm, min_lopsided_mm),
             fmt::format("{:.0f} mm from the mirror image of the other tragus", apart_mm));
   }
 
@@ -225,14 +223,15 @@ class Finder {
     return {-75, 5};
   }
 
-  void set_arcs(const FieldView& skin) {
-    if (const Vec3* nasion = known("nasion", least_confidence))
-      arc_ = midline_arc(skin, head_, *nasion, known("inion", least_confidence));
+  void set_arcs(const craniometry::FieldView& skin) {
+    if (const Vec3* nasion = known("nasion", min_confidence))
+      arc_ = midline_arc(skin, head_, *nasion, known("inion", min_confidence));
   }
 
   /// A sheet that lies on the skin (a radiotherapy mask, a dressing) ends or is perforated somewhere: what is measured
   /// over it is not measured over skin. Nor is what lies far from any bone.
-  void doubt_leaps(const FieldView& skin, const FieldView& skull, std::optional<FoundPoint>& vertex) {
+  void doubt_leaps(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                   std::optional<FoundPoint>& vertex) {
     if (vertex) {
       const double soft_mm =
           soft_tissue_mm(skull, vertex->position_mm, normalized(head_.origin_mm - vertex->position_mm));
@@ -242,45 +241,45 @@ class Finder {
     if (vertex) doubt_vertex(skin, *vertex);
     leap_mm_ = widest_leap_mm(arc_->skin, params_.along_mm + tangent_mm);
     report_.add("midline_leap_mm", leap_mm_);
-    const double factor = std::max(0.3, ramp(leap_mm_, most_leap_mm, least_leap_mm));
+    const double factor = std::max(0.3, mask::ramp(leap_mm_, max_leap_mm, min_leap_mm));
     const std::string why = fmt::format("the midline's skin leaps by {:.1f} mm", leap_mm_);
     if (vertex) lower(*vertex, "vertex", factor, why);
-    for (CaseLandmark& l : out_.landmarks)
+    for (cases::CaseLandmark& l : out_.landmarks)
       if (l.name == "nasion") lower(l, factor, why);
   }
 
   /// The highest point moves by 2 mm with each degree by which the head is levelled otherwise. The highest point as the
   /// patient lay, and half of the way from nasion to inion over the skin, are other estimates.
-  void doubt_vertex(const FieldView& skin, FoundPoint& vertex) {
+  void doubt_vertex(const craniometry::FieldView& skin, FoundPoint& vertex) {
     HeadFrame lying = head_;
     lying.back = normalized(Vec3{0, 1, 0} - head_.left * head_.left.y);
     lying.up = cross(lying.left, lying.back);
     const auto highest = find_vertex(skin, lying);
     const double lying_mm = highest ? norm(highest->position_mm - vertex.position_mm) : 0;
     report_.add("vertex_to_highest_mm", lying_mm);
-    lower(vertex, "vertex", lying_mm > most_vertices_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", lying_mm > max_vertices_apart_mm ? 0.45 : 1,
           fmt::format("the highest point, as the patient lay, is {:.0f} mm off", lying_mm));
-    const Vec3* inion = known("inion", least_confidence);
+    const Vec3* inion = known("inion", min_confidence);
     if (!inion) return;
     const double all = arc_length_to_mm(arc_->skin, *inion);
-    const auto half = point_along(arc_->skin, 0.5 * all);
+    const auto half = surface::point_along(arc_->skin, 0.5 * all);
     if (!half || skin.depth_in_scan_mm(*half) < 0.5) return;
     const double apart_mm = norm(*half - vertex.position_mm);
     report_.add("vertex_to_half_way_mm", apart_mm);
-    lower(vertex, "vertex", apart_mm > most_vertices_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", apart_mm > max_vertices_apart_mm ? 0.45 : 1,
           fmt::format("half of the way from nasion to inion lies {:.0f} mm off", apart_mm));
   }
 
   /// The suture is looked for in the bone. Where it is not clear, it has to agree with the usual distance; where it
   /// does not, that distance is all that is left, and no reason to trust it.
-  void find_bregma(const FieldView& skin, const FieldView& skull) {
+  void find_bregma(const craniometry::FieldView& skin, const craniometry::FieldView& skull) {
     if (out_.find("bregma")) return;
     if (!arc_) return report_.warn("bregma and Kocher's points not measured: the nasion is not known");
-    const Vec3* nasion = known("nasion", least_confidence);
-    const auto suture = find_coronal_suture(
+    const Vec3* nasion = known("nasion", min_confidence);
+    const auto suture = craniometry::find_coronal_suture(
         volume_, {arc_->centre_mm, arc_->front, arc_->onwards, head_.left, *nasion},
         [&](Vec3 from, Vec3 direction, double length_mm) { return skull.enter(from, direction, length_mm, 1.2); });
-    std::optional<Vec3> usual = point_along(arc_->skin, params_.bregma_mm);
+    std::optional<Vec3> usual = surface::point_along(arc_->skin, params_.bregma_mm);
     if (usual && runs_over_edge(skin, arc_->skin, *usual)) usual.reset();
     if (usual) {
       const Vec3 inwards = normalized(arc_->centre_mm - *usual);
@@ -293,36 +292,37 @@ class Finder {
       report_.add("suture_halves_apart_mm", suture->halves_apart_mm);
       report_.add("suture_from_nasion_mm", suture->arc_mm);
       seen = FoundPoint{suture->bregma_mm, suture->confidence};
-      const bool agree = usual && norm(*usual - suture->bregma_mm) <= most_estimates_apart_mm;
+      const bool agree = usual && norm(*usual - suture->bregma_mm) <= max_estimates_apart_mm;
       if (seen->confidence < 0.5 && agree && seen->confidence > 0.2) seen->confidence = 0.5;
     }
-    if (usual) estimated = FoundPoint{*usual, of_an_estimate * ramp(arc_->nasion_gap_mm, 10, 4)};
+    if (usual) estimated = FoundPoint{*usual, of_an_estimate * mask::ramp(arc_->nasion_gap_mm, 10, 4)};
     if (seen && seen->confidence >= 0.5) return add("bregma", seen, "found", "");
     why_["bregma"] = "the coronal suture is not seen; the usual distance from the nasion is an estimate";
     if (estimated) estimated->confidence *= confidence_of("nasion");
     add("bregma", estimated, "estimated", "the skin ends before, at the scan's edge");
   }
 
-  void find_kocher(const FieldView& skin, const FieldView& skull) {
+  void find_kocher(const craniometry::FieldView& skin, const craniometry::FieldView& skull) {
     if (!arc_) return;
-    const double base = confidence_of("nasion") * ramp(arc_->nasion_gap_mm, 10, 4);
-    const Outline midline = without_ridges(arc_->skin, arc_->centre_mm, brow_mm);
-    const auto top = point_along(midline, params_.along_mm),
-               behind = point_along(midline, params_.along_mm + tangent_mm),
-               ahead = point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
+    const double base = confidence_of("nasion") * mask::ramp(arc_->nasion_gap_mm, 10, 4);
+    const craniometry::Outline midline = surface::without_ridges(arc_->skin, arc_->centre_mm, surface::brow_mm);
+    const auto top = surface::point_along(midline, params_.along_mm),
+               behind = surface::point_along(midline, params_.along_mm + tangent_mm),
+               ahead = surface::point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
     if (!top || !behind || !ahead || runs_over_edge(skin, arc_->skin, *top)) {
       report_.warn("kocher_left and kocher_right not found: the midline's skin ends before, at the scan's edge");
       return;
     }
     const Vec3 outwards = cross(head_.left, normalized(*behind - *ahead));
-    const CaseLandmark* bregma = out_.find("bregma");
+    const cases::CaseLandmark* bregma = out_.find("bregma");
     for (const int side : {1, -1}) {
       const Vec3 sideways = head_.left * side, middle = *top - outwards * middle_depth_mm;
-      const Outline lateral = without_ridges(outline(skin, {middle, outwards, sideways, 5, 120}), middle, 0);
+      const craniometry::Outline lateral =
+          surface::without_ridges(craniometry::outline(skin, {middle, outwards, sideways, 5, 120}), middle, 0);
       const std::string name = side > 0 ? "kocher_left" : "kocher_right";
       if (out_.find(name)) continue;
-      const auto p = point_along(lateral, params_.lateral_mm);
-      if (!p || runs_over_edge(skin, lateral, *p) || base < least_confidence) {
+      const auto p = surface::point_along(lateral, params_.lateral_mm);
+      if (!p || runs_over_edge(skin, lateral, *p) || base < min_confidence) {
         report_.warn(name + " not found: the skin ends before, at the scan's edge, or the nasion is doubtful");
         continue;
       }
@@ -333,12 +333,12 @@ class Finder {
       lower(found, name, std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
       if (bregma && bregma->confidence >= 0.5) {
         const double before_mm =
-            before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, *known("nasion", least_confidence));
+            craniometry::before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, *known("nasion", min_confidence));
         report_.add(name + "_before_suture_mm", before_mm);
-        if (before_mm < least_before_suture_mm || before_mm > most_before_suture_mm)
+        if (before_mm < craniometry::min_before_suture_mm || before_mm > craniometry::max_before_suture_mm)
           lower(found, name, 0.45,
                 fmt::format("{:.0f} mm before the coronal suture, {:.0f} to {:.0f} are right", before_mm,
-                            least_before_suture_mm, most_before_suture_mm));
+                            craniometry::min_before_suture_mm, craniometry::max_before_suture_mm));
       }
       out_.landmarks.push_back({name, found.position_mm, found.confidence, "found"});
     }
@@ -349,21 +349,21 @@ class Finder {
     if (factor < 1 && !why_.count(name)) why_[name] = why;
     p.confidence *= factor;
   }
-  void lower(CaseLandmark& l, double factor, const std::string& why) {
+  void lower(cases::CaseLandmark& l, double factor, const std::string& why) {
     if (!given(l.name.c_str())) lower_confidence(l, factor, why, why_);
   }
 
   void tell() {
     report_.add("midsagittal_confidence", out_.midsagittal.confidence);
-    for (const CaseLandmark& l : out_.landmarks) {
+    for (const cases::CaseLandmark& l : out_.landmarks) {
       report_.add(l.name + "_mm",
                   fmt::format("[{:.1f}, {:.1f}, {:.1f}]", l.position_mm.x, l.position_mm.y, l.position_mm.z));
       report_.add(l.name + "_confidence", l.confidence);
     }
   }
 
-  const HuVolume& volume_;
-  const Lattice& lattice_;
+  const grid::HuVolume& volume_;
+  const grid::Lattice& lattice_;
   const LandmarkInputs& in_;
   const LandmarkParams& params_;
   Report& report_;
@@ -377,18 +377,18 @@ class Finder {
 
 }  // namespace
 
-HeadLandmarks find_landmarks(const HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
+HeadLandmarks find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
                              Report& report, const Progress& progress) {
   HeadLandmarks found = Finder(volume, inputs, params, report).run(progress);
   progress.report(1);
   return found;
 }
 
-HeadLandmarks merged(const HeadLandmarks& found, const std::vector<CaseLandmark>& given) {
+HeadLandmarks merged(const HeadLandmarks& found, const std::vector<cases::CaseLandmark>& given) {
   HeadLandmarks out = found;
-  for (const CaseLandmark& g : given) {
+  for (const cases::CaseLandmark& g : given) {
     const auto same = std::find_if(out.landmarks.begin(), out.landmarks.end(),
-                                   [&](const CaseLandmark& l) { return l.name == g.name; });
+                                   [&](const cases::CaseLandmark& l) { return l.name == g.name; });
     if (same != out.landmarks.end())
       *same = g;
     else
@@ -397,4 +397,4 @@ HeadLandmarks merged(const HeadLandmarks& found, const std::vector<CaseLandmark>
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -8,7 +8,7 @@
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 
-namespace trephine {
+namespace trephine::head {
 
 struct LandmarkParams {
   double along_mm = 110;
@@ -29,11 +29,12 @@ struct LandmarkParams {
 /// The fields (positive inside) from which the landmarks are found, on the volume's raster, perhaps covering only a
 /// part of it.
 struct LandmarkInputs {
-  const Field* skin = nullptr;        ///< required
-  const Field* skull = nullptr;       ///< required
-  const Field* brain = nullptr;       ///< may be null
-  const Field* ventricles = nullptr;  ///< may be null: then the foramina of Monro are not found
-  std::vector<CaseLandmark> given;    ///< given by a person; they replace found ones, others are measured from them
+  const grid::Field* skin = nullptr;        ///< required
+  const grid::Field* skull = nullptr;       ///< required
+  const grid::Field* brain = nullptr;       ///< may be null
+  const grid::Field* ventricles = nullptr;  ///< may be null: then the foramina of Monro are not found
+  std::vector<cases::CaseLandmark>
+      given;  ///< given by a person; they replace found ones, others are measured from them
 };
 
 /// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. docs/landmarks.md
@@ -64,11 +65,11 @@ struct LandmarkInputs {
 /// Throws Error 64 without skin or skull; 65 where a field is on another raster, or where a given landmark is not
 /// finite, occurs twice, or lies more than 30 mm outside of the skin; 80 where the volume has only one value, or there
 /// is no skull or none that is symmetric while the plane is not given; Cancelled.
-HeadLandmarks find_landmarks(const HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
+HeadLandmarks find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
                              Report& report, const Progress& progress = {});
 
 /// `found`, with those of `given` in place of the ones of the same name, and the others after them. The plane and
 /// Kocher's points stay as they were; find_landmarks with `given` measures them again.
-HeadLandmarks merged(const HeadLandmarks& found, const std::vector<CaseLandmark>& given);
+HeadLandmarks merged(const HeadLandmarks& found, const std::vector<cases::CaseLandmark>& given);
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -8,7 +8,7 @@
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 /// Millimetres from the midsagittal plane to the outermost skin, on a raster of 1 mm: columns to the back, rows down.
@@ -18,7 +18,7 @@ struct SideMap {
   float operator()(int column, int row) const { return reach_mm[row * columns + column]; }
 };
 
-SideMap side_map(const FieldView& skin, const HeadFrame& head, int side) {
+SideMap side_map(const craniometry::FieldView& skin, const HeadFrame& head, int side) {
   SideMap map;
   parallel_for(0, SideMap::rows, 4, [&](std::int64_t from, std::int64_t to) {
     for (int row = int(from); row < to; ++row)
@@ -85,13 +85,13 @@ std::optional<Rim> front_rim(const SideMap& map, int from, int to, int row) {
   int deepest = -1;
   for (int c = from; c <= to; ++c)
     if (map(c, row) > 0 && (deepest < 0 || map(c, row) < map(deepest, row))) deepest = c;
-  constexpr double least_rise_mm = 2, shoulder = 0.35, level = 0.05;
+  constexpr double min_rise_mm = 2, shoulder = 0.35, level = 0.05;
   double steepest = 0;
   for (int c = deepest, end = std::max(4, deepest - 20); c > end; --c) {
     if (map(c, row) <= 0 || map(c - 1, row) <= 0) return {};
     const double slope = map(c - 1, row) - map(c, row), risen = map(c, row) - map(deepest, row);
     steepest = std::max(steepest, slope);
-    if (risen < least_rise_mm || slope > shoulder * std::min(1.0, 2 * steepest)) continue;
+    if (risen < min_rise_mm || slope > shoulder * std::min(1.0, 2 * steepest)) continue;
     for (int t = 0; t < 3 && c > end && map(c - 1, row) - map(c, row) > level; ++t) --c;
     return Rim{c, double(map(c, row)) - map(deepest, row)};
   }
@@ -100,13 +100,13 @@ std::optional<Rim> front_rim(const SideMap& map, int from, int to, int row) {
 
 }  // namespace
 
-std::optional<FoundPoint> find_tragus(const FieldView& skin, const HeadFrame& head, int side) {
+std::optional<FoundPoint> find_tragus(const craniometry::FieldView& skin, const HeadFrame& head, int side) {
   const SideMap map = side_map(skin, head, side);
   constexpr int n = SideMap::columns;
   std::vector<float> depth = pit_depth(map);
   for (int row = 0; row < SideMap::rows; ++row)
     for (int c = 0; c < n; ++c)
-      if (depth[row * n + c] > 0) depth[row * n + c] *= float(ramp(to_free_edge_mm(map, c, row), 36, 22));
+      if (depth[row * n + c] > 0) depth[row * n + c] *= float(mask::ramp(to_free_edge_mm(map, c, row), 36, 22));
   // The concha: where most of a pit lies together.
   constexpr int window = 6;
   double most = 0;
@@ -147,9 +147,9 @@ std::optional<FoundPoint> find_tragus(const FieldView& skin, const HeadFrame& he
   const auto on_skin = skin.enter(from, head.left * (-1.0 * side), 100);
   if (!on_skin) return {};
   found.position_mm = *on_skin;
-  found.confidence = std::min(
-      {ramp(mean_depth_mm, 0.3, 1), ramp(best, 0.3, 1), ramp(skin.depth_in_scan_mm(found.position_mm), 2, 12)});
+  found.confidence = std::min({mask::ramp(mean_depth_mm, 0.3, 1), mask::ramp(best, 0.3, 1),
+                               mask::ramp(skin.depth_in_scan_mm(found.position_mm), 2, 12)});
   return found;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -10,30 +10,30 @@
 #include "head/landmarks_parts.h"
 #include "mask/box_about.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
-constexpr double most_outside_mm = 30;  ///< of the skin: what a scan cut off there may still be marked
-constexpr double most_below_mm = 25;    ///< the skin, of a landmark that lies on it
-constexpr double most_beside_mm = 20;   ///< the ventricles, of a foramen of Monro
-constexpr double most_across_mm = 10;   ///< of the midsagittal plane
-constexpr double most_off_mm = 20;      ///< of where it is found
+constexpr double max_outside_mm = 30;  ///< of the skin: what a scan cut off there may still be marked
+constexpr double max_below_mm = 25;    ///< the skin, of a landmark that lies on it
+constexpr double max_beside_mm = 20;   ///< the ventricles, of a foramen of Monro
+constexpr double max_across_mm = 10;   ///< of the midsagittal plane
+constexpr double max_off_mm = 20;      ///< of where it is found
 
 /// Calls f(distance from p in mm, whether it is of the shape) for every voxel within `reach_mm` of p along each axis,
 /// until it says true.
 template <class F>
-void for_voxels(const Field& shape, Vec3 p, double reach_mm, F&& f) {
-  for_box_about(shape, p, reach_mm, [&](int i, int j, int k, double mm) { return f(mm, shape.at(i, j, k) > 0); });
+void for_voxels(const grid::Field& shape, Vec3 p, double reach_mm, F&& f) {
+  mask::for_box_about(shape, p, reach_mm, [&](int i, int j, int k, double mm) { return f(mm, shape.at(i, j, k) > 0); });
 }
 
-bool is_near(const Field& shape, Vec3 p, double most_mm) {
+bool is_near(const grid::Field& shape, Vec3 p, double most_mm) {
   bool near = false;
   for_voxels(shape, p, most_mm, [&](double mm, bool inside) { return near = inside && mm <= most_mm; });
   return near;
 }
 
 /// Nothing but skin within so much of it; where the field ends it may lie on the surface.
-bool is_deep(const Field& skin, Vec3 p, double most_mm) {
+bool is_deep(const grid::Field& skin, Vec3 p, double most_mm) {
   const Vec3 c = skin.to_index(p);
   for (int a = 0; a < 3; ++a)
     if (std::min(c[a], skin.size[a] - 1 - c[a]) * skin.spacing_mm[a] < most_mm) return false;
@@ -69,12 +69,13 @@ std::string meant(const std::string& name) {
 
 }  // namespace
 
-void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report) {
+void check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field* ventricles,
+                 Report& report) {
   std::set<std::string> names;
-  for (const CaseLandmark& l : given) {
+  for (const cases::CaseLandmark& l : given) {
     if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
     if (!names.insert(l.name).second) throw Error(ExitCode::bad_input, "", l.name, "is given twice");
-    if (!is_near(skin, l.position_mm, most_outside_mm)) {
+    if (!is_near(skin, l.position_mm, max_outside_mm)) {
       double mm = 1e300;
       for_voxels(skin, l.position_mm, 1e9, [&](double d, bool inside) {
         if (inside) mm = std::min(mm, d);
@@ -83,15 +84,15 @@ void check_given(const std::vector<CaseLandmark>& given, const Field& skin, cons
       const Vec3 p = l.position_mm;
       throw Error(ExitCode::bad_input, "", l.name,
                   fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
-                              p.y, p.z, mm, most_outside_mm,
-                              is_near(skin, {-p.x, -p.y, p.z}, most_outside_mm)
+                              p.y, p.z, mm, max_outside_mm,
+                              is_near(skin, {-p.x, -p.y, p.z}, max_outside_mm)
                                   ? ": with x and y negated it would not, RAS was taken for LPS or the reverse"
                                   : ": is it of another scan?"));
     }
-    if (is_on_skin(l.name) && is_deep(skin, l.position_mm, most_below_mm))
-      report.warn(fmt::format("{} as given lies more than {:.0f} mm below the skin", l.name, most_below_mm));
-    if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, most_beside_mm))
-      report.warn(fmt::format("{} as given lies more than {:.0f} mm from the ventricles", l.name, most_beside_mm));
+    if (is_on_skin(l.name) && is_deep(skin, l.position_mm, max_below_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm below the skin", l.name, max_below_mm));
+    if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, max_beside_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm from the ventricles", l.name, max_beside_mm));
     if (is_known(l.name)) continue;
     const std::string near = meant(l.name);
     report.warn(printable(l.name) + " is none of the landmarks that are looked for" +
@@ -99,14 +100,14 @@ void check_given(const std::vector<CaseLandmark>& given, const Field& skin, cons
   }
 }
 
-void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane) {
-  for (const CaseLandmark& l : given) {
+void check_sides(const std::vector<cases::CaseLandmark>& given, const MidsagittalPlane& plane) {
+  for (const cases::CaseLandmark& l : given) {
     const std::size_t at = l.name.find('_');
     const std::string side = at == std::string::npos ? "" : l.name.substr(at + 1);
     // A foramen may have been shifted across.
     if (!is_known(l.name) || begins_with(l.name, "monro") || (side != "left" && side != "right")) continue;
     const double left_mm = dot(l.position_mm - plane.point_mm, plane.normal);
-    if ((side == "left" ? -left_mm : left_mm) > most_across_mm)
+    if ((side == "left" ? -left_mm : left_mm) > max_across_mm)
       throw Error(ExitCode::bad_input, "", l.name,
                   fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
                               "left and right exchanged?",
@@ -114,16 +115,16 @@ void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane&
   }
 }
 
-void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report) {
+void doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report) {
   const double off_mm = found ? norm(given.position_mm - found->position_mm) : 0;
-  if (found && found->confidence > 0.5 && off_mm > most_off_mm)
+  if (found && found->confidence > 0.5 && off_mm > max_off_mm)
     report.warn(fmt::format("{} as given lies {:.0f} mm from where it would be found, ({:.0f}, {:.0f}, {:.0f}) mm",
                             given.name, off_mm, found->position_mm.x, found->position_mm.y, found->position_mm.z));
 }
 
-std::optional<MidsagittalPlane> plane_of_given(const std::vector<CaseLandmark>& all) {
+std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLandmark>& all) {
   const auto given = [&](const char* name) -> const Vec3* {
-    for (const CaseLandmark& l : all)
+    for (const cases::CaseLandmark& l : all)
       if (l.name == name) return &l.position_mm;
     return nullptr;
   };
@@ -153,4 +154,4 @@ std::optional<MidsagittalPlane> plane_of_given(const std::vector<CaseLandmark>& 
   return MidsagittalPlane{(*nasion + *other) * 0.5, across, 1};
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -8,12 +8,12 @@
 #include "craniometry/plausible.h"
 #include "head/landmarks_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 constexpr double of_a_lone_tragus = 0.45;
 }
 
-void lower_confidence(CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons) {
+void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons) {
   if (factor < 1) reasons.emplace(landmark.name, reason);
   landmark.confidence *= factor;
 }
@@ -22,7 +22,7 @@ void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons
   const std::array<const char*, 2> names{"tragus_left", "tragus_right"};
   std::array<std::string, 2> against;  // why the other one does not confirm it
   for (int s = 0; s < 2; ++s) {
-    const CaseLandmark* other = all.find(names[1 - s]);
+    const cases::CaseLandmark* other = all.find(names[1 - s]);
     const char* side = s == 0 ? "right" : "left";
     if (!other)
       against[s] = fmt::format("the other one, on the {}, was not found, and nothing confirms it", side);
@@ -31,18 +31,18 @@ void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons
           fmt::format("the other one, on the {}, is itself doubtful (confidence {:.2f}) and does not confirm it", side,
                       other->confidence);
   }
-  for (CaseLandmark& l : all.landmarks)
+  for (cases::CaseLandmark& l : all.landmarks)
     for (int s = 0; s < 2; ++s)
       if (l.name == names[s] && !against[s].empty() && !given.count(l.name) && l.confidence >= doubtful_confidence)
         lower_confidence(l, of_a_lone_tragus, against[s], reasons);
 }
 
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
-  std::vector<CaseLandmark> marks = all.landmarks;
-  for (CaseLandmark& m : marks)
+  std::vector<cases::CaseLandmark> marks = all.landmarks;
+  for (cases::CaseLandmark& m : marks)
     if (given.count(m.name)) m.source = "given";
-  for (const LandmarkDoubt& doubt : implausible(marks))
-    for (CaseLandmark& l : all.landmarks) {
+  for (const craniometry::LandmarkDoubt& doubt : craniometry::implausible(marks))
+    for (cases::CaseLandmark& l : all.landmarks) {
       if (given.count(l.name)) continue;
       const bool from_nasion = l.name.rfind("kocher", 0) == 0 || (l.name == "bregma" && l.source == "estimated");
       if (l.name == doubt.name)
@@ -56,8 +56,10 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
 
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report) {
-  const auto is_none = [&](const CaseLandmark& l) { return !given.count(l.name) && l.confidence < least_confidence; };
-  for (const CaseLandmark& l : all.landmarks) {
+  const auto is_none = [&](const cases::CaseLandmark& l) {
+    return !given.count(l.name) && l.confidence < min_confidence;
+  };
+  for (const cases::CaseLandmark& l : all.landmarks) {
     if (given.count(l.name) || l.confidence >= doubtful_confidence) continue;
     const auto reason = reasons.find(l.name);
     const std::string because = reason == reasons.end() ? "" : ": " + reason->second;
@@ -69,4 +71,4 @@ void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& giv
   all.landmarks.erase(std::remove_if(all.landmarks.begin(), all.landmarks.end(), is_none), all.landmarks.end());
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

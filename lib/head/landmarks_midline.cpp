@@ -6,7 +6,7 @@
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double step_mm = 0.5;
@@ -38,18 +38,21 @@ Vec3 at_step(const std::vector<Vec3>& curve, int i, double offset) {
 }
 
 /// The scan's depth that a landmark's surroundings need to be judged by.
-double in_scan(const FieldView& view, Vec3 p) { return ramp(view.depth_in_scan_mm(p), 1, 10); }
+double in_scan(const craniometry::FieldView& view, Vec3 p) { return mask::ramp(view.depth_in_scan_mm(p), 1, 10); }
 
 }  // namespace
 
-std::vector<Vec3> midline_profile(const FieldView& view, const HeadFrame& head, bool front, double sigma_mm) {
-  const Outline curve = outline(view, {head.origin_mm, head.up, front ? -head.back : head.back, 10, 150});
-  return evenly_spaced(curve.points_mm, step_mm, sigma_mm);
+std::vector<Vec3> midline_profile(const craniometry::FieldView& view, const HeadFrame& head, bool front,
+                                  double sigma_mm) {
+  const craniometry::Outline curve =
+      craniometry::outline(view, {head.origin_mm, head.up, front ? -head.back : head.back, 10, 150});
+  return craniometry::evenly_spaced(curve.points_mm, step_mm, sigma_mm);
 }
 
-std::optional<FoundPoint> find_nasion(const FieldView& skin, const FieldView& skull, const HeadFrame& head) {
+std::optional<FoundPoint> find_nasion(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                                      const HeadFrame& head) {
   const std::vector<Vec3> curve = midline_profile(skin, head, true, 1.5);
-  constexpr double arm_mm = 10, fine_arm_mm = 6, least_depth_mm = 0.8, least_nose_mm = 6, nose_reach_mm = 55;
+  constexpr double arm_mm = 10, fine_arm_mm = 6, min_depth_mm = 0.8, min_nose_mm = 6, nose_reach_mm = 55;
   const std::vector<double> stands = standing_out(curve, arm_mm, head.origin_mm);
   const int n = int(curve.size());
   const auto radius = [&](int i) { return norm(curve[i] - head.origin_mm); };
@@ -58,11 +61,11 @@ std::optional<FoundPoint> find_nasion(const FieldView& skin, const FieldView& sk
     const double from_up_deg = std::acos(std::clamp(dot(way, head.up) / norm(way), -1.0, 1.0)) * 180 / std::acos(-1.0);
     if (from_up_deg < 50) continue;
     // The first hollow below the forehead that a nose follows.
-    if (stands[i] > -least_depth_mm || stands[i] > stands[i - 1] || stands[i] > stands[i + 1]) continue;
+    if (stands[i] > -min_depth_mm || stands[i] > stands[i - 1] || stands[i] > stands[i + 1]) continue;
     double nose_mm = 0;
     for (int k = i; k < std::min(n, i + int(nose_reach_mm / step_mm)); ++k)
       nose_mm = std::max(nose_mm, radius(k) - radius(i));
-    if (nose_mm < least_nose_mm) continue;
+    if (nose_mm < min_nose_mm) continue;
     // A wider hollow may have several dents: the deepest within the arm's reach.
     int deepest = i;
     for (int k = i; k < std::min(n, i + int(arm_mm / step_mm)); ++k)
@@ -80,15 +83,16 @@ std::optional<FoundPoint> find_nasion(const FieldView& skin, const FieldView& sk
     // Bone lies 3 to 9 mm below; where a face was taken away it is bare, or far.
     const auto bone = skull.enter(found.position_mm - inwards, inwards, 40, 0.4);
     const double soft_mm = bone ? norm(*bone - found.position_mm) : 40;
-    found.confidence = std::min({ramp(-stands[deepest], 0.5, 1.5), ramp(nose_mm, 5, 15), ramp(soft_mm, 0.5, 2),
-                                 ramp(soft_mm, 25, 14), in_scan(skin, found.position_mm)});
+    found.confidence =
+        std::min({mask::ramp(-stands[deepest], 0.5, 1.5), mask::ramp(nose_mm, 5, 15), mask::ramp(soft_mm, 0.5, 2),
+                  mask::ramp(soft_mm, 25, 14), in_scan(skin, found.position_mm)});
     return found;
   }
   return {};
 }
 
-std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& skull, const HeadFrame& head,
-                                     std::array<double, 2> level_mm) {
+std::optional<FoundPoint> find_inion(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                                     const HeadFrame& head, std::array<double, 2> level_mm) {
   const std::vector<Vec3> curve = midline_profile(skull, head, false, 2.0);
   constexpr double arm_mm = 15;
   const std::vector<double> stands = standing_out(curve, arm_mm, head.origin_mm);
@@ -113,15 +117,15 @@ std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& sku
   if (!on_skin) return {};
   FoundPoint found;
   found.position_mm = *on_skin;
-  found.confidence =
-      std::min({ramp(stands[best] - mean, 0, 1), ramp(stands[best], 0.5, 2), ramp(norm(*on_skin - bone), 40, 20),
-                in_scan(skin, *on_skin), ramp(skull.depth_in_scan_mm(bone), 2, 13)});
+  found.confidence = std::min({mask::ramp(stands[best] - mean, 0, 1), mask::ramp(stands[best], 0.5, 2),
+                               mask::ramp(norm(*on_skin - bone), 40, 20), in_scan(skin, *on_skin),
+                               mask::ramp(skull.depth_in_scan_mm(bone), 2, 13)});
   return found;
 }
 
-std::optional<FoundPoint> find_vertex(const FieldView& skin, const HeadFrame& head) {
-  const Outline curve = outline(skin, {head.origin_mm, head.up, head.back, 50, 50});
-  const std::vector<Vec3> even = evenly_spaced(curve.points_mm, step_mm, 3);
+std::optional<FoundPoint> find_vertex(const craniometry::FieldView& skin, const HeadFrame& head) {
+  const craniometry::Outline curve = craniometry::outline(skin, {head.origin_mm, head.up, head.back, 50, 50});
+  const std::vector<Vec3> even = craniometry::evenly_spaced(curve.points_mm, step_mm, 3);
   if (even.empty()) return {};
   std::size_t best = 0;
   for (std::size_t i = 1; i < even.size(); ++i)
@@ -129,7 +133,7 @@ std::optional<FoundPoint> find_vertex(const FieldView& skin, const HeadFrame& he
   const double depth = skin.depth_in_scan_mm(even[best]);
   // The flat top of a scan that ends below the vertex is no vertex.
   if (best == 0 || best + 1 == even.size() || depth < 1) return {};
-  return FoundPoint{even[best], ramp(depth, 0.5, 3)};
+  return FoundPoint{even[best], mask::ramp(depth, 0.5, 3)};
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

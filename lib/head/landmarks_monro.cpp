@@ -13,31 +13,31 @@
 #include "mask/hu_view.h"
 #include "surface/bounds.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double step_mm = 0.7, half_width_mm = 22;
 /// Walls up to this thick (twice the distance) are crossed where the foramen was not resolved.
-constexpr double most_outside_mm = 3.0;
+constexpr double max_outside_mm = 3.0;
 /// A foramen of this radius is seen in any noise; its narrowest part is so short, and hardly as long as the longest.
 constexpr double wide_mm = 1.3, short_mm = 4, longest_mm = 16;
 /// What the scan itself shows of a foramen is smoothed, and fluid and tissue in it have to be this far apart.
-constexpr double smooth_mm = 1, least_contrast_hu = 8;
+constexpr double smooth_mm = 1, min_contrast_hu = 8;
 
 /// Signed distance to the ventricles' surface, positive inside, on a raster along the head's axes: x to the left, y to
 /// the back, z up.
 struct Local {
-  Grid<float> distance;
+  grid::Grid<float> distance;
   HeadFrame head;
   Vec3 corner_mm;  ///< voxel (0, 0, 0) in the head's coordinates
   Vec3 in_head(int i, int j, int k) const { return corner_mm + Vec3{double(i), double(j), double(k)} * step_mm; }
   Vec3 to_world(Vec3 p) const { return head.origin_mm + head.left * p.x + head.back * p.y + head.up * p.z; }
 };
 
-Local local_distance(const FieldView& view, const HeadFrame& head) {
-  const Lattice& l = view.field();
+Local local_distance(const craniometry::FieldView& view, const HeadFrame& head) {
+  const grid::Lattice& l = view.field();
   Vec3 low{1e30, 1e30, 1e30}, high = -low;
-  for (const Vec3 corner : corners_of(l)) {
+  for (const Vec3 corner : surface::corners_of(l)) {
     const Vec3 d = corner - head.origin_mm;
     const Vec3 p{dot(d, head.left), dot(d, head.back), dot(d, head.up)};
     for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
@@ -46,7 +46,7 @@ Local local_distance(const FieldView& view, const HeadFrame& head) {
   Local out;
   out.head = head;
   out.corner_mm = low;
-  Field f;
+  grid::Field f;
   f.spacing_mm = {step_mm, step_mm, step_mm};
   for (int a = 0; a < 3; ++a) f.size[a] = int(std::clamp((high[a] - low[a]) / step_mm, 0.0, 400.0)) + 2;
   f.voxels.resize(f.count());
@@ -55,33 +55,33 @@ Local local_distance(const FieldView& view, const HeadFrame& head) {
       for (int j = 0; j < f.size[1]; ++j)
         for (int i = 0; i < f.size[0]; ++i) f.at(i, j, k) = float(view(out.to_world(out.in_head(i, j, k))));
   });
-  out.distance = near_distance_mm(f, 9);
+  out.distance = craniometry::near_distance_mm(f, 9);
   return out;
 }
 
 /// How dark the scan is at each voxel of the raster, smoothed: 0 as tissue beside the ventricles, 1 as they are.
 /// Empty where the two are hardly apart.
-Grid<float> darkness(const Local& local, const HuVolume& volume) {
-  const HuView hu(volume);
-  const Lattice& l = hu.lattice();
-  const Grid<float>& d = local.distance;
+grid::Grid<float> darkness(const Local& local, const grid::HuVolume& volume) {
+  const mask::HuView hu(volume);
+  const grid::Lattice& l = hu.lattice();
+  const grid::Grid<float>& d = local.distance;
   Vec3 low{1e30, 1e30, 1e30}, high = -low;
   for (int corner = 0; corner < 8; ++corner) {
     const auto at = [&](int axis) { return corner >> axis & 1 ? d.size[axis] - 1 : 0; };
     const Vec3 p = l.to_index(local.to_world(local.in_head(at(0), at(1), at(2))));
     for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
   }
-  Box box;
+  grid::Box box;
   for (int a = 0; a < 3; ++a) {
     const int margin = int(std::ceil(3 * smooth_mm / l.spacing_mm[a]));
     box.begin[a] = std::clamp(int(std::floor(low[a])) - margin, 0, l.size[a] - 1);
     box.end[a] = std::clamp(int(std::ceil(high[a])) + margin + 1, box.begin[a] + 1, l.size[a]);
   }
-  Field smooth = crop(hu, box);
+  grid::Field smooth = mask::crop(hu, box);
   for (float& v : smooth.voxels) v = std::clamp(v, -20.f, 60.f);  // calcified plexus must not hide what is beside it
-  gaussian(smooth, smooth_mm);
-  const FieldView view(smooth, l);
-  Grid<float> out(d);
+  mask::gaussian(smooth, smooth_mm);
+  const craniometry::FieldView view(smooth, l);
+  grid::Grid<float> out(d);
   parallel_for(0, d.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < d.size[1]; ++j)
@@ -93,8 +93,8 @@ Grid<float> darkness(const Local& local, const HuVolume& volume) {
       fluid.push_back(out.voxels[v]);
     else if (d.voxels[v] < -2.5f && d.voxels[v] > -5)
       tissue.push_back(out.voxels[v]);
-  const float dark = median(fluid, 0), bright = median(tissue, 0);
-  if (bright - dark < least_contrast_hu) return {};
+  const float dark = mask::median(fluid, 0), bright = mask::median(tissue, 0);
+  if (bright - dark < min_contrast_hu) return {};
   for (float& v : out.voxels) v = std::clamp((bright - v) / (bright - dark), 0.f, 1.f);
   return out;
 }
@@ -106,7 +106,7 @@ struct Interval {
 };
 
 /// Where the ventricles lie along a row from right to left.
-std::vector<Interval> intervals(const Grid<float>& d, int j, int k) {
+std::vector<Interval> intervals(const grid::Grid<float>& d, int j, int k) {
   std::vector<Interval> out;
   for (int i = 0; i < d.size[0]; ++i) {
     if (!(d.at(i, j, k) > 0)) continue;
@@ -119,7 +119,7 @@ std::vector<Interval> intervals(const Grid<float>& d, int j, int k) {
 }
 
 /// The middle between the lateral ventricles (they may be displaced from the midline): the middle of the septum.
-std::optional<double> septum_column(const Grid<float>& d) {
+std::optional<double> septum_column(const grid::Grid<float>& d) {
   std::vector<float> middles;
   for (int k = 0; k < d.size[2]; ++k)
     for (int j = 0; j < d.size[1]; ++j) {
@@ -129,7 +129,7 @@ std::optional<double> septum_column(const Grid<float>& d) {
       middles.push_back(float(0.5 * (found[0].end + found[1].begin - 1)));
     }
   if (middles.size() < 60) return {};
-  return median(middles, 0);
+  return mask::median(middles, 0);
 }
 
 /// The third ventricle's rows: a single interval about the middle, under rows of a pair. One flag a (j, k).
@@ -138,7 +138,7 @@ struct Third {
   int front = 0, back = 0, bottom = 0, top = 0;  ///< bounds in j and k
   std::size_t rows = 0;
 };
-Third third_ventricle(const Grid<float>& d, double column) {
+Third third_ventricle(const grid::Grid<float>& d, double column) {
   const int nj = d.size[1], nk = d.size[2];
   std::vector<char> single(std::size_t(nj) * nk, 0), pair(single);
   for (int k = 0; k < nk; ++k)
@@ -196,7 +196,7 @@ Third third_ventricle(const Grid<float>& d, double column) {
 
 /// The cheapest way from `seeds` to a voxel of `ends`, costly where `room` (above 0) is small; empty where there is
 /// none.
-std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seeds, const std::vector<char>& ends,
+std::vector<std::size_t> way(const grid::Grid<float>& d, const std::vector<char>& seeds, const std::vector<char>& ends,
                              const std::vector<char>& allowed, const std::function<double(std::size_t)>& room_at) {
   const std::array<std::array<int, 3>, 6> next{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
   std::vector<float> cost(d.count(), std::numeric_limits<float>::infinity());
@@ -231,7 +231,7 @@ std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seed
 /// both are, and a missing or doubtful one is taken from a sure one.
 void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame& head, double septum_mm) {
   const auto mirrored = [&](Vec3 p) { return p - head.left * (2 * (dot(p - head.origin_mm, head.left) - septum_mm)); };
-  constexpr double least_apart_mm = 1, doubtful_apart_mm = 2, most_apart_mm = 4, of_a_mirrored = 0.5;
+  constexpr double min_apart_mm = 1, doubtful_apart_mm = 2, max_apart_mm = 4, of_a_mirrored = 0.5;
   const double apart_mm = found[0] && found[1] ? norm(mirrored(found[0]->position_mm) - found[1]->position_mm) : 1e9;
   for (int s = 0; s < 2; ++s) {
     auto &here = found[s], &there = found[1 - s];
@@ -243,10 +243,10 @@ void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame
       here->confidence = std::max(here->confidence, least);
     return;
   }
-  if (apart_mm < most_apart_mm) {
+  if (apart_mm < max_apart_mm) {
     // Two that are 4 mm apart are off by 2 mm each at least.
     for (auto& p : found)
-      p->confidence = std::min(p->confidence, 0.5 + 0.5 * ramp(apart_mm, most_apart_mm, least_apart_mm));
+      p->confidence = std::min(p->confidence, 0.5 + 0.5 * mask::ramp(apart_mm, max_apart_mm, min_apart_mm));
     return;
   }
   for (auto& p : found)
@@ -255,14 +255,15 @@ void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame
 
 /// The brightest place of a way through the dark: the middle of what is hardly darker. None where it is as bright as
 /// what a wall of 2.5 mm between two ventricles looks like.
-std::optional<Vec3> brightest_place(const Local& local, const Grid<float>& dark, const std::vector<std::size_t>& path) {
-  constexpr float least_dark = 0.3f, hardly_darker = 0.12f;
+std::optional<Vec3> brightest_place(const Local& local, const grid::Grid<float>& dark,
+                                    const std::vector<std::size_t>& path) {
+  constexpr float min_dark = 0.3f, hardly_darker = 0.12f;
   if (path.size() < 3) return {};
   const auto at = [&](std::size_t i) { return dark.voxels[path[i]]; };
   std::size_t narrow = 0;
   for (std::size_t i = 1; i < path.size(); ++i)
     if (at(i) < at(narrow)) narrow = i;
-  if (at(narrow) < least_dark) return {};
+  if (at(narrow) < min_dark) return {};
   std::size_t from = narrow, to = narrow;
   while (from > 0 && at(from - 1) < at(narrow) + hardly_darker) --from;
   while (to + 1 < path.size() && at(to + 1) < at(narrow) + hardly_darker) ++to;
@@ -278,9 +279,9 @@ std::optional<Vec3> brightest_place(const Local& local, const Grid<float>& dark,
 /// The segmentation moves a foramen by a millimetre or two, and so does noise in the scan: their middle is nearer to it
 /// than either. Where the two are far apart, the first stays and is half as sure.
 void meet(FoundPoint& p, const std::optional<Vec3>& seen) {
-  constexpr double most_apart_mm = 5;
+  constexpr double max_apart_mm = 5;
   if (!seen) return;
-  if (norm(*seen - p.position_mm) > most_apart_mm)
+  if (norm(*seen - p.position_mm) > max_apart_mm)
     p.confidence *= 0.5;
   else
     p.position_mm = (p.position_mm + *seen) * 0.5;
@@ -290,7 +291,7 @@ void meet(FoundPoint& p, const std::optional<Vec3>& seen) {
 /// section, for the way itself has corners.
 Vec3 middle_of_passage(const Local& local, const std::vector<std::size_t>& path, std::size_t from, std::size_t to,
                        double septum_mm, int side) {
-  const Grid<float>& d = local.distance;
+  const grid::Grid<float>& d = local.distance;
   const auto at = [&](std::size_t i) {
     const std::size_t v = path[i];
     return local.in_head(int(v % d.size[0]), int(v / d.size[0] % d.size[1]), int(v / d.size[0] / d.size[1]));
@@ -327,11 +328,11 @@ Vec3 middle_of_passage(const Local& local, const std::vector<std::size_t>& path,
 
 }  // namespace
 
-std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HuVolume& volume,
-                                                    const HeadFrame& head) {
+std::array<std::optional<FoundPoint>, 2> find_monro(const craniometry::FieldView& ventricles,
+                                                    const grid::HuVolume& volume, const HeadFrame& head) {
   const Local local = local_distance(ventricles, head);
-  const Grid<float> dark = darkness(local, volume);
-  const Grid<float>& d = local.distance;
+  const grid::Grid<float> dark = darkness(local, volume);
+  const grid::Grid<float>& d = local.distance;
   const auto column = septum_column(d);
   if (!column) return {};
   const Third third = third_ventricle(d, *column);
@@ -350,7 +351,7 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
           const std::size_t v = d.index(i, j, k);
           const double off_mm = (i - *column) * step_mm * side, in_mm = d.voxels[v];
           // Not over the other side's foramen and through the septum.
-          if (!(in_mm > -most_outside_mm) || off_mm < (k > third.top ? 0 : -2)) continue;
+          if (!(in_mm > -max_outside_mm) || off_mm < (k > third.top ? 0 : -2)) continue;
           allowed[v] = 1;
           seeds[v] = in_mm > 0 && third.row[std::size_t(k) * d.size[1] + j] && k < third.top - int(2 / step_mm);
           ends[v] = in_mm > 1 && off_mm > 3 && k > third.top + int(1.5 / step_mm);
@@ -366,7 +367,7 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
       if (d.voxels[v] < 0.7f * lateral_mm) ends[v] = 0;
     }
     const auto path =
-        way(d, seeds, ends, allowed, [&](std::size_t v) { return double(d.voxels[v]) + most_outside_mm + 0.3; });
+        way(d, seeds, ends, allowed, [&](std::size_t v) { return double(d.voxels[v]) + max_outside_mm + 0.3; });
     if (path.size() < 3) continue;
     std::size_t narrow = 0;
     for (std::size_t i = 1; i < path.size(); ++i)
@@ -382,9 +383,9 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
     // Wide: sure. A narrow one may be a gap that noise made or moved, a long one has no narrowest place; where a wall
     // was crossed, the less the thicker it is.
     const double radius_mm = d.voxels[path[narrow]];
-    p.confidence = radius_mm > 0 ? std::min(0.8 + 0.2 * ramp(radius_mm, 0, wide_mm),
-                                            ramp(double(to - from) * step_mm, longest_mm, short_mm))
-                                 : ramp(radius_mm, -most_outside_mm, 0) * 0.8;
+    p.confidence = radius_mm > 0 ? std::min(0.8 + 0.2 * mask::ramp(radius_mm, 0, wide_mm),
+                                            mask::ramp(double(to - from) * step_mm, longest_mm, short_mm))
+                                 : mask::ramp(radius_mm, -max_outside_mm, 0) * 0.8;
     if (!dark.voxels.empty())
       meet(p, brightest_place(local, dark, way(d, seeds, ends, allowed, [&](std::size_t v) {
                                 return double(dark.voxels[v]) + 0.1;
@@ -395,4 +396,4 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
   return found;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -13,7 +13,7 @@
 #include "craniometry/skin_arc.h"
 #include "head/head_landmarks.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// The head's own axes: the origin lies in the midsagittal plane, inside the skull.
 struct HeadFrame {
@@ -30,68 +30,71 @@ struct FoundPoint {
 /// of the skin than a landmark marked on a cut-off part can. Warns where a name is not searched for (with the nearest
 /// one that is), where a landmark of the skin lies deep below it, and where a foramen is far from the ventricles (null:
 /// not known).
-void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report);
+void check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field* ventricles,
+                 Report& report);
 /// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi;
 /// none where too few are given. Throws Error 65 where they span no head.
-std::optional<MidsagittalPlane> plane_of_given(const std::vector<CaseLandmark>& given);
+std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLandmark>& given);
 /// Throws Error 65 where a left landmark lies to the right of the plane, or the reverse.
-void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane);
+void check_sides(const std::vector<cases::CaseLandmark>& given, const MidsagittalPlane& plane);
 /// Warns where the given landmark is far from where it would be found.
-void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report);
+void doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report);
 
-constexpr double least_confidence = 0.05;    ///< a landmark below this is left out
+constexpr double min_confidence = 0.05;      ///< a landmark below this is left out
 constexpr double doubtful_confidence = 0.5;  ///< each landmark below this is told of
 
 /// Why landmarks are doubtful, by name.
 using Reasons = std::map<std::string, std::string>;
 /// Multiplies the confidence, and keeps the reason where it is the first one.
-void lower_confidence(CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons);
+void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons);
 /// An ear is recognized by its shape alone, and a fold of a mask or the edge of the scan can look like one: a tragus
 /// whose other one was not found, or is doubtful, becomes doubtful too. What was given stays, and confirms the other.
 void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// What cannot belong to one head together becomes doubtful (craniometry/plausible.h), and with the nasion all that is
 /// measured from it; the tragi are judged as a pair. What was given stays.
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
-/// Nothing of which nothing speaks is a landmark: what is below least_confidence is left out. Warns of that and of each
+/// Nothing of which nothing speaks is a landmark: what is below min_confidence is left out. Warns of that and of each
 /// doubtful one, with the reason and how to give it.
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report);
 
 /// The skin of the midline from the vertex down over the face, or over the back of the head: smoothed points every 0.5
 /// mm.
-std::vector<Vec3> midline_profile(const FieldView& view, const HeadFrame& head, bool front, double sigma_mm);
+std::vector<Vec3> midline_profile(const craniometry::FieldView& view, const HeadFrame& head, bool front,
+                                  double sigma_mm);
 
-std::optional<FoundPoint> find_nasion(const FieldView& skin, const FieldView& skull, const HeadFrame& head);
+std::optional<FoundPoint> find_nasion(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                                      const HeadFrame& head);
 /// `level_mm`: from where to where it is searched for, along `up` from the origin.
-std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& skull, const HeadFrame& head,
-                                     std::array<double, 2> level_mm);
+std::optional<FoundPoint> find_inion(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
+                                     const HeadFrame& head, std::array<double, 2> level_mm);
 /// side: 1 left, -1 right.
-std::optional<FoundPoint> find_tragus(const FieldView& skin, const HeadFrame& head, int side);
-std::optional<FoundPoint> find_vertex(const FieldView& skin, const HeadFrame& head);
+std::optional<FoundPoint> find_tragus(const craniometry::FieldView& skin, const HeadFrame& head, int side);
+std::optional<FoundPoint> find_vertex(const craniometry::FieldView& skin, const HeadFrame& head);
 
 /// The skin of the midline from the nasion backwards, swept about a centre between nasion and inion, as in
 /// place_burr_hole; without an inion it lies in the bones.
 struct MidlineArc {
-  Outline skin;
+  craniometry::Outline skin;
   Vec3 centre_mm, front, onwards;
   double nasion_gap_mm = 0;  ///< from the arc's start to the nasion
 };
-MidlineArc midline_arc(const FieldView& skin, const HeadFrame& head, Vec3 nasion_mm, const Vec3* inion_mm);
+MidlineArc midline_arc(const craniometry::FieldView& skin, const HeadFrame& head, Vec3 nasion_mm, const Vec3* inion_mm);
 /// The widest step between neighbouring points of the arc, within that length from its start.
-double widest_leap_mm(const Outline& arc, double length_mm);
+double widest_leap_mm(const craniometry::Outline& arc, double length_mm);
 /// Whether a point between the curve's start and `end_mm` lies where the scan cut the head.
-bool runs_over_edge(const FieldView& skin, const Outline& curve, Vec3 end_mm);
+bool runs_over_edge(const craniometry::FieldView& skin, const craniometry::Outline& curve, Vec3 end_mm);
 /// From the arc's start to the place nearest to the point, measured as point_along does.
-double arc_length_to_mm(const Outline& arc, Vec3 point_mm);
+double arc_length_to_mm(const craniometry::Outline& arc, Vec3 point_mm);
 /// From a point of the skin inwards (unit) to the bone; 40 where there is none.
-double soft_tissue_mm(const FieldView& skull, Vec3 on_skin_mm, Vec3 inwards);
+double soft_tissue_mm(const craniometry::FieldView& skull, Vec3 on_skin_mm, Vec3 inwards);
 /// How plausible that is of a scalp: 1 from 1.5 to 13 mm, 0 below 0.3 and from 22 on. Means are 3 to 7 mm
 /// [Stephan2008].
 double scalp_ratio(double soft_mm);
 
 /// The foramina of Monro, left and right: the middle between the narrowest place of the ventricles there, and the
 /// brightest place of the darkest way from the third to the lateral one in the smoothed scan, where it shows one.
-std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HuVolume& volume,
-                                                    const HeadFrame& head);
+std::array<std::optional<FoundPoint>, 2> find_monro(const craniometry::FieldView& ventricles,
+                                                    const grid::HuVolume& volume, const HeadFrame& head);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -9,7 +9,7 @@
 #include "base/refusal.h"
 #include "base/result.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
 
 constexpr double sharp_correlation = 0.35;  // of neighbours 0.5 mm apart; a kernel of 1 mm has 0.7
@@ -54,7 +54,7 @@ std::string ScanVerdict::text() const {
                      to_text(skull));
 }
 
-ScanVerdict judge_scan(const segmentation::ScanFigures& f, const ScanLimits& limits) {
+ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
   ScanVerdict out;
   const auto say = [&](Suitability s, const std::string& of, const std::string& why, const std::string& remedy) {
     out.reasons.push_back(fmt::format("{} for {}: {}; {}", to_text(s), of, why, remedy));
@@ -120,8 +120,8 @@ ScanVerdict judge_scan(const segmentation::ScanFigures& f, const ScanLimits& lim
   return out;
 }
 
-void judge_scan(const HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
-  const segmentation::ScanFigures figures = segmentation::measure_scan(volume, progress);
+void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
+  const mask::ScanFigures figures = mask::measure_scan(volume, progress);
   const ScanVerdict verdict = judge_scan(figures, limits);
   add_result(report, figures);
   report.add("kernel", verdict.kernel);
@@ -143,4 +143,4 @@ void judge_scan(const HuVolume& volume, const ScanLimits& limits, Report& report
     throw refusal("scan", remedy, {"or let it pass with a warning: `refuse` of the stage `scan` to false"});
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -6,7 +6,7 @@
 #include "base/report.h"
 #include "mask/scan_figures.h"
 
-namespace trephine {
+namespace trephine::head {
 
 /// From which measure on a scan is doubtful or unsuited. docs/accuracy.md says on which phantoms they were chosen.
 struct ScanLimits {
@@ -63,11 +63,11 @@ struct ScanVerdict {
   std::string text() const;          ///< "doubtful for brain and ventricles, suited for skull"
 };
 
-ScanVerdict judge_scan(const segmentation::ScanFigures& figures, const ScanLimits& limits);
+ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limits);
 
 /// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles` and `skull` (suited,
 /// doubtful, unsuited or unknown), `verdict` and `remedy` to the report, and a warning for every reason. Throws Error
 /// 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not finite.
-void judge_scan(const HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
+void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::head

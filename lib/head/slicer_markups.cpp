@@ -11,15 +11,15 @@
 #include "cases/json_at.h"
 #include "head/head_landmarks.h"
 
-namespace trephine {
+namespace trephine::head {
 namespace {
 
-using detail::Json;
-using detail::JsonAt;
+using cases::detail::Json;
+using cases::detail::JsonAt;
 
 constexpr double farthest_mm = 1e5;
 constexpr std::size_t longest_name = 64, most_points = 10000;
-constexpr std::uint64_t most_bytes = 4 << 20;
+constexpr std::uint64_t max_bytes = 4 << 20;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
@@ -47,7 +47,7 @@ class Points {
     if (ras) p = {-p.x, -p.y, p.z};
     // Not -0: what is written of it must not depend on the file's system.
     for (int a = 0; a < 3; ++a) p[a] += 0.0;
-    for (const CaseLandmark& l : points_)
+    for (const cases::CaseLandmark& l : points_)
       if (l.name == name) {
         if (l.position_mm != p) refuse(field, name + " is there twice, at different places");
         return;
@@ -55,13 +55,13 @@ class Points {
     if (points_.size() == most_points) refuse(field, "more than 10000 points");
     points_.push_back({name, p, 1, "given"});
   }
-  std::vector<CaseLandmark> take(const std::string& field) {
+  std::vector<cases::CaseLandmark> take(const std::string& field) {
     if (points_.empty()) refuse(field, "holds no point that was placed");
     return std::move(points_);
   }
 
  private:
-  std::vector<CaseLandmark> points_;
+  std::vector<cases::CaseLandmark> points_;
 };
 
 bool is_ras(const JsonAt& at) {
@@ -111,8 +111,8 @@ std::optional<std::string> header_value(const std::string& line, const std::stri
 
 }  // namespace
 
-std::vector<CaseLandmark> parse_slicer_markups(std::string_view text) {
-  const Json json = detail::parse_json(text);
+std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text) {
+  const Json json = cases::detail::parse_json(text);
   const JsonAt root(json, "");
   Points points;
   for (const JsonAt& markup : root["markups"].items()) {
@@ -134,7 +134,7 @@ std::vector<CaseLandmark> parse_slicer_markups(std::string_view text) {
   return points.take("markups");
 }
 
-std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text) {
+std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text) {
   Points points;
   std::optional<bool> ras;
   std::vector<std::string> columns{"id", "x", "y", "z", "ow", "ox", "oy", "oz", "vis", "sel", "lock", "label"};
@@ -189,7 +189,7 @@ HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode ot
   const bool table = ends(".fcsv"), markups = ends(".mrk.json");
   if (!table && !markups && !ends(".json"))
     throw Error(other_ending, file.string(), "landmarks", "must end in .mrk.json, .fcsv, or .json for our own");
-  const std::vector<char> bytes = read_file(file, most_bytes);
+  const std::vector<char> bytes = read_file(file, max_bytes);
   const std::string_view text(bytes.data(), bytes.size());
   return with_file(file.string(), [&] {
     HeadLandmarks points;
@@ -199,8 +199,8 @@ HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode ot
   });
 }
 
-std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
+std::vector<cases::CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
   return read_head_landmarks(file, ExitCode::usage).landmarks;
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

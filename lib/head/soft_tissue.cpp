@@ -13,14 +13,14 @@
 #include "mask/filters.h"
 #include "mask/scan_figures.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr int terms = 10;
 using Terms = std::array<double, terms>;
 constexpr double unit_mm = 70;     ///< of the quadratic's coordinates: half a head
 constexpr double outlier_hu = 12;  ///< values farther from the fit are not tissue
-constexpr double most_hu = 30;     ///< largest correction
+constexpr double max_hu = 30;      ///< largest correction
 constexpr double sample_mm = 4;    ///< distance of the voxels used for the fit
 constexpr double extend_mm = 0.7;  ///< sigma of the mean for voxels beyond the known ones
 constexpr int tv_iterations = 30;
@@ -83,9 +83,9 @@ struct Span {
 
 }  // namespace
 
-void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const Progress& progress) {
-  const Lattice& l = hu;
-  const Grid<float> mean = masked_gaussian(hu, known, 1.0, -1000, 0.02, progress);
+void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& report, const Progress& progress) {
+  const grid::Lattice& l = hu;
+  const grid::Grid<float> mean = mask::masked_gaussian(hu, known, 1.0, -1000, 0.02, progress);
   const Vec3 centre = l.to_world_mm({0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), 0.5 * (l.size[2] - 1)});
   const auto terms_at = [&](int i, int j, int k) {
     return terms_of((l.to_world_mm({double(i), double(j), double(k)}) - centre) / unit_mm);
@@ -101,7 +101,7 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
           samples.push_back({terms_at(i, j, k), mean.at(i, j, k)});
           values.push_back(mean.at(i, j, k));
         }
-  const double middle = median(values, float(tissue_level_hu));
+  const double middle = mask::median(values, float(tissue_level_hu));
   report.add("tissue_hu", middle);
   if (samples.size() < 20 * terms) return;
   const Terms fit = fitted(samples, middle);
@@ -120,7 +120,7 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
         const double second = 0.5 * (a + c) - b, first = b - a - second;
         float* row = &hu.at(0, j, k);
         for (int i = 0; i < l.size[0]; ++i)
-          row[i] += float(std::clamp(tissue_level_hu - (a + i * (first + i * second)), -most_hu, most_hu));
+          row[i] += float(std::clamp(tissue_level_hu - (a + i * (first + i * second)), -max_hu, max_hu));
       }
   });
 }
@@ -129,7 +129,7 @@ namespace {
 
 constexpr double structure_mm3 = 8;               // a cube of 2 mm
 constexpr double fine_mm = 1.0, coarse_mm = 2.5;  // sigma of the two means that tissue_noise compares
-constexpr double most_smoothing_mm = 2;           // what is smoothed more has no ventricles left
+constexpr double max_smoothing_mm = 2;            // what is smoothed more has no ventricles left
 
 /// Variance of the difference of two Gaussian means of white noise of density 1 that was smoothed before.
 double variance_of_means(double smoothed_mm) {
@@ -140,15 +140,15 @@ double variance_of_means(double smoothed_mm) {
 }
 
 void check_cube_noise(double hu, double smoothed_mm) {
-  constexpr double most_hu = 23;  // 20 HU in slices of 3 mm are 15
+  constexpr double max_hu = 23;  // 20 HU in slices of 3 mm are 15
   // Each stage measures noise on its own voxels, by up to a fifth differently.
   constexpr double clear_of_it = 0.75;
-  if (!(hu > most_hu)) return;
+  if (!(hu > max_hu)) return;
   const std::string what = fmt::format(
-      "noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart", hu, most_hu);
+      "noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart", hu, max_hu);
   const Remedy series{"take a series of a smoother kernel or of thicker slices (`import --list` shows all)"};
-  const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * most_hu);
-  if (!(s <= most_smoothing_mm)) throw refusal("volume", what, series);
+  const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * max_hu);
+  if (!(s <= max_smoothing_mm)) throw refusal("volume", what, series);
   throw refusal("volume", what,
                 {series.text +
                  fmt::format(", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to {0:.1f} (--set "
@@ -167,42 +167,42 @@ double smoothing_for_noise(double noise, double smoothed_mm, double wanted) {
   return 1e9;
 }
 
-void check_noise(double noise, const Lattice& lattice, double smoothed_mm) {
+void check_noise(double noise, const grid::Lattice& lattice, double smoothed_mm) {
   check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())), smoothed_mm);
 }
 
-void check_scan_noise(const HuVolume& volume, const Progress& progress) {
+void check_scan_noise(const grid::HuVolume& volume, const Progress& progress) {
   // In coarser voxels the tissue's own detail looks like noise.
-  if (lattice_of(volume).voxel_volume_mm3() > structure_mm3) return;
-  const ScanFigures scan = measure_scan(volume, progress);
+  if (grid::lattice_of(volume).voxel_volume_mm3() > structure_mm3) return;
+  const mask::ScanFigures scan = mask::measure_scan(volume, progress);
   if (scan.known()) check_cube_noise(scan.cube_noise_hu, 0);
 }
 
-double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {
+double tissue_noise(const grid::Grid<float>& hu, const mask::BitMask& known, const Progress& progress) {
   constexpr double off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
-  const Lattice& l = hu;
-  const BitMask deep = eroded(known, off_edges_mm, progress);
-  const Grid<float> fine = masked_gaussian(hu, known, fine_mm, -1000, 0.02, progress),
-                    coarse = masked_gaussian(hu, known, coarse_mm, -1000, 0.02, progress);
+  const grid::Lattice& l = hu;
+  const mask::BitMask deep = mask::eroded(known, off_edges_mm, progress);
+  const grid::Grid<float> fine = mask::masked_gaussian(hu, known, fine_mm, -1000, 0.02, progress),
+                          coarse = mask::masked_gaussian(hu, known, coarse_mm, -1000, 0.02, progress);
   std::vector<float> centres, spread;
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; j += 2)
       for (int i = j / 2 % 2; i < l.size[0]; i += 2)
         if (deep.get(i, j, k)) centres.push_back(coarse.at(i, j, k));
-  const float tissue = median(centres, float(tissue_level_hu));
+  const float tissue = mask::median(centres, float(tissue_level_hu));
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; j += 2)
       for (int i = j / 2 % 2; i < l.size[0]; i += 2)
         if (deep.get(i, j, k) && std::abs(coarse.at(i, j, k) - tissue) < near_hu)
           spread.push_back(std::abs(fine.at(i, j, k) - coarse.at(i, j, k)));
-  const double sigma = to_sigma * median(spread, 0.f);
+  const double sigma = to_sigma * mask::median(spread, 0.f);
   return sigma / std::sqrt(variance_of_means(0));
 }
 
-void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,
+void total_variation(grid::Grid<float>& hu, const mask::BitMask& domain, double strength_hu_mm, int iterations,
                      const Progress& progress) {
   if (!(strength_hu_mm > 0)) return;
-  const Lattice& l = hu;
+  const grid::Lattice& l = hu;
   const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
   const std::size_t dy = std::size_t(nx), dz = std::size_t(nx) * ny;
   // Differences in units of the first axis' spacing.
@@ -285,14 +285,14 @@ void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_
     if (in[v] > 0) hu.voxels[v] = u[v];
 }
 
-Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double strength_ratio, float nowhere,
-                        Report& report, const Progress& progress) {
+grid::Grid<float> soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, bool level, double strength_ratio,
+                              float nowhere, Report& report, const Progress& progress) {
   if (level) level_tissue(hu, known, report, progress);
   const double noise = tissue_noise(hu, known, progress);
   report.add("tissue_noise_hu_mm1_5", noise);
   total_variation(hu, known, strength_ratio * noise, tv_iterations, progress);
   // Beside the known voxels, the mean of the known ones.
-  const Grid<float> beside = masked_gaussian(hu, known, extend_mm, nowhere, 0.02, progress);
+  const grid::Grid<float> beside = mask::masked_gaussian(hu, known, extend_mm, nowhere, 0.02, progress);
   parallel_for(0, hu.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < hu.size[1]; ++j)
@@ -302,4 +302,4 @@ Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double
   return hu;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

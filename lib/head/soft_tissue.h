@@ -5,7 +5,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// HU of brain tissue after level_tissue, which is the typical value in a well calibrated scan.
 constexpr double tissue_level_hu = 30;
@@ -14,16 +14,16 @@ constexpr double tissue_level_hu = 30;
 /// quadratic in space is fitted robustly to the brain's tissue among the voxels in `known` (CSF, blood and
 /// calcifications have no weight), and all values are moved by at most 30 HU, so that tissue lies at tissue_level_hu
 /// everywhere. Adds "tissue_hu" (the fit at its centre) and "tissue_slope_hu" (how much it varies over the voxels).
-void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const Progress& progress = {});
+void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& report, const Progress& progress = {});
 
 /// The noise of tissue in the scan as HU mm^1.5: the square root of the spectral density of white noise, so that a mean
 /// over v mm^3 has a standard deviation of this value divided by sqrt(v), whatever the kernel and the slice thickness.
 /// It is computed from the spread between two Gaussian means in the tissue among `known`.
-double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress = {});
+double tissue_noise(const grid::Grid<float>& hu, const mask::BitMask& known, const Progress& progress = {});
 /// Throws Error 80 where this noise leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and
 /// tissue, some 20 HU apart, cannot be told apart. The noise is that of values which a Gaussian of sigma `smoothed_mm`
 /// smoothed before (0: none did); the remedy says which sigma would do.
-void check_noise(double noise, const Lattice& lattice, double smoothed_mm);
+void check_noise(double noise, const grid::Lattice& lattice, double smoothed_mm);
 /// The smallest sigma in tenths of a mm, above `smoothed_mm`, of a Gaussian against white noise after which
 /// tissue_noise() would measure at most `wanted` where it measures `noise` after one of smoothed_mm; 1e9 where even 5
 /// mm would not do.
@@ -31,19 +31,19 @@ double smoothing_for_noise(double noise, double smoothed_mm, double wanted);
 /// The same of a scan as measure_scan sees it, whatever the colour of its noise: so much that the skull itself is found
 /// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where
 /// measure_scan does not know the noise, and in voxels of more than 8 mm^3.
-void check_scan_noise(const HuVolume& volume, const Progress& progress = {});
+void check_scan_noise(const grid::HuVolume& volume, const Progress& progress = {});
 
 /// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
 /// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the
 /// result is the global optimum of region competition for that threshold, where a mm^2 of surface costs `strength`
 /// [Chan2006]. Edges stay where they are, and structures smaller than 2 strength / contrast vanish. Values outside the
 /// domain neither change nor have an effect.
-void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,
+void total_variation(grid::Grid<float>& hu, const mask::BitMask& domain, double strength_hu_mm, int iterations,
                      const Progress& progress = {});
 
 /// The image in which brain and ventricles are found: levelled (where asked for) and denoised as strongly as its noise
 /// needs. Only the voxels in `known` count; the others get the mean of the known ones beside them, or `nowhere`.
-Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double strength_ratio, float nowhere,
-                        Report& report, const Progress& progress = {});
+grid::Grid<float> soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, bool level, double strength_ratio,
+                              float nowhere, Report& report, const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

@@ -2,12 +2,13 @@
 #pragma once
 #include "segmentation/segment.h"
 
-namespace trephine {
+namespace trephine::head {
 
 /// What brain and ventricles have in common: declares edge, smoothing_sigma_mm, roi_min_mm and roi_max_mm of P.
 template <class P, class V>
 void describe_tissue(V& v) {
-  v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
+  v.choice(&P::edge, "edge",
+           {{"fixed", segmentation::SegmentEdge::fixed}, {"half_maximum", segmentation::SegmentEdge::half_maximum}},
            "Where the surface lies. fixed: at the given HU. half_maximum: the given HU are for a scan whose brain is "
            "at 30, and are shifted with this scan's brain.");
   v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
@@ -23,4 +24,4 @@ void describe_grow(V& v) {
            "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double sure_ml = 0.3, least_ml = 0.1, near_mm = 3, near_share = 0.6;
@@ -17,20 +17,21 @@ constexpr double compressed_ratio = 0.25, compressed_ml = 0.6;
 
 /// Calls with the template's coordinates of each voxel and its component.
 template <class F>
-void each(const Components& pieces, const HeadPlace& place, F&& f) {
-  for_each_voxel(pieces, [&](int component, int i, int j, int k) {
+void each(const mask::Components& pieces, const place::HeadPlace& place, F&& f) {
+  mask::for_each_voxel(pieces, [&](int component, int i, int j, int k) {
     f(place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)})), std::size_t(component));
   });
 }
 
 double nearest_mm(Vec3 p) {
-  return std::min({place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p), place_mm(Place::third, p)});
+  return std::min({place::place_mm(place::Place::lateral_left, p), place::place_mm(place::Place::lateral_right, p),
+                   place::place_mm(place::Place::third, p)});
 }
 
 }  // namespace
 
-BitMask believable_pieces(const BitMask& found, const HeadPlace& place) {
-  const Components pieces = components(found);
+mask::BitMask believable_pieces(const mask::BitMask& found, const place::HeadPlace& place) {
+  const mask::Components pieces = mask::components(found);
   std::vector<double> near(pieces.list.size(), 0);
   if (place.sure) each(pieces, place, [&](Vec3 p, std::size_t c) { near[c] += nearest_mm(p) <= near_mm; });
   std::vector<char> keep;
@@ -38,27 +39,27 @@ BitMask believable_pieces(const BitMask& found, const HeadPlace& place) {
     const double voxels = double(pieces.list[c].voxels), ml = voxels * found.lattice().voxel_volume_mm3() / 1000;
     keep.push_back(ml >= sure_ml || (ml >= least_ml && (!place.sure || near[c] >= near_share * voxels)));
   }
-  return select(pieces, keep);
+  return mask::select(pieces, keep);
 }
 
-void warn_of_stubs(const BitMask& cut_off, const BitMask& ventricles, Report& report) {
-  BitMask border = at_least_ml(components(cut_off, true), streak_ml);
-  border &= dilated_6(ventricles);
+void warn_of_stubs(const mask::BitMask& cut_off, const mask::BitMask& ventricles, Report& report) {
+  mask::BitMask border = mask::at_least_ml(mask::components(cut_off, true), streak_ml);
+  border &= mask::dilated_6(ventricles);
   if (!border.any()) return;
-  const Vec3 at = largest(components(border, true)).centre_mm();
+  const Vec3 at = mask::largest(mask::components(border, true)).centre_mm();
   report.warn(
       fmt::format("a thin dark streak was cut off the ventricles at ({:.0f}, {:.0f}, {:.0f}) mm, as of a catheter or a "
                   "clip; what of it runs across them may be left as a stub: look there",
                   at.x, at.y, at.z));
 }
 
-void warn_of_streaks(const std::vector<StreakedSlice>& slices, const Lattice& lattice, const BitMask& ventricles,
-                     Report& report) {
+void warn_of_streaks(const std::vector<mask::StreakedSlice>& slices, const grid::Lattice& lattice,
+                     const mask::BitMask& ventricles, Report& report) {
   report.add("streaked_slices_count", slices.size());
-  const Box box = ventricles.bounds();
+  const grid::Box box = ventricles.bounds();
   const int first = int(std::lround(lattice.to_index(ventricles.lattice().to_world_mm({0, 0, 0})).z)) + box.begin[2];
   double worst_hu = 0, from_mm = 0, to_mm = 0;
-  for (const StreakedSlice& s : slices) {
+  for (const mask::StreakedSlice& s : slices) {
     if (s.slice < first - 1 || s.slice > first + box.end[2] - box.begin[2]) continue;
     const double z = lattice.to_world_mm({0, 0, double(s.slice)}).z;
     from_mm = worst_hu > 0 ? std::min(from_mm, z) : z;
@@ -73,8 +74,8 @@ void warn_of_streaks(const std::vector<StreakedSlice>& slices, const Lattice& la
         worst_hu, from_mm, to_mm));
 }
 
-void report_parts(const BitMask& found, const HeadPlace& place, Report& report) {
-  const Components pieces = components(found);
+void report_parts(const mask::BitMask& found, const place::HeadPlace& place, Report& report) {
+  const mask::Components pieces = mask::components(found);
   report.add("pieces_count", pieces.list.size());
   if (!place.sure) return;
   enum Part { frontal, body, trigone, horns, parts };
@@ -82,13 +83,14 @@ void report_parts(const BitMask& found, const HeadPlace& place, Report& report) 
   double third = 0, third_x = 0;
   const double voxel_ml = found.lattice().voxel_volume_mm3() / 1000;
   each(pieces, place, [&](Vec3 p, std::size_t) {
-    const double left = place_mm(Place::lateral_left, p), right = place_mm(Place::lateral_right, p);
-    if (place_mm(Place::third, p) < std::min(left, right)) {
+    const double left = place::place_mm(place::Place::lateral_left, p),
+                 right = place::place_mm(place::Place::lateral_right, p);
+    if (place::place_mm(place::Place::third, p) < std::min(left, right)) {
       third += voxel_ml;
       third_x += voxel_ml * p.x;
       return;
     }
-    const Part part = horns_mm(p) < 0 || p.z < 42 ? horns : p.y < -22 ? frontal : p.y < 14 ? body : trigone;
+    const Part part = place::horns_mm(p) < 0 || p.z < 42 ? horns : p.y < -22 ? frontal : p.y < 14 ? body : trigone;
     ml[left < right ? 0 : 1][part] += voxel_ml;
   });
   std::array<double, 2> sum{};
@@ -114,4 +116,4 @@ void report_parts(const BitMask& found, const HeadPlace& place, Report& report) 
   if (third < there_ml) report.warn("no third ventricle found where it should be");
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

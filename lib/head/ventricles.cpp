@@ -18,7 +18,7 @@
 #include "mask/surface_field.h"
 #include "segmentation/finish.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 constexpr double strength_ratio = 0.4;   ///< strength of denoising for each unit of noise, mm^-0.5
@@ -27,7 +27,7 @@ constexpr double shell_mm = 4;           ///< no ventricle is searched for this 
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 8;
 constexpr double cut_scale_mm = 0.8;
-constexpr double most_voxel_mm = 1.0;
+constexpr double max_voxel_mm = 1.0;
 constexpr double clear_mm = 1;          ///< the edge is not searched for this near to other fluid
 constexpr double start_sigma_mm = 0.5;  ///< smooths the steps of the voxels before the fit
 constexpr double edge_may_move_hu = 5;
@@ -46,11 +46,11 @@ double middle_of(std::vector<float>& v) {
 }
 
 /// Halfway between the HU inside the shape and those of the tissue around it, as far as `otherwise` allows.
-double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const BitMask& brain, double otherwise,
-                          const Progress& progress) {
-  const BitMask inner = eroded(shape, 1.0, progress);
-  BitMask outer = dilated(shape, 4.0, progress);
-  outer.remove(dilated(shape, 2.0, progress));
+double half_of_both_sides(const grid::Grid<float>& hu, const mask::BitMask& shape, const mask::BitMask& brain,
+                          double otherwise, const Progress& progress) {
+  const mask::BitMask inner = mask::eroded(shape, 1.0, progress);
+  mask::BitMask outer = mask::dilated(shape, 4.0, progress);
+  outer.remove(mask::dilated(shape, 2.0, progress));
   outer &= brain;
   std::vector<float> inside, around;
   for (int k = 0; k < hu.size[2]; ++k)
@@ -67,12 +67,12 @@ double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const Bit
 }
 
 /// Merges a x a voxels of each slice into their mean.
-Grid<float> merged(const Grid<float>& g, int a) {
-  Lattice l = g;
+grid::Grid<float> merged(const grid::Grid<float>& g, int a) {
+  grid::Lattice l = g;
   l.size = {g.size[0] / a, g.size[1] / a, g.size[2]};
   l.spacing_mm = {g.spacing_mm.x * a, g.spacing_mm.y * a, g.spacing_mm.z};
   l.origin_mm = g.to_world_mm({0.5 * (a - 1), 0.5 * (a - 1), 0});
-  Grid<float> out(l);
+  grid::Grid<float> out(l);
   parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
@@ -86,8 +86,8 @@ Grid<float> merged(const Grid<float>& g, int a) {
 }
 
 /// Set where at least half of the a x a voxels are set.
-BitMask merged(const BitMask& m, const Lattice& l, int a) {
-  return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+mask::BitMask merged(const mask::BitMask& m, const grid::Lattice& l, int a) {
+  return mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) {
       int n = 0;
       for (int b = 0; b < a; ++b)
@@ -99,13 +99,13 @@ BitMask merged(const BitMask& m, const Lattice& l, int a) {
 
 /// The grid at the voxels of another lattice with parallel axes, by cubic interpolation (Catmull-Rom), because linear
 /// interpolation would flatten curved parts. Beyond its ends the values continue.
-Field resampled(Field from, const Lattice& to, const Progress& progress) {
+grid::Field resampled(grid::Field from, const grid::Lattice& to, const Progress& progress) {
   const Vec3 first = from.to_index(to.origin_mm);
   for (int axis = 0; axis < 3; ++axis) {
-    Lattice l = from;
+    grid::Lattice l = from;
     l.size[axis] = to.size[axis];
     l.spacing_mm[axis] = to.spacing_mm[axis];
-    Field out(l);
+    grid::Field out(l);
     struct Taps {
       int at[4];
       float weight[4];
@@ -141,132 +141,133 @@ Field resampled(Field from, const Lattice& to, const Progress& progress) {
     });
     from = std::move(out);
   }
-  static_cast<Lattice&>(from) = to;
+  static_cast<grid::Lattice&>(from) = to;
   return from;
 }
 
-Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const VentriclesParams& p, Report& report,
-                    const Progress& progress) {
-  const Box brain_box = grown(positive(*masks.brain, *masks.brain).bounds(), 1, *masks.brain);
+grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, const VentriclesParams& p,
+                          Report& report, const Progress& progress) {
+  const grid::Box brain_box = grid::grown(mask::positive(*masks.brain, *masks.brain).bounds(), 1, *masks.brain);
   if (brain_box.empty())
     throw refusal("brain", "the mask is empty: 0 voxels",
                   {"lower `lower_hu` or raise `upper_hu` of the stage `brain`, or paint it and bring it back by the "
                    "stage `labels`"});
-  const Lattice whole = cropped(*masks.brain, brain_box);
-  const Box box = place_in(whole, hu.lattice());
+  const grid::Lattice whole = grid::cropped(*masks.brain, brain_box);
+  const grid::Box box = grid::place_in(whole, hu.lattice());
   for (int a = 0; a < 3; ++a)
     if (box.begin[a] < 0 || box.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "brain", "the field reaches beyond the volume");
-  const bool fitted = p.edge == SegmentEdge::half_maximum;
+  const bool fitted = p.edge == segmentation::SegmentEdge::half_maximum;
   // Finer voxels add no information about the shape; the edge is fitted between the voxels.
-  const int merge = fitted ? std::clamp(int(most_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
+  const int merge = fitted ? std::clamp(int(max_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
                                         std::min(whole.size[0], whole.size[1]))
                            : 1;
-  Grid<float> raw = merged(crop(hu, box), merge);
-  const Lattice l = raw;
-  const BitMask fine_brain = positive(*masks.brain, whole);
-  const BitMask brain = merged(fine_brain, l, merge);
-  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
-  BitMask free(cropped(hu.lattice(), roi));
-  free = placed(free.invert(), whole);
-  if (masks.without) free.remove(positive(*masks.without, whole));
-  const BitMask allowed = merged(free, l, merge);
+  grid::Grid<float> raw = merged(mask::crop(hu, box), merge);
+  const grid::Lattice l = raw;
+  const mask::BitMask fine_brain = mask::positive(*masks.brain, whole);
+  const mask::BitMask brain = merged(fine_brain, l, merge);
+  const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  mask::BitMask free(grid::cropped(hu.lattice(), roi));
+  free = mask::placed(free.invert(), whole);
+  if (masks.without) free.remove(mask::positive(*masks.without, whole));
+  const mask::BitMask allowed = merged(free, l, merge);
 
   // The brain's surface with its sulci closed, from which depths are measured.
-  BitMask envelope = closed(brain, envelope_close_mm, progress);
-  envelope |= holes(envelope, {0, 1000, true}, progress);
-  BitMask known = eroded(envelope, shell_mm, progress);
+  mask::BitMask envelope = mask::closed(brain, envelope_close_mm, progress);
+  envelope |= mask::holes(envelope, {0, 1000, true}, progress);
+  mask::BitMask known = mask::eroded(envelope, shell_mm, progress);
   const auto soft_alone = [&] {
-    return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    return mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
     });
   };
   if (p.smoothing_sigma_mm > 0) {
     // Noise takes single voxels out of the range, which are tissue all the same.
-    BitMask averaged = known;
+    mask::BitMask averaged = known;
     averaged &= soft_alone();
-    raw = masked_gaussian(std::move(raw), averaged, p.smoothing_sigma_mm, 1000, 0.02, progress);
+    raw = mask::masked_gaussian(std::move(raw), averaged, p.smoothing_sigma_mm, 1000, 0.02, progress);
   }
   known &= soft_alone();
-  if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
-  const std::vector<StreakedSlice> streaks = remove_streaks(raw, known, progress);
-  Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
+  if (p.edge == segmentation::SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
+  const std::vector<mask::StreakedSlice> streaks = mask::remove_streaks(raw, known, progress);
+  grid::Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
   const double noise = tissue_noise(raw, known, progress);
   check_noise(noise, raw, p.smoothing_sigma_mm);
   progress.report(0.4);
   const double lower = p.lower_hu;
   double upper = p.upper_hu;
   envelope &= allowed;
-  BitMask others, cut_off;
-  const BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
-  const HeadPlace place = place_head(envelope, &wide, hu.lattice(), progress);
-  report_place(place, report);
-  BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
+  mask::BitMask others, cut_off;
+  const mask::BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
+  const place::HeadPlace place = place::place_head(envelope, &wide, hu.lattice(), progress);
+  place::report_place(place, report);
+  mask::BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   progress.report(0.6);
-  if (p.edge == SegmentEdge::half_maximum && shape.any()) {
+  if (p.edge == segmentation::SegmentEdge::half_maximum && shape.any()) {
     upper = half_of_both_sides(soft, shape, brain, upper, progress);
     shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   }
   report.add("upper_hu", upper);
   warn_of_stubs(cut_off, shape, report);
-  if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
-  shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);  // choroid plexus, calcified or not
+  if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
+  shape |= mask::holes(shape, {p.fill_close_mm, 5, false}, progress);  // choroid plexus, calcified or not
   shape &= brain;
-  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
   progress.report(0.8);
   const auto margin = [&](double mm) {
     return int(std::ceil(mm / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z})));
   };
   const Vec3 centre = envelope.centre_mm();
-  Field horns;
+  grid::Field horns;
   int horns_count = 0;
-  BitMask course(l);
-  if (p.edge == SegmentEdge::half_maximum) {
-    const Box around = grown(shape.bounds(), margin(horns_reach_mm), l);
-    horns = find_horns(trephine::crop(raw, around), crop(known, around), crop(envelope, around), crop(others, around),
-                       crop(shape, around), centre, place, noise, horns_count, progress);
+  mask::BitMask course(l);
+  if (p.edge == segmentation::SegmentEdge::half_maximum) {
+    const grid::Box around = grid::grown(shape.bounds(), margin(horns_reach_mm), l);
+    horns =
+        find_horns(trephine::grid::crop(raw, around), mask::crop(known, around), mask::crop(envelope, around),
+                   mask::crop(others, around), mask::crop(shape, around), centre, place, noise, horns_count, progress);
     report.add("horns_count", horns_count);
-    course = positive(horns, l);
+    course = mask::positive(horns, l);
     course &= brain;
   }
-  BitMask both = shape;
+  mask::BitMask both = shape;
   both |= course;
-  const Box cut = grown(both.bounds(), margin(6), l);
-  Field field;
-  BitMask found;
+  const grid::Box cut = grid::grown(both.bounds(), margin(6), l);
+  grid::Field field;
+  mask::BitMask found;
   if (fitted) {
-    known.remove(dilated(others, clear_mm, progress));
-    Field start(cropped(l, cut));
-    shape = crop(shape, cut);
+    known.remove(mask::dilated(others, clear_mm, progress));
+    grid::Field start(grid::cropped(l, cut));
+    shape = mask::crop(shape, cut);
     for (int k = 0; k < start.size[2]; ++k)
       for (int j = 0; j < start.size[1]; ++j)
         for (int i = 0; i < start.size[0]; ++i) start.at(i, j, k) = shape.get(i, j, k) ? 0.5f : -0.5f;
-    const Grid<float> tubes = fit(horns, start, -4.f);
-    gaussian(start, start_sigma_mm, progress);
-    start = signed_distance_mm(start, progress);
+    const grid::Grid<float> tubes = grid::fit(horns, start, -4.f);
+    mask::gaussian(start, start_sigma_mm, progress);
+    start = mask::signed_distance_mm(start, progress);
     for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
       start.voxels[v] = std::max(start.voxels[v], tubes.voxels[v]);
-    const BitMask necks = make_mask(start, [&](int j, int k, std::uint8_t* row) {
+    const mask::BitMask necks = mask::make_mask(start, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < start.size[0]; ++i)
         row[i] = about_monro.holds(start.to_world_mm({double(i), double(j), double(k)}) - centre);
     });
-    start = fit_fluid(trephine::crop(raw, cut), crop(known, cut), start, noise, &necks, progress);
+    start = fit_fluid(trephine::grid::crop(raw, cut), mask::crop(known, cut), start, noise, &necks, progress);
     // Back to the volume's voxels.
-    const Box out{{cut.begin[0] * merge, cut.begin[1] * merge, cut.begin[2]},
-                  {cut.end[0] * merge, cut.end[1] * merge, cut.end[2]}};
-    field = resampled(start, cropped(whole, out), progress);
-    found = positive(field, field);
-    found &= crop(fine_brain, out);
+    const grid::Box out{{cut.begin[0] * merge, cut.begin[1] * merge, cut.begin[2]},
+                        {cut.end[0] * merge, cut.end[1] * merge, cut.end[2]}};
+    field = resampled(start, grid::cropped(whole, out), progress);
+    found = mask::positive(field, field);
+    found &= mask::crop(fine_brain, out);
     found = believable_pieces(found, place);
-    found |= holes(found, {p.fill_close_mm, 5, false}, progress);
-    if (!found.any()) check_mask(found, hu.lattice().count(), report);
+    found |= mask::holes(found, {p.fill_close_mm, 5, false}, progress);
+    if (!found.any()) mask::check_mask(found, hu.lattice().count(), report);
   } else {
     for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
-    field = trephine::crop(soft, cut);
-    found = crop(shape, cut);
+    field = trephine::grid::crop(soft, cut);
+    found = mask::crop(shape, cut);
   }
   const std::size_t cut_count =
-      place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
+      mask::place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
   report.add("cut_voxels_count", cut_count);
   report_parts(found, place, report);
   warn_of_streaks(streaks, l, found, report);
@@ -276,21 +277,21 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
 }
 
 }  // namespace
-}  // namespace trephine::segmentation
+}  // namespace trephine::head
 
-namespace trephine {
+namespace trephine::head {
 
-Field find_ventricles(const HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
-                      Report& report, const Progress& progress) {
+grid::Field find_ventricles(const grid::HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
+                            Report& report, const Progress& progress) {
   if (!masks.brain) throw Error(ExitCode::usage, "", "brain", "is needed: the field of the brain that holds them");
   segmentation::check_thresholds(params.lower_hu, params.upper_hu);
   return segmentation::found_and_finished(
       volume, {params.grow_mm, 1},
-      [&](const segmentation::HuView& hu) {
-        segmentation::check_varies(volume);
-        return segmentation::ventricles_in(hu, masks, params, report, progress);
+      [&](const mask::HuView& hu) {
+        mask::check_varies(volume);
+        return ventricles_in(hu, masks, params, report, progress);
       },
       report, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -2,12 +2,12 @@
 #pragma once
 #include "head/tissue_params.h"
 
-namespace trephine {
+namespace trephine::head {
 
 struct VentriclesParams {
   double lower_hu = -15;
   double upper_hu = 18.5;
-  SegmentEdge edge = SegmentEdge::half_maximum;
+  segmentation::SegmentEdge edge = segmentation::SegmentEdge::half_maximum;
   double smoothing_sigma_mm = 0;
   std::array<double, 3> roi_min_mm{-1e6, -1e6, -1e6};
   std::array<double, 3> roi_max_mm{1e6, 1e6, 1e6};
@@ -30,8 +30,8 @@ struct VentriclesParams {
 
 /// Fields of other anatomies (positive inside) on the volume's raster, perhaps covering only a part of it.
 struct VentriclesMasks {
-  const Field* brain = nullptr;    ///< the brain as find_brain gives it; must be given
-  const Field* without = nullptr;  ///< the ventricles lie outside it; null where not given
+  const grid::Field* brain = nullptr;    ///< the brain as find_brain gives it; must be given
+  const grid::Field* without = nullptr;  ///< the ventricles lie outside it; null where not given
 };
 
 /// The lateral ventricles and the third, as a field like that of segment(). They are CSF deep inside the brain, which a
@@ -51,7 +51,7 @@ struct VentriclesMasks {
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 64 where no brain is given; 80
 /// also where all voxels have one value or the brain is empty.
-Field find_ventricles(const HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
-                      Report& report, const Progress& progress = {});
+grid::Field find_ventricles(const grid::HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
+                            Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::head

@@ -4,7 +4,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// Places the surface of a body of fluid in brighter tissue by fitting a model of the image to `hu`, all on the lattice
 /// of `hu`: what the scanner would show of the shape (its edges blurred in the slice, averaged over the slice's
@@ -16,7 +16,7 @@ namespace trephine::segmentation {
 /// `start` is the signed distance to a first surface, mm, positive inside, right in topology and to about 2 mm; only
 /// voxels in `known` are gone by (no bone, no other fluid). In `necks` (may be null) no smoothing closes a passage or
 /// opens a wall that `start` has, which costs smoothness where there is much noise. Returns the signed distance.
-Field fit_fluid(const Grid<float>& hu, const BitMask& known, const Field& start, double noise,
-                const BitMask* necks = nullptr, const Progress& progress = {});
+grid::Field fit_fluid(const grid::Grid<float>& hu, const mask::BitMask& known, const grid::Field& start, double noise,
+                      const mask::BitMask* necks = nullptr, const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

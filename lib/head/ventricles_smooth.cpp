@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 namespace {
 
 // The surface is smoothed by Gaussians, the thicker the shape is there, the wider.
@@ -19,10 +19,10 @@ constexpr double smooth_per_thickness = 0.9, thickness_reach_mm = 4, thickness_s
 constexpr float noise_moves_mm = 0.3f, neck_moves_mm = 0.8f;
 
 /// Each voxel gets the largest value within a box about it.
-void spread_largest(Grid<float>& g, double reach_mm, const Progress& progress) {
+void spread_largest(grid::Grid<float>& g, double reach_mm, const Progress& progress) {
   for (int axis = 0; axis < 3; ++axis) {
     const int reach = std::max(1, int(std::lround(reach_mm / g.spacing_mm[axis])));
-    const Grid<float> in = g;
+    const grid::Grid<float> in = g;
     parallel_for(0, g.size[2], 2, [&](std::int64_t begin, std::int64_t end) {
       progress.check();
       for (int k = int(begin); k < end; ++k)
@@ -45,22 +45,22 @@ void spread_largest(Grid<float>& g, double reach_mm, const Progress& progress) {
 
 }  // namespace
 
-void smooth_fit(Grid<float>& distance, const BitMask* necks, const Progress& progress) {
+void smooth_fit(grid::Grid<float>& distance, const mask::BitMask* necks, const Progress& progress) {
   for (float& d : distance.voxels) d = std::clamp(d, float(-fit_far_mm), float(fit_far_mm));
-  Grid<float> thickness = distance;
+  grid::Grid<float> thickness = distance;
   spread_largest(thickness, thickness_reach_mm, progress);
-  gaussian(thickness, thickness_sigma_mm, progress);
+  mask::gaussian(thickness, thickness_sigma_mm, progress);
   const auto smoothed = [&](double sigma_mm) {
-    Grid<float> once = distance;
-    gaussian(once, sigma_mm, progress);
-    Grid<float> twice = once;
-    gaussian(twice, sigma_mm, progress);
+    grid::Grid<float> once = distance;
+    mask::gaussian(once, sigma_mm, progress);
+    grid::Grid<float> twice = once;
+    mask::gaussian(twice, sigma_mm, progress);
     for (std::size_t v = 0; v < once.voxels.size(); ++v) once.voxels[v] = 2 * once.voxels[v] - twice.voxels[v];
     return once;
   };
-  Grid<float> before = smoothed(smooth_mm[0]), out = before;
+  grid::Grid<float> before = smoothed(smooth_mm[0]), out = before;
   for (std::size_t n = 1; n < smooth_mm.size(); ++n) {
-    Grid<float> next = smoothed(smooth_mm[n]);
+    grid::Grid<float> next = smoothed(smooth_mm[n]);
     const float from = float(smooth_mm[n - 1]), width = float(smooth_mm[n]) - from;
     for (std::size_t v = 0; v < out.voxels.size(); ++v) {
       const float t = (float(smooth_per_thickness) * thickness.voxels[v] - from) / width;
@@ -83,4 +83,4 @@ void smooth_fit(Grid<float>& distance, const BitMask* necks, const Progress& pro
   distance = std::move(out);
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

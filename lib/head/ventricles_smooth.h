@@ -4,7 +4,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::head {
 
 /// Distances that the fit of the ventricles works with end here, mm to either side of the surface.
 constexpr double fit_far_mm = 8;
@@ -13,6 +13,6 @@ constexpr double fit_far_mm = 8;
 /// Gaussian mean less the mean of that, which leaves what is curved evenly where it is. Distances beyond fit_far_mm
 /// become that. On `necks` (may be null), of as many slices or fewer, what smoothing would move far stays: no passage
 /// closes, no wall opens.
-void smooth_fit(Grid<float>& distance, const BitMask* necks, const Progress& progress);
+void smooth_fit(grid::Grid<float>& distance, const mask::BitMask* necks, const Progress& progress);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::head

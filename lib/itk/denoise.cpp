@@ -13,16 +13,16 @@
 #include "itk/itk_child.h"
 #include "itk/non_local_means.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
-constexpr double most_effort = 5000;
+constexpr double max_effort = 5000;
 
 // The box of the volume's voxels about where the field is positive.
-Box box_of(const Lattice& volume, const Field* within, double margin_mm) {
-  if (!within) return whole_box(volume);
-  const Box place = place_in(*within, volume);
-  Box box{volume.size, {0, 0, 0}};
+grid::Box box_of(const grid::Lattice& volume, const grid::Field* within, double margin_mm) {
+  if (!within) return grid::whole_box(volume);
+  const grid::Box place = grid::place_in(*within, volume);
+  grid::Box box{volume.size, {0, 0, 0}};
   for (int k = 0; k < within->size[2]; ++k)
     for (int j = 0; j < within->size[1]; ++j)
       for (int i = 0; i < within->size[0]; ++i) {
@@ -43,8 +43,8 @@ Box box_of(const Lattice& volume, const Field* within, double margin_mm) {
 }
 
 template <class T>
-Grid<float> floats_in(const Grid<T>& grid, const Box& box) {
-  Grid<float> out(cropped(grid, box));
+grid::Grid<float> floats_in(const grid::Grid<T>& grid, const grid::Box& box) {
+  grid::Grid<float> out(grid::cropped(grid, box));
   for (int k = 0; k < out.size[2]; ++k)
     for (int j = 0; j < out.size[1]; ++j)
       for (int i = 0; i < out.size[0]; ++i) {
@@ -58,7 +58,7 @@ Grid<float> floats_in(const Grid<T>& grid, const Box& box) {
 NonLocalMeans means_of(const DenoiseParams& p) { return {p.search_mm, p.patch_mm, p.edge_hu / 2}; }
 
 // How many values each voxel is made of (median, bilateral), or how often the volume is gone through (curvature).
-double effort_of(const DenoiseParams& p, const Lattice& l, int iterations) {
+double effort_of(const DenoiseParams& p, const grid::Lattice& l, int iterations) {
   if (p.method == DenoiseMethod::gaussian) return 1;
   if (p.method == DenoiseMethod::non_local_means) return static_cast<double>(patches_compared(l, means_of(p)));
   if (p.method == DenoiseMethod::curvature) return iterations;
@@ -68,7 +68,7 @@ double effort_of(const DenoiseParams& p, const Lattice& l, int iterations) {
   return count;
 }
 
-ChildResult filtered_by_itk(const Grid<float>& before, const DenoiseTask& task, double effort,
+ChildResult filtered_by_itk(const grid::Grid<float>& before, const DenoiseTask& task, double effort,
                             const Progress& progress) {
   MessageWriter request = itk_child::request();
   request.value(task);
@@ -86,13 +86,13 @@ ChildResult filtered_by_itk(const Grid<float>& before, const DenoiseTask& task, 
 
 }  // namespace
 
-HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
-                 const Progress& progress) {
-  const Lattice& lattice = lattice_of(volume);
+grid::HuVolume denoise(const grid::HuVolume& volume, const grid::Field* within, const DenoiseParams& params,
+                       Report& report, const Progress& progress) {
+  const grid::Lattice& lattice = grid::lattice_of(volume);
   const double margin_mm =
       params.method == DenoiseMethod::non_local_means ? params.search_mm + params.patch_mm : 4 * params.sigma_mm;
-  const Box box = box_of(lattice, within, margin_mm);
-  const Grid<float> before = std::visit([&](const auto& grid) { return floats_in(grid, box); }, volume);
+  const grid::Box box = box_of(lattice, within, margin_mm);
+  const grid::Grid<float> before = std::visit([&](const auto& grid) { return floats_in(grid, box); }, volume);
   if (params.method == DenoiseMethod::gaussian && *std::min_element(before.size.begin(), before.size.end()) < 4)
     throw Error(ExitCode::bad_input, "", "volume",
                 "has fewer than 4 voxels along an axis, which method gaussian needs");
@@ -106,14 +106,15 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
   task.iterations = std::max(1, static_cast<int>(std::ceil(time / most)));
   task.step = time / task.iterations;
   const double effort = effort_of(params, lattice, task.iterations);
-  if (effort > most_effort)
+  if (effort > max_effort)
     throw Error(ExitCode::usage, "", params.method == DenoiseMethod::non_local_means ? "search_mm" : "sigma_mm",
-                "needs " + to_text(effort) + " steps a voxel of this size, at most " + to_text(most_effort) +
+                "needs " + to_text(effort) + " steps a voxel of this size, at most " + to_text(max_effort) +
                     ": take less, or method gaussian");
   const bool own = params.method == DenoiseMethod::non_local_means;
   const ChildResult result = own ? ChildResult() : filtered_by_itk(before, task, effort, progress.part(0.1, 0.9));
-  const Grid<float> means = own ? non_local_means(before, means_of(params), progress.part(0.1, 0.9)) : Grid<float>();
-  HuVolume out = volume;
+  const grid::Grid<float> means =
+      own ? non_local_means(before, means_of(params), progress.part(0.1, 0.9)) : grid::Grid<float>();
+  grid::HuVolume out = volume;
   double sum = 0, square = 0;
   std::size_t soft = 0;
   std::visit(
@@ -144,4 +145,4 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

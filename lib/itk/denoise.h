@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 enum class DenoiseMethod { curvature, bilateral, median, gaussian, non_local_means };
 
@@ -52,7 +52,7 @@ struct DenoiseParams {
 /// much for the voxels (5,000 steps each), 65 where a voxel is not finite, the Gaussian has fewer than
 /// 4 voxels along an axis, or `within` is nowhere
 /// positive; as itk_child::run.
-HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
-                 const Progress& progress = {});
+grid::HuVolume denoise(const grid::HuVolume& volume, const grid::Field* within, const DenoiseParams& params,
+                       Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::itk

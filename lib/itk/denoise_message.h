@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-namespace trephine {
+namespace trephine::itk {
 
 /// What is said before the grid (program/denoise_worker.cpp); the answer is the grid's samples.
 constexpr const char* denoise_worker_name = "itk-denoise";
@@ -11,4 +11,4 @@ struct DenoiseTask {
   double sigma_mm = 1, edge_hu = 60, step = 0.03;
 };
 
-}  // namespace trephine
+}  // namespace trephine::itk

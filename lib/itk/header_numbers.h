@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/text.h"
 
-namespace trephine::detail {
+namespace trephine::itk::detail {
 
 /// What the readers of text headers share; for the sources of this room only.
 
@@ -26,4 +26,4 @@ inline std::vector<double> numbers_of(const std::string& key, const std::string&
   return found;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::itk::detail

@@ -5,7 +5,7 @@
 
 #include "base/spawn.h"
 
-namespace trephine::itk_child {
+namespace trephine::itk::itk_child {
 namespace {
 
 constexpr const char* build = TREPHINE_VERSION " 1";  // the number changes with the messages
@@ -34,14 +34,14 @@ ChildResult run(const char* worker, const MessageWriter& request, const ChildLim
   return run_child(worker, request.bytes(), limits, progress, {file});
 }
 
-void put(MessageWriter& to, const Grid<float>& grid) {
-  to.value(static_cast<const Lattice&>(grid));
+void put(MessageWriter& to, const grid::Grid<float>& grid) {
+  to.value(static_cast<const grid::Lattice&>(grid));
   to.array(grid.voxels);
 }
 
-Grid<float> take_grid(MessageReader& from, const char* worker) {
-  Grid<float> grid;
-  static_cast<Lattice&>(grid) = from.value<Lattice>();
+grid::Grid<float> take_grid(MessageReader& from, const char* worker) {
+  grid::Grid<float> grid;
+  static_cast<grid::Lattice&>(grid) = from.value<grid::Lattice>();
   grid.voxels = from.array<float>();
   bool sound = is_finite(grid.origin_mm);
   for (int a = 0; a < 3; ++a) sound = sound && grid.size[a] > 0 && grid.size[a] <= 65535 && grid.spacing_mm[a] > 0;
@@ -50,4 +50,4 @@ Grid<float> take_grid(MessageReader& from, const char* worker) {
   return grid;
 }
 
-}  // namespace trephine::itk_child
+}  // namespace trephine::itk::itk_child

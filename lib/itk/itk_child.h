@@ -6,7 +6,7 @@
 #include "base/child_message.h"
 #include "grid/grid.h"
 
-namespace trephine::itk_child {
+namespace trephine::itk::itk_child {
 
 /// ITK runs in a program of its own, trephine-itk, which lies beside ours and is started as a bounded child
 /// (base/child.h) for one task. So no other program loads ITK, and a file or a volume that brings ITK down ends the
@@ -21,8 +21,8 @@ MessageReader opened(const char* worker, std::string_view bytes);
 ChildResult run(const char* worker, const MessageWriter& request, const ChildLimits& limits,
                 const Progress& progress = {});
 
-void put(MessageWriter& to, const Grid<float>& grid);
+void put(MessageWriter& to, const grid::Grid<float>& grid);
 /// Throws Error 70 where lattice and samples disagree.
-Grid<float> take_grid(MessageReader& from, const char* worker);
+grid::Grid<float> take_grid(MessageReader& from, const char* worker);
 
-}  // namespace trephine::itk_child
+}  // namespace trephine::itk::itk_child

@@ -11,20 +11,20 @@
 #include "base/parallel.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 using Triple = std::array<int, 3>;
 
 constexpr int slab_slices = 8;  ///< of one piece of work: fixed, so that the bytes do not depend on the threads
 
-Triple radius_of(const Lattice& l, double mm) {
+Triple radius_of(const grid::Lattice& l, double mm) {
   Triple r{};
   for (std::size_t a = 0; a < 3; ++a) r[a] = static_cast<int>(std::lround(mm / l.spacing_mm[static_cast<int>(a)]));
   return r;
 }
 
-std::vector<Triple> offsets_of(const Lattice& l, double mm) {
+std::vector<Triple> offsets_of(const grid::Lattice& l, double mm) {
   std::vector<Triple> all;
   Triple most{};
   for (std::size_t a = 0; a < 3; ++a) most[a] = static_cast<int>(mm / l.spacing_mm[static_cast<int>(a)]);
@@ -47,7 +47,7 @@ struct Padded {
   }
 };
 
-Padded padded(const Grid<float>& g, const Triple& pad) {
+Padded padded(const grid::Grid<float>& g, const Triple& pad) {
   Padded p;
   p.pad = pad;
   for (std::size_t a = 0; a < 3; ++a) p.size[a] = g.size[a] + 2 * pad[a];
@@ -65,7 +65,7 @@ Padded padded(const Grid<float>& g, const Triple& pad) {
 /// ring of as many slices as a patch has.
 class Slab {
  public:
-  Slab(const Grid<float>& grid, const Padded& padded, const Triple& patch, const NonLocalMeans& params)
+  Slab(const grid::Grid<float>& grid, const Padded& padded, const Triple& patch, const NonLocalMeans& params)
       : grid_(grid), padded_(padded), patch_(patch), nx_(grid.size[0]), ny_(grid.size[1]) {
     double count = 1;
     for (const int r : patch) count *= 2 * r + 1;
@@ -78,7 +78,7 @@ class Slab {
     ring_.resize(std::size_t(2 * patch[2] + 1) * std::size_t(nx_) * std::size_t(ny_));
   }
 
-  void run(int from, int to, const std::vector<Triple>& offsets, Grid<float>& out, const Progress& progress) {
+  void run(int from, int to, const std::vector<Triple>& offsets, grid::Grid<float>& out, const Progress& progress) {
     const std::size_t slice = std::size_t(nx_) * std::size_t(ny_), begin = grid_.index(0, 0, from);
     const std::size_t count = slice * std::size_t(to - from);
     weight_.assign(count, 1.0f);
@@ -149,7 +149,7 @@ class Slab {
     }
   }
 
-  const Grid<float>& grid_;
+  const grid::Grid<float>& grid_;
   const Padded& padded_;
   const Triple patch_;
   const int nx_, ny_;
@@ -159,14 +159,15 @@ class Slab {
 
 }  // namespace
 
-std::size_t patches_compared(const Lattice& lattice, const NonLocalMeans& params) {
+std::size_t patches_compared(const grid::Lattice& lattice, const NonLocalMeans& params) {
   // So many are counted by their volume: whoever asks refuses them, and a list of them could fill the memory.
   constexpr double many = 1e6, ball_of_radius_1 = 4.18879;
   const double ball = ball_of_radius_1 * std::pow(params.search_mm, 3) / lattice.voxel_volume_mm3();
   return ball > many ? static_cast<std::size_t>(ball) : offsets_of(lattice, params.search_mm).size();
 }
 
-Grid<float> non_local_means(const Grid<float>& grid, const NonLocalMeans& params, const Progress& progress) {
+grid::Grid<float> non_local_means(const grid::Grid<float>& grid, const NonLocalMeans& params,
+                                  const Progress& progress) {
   const std::vector<Triple> offsets = offsets_of(grid, params.search_mm);
   if (offsets.empty())
     throw Error(ExitCode::usage, "", "search_mm",
@@ -177,7 +178,7 @@ Grid<float> non_local_means(const Grid<float>& grid, const NonLocalMeans& params
   for (std::size_t a = 0; a < 3; ++a)
     pad[a] += static_cast<int>(params.search_mm / grid.spacing_mm[static_cast<int>(a)]);
   const Padded source = padded(grid, pad);
-  Grid<float> out(static_cast<const Lattice&>(grid));
+  grid::Grid<float> out(static_cast<const grid::Lattice&>(grid));
   std::atomic<int> done{0};
   parallel_for(0, grid.size[2], slab_slices, [&](std::int64_t from, std::int64_t to) {
     progress.report(double(done.load()) / grid.size[2]);
@@ -187,4 +188,4 @@ Grid<float> non_local_means(const Grid<float>& grid, const NonLocalMeans& params
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

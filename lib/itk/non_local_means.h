@@ -3,7 +3,7 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 struct NonLocalMeans {
   double search_mm = 3;  ///< radius of the ball in which patches are compared
@@ -12,7 +12,7 @@ struct NonLocalMeans {
 };
 
 /// How many patches each voxel is compared with on such voxels.
-std::size_t patches_compared(const Lattice& lattice, const NonLocalMeans& params);
+std::size_t patches_compared(const grid::Lattice& lattice, const NonLocalMeans& params);
 
 /// Non-local means [Buades2005]: each voxel becomes the mean of those whose surroundings look like its own. Patches are
 /// compared whole, within a ball, without drawing lots: a difference (mean square, less twice the noise's variance)
@@ -21,6 +21,7 @@ std::size_t patches_compared(const Lattice& lattice, const NonLocalMeans& params
 ///
 /// Memory: one further volume, padded, and about 25 MB a thread for slices of 512 x 512. The same bytes for every
 /// number of threads.
-Grid<float> non_local_means(const Grid<float>& grid, const NonLocalMeans& params, const Progress& progress = {});
+grid::Grid<float> non_local_means(const grid::Grid<float>& grid, const NonLocalMeans& params,
+                                  const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::itk

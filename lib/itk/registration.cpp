@@ -14,7 +14,7 @@
 #include "itk/itk_child.h"
 #include "itk/registration_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 constexpr double smallest_extent_mm = 32;
@@ -24,10 +24,10 @@ struct Window {
   double low = 0, high = 1;
 };
 
-Grid<float> floats_of(const HuVolume& volume, const std::string& which) {
+grid::Grid<float> floats_of(const grid::HuVolume& volume, const std::string& which) {
   return std::visit(
       [&](const auto& grid) {
-        Grid<float> out(static_cast<const Lattice&>(grid));
+        grid::Grid<float> out(static_cast<const grid::Lattice&>(grid));
         for (std::size_t i = 0; i < grid.voxels.size(); ++i) {
           out.voxels[i] = static_cast<float>(grid.voxels[i]);
           if (!std::isfinite(out.voxels[i]))
@@ -39,7 +39,7 @@ Grid<float> floats_of(const HuVolume& volume, const std::string& which) {
 }
 
 // The values between which the middle 99 % of the voxels lie. Which voxels: every 7th, so that it is quick.
-Window middle_values(const Grid<float>& grid) {
+Window middle_values(const grid::Grid<float>& grid) {
   std::vector<float> some;
   for (std::size_t i = 0; i < grid.voxels.size(); i += 7) some.push_back(grid.voxels[i]);
   const auto at = [&](double share) {
@@ -51,28 +51,29 @@ Window middle_values(const Grid<float>& grid) {
   return {low, at(0.995)};
 }
 
-void clamp_to(Grid<float>& grid, const Window& window, const std::string& which) {
+void clamp_to(grid::Grid<float>& grid, const Window& window, const std::string& which) {
   if (!(window.high > window.low))
     throw Error(ExitCode::bad_input, "", which, "has one value only: nothing to register");
   const auto low = static_cast<float>(window.low), scale = static_cast<float>(1 / (window.high - window.low));
   for (float& v : grid.voxels) v = std::clamp((v - low) * scale, 0.0f, 1.0f);
 }
 
-void check_extent(const Lattice& lattice, const std::string& which) {
+void check_extent(const grid::Lattice& lattice, const std::string& which) {
   for (int a = 0; a < 3; ++a)
     if (lattice.size[a] * lattice.spacing_mm[a] < smallest_extent_mm)
       throw Error(ExitCode::bad_input, "", which,
                   fmt::format("is smaller than {} mm along an axis", smallest_extent_mm));
 }
 
-Grid<float> at_spacing(const Grid<float>& grid, double mm) {
+grid::Grid<float> at_spacing(const grid::Grid<float>& grid, double mm) {
   Report ignored;
-  return std::get<Grid<float>>(resample(HuVolume(grid), {{mm, mm, mm}}, ignored));
+  return std::get<grid::Grid<float>>(grid::resample(grid::HuVolume(grid), {{mm, mm, mm}}, ignored));
 }
 
 // 8 mm, 4 mm and the finest; each made of the one before it, from fine to coarse.
-std::array<Grid<float>, registration_levels> pyramid(Grid<float> grid, double finest_mm, const Progress& progress) {
-  std::array<Grid<float>, registration_levels> levels;
+std::array<grid::Grid<float>, registration_levels> pyramid(grid::Grid<float> grid, double finest_mm,
+                                                           const Progress& progress) {
+  std::array<grid::Grid<float>, registration_levels> levels;
   levels[2] = at_spacing(grid, finest_mm);
   grid = {};
   for (int l = 1; l >= 0; --l) {
@@ -83,8 +84,8 @@ std::array<Grid<float>, registration_levels> pyramid(Grid<float> grid, double fi
   return levels;
 }
 
-Grid<float> looked_at(const Lattice& coarse, const Field* within) {
-  Grid<float> look(coarse, 1.0f);
+grid::Grid<float> looked_at(const grid::Lattice& coarse, const grid::Field* within) {
+  grid::Grid<float> look(coarse, 1.0f);
   if (!within) return look;
   for (int k = 0; k < coarse.size[2]; ++k)
     for (int j = 0; j < coarse.size[1]; ++j)
@@ -148,15 +149,15 @@ void describe(const Registration& r, const RegistrationFound& f, Report& report)
 
 }  // namespace
 
-Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const Field* within,
+Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& moving, const grid::Field* within,
                             const std::optional<LinearMap>& initial, const RegistrationParams& params, Report& report,
                             const Progress& progress) {
   if (!(params.lower_hu < params.upper_hu)) throw Error(ExitCode::usage, "", "lower_hu", "is not below upper_hu");
-  check_extent(lattice_of(fixed), "volume");
-  check_extent(lattice_of(moving), "moving");
+  check_extent(grid::lattice_of(fixed), "volume");
+  check_extent(grid::lattice_of(moving), "moving");
   const Window hu{params.lower_hu, params.upper_hu};
-  const auto levels_of = [&](const HuVolume& volume, bool is_hu, const char* which, const Progress& part) {
-    Grid<float> grid = floats_of(volume, which);
+  const auto levels_of = [&](const grid::HuVolume& volume, bool is_hu, const char* which, const Progress& part) {
+    grid::Grid<float> grid = floats_of(volume, which);
     clamp_to(grid, is_hu ? hu : middle_values(grid), which);
     return pyramid(std::move(grid), params.finest_mm, part);
   };
@@ -174,7 +175,7 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
   std::uint64_t bytes = 0;
   for (int l = 0; l < registration_levels; ++l)
     for (const auto* levels : {&still, &mobile}) {
-      const Grid<float>& grid = (*levels)[static_cast<std::size_t>(l)];
+      const grid::Grid<float>& grid = (*levels)[static_cast<std::size_t>(l)];
       itk_child::put(request, grid);
       bytes += grid.voxels.size() * sizeof(float);
     }
@@ -189,14 +190,14 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
   MessageReader in(register_worker_name, result.bytes());
   const auto found = in.value<RegistrationFound>();
   double longest_side_mm = params.finest_mm;
-  for (const HuVolume* volume : {&fixed, &moving})
-    for (int a = 0; a < 3; ++a) longest_side_mm = std::max(longest_side_mm, lattice_of(*volume).spacing_mm[a]);
+  for (const grid::HuVolume* volume : {&fixed, &moving})
+    for (int a = 0; a < 3; ++a) longest_side_mm = std::max(longest_side_mm, grid::lattice_of(*volume).spacing_mm[a]);
   Registration r{found.map, doubts_of(found, params, longest_side_mm)};
   describe(r, found, report);
   return r;
 }
 
-Registration given_registration(const HuVolume& fixed, const HuVolume& moving, const LinearMap& map,
+Registration given_registration(const grid::HuVolume& fixed, const grid::HuVolume& moving, const LinearMap& map,
                                 const RegistrationParams& params, Report& report) {
   constexpr float body_hu = -300;
   constexpr double stretch = 1e-4;
@@ -207,7 +208,7 @@ Registration given_registration(const HuVolume& fixed, const HuVolume& moving, c
                     "stretches or shears, which two scans of one patient do not");
   if (params.kind == RegistrationKind::rigid && !(determinant(map.matrix) > 0))
     throw Error(ExitCode::bad_input, params.given, "transform", "mirrors: left would be right");
-  const Lattice& at = lattice_of(moving);
+  const grid::Lattice& at = grid::lattice_of(moving);
   std::int64_t body = 0, both = 0;
   std::visit(
       [&](const auto& grid) {
@@ -236,12 +237,12 @@ Registration given_registration(const HuVolume& fixed, const HuVolume& moving, c
   return r;
 }
 
-HuVolume resample_onto(const HuVolume& moving, const Lattice& fixed, const LinearMap& map, float outside,
-                       const Progress& progress) {
+grid::HuVolume resample_onto(const grid::HuVolume& moving, const grid::Lattice& fixed, const LinearMap& map,
+                             float outside, const Progress& progress) {
   return std::visit(
-      [&](const auto& grid) -> HuVolume {
+      [&](const auto& grid) -> grid::HuVolume {
         using T = typename std::decay_t<decltype(grid)>::Sample;
-        Grid<T> out(fixed);
+        grid::Grid<T> out(fixed);
         const auto index_of = [&](double i, double j, double k) {
           return grid.to_index(map(fixed.to_world_mm({i, j, k})));
         };
@@ -283,4 +284,4 @@ HuVolume resample_onto(const HuVolume& moving, const Lattice& fixed, const Linea
       moving);
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -9,7 +9,7 @@
 #include "grid/grid.h"
 #include "itk/transform.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 enum class RegistrationKind { rigid, affine };
 enum class MovingValues { hu, any };
@@ -87,7 +87,7 @@ struct Registration {
 ///
 /// Throws Error 64 where lower_hu is not below upper_hu; 65 where a scan is empty of contrast, has a voxel that is not
 /// finite, or is smaller than 32 mm along an axis; as itk_child::run.
-Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const Field* within,
+Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& moving, const grid::Field* within,
                             const std::optional<LinearMap>& initial, const RegistrationParams& params, Report& report,
                             const Progress& progress = {});
 
@@ -95,12 +95,12 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
 /// the moving scan; doubts where that is less than least_overlap_ratio. (Whether the images agree is the caller's to
 /// check: apart_mm, bone_ratio.) Throws Error 65 where the kind is rigid and the
 /// map stretches by more than 1e-4.
-Registration given_registration(const HuVolume& fixed, const HuVolume& moving, const LinearMap& map,
+Registration given_registration(const grid::HuVolume& fixed, const grid::HuVolume& moving, const LinearMap& map,
                                 const RegistrationParams& params, Report& report);
 
 /// The moving scan on the fixed one's voxels: trilinear, `outside` where it does not reach; whole numbers where the
 /// moving scan has them.
-HuVolume resample_onto(const HuVolume& moving, const Lattice& fixed, const LinearMap& map, float outside,
-                       const Progress& progress = {});
+grid::HuVolume resample_onto(const grid::HuVolume& moving, const grid::Lattice& fixed, const LinearMap& map,
+                             float outside, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::itk

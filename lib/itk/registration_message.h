@@ -4,7 +4,7 @@
 
 #include "itk/transform.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// What the two sides of a registration say to each other (registration.h, program/register_worker.cpp): the task, then
 /// for each of the three levels the fixed grid and the moving one, values from 0 to 1, then the mask of the places to
@@ -27,4 +27,4 @@ struct RegistrationFound {
   double scale_ratio = 0;    ///< largest stretch of an affine registration that goes on from a rigid one
 };
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -8,11 +8,11 @@
 
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 bool is_identity(const LinearMap& map) { return map.matrix == Mat3{} && map.offset_mm == Vec3{}; }
 
-double apart_mm(const HuVolume& fixed, const LinearMap& a, const LinearMap& b) {
+double apart_mm(const grid::HuVolume& fixed, const LinearMap& a, const LinearMap& b) {
   constexpr float body_hu = -300;
   constexpr int step = 4;
   double largest = 0;
@@ -30,17 +30,17 @@ double apart_mm(const HuVolume& fixed, const LinearMap& a, const LinearMap& b) {
   return largest;
 }
 
-double bone_ratio(const HuVolume& fixed, const HuVolume& moving, const Progress& progress) {
+double bone_ratio(const grid::HuVolume& fixed, const grid::HuVolume& moving, const Progress& progress) {
   constexpr double bone_hu = 300, cell_mm = 2, hundredth = 0.01;
-  const Lattice &at = lattice_of(fixed), &other = lattice_of(moving);
+  const grid::Lattice &at = grid::lattice_of(fixed), &other = grid::lattice_of(moving);
   // Means over cells of 2 mm, so that neither noise nor what one kernel sharpens counts.
-  Lattice cells = at;
+  grid::Lattice cells = at;
   for (int a = 0; a < 3; ++a) {
     const double side = std::max(at.spacing_mm[a], cell_mm);
     cells.size[a] = std::max(1, int(at.size[a] * at.spacing_mm[a] / side));
     cells.spacing_mm[a] = side;
   }
-  const auto mean = [&](const HuVolume& volume, const Lattice& l, Vec3 centre) -> std::optional<double> {
+  const auto mean = [&](const grid::HuVolume& volume, const grid::Lattice& l, Vec3 centre) -> std::optional<double> {
     const Vec3 middle = l.to_index(centre);
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
@@ -79,4 +79,4 @@ double bone_ratio(const HuVolume& fixed, const HuVolume& moving, const Progress&
   return sum > 0 ? 2.0 * double(both) / double(sum) : 0;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -11,11 +11,11 @@
 #include "base/write_file.h"
 #include "itk/header_numbers.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 constexpr double degree = 0.017453292519943295;
-constexpr std::uint64_t most_bytes = 1 << 16;
+constexpr std::uint64_t max_bytes = 1 << 16;
 
 Mat3 product(const Mat3& a, const Mat3& b) { return {{a * b.column[0], a * b.column[1], a * b.column[2]}}; }
 
@@ -149,8 +149,8 @@ LinearMap decode_tfm(std::string_view text) {
 }
 
 LinearMap read_tfm(const std::filesystem::path& file) {
-  const std::vector<char> bytes = read_file(file, most_bytes);
+  const std::vector<char> bytes = read_file(file, max_bytes);
   return with_file(file.string(), [&] { return decode_tfm({bytes.data(), bytes.size()}); });
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// A linear map of space: p -> matrix * p + offset_mm, DICOM patient LPS, mm. As the result of a registration it leads
 /// from a place of the fixed scan (the CT) to the same place of the patient in the moving scan, as ITK's transforms do.
@@ -45,4 +45,4 @@ LinearMap linear_map(const std::string& kind, const std::vector<double>& paramet
 /// Throws 66, 65 with the file.
 LinearMap read_tfm(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::itk

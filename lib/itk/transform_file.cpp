@@ -10,11 +10,11 @@
 #include "itk/itk_child.h"
 #include "itk/transform_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t most_bytes = 1 << 24;
+constexpr std::uint64_t max_bytes = 1 << 24;
 
 bool is_hdf5(const fs::path& file) {
   const std::string end = file.extension().string();
@@ -63,7 +63,7 @@ bool is_transform_file(const fs::path& file) { return file.extension() == ".tfm"
 
 LinearMap read_transform(const fs::path& file) {
   if (!is_hdf5(file)) return read_tfm(file);
-  read_file(file, most_bytes);  // says what is missing, unreadable or far too large
+  read_file(file, max_bytes);  // says what is missing, unreadable or far too large
   return with_file(file.string(), [&] { return decode_hdf5(file); });
 }
 
@@ -81,8 +81,8 @@ void write_transform(const fs::path& file, const LinearMap& map) {
   for (int r = 0; r < 3; ++r) numbers.push_back(map.offset_mm[r]);
   request.array(numbers);
   run_worker(request);
-  const std::vector<char> bytes = read_file(made, most_bytes);
+  const std::vector<char> bytes = read_file(made, max_bytes);
   write_file(file, {bytes.data(), bytes.size()});
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

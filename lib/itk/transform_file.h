@@ -4,7 +4,7 @@
 
 #include "itk/transform.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// Whether the name ends as a transform's file does: .tfm (text), .h5 (HDF5).
 bool is_transform_file(const std::filesystem::path& file);
@@ -19,4 +19,4 @@ LinearMap read_transform(const std::filesystem::path& file);
 /// machine, which ITK writes into HDF5. Throws Error 64 for another ending, 73 and 74 as write_file.
 void write_transform(const std::filesystem::path& file, const LinearMap& map);
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -21,7 +21,7 @@
 #include "itk/volume_header.h"
 #include "itk/volume_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace fs = std::filesystem;
 
 namespace {
@@ -77,9 +77,9 @@ std::string head_of(const fs::path& file) {
   return text;
 }
 
-VolumeFile decoded(BoundedGrid read, const char* format) {
+VolumeFile decoded(grid::BoundedGrid read, const char* format) {
   VolumeFile out;
-  out.volume = to_hu(std::move(read.grid));
+  out.volume = grid::to_hu(std::move(read.grid));
   out.format = format;
   out.warnings = std::move(read.warnings);
   return out;
@@ -88,13 +88,13 @@ VolumeFile decoded(BoundedGrid read, const char* format) {
 VolumeFile read_pair(const fs::path& file, const std::string& analyze_axes, const Progress& progress) {
   const fs::path image = image_of_pair(file);
   if (image.empty()) throw Error(ExitCode::no_input, "", "image", "lacks its other file, .img or .img.gz, beside it");
-  BoundedGrid read = read_pair_bounded(file, image, analyze_axes, progress);
+  grid::BoundedGrid read = grid::read_pair_bounded(file, image, analyze_axes, progress);
   const bool analyze = read.is_analyze;
   return decoded(std::move(read), analyze ? "Analyze" : "NIfTI");
 }
 
-Lattice lattice_of(const ItkVolume& head) {
-  Lattice lattice;
+grid::Lattice lattice_of(const ItkVolume& head) {
+  grid::Lattice lattice;
   std::array<Vec3, 3> steps;
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = static_cast<int>(a);
@@ -107,8 +107,8 @@ Lattice lattice_of(const ItkVolume& head) {
     steps[a] = normalized(steps[a]) * head.spacing[a];
   }
   if (!is_finite(lattice.origin_mm)) throw Error(ExitCode::bad_input, "", "origin", "is not finite");
-  detail::take_axes(lattice, steps, "direction");
-  detail::require_place(lattice, "origin");
+  grid::detail::take_axes(lattice, steps, "direction");
+  grid::detail::require_place(lattice, "origin");
   return lattice;
 }
 
@@ -146,9 +146,9 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
   MessageReader in(read_worker_name, result.bytes());
   const auto head = in.value<ItkVolume>();
   said.require_same(head);
-  const Lattice lattice = lattice_of(head);
+  const grid::Lattice lattice = lattice_of(head);
   const auto take = [&](auto zero) {
-    Grid<decltype(zero)> grid(lattice);
+    grid::Grid<decltype(zero)> grid(lattice);
     const std::string_view from = in.take(grid.voxels.size() * sizeof zero);
     if (!from.empty()) std::memcpy(grid.voxels.data(), from.data(), from.size());
     return grid;
@@ -156,11 +156,11 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
   VolumeFile out;
   out.format = name;
   out.modality = said.modality;
-  if (!said.unknown.empty()) out.warnings.push_back(detail::told_unknown(said.unknown));
+  if (!said.unknown.empty()) out.warnings.push_back(grid::detail::told_unknown(said.unknown));
   if (head.is_int16) {
     out.volume = take(std::int16_t{});
   } else {
-    Grid<float> grid = take(float{});
+    grid::Grid<float> grid = take(float{});
     for (const float v : grid.voxels)
       if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "data", "holds a voxel that is not finite");
     out.volume = std::move(grid);
@@ -170,9 +170,9 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
 }
 
 // Turned over along its last axis where it is left-handed, as an import's volume is not.
-HuVolume right_handed(HuVolume volume) {
+grid::HuVolume right_handed(grid::HuVolume volume) {
   return std::visit(
-      [](auto grid) -> HuVolume {
+      [](auto grid) -> grid::HuVolume {
         if (determinant(grid.direction) > 0) return grid;
         const std::size_t slice = std::size_t(grid.size[0]) * grid.size[1];
         for (int low = 0, high = grid.size[2] - 1; low < high; ++low, --high)
@@ -189,10 +189,10 @@ HuVolume right_handed(HuVolume volume) {
 VolumeFile read_any(const fs::path& file, const Progress& progress, const std::string& analyze_axes) {
   switch (kind_of(file)) {
     case Kind::nifti:
-      return decoded(read_nifti_bounded(file, scan_limit, progress), "NIfTI");
+      return decoded(grid::read_nifti_bounded(file, grid::scan_limit, progress), "NIfTI");
     case Kind::nrrd:
       try {
-        return decoded(read_nrrd_bounded(file, scan_limit, progress), "NRRD");
+        return decoded(grid::read_nrrd_bounded(file, grid::scan_limit, progress), "NRRD");
       } catch (const Error& e) {
         if (e.field() != "encoding" && e.field() != "data file") throw;
       }
@@ -274,4 +274,4 @@ std::string hash_of_volume_file(const fs::path& file) {
   return sha.hex();
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

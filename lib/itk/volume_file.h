@@ -8,11 +8,11 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// A volume of one value a voxel from a file that is no DICOM. LPS, mm; whole numbers as int16 where all fit.
 struct VolumeFile {
-  HuVolume volume;
+  grid::HuVolume volume;
   std::string format;  ///< "NIfTI", "Analyze", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
   std::vector<std::string> warnings;
   std::string modality{};  ///< "CT", "MR", ...: what the file says; empty where it says none
@@ -49,4 +49,4 @@ std::filesystem::path data_file_of(const std::filesystem::path& file);
 /// Hash of the bytes of the file and of its data file. Throws as read_volume_file does.
 std::string hash_of_volume_file(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -16,7 +16,7 @@
 #include "grid/nrrd_scale.h"
 #include "itk/header_numbers.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace fs = std::filesystem;
 
 namespace {
@@ -211,7 +211,7 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
   out.said = said;
   out.modality = modality_of(keys);
   for (const auto& [key, value] : keys)
-    if (!is_read(key) && !is_meaningless(key)) out.unknown.push_back(detail::tellable_key(key));
+    if (!is_read(key) && !is_meaningless(key)) out.unknown.push_back(grid::detail::tellable_key(key));
   const std::string& data = keys["ElementDataFile"];
   const bool local = data == "LOCAL" || data == "Local" || data == "local";
   if (!local) out.data_file = beside(file, "ElementDataFile", data);
@@ -221,7 +221,7 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
   const double wanted = voxels * bytes_of_meta_type(keys["ElementType"]);
   if (keys.count("CompressedData") && is_true(keys, "CompressedData")) {
     if (there * 1032 < wanted) bad("data", "the file is cut short");
-    if (wanted > static_cast<double>(scan_limit.bytes(static_cast<std::uint64_t>(there))))
+    if (wanted > static_cast<double>(grid::scan_limit.bytes(static_cast<std::uint64_t>(there))))
       bad("data", to_text(there) + " bytes would grow to " + to_text(wanted) + ", which no scan's do");
     if (keys.count("CompressedDataSize") && numbers("CompressedDataSize", keys["CompressedDataSize"], 1)[0] > there)
       bad("data", "the file is cut short");
@@ -255,7 +255,7 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
     if (key == "datafile") out.data_file = beside(file, "data file", value);
     if (key == "lineskip" || key == "byteskip")
       if (value != "0") bad(written, "is not read: the data must follow at once");
-    if (!detail::is_known_field(key)) out.unknown.push_back(detail::tellable_key(written));
+    if (!grid::detail::is_known_field(key)) out.unknown.push_back(grid::detail::tellable_key(written));
     for (const char* scale : {"oldmin", "oldmax", "axismins", "axismaxs"})
       if (key == scale && value.find_first_not_of("nNaAoOeE \t") != std::string::npos)
         bad(written, "changes what the values or their places mean: convert the file");
@@ -276,4 +276,4 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -8,7 +8,7 @@
 
 #include "itk/volume_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// What our own look at a file's header found, before ITK reads the file.
 struct VolumeHeader {
@@ -33,4 +33,4 @@ VolumeHeader check_meta_header(std::string_view head, const std::filesystem::pat
 /// bytes, units that are not mm, no space directions, no space origin.
 VolumeHeader check_nrrd_text(std::string_view head, const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 constexpr const char* read_worker_name = "itk-read";
 constexpr const char* write_worker_name = "itk-write";
@@ -24,4 +24,4 @@ struct ItkVolume {
   std::array<std::array<double, 3>, 3> axis{};  ///< direction of axis k
 };
 
-}  // namespace trephine
+}  // namespace trephine::itk

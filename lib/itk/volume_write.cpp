@@ -14,11 +14,11 @@
 #include "itk/volume_file.h"
 #include "itk/volume_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double most_off_mm = 1e-3;
+constexpr double max_off_mm = 1e-3;
 
 struct Ending {
   const char* text;
@@ -44,12 +44,12 @@ const Ending* ending_of(const fs::path& file) {
   return nullptr;
 }
 
-const Lattice& lattice_of_grid(const AnyGrid& grid) {
-  return std::visit([](const auto& g) -> const Lattice& { return g; }, grid);
+const grid::Lattice& lattice_of_grid(const grid::AnyGrid& grid) {
+  return std::visit([](const auto& g) -> const grid::Lattice& { return g; }, grid);
 }
 
 // GIPL and VTK images: axes along the patient's, or nothing says where they point.
-void require_no_directions(const Lattice& lattice, const char* ending) {
+void require_no_directions(const grid::Lattice& lattice, const char* ending) {
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
       if (std::fabs(lattice.direction.column[a][b] - (a == b)) > 1e-6)
@@ -59,7 +59,7 @@ void require_no_directions(const Lattice& lattice, const char* ending) {
                         "or .nrrd");
 }
 
-ItkVolume head_of(const Lattice& lattice) {
+ItkVolume head_of(const grid::Lattice& lattice) {
   ItkVolume head;
   for (std::size_t a = 0; a < 3; ++a) {
     const int axis = static_cast<int>(a);
@@ -72,12 +72,12 @@ ItkVolume head_of(const Lattice& lattice) {
   return head;
 }
 
-void write_with_itk(const fs::path& file, ItkFormat format, const AnyGrid& grid, const Progress& progress) {
+void write_with_itk(const fs::path& file, ItkFormat format, const grid::AnyGrid& grid, const Progress& progress) {
   MessageWriter request = itk_child::request();
   request.value(format);
-  request.value(std::holds_alternative<Grid<std::int16_t>>(grid) ? ItkSample::int16
-                : std::holds_alternative<Mask>(grid)             ? ItkSample::uint8
-                                                                 : ItkSample::float32);
+  request.value(std::holds_alternative<grid::Grid<std::int16_t>>(grid) ? ItkSample::int16
+                : std::holds_alternative<grid::Mask>(grid)             ? ItkSample::uint8
+                                                                       : ItkSample::float32);
   request.value(head_of(lattice_of_grid(grid)));
   request.text(file.string());
   std::size_t bytes = 0;
@@ -94,13 +94,13 @@ void write_with_itk(const fs::path& file, ItkFormat format, const AnyGrid& grid,
   itk_child::run(write_worker_name, request, limits, progress);
 }
 
-double value_at(const AnyGrid& grid, std::size_t i) {
+double value_at(const grid::AnyGrid& grid, std::size_t i) {
   return std::visit([&](const auto& g) { return double(g.voxels[i]); }, grid);
 }
 
-void require_read_back(const fs::path& file, const AnyGrid& grid, const Progress& progress) {
-  const AnyGrid back = read_grid_file(file, nullptr, nullptr, progress);
-  const Lattice &is = lattice_of_grid(back), &was = lattice_of_grid(grid);
+void require_read_back(const fs::path& file, const grid::AnyGrid& grid, const Progress& progress) {
+  const grid::AnyGrid back = read_grid_file(file, nullptr, nullptr, progress);
+  const grid::Lattice &is = lattice_of_grid(back), &was = lattice_of_grid(grid);
   const auto differs = [](const std::string& field) {
     throw Error(ExitCode::io, "", field, "what was written does not read back: write .nrrd or .mha");
   };
@@ -111,7 +111,7 @@ void require_read_back(const fs::path& file, const AnyGrid& grid, const Progress
     const Vec3 v{(corner & 1) * (was.size[0] - 1.0), (corner >> 1 & 1) * (was.size[1] - 1.0),
                  (corner >> 2) * double(last)};
     const Vec3 w{v.x, v.y, turned ? last - v.z : v.z};
-    if (!(norm(is.to_world_mm(w) - was.to_world_mm(v)) < most_off_mm + 1e-6 * norm(was.origin_mm))) differs("place");
+    if (!(norm(is.to_world_mm(w) - was.to_world_mm(v)) < max_off_mm + 1e-6 * norm(was.origin_mm))) differs("place");
   }
   const std::size_t slice = std::size_t(was.size[0]) * std::size_t(was.size[1]);
   for (std::size_t i = 0; i < was.count(); ++i) {
@@ -120,9 +120,9 @@ void require_read_back(const fs::path& file, const AnyGrid& grid, const Progress
   }
 }
 
-std::string nifti_of(const AnyGrid& grid, bool gzip) {
-  if (const auto* mask = std::get_if<Mask>(&grid)) return encode_nifti(*mask, gzip);
-  return encode_nifti(to_hu(grid), gzip);
+std::string nifti_of(const grid::AnyGrid& grid, bool gzip) {
+  if (const auto* mask = std::get_if<grid::Mask>(&grid)) return grid::encode_nifti(*mask, gzip);
+  return grid::encode_nifti(grid::to_hu(grid), gzip);
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ const std::vector<std::string>& written_volume_endings() {
   return all;
 }
 
-void write_volume_file(const fs::path& file, const AnyGrid& grid, const Progress& progress) {
+void write_volume_file(const fs::path& file, const grid::AnyGrid& grid, const Progress& progress) {
   const Ending* ending = ending_of(file);
   if (!ending) {
     std::string known;
@@ -154,10 +154,10 @@ void write_volume_file(const fs::path& file, const AnyGrid& grid, const Progress
         write_with_itk(made, *ending->itk, grid, progress.part(0, 0.6));
       else if (std::string_view(ending->text) != ".nrrd")
         write_file(made, nifti_of(grid, std::string_view(ending->text) == ".nii.gz"));
-      else if (const auto* mask = std::get_if<Mask>(&grid))
-        write_nrrd(made, *mask, {}, NrrdEncoding::gzip);
+      else if (const auto* mask = std::get_if<grid::Mask>(&grid))
+        grid::write_nrrd(made, *mask, {}, grid::NrrdEncoding::gzip);
       else
-        write_nrrd(made, to_hu(grid), {}, NrrdEncoding::gzip);
+        grid::write_nrrd(made, grid::to_hu(grid), {}, grid::NrrdEncoding::gzip);
     });
     require_read_back(made, grid, progress.part(0.6, 0.9));
     const std::vector<char> bytes = read_file(made, std::uint64_t{1} << 36);
@@ -165,8 +165,8 @@ void write_volume_file(const fs::path& file, const AnyGrid& grid, const Progress
   });
 }
 
-AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<std::string>* warnings,
-                       const Progress& progress, const std::string& analyze_axes) {
+grid::AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<std::string>* warnings,
+                             const Progress& progress, const std::string& analyze_axes) {
   const auto tell = [&](const std::string& name, const std::vector<std::string>& said) {
     if (format) *format = name;
     if (warnings) *warnings = said;
@@ -176,9 +176,9 @@ AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<st
   if (ending && !ending->itk && analyze_axes.empty()) {
     const bool nrrd = std::string_view(ending->text) == ".nrrd";
     try {
-      return with_file(file.string(), [&]() -> AnyGrid {
-        BoundedGrid read =
-            nrrd ? read_nrrd_bounded(file, labels_limit, progress) : read_nifti_bounded(file, labels_limit, progress);
+      return with_file(file.string(), [&]() -> grid::AnyGrid {
+        grid::BoundedGrid read = nrrd ? grid::read_nrrd_bounded(file, grid::labels_limit, progress)
+                                      : grid::read_nifti_bounded(file, grid::labels_limit, progress);
         tell(nrrd ? "NRRD" : "NIfTI", read.warnings);
         return std::move(read.grid);
       });
@@ -188,23 +188,23 @@ AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<st
   }
   VolumeFile volume = read_volume_file(file, progress, analyze_axes);
   tell(volume.format, volume.warnings);
-  return std::visit([](auto&& g) -> AnyGrid { return std::move(g); }, std::move(volume.volume));
+  return std::visit([](auto&& g) -> grid::AnyGrid { return std::move(g); }, std::move(volume.volume));
 }
 
-LabelFile read_label_file(const fs::path& file, const Progress& progress) {
+grid::LabelFile read_label_file(const fs::path& file, const Progress& progress) {
   const Ending* ending = ending_of(file);
-  if (!ending || !ending->itk) return read_labels(file);
+  if (!ending || !ending->itk) return grid::read_labels(file);
   return with_file(file.string(), [&] {
     std::string format;
     std::vector<std::string> warnings;
-    AnyGrid grid = read_grid_file(file, &format, &warnings, progress);
+    grid::AnyGrid grid = read_grid_file(file, &format, &warnings, progress);
     if (!data_file_of(file).empty())
       throw Error(ExitCode::bad_input, "", "ElementDataFile",
                   "names another file, of which a cache would know nothing: save the labels as one .mha");
-    LabelFile map = labels_of(std::move(grid), format);
+    grid::LabelFile map = grid::labels_of(std::move(grid), format);
     map.warnings = std::move(warnings);
     return map;
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -8,7 +8,7 @@
 #include "grid/labels.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// The endings of names that write_volume_file takes: .nrrd .nii .nii.gz .mha .gipl .gipl.gz .vtk .mnc.
 const std::vector<std::string>& written_volume_endings();
@@ -20,15 +20,15 @@ const std::vector<std::string>& written_volume_endings();
 ///
 /// Throws Error 64 for another ending, 65 where the format cannot say where the volume lies (GIPL and VTK hold no
 /// directions) or how large it is, 73 and 74 as write_file, as itk_child::run.
-void write_volume_file(const std::filesystem::path& file, const AnyGrid& grid, const Progress& progress = {});
+void write_volume_file(const std::filesystem::path& file, const grid::AnyGrid& grid, const Progress& progress = {});
 
 /// The voxels of a volume file as they are stored: NRRD and NIfTI keep uint8; what ITK reads is int16 or float, as
 /// read_volume_file gives it. `format` (may be null) becomes the format's name, `warnings` what is to be said. Throws
 /// as read_volume_file.
-AnyGrid read_grid_file(const std::filesystem::path& file, std::string* format, std::vector<std::string>* warnings,
-                       const Progress& progress = {}, const std::string& analyze_axes = "");
+grid::AnyGrid read_grid_file(const std::filesystem::path& file, std::string* format, std::vector<std::string>* warnings,
+                             const Progress& progress = {}, const std::string& analyze_axes = "");
 
 /// read_labels of every format that write_volume_file writes (not of two files: a cache knows the one that is named).
-LabelFile read_label_file(const std::filesystem::path& file, const Progress& progress = {});
+grid::LabelFile read_label_file(const std::filesystem::path& file, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::json {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -247,4 +247,4 @@ void read_declared_json(std::string_view text, const ParameterSet& set, void* ob
   Reader(rules).read_struct(json, "", set, object);
 }
 
-}  // namespace trephine
+}  // namespace trephine::json

@@ -7,7 +7,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::json {
 
 /// How strictly JSON is read, and how much of it: text of unknown origin is bounded before it is parsed.
 struct JsonRules {
@@ -35,4 +35,4 @@ void read_declared_json(std::string_view json, const ParameterSet& set, void* ob
 /// and Error 65 is thrown where it is no JSON.
 std::string declared_text(std::string_view json, const std::vector<std::string>& keys);
 
-}  // namespace trephine
+}  // namespace trephine::json

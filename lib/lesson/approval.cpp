@@ -8,7 +8,7 @@
 #include "base/write_file.h"
 #include "json/declared_json.h"
 
-namespace trephine {
+namespace trephine::lesson {
 namespace {
 
 constexpr const char* approval_file = "approved.json";
@@ -39,7 +39,7 @@ void validate_token(const std::string& token, const std::string& flag) {
 
 void write_approval(const std::filesystem::path& folder, const std::string& by, int difficulty_level) {
   const ApprovalFile file{1, sha256_of_file(folder / "case.json"), by, difficulty_level};
-  write_file(folder / approval_file, declared_json(AnyParams::make<ApprovalFile>(file)) + "\n");
+  write_file(folder / approval_file, json::declared_json(AnyParams::make<ApprovalFile>(file)) + "\n");
 }
 
 std::optional<CaseApproval> read_approval(const std::filesystem::path& folder) {
@@ -48,11 +48,11 @@ std::optional<CaseApproval> read_approval(const std::filesystem::path& folder) {
   return with_file(file.string(), [&] {
     const std::vector<char> bytes = read_file(file, 1 << 16);
     ApprovalFile said;
-    read_declared_json({bytes.data(), bytes.size()}, parameters_of<ApprovalFile>(), &said);
+    json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<ApprovalFile>(), &said);
     return CaseApproval{said.by, said.difficulty_level, said.case_sha256 == sha256_of_file(folder / "case.json")};
   });
 }
 
 bool remove_approval(const std::filesystem::path& folder) { return std::filesystem::remove(folder / approval_file); }
 
-}  // namespace trephine
+}  // namespace trephine::lesson

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace trephine {
+namespace trephine::lesson {
 
 /// Throws Error 64 naming the flag unless the text is 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name.
 void validate_token(const std::string& token, const std::string& flag);
@@ -24,4 +24,4 @@ std::optional<CaseApproval> read_approval(const std::filesystem::path& case_fold
 /// Whether there was one.
 bool remove_approval(const std::filesystem::path& case_folder);
 
-}  // namespace trephine
+}  // namespace trephine::lesson

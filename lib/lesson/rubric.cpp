@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "json/declared_json.h"
 
-namespace trephine {
+namespace trephine::lesson {
 namespace {
 
 constexpr int compiled_version = 2;
@@ -44,7 +44,7 @@ ParameterSet file_set(const ParameterSet& rubric) {
   return set;
 }
 
-std::string digest_of(const AnyParams& rubric) { return sha256_of_bytes(declared_json(rubric, -1)); }
+std::string digest_of(const AnyParams& rubric) { return sha256_of_bytes(json::declared_json(rubric, -1)); }
 
 const RubricType& find_type(const std::vector<RubricType>& types, const std::string& module) {
   std::string known;
@@ -88,14 +88,14 @@ std::string TimeRubric::fault() const {
 std::string compile_rubric(const AnyParams& rubric) {
   const ParameterSet set = file_set(*rubric.set);
   const auto file = std::make_shared<CompiledFile>(CompiledFile{compiled_version, digest_of(rubric), rubric});
-  return declared_json({&set, file}) + "\n";
+  return json::declared_json({&set, file}) + "\n";
 }
 
 CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>& known) {
-  const RubricType& type = find_type(known, declared_text(json, {"rubric", "module"}));
+  const RubricType& type = find_type(known, json::declared_text(json, {"rubric", "module"}));
   CompiledFile file;
   file.rubric = type.make();
-  read_declared_json(json, file_set(*file.rubric.set), &file);
+  json::read_declared_json(json, file_set(*file.rubric.set), &file);
   // Of the text itself: an older rubric does not say what was declared since.
   const auto text = nlohmann::ordered_json::parse(json.begin(), json.end());
   if (sha256_of_bytes(text.at("rubric").dump()) != file.sha256)
@@ -103,4 +103,4 @@ CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>&
   return {type.module, file.rubric, file.sha256};
 }
 
-}  // namespace trephine
+}  // namespace trephine::lesson

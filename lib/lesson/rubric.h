@@ -7,7 +7,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::lesson {
 
 /// A rubric says by which limits a lesson is scored. It is data: configs/rubrics/*.yaml, which `trephine rubric`
 /// compiles to the JSON that `trephine-sim score` reads. Every limit says where it comes from.
@@ -109,4 +109,4 @@ struct CompiledRubric {
 /// `known`, changed since it was compiled, or says what the declaration does not allow.
 CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>& known);
 
-}  // namespace trephine
+}  // namespace trephine::lesson

@@ -17,12 +17,12 @@
 #include "library/sheet.h"
 #include "publish/case_lock.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::size_t most_reasons = 3;
+constexpr std::size_t max_reasons = 3;
 
 std::string rounded(double v) { return to_text(std::round(v * 10) / 10); }
 std::string megabytes(double mb) { return mb < 1000 ? rounded(mb) + " MB" : rounded(mb / 1000) + " GB"; }
@@ -89,9 +89,9 @@ class Build {
   }
 
  private:
-  std::unique_ptr<CaseLock> take_lock() const {
+  std::unique_ptr<publish::CaseLock> take_lock() const {
     try {
-      return std::make_unique<CaseLock>(state_.folder());
+      return std::make_unique<publish::CaseLock>(state_.folder());
     } catch (const Error& e) {
       if (e.code() != ExitCode::busy) throw;
       throw Error(ExitCode::busy, request_.library.string(), "",
@@ -295,10 +295,10 @@ class Build {
       }
       result_.fresh += c.reasons.empty();
       stale += !c.reasons.empty();
-      for (std::size_t i = 0; i < std::min(most_reasons, c.reasons.size()); ++i)
+      for (std::size_t i = 0; i < std::min(max_reasons, c.reasons.size()); ++i)
         lines += (i == 0 ? c.token + ": " : std::string(c.token.size() + 2, ' ')) + c.reasons[i] + "\n";
-      if (c.reasons.size() > most_reasons)
-        lines += std::string(c.token.size() + 2, ' ') + "and " + std::to_string(c.reasons.size() - most_reasons) +
+      if (c.reasons.size() > max_reasons)
+        lines += std::string(c.token.size() + 2, ' ') + "and " + std::to_string(c.reasons.size() - max_reasons) +
                  " more; --why " + c.token + " tells them\n";
     }
     result_.table = std::to_string(stale) + " of " + std::to_string(result_.cases) + " cases would be built, " +
@@ -348,4 +348,4 @@ LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObse
   return Build(request, observer).run();
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -8,7 +8,7 @@
 #include "base/params.h"
 #include "library/plan.h"
 
-namespace trephine {
+namespace trephine::library {
 
 struct LibraryBuildParams {
   int jobs = 0;
@@ -74,4 +74,4 @@ struct LibraryBuildResult {
 /// be started; Cancelled.
 LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObserver& observer);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -135,4 +135,4 @@ BuildJobs make_build_jobs(const LibraryPlan& plan, const LibraryConfig& config, 
   return JobMaker(plan, config, state, params).make();
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -8,7 +8,7 @@
 #include "library/ninja.h"
 #include "library/plan.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// The folder of the library that holds the stages' cache, which all its cases share.
 constexpr const char* library_cache_name = ".trephine-cache";
@@ -23,4 +23,4 @@ struct BuildJobs {
 BuildJobs make_build_jobs(const LibraryPlan& plan, const LibraryConfig& config, const LibraryState& state,
                           const LibraryBuildParams& params);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -14,16 +14,16 @@
 #include "base/text_table.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::uint64_t most_bytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t max_bytes = std::uint64_t{16} << 20;
 
 bool is_token(const std::string& name) {
   try {
-    validate_case_token(name, ExitCode::usage);
+    cases::validate_case_token(name, ExitCode::usage);
     return true;
   } catch (const Error&) {
     return false;
@@ -32,19 +32,19 @@ bool is_token(const std::string& name) {
 
 void read_manifest_of(const fs::path& folder, CaseRow& row) {
   try {
-    const std::vector<char> bytes = read_file(folder / "case.json", most_bytes);
-    row.manifest = parse_case_json({bytes.data(), bytes.size()});
+    const std::vector<char> bytes = read_file(folder / "case.json", max_bytes);
+    row.manifest = cases::parse_case_json({bytes.data(), bytes.size()});
     row.bytes = bytes.size();
     if (row.manifest.case_token != row.token) row.fault = "case.json is of case " + printable(row.manifest.case_token);
   } catch (const Error& e) {
     row.fault = printable((e.field().empty() ? "case.json: " : "case.json: " + e.field() + ": ") + e.what());
     return;
   }
-  for (const CaseAnatomy& a : row.manifest.anatomies) {
+  for (const cases::CaseAnatomy& a : row.manifest.anatomies) {
     row.triangles += a.triangles;
     row.deviation_max_mm = std::max(row.deviation_max_mm, a.deviation.max_mm);
   }
-  for (const CaseFile& f : row.manifest.files) row.bytes += f.bytes;
+  for (const cases::CaseFile& f : row.manifest.files) row.bytes += f.bytes;
   if (const ParameterValue* v = row.figure("class"))
     if (const auto* text = std::get_if<std::string>(v)) row.patient_class = *text;
   std::error_code error;
@@ -57,7 +57,7 @@ void read_run(const fs::path& file, CaseRow& row) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return;
   try {
-    const std::vector<char> bytes = read_file(file, most_bytes);
+    const std::vector<char> bytes = read_file(file, max_bytes);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
     row.seconds = json.at("wall_s").get<double>();
@@ -146,7 +146,7 @@ std::vector<CaseRow> read_library(const fs::path& library, const LibraryFilter& 
 }
 
 CaseRow read_library_case(const fs::path& library, const std::string& token) {
-  validate_case_token(token, ExitCode::usage);
+  cases::validate_case_token(token, ExitCode::usage);
   const std::vector<CaseRow> rows = read_library(library);
   std::vector<std::string> known;
   for (const CaseRow& row : rows) {
@@ -215,14 +215,14 @@ std::string library_json(const std::vector<CaseRow>& rows) {
       json["class"] = row.patient_class;
       json["figures"] = Json::object();
       for (const auto& [name, value] : row.manifest.figures) json["figures"][name] = value_json(value);
-      for (const CaseAnatomy& a : row.manifest.anatomies)
+      for (const cases::CaseAnatomy& a : row.manifest.anatomies)
         json["anatomies"][a.name] = {{"triangles", a.triangles},
                                      {"volume_ml", a.volume_ml},
                                      {"area_cm2", a.area_cm2},
                                      {"deviation_max_mm", a.deviation.max_mm},
                                      {"deviation_p99_mm", a.deviation.p99_mm}};
-      for (const CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
-      for (const CaseShape& s : row.manifest.haptic.shapes)
+      for (const cases::CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
+      for (const cases::CaseShape& s : row.manifest.haptic.shapes)
         json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
       json["burr_holes_count"] = row.manifest.burr_holes.size();
       json["triangles"] = row.triangles;
@@ -246,23 +246,23 @@ std::string case_text(const CaseRow& row) {
   if (row.last.code != 0)
     out += fmt::format("  its last build failed with {}: {}\n", row.last.code, printable(row.last.reason));
   if (!row.fault.empty()) return out;
-  const CaseManifest& m = row.manifest;
+  const cases::CaseManifest& m = row.manifest;
   out += fmt::format("  {}, {} old, {:.1f} MB, face: {}\n", printable(m.program_version), age_text(row.age_s),
                      static_cast<double>(row.bytes) / 1e6, m.face_policy);
-  for (const CaseAnatomy& a : m.anatomies)
+  for (const cases::CaseAnatomy& a : m.anatomies)
     out += fmt::format("  {:<14} {:>9} triangles  {:>8.1f} ml  {:>7.1f} cm2  max {:.3f}  p99 {:.3f} mm\n",
                        printable(a.name), grouped_text(static_cast<long long>(a.triangles)), a.volume_ml, a.area_cm2,
                        a.deviation.max_mm, a.deviation.p99_mm);
-  for (const CaseMissing& a : m.missing)
+  for (const cases::CaseMissing& a : m.missing)
     out += fmt::format("  {:<14} is missing: {}\n", printable(a.anatomy), printable(a.why));
-  for (const CaseShape& s : m.haptic.shapes)
+  for (const cases::CaseShape& s : m.haptic.shapes)
     out +=
         fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", printable(s.name), s.volume_ml, s.cuttable ? "  cuttable" : "",
                     s.mismatch.samples > 0 ? fmt::format("  p99 {:.2f} mm off what is seen", s.mismatch.p99_mm) : "");
-  for (const CaseLandmark& l : m.landmarks)
+  for (const cases::CaseLandmark& l : m.landmarks)
     out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {} {:.2f}\n", printable(l.name), l.position_mm.x,
                        l.position_mm.y, l.position_mm.z, printable(l.source), l.confidence);
-  for (const CaseBurrHole& b : m.burr_holes)
+  for (const cases::CaseBurrHole& b : m.burr_holes)
     out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {:.1f} mm wide\n", printable(b.name), b.position_mm.x,
                        b.position_mm.y, b.position_mm.z, b.diameter_mm);
   for (const auto& [name, value] : m.figures)
@@ -271,4 +271,4 @@ std::string case_text(const CaseRow& row) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -9,7 +9,7 @@
 #include "cases/case.h"
 #include "library/library_state.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// Which cases of a library are shown.
 enum class CaseClass { any, normal, hydrocephalic, shifted, small, uncertain, unknown };
@@ -44,7 +44,7 @@ struct LibraryFilter {
 struct CaseRow {
   std::string token;
   std::string fault;  ///< why case.json cannot be read; empty: it can be read
-  CaseManifest manifest;
+  cases::CaseManifest manifest;
   std::string patient_class;  ///< empty: not known
   std::uint64_t triangles = 0, bytes = 0;
   double deviation_max_mm = 0;
@@ -74,4 +74,4 @@ std::string fixed_text(double v, int decimals);
 /// A figure as the text of a cell, with a fixed count of decimals; "" where the figure is missing.
 std::string figure_text(const CaseRow& row, const std::string& name, int decimals, double factor = 1);
 
-}  // namespace trephine
+}  // namespace trephine::library

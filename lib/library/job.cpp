@@ -24,7 +24,7 @@
 #include "base/write_file.h"
 #include "library/series_state.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -32,7 +32,7 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 constexpr int busy_tries = 6;
 constexpr double busy_pause_s = 0.5, patience_s = 10;
-constexpr std::size_t most_reason = 1500;
+constexpr std::size_t max_reason = 1500;
 constexpr int stopped = -1;  // stands for an exit code: we stopped the job because its time was up
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -106,7 +106,7 @@ std::string reason_in(const std::string& log, const std::string& tool, const std
     if (line.rfind(token + ": ", 0) == 0) line.erase(0, token.size() + 2);
     reason += (reason.empty() ? "" : "; ") + line;
   }
-  return printable(reason.empty() ? last : reason).substr(0, most_reason);
+  return printable(reason.empty() ? last : reason).substr(0, max_reason);
 }
 
 // What a program that is started with @3 reads as its command line: a file without a name.
@@ -149,8 +149,9 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
 
 void record_phantom(const LibraryState& state, const LibraryJob& job) {
   const fs::path series = state.phantom_folder(job.token) / "dicom";
-  const Json record = {
-      {"identity", job.identity}, {"files", sign_files(series).sha256}, {"series", hash_of_series_input(series, {})}};
+  const Json record = {{"identity", job.identity},
+                       {"files", sign_files(series).sha256},
+                       {"series", dicom::hash_of_series_input(series, {})}};
   write_file(state.phantom_record(job.token), record.dump(1) + "\n");
 }
 
@@ -270,7 +271,7 @@ int run_library_job(const std::string& name) {
     for (const std::string& part : {e.file(), e.field(), std::string(e.what())})
       if (!part.empty()) result.reason += (result.reason.empty() ? "" : ": ") + part;
     replace_all(result.reason, job.library.string() + "/", "");
-    result.reason = printable(result.reason).substr(0, most_reason);
+    result.reason = printable(result.reason).substr(0, max_reason);
   } catch (const std::bad_alloc&) {
     result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0};
   }
@@ -278,4 +279,4 @@ int run_library_job(const std::string& name) {
   return job.keep_going && result.code != static_cast<int>(ExitCode::cancelled) ? 0 : result.code;
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

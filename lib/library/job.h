@@ -6,7 +6,7 @@
 
 #include "library/library_state.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// One command that Ninja starts for a library build: `trephine library job NAME`. Its task stands in memory of the
 /// build that started Ninja (paths of series are never written to disk), and its result goes there too.
@@ -46,4 +46,4 @@ bool parse_event(const std::string& line, JobEvent& event);
 /// 64 where it was not started by a build.
 int run_library_job(const std::string& name);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -18,7 +18,7 @@
 #include "publish/case_lock.h"
 #include "publish/refused.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -46,12 +46,12 @@ std::string verify_case(const fs::path& library, const std::string& token, bool 
   const fs::path folder = library / token;
   for (int attempt = 1;; ++attempt) {
     try {
-      const CaseManifest m = read_case(folder);
+      const cases::CaseManifest m = cases::read_case(folder);
       if (m.case_token != token) return "case.json: case: is of " + printable(m.case_token);
-      if (load) load_case(folder, whole_case);
+      if (load) cases::load_case(folder, cases::whole_case);
       const std::lock_guard<std::mutex> lock(mutex);
       sum.files += m.files.size() + 1;
-      for (const CaseFile& f : m.files) sum.bytes += f.bytes;
+      for (const cases::CaseFile& f : m.files) sum.bytes += f.bytes;
       std::error_code ignored;
       sum.bytes += fs::file_size(folder / "case.json", ignored);
       return "";
@@ -75,7 +75,7 @@ class Collector {
     for (const auto& entry : fs::directory_iterator(state_.library())) {
       const std::string name = entry.path().filename().string();
       if (entry.is_directory() && !entry.is_symlink() &&
-          (name[0] != '.' || is_refused(name) || is_new_case_folder(name)))
+          (name[0] != '.' || is_refused(name) || cases::is_new_case_folder(name)))
         folders.push_back(entry.path());
     }
     std::sort(folders.begin(), folders.end());
@@ -84,7 +84,7 @@ class Collector {
       progress_.report(static_cast<double>(i) / static_cast<double>(folders.size()));
       if (is_refused(folders[i].filename().string()))
         whole_folder(folders[i]);
-      else if (is_new_case_folder(folders[i].filename().string()))
+      else if (cases::is_new_case_folder(folders[i].filename().string()))
         under_way(folders[i]);
       else
         case_folder(folders[i]);
@@ -117,7 +117,7 @@ class Collector {
     const bool published = fs::symlink_status(folder / "case.json", error).type() != fs::file_type::not_found;
     if (!published && !is_left_over(folder)) return;
     try {
-      const CaseLock lock(folder);
+      const publish::CaseLock lock(folder);
       for (const char* below : {"", "meshes", "report"}) temporaries(folder / below);
       if (published)
         unnamed_files(folder);
@@ -133,7 +133,7 @@ class Collector {
   // What a first run of a case writes, until its case appears; a run that was killed leaves it.
   void under_way(const fs::path& folder) {
     try {
-      const CaseLock lock(folder);
+      const publish::CaseLock lock(folder);
       whole_folder(folder);
     } catch (const Error& e) {
       if (e.code() == ExitCode::busy) ++out_.busy;
@@ -142,7 +142,7 @@ class Collector {
 
   void unnamed_files(const fs::path& folder) {
     const std::vector<char> bytes = read_file(folder / "case.json", std::uint64_t{16} << 20);
-    const CaseManifest m = parse_case_json({bytes.data(), bytes.size()});
+    const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
     for (const char* below : {"", "meshes"}) {
       std::error_code error;
       std::vector<fs::path> files;
@@ -177,7 +177,7 @@ class Collector {
   }
   // What a refused run left for looking, and what a killed one had written of it.
   static bool is_refused(const std::string& name) {
-    const std::string ending = refused_folder("", "").string();
+    const std::string ending = publish::refused_folder("", "").string();
     return name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
   }
   void whole_folder(const fs::path& folder) {
@@ -234,7 +234,8 @@ class Collector {
         std::iter_swap(files.begin(), index);  // the index is removed first: data without an index is no entry
       for (const fs::path& f : files) remove(f);
     }
-    if (!params_.dry_run) StageCache(folder).shrink_to(static_cast<std::uint64_t>(params_.cache_limit_mb) * 1'000'000);
+    if (!params_.dry_run)
+      pipeline::StageCache(folder).shrink_to(static_cast<std::uint64_t>(params_.cache_limit_mb) * 1'000'000);
   }
 
   const LibraryState state_;
@@ -287,4 +288,4 @@ GcResult collect_garbage(const fs::path& library, const GcParams& params, const 
   return Collector(library, params, progress).collect();
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

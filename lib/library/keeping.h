@@ -9,7 +9,7 @@
 #include "base/params.h"
 #include "base/progress.h"
 
-namespace trephine {
+namespace trephine::library {
 
 struct VerifyResult {
   int cases = 0;
@@ -54,4 +54,4 @@ struct GcResult {
 /// Error 66; Cancelled.
 GcResult collect_garbage(const std::filesystem::path& library, const GcParams& params, const Progress& progress);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -14,7 +14,7 @@
 #include "library/library_file.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -23,7 +23,8 @@ bool names_file(const std::string& path) {
   const auto last = path.rfind('.');
   if (last == std::string::npos || last == 0) return false;
   const auto before = path.rfind('.', last - 1);
-  const StageType* type = find_stage(path.substr(before == std::string::npos ? 0 : before + 1, last - before - 1));
+  const stages::StageType* type =
+      stages::find_stage(path.substr(before == std::string::npos ? 0 : before + 1, last - before - 1));
   if (!type) return false;
   const std::vector<std::string> files = type->file_params();
   return std::find(files.begin(), files.end(), path.substr(last + 1)) != files.end();
@@ -31,22 +32,23 @@ bool names_file(const std::string& path) {
 
 class Reader {
  public:
-  Reader(const fs::path& file, const LibraryOverrides& overrides) : overrides_(overrides), tree_(read_yaml(file)) {
+  Reader(const fs::path& file, const LibraryOverrides& overrides)
+      : overrides_(overrides), tree_(config::read_yaml(file)) {
     out_.file = file;
     out_.roots = overrides.roots;
-    roots_.push_back(root_of(file));
-    for (const fs::path& r : overrides.roots) roots_.push_back(absolute_path(r));
+    roots_.push_back(config::root_of(file));
+    for (const fs::path& r : overrides.roots) roots_.push_back(config::absolute_path(r));
   }
 
   LibraryConfig read() {
-    DeclaredReading reading{out_.file, faults_, {}, {}};
+    config::DeclaredReading reading{out_.file, faults_, {}, {}};
     reading.fault_of_name = [this](const std::string& kind, const std::string& name) {
       std::string fault;
       // The folders of `series` are searched later, and paths in `set` are checked where they are read.
       if (kind == "file" && name.find_first_of("*?[") == std::string::npos) in_root(name, fault);
       return fault;
     };
-    at_ = read_declared(reading, tree_, parameters_of<LibraryFileParams>(), &said_);
+    at_ = config::read_declared(reading, tree_, parameters_of<LibraryFileParams>(), &said_);
     read_configs();
     shared_set_ = set_of(said_.set, "set");
     for (std::size_t i = 0; i < said_.cases.size(); ++i) read_case(i);
@@ -60,9 +62,9 @@ class Reader {
 
  private:
   fs::path in_root(const std::string& text, std::string& fault) const {
-    return path_in_roots(fs::absolute(out_.file).parent_path(), text, roots_, fault);
+    return config::path_in_roots(fs::absolute(out_.file).parent_path(), text, roots_, fault);
   }
-  fs::path path_at(const YamlNode& at, const std::string& where, const std::string& text) {
+  fs::path path_at(const config::YamlNode& at, const std::string& where, const std::string& text) {
     std::string fault;
     const fs::path path = in_root(text, fault);
     if (!fault.empty()) faults_.add(out_.file, at, where, fault);
@@ -81,7 +83,7 @@ class Reader {
   }
 
   // Settings as --set takes them. A path in one is relative to this file.
-  std::vector<std::string> set_of(const Named<SaidValue>& values, const std::string& where) {
+  std::vector<std::string> set_of(const Named<config::SaidValue>& values, const std::string& where) {
     std::vector<std::string> all;
     for (const auto& [path, value] : values) {
       const std::string one = where + "." + path;
@@ -92,7 +94,7 @@ class Reader {
   }
 
   // Adds the cases of one patient: a case of its own configuration, or of each configuration of the library.
-  void add_cases(LibraryCase one, const fs::path& own_config, const YamlNode& at, const std::string& where,
+  void add_cases(LibraryCase one, const fs::path& own_config, const config::YamlNode& at, const std::string& where,
                  const std::vector<std::string>& own_set) {
     one.set = shared_set_;
     one.set.insert(one.set.end(), own_set.begin(), own_set.end());
@@ -113,7 +115,7 @@ class Reader {
   void check_token(const std::string& where, const std::string& token) {
     if (token.empty()) return;
     try {
-      validate_case_token(token, ExitCode::bad_config);
+      cases::validate_case_token(token, ExitCode::bad_config);
     } catch (const Error& e) {
       faults_.add(out_.file, at_.at(where), where, e.what());
     }
@@ -121,7 +123,7 @@ class Reader {
 
   void read_case(std::size_t i) {
     const std::string where = "cases[" + std::to_string(i) + "]";
-    const YamlNode& node = at_.at(where);
+    const config::YamlNode& node = at_.at(where);
     const LibraryCaseParams& said = said_.cases[i];
     LibraryCase one;
     one.token = one.origin = said.case_token;
@@ -133,7 +135,7 @@ class Reader {
 
   void find_series(std::size_t i) {
     const std::string where = "series[" + std::to_string(i) + "]", text = said_.series[i].text;
-    const YamlNode& node = at_.at(where);
+    const config::YamlNode& node = at_.at(where);
     const fs::path pattern(text);
     const std::string last = pattern.filename().string();
     if (text.empty() || pattern.parent_path().string().find_first_of("*?[") != std::string::npos || last.empty())
@@ -179,27 +181,27 @@ class Reader {
     const std::string name = text.substr(0, equals);
     const Parameter* p = values.set->find(name);
     if (p && equals != std::string::npos) {
-      YamlNode value;
-      value.kind = YamlNode::Kind::scalar;
+      config::YamlNode value;
+      value.kind = config::YamlNode::Kind::scalar;
       value.text = text.substr(equals + 1);
-      if (const std::string fault = set_parameter(values.object.get(), *p, value); !fault.empty())
+      if (const std::string fault = config::set_parameter(values.object.get(), *p, value); !fault.empty())
         fault_once("--phantom " + name, fault);
       return;
     }
-    fault_once("--phantom " + text, equals == std::string::npos
-                                        ? "must be parameter=value"
-                                        : "no such parameter of a phantom" + did_you_mean(name, values.set->names()));
+    fault_once("--phantom " + text, equals == std::string::npos ? "must be parameter=value"
+                                                                : "no such parameter of a phantom" +
+                                                                      config::did_you_mean(name, values.set->names()));
   }
   void fault_once(const std::string& field, const std::string& what) {
     if (said_once_.insert(field).second) faults_.add(Error(ExitCode::usage, "", field, what));
   }
 
   const LibraryOverrides& overrides_;
-  const YamlNode tree_;
-  Places at_;
+  const config::YamlNode tree_;
+  config::Places at_;
   LibraryFileParams said_;
   std::vector<fs::path> roots_;
-  ConfigFaults faults_;
+  config::ConfigFaults faults_;
   LibraryConfig out_;
   std::vector<std::pair<std::string, fs::path>> configs_;  // suffix, file
   std::vector<std::string> shared_set_;
@@ -214,4 +216,4 @@ LibraryConfig read_library_config(const fs::path& file, const LibraryOverrides& 
 
 AnyParams library_file_params() { return AnyParams::make<LibraryFileParams>(); }
 
-}  // namespace trephine
+}  // namespace trephine::library

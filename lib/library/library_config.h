@@ -6,7 +6,7 @@
 
 #include "phantom/phantom.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// A synthetic patient that the library makes before its cases.
 struct LibraryPhantom {
@@ -48,4 +48,4 @@ LibraryConfig read_library_config(const std::filesystem::path& file, const Libra
 /// What LIBRARY.yaml may hold, for its schema.
 AnyParams library_file_params();
 
-}  // namespace trephine
+}  // namespace trephine::library

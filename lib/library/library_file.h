@@ -6,7 +6,7 @@
 #include "config/said.h"
 #include "phantom/phantom.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// The declaration of LIBRARY.yaml.
 
@@ -36,7 +36,7 @@ struct PhantomValues {
 
 struct LibraryPhantomParams : PhantomValues {
   std::string name, config;
-  Named<SaidValue> set;
+  Named<config::SaidValue> set;
   template <class V>
   static void describe(V& v) {
     using P = LibraryPhantomParams;
@@ -64,7 +64,7 @@ struct LibraryPhantomsParams {
 
 struct LibraryCaseParams {
   std::string case_token, series, landmarks_file, config;
-  Named<SaidValue> set;
+  Named<config::SaidValue> set;
   template <class V>
   static void describe(V& v) {
     using P = LibraryCaseParams;
@@ -76,17 +76,17 @@ struct LibraryCaseParams {
   }
 };
 
-struct LibraryFileParams : VersionParams {
+struct LibraryFileParams : config::VersionParams {
   std::string config;
-  Named<SaidPath> configs;
-  Named<SaidValue> set;
+  Named<config::SaidPath> configs;
+  Named<config::SaidValue> set;
   std::vector<LibraryCaseParams> cases;
-  std::vector<SaidValue> series;
+  std::vector<config::SaidValue> series;
   std::optional<LibraryPhantomsParams> phantoms;
   template <class V>
   static void describe(V& v) {
     using P = LibraryFileParams;
-    v.template all_of<VersionParams>();
+    v.template all_of<config::VersionParams>();
     v.text(&P::config, "config", "The configuration of every case that names none.").names("file");
     v.map(&P::configs, "configs",
           "Several configurations by name, instead of config: each patient becomes one case of each.")
@@ -99,4 +99,4 @@ struct LibraryFileParams : VersionParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::library

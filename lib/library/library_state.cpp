@@ -9,18 +9,18 @@
 #include "cases/case.h"
 #include "library/settings.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::uint64_t most_bytes = std::uint64_t{4} << 20;
+constexpr std::uint64_t max_bytes = std::uint64_t{4} << 20;
 
 std::optional<Json> read_json(const fs::path& file) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
   try {
-    const std::vector<char> bytes = read_file(file, most_bytes);
+    const std::vector<char> bytes = read_file(file, max_bytes);
     return Json::parse(bytes.begin(), bytes.end());
   } catch (const std::bad_alloc&) {
     throw;
@@ -78,7 +78,7 @@ std::optional<JobResult> read_result(const LibraryState& state, const std::strin
 
 std::optional<std::map<std::string, std::string>> read_settings(const LibraryState& state, const std::string& sha256) {
   try {
-    const std::vector<char> bytes = read_file(state.settings_file(sha256), most_bytes);
+    const std::vector<char> bytes = read_file(state.settings_file(sha256), max_bytes);
     return parse_settings_json({bytes.data(), bytes.size()});
   } catch (const Error&) {
     return {};
@@ -112,11 +112,12 @@ void write_result(const LibraryState& state, const std::string& token, const Job
 }
 
 BuiltCase describe_built(const fs::path& case_folder, const std::string& settings_sha256) {
-  const std::vector<char> bytes = read_file(case_folder / "case.json", most_bytes);
+  const std::vector<char> bytes = read_file(case_folder / "case.json", max_bytes);
   const std::string_view text(bytes.data(), bytes.size());
-  const CaseManifest manifest = with_file((case_folder / "case.json").string(), [&] { return parse_case_json(text); });
+  const cases::CaseManifest manifest =
+      with_file((case_folder / "case.json").string(), [&] { return cases::parse_case_json(text); });
   BuiltCase built{{settings_sha256, manifest.input_sha256}, sha256_of_bytes(text), {}};
-  for (const CaseFile& f : manifest.files) built.files.emplace_back(f.name, f.bytes);
+  for (const cases::CaseFile& f : manifest.files) built.files.emplace_back(f.name, f.bytes);
   return built;
 }
 
@@ -137,4 +138,4 @@ std::string fault_of_built(const fs::path& case_folder, const BuiltCase& built) 
   return "";
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

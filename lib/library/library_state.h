@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace trephine {
+namespace trephine::library {
 
 /// What `library build` keeps beside the cases, in <library>/.library/: only tokens, hashes and figures, never a
 /// patient's path, name or identifier. All of it may be lost: then everything is examined again and built where
@@ -82,4 +82,4 @@ BuiltCase describe_built(const std::filesystem::path& case_folder, const std::st
 /// Empty where it is. Contents are not read (library verify reads them).
 std::string fault_of_built(const std::filesystem::path& case_folder, const BuiltCase& built);
 
-}  // namespace trephine
+}  // namespace trephine::library

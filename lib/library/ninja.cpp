@@ -19,7 +19,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -228,4 +228,4 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
               end.signal ? "killed by signal " + std::to_string(end.signal) : "failed, see its log");
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

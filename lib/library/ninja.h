@@ -6,7 +6,7 @@
 
 #include "library/job.h"
 
-namespace trephine {
+namespace trephine::library {
 
 struct NinjaJob {
   LibraryJob job;
@@ -39,4 +39,4 @@ struct NinjaOptions {
 void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, const NinjaOptions& options,
                const std::function<void(const JobEvent&)>& event, const std::function<void()>& tick);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -16,7 +16,7 @@
 #include "base/write_file.h"
 #include "library/series_state.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -128,7 +128,7 @@ class Planner {
     std::map<fs::path, int> users;
     for (const PlannedCase& c : plan_.cases) ++users[c.entry.config];
     // Further scans are remembered as the first ones are, so that a plan reads no series that did not change.
-    const auto hash_of_scan = [&](const std::string&, const SeriesChoice& scan) {
+    const auto hash_of_scan = [&](const std::string&, const dicom::SeriesChoice& scan) {
       return memory_
           .content_of(scan.folder_or_file, scan.params, options_.rehash, Progress([](double) {}, &cancel_requested()))
           .sha256;
@@ -173,7 +173,7 @@ class Planner {
         c.fault = Error(ExitCode::bad_config, "", "series", "neither the library nor the configuration names one");
         continue;
       }
-      const ImportParams& import = c.settings->import;
+      const dicom::ImportParams& import = c.settings->import;
       groups[{c.series, import.series, static_cast<int>(import.modality)}].push_back(&c);
     }
     std::vector<std::vector<PlannedCase*>> list;
@@ -193,7 +193,7 @@ class Planner {
   // Reads a phantom's whole series; returns false where it is not the one that was made.
   bool look_again(PlannedPhantom& p, const fs::path& series) {
     try {
-      if (!looked_.insert(p.name).second || hash_of_series_input(series, {}) == p.series_sha256) return true;
+      if (!looked_.insert(p.name).second || dicom::hash_of_series_input(series, {}) == p.series_sha256) return true;
     } catch (const Error&) {  // the phantom is made again, whatever is there
     }
     p.reasons = {"its files changed"};
@@ -307,4 +307,4 @@ LibraryPlan make_plan(const LibraryConfig& config, const LibraryState& state, co
   return Planner(config, state, options, progress).make();
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

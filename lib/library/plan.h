@@ -10,7 +10,7 @@
 #include "library/library_state.h"
 #include "library/settings.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// What one case or phantom needs: a rough estimate from its voxels, or from its last build where that is known.
 struct Estimate {
@@ -58,4 +58,4 @@ struct PlanOptions {
 LibraryPlan make_plan(const LibraryConfig& config, const LibraryState& state, const PlanOptions& options,
                       const Progress& progress);
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -17,7 +17,7 @@
 #include "base/write_file.h"
 #include "dicom/volume_source.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -61,9 +61,9 @@ bool add_folder(int fd, int level, std::vector<Item>& items, double& latest_s) {
 }
 
 // The size of the chosen series in voxels; 0 where it is unknown.
-std::uint64_t voxels_of(const fs::path& series, const ImportParams& params, const Progress& progress) {
+std::uint64_t voxels_of(const fs::path& series, const dicom::ImportParams& params, const Progress& progress) {
   std::uint64_t largest = 0;
-  for (const SeriesSummary& s : list_series(series, params, progress).series) {
+  for (const dicom::SeriesSummary& s : dicom::list_series(series, params, progress).series) {
     const std::uint64_t voxels = std::uint64_t(s.size[0]) * std::uint64_t(s.size[1]) * std::uint64_t(s.size[2]);
     if (!params.series.empty() && s.token.rfind(params.series, 0) == 0) return voxels;
     if (s.usable) largest = std::max(largest, voxels);
@@ -129,7 +129,7 @@ SeriesMemory::SeriesMemory(fs::path file) : file_(std::move(file)) {
   }
 }
 
-SeriesContent SeriesMemory::content_of(const fs::path& series, const ImportParams& params, bool rehash,
+SeriesContent SeriesMemory::content_of(const fs::path& series, const dicom::ImportParams& params, bool rehash,
                                        const Progress& progress) {
   const FileSignature files = sign_all(series);
   Sha256 sha;
@@ -145,7 +145,7 @@ SeriesContent SeriesMemory::content_of(const fs::path& series, const ImportParam
     }
   }
   SeriesContent content;
-  content.sha256 = hash_of_series_input(series, params, progress);
+  content.sha256 = dicom::hash_of_series_input(series, params, progress);
   content.voxels = voxels_of(series, params, progress);
   const bool unchanged = sign_all(series).sha256 == files.sha256;
   if (files.sha256.empty() || !unchanged || looked_s - files.latest_change_s < racy_s) return content;
@@ -177,4 +177,4 @@ void SeriesMemory::save(bool now) {
   saved_s_ = now_s();
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -9,7 +9,7 @@
 #include "base/progress.h"
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// What is known of a series' content.
 struct SeriesContent {
@@ -35,7 +35,7 @@ class SeriesMemory {
 
   /// The content of a series: remembered where the signature of the files is known and `rehash` is not set, else read.
   /// Throws what hash_of_series_input throws.
-  SeriesContent content_of(const std::filesystem::path& series, const ImportParams& params, bool rehash,
+  SeriesContent content_of(const std::filesystem::path& series, const dicom::ImportParams& params, bool rehash,
                            const Progress& progress);
   /// Writes what is new, at most once a second unless `now` is set. Throws Error 73 and 74.
   void save(bool now);
@@ -54,4 +54,4 @@ class SeriesMemory {
   double saved_s_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "config/config.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
@@ -17,8 +17,8 @@ using Values = std::map<std::string, std::string>;
 constexpr const char* key_prefix =
     "key ";  // stands for all settings of a node; never shown beside a single parameter of it
 
-void add_graph(const Graph& graph, Values& out) {
-  for (const Node& node : graph.nodes) {
+void add_graph(const pipeline::Graph& graph, Values& out) {
+  for (const pipeline::Node& node : graph.nodes) {
     out[key_prefix + node.name] = node.key;
     out["stage " + node.name] = "version " + std::to_string(node.type->version);
     for (const auto& [name, value] : node.recorded()) out[node.name + "." + name] = to_text(value);
@@ -34,37 +34,39 @@ void add_leaves(const std::string& prefix, const P& params, Values& out) {
 }  // namespace
 
 CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::path>& roots, bool pictures,
-                                const std::string& program_version, const HashOfScan& hash_of_scan) {
-  ConfigOverrides overrides;
+                                const std::string& program_version, const pipeline::HashOfScan& hash_of_scan) {
+  config::ConfigOverrides overrides;
   overrides.set = one.set;
   overrides.roots = roots;
   overrides.landmarks = one.landmarks;
-  const CaseConfig config = read_case_config(one.config, overrides);
+  const config::CaseConfig config = config::read_case_config(one.config, overrides);
   CaseSettings out;
   out.series = config.series;
   out.import = config.import;
-  add_graph(make_graph(config, "", hash_of_scan), out.values);
+  add_graph(pipeline::make_graph(config, "", hash_of_scan), out.values);
   // What a scene sets besides the stages' parameters, and what publishes the case: none of it may be forgotten.
   for (const ParameterLeaf& leaf : leaves_of(config.scene_file))
     if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());
-  for (const SceneShape& shape : config.haptic.shapes)
-    add_leaves("materials." + shape.material.name, static_cast<const MaterialParams&>(shape.material), out.values);
+  for (const config::SceneShape& shape : config.haptic.shapes)
+    add_leaves("materials." + shape.material.name, static_cast<const cases::MaterialParams&>(shape.material),
+               out.values);
   std::string& order = out.values["recipe.order"];  // the case lists its anatomies in the recipe's order
-  for (const RecipeAnatomy& anatomy : config.anatomies)
+  for (const config::RecipeAnatomy& anatomy : config.anatomies)
     if (config.is_shown(anatomy.name)) {
       order += (order.empty() ? "" : ", ") + anatomy.name;
-      add_leaves("recipe.anatomies." + anatomy.name, static_cast<const RecipeAnatomyParams&>(anatomy), out.values);
+      add_leaves("recipe.anatomies." + anatomy.name, static_cast<const config::RecipeAnatomyParams&>(anatomy),
+                 out.values);
     }
   add_leaves("recipe", config.roles, out.values);
   if (!config.trade.rule.empty()) {
     out.values["trade.rule"] = config.trade.rule.text();
     out.values["trade.point"] = config.trade.choice.point.name;
   }
-  for (const CaseLandmark& l : config.landmarks)
+  for (const cases::CaseLandmark& l : config.landmarks)
     out.values["landmarks." + l.name] = to_text(l.position_mm.x) + ", " + to_text(l.position_mm.y) + ", " +
                                         to_text(l.position_mm.z) + ", " + l.source + " " + to_text(l.confidence);
-  for (const CaseScan& scan : config.scans) {
-    out.values["scans." + scan.name + ".modality"] = to_text(scan.modality);
+  for (const config::CaseScan& scan : config.scans) {
+    out.values["scans." + scan.name + ".modality"] = config::to_text(scan.modality);
     out.values["scans." + scan.name + ".same_patient_reason"] = scan.same_patient_reason;
   }
   out.values["pictures"] = pictures ? "true" : "false";
@@ -103,4 +105,4 @@ std::vector<std::string> explain_difference(const Values& before, const Values& 
   return lines.empty() ? keys : lines;
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

@@ -14,13 +14,13 @@
 #include "page/page_notes.h"
 #include "page/web_files.h"
 
-namespace trephine {
+namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *picture_name = "contact_sheet.png", *index_name = "index.html";
-constexpr double most_pixels = 4e7;  // of the whole picture: with many cases the thumbnails become smaller
-constexpr int most_side_px = 240, least_side_px = 40, columns_count = 5, most_png_bytes = 1 << 26;
+constexpr double max_pixels = 4e7;  // of the whole picture: with many cases the thumbnails become smaller
+constexpr int max_side_px = 240, min_side_px = 40, columns_count = 5, max_png_bytes = 1 << 26;
 
 // The first existing picture of what sets the case apart, and a slice through it.
 std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row) {
@@ -44,8 +44,8 @@ std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row
 }
 
 // Scales the image into a box. Each new pixel is the mean of the pixels that it covers.
-Image scaled(const Image& image, int width, int height) {
-  Image out(width, height, {1, 1, 1});
+picture::Image scaled(const picture::Image& image, int width, int height) {
+  picture::Image out(width, height, {1, 1, 1});
   if (image.width < 1 || image.height < 1) return out;
   const double scale = std::max(static_cast<double>(image.width) / width, static_cast<double>(image.height) / height);
   const int w = std::clamp(static_cast<int>(image.width / scale), 1, width),
@@ -67,7 +67,7 @@ Image scaled(const Image& image, int width, int height) {
   return out;
 }
 
-void paste(const Image& from, Image& to, int x0, int y0) {
+void paste(const picture::Image& from, picture::Image& to, int x0, int y0) {
   for (int y = 0; y < from.height; ++y) std::copy_n(from.at(0, y), std::size_t(from.width) * 3, to.at(x0, y0 + y));
 }
 
@@ -86,21 +86,23 @@ std::vector<std::string> lines_of(const CaseRow& row) {
               (row.warnings.empty() ? "" : ", " + std::to_string(row.warnings.size()) + " warnings")};
 }
 
-Image cell_of(const fs::path& library, const CaseRow& row, int side) {
+picture::Image cell_of(const fs::path& library, const CaseRow& row, int side) {
   const double capital_px = std::max(5.0, side * 0.042);
   const int line_px = static_cast<int>(std::lround(capital_px * 2)), lines = 4;
   const int height = side * 2 / 3;  // height of a case's pictures
-  Image cell(2 * side + 2, height + lines * line_px + line_px / 2, {1, 1, 1});
+  picture::Image cell(2 * side + 2, height + lines * line_px + line_px / 2, {1, 1, 1});
   const std::vector<std::string> pictures = pictures_of(library, row);
   for (std::size_t i = 0; i < pictures.size(); ++i) try {
-      const std::vector<char> png = read_file(library / pictures[i], most_png_bytes);
-      paste(scaled(decode_png({png.data(), png.size()}), side, height), cell, static_cast<int>(i) * (side + 2), 0);
+      const std::vector<char> png = read_file(library / pictures[i], max_png_bytes);
+      paste(scaled(picture::decode_png({png.data(), png.size()}), side, height), cell, static_cast<int>(i) * (side + 2),
+            0);
     } catch (const Error&) {  // a missing or damaged picture must not keep the others from being shown
     }
   const std::vector<std::string> text = lines_of(row);
   for (std::size_t i = 0; i < text.size(); ++i)
-    draw_text(cell, 4, height + line_px * (static_cast<double>(i) + 0.5), text[i], capital_px,
-              row.fault.empty() || i == 0 ? Rgb{0.1, 0.1, 0.15} : Rgb{0.75, 0.1, 0.1}, {1, 1, 1});
+    picture::draw_text(cell, 4, height + line_px * (static_cast<double>(i) + 0.5), text[i], capital_px,
+                       row.fault.empty() || i == 0 ? picture::Rgb{0.1, 0.1, 0.15} : picture::Rgb{0.75, 0.1, 0.1},
+                       {1, 1, 1});
   return cell;
 }
 
@@ -127,14 +129,14 @@ Json to_json(const fs::path& library, const CaseRow& row) {
   for (const std::string& file : pictures_of(library, row))
     out["pictures"].push_back(file.substr(row.token.size() + 1));
   std::error_code ignored;
-  out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page_file, ignored);
+  out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page::page_file, ignored);
   out["anatomies"] = Json::array();
   if (!row.fault.empty()) return out;
   out["triangles"] = row.triangles;
   out["deviation_mm"] = row.deviation_max_mm;
   add_figure(row, "evans_index_ratio", "evans", out);
   add_figure(row, "midline_shift_mm", "shift_mm", out);
-  for (const CaseAnatomy& a : row.manifest.anatomies)
+  for (const cases::CaseAnatomy& a : row.manifest.anatomies)
     out["anatomies"].push_back({{"name", a.name},
                                 {"triangles", a.triangles},
                                 {"volume_ml", a.volume_ml},
@@ -142,39 +144,39 @@ Json to_json(const fs::path& library, const CaseRow& row) {
   return out;
 }
 
-constexpr std::size_t most_volume_columns = 6;
+constexpr std::size_t max_volume_columns = 6;
 
 // The anatomies whose volumes have a column: those that most cases have.
 std::vector<std::string> volume_columns(const std::vector<CaseRow>& rows) {
   std::vector<std::pair<std::size_t, std::string>> counts;  // in the order in which the cases name them
   std::map<std::string, std::size_t> place;
   for (const CaseRow& row : rows)
-    for (const CaseAnatomy& a : row.manifest.anatomies) {
+    for (const cases::CaseAnatomy& a : row.manifest.anatomies) {
       const auto [at, is_new] = place.try_emplace(a.name, counts.size());
       if (is_new) counts.emplace_back(0, a.name);
       ++counts[at->second].first;
     }
   std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(counts.size(), most_volume_columns); ++i) names.push_back(counts[i].second);
+  for (std::size_t i = 0; i < std::min(counts.size(), max_volume_columns); ++i) names.push_back(counts[i].second);
   return names;
 }
 
 }  // namespace
 
-Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
-  const double each = most_pixels / std::max<double>(1, static_cast<double>(rows.size()));
-  const int side = std::clamp(static_cast<int>(std::sqrt(each / 2.9)), least_side_px, most_side_px);
-  std::vector<Image> cells(rows.size());
+picture::Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
+  const double each = max_pixels / std::max<double>(1, static_cast<double>(rows.size()));
+  const int side = std::clamp(static_cast<int>(std::sqrt(each / 2.9)), min_side_px, max_side_px);
+  std::vector<picture::Image> cells(rows.size());
   parallel_for(0, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t from, std::int64_t to) {
     for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i)
       cells[i] = cell_of(library, rows[i], side);
   });
-  if (cells.empty()) return Image(2 * side, side, {1, 1, 1});
+  if (cells.empty()) return picture::Image(2 * side, side, {1, 1, 1});
   const int columns =
       std::min<int>(static_cast<int>(cells.size()),
                     std::max(columns_count, static_cast<int>(std::sqrt(static_cast<double>(cells.size())))));
-  return contact_sheet(cells, columns, {1, 1, 1}, side / 15);
+  return picture::contact_sheet(cells, columns, {1, 1, 1}, side / 15);
 }
 
 std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows) {
@@ -182,12 +184,12 @@ std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows
   json["volumes"] = volume_columns(rows);
   json["cases"] = Json::array();
   for (const CaseRow& row : rows) json["cases"].push_back(to_json(library, row));
-  return html_page(web::index_html, web::index_css, web::index_js, json.dump(), {});
+  return page::html_page(page::web::index_html, page::web::index_css, page::web::index_js, json.dump(), {});
 }
 
 void make_sheet(const fs::path& library) {
   const std::vector<CaseRow> rows = read_library(library);
-  write_file(library / picture_name, encode_png(sheet_picture(library, rows)));
+  write_file(library / picture_name, picture::encode_png(sheet_picture(library, rows)));
   write_file(library / index_name, sheet_page(library, rows));
 }
 
@@ -196,4 +198,4 @@ bool has_sheet(const fs::path& library) {
   return fs::exists(library / picture_name, ignored) && fs::exists(library / index_name, ignored);
 }
 
-}  // namespace trephine
+}  // namespace trephine::library

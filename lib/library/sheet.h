@@ -7,7 +7,7 @@
 #include "library/catalogue.h"
 #include "picture/image.h"
 
-namespace trephine {
+namespace trephine::library {
 
 /// Writes contact_sheet.png and index.html into the library's folder: a thumbnail of every case (two pictures of its
 /// report folder, of what sets the case apart and of an axial slice) and its figures. index.html lists the cases so
@@ -16,7 +16,7 @@ namespace trephine {
 void make_sheet(const std::filesystem::path& library);
 bool has_sheet(const std::filesystem::path& library);
 
-Image sheet_picture(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
+picture::Image sheet_picture(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
 std::string sheet_page(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
 
-}  // namespace trephine
+}  // namespace trephine::library

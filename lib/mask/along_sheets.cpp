@@ -9,7 +9,7 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 constexpr double edge_sigma_mm = 1.0;    ///< sigma of the gradients
@@ -19,7 +19,7 @@ constexpr double across_mm = 0.35;
 constexpr int planes_count = 144;
 constexpr double pi = 3.14159265358979323846;
 
-using Tensor = std::array<Grid<float>, 6>;  ///< xx, yy, zz, xy, xz, yz
+using Tensor = std::array<grid::Grid<float>, 6>;  ///< xx, yy, zz, xy, xz, yz
 
 /// Directions spread evenly over a hemisphere (a Fibonacci lattice).
 std::vector<Vec3> directions() {
@@ -36,7 +36,7 @@ struct Tap {
   float weight;
 };
 
-std::vector<Tap> disc(const Lattice& l, Vec3 normal, double sigma_mm) {
+std::vector<Tap> disc(const grid::Lattice& l, Vec3 normal, double sigma_mm) {
   const double reach = 2.2 * sigma_mm;
   int n[3];
   for (int a = 0; a < 3; ++a) n[a] = int(reach / l.spacing_mm[a]);
@@ -54,10 +54,11 @@ std::vector<Tap> disc(const Lattice& l, Vec3 normal, double sigma_mm) {
 }
 
 /// The products of gradients, summed over blocks and then averaged.
-Tensor structure_of(const Grid<float>& smooth, const BitMask& known, const CoarseRaster& r, const Progress& progress) {
+Tensor structure_of(const grid::Grid<float>& smooth, const BitMask& known, const CoarseRaster& r,
+                    const Progress& progress) {
   Tensor t;
-  for (auto& g : t) g = Grid<float>(r.cells);
-  const Lattice& l = smooth;
+  for (auto& g : t) g = grid::Grid<float>(r.cells);
+  const grid::Lattice& l = smooth;
   parallel_for(0, r.cells.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int bk = int(from); bk < to; ++bk)
@@ -90,8 +91,8 @@ Tensor structure_of(const Grid<float>& smooth, const BitMask& known, const Coars
 }
 
 /// For each block, the plane that is most nearly perpendicular to the tensor's principal direction.
-Grid<std::uint8_t> planes_of(const Tensor& t, const std::vector<Vec3>& normals, const Progress& progress) {
-  Grid<std::uint8_t> plane(t[0]);
+grid::Grid<std::uint8_t> planes_of(const Tensor& t, const std::vector<Vec3>& normals, const Progress& progress) {
+  grid::Grid<std::uint8_t> plane(t[0]);
   parallel_for(0, plane.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (std::size_t v = plane.index(0, 0, int(from)); v < plane.index(0, 0, int(to)); ++v) {
@@ -112,17 +113,17 @@ Grid<std::uint8_t> planes_of(const Tensor& t, const std::vector<Vec3>& normals, 
 
 }  // namespace
 
-Grid<float> averaged_along_sheets(const Grid<float>& hu, const BitMask& known, double sigma_mm,
-                                  const Progress& progress) {
-  const Lattice& l = hu;
+grid::Grid<float> averaged_along_sheets(const grid::Grid<float>& hu, const BitMask& known, double sigma_mm,
+                                        const Progress& progress) {
+  const grid::Lattice& l = hu;
   const std::vector<Vec3> normals = directions();
   std::vector<std::vector<Tap>> discs;
   for (const Vec3& n : normals) discs.push_back(disc(l, n, sigma_mm));
   const CoarseRaster blocks = coarse_raster(l, block_mm);
-  const Grid<std::uint8_t> plane =
+  const grid::Grid<std::uint8_t> plane =
       planes_of(structure_of(masked_gaussian(hu, known, edge_sigma_mm, 0, 0.02, progress), known, blocks, progress),
                 normals, progress);
-  Grid<float> out = hu;
+  grid::Grid<float> out = hu;
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = int(from); k < to; ++k)
@@ -143,4 +144,4 @@ Grid<float> averaged_along_sheets(const Grid<float>& hu, const BitMask& known, d
   return out;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

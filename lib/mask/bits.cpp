@@ -9,11 +9,11 @@
 #include "base/parallel.h"
 #include "base/text.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 using Word = std::uint64_t;
 
-BitMask::BitMask(const Lattice& lattice)
+BitMask::BitMask(const grid::Lattice& lattice)
     : lattice_(lattice),
       words_((lattice.size[0] + 63) / 64),
       bits_(std::size_t(words_) * lattice.size[1] * lattice.size[2]) {}
@@ -28,8 +28,8 @@ bool BitMask::any() const {
   return std::any_of(bits_.begin(), bits_.end(), [](Word w) { return w != 0; });
 }
 
-Box BitMask::bounds() const {
-  Box box;
+grid::Box BitMask::bounds() const {
+  grid::Box box;
   box.begin = lattice_.size;
   box.end = {0, 0, 0};
   for (int k = 0; k < lattice_.size[2]; ++k)
@@ -120,7 +120,7 @@ void copy_bits(const Word* in, int from, Word* out, int to, int count) {
 }
 
 /// Row by row in parallel.
-void for_each_row(const Lattice& lattice, const std::function<void(int j, int k)>& visit) {
+void for_each_row(const grid::Lattice& lattice, const std::function<void(int j, int k)>& visit) {
   parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < lattice.size[1]; ++j) visit(j, k);
@@ -129,7 +129,7 @@ void for_each_row(const Lattice& lattice, const std::function<void(int j, int k)
 
 }  // namespace
 
-BitMask make_mask(const Lattice& lattice, const std::function<void(int, int, std::uint8_t*)>& test) {
+BitMask make_mask(const grid::Lattice& lattice, const std::function<void(int, int, std::uint8_t*)>& test) {
   BitMask mask(lattice);
   parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     std::vector<std::uint8_t> flags(std::size_t(mask.words()) * 64);  // bits beyond the row's end stay 0
@@ -143,8 +143,8 @@ BitMask make_mask(const Lattice& lattice, const std::function<void(int, int, std
   return mask;
 }
 
-BitMask positive(const Field& field, const Lattice& lattice) {
-  const Box at = place_in(field, lattice);
+BitMask positive(const grid::Field& field, const grid::Lattice& lattice) {
+  const grid::Box at = grid::place_in(field, lattice);
   return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
     if (j < at.begin[1] || j >= at.end[1] || k < at.begin[2] || k >= at.end[2]) return;
     const float* f = &field.voxels[field.index(0, j - at.begin[1], k - at.begin[2])];
@@ -153,16 +153,16 @@ BitMask positive(const Field& field, const Lattice& lattice) {
   });
 }
 
-BitMask crop(const BitMask& mask, const Box& box) {
-  BitMask out(cropped(mask.lattice(), box));
+BitMask crop(const BitMask& mask, const grid::Box& box) {
+  BitMask out(grid::cropped(mask.lattice(), box));
   for_each_row(out.lattice(), [&](int j, int k) {
     copy_bits(mask.row(j + box.begin[1], k + box.begin[2]), box.begin[0], out.row(j, k), 0, out.lattice().size[0]);
   });
   return out;
 }
 
-BitMask placed(const BitMask& mask, const Lattice& lattice) {
-  const Box at = place_in(mask.lattice(), lattice);
+BitMask placed(const BitMask& mask, const grid::Lattice& lattice) {
+  const grid::Box at = grid::place_in(mask.lattice(), lattice);
   BitMask out(lattice);
   const int from = std::max(0, at.begin[0]), to = std::min(lattice.size[0], at.end[0]);
   for_each_row(lattice, [&](int j, int k) {
@@ -199,15 +199,15 @@ struct Chord {
 };
 
 // Limits the time for rows of voxels: a radius of 113 voxels takes minutes for a head.
-constexpr long long most_rows = 40000;
+constexpr long long max_rows = 40000;
 
 /// The rows of a ball of that radius, by half-width, widest first.
-std::vector<Chord> ball(const Lattice& lattice, double radius_mm) {
+std::vector<Chord> ball(const grid::Lattice& lattice, double radius_mm) {
   const Vec3 s = lattice.spacing_mm;
-  if (!(radius_mm * radius_mm <= most_rows / M_PI * s.y * s.z))
+  if (!(radius_mm * radius_mm <= max_rows / M_PI * s.y * s.z))
     throw Error(ExitCode::bad_input, "", "spacing_mm",
                 "voxels of " + to_text(s.y) + " x " + to_text(s.z) + " mm are too small for a radius of " +
-                    to_text(radius_mm) + " mm: a ball has more than " + grouped_text(most_rows) +
+                    to_text(radius_mm) + " mm: a ball has more than " + grouped_text(max_rows) +
                     " rows of voxels; resample the volume first");
   const double r2 = radius_mm * radius_mm * (1 + 1e-9);
   const int nj = int(radius_mm / s.y + 1e-9), nk = int(radius_mm / s.z + 1e-9);
@@ -224,7 +224,7 @@ std::vector<Chord> ball(const Lattice& lattice, double radius_mm) {
 }  // namespace
 
 BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress) {
-  const Lattice& lattice = mask.lattice();
+  const grid::Lattice& lattice = mask.lattice();
   const auto chords = ball(lattice, radius_mm);
   const int words = mask.words();
   BitMask out(lattice);
@@ -264,7 +264,7 @@ BitMask eroded(const BitMask& mask, double radius_mm, const Progress& progress) 
 }
 
 BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress) {
-  Lattice room = mask.lattice();
+  grid::Lattice room = mask.lattice();
   Vec3 corner;
   for (int a = 0; a < 3; ++a) {
     const int margin = int(std::ceil(radius_mm / room.spacing_mm[a])) + 1;
@@ -276,7 +276,7 @@ BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress) 
 }
 
 BitMask dilated_6(const BitMask& mask) {
-  const Lattice& lattice = mask.lattice();
+  const grid::Lattice& lattice = mask.lattice();
   const int words = mask.words();
   BitMask out = mask;
   parallel_for(0, lattice.size[2], 8, [&](std::int64_t from, std::int64_t to) {
@@ -314,4 +314,4 @@ BitMask grown_within(const BitMask& mask, const BitMask& domain, double radius_m
   return grown;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

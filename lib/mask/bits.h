@@ -7,16 +7,16 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// A binary mask with one bit for each voxel. Rows (along x) take whole 64-bit words: 6 MB for 50 million voxels, and
 /// morphology with a true ball in mm needs only a few word operations for each row. Bits beyond a row's end stay 0.
 class BitMask {
  public:
   BitMask() = default;
-  explicit BitMask(const Lattice& lattice);
+  explicit BitMask(const grid::Lattice& lattice);
 
-  const Lattice& lattice() const { return lattice_; }
+  const grid::Lattice& lattice() const { return lattice_; }
   int words() const { return words_; }
   std::uint64_t* row(int j, int k) { return bits_.data() + (std::size_t(k) * lattice_.size[1] + j) * words_; }
   const std::uint64_t* row(int j, int k) const { return const_cast<BitMask*>(this)->row(j, k); }
@@ -29,7 +29,7 @@ class BitMask {
   std::size_t count() const;
   bool any() const;
   /// The smallest box around the set voxels; empty where there are none.
-  Box bounds() const;
+  grid::Box bounds() const;
   /// The mean of the set voxels' centres, LPS; the centre of the lattice's first voxel where there are none.
   Vec3 centre_mm() const;
 
@@ -40,7 +40,7 @@ class BitMask {
 
  private:
   void trim();  ///< clears the bits beyond the rows' ends
-  Lattice lattice_;
+  grid::Lattice lattice_;
   int words_ = 0;
   std::vector<std::uint64_t> bits_;
 };
@@ -50,14 +50,14 @@ inline BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
 inline BitMask both(BitMask a, const BitMask& b) { return a &= b; }
 
 /// Calls test(j, k, row of flags), which fills one byte for each voxel. It is called in parallel, once for each row.
-BitMask make_mask(const Lattice& lattice, const std::function<void(int j, int k, std::uint8_t* row)>& test);
+BitMask make_mask(const grid::Lattice& lattice, const std::function<void(int j, int k, std::uint8_t* row)>& test);
 /// The voxels where the field is above 0, placed on `lattice` (of the same raster, else Error 65).
-BitMask positive(const Field& field, const Lattice& lattice);
+BitMask positive(const grid::Field& field, const grid::Lattice& lattice);
 /// The part of the mask in `box`; the lattice is cropped(mask.lattice(), box).
-BitMask crop(const BitMask& mask, const Box& box);
+BitMask crop(const BitMask& mask, const grid::Box& box);
 
 /// The mask on another lattice of the same raster; voxels beyond that lattice are lost.
-BitMask placed(const BitMask& mask, const Lattice& lattice);
+BitMask placed(const BitMask& mask, const grid::Lattice& lattice);
 
 /// All voxels whose centre is within radius_mm of the centre of a set voxel (a ball in mm, whatever the spacing).
 /// Beyond the lattice's edge everything counts as background when a mask is dilated and as foreground when it is
@@ -73,7 +73,7 @@ BitMask grown_within(const BitMask& mask, const BitMask& domain, double radius_m
 
 struct Component {
   std::size_t voxels = 0;
-  Box box;
+  grid::Box box;
   int faces = 0;  ///< how many of the lattice's six faces it touches
 };
 
@@ -83,7 +83,7 @@ struct Components {
   struct Run {
     std::int32_t begin, end, component;
   };
-  Lattice lattice;
+  grid::Lattice lattice;
   std::vector<Run> runs;
   std::vector<std::size_t> row_start;  ///< index into runs of each row, and the end
   std::vector<Component> list;
@@ -107,4 +107,4 @@ BitMask largest(const Components& components);
 /// keep[c] is 1 where component c has a voxel in `other` (on the same lattice).
 std::vector<char> touching(const Components& components, const BitMask& other);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -5,12 +5,12 @@
 
 #include "grid/grid.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// Calls f(i, j, k, distance from the centre in mm) for the lattice's voxels within `reach_mm` of the centre along each
 /// axis, until f returns true.
 template <class F>
-void for_box_about(const Lattice& l, Vec3 centre_mm, double reach_mm, F&& f) {
+void for_box_about(const grid::Lattice& l, Vec3 centre_mm, double reach_mm, F&& f) {
   const Vec3 c = l.to_index(centre_mm);
   int low[3], high[3];
   for (int a = 0; a < 3; ++a) {
@@ -26,4 +26,4 @@ void for_box_about(const Lattice& l, Vec3 centre_mm, double reach_mm, F&& f) {
       }
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 /// The two cells between which each voxel's centre lies along one axis, and its position between them.
@@ -31,8 +31,8 @@ Between between(const CoarseRaster& r, int axis) {
 /// The mean of each cell, `nowhere` where it is of nothing. `row(y, z, add)` calls add(x, value) for what counts in the
 /// fine raster's row, in the order of x. A cell's values are added as Sum, in the order of z, y and x.
 template <class Sum, class Row>
-Grid<float> mean_of_cells(const CoarseRaster& r, float nowhere, const Row& row) {
-  Grid<float> mean(r.cells, nowhere);
+grid::Grid<float> mean_of_cells(const CoarseRaster& r, float nowhere, const Row& row) {
+  grid::Grid<float> mean(r.cells, nowhere);
   parallel_for(0, r.cells.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     std::vector<Sum> sum(r.cells.size[0]);
     std::vector<int> count(r.cells.size[0]);
@@ -56,7 +56,7 @@ Grid<float> mean_of_cells(const CoarseRaster& r, float nowhere, const Row& row) 
 
 }  // namespace
 
-CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
+CoarseRaster coarse_raster(const grid::Lattice& fine, double cell_mm, bool at_most) {
   std::array<int, 3> factor;
   for (int a = 0; a < 3; ++a) {
     const double voxels = cell_mm / fine.spacing_mm[a];
@@ -67,7 +67,7 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
   return coarse_raster(fine, factor);
 }
 
-CoarseRaster coarse_raster(const Lattice& fine, const std::array<int, 3>& factor) {
+CoarseRaster coarse_raster(const grid::Lattice& fine, const std::array<int, 3>& factor) {
   CoarseRaster r{fine, fine, factor};
   Vec3 middle;
   for (int a = 0; a < 3; ++a) {
@@ -90,7 +90,7 @@ BitMask fine_mask(const BitMask& cells, const CoarseRaster& raster) {
 }
 
 BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
-  const Lattice& l = r.fine;
+  const grid::Lattice& l = r.fine;
   const int fx = r.factor[0];
   return make_mask(r.cells, [&](int j, int k, std::uint8_t* row) {
     const int z0 = k * r.factor[2], z1 = std::min(l.size[2], z0 + r.factor[2]);
@@ -117,8 +117,8 @@ BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
   });
 }
 
-Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& r, float nowhere) {
-  const Box at = place_in(r.fine, hu.lattice());
+grid::Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& r, float nowhere) {
+  const grid::Box at = grid::place_in(r.fine, hu.lattice());
   return mean_of_cells<float>(r, nowhere, [&](int y, int z, const auto& add) {
     const std::size_t start = hu.lattice().index(at.begin[0], at.begin[1] + y, at.begin[2] + z);
     const std::uint64_t* row = known.row(y, z);
@@ -130,16 +130,16 @@ Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRast
   });
 }
 
-Field coarse_mean(const Field& field, const CoarseRaster& r) {
+grid::Field coarse_mean(const grid::Field& field, const CoarseRaster& r) {
   return mean_of_cells<double>(r, 0, [&](int y, int z, const auto& add) {
     const float* row = &field.at(0, y, z);
     for (int x = 0; x < field.size[0]; ++x) add(x, row[x]);
   });
 }
 
-Field refined(const Field& cells, const CoarseRaster& r) {
+grid::Field refined(const grid::Field& cells, const CoarseRaster& r) {
   const Between x = between(r, 0), y = between(r, 1), z = between(r, 2);
-  Field fine(r.fine);
+  grid::Field fine(r.fine);
   const int nx = cells.size[0];
   parallel_for(0, r.fine.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     std::vector<float> line(nx);
@@ -157,4 +157,4 @@ Field refined(const Field& cells, const CoarseRaster& r) {
   return fine;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

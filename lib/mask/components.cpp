@@ -4,7 +4,7 @@
 #include "base/disjoint_sets.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 using Word = std::uint64_t;
@@ -147,4 +147,4 @@ std::vector<char> touching(const Components& c, const BitMask& other) {
   return keep;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

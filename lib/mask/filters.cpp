@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 constexpr float far_mm2 = 1e12f;
@@ -55,9 +55,9 @@ class Envelope {
 
 }  // namespace
 
-Grid<float> distance_mm(const BitMask& to, const Progress& progress) {
-  const Lattice& l = to.lattice();
-  Grid<float> d(l);
+grid::Grid<float> distance_mm(const BitMask& to, const Progress& progress) {
+  const grid::Lattice& l = to.lattice();
+  grid::Grid<float> d(l);
   const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
   parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t end) {
     progress.check();
@@ -123,7 +123,7 @@ void across(const std::vector<const float*>& in, const std::vector<float*>& out,
 
 }  // namespace
 
-void gaussian(Grid<float>& grid, double sigma_mm, const Progress& progress) {
+void gaussian(grid::Grid<float>& grid, double sigma_mm, const Progress& progress) {
   if (!(sigma_mm > 0)) return;
   const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
   const auto kx = kernel_of(sigma_mm / grid.spacing_mm.x), ky = kernel_of(sigma_mm / grid.spacing_mm.y),
@@ -168,10 +168,10 @@ void gaussian(Grid<float>& grid, double sigma_mm, const Progress& progress) {
   });
 }
 
-Grid<float> masked_gaussian(Grid<float> values, const BitMask& known, double sigma_mm, float nowhere,
-                            double least_weight, const Progress& progress) {
-  const Lattice& l = values;
-  Grid<float> weight(l);
+grid::Grid<float> masked_gaussian(grid::Grid<float> values, const BitMask& known, double sigma_mm, float nowhere,
+                                  double min_weight, const Progress& progress) {
+  const grid::Lattice& l = values;
+  grid::Grid<float> weight(l);
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t end) {
     for (int k = int(from); k < end; ++k)
       for (int j = 0; j < l.size[1]; ++j)
@@ -186,13 +186,14 @@ Grid<float> masked_gaussian(Grid<float> values, const BitMask& known, double sig
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t end) {
     for (std::size_t v = l.index(0, 0, int(from)); v < l.index(0, 0, int(end)); ++v) {
       const float w = weight.voxels[v];
-      values.voxels[v] = w > least_weight ? values.voxels[v] / w : nowhere;
+      values.voxels[v] = w > min_weight ? values.voxels[v] / w : nowhere;
     }
   });
   return values;
 }
 
-Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, const Progress& progress) {
+grid::Mask flood(const grid::Grid<float>& height, const BitMask& domain, const grid::Mask& seeds,
+                 const Progress& progress) {
   constexpr double level_step = 0.05;
   const int nx = height.size[0], ny = height.size[1], nz = height.size[2];
   float highest = 0;
@@ -201,7 +202,7 @@ Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, 
     return std::size_t(std::clamp(height.voxels[v], 0.f, 1e4f) / level_step);
   };
   std::vector<std::vector<std::uint32_t>> queue(std::size_t(highest / level_step) + 1);
-  Mask label(height);
+  grid::Mask label(height);
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i) {
@@ -243,7 +244,7 @@ float median(std::vector<float>& values, float otherwise) {
   return *middle;
 }
 
-void check_finite(const Field& f) {
+void check_finite(const grid::Field& f) {
   for (std::size_t n = 0; n < f.voxels.size(); ++n)
     if (!std::isfinite(f.voxels[n])) {
       const std::size_t row = n / f.size[0];
@@ -254,4 +255,4 @@ void check_finite(const Field& f) {
     }
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

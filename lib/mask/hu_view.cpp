@@ -14,7 +14,7 @@
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 BitMask above(const HuView& hu, double threshold) {
   return make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
@@ -22,8 +22,8 @@ BitMask above(const HuView& hu, double threshold) {
   });
 }
 
-Grid<float> crop(const HuView& hu, const Box& box) {
-  Grid<float> out(cropped(hu.lattice(), box));
+grid::Grid<float> crop(const HuView& hu, const grid::Box& box) {
+  grid::Grid<float> out(grid::cropped(hu.lattice(), box));
   parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < out.size[1]; ++j) {
@@ -35,8 +35,8 @@ Grid<float> crop(const HuView& hu, const Box& box) {
   return out;
 }
 
-Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_min_mm,
-                       const std::array<double, 3>& roi_max_mm) {
+grid::Box region_of_interest(const grid::Lattice& lattice, const std::array<double, 3>& roi_min_mm,
+                             const std::array<double, 3>& roi_max_mm) {
   const Vec3 lo{roi_min_mm[0], roi_min_mm[1], roi_min_mm[2]};
   const Vec3 hi{roi_max_mm[0], roi_max_mm[1], roi_max_mm[2]};
   for (int axis = 0; axis < 3; ++axis)
@@ -45,8 +45,8 @@ Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_
                   fmt::format("{} to {} mm along {}: the lower corner must not be beyond the upper", lo[axis], hi[axis],
                               "xyz"[axis]));
   // The box of indices around the eight corners: exact for volumes along the axes, the enclosing box for oblique ones.
-  const auto [least, most] = index_bounds(lattice, {lo, hi});
-  Box box = whole_box(lattice);
+  const auto [least, most] = surface::index_bounds(lattice, {lo, hi});
+  grid::Box box = grid::whole_box(lattice);
   for (int axis = 0; axis < 3; ++axis) {
     box.begin[axis] = int(std::clamp(std::ceil(least[axis] - 1e-6), 0.0, double(lattice.size[axis])));
     box.end[axis] = int(std::clamp(std::floor(most[axis] + 1e-6) + 1, 0.0, double(lattice.size[axis])));
@@ -82,7 +82,7 @@ void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) 
   const std::size_t n = mask.count();
   if (n == 0) throw refusal("", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels), other_thresholds);
   if (n == volume_voxels) throw refusal("", fmt::format("the mask is full: all {} voxels", n), other_thresholds);
-  const Box b = mask.bounds();
+  const grid::Box b = mask.bounds();
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
       throw refusal("", fmt::format("the mask lies in a single slice: {} voxels", n), other_thresholds);
@@ -90,7 +90,7 @@ void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) 
   report.add("volume_ml", double(n) * mask.lattice().voxel_volume_mm3() / 1000);
 }
 
-void check_varies(const HuVolume& volume) {
+void check_varies(const grid::HuVolume& volume) {
   std::visit(
       [](const auto& grid) {
         const auto& v = grid.voxels;
@@ -102,8 +102,8 @@ void check_varies(const HuVolume& volume) {
       volume);
 }
 
-void check_finite(const HuVolume& volume) {
-  const auto* grid = std::get_if<Grid<float>>(&volume);
+void check_finite(const grid::HuVolume& volume) {
+  const auto* grid = std::get_if<grid::Grid<float>>(&volume);
   if (!grid) return;
   std::atomic<std::size_t> bad{0};
   parallel_for(0, std::int64_t(grid->voxels.size()), 1 << 20, [&](std::int64_t from, std::int64_t to) {
@@ -114,4 +114,4 @@ void check_finite(const HuVolume& volume) {
   if (bad > 0) throw Error(ExitCode::bad_input, "", "volume", fmt::format("{} voxels are NaN or infinite", bad.load()));
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -5,36 +5,38 @@
 #include "base/report.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// The volume's samples as float, whatever type they are stored in.
 class HuView {
  public:
-  explicit HuView(const HuVolume& v)
-      : i16_(std::get_if<Grid<std::int16_t>>(&v)), f32_(std::get_if<Grid<float>>(&v)), lattice_(lattice_of(v)) {}
-  explicit HuView(const Grid<float>& v) : i16_(nullptr), f32_(&v), lattice_(v) {}
+  explicit HuView(const grid::HuVolume& v)
+      : i16_(std::get_if<grid::Grid<std::int16_t>>(&v)),
+        f32_(std::get_if<grid::Grid<float>>(&v)),
+        lattice_(grid::lattice_of(v)) {}
+  explicit HuView(const grid::Grid<float>& v) : i16_(nullptr), f32_(&v), lattice_(v) {}
   float operator()(std::size_t index) const { return i16_ ? float(i16_->voxels[index]) : f32_->voxels[index]; }
   float operator()(int i, int j, int k) const { return (*this)(lattice_.index(i, j, k)); }
   bool is_integer() const { return i16_ != nullptr; }
-  const Lattice& lattice() const { return lattice_; }
+  const grid::Lattice& lattice() const { return lattice_; }
 
  private:
-  const Grid<std::int16_t>* i16_;
-  const Grid<float>* f32_;
-  const Lattice& lattice_;
+  const grid::Grid<std::int16_t>* i16_;
+  const grid::Grid<float>* f32_;
+  const grid::Lattice& lattice_;
 };
 
 /// The voxels of more than `threshold`.
 BitMask above(const HuView& hu, double threshold);
 
 /// The box as float HU.
-Grid<float> crop(const HuView& hu, const Box& box);
+grid::Grid<float> crop(const HuView& hu, const grid::Box& box);
 
 /// The box of voxels whose centres lie within the region of interest, which is given by its corners in LPS mm. The box
 /// is exact for volumes along the axes and encloses the region for oblique ones. Throws Error 80 where there are none,
 /// 64 where the lower corner lies beyond the upper one.
-Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_min_mm,
-                       const std::array<double, 3>& roi_max_mm);
+grid::Box region_of_interest(const grid::Lattice& lattice, const std::array<double, 3>& roi_min_mm,
+                             const std::array<double, 3>& roi_max_mm);
 
 struct FillRule {
   double close_mm = 0;
@@ -49,9 +51,9 @@ BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progre
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report);
 
 /// Throws Error 80 where all voxels are alike, so that the volume cannot show what other fields say is in it.
-void check_varies(const HuVolume& volume);
+void check_varies(const grid::HuVolume& volume);
 
 /// Throws Error 65 where a voxel is NaN or infinite.
-void check_finite(const HuVolume& volume);
+void check_finite(const grid::HuVolume& volume);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

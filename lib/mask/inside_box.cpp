@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::mask {
 
-InsideBox inside_box(const Field& field) {
+InsideBox inside_box(const grid::Field& field) {
   InsideBox box;
   box.begin = field.size;
   for (int k = 0; k < field.size[2]; ++k)
@@ -22,4 +22,4 @@ InsideBox inside_box(const Field& field) {
   return box;
 }
 
-}  // namespace trephine
+}  // namespace trephine::mask

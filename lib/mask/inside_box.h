@@ -2,13 +2,13 @@
 #pragma once
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::mask {
 
 /// The smallest box that holds every voxel inside (above 0), and how many these are. Empty, with its begin at the
 /// lattice's end, where there is none.
-struct InsideBox : Box {
+struct InsideBox : grid::Box {
   std::size_t count = 0;
 };
-InsideBox inside_box(const Field& field);
+InsideBox inside_box(const grid::Field& field);
 
-}  // namespace trephine
+}  // namespace trephine::mask

@@ -9,19 +9,19 @@
 #include "base/parallel.h"
 #include "mask/hu_view.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 constexpr double tile_mm = 6, cube_mm = 2;
-constexpr double least_tissue_hu = -10, most_tissue_hu = 90, bone_hu = 250;
+constexpr double min_tissue_hu = -10, max_tissue_hu = 90, bone_hu = 250;
 constexpr double brain_texture_hu = 7;     // grey and white matter, sulci
 constexpr double to_sigma = 1.4826;        // of the median of absolute values
 constexpr double width_of_sigma = 2.3548;  // full width at half maximum
 
 /// The volume seen slice by slice: axis 2 is the one across the slices.
 struct Slices {
-  explicit Slices(const HuVolume& volume) : hu(volume) {
-    const Lattice& l = hu.lattice();
+  explicit Slices(const grid::HuVolume& volume) : hu(volume) {
+    const grid::Lattice& l = hu.lattice();
     for (int a = 0; a < 2; ++a)
       if (l.spacing_mm[a] > 1.01 * l.spacing_mm[axis[2]]) std::swap(axis[2], axis[a]);
     for (int a = 0; a < 3; ++a) size[a] = l.size[axis[a]], spacing[a] = l.spacing_mm[axis[a]];
@@ -70,7 +70,7 @@ void detrend(std::vector<double>& v, int nx, int ny, double& mean) {
 
 class Measurement {
  public:
-  Measurement(const HuVolume& volume, const Progress& progress) : s_(volume), progress_(progress) {
+  Measurement(const grid::HuVolume& volume, const Progress& progress) : s_(volume), progress_(progress) {
     for (int a = 0; a < 2; ++a) {
       tile_[a] = std::max(4, int(std::lround(tile_mm / s_.spacing[a])));
       tiles_[a] = s_.size[a] / tile_[a];
@@ -142,7 +142,7 @@ class Measurement {
         for (int x = 1; x + 1 < tiles_[0]; ++x) {
           const auto is_soft = [&](int dx, int dy) {
             const std::size_t i = tile_index(x + dx, y + dy, k);
-            return mean[i] > least_tissue_hu && mean[i] < most_tissue_hu && most[i] < bone_hu;
+            return mean[i] > min_tissue_hu && mean[i] < max_tissue_hu && most[i] < bone_hu;
           };
           if (!is_soft(0, 0) || !is_soft(1, 0) || !is_soft(-1, 0) || !is_soft(0, 1) || !is_soft(0, -1)) continue;
           soft.push_back({x, y, k});
@@ -264,9 +264,9 @@ class Measurement {
 
 }  // namespace
 
-ScanFigures measure_scan(const HuVolume& volume, const Progress& progress) {
+ScanFigures measure_scan(const grid::HuVolume& volume, const Progress& progress) {
   check_finite(volume);
   return Measurement(volume, progress).measure();
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

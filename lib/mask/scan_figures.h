@@ -6,7 +6,7 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// What a scan is like, measured on its voxels alone. Noise is measured in tiles of 6 mm of even soft tissue, where
 /// there is a skull in those that have bone on all four sides in their slice.
@@ -42,6 +42,6 @@ struct ScanFigures {
 
 /// Takes about 10 ns a voxel. The slices are those across the axis of the largest spacing, the last one where all are
 /// alike. The same figures whatever the thread count.
-ScanFigures measure_scan(const HuVolume& volume, const Progress& progress = {});
+ScanFigures measure_scan(const grid::HuVolume& volume, const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -7,26 +7,23 @@
 #include "base/parallel.h"
 #include "mask/filters.h"
 
-namespace trephine {
+namespace trephine::mask {
 namespace {
-
-using segmentation::BitMask;
-using segmentation::ramp;
 
 constexpr double between_slices_mm = 1e4;  // farther than anything within a slice, so that slices do not see each other
 
 /// The field with `axis` as its last axis, cropped to the shape and `margin` voxels around it.
-Field with_last_axis(const Field& field, int axis, int margin) {
+grid::Field with_last_axis(const grid::Field& field, int axis, int margin) {
   const std::array<int, 3> from{(axis + 1) % 3, (axis + 2) % 3, axis};
-  Lattice l = field;
+  grid::Lattice l = field;
   const double spacing[3] = {field.spacing_mm.x, field.spacing_mm.y, field.spacing_mm.z};
   for (int c = 0; c < 3; ++c) {
     l.size[c] = field.size[from[c]];
     l.direction.column[c] = field.direction.column[from[c]];
   }
   l.spacing_mm = {spacing[from[0]], spacing[from[1]], spacing[from[2]]};
-  Field turned(l);
-  Box shape{l.size, {0, 0, 0}};
+  grid::Field turned(l);
+  grid::Box shape{l.size, {0, 0, 0}};
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i) {
@@ -40,14 +37,14 @@ Field with_last_axis(const Field& field, int axis, int margin) {
           shape.end[c] = std::max(shape.end[c], to[c] + 1);
         }
       }
-  return shape.empty() ? turned : crop(turned, grown(shape, margin, l));
+  return shape.empty() ? turned : grid::crop(turned, grid::grown(shape, margin, l));
 }
 
 /// Where an outline crosses the edges of one slice's pixels, and for each pixel the distance to the nearest of these
 /// points, by vector sweeps [Danielsson1980].
 class OutlineDistance {
  public:
-  OutlineDistance(const Field& field, int k) : f_(field), k_(k), nx_(field.size[0]), ny_(field.size[1]) {
+  OutlineDistance(const grid::Field& field, int k) : f_(field), k_(k), nx_(field.size[0]), ny_(field.size[1]) {
     closest_.assign(std::size_t(nx_) * ny_, -1);
     distance_mm_.assign(closest_.size(), 1e6f);
     for (int j = 0; j + 1 < ny_; ++j)
@@ -113,7 +110,7 @@ class OutlineDistance {
     }
   }
 
-  const Field& f_;
+  const grid::Field& f_;
   int k_, nx_, ny_;
   std::vector<Point> points_;
   std::vector<int> closest_;
@@ -121,8 +118,8 @@ class OutlineDistance {
 };
 
 /// Signed distance to the outline within the slice, mm, positive inside, at most reach_mm.
-Field outline_distance_mm(const Field& field, double reach_mm, const Progress& progress) {
-  Field out(field);
+grid::Field outline_distance_mm(const grid::Field& field, double reach_mm, const Progress& progress) {
+  grid::Field out(field);
   parallel_for(0, field.size[2], 1, [&](std::int64_t from, std::int64_t end) {
     progress.check();
     for (int k = int(from); k < end; ++k) {
@@ -139,22 +136,22 @@ Field outline_distance_mm(const Field& field, double reach_mm, const Progress& p
 
 /// 1 where a disc of radius_mm that holds the voxel fits into the shape's slice, or for a voxel outside into the space
 /// around it; 0 in thin parts and gaps, with a seam of two voxels. What the lattice's border cuts may be of any width.
-Field thickness_weight(const Field& signed_mm, double radius_mm, const Progress& progress) {
-  Field weight(signed_mm, 1.f);
+grid::Field thickness_weight(const grid::Field& signed_mm, double radius_mm, const Progress& progress) {
+  grid::Field weight(signed_mm, 1.f);
   if (radius_mm <= 0) return weight;
-  Lattice flat = signed_mm;
+  grid::Lattice flat = signed_mm;
   flat.spacing_mm.z = between_slices_mm;
   const double seam_mm = 2 * std::max(flat.spacing_mm.x, flat.spacing_mm.y);
   for (const float side : {1.f, -1.f}) {
     const int nx = flat.size[0], ny = flat.size[1];
-    const BitMask core = segmentation::make_mask(flat, [&](int j, int k, std::uint8_t* row) {
+    const BitMask core = make_mask(flat, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < nx; ++i) {
         const float d = side * signed_mm.at(i, j, k);
         const bool border = i == 0 || j == 0 || i == nx - 1 || j == ny - 1;
         row[i] = d >= radius_mm || (border && d > 0);
       }
     });
-    const Grid<float> to_core = segmentation::distance_mm(core, progress);
+    const grid::Grid<float> to_core = distance_mm(core, progress);
     for (std::size_t v = 0; v < weight.voxels.size(); ++v)
       if (side * signed_mm.voxels[v] > 0)
         weight.voxels[v] = float(ramp(to_core.voxels[v], radius_mm + seam_mm, radius_mm));
@@ -163,7 +160,7 @@ Field thickness_weight(const Field& signed_mm, double radius_mm, const Progress&
 }
 
 /// How many mm within the slice one unit of the field is at the outlines, in the mean.
-double mm_per_unit(const Field& field) {
+double mm_per_unit(const grid::Field& field) {
   double steps_mm = 0, rise = 0;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
@@ -186,7 +183,7 @@ double slope_at(double before, double at, double after) {
 /// What lies between the voxels `below` and `above` of neighbouring slices.
 class Slices {
  public:
-  Slices(const Field& grey, const Field& shape_mm, const Field& thickness, double reach_mm)
+  Slices(const grid::Field& grey, const grid::Field& shape_mm, const grid::Field& thickness, double reach_mm)
       : grey_(grey), shape_mm_(shape_mm), thickness_(thickness), reach_mm_(reach_mm), grey_mm_(mm_per_unit(grey)) {}
 
   float given(std::size_t v) const {
@@ -219,22 +216,22 @@ class Slices {
     return u * u * (1 + 2 * t) * a + t * t * (3 - 2 * t) * b + t * u * (u * rise_a - t * rise_b);
   }
 
-  const Field &grey_, &shape_mm_, &thickness_;
+  const grid::Field &grey_, &shape_mm_, &thickness_;
   double reach_mm_, grey_mm_;
 };
 
 }  // namespace
 
-int thick_axis(const Lattice& lattice, const ShapeInterpolateParams& params) {
+int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& params) {
   const double s[3] = {lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z};
   const int axis = int(std::max_element(s, s + 3) - s);
   const double within = std::max(s[(axis + 1) % 3], s[(axis + 2) % 3]);
   return s[axis] > params.thicker_than_mm && s[axis] >= 1.5 * within && lattice.size[axis] > 1 ? axis : -1;
 }
 
-Field shape_interpolate(const Field& given, const ShapeInterpolateParams& params, Report& report,
-                        const Progress& progress) {
-  segmentation::check_finite(given);
+grid::Field shape_interpolate(const grid::Field& given, const ShapeInterpolateParams& params, Report& report,
+                              const Progress& progress) {
+  check_finite(given);
   if (std::none_of(given.voxels.begin(), given.voxels.end(), [](float f) { return f > 0; }))
     report.warn("nothing is inside: there is nothing to interpolate");
   const int axis = thick_axis(given, params);
@@ -244,20 +241,21 @@ Field shape_interpolate(const Field& given, const ShapeInterpolateParams& params
     report.add("slice_step_mm", *std::max_element(s, s + 3));
     return given;
   }
-  const Field field = with_last_axis(given, axis, 2);
+  const grid::Field field = with_last_axis(given, axis, 2);
   const double step_mm = field.spacing_mm.z, reach_mm = params.reach_steps * step_mm;
   int n = std::max(3, int(std::ceil(step_mm / params.step_mm - 1e-9)));
   n += n % 2 == 0;  // odd, so that half a given step is a whole number of new ones and half of one
-  const Field shape_mm = outline_distance_mm(field, reach_mm, progress);
-  const Field thickness = thickness_weight(shape_mm, std::min(params.thin_steps * step_mm, 0.99 * reach_mm), progress);
+  const grid::Field shape_mm = outline_distance_mm(field, reach_mm, progress);
+  const grid::Field thickness =
+      thickness_weight(shape_mm, std::min(params.thin_steps * step_mm, 0.99 * reach_mm), progress);
   const Slices slices(field, shape_mm, thickness, reach_mm);
 
   const int nz = field.size[2], more = n / 2;
-  Lattice l = field;
+  grid::Lattice l = field;
   l.size[2] = (nz - 1) * n + 1 + 2 * more;
   l.spacing_mm.z = step_mm / n;
   l.origin_mm = field.to_world_mm({0, 0, -double(more) / n});
-  Field out(l);
+  grid::Field out(l);
   const std::size_t slice = std::size_t(l.size[0]) * l.size[1];
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t end) {
     progress.check();
@@ -274,4 +272,4 @@ Field shape_interpolate(const Field& given, const ShapeInterpolateParams& params
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::mask

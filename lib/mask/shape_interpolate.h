@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::mask {
 
 struct ShapeInterpolateParams {
   double thicker_than_mm = 1.6;
@@ -45,10 +45,10 @@ struct ShapeInterpolateParams {
 /// What it cannot do: it draws no detail that lies between slices, and a surface seen in a single slice is a guess.
 ///
 /// The report: slice_step_before_mm, slice_step_mm. Throws Error 65 where a value is not finite; Cancelled.
-Field shape_interpolate(const Field& field, const ShapeInterpolateParams& params, Report& report,
-                        const Progress& progress = {});
+grid::Field shape_interpolate(const grid::Field& field, const ShapeInterpolateParams& params, Report& report,
+                              const Progress& progress = {});
 
 /// The axis (0, 1, 2) whose steps are thick by `params`; -1 where none is.
-int thick_axis(const Lattice& lattice, const ShapeInterpolateParams& params);
+int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& params);
 
-}  // namespace trephine
+}  // namespace trephine::mask

@@ -6,14 +6,14 @@
 
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 struct Sweeper {
-  const Lattice& l;
+  const grid::Lattice& l;
   std::vector<Vec3> points;           ///< on the surface, mm from voxel (0, 0, 0) along the axes
   std::vector<std::int32_t> closest;  ///< index for each voxel, -1 unknown
-  Grid<float> distance;
+  grid::Grid<float> distance;
 
   void offer(std::size_t v, Vec3 voxel_mm, std::int32_t p) {
     const Vec3 way = points[std::size_t(p)] - voxel_mm;
@@ -65,10 +65,10 @@ struct Sweeper {
 
 }  // namespace
 
-Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
-  const Lattice& l = field;
+grid::Grid<float> signed_distance_mm(const grid::Field& field, const Progress& progress) {
+  const grid::Lattice& l = field;
   const Vec3 s = l.spacing_mm;
-  Sweeper w{l, {}, std::vector<std::int32_t>(l.count(), -1), Grid<float>(l, 1e6f)};
+  Sweeper w{l, {}, std::vector<std::int32_t>(l.count(), -1), grid::Grid<float>(l, 1e6f)};
   // Surface points in each cell of the lattice: where the field crosses 0 along the cell's edges, the mean of these
   // points, and the midpoints between the mean and each of them. None is further from the surface than the surface
   // bends within a cell.
@@ -120,4 +120,4 @@ Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
   return std::move(w.distance);
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -12,11 +12,9 @@
 #include "mask/bits.h"
 #include "mask/filters.h"
 
-namespace trephine {
+namespace trephine::mask {
 namespace {
 
-using segmentation::BitMask;
-using segmentation::Components;
 using Word = std::uint64_t;
 
 /// The bit of a neighbour in a neighbourhood: 9 (dk + 1) + 3 (dj + 1) + (di + 1).
@@ -61,7 +59,7 @@ const Tables& tables() {
 }
 
 std::uint32_t three_bits(const BitMask& m, int i, int j, int k) {
-  const Lattice& l = m.lattice();
+  const grid::Lattice& l = m.lattice();
   if (j < 0 || k < 0 || j >= l.size[1] || k >= l.size[2]) return 0;
   const Word* row = m.row(j, k);
   const int at = i & 63, word = i >> 6;
@@ -117,7 +115,7 @@ struct Voxel {
 
 template <class F>
 void for_voxels(const BitMask& m, F&& f) {
-  const Lattice& l = m.lattice();
+  const grid::Lattice& l = m.lattice();
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j) {
       const Word* row = m.row(j, k);
@@ -128,7 +126,7 @@ void for_voxels(const BitMask& m, F&& f) {
 
 /// The Euler characteristic of the solid: voxels less pairs, plus squares, less cubes.
 long euler_characteristic(const BitMask& m) {
-  const Lattice& l = m.lattice();
+  const grid::Lattice& l = m.lattice();
   std::vector<long> of_slice(l.size[2], 0);
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
@@ -209,7 +207,7 @@ class Peeler {
   std::vector<Voxel> now_, next_;
 };
 
-double diagonal_mm(const Lattice& l) { return norm(l.spacing_mm); }
+double diagonal_mm(const grid::Lattice& l) { return norm(l.spacing_mm); }
 
 BitMask complement(const BitMask& m) {
   BitMask out = m;
@@ -223,7 +221,7 @@ struct Cavities {
   std::vector<char> enclosed;
   std::size_t count = 0;
 
-  explicit Cavities(const BitMask& shape) : all(segmentation::components(complement(shape), true)) {
+  explicit Cavities(const BitMask& shape) : all(components(complement(shape), true)) {
     for (const auto& c : all.list) enclosed.push_back(c.faces == 0);
     count = std::size_t(std::count(enclosed.begin(), enclosed.end(), 1));
   }
@@ -236,12 +234,12 @@ struct Topology3 {
 };
 
 Topology3 topology3_of(const BitMask& shape, const Cavities& cavities) {
-  return {euler_characteristic(shape), segmentation::components(shape).list.size(), cavities.count};
+  return {euler_characteristic(shape), components(shape).list.size(), cavities.count};
 }
 
 /// Membranes across the shape's tunnels.
 BitMask membranes(const BitMask& shape, double width_mm, const Progress& progress) {
-  BitMask closed = segmentation::closed(shape, width_mm / 2, progress.part(0, 0.5));
+  BitMask closed = mask::closed(shape, width_mm / 2, progress.part(0, 0.5));
   BitMask added = closed;
   added.remove(shape);
   closed |= shape;
@@ -271,7 +269,7 @@ void open_large_cavities(const BitMask& shape, const Cavities& before, double ma
 
 /// Distance from the voxel's centre to the nearest voxel of the shape, within reach.
 double distance_mm(const BitMask& shape, int i, int j, int k, double reach_mm) {
-  const Lattice& l = shape.lattice();
+  const grid::Lattice& l = shape.lattice();
   const Vec3 s = l.spacing_mm;
   const int ri = int(reach_mm / s.x) + 1, rj = int(reach_mm / s.y) + 1, rk = int(reach_mm / s.z) + 1;
   double best = reach_mm * reach_mm;
@@ -287,10 +285,11 @@ double distance_mm(const BitMask& shape, int i, int j, int k, double reach_mm) {
 
 }  // namespace
 
-Field simplify_topology(const Field& field, const SimplifyParams& params, Report& report, const Progress& progress) {
-  segmentation::check_finite(field);
-  Field out = field;
-  const BitMask shape = segmentation::positive(field, field);
+grid::Field simplify_topology(const grid::Field& field, const SimplifyParams& params, Report& report,
+                              const Progress& progress) {
+  check_finite(field);
+  grid::Field out = field;
+  const BitMask shape = positive(field, field);
   if (!shape.any()) report.warn("nothing is inside: there is nothing to simplify");
   const Cavities before(shape);
   const Topology3 was = topology3_of(shape, before);
@@ -347,4 +346,4 @@ Field simplify_topology(const Field& field, const SimplifyParams& params, Report
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::mask

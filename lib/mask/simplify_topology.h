@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::mask {
 
 struct SimplifyParams {
   double close_handles_mm = 2;
@@ -37,7 +37,7 @@ struct SimplifyParams {
 /// to the old one, which is half a voxel's diagonal more than that of the farthest membrane voxel).
 ///
 /// Throws Error 65 where a voxel is not finite; Cancelled. The result has the same bits whatever the thread count.
-Field simplify_topology(const Field& field, const SimplifyParams& params, Report& report,
-                        const Progress& progress = {});
+grid::Field simplify_topology(const grid::Field& field, const SimplifyParams& params, Report& report,
+                              const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::mask

@@ -7,26 +7,26 @@
 #include "base/parallel.h"
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
-constexpr double least_rms_hu = 4.5, least_ratio = 3;
-constexpr double least_line_mm = 40, line_mm = 2;  ///< lines this long and this wide are compared
-constexpr double least_area_mm2 = 2000;
+constexpr double min_rms_hu = 4.5, min_ratio = 3;
+constexpr double min_line_mm = 40, line_mm = 2;  ///< lines this long and this wide are compared
+constexpr double min_area_mm2 = 2000;
 constexpr double around_sigma_mm = 8;
-constexpr float most_hu = 40;  ///< calcifications and air count as this much
-constexpr int directions = 60, most_passes = 3;
-constexpr double cell_mm = 1, half_window_mm = 40, least_window_mm = 20;
+constexpr float max_hu = 40;  ///< calcifications and air count as this much
+constexpr int directions = 60, max_passes = 3;
+constexpr double cell_mm = 1, half_window_mm = 40, min_window_mm = 20;
 constexpr double degree = 3.14159265358979323846 / 180;
 
 /// The tissue of one slice.
 struct Slice {
-  const Lattice& l;
+  const grid::Lattice& l;
   std::vector<float> value;  ///< HU less the mean around it
   std::vector<char> known;
   double pixel_mm2, reach_mm;
 
-  Slice(const Grid<float>& hu, const BitMask& mask, int k)
+  Slice(const grid::Grid<float>& hu, const BitMask& mask, int k)
       : l(hu), value(std::size_t(l.size[0]) * l.size[1]), known(value.size()) {
     pixel_mm2 = l.spacing_mm.x * l.spacing_mm.y;
     reach_mm = std::hypot(l.size[0] * l.spacing_mm.x, l.size[1] * l.spacing_mm.y);
@@ -74,7 +74,7 @@ struct Slice {
           s += w * sum2[at(i, b)];
           total += w * weight2[at(i, b)];
         }
-        value[at(i, j)] = std::clamp(value[at(i, j)] - float(s / total), -most_hu, most_hu);
+        value[at(i, j)] = std::clamp(value[at(i, j)] - float(s / total), -max_hu, max_hu);
       }
   }
 
@@ -90,7 +90,7 @@ struct Slice {
     double squares = 0;
     int lines = 0;
     for (std::size_t n = 0; n < sum.size(); ++n) {
-      if (count[n] * pixel_mm2 / line_mm < least_line_mm) continue;
+      if (count[n] * pixel_mm2 / line_mm < min_line_mm) continue;
       squares += (sum[n] / count[n]) * (sum[n] / count[n]);
       ++lines;
     }
@@ -109,7 +109,7 @@ struct Slice {
       all.push_back(float(rms));
       if (rms > best.rms_hu) best = {angle, rms};
     }
-    if (best.rms_hu < least_rms_hu || best.rms_hu < least_ratio * median(all, 0.f)) best.rms_hu = 0;
+    if (best.rms_hu < min_rms_hu || best.rms_hu < min_ratio * median(all, 0.f)) best.rms_hu = 0;
     return best;
   }
 
@@ -135,7 +135,7 @@ struct Slice {
         window.clear();
         for (int u = std::max(0, t - half); u <= std::min(n - 1, t + half); ++u)
           if (count[first + u] > 0) window.push_back(sum[first + u] / count[first + u]);
-        if (double(window.size()) * cell_mm >= least_window_mm) line[first + t] = median(window, 0.f);
+        if (double(window.size()) * cell_mm >= min_window_mm) line[first + t] = median(window, 0.f);
       }
     std::vector<float> out(value.size(), 0);
     each([&](std::size_t v, double x, double y) { out[v] = line[cell(x, y)]; });
@@ -145,15 +145,15 @@ struct Slice {
 
 }  // namespace
 
-std::vector<StreakedSlice> remove_streaks(Grid<float>& hu, const BitMask& known, const Progress& progress) {
+std::vector<StreakedSlice> remove_streaks(grid::Grid<float>& hu, const BitMask& known, const Progress& progress) {
   std::vector<double> rms(std::size_t(hu.size[2]), 0);
   parallel_for(0, hu.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = int(from); k < to; ++k) {
       Slice slice(hu, known, k);
-      if (slice.area_mm2() < least_area_mm2) continue;
+      if (slice.area_mm2() < min_area_mm2) continue;
       slice.flatten();
-      for (int pass = 0; pass < most_passes; ++pass) {
+      for (int pass = 0; pass < max_passes; ++pass) {
         const Slice::Direction streaks = slice.streaks();
         if (streaks.rms_hu == 0) break;
         rms[k] = std::max(rms[k], streaks.rms_hu);
@@ -172,4 +172,4 @@ std::vector<StreakedSlice> remove_streaks(Grid<float>& hu, const BitMask& known,
   return out;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// A slice across which straight streaks ran, and how strong they were: the RMS of the means along its lines, HU.
 struct StreakedSlice {
@@ -21,6 +21,6 @@ struct StreakedSlice {
 /// median along its line, 40 mm to either side, of the values less those around them, so that a true structure of up to
 /// a quarter of that length keeps its contrast. Other slices keep their bits. Slices are those of the third axis. The
 /// same bits whatever the thread count.
-std::vector<StreakedSlice> remove_streaks(Grid<float>& hu, const BitMask& known, const Progress& progress = {});
+std::vector<StreakedSlice> remove_streaks(grid::Grid<float>& hu, const BitMask& known, const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

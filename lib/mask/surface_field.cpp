@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 namespace {
 
 struct Tap {
@@ -16,7 +16,7 @@ struct Tap {
   float weight;
 };
 
-std::vector<Tap> cut_kernel(const Lattice& l, double sigma_mm) {
+std::vector<Tap> cut_kernel(const grid::Lattice& l, double sigma_mm) {
   int reach[3];
   for (int a = 0; a < 3; ++a) reach[a] = std::clamp(int(std::lround(2 * sigma_mm / l.spacing_mm[a])), 1, 8);
   std::vector<Tap> taps;
@@ -36,7 +36,7 @@ std::vector<Tap> cut_kernel(const Lattice& l, double sigma_mm) {
 /// The mask smoothed at one voxel, as a signed share from -1 to 1. It is never nearer to 0 than 0.02 and never on the
 /// wrong side.
 float smoothed(const BitMask& shape, const std::vector<Tap>& kernel, int i, int j, int k, bool inside) {
-  const Lattice& l = shape.lattice();
+  const grid::Lattice& l = shape.lattice();
   float sum = 0;
   for (const Tap& t : kernel) {
     const int x = std::clamp(i + t.i, 0, l.size[0] - 1), y = std::clamp(j + t.j, 0, l.size[1] - 1),
@@ -49,9 +49,9 @@ float smoothed(const BitMask& shape, const std::vector<Tap>& kernel, int i, int 
 
 }  // namespace
 
-std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm, double scale_hu,
+std::size_t place_surface(grid::Field& edge, const BitMask& shape, double cut_sigma_mm, double scale_hu,
                           const Progress& progress) {
-  const Lattice& l = edge;
+  const grid::Lattice& l = edge;
   const auto kernel = cut_kernel(l, cut_sigma_mm);
   const float scale = float(scale_hu), least = 0.002f * scale;
   const BitMask material = make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -109,7 +109,7 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
 namespace {
 
 /// Values of the field along a ray: trilinear, clamped to the lattice.
-float sample(const Field& f, double x, double y, double z) {
+float sample(const grid::Field& f, double x, double y, double z) {
   x = std::clamp(x, 0.0, f.size[0] - 1.0);
   y = std::clamp(y, 0.0, f.size[1] - 1.0);
   z = std::clamp(z, 0.0, f.size[2] - 1.0);
@@ -125,7 +125,7 @@ float sample(const Field& f, double x, double y, double z) {
   return (a + v * (b - a)) + w * ((c + v * (d - c)) - (a + v * (b - a)));
 }
 
-Vec3 gradient(const Field& f, int i, int j, int k) {
+Vec3 gradient(const grid::Field& f, int i, int j, int k) {
   // Central differences, smoothed over the 3 x 3 neighbours across: 12 HU of noise turn a bone edge by at most one
   // degree.
   Vec3 g;
@@ -152,7 +152,7 @@ struct Profile {
   float blur_mm = 0;  ///< blur by the slices' thickness along the path
 };
 
-Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, float ceiling, double reach_mm,
+Profile profile(const grid::Field& hu, const BitMask& shape, int i, int j, int k, float ceiling, double reach_mm,
                 double step_mm) {
   const Vec3 uphill = normalized(gradient(hu, i, j, k));
   const Vec3 step{uphill.x * step_mm / hu.spacing_mm.x, uphill.y * step_mm / hu.spacing_mm.y,
@@ -238,9 +238,9 @@ float unblurred(const Profile& p, float compact, const std::array<float, gain_st
 
 }  // namespace
 
-void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
+void apply_half_maximum(grid::Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
                         const Progress& progress) {
-  const Lattice& l = hu;
+  const grid::Lattice& l = hu;
   BitMask outside = shape;
   outside.invert();
   // Every voxel that may lose its bone, also those of the next slice however thick it is.
@@ -290,4 +290,4 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
   });
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

@@ -4,7 +4,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine::segmentation {
+namespace trephine::mask {
 
 /// Turns `edge` and the mask `shape` (on the same lattice) into a field, in place. `edge` is in HU and positive where a
 /// voxel is of the material.
@@ -15,7 +15,7 @@ namespace trephine::segmentation {
 ///   smoothed by a Gaussian of `cut_sigma_mm` and scaled to `scale_hu`, so that a cut is not a staircase.
 ///
 /// Returns how many voxels of the mask lie at such a cut.
-std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm, double scale_hu,
+std::size_t place_surface(grid::Field& edge, const BitMask& shape, double cut_sigma_mm, double scale_hu,
                           const Progress& progress = {});
 
 /// Moves the edge of bright material from the fixed threshold to the half maximum. `hu` is the volume minus `lower_hu`.
@@ -24,7 +24,7 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
 /// falls. The edge is never below the fixed threshold, and nothing counts as brighter than brightest_hu (metal). Voxels
 /// from which the path downhill does not leave the mask lie inside and keep their value (diploe, filled cells). The
 /// mask loses the voxels that become negative.
-void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
+void apply_half_maximum(grid::Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
                         const Progress& progress = {});
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::mask

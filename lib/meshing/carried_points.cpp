@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "surface/triangle_tree.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr std::uint32_t none = CollapseMesh::none;
@@ -37,7 +37,7 @@ std::uint32_t descend(const CollapseMesh& mesh, std::uint32_t start, Vec3 p, dou
       const auto& t = mesh.triangle(e / 3);
       const std::uint32_t k = e % 3, b = t[k == 2 ? 0 : k + 1], c = t[k == 0 ? 2 : k - 1];
       int across = 0;
-      const double d2 = squared_from_corner(p, a, mesh.point_mm(b), mesh.point_mm(c), across);
+      const double d2 = surface::squared_from_corner(p, a, mesh.point_mm(b), mesh.point_mm(c), across);
       if (!(d2 < best)) return;
       best = d2;
       triangle = e / 3;
@@ -87,7 +87,7 @@ bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, doub
     double best = std::numeric_limits<double>::infinity();
     std::uint32_t where = 0;
     for (std::uint32_t n = 0; n < corners.size() && best > 0; ++n) {
-      const Vec3 d = p - closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
+      const Vec3 d = p - surface::closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
       if (dot(d, d) >= best) continue;
       best = dot(d, d);
       where = n;
@@ -98,7 +98,7 @@ bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, doub
   return true;
 }
 
-bool CarriedPoints::between_within(const std::vector<std::array<Vec3, 3>>& corners, const Incidence& incidence,
+bool CarriedPoints::between_within(const std::vector<std::array<Vec3, 3>>& corners, const surface::Incidence& incidence,
                                    double squared_limit, Hand& hand) const {
   constexpr std::uint32_t none_there = 0xffffffffu;
   hand.sorted.clear();
@@ -111,7 +111,7 @@ bool CarriedPoints::between_within(const std::vector<std::array<Vec3, 3>>& corne
     return at != hand.sorted.end() && at->first == point ? at->second : none_there;
   };
   const auto squared = [&](Vec3 p, std::uint32_t n) {
-    const Vec3 d = p - closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
+    const Vec3 d = p - surface::closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
     return dot(d, d);
   };
   const auto within = [&](Vec3 p) {
@@ -153,4 +153,4 @@ void CarriedPoints::commit(const CollapseMesh& mesh, std::uint32_t u, std::uint3
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

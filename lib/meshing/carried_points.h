@@ -10,7 +10,7 @@
 #include "surface/incidence.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// The input's points, each carried by a live triangle near it. The squared distance to that triangle is an upper bound
 /// of the point's distance to the surface, whatever was collapsed. Collapses may run at the same time under the rules
@@ -26,7 +26,7 @@ class CarriedPoints {
   };
 
   /// The input must outlive this object. Nothing is carried until take_up.
-  explicit CarriedPoints(const TriMesh& input) : input_(input) {}
+  explicit CarriedPoints(const surface::TriMesh& input) : input_(input) {}
 
   /// Assigns each point to a triangle near it: it starts where the point was collapsed to and moves from triangle to
   /// neighbour as long as the distance falls. Parallel.
@@ -41,8 +41,8 @@ class CarriedPoints {
   /// Whether the places between those points (the midpoints of the input's edges and the centres of its triangles that
   /// belong to them alone) are within the limit of these triangles as well. Checks only where a point is beyond half
   /// the limit.
-  bool between_within(const std::vector<std::array<Vec3, 3>>& corners, const Incidence& incidence, double squared_limit,
-                      Hand& hand) const;
+  bool between_within(const std::vector<std::array<Vec3, 3>>& corners, const surface::Incidence& incidence,
+                      double squared_limit, Hand& hand) const;
   /// Makes triangles[n] carry what was assigned to corners[n]. The mesh must be unchanged since the points were
   /// gathered.
   void commit(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v, const std::vector<std::uint32_t>& triangles,
@@ -58,10 +58,10 @@ class CarriedPoints {
   std::uint32_t next_of(std::uint32_t point) const { return next_[point]; }
 
  private:
-  const TriMesh& input_;
+  const surface::TriMesh& input_;
   std::vector<std::uint32_t> first_, next_, carrier_;
   std::vector<float> squared_distance_;
   std::vector<char> moved_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -5,7 +5,7 @@
 
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr std::int64_t grain = 32768;
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> numbers_of(std::size_t count, const Chosen& chosen) {
 
 }  // namespace
 
-CollapseMesh::CollapseMesh(const TriMesh& mesh)
+CollapseMesh::CollapseMesh(const surface::TriMesh& mesh)
     : points_mm_(mesh.points_mm.size()),
       triangles_(mesh.triangles),
       twin_(3 * mesh.triangles.size(), none),
@@ -186,8 +186,8 @@ std::vector<std::uint32_t> CollapseMesh::survivors() const {
   return into;
 }
 
-TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of) const {
-  TriMesh mesh;
+surface::TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of) const {
+  surface::TriMesh mesh;
   mesh.origin_mm = origin_mm;
   std::vector<std::uint32_t> where(points_mm_.size());
   const auto used = [this](std::int64_t v) { return live_point(static_cast<std::uint32_t>(v)) && out_[v] != none; };
@@ -216,4 +216,4 @@ TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triang
   return mesh;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

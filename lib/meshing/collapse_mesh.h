@@ -7,7 +7,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// A closed 2-manifold mesh that shrinks by edge collapses. Any collapse can be undone later, whatever came after it.
 /// Points are kept in float32: they must lie on its raster (snap_to_float32), so that nothing is rounded.
@@ -25,7 +25,7 @@ class CollapseMesh {
   static constexpr std::uint32_t none = 0xffffffffu;
 
   /// The mesh must be closed and 2-manifold.
-  explicit CollapseMesh(const TriMesh& mesh);
+  explicit CollapseMesh(const surface::TriMesh& mesh);
 
   struct Record {
     std::uint32_t half_edge;
@@ -92,7 +92,7 @@ class CollapseMesh {
   std::vector<std::uint32_t> survivors() const;
 
   /// The live part as a mesh; triangle_of gives for each of its triangles the number here.
-  TriMesh to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of = nullptr) const;
+  surface::TriMesh to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of = nullptr) const;
 
  private:
   Record& record(std::uint32_t id);
@@ -107,4 +107,4 @@ class CollapseMesh {
   std::size_t live_triangles_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -9,7 +9,7 @@
 #include "meshing/edge_collapse.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 /// A round works off at most this share of the edges.
@@ -22,11 +22,11 @@ constexpr double rounds_to = 1.1, limited_rounds_to = 1.03;
 constexpr std::size_t rounds_to_count = 20000;
 /// A round that takes less than this share of the triangles is the last one. The second share holds as long as there is
 /// a limit but no points are carried yet.
-constexpr double least_progress = 0.03, least_uncarried_progress = 0.1;
+constexpr double min_progress = 0.03, min_uncarried_progress = 0.1;
 /// How many points a cell holds: enough for most of them to lie away from its walls. And how many cells there may be
 /// along an axis.
 constexpr double points_per_cell = 1500;
-constexpr int most_cells = 64;
+constexpr int max_cells = 64;
 /// One point in so many is looked at to find the cost at which a round ends.
 constexpr std::uint32_t sampling = 32;
 
@@ -71,12 +71,12 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
                                     [this](std::uint32_t v) { return !mesh_.live_point(v); }),
                      live_points_.end());
   const auto count = static_cast<std::int64_t>(live_points_.size());
-  Bounds box;
-  for (const std::uint32_t v : live_points_) include(box, mesh_.point_mm(v));
+  surface::Bounds box;
+  for (const std::uint32_t v : live_points_) surface::include(box, mesh_.point_mm(v));
   const Vec3 low = box.min_mm, high = box.max_mm;
   const double per_point = 2 * area_ / static_cast<double>(mesh_.live_triangles());
   const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  const double side = std::max(std::sqrt(points_per_cell * per_point), extent / (most_cells - 1));
+  const double side = std::max(std::sqrt(points_per_cell * per_point), extent / (max_cells - 1));
   std::array<int, 3> cells{};
   Vec3 shift;
   for (int a = 0; a < 3; ++a) {
@@ -236,7 +236,7 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
       mesh_.keep(std::move(w.log));
       limited |= w.limited;
     }
-    const double least = limit2_ < infinite_cost && !carried_.carries() ? least_uncarried_progress : least_progress;
+    const double least = limit2_ < infinite_cost && !carried_.carries() ? min_uncarried_progress : min_progress;
     if (double(live - mesh_.live_triangles()) < least * double(live)) return;
   }
 }
@@ -293,4 +293,4 @@ bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
   return limited;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -15,12 +15,12 @@
 #include "surface/incidence.h"
 #include "surface/results.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr double first_margin = 0.002, last_margin = 0.05;
 
-void require_surface(const Lattice& lattice, const InsideVoxels& inside) {
+void require_surface(const grid::Lattice& lattice, const InsideVoxels& inside) {
   const std::string of = std::to_string(inside.count) + " of " + std::to_string(lattice.count()) + " voxels are inside";
   const auto fail = [](const std::string& what) {
     throw refusal("contour", what, {"set another `isovalue_hu`, or other thresholds in the stage that made the field"});
@@ -33,7 +33,7 @@ void require_surface(const Lattice& lattice, const InsideVoxels& inside) {
 
 /// Transforms continuous indices to patient mm about a local origin. The triangles are oriented outwards, whether the
 /// lattice is right-handed or left-handed.
-void to_patient(TriMesh& mesh, const Lattice& lattice) {
+void to_patient(surface::TriMesh& mesh, const grid::Lattice& lattice) {
   Vec3 low = mesh.points_mm.front(), high = low;
   for (const Vec3 p : mesh.points_mm)
     for (int a = 0; a < 3; ++a) {
@@ -57,7 +57,8 @@ void to_patient(TriMesh& mesh, const Lattice& lattice) {
 }
 
 /// Moves the points of the triangles, and of the triangles around them, away from the ends of their lattice edges.
-std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& triangles, double margin) {
+std::size_t draw_in(surface::TriMesh& mesh, const grid::Lattice& lattice, const std::vector<std::uint32_t>& triangles,
+                    double margin) {
   std::vector<char> marked(mesh.points_mm.size(), 0);
   for (const std::uint32_t t : triangles)
     for (const std::uint32_t v : mesh.triangles[t]) marked[v] = 1;
@@ -87,7 +88,8 @@ std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std
 
 /// Rounds the mesh to float32 and makes it valid there: where rounding makes it invalid, points are moved further from
 /// the ends of their edges. Counts the points that moved.
-Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, const Progress& progress) {
+Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, std::size_t& moved,
+                    const Progress& progress) {
   moved = 0;
   double margin = first_margin;
   for (;;) {
@@ -106,21 +108,21 @@ Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, c
 }
 
 template <class T>
-TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& params, Report& report,
-                     const Progress& progress) {
+surface::TriMesh contour_grid(const grid::Grid<T>& grid, double isovalue, const ContourParams& params, Report& report,
+                              const Progress& progress) {
   const InsideVoxels inside = find_inside(grid, isovalue);
   require_surface(grid, inside);
-  TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
+  surface::TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
   to_patient(mesh, grid);
   int pieces = 2;
   const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, pieces, progress.part(0.4, 0.5));
   // Marching cubes leave one fan a point.
-  const int small = pieces < 2 ? 0 : keep_large_fan_components(mesh, params.min_component_mm3);
+  const int small = pieces < 2 ? 0 : surface::keep_large_fan_components(mesh, params.min_component_mm3);
   std::size_t moved = 0;
   const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
 
   report.add("inside_voxels_count", inside.count);
-  add_result(report, ContourResult{static_cast<std::int64_t>(mesh.triangles.size())});
+  add_result(report, surface::ContourResult{static_cast<std::int64_t>(mesh.triangles.size())});
   report.add("points_count", mesh.points_mm.size());
   report.add("volume_ml", v.volume_mm3 / 1000);
   report.add("components_count", v.topology.components);
@@ -134,11 +136,13 @@ TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& 
 
 }  // namespace
 
-TriMesh contour(const Field& field, const ContourParams& params, Report& report, const Progress& progress) {
+surface::TriMesh contour(const grid::Field& field, const ContourParams& params, Report& report,
+                         const Progress& progress) {
   return contour_grid(field, 0.0, params, report, progress);
 }
 
-TriMesh contour(const HuVolume& volume, const ContourParams& params, Report& report, const Progress& progress) {
+surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& params, Report& report,
+                         const Progress& progress) {
   return std::visit(
       [&](const auto& grid) {
         double isovalue = params.isovalue_hu;
@@ -152,4 +156,4 @@ TriMesh contour(const HuVolume& volume, const ContourParams& params, Report& rep
       volume);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 struct ContourParams {
   double isovalue_hu = 226.5;
@@ -38,7 +38,9 @@ struct ContourParams {
 ///
 /// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
 /// inside; 65 where a sample is not finite; 80 where no valid surface can be made.
-TriMesh contour(const Field& field, const ContourParams& params, Report& report, const Progress& progress = {});
-TriMesh contour(const HuVolume& volume, const ContourParams& params, Report& report, const Progress& progress = {});
+surface::TriMesh contour(const grid::Field& field, const ContourParams& params, Report& report,
+                         const Progress& progress = {});
+surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& params, Report& report,
+                         const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace trephine::cubes {
+namespace trephine::meshing::cubes {
 namespace {
 
 using Point = std::array<double, 3>;
@@ -125,4 +125,4 @@ const Table& table() {
   return t;
 }
 
-}  // namespace trephine::cubes
+}  // namespace trephine::meshing::cubes

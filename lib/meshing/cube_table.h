@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace trephine::cubes {
+namespace trephine::meshing::cubes {
 
 // Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1). Its edges: 0-3 along x at (y, z) = (0,0), (1,0), (0,1),
 // (1,1); 4-7 along y at (x, z) in the same order; 8-11 along z at (x, y) in the same order.
@@ -33,4 +33,4 @@ struct Table {
 /// Built once, on first use.
 const Table& table();
 
-}  // namespace trephine::cubes
+}  // namespace trephine::meshing::cubes

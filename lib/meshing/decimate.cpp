@@ -17,7 +17,7 @@
 #include "surface/incidence.h"
 #include "surface/results.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 /// After this many rounds of undoing, collapses elsewhere make up for the undone ones only when nothing is left to
@@ -26,11 +26,11 @@ constexpr int rounds_that_collapse = 12, times_made_up = 3, times_share_made_up 
 constexpr double missing_share = 0.01;
 /// Where more than this share of the triangles was undone, as on a surface of noise, nothing is collapsed any more:
 /// most of it would be undone again, and the time would grow without end. Other surfaces lose a few percent.
-constexpr double most_undone_share = 0.1;
+constexpr double max_undone_share = 0.1;
 /// Share of the bound that samples may use; the rest is for what lies between them.
 constexpr double sampled_share = 0.9;
 
-std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
+std::size_t target_count(const surface::TriMesh& mesh, const DecimateParams& p) {
   const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));
   const std::int64_t asked = std::max(p.target_triangles_count, share);
   // Where no count is asked for, the bound alone decides.
@@ -41,7 +41,7 @@ std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
 class Inspection {
  public:
   /// The collapsing mesh's triangles that are degenerate or intersect; the mesh is given as a plain one as well.
-  std::vector<std::uint32_t> faults(const CollapseMesh& mesh, const TriMesh& plain,
+  std::vector<std::uint32_t> faults(const CollapseMesh& mesh, const surface::TriMesh& plain,
                                     const std::vector<std::uint32_t>& triangle_of, const Progress& progress) {
     std::vector<std::uint32_t> changed, found;
     const bool first = seen_.empty();
@@ -77,16 +77,16 @@ class Inspection {
 /// Finds pieces that collapses turned inside out: none of their triangles need meet, so nothing else finds them.
 class Sides {
  public:
-  explicit Sides(const TriMesh& input) : input_(input) {}
+  explicit Sides(const surface::TriMesh& input) : input_(input) {}
 
   /// The collapsing mesh's triangles of such pieces.
-  std::vector<std::uint32_t> turned(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of) {
+  std::vector<std::uint32_t> turned(const surface::TriMesh& plain, const std::vector<std::uint32_t>& triangle_of) {
     std::vector<int> piece_of;
-    const int pieces = label_fan_components(plain, piece_of);  // collapses keep one fan a point
+    const int pieces = surface::label_fan_components(plain, piece_of);  // collapses keep one fan a point
     const std::vector<double> volume = piece_volumes(plain, piece_of, pieces);
     if (pieces == 1 && volume[0] > 0) return {};  // the input, which is valid, looks outwards
     if (input_piece_of_.empty()) {
-      const int n = label_components(input_, input_piece_of_);
+      const int n = surface::label_components(input_, input_piece_of_);
       input_volume_ = piece_volumes(input_, input_piece_of_, n);
     }
     std::vector<std::uint32_t> found;
@@ -97,13 +97,13 @@ class Sides {
   }
 
  private:
-  const TriMesh& input_;
+  const surface::TriMesh& input_;
   std::vector<int> input_piece_of_;  ///< once there is more than one
   std::vector<double> input_volume_;
 };
 
 /// The mesh as the collapses need it: without normals, rounded to float32, and without unused points.
-bool fit(const TriMesh& mesh) {
+bool fit(const surface::TriMesh& mesh) {
   if (!mesh.normals.empty()) return false;
   std::vector<bool> used(mesh.points_mm.size(), false);
   for (const auto& t : mesh.triangles)
@@ -112,13 +112,13 @@ bool fit(const TriMesh& mesh) {
 }
 
 struct Outcome {
-  TriMesh mesh;
+  surface::TriMesh mesh;
   DeviationFigures deviation;
   std::size_t undone = 0, undone_for_validity = 0;
   bool limited = false;
 };
 
-Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, const Progress& progress) {
+Outcome collapse_all(const surface::TriMesh& input, std::size_t target, double bound_mm, const Progress& progress) {
   Outcome o;
   const double limit_mm = sampled_share * bound_mm;
   const double step = float32_step_mm(input);
@@ -130,7 +130,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
   int made_up = 0;
   bool clean = false;
   for (int round = 0;; ++round) {
-    const bool in_vain = double(o.undone) > most_undone_share * double(input.triangles.size());
+    const bool in_vain = double(o.undone) > max_undone_share * double(input.triangles.size());
     if ((round < rounds_that_collapse && !in_vain) || clean)
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
     if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) break;
@@ -170,19 +170,20 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
 
 }  // namespace
 
-TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress) {
-  check_mesh(mesh);
-  TriMesh copy;
+surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& params, Report& report,
+                          const Progress& progress) {
+  surface::check_mesh(mesh);
+  surface::TriMesh copy;
   if (!fit(mesh)) {
     copy = mesh;
     copy.normals.clear();
-    drop_unused_points(copy);
+    surface::drop_unused_points(copy);
     snap_to_float32(copy);
   }
-  const TriMesh& input = copy.triangles.empty() ? mesh : copy;
+  const surface::TriMesh& input = copy.triangles.empty() ? mesh : copy;
   with_field("decimate: input", [&] { require_valid(input, progress.part(0, 0.1)); });
   const std::size_t target = target_count(input, params);
-  const double volume = volume_mm3(input);
+  const double volume = surface::volume_mm3(input);
 
   Outcome o;
   const char* stopped_by = "count";
@@ -198,16 +199,16 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   report.add("triangles_before_count", input.triangles.size());
   report.add("triangles_count", o.mesh.triangles.size());
   report.add("reduction_percent", 100 * (1 - double(o.mesh.triangles.size()) / double(input.triangles.size())));
-  add_result(report, DecimationResult{stopped_by});
-  add_result(report, BoundResult{o.deviation.max_mm});
+  add_result(report, surface::DecimationResult{stopped_by});
+  add_result(report, surface::BoundResult{o.deviation.max_mm});
   report.add("deviation_p99_mm", o.deviation.p99_mm);
   report.add("deviation_rms_mm", o.deviation.rms_mm);
   if (collapsed && params.max_deviation_mm > 0) report.add("deviation_proven_mm", params.max_deviation_mm);
-  report.add("volume_change_percent", 100 * (volume_mm3(o.mesh) / volume - 1));
+  report.add("volume_change_percent", 100 * (surface::volume_mm3(o.mesh) / volume - 1));
   report.add("collapses_undone_count", o.undone);
   report.add("collapses_undone_for_validity_count", o.undone_for_validity);
   progress.report(1);
   return std::move(o.mesh);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

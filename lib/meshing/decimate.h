@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 struct DecimateParams {
   std::int64_t target_triangles_count = 0;
@@ -45,6 +45,7 @@ struct DecimateParams {
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.
-TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress = {});
+surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& params, Report& report,
+                          const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -8,18 +8,18 @@
 
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 /// Weight of the points beside that of the planes: enough to fix a place on a flat part, too little to matter
 /// elsewhere.
 constexpr double point_weight = 1e-3;
 /// A triangle's normal may turn by at most the angle with this cosine, in one collapse.
-constexpr double least_turn_cosine = 0.2;
+constexpr double min_turn_cosine = 0.2;
 /// Two neighbours may not fold over each other more sharply than this.
-constexpr double least_fold_cosine = -0.9;
+constexpr double min_fold_cosine = -0.9;
 /// Least compactness (1: equilateral), unless there was a worse triangle before.
-constexpr double least_compactness = 0.05;
+constexpr double min_compactness = 0.05;
 /// Share of the limit that the carried points may use; the rest is for what lies between them.
 constexpr double carried_share = 0.95;
 /// Share of the limit that a carried point must be away for the triangles to be sampled.
@@ -41,7 +41,7 @@ double compactness(double twice_area, Vec3 a, Vec3 b, Vec3 c) {
 
 }  // namespace
 
-EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm)
+EdgeCollapse::EdgeCollapse(const surface::TriMesh& input, double limit_mm, double step_mm)
     : plain_input_(input),
       mesh_(input),
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
@@ -52,7 +52,7 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
       costs_(3 * input.triangles.size(), std::numeric_limits<float>::quiet_NaN()),
       flags_(input.points_mm.size(), 0),
       rejected_(input.triangles.size(), 0) {
-  area_ = area_mm2(input);
+  area_ = surface::area_mm2(input);
   // The side that all triangles would have if they were equilateral and of one size.
   const double side = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
   sample_spacing_ = limit_mm > 0 ? 1.4 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
@@ -60,7 +60,7 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
     for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
       Quadric q;
       mesh_.for_each_leaving(v, [&](std::uint32_t e) {
-        const Vec3 n = triangle_normal(input, e / 3);
+        const Vec3 n = surface::triangle_normal(input, e / 3);
         const double length = norm(n);
         q.add_plane(n / length, length / 6);
         q.add_point(length / 6 * point_weight);
@@ -134,7 +134,7 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
       const Vec3 n1 = cross(b - at, c - at);
       const double length1 = norm(n1);
       // The normal of a sliver says little, so it only has to stay on the same side.
-      if (!(dot(n0, n1) > (before > least_compactness ? least_turn_cosine : 0) * length0 * length1) ||
+      if (!(dot(n0, n1) > (before > min_compactness ? min_turn_cosine : 0) * length0 * length1) ||
           !(length0 * length1 > 0))
         return false;
       const auto& far = mesh_.triangle(mesh_.twin(CollapseMesh::next(wing.half_edge)) / 3);
@@ -142,7 +142,7 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
         const Vec3 o = mesh_.point_mm(far[0]);
         const Vec3 n2 = cross(mesh_.point_mm(far[1]) - o, mesh_.point_mm(far[2]) - o);
         const double along = dot(n1, n2);
-        if (along < 0 && along < least_fold_cosine * length1 * norm(n2) && along * length0 < dot(n0, n2) * length1)
+        if (along < 0 && along < min_fold_cosine * length1 * norm(n2) && along * length0 < dot(n0, n2) * length1)
           return false;
       }
       worst_after = std::min(worst_after, compactness(length1, at, b, c));
@@ -151,7 +151,7 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
     }
     return true;
   };
-  return look(w.wings_u, u, v) && look(w.wings_v, v, u) && worst_after >= std::min(least_compactness, worst_before);
+  return look(w.wings_u, u, v) && look(w.wings_v, v, u) && worst_after >= std::min(min_compactness, worst_before);
 }
 
 /// Finds it among the triangles around the nearest of the points that are at hand.
@@ -290,4 +290,4 @@ std::size_t EdgeCollapse::undo_at(std::uint32_t t) {
   return count;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -10,7 +10,7 @@
 #include "meshing/near_input.h"
 #include "meshing/quadric.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// Edge collapses in the order of their quadric error. Every collapse keeps the surface a closed 2-manifold, turns no
 /// triangle over, makes no triangle thinner than necessary, and moves neither a carried point nor a few samples of the
@@ -25,7 +25,7 @@ namespace trephine {
 class EdgeCollapse {
  public:
   /// `input` must outlive this object. limit_mm 0: no limit.
-  EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm);
+  EdgeCollapse(const surface::TriMesh& input, double limit_mm, double step_mm);
 
   /// Collapses until at most `target` triangles are left, or no collapse is possible. Returns whether the limit kept an
   /// edge from collapsing. Afterwards the points are carried.
@@ -90,7 +90,7 @@ class EdgeCollapse {
   std::size_t undo_at(std::uint32_t triangle);
   std::vector<std::uint32_t> widened(const std::vector<std::uint32_t>& triangles) const;
 
-  const TriMesh& plain_input_;
+  const surface::TriMesh& plain_input_;
   CollapseMesh mesh_;
   double limit2_, step_, area_ = 0, sample_spacing_ = 0;
   CarriedPoints carried_;
@@ -106,4 +106,4 @@ class EdgeCollapse {
   std::size_t round_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

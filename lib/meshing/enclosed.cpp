@@ -7,17 +7,17 @@
 #include "surface/bounds.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 struct Component {
   std::uint32_t first = 0;               ///< triangle
   std::vector<std::uint32_t> triangles;  ///< where it looks inwards
   double volume = 0;
-  Bounds box;
+  surface::Bounds box;
 };
 
-bool within(const Bounds& a, const Bounds& b) {
+bool within(const surface::Bounds& a, const surface::Bounds& b) {
   for (int i = 0; i < 3; ++i)
     if (a.min_mm[i] < b.min_mm[i] || a.max_mm[i] > b.max_mm[i]) return false;
   return true;
@@ -25,7 +25,7 @@ bool within(const Bounds& a, const Bounds& b) {
 
 /// Parity of the crossings along a skew ray. The direction lies in no lattice plane, so the ray practically never meets
 /// an edge.
-bool encloses(const TriMesh& mesh, const Component& shell, Vec3 p) {
+bool encloses(const surface::TriMesh& mesh, const Component& shell, Vec3 p) {
   const Vec3 d{0.8017837257, 0.5345224838, 0.2672612419 + 0.0123456789};
   bool inside = false;
   for (const std::uint32_t t : shell.triangles) {
@@ -43,9 +43,9 @@ bool encloses(const TriMesh& mesh, const Component& shell, Vec3 p) {
 
 }  // namespace
 
-int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress) {
+int drop_cavities(surface::TriMesh& mesh, int& pieces_left, const Progress& progress) {
   std::vector<int> label;
-  const int count = label_fan_components(mesh, label);
+  const int count = surface::label_fan_components(mesh, label);
   pieces_left = count;
   if (count < 2) return 0;
   std::vector<Component> components(count);
@@ -56,7 +56,7 @@ int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress) {
     Vec3 p[3];
     for (int k = 0; k < 3; ++k) {
       p[k] = mesh.points_mm[mesh.triangles[t][k]];
-      include(c.box, p[k]);
+      surface::include(c.box, p[k]);
       p[k] = p[k] - o;
     }
     c.volume += dot(p[0], cross(p[1], p[2])) / 6;
@@ -78,9 +78,9 @@ int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (!drop[label[t]]) mesh.triangles[kept++] = mesh.triangles[t];
   mesh.triangles.resize(kept);
-  drop_unused_points(mesh);
+  surface::drop_unused_points(mesh);
   pieces_left = count - dropped;
   return dropped;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -7,7 +7,7 @@
 
 #include "meshing/exact.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -83,4 +83,4 @@ bool triangles_intersect(const std::array<std::uint32_t, 3>& ia, const std::arra
   return true;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

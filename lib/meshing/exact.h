@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 // Exact predicates on double coordinates (CGAL's filtered kernel inside).
 
@@ -17,4 +17,4 @@ bool on_a_line(Vec3 a, Vec3 b, Vec3 c);
 bool triangles_intersect(const std::array<std::uint32_t, 3>& ia, const std::array<Vec3, 3>& a,
                          const std::array<std::uint32_t, 3>& ib, const std::array<Vec3, 3>& b);
 
-}  // namespace trephine
+}  // namespace trephine::meshing

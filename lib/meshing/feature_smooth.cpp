@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr std::int64_t grain = 8192;
@@ -18,11 +18,11 @@ struct Facets {
   std::vector<Vec3> normal, middle;
   std::vector<double> area;
 
-  explicit Facets(const TriMesh& mesh)
+  explicit Facets(const surface::TriMesh& mesh)
       : normal(mesh.triangles.size()), middle(mesh.triangles.size()), area(mesh.triangles.size()) {
     for (std::size_t t = 0; t < normal.size(); ++t) {
       const auto& v = mesh.triangles[t];
-      const Vec3 twice = triangle_normal(mesh, t);
+      const Vec3 twice = surface::triangle_normal(mesh, t);
       normal[t] = normalized(twice);
       area[t] = norm(twice) / 2;
       middle[t] = (mesh.points_mm[v[0]] + mesh.points_mm[v[1]] + mesh.points_mm[v[2]]) / 3;
@@ -31,10 +31,10 @@ struct Facets {
 };
 
 /// The mean distance between the centres of neighbouring triangles.
-double mean_step(const TriMesh& mesh, const Incidence& incidence, const Facets& facets) {
+double mean_step(const surface::TriMesh& mesh, const surface::Incidence& incidence, const Facets& facets) {
   double sum = 0;
   std::size_t count = 0;
-  for_each_edge(mesh, incidence, [&](std::uint32_t, auto from, auto to) {
+  surface::for_each_edge(mesh, incidence, [&](std::uint32_t, auto from, auto to) {
     if (to - from != 2) return;
     sum += norm(facets.middle[from->triangle] - facets.middle[(from + 1)->triangle]);
     ++count;
@@ -44,9 +44,9 @@ double mean_step(const TriMesh& mesh, const Incidence& incidence, const Facets& 
 
 }  // namespace
 
-std::vector<Vec3> fit_to_filtered_normals(const TriMesh& mesh, std::int64_t iterations, double feature_angle_deg,
-                                          const Progress& progress) {
-  const Incidence incidence(mesh);
+std::vector<Vec3> fit_to_filtered_normals(const surface::TriMesh& mesh, std::int64_t iterations,
+                                          double feature_angle_deg, const Progress& progress) {
+  const surface::Incidence incidence(mesh);
   Facets facets(mesh);
   const double reach = mean_step(mesh, incidence, facets);
   const double by_distance = reach > 0 ? 1 / (2 * reach * reach) : 0;
@@ -100,4 +100,4 @@ std::vector<Vec3> fit_to_filtered_normals(const TriMesh& mesh, std::int64_t iter
   return now;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

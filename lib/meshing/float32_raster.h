@@ -2,9 +2,9 @@
 #pragma once
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// Whether snap_to_float32 (validity.h) would leave the mesh as it is.
-bool on_float32_raster(const TriMesh& mesh);
+bool on_float32_raster(const surface::TriMesh& mesh);
 
-}  // namespace trephine
+}  // namespace trephine::meshing

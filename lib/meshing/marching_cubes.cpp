@@ -11,14 +11,14 @@
 #include "base/refusal.h"
 #include "meshing/cube_table.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 /// The nodes: the box of inside voxels with a layer around it, each marked inside or not. Rows run along i.
 template <class T>
 class Nodes {
  public:
-  Nodes(const Grid<T>& grid, double isovalue, const Box& box, double margin)
+  Nodes(const grid::Grid<T>& grid, double isovalue, const grid::Box& box, double margin)
       : grid_(grid), isovalue_(isovalue), margin_(margin) {
     for (int a = 0; a < 3; ++a) {
       first_[a] = box.begin[a] - 1;
@@ -56,7 +56,7 @@ class Nodes {
   }
 
  private:
-  const Grid<T>& grid_;
+  const grid::Grid<T>& grid_;
   double isovalue_, margin_;
   int first_[3], size_[3];
   std::vector<std::uint8_t> inside_;
@@ -135,7 +135,7 @@ void cut_row(const Nodes<T>& nodes, const RowPoints& rows, int j, int k,
 }  // namespace
 
 template <class T>
-InsideVoxels find_inside(const Grid<T>& grid, double isovalue) {
+InsideVoxels find_inside(const grid::Grid<T>& grid, double isovalue) {
   std::vector<InsideVoxels> planes(grid.size[2]);
   std::vector<std::int64_t> bad(grid.size[2], -1);
   parallel_for(0, grid.size[2], 4, [&](std::int64_t from, std::int64_t to) {
@@ -181,9 +181,9 @@ InsideVoxels find_inside(const Grid<T>& grid, double isovalue) {
 }
 
 template <class T>
-TriMesh marching_cubes(const Grid<T>& grid, double isovalue, const InsideVoxels& inside, double margin,
-                       const Progress& progress) {
-  TriMesh mesh;
+surface::TriMesh marching_cubes(const grid::Grid<T>& grid, double isovalue, const InsideVoxels& inside, double margin,
+                                const Progress& progress) {
+  surface::TriMesh mesh;
   if (inside.count == 0) return mesh;
   const Nodes<T> nodes(grid, isovalue, inside.box, margin);
   progress.report(0.2);
@@ -220,9 +220,11 @@ TriMesh marching_cubes(const Grid<T>& grid, double isovalue, const InsideVoxels&
   return mesh;
 }
 
-template InsideVoxels find_inside(const Grid<std::int16_t>&, double);
-template InsideVoxels find_inside(const Grid<float>&, double);
-template TriMesh marching_cubes(const Grid<std::int16_t>&, double, const InsideVoxels&, double, const Progress&);
-template TriMesh marching_cubes(const Grid<float>&, double, const InsideVoxels&, double, const Progress&);
+template InsideVoxels find_inside(const grid::Grid<std::int16_t>&, double);
+template InsideVoxels find_inside(const grid::Grid<float>&, double);
+template surface::TriMesh marching_cubes(const grid::Grid<std::int16_t>&, double, const InsideVoxels&, double,
+                                         const Progress&);
+template surface::TriMesh marching_cubes(const grid::Grid<float>&, double, const InsideVoxels&, double,
+                                         const Progress&);
 
-}  // namespace trephine
+}  // namespace trephine::meshing

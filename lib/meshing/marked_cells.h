@@ -10,14 +10,14 @@
 #include "base/vec3.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// A raster of cubes over a mesh, some of them marked: says, without looking at every one of them, whether anything
 /// that was marked can lie near a triangle. Boxes stand for triangles, so it errs towards yes.
 class MarkedCells {
  public:
   /// Over the mesh's bounds, none of them marked; side_mm is the cubes' least side.
-  MarkedCells(const TriMesh& mesh, double side_mm) {
+  MarkedCells(const surface::TriMesh& mesh, double side_mm) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Vec3 high{-infinity, -infinity, -infinity};
     low_ = Vec3{infinity, infinity, infinity};
@@ -64,4 +64,4 @@ class MarkedCells {
   std::vector<char> marked_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "meshing/marked_cells.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr std::int64_t grain = 2048;
@@ -19,16 +19,16 @@ constexpr double exact_share = 0.85;
 constexpr std::int64_t block = 32;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double mean_edge_of(const TriMesh& mesh) {
+double mean_edge_of(const surface::TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) sum += norm(mesh.points_mm[t[c]] - mesh.points_mm[t[(c + 1) % 3]]);
   return sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
-double squared_to(const TriMesh& mesh, std::uint32_t triangle, Vec3 p) {
+double squared_to(const surface::TriMesh& mesh, std::uint32_t triangle, Vec3 p) {
   const auto& v = mesh.triangles[triangle];
-  const Vec3 d = p - closest_on_triangle(p, mesh.points_mm[v[0]], mesh.points_mm[v[1]], mesh.points_mm[v[2]]);
+  const Vec3 d = p - surface::closest_on_triangle(p, mesh.points_mm[v[0]], mesh.points_mm[v[1]], mesh.points_mm[v[2]]);
   return dot(d, d);
 }
 
@@ -140,7 +140,7 @@ bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n
 }
 
 /// A proof holds as long as no part of the mesh that lay within the bound has been removed.
-void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tree,
+void DeviationMeter::input_unproven(const surface::TriMesh& plain, const surface::TriangleTree& tree,
                                     const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
                                     std::vector<std::uint32_t>& beyond, const Progress& progress) {
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
@@ -162,7 +162,7 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tr
   const auto block_proven = [&](std::int64_t t, const MarkedCells& cells) {
     const auto begin = input_proven_.begin() + t, end = begin + std::min(block, triangles - t);
     if (std::find(begin, end, 0) != end) return false;
-    const FloatBox& b = block_boxes_[t / block];
+    const surface::FloatBox& b = block_boxes_[t / block];
     const Vec3 low{b.min[0], b.min[1], b.min[2]}, high{b.max[0], b.max[1], b.max[2]};
     return !cells.any({low, high, low});
   };
@@ -198,7 +198,7 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tr
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
-void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
+void DeviationMeter::from_input(const surface::TriMesh& plain, const surface::TriangleTree& tree,
                                 const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
                                 std::vector<std::uint32_t>& beyond, const Progress& progress) {
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
@@ -297,10 +297,11 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
-std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
+std::vector<std::uint32_t> DeviationMeter::measure(const surface::TriMesh& plain,
+                                                   const std::vector<std::uint32_t>& triangle_of,
                                                    CarriedPoints& carried, const Progress& progress) {
   std::vector<std::uint32_t> beyond;
-  const TriangleTree tree(plain);
+  const surface::TriangleTree tree(plain);
   std::vector<std::uint32_t> plain_of(input_.triangles.size());
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
   from_input(plain, tree, plain_of, carried, beyond, progress);
@@ -385,4 +386,4 @@ DeviationFigures DeviationMeter::figures() const {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -13,7 +13,7 @@
 #include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// Sampled distances between two surfaces; rms and p99 are the larger of the two directions'.
 struct DeviationFigures {
@@ -34,7 +34,7 @@ class DeviationMeter {
   /// that are not proven to lie within the bound, or at which the input is not. Distances are upper
   /// bounds, from what carries a point or from the triangles around the nearest point; they are exact where they exceed
   /// 0.85 of the limit (without one: a quarter of the mean edge).
-  std::vector<std::uint32_t> measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
+  std::vector<std::uint32_t> measure(const surface::TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
                                      CarriedPoints& carried, const Progress& progress);
   /// Of the last measurement.
   DeviationFigures figures() const;
@@ -46,8 +46,9 @@ class DeviationMeter {
     bool beyond = false, proven = true;
   };
   /// `tree` is over `plain`, plain_of leads from the collapsing mesh's triangles to its own.
-  void from_input(const TriMesh& plain, const TriangleTree& tree, const std::vector<std::uint32_t>& plain_of,
-                  const CarriedPoints& carried, std::vector<std::uint32_t>& beyond, const Progress& progress);
+  void from_input(const surface::TriMesh& plain, const surface::TriangleTree& tree,
+                  const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
+                  std::vector<std::uint32_t>& beyond, const Progress& progress);
   /// What one thread needs.
   struct Room {
     std::vector<std::uint32_t> points;  ///< some of the input near the triangle
@@ -58,22 +59,23 @@ class DeviationMeter {
   };
   bool from_triangle(Raster& raster, Room& room) const;
   bool cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const;
-  void input_unproven(const TriMesh& plain, const TriangleTree& tree, const std::vector<std::uint32_t>& plain_of,
-                      const CarriedPoints& carried, std::vector<std::uint32_t>& beyond, const Progress& progress);
+  void input_unproven(const surface::TriMesh& plain, const surface::TriangleTree& tree,
+                      const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
+                      std::vector<std::uint32_t>& beyond, const Progress& progress);
   void look(NearbyPlace& place, bool& lacks_tree) const;
 
   const NearInput& near_;
-  const TriMesh& input_;
+  const surface::TriMesh& input_;
   double limit2_, bound_, edge_, spacing_, raster_beyond2_, exact_beyond2_;
-  std::optional<TriangleTree> tree_;         ///< over the input, once a place is too far for the search from a point
-  std::vector<std::vector<float>> forward_;  ///< from the input, by pieces of it
-  std::vector<char> input_beyond_;           ///< by triangles of the input: a sample of it is beyond the limit
-  std::vector<Raster> rasters_;              ///< per triangle that is live
-  std::vector<std::uint32_t> raster_of_;     ///< the collapsing mesh's triangle -> its raster, or none
-  std::vector<std::uint32_t> live_;          ///< rasters of the last measurement
-  std::vector<std::array<Vec3, 3>> gone_;    ///< triangles that are no longer there, since input_unproven
-  std::vector<char> input_proven_;           ///< by triangles of the input
-  std::vector<FloatBox> block_boxes_;        ///< of some of these together
+  std::optional<surface::TriangleTree> tree_;   ///< over the input, once a place is too far for the search from a point
+  std::vector<std::vector<float>> forward_;     ///< from the input, by pieces of it
+  std::vector<char> input_beyond_;              ///< by triangles of the input: a sample of it is beyond the limit
+  std::vector<Raster> rasters_;                 ///< per triangle that is live
+  std::vector<std::uint32_t> raster_of_;        ///< the collapsing mesh's triangle -> its raster, or none
+  std::vector<std::uint32_t> live_;             ///< rasters of the last measurement
+  std::vector<std::array<Vec3, 3>> gone_;       ///< triangles that are no longer there, since input_unproven
+  std::vector<char> input_proven_;              ///< by triangles of the input
+  std::vector<surface::FloatBox> block_boxes_;  ///< of some of these together
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

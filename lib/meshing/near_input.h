@@ -6,13 +6,13 @@
 #include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// Distances to a mesh from places that lie near one of its points, without a search from the top of a tree and with
 /// little memory. Refers to the mesh.
 class NearInput {
  public:
-  explicit NearInput(const TriMesh& mesh) : mesh_(mesh), incidence_(mesh) {}
+  explicit NearInput(const surface::TriMesh& mesh) : mesh_(mesh), incidence_(mesh) {}
 
   /// An upper bound of the squared distance to the surface. It examines the triangles around the point `near`; where
   /// the nearest place lies on their rim, it continues with the triangles around the rim's point, as long as that gets
@@ -31,7 +31,7 @@ class NearInput {
         const int k = t[0] == near ? 0 : t[1] == near ? 1 : 2;
         const std::uint32_t b = t[k == 2 ? 0 : k + 1], c = t[k == 0 ? 2 : k - 1];
         int across = 0;
-        const double d2 = squared_from_corner(place, a, mesh_.points_mm[b], mesh_.points_mm[c], across);
+        const double d2 = surface::squared_from_corner(place, a, mesh_.points_mm[b], mesh_.points_mm[c], across);
         if (d2 >= best) continue;
         best = d2;
         if (triangle) *triangle = incidence_.triangle[n];
@@ -42,13 +42,13 @@ class NearInput {
     return best;
   }
 
-  const TriMesh& mesh() const { return mesh_; }
-  const Incidence& incidence() const { return incidence_; }
+  const surface::TriMesh& mesh() const { return mesh_; }
+  const surface::Incidence& incidence() const { return incidence_; }
 
  private:
   static constexpr std::uint32_t none = 0xffffffffu;
-  const TriMesh& mesh_;
-  Incidence incidence_;
+  const surface::TriMesh& mesh_;
+  surface::Incidence incidence_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -7,13 +7,13 @@
 #include "base/parallel.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
-void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress) {
+void compute_normals(surface::TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress) {
   mesh.normals.clear();
-  check_mesh(mesh);
-  const TriMesh& in = mesh;
-  const Incidence incidence(in);
+  surface::check_mesh(mesh);
+  const surface::TriMesh& in = mesh;
+  const surface::Incidence incidence(in);
   progress.report(0.3);
   std::vector<Vec3> normals(mesh.points_mm.size());
   std::vector<char> replaced(mesh.points_mm.size(), 0);
@@ -46,4 +46,4 @@ void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report,
   progress.report(1);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

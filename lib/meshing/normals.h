@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 enum class NormalWeight { area, angle };
 
@@ -23,6 +23,7 @@ struct NormalsParams {
 /// (outwards for a closed surface). Points and triangles stay as they are (no vertex is split at an edge), so a closed
 /// mesh stays closed; an open mesh is accepted too. Where the mean vanishes, the normal of the largest triangle there
 /// is used and counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
-void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress = {});
+void compute_normals(surface::TriMesh& mesh, const NormalsParams& params, Report& report,
+                     const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -9,7 +9,7 @@
 #include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// A place on one surface and where the other lies.
 struct NearbyPlace {
@@ -26,20 +26,20 @@ struct NearbyPlace {
 /// neighbours' triangles where that leaves much of the limit; otherwise look(place) may find a nearer triangle. Returns
 /// false where the proof fails or would take too many pieces. `stack` is working memory.
 template <class Look>
-bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, const TriMesh& to, const Look& look,
-                   std::vector<std::array<NearbyPlace, 3>>& stack) {
-  constexpr std::size_t most_pieces = 1000;
+bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, const surface::TriMesh& to,
+                   const Look& look, std::vector<std::array<NearbyPlace, 3>>& stack) {
+  constexpr std::size_t max_pieces = 1000;
   constexpr double enough = 0.6;
   const auto reach = [&](Vec3 p, std::uint32_t t) {
     const auto& v = to.triangles[t];
-    return norm(p - closest_on_triangle(p, to.points_mm[v[0]], to.points_mm[v[1]], to.points_mm[v[2]]));
+    return norm(p - surface::closest_on_triangle(p, to.points_mm[v[0]], to.points_mm[v[1]], to.points_mm[v[2]]));
   };
   stack.assign(1, corners);
   for (std::size_t pieces = 0; !stack.empty(); ++pieces) {
     const std::array<NearbyPlace, 3> t = stack.back();
     stack.pop_back();
     const double farthest = std::max({t[0].distance, t[1].distance, t[2].distance});
-    if (!(farthest <= limit) || pieces > most_pieces) return false;
+    if (!(farthest <= limit) || pieces > max_pieces) return false;
     const Vec3 side[3] = {t[1].at - t[0].at, t[2].at - t[1].at, t[0].at - t[2].at};
     const double longest2 = std::max({dot(side[0], side[0]), dot(side[1], side[1]), dot(side[2], side[2])});
     if (3 * (limit - farthest) * (limit - farthest) >= longest2) continue;
@@ -68,4 +68,4 @@ bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, cons
   return true;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

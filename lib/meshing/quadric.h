@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// Sum of weighted squared distances to planes and points [Garland1997]: x^T A x + 2 b^T x + c. x is measured from a
 /// centre that the caller keeps; near the surface float32 is precise enough for the coefficients.
@@ -75,4 +75,4 @@ struct StoredQuadric {
   Quadric loaded() const { return {v[0], v[1], v[2], v[3], v[4], v[5], {v[6], v[7], v[8]}, v[9]}; }
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshing

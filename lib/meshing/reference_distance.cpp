@@ -7,13 +7,13 @@
 #include "base/parallel.h"
 #include "meshing/prove_within.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr double no_limit = 1e300;
 
-TriMesh about(const TriMesh& mesh, Vec3 origin_mm) {
-  TriMesh out = mesh;
+surface::TriMesh about(const surface::TriMesh& mesh, Vec3 origin_mm) {
+  surface::TriMesh out = mesh;
   out.normals.clear();
   if (mesh.origin_mm == origin_mm) return out;
   for (Vec3& p : out.points_mm) p = p + (mesh.origin_mm - origin_mm);
@@ -22,7 +22,7 @@ TriMesh about(const TriMesh& mesh, Vec3 origin_mm) {
 }
 
 /// Each point's distance to the other surface, and where there.
-std::vector<NearbyPlace> places_of(const TriMesh& mesh, const TriangleTree& to) {
+std::vector<NearbyPlace> places_of(const surface::TriMesh& mesh, const surface::TriangleTree& to) {
   std::vector<NearbyPlace> places(mesh.points_mm.size());
   parallel_for(0, static_cast<std::int64_t>(places.size()), 2048, [&](std::int64_t from, std::int64_t end) {
     for (std::int64_t i = from; i < end; ++i) {
@@ -35,8 +35,9 @@ std::vector<NearbyPlace> places_of(const TriMesh& mesh, const TriangleTree& to) 
 }
 
 /// For each triangle of `from` whether it is not proven to lie within the bound of `to`.
-std::vector<char> unproven(const TriMesh& from, const std::vector<NearbyPlace>& places, const TriMesh& to,
-                           const TriangleTree& tree, double bound_mm, const Progress& progress) {
+std::vector<char> unproven(const surface::TriMesh& from, const std::vector<NearbyPlace>& places,
+                           const surface::TriMesh& to, const surface::TriangleTree& tree, double bound_mm,
+                           const Progress& progress) {
   std::vector<char> bad(from.triangles.size(), 0);
   parallel_for(0, static_cast<std::int64_t>(bad.size()), 1024, [&](std::int64_t begin, std::int64_t end) {
     progress.check();
@@ -63,12 +64,12 @@ double largest(const std::vector<NearbyPlace>& places) {
 
 }  // namespace
 
-DistanceToReference::DistanceToReference(const TriMesh& reference, Vec3 origin_mm)
+DistanceToReference::DistanceToReference(const surface::TriMesh& reference, Vec3 origin_mm)
     : reference_(about(reference, origin_mm)), tree_(reference_) {}
 
-std::vector<std::uint32_t> DistanceToReference::beyond(const TriMesh& mesh, double bound_mm,
+std::vector<std::uint32_t> DistanceToReference::beyond(const surface::TriMesh& mesh, double bound_mm,
                                                        const Progress& progress) const {
-  const TriangleTree own(mesh);
+  const surface::TriangleTree own(mesh);
   const auto from_mesh = places_of(mesh, tree_), from_reference = places_of(reference_, own);
   std::vector<char> bad = unproven(mesh, from_mesh, reference_, tree_, bound_mm, progress);
   const std::vector<char> missed = unproven(reference_, from_reference, mesh, own, bound_mm, progress);
@@ -82,9 +83,9 @@ std::vector<std::uint32_t> DistanceToReference::beyond(const TriMesh& mesh, doub
   return found;
 }
 
-double DistanceToReference::largest_mm(const TriMesh& mesh) const {
-  const TriangleTree own(mesh);
+double DistanceToReference::largest_mm(const surface::TriMesh& mesh) const {
+  const surface::TriangleTree own(mesh);
   return std::max(largest(places_of(mesh, tree_)), largest(places_of(reference_, own)));
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -16,7 +16,7 @@
 #include "surface/point_to_mesh.h"
 #include "surface/results.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr int tries = 5;
@@ -24,9 +24,9 @@ constexpr int tries = 5;
 struct Edges {
   double least = 1e300, mean = 0, most = 0;
 
-  explicit Edges(const TriMesh& mesh) {
+  explicit Edges(const surface::TriMesh& mesh) {
     std::size_t count = 0;
-    for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t p, auto from, auto) {
+    surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t p, auto from, auto) {
       const double l = norm(mesh.points_mm[p] - mesh.points_mm[from->other]);
       least = std::min(least, l);
       most = std::max(most, l);
@@ -37,7 +37,7 @@ struct Edges {
   }
 };
 
-double reach_mm(const TriMesh& from, const PointToMesh& to, const Progress& progress) {
+double reach_mm(const surface::TriMesh& from, const surface::PointToMesh& to, const Progress& progress) {
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < from.points_mm.size(); ++i) points.push_back(from.world_mm(i));
   for (const auto& t : from.triangles)
@@ -47,7 +47,7 @@ double reach_mm(const TriMesh& from, const PointToMesh& to, const Progress& prog
 
 /// CGAL's remeshing crashes on some surfaces whose edges are much longer than asked for. It does not crash on the same
 /// surfaces where their sharpest edges are kept.
-TriMesh evenly(const TriMesh& mesh, double edge_mm, const RemeshParams& p, const Progress& progress) {
+surface::TriMesh evenly(const surface::TriMesh& mesh, double edge_mm, const RemeshParams& p, const Progress& progress) {
   using Clock = std::chrono::steady_clock;
   constexpr double sharpest_deg = 90;
   const auto start = Clock::now();
@@ -60,7 +60,7 @@ TriMesh evenly(const TriMesh& mesh, double edge_mm, const RemeshParams& p, const
   }
 }
 
-double mean_least_angle_deg(const TriMesh& mesh) {
+double mean_least_angle_deg(const surface::TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {
     double least = M_PI;
@@ -76,23 +76,25 @@ double mean_least_angle_deg(const TriMesh& mesh) {
 
 }  // namespace
 
-TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report, const Progress& progress) {
-  check_mesh(input);
-  TriMesh original = input;
+surface::TriMesh remesh(const surface::TriMesh& input, const RemeshParams& params, Report& report,
+                        const Progress& progress) {
+  surface::check_mesh(input);
+  surface::TriMesh original = input;
   original.normals.clear();
   snap_to_float32(original);
   with_field("remesh: input", [&] { require_valid(original, progress.part(0, 0.1)); });
-  const double volume = volume_mm3(original);
-  const PointToMesh to_original(original, progress);
+  const double volume = surface::volume_mm3(original);
+  const surface::PointToMesh to_original(original, progress);
   double edge = params.edge_mm > 0 ? params.edge_mm : Edges(original).mean;
   // Measured: 280 bytes a triangle in the child, and the result and its tree here.
   constexpr double bytes_per_triangle = 500;
-  const double triangles = area_mm2(original) / (0.43 * edge * edge);
+  const double triangles = surface::area_mm2(original) / (0.43 * edge * edge);
   require_memory(static_cast<std::uint64_t>(std::min(triangles * bytes_per_triangle, 1e18)),
                  "remeshing to edges of " + to_text(edge) + " mm");
   std::string fault;
   for (int n = 1; n <= tries; ++n, edge *= 0.7) {
-    TriMesh mesh = with_field("remesh", [&] { return evenly(original, edge, params, progress.part(0.1, 0.7)); });
+    surface::TriMesh mesh =
+        with_field("remesh", [&] { return evenly(original, edge, params, progress.part(0.1, 0.7)); });
     snap_to_float32(mesh);
     const Validity v = check_validity(mesh, progress.part(0.7, 0.8));
     if (!v.valid()) {
@@ -100,7 +102,7 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
       continue;
     }
     const double deviation = std::max(reach_mm(mesh, to_original, progress),
-                                      reach_mm(original, PointToMesh(mesh, progress), progress.part(0.8, 1)));
+                                      reach_mm(original, surface::PointToMesh(mesh, progress), progress.part(0.8, 1)));
     if (!(deviation <= params.max_deviation_mm)) {
       fault = "deviation " + to_text(deviation) + " mm, limit " + to_text(params.max_deviation_mm) + " mm";
       continue;
@@ -109,7 +111,7 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
     report.add("triangles_count", mesh.triangles.size());
     report.add("edge_mm", edge);
     report.add("tries_count", n);
-    add_result(report, BoundResult{deviation});
+    add_result(report, surface::BoundResult{deviation});
     report.add("edge_min_mm", edges.least);
     report.add("edge_mean_mm", edges.mean);
     report.add("edge_max_mm", edges.most);
@@ -122,4 +124,4 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
                 {"choose a smaller `edge_mm`, or raise `max_deviation_mm`"});
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 struct RemeshParams {
   double edge_mm = 0;
@@ -44,6 +44,7 @@ struct RemeshParams {
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not valid, or no try
 /// was good enough; 70 where the child dies or runs longer than time_limit_s; Cancelled.
-TriMesh remesh(const TriMesh& mesh, const RemeshParams& params, Report& report, const Progress& progress = {});
+surface::TriMesh remesh(const surface::TriMesh& mesh, const RemeshParams& params, Report& report,
+                        const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -62,8 +62,8 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
 
 }  // namespace
 
-TriMesh remesh_evenly(const TriMesh& mesh, double edge_mm, std::int64_t iterations, double feature_angle_deg,
-                      double time_limit_s, const Progress& progress) {
+surface::TriMesh remesh_evenly(const surface::TriMesh& mesh, double edge_mm, std::int64_t iterations,
+                               double feature_angle_deg, double time_limit_s, const Progress& progress) {
   MessageWriter request;
   request.array(mesh.points_mm);
   request.array(mesh.triangles);
@@ -74,12 +74,12 @@ TriMesh remesh_evenly(const TriMesh& mesh, double edge_mm, std::int64_t iteratio
   limits.cpu_s = 4 * time_limit_s + 10;
   const ChildResult result = run_child(worker_name, request.bytes(), limits, progress);
   MessageReader in(worker_name, result.bytes());
-  TriMesh out;
+  surface::TriMesh out;
   out.origin_mm = mesh.origin_mm;
   out.points_mm = in.array<Vec3>();
   out.triangles = in.array<Triangle>();
-  check_mesh(out);
+  surface::check_mesh(out);
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -5,11 +5,11 @@
 #include "base/progress.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// CGAL's isotropic remeshing of a closed 2-manifold in the bounded child. Throws Error 70 where the child dies or runs
 /// longer than time_limit_s; Cancelled. Only the indices of the result are checked.
-TriMesh remesh_evenly(const TriMesh& mesh, double edge_mm, std::int64_t iterations, double feature_angle_deg,
-                      double time_limit_s, const Progress& progress = {});
+surface::TriMesh remesh_evenly(const surface::TriMesh& mesh, double edge_mm, std::int64_t iterations,
+                               double feature_angle_deg, double time_limit_s, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

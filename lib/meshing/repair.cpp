@@ -15,7 +15,7 @@
 #include "meshing/validity.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -23,7 +23,7 @@ constexpr int rounds = 3;
 constexpr double max_changed_ratio = 0.05;
 
 struct Repaired {
-  TriMesh mesh;
+  surface::TriMesh mesh;
   SoupCounts soup;
   Mended mended;
   double voxel_mm = 0;
@@ -40,7 +40,7 @@ void add(SoupCounts& to, const SoupCounts& more) {
 }
 
 /// How far the mesh lies from the surface, measured at the points and the centres of its triangles.
-double reach_mm(const TriMesh& mesh, const PointToMesh& surface, const Progress& progress) {
+double reach_mm(const surface::TriMesh& mesh, const surface::PointToMesh& surface, const Progress& progress) {
   std::vector<Vec3> points;
   for (const auto& t : mesh.triangles) {
     const Vec3 a = mesh.points_mm[t[0]], b = mesh.points_mm[t[1]], c = mesh.points_mm[t[2]];
@@ -57,8 +57,8 @@ double halton(std::uint32_t i, std::uint32_t base) {
 }
 
 /// The share of the space within the soup (winding number above 1/2) or the mesh that lies within only one of them.
-double changed_ratio(const TriMesh& soup, const TriMesh& mesh) {
-  const Bounds b = bounds_of(soup);
+double changed_ratio(const surface::TriMesh& soup, const surface::TriMesh& mesh) {
+  const surface::Bounds b = surface::bounds_of(soup);
   const WindingNumber before(soup), after(mesh);
   constexpr int count = 20000;
   std::vector<char> in(count, 0);
@@ -76,10 +76,10 @@ double changed_ratio(const TriMesh& soup, const TriMesh& mesh) {
 
 /// Repairs the mesh in place and returns false where the result is not valid. `cleaned` receives the soup as an
 /// oriented manifold with borders.
-bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r, TriMesh& cleaned,
+bool mend_in_place(const surface::TriMesh& input, const RepairParams& params, Repaired& r, surface::TriMesh& cleaned,
                    const Progress& progress) {
   const auto start = Clock::now();
-  TriMesh mesh = input;
+  surface::TriMesh mesh = input;
   double flattest = 8 * float32_step_mm(mesh);
   for (int round = 0; round < rounds; ++round, flattest *= 4) {
     SoupCounts counts;
@@ -111,19 +111,20 @@ bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r
   return false;
 }
 
-TriMesh repair_now(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
-  check_mesh(input);
+surface::TriMesh repair_now(const surface::TriMesh& input, const RepairParams& params, Report& report,
+                            const Progress& progress) {
+  surface::check_mesh(input);
   if (input.triangles.empty()) throw Error(ExitCode::bad_input, "", "repair", "the mesh has no triangles");
   Repaired r;
   r.mesh = input;
   r.mesh.normals.clear();
   centre_origin(r.mesh);
   snap_to_float32(r.mesh);
-  drop_unused_points(r.mesh);
-  const TriMesh before = r.mesh;
+  surface::drop_unused_points(r.mesh);
+  const surface::TriMesh before = r.mesh;
   const char* method = "none";
   if (!r.mesh.proven_valid() && !check_validity(r.mesh, progress.part(0, 0.1)).valid()) {
-    TriMesh cleaned;
+    surface::TriMesh cleaned;
     method = "mended";
     if (!mend_in_place(before, params, r, cleaned, progress.part(0.1, 0.5))) {
       if (params.recontour_voxels_count == 0 || cleaned.triangles.empty())
@@ -139,7 +140,8 @@ TriMesh repair_now(const TriMesh& input, const RepairParams& params, Report& rep
                   "): a new surface through voxels; see to_input_max_mm and from_input_max_mm");
     }
   }
-  const int dropped = params.min_component_mm3 > 0 ? keep_large_components(r.mesh, params.min_component_mm3) : 0;
+  const int dropped =
+      params.min_component_mm3 > 0 ? surface::keep_large_components(r.mesh, params.min_component_mm3) : 0;
   with_field("repair", [&] { require_valid(r.mesh, progress.part(0.9, 0.95)); });
 
   report.add("method", method);
@@ -157,18 +159,19 @@ TriMesh repair_now(const TriMesh& input, const RepairParams& params, Report& rep
   report.add("united_count", r.mended.united);
   report.add("components_dropped_count", dropped);
   report.add("voxel_mm", r.voxel_mm);
-  report.add("volume_ml", volume_mm3(r.mesh) / 1000);
-  report.add("to_input_max_mm", reach_mm(r.mesh, PointToMesh(before), progress));
-  report.add("from_input_max_mm", reach_mm(before, PointToMesh(r.mesh), progress));
+  report.add("volume_ml", surface::volume_mm3(r.mesh) / 1000);
+  report.add("to_input_max_mm", reach_mm(r.mesh, surface::PointToMesh(before), progress));
+  report.add("from_input_max_mm", reach_mm(before, surface::PointToMesh(r.mesh), progress));
   progress.report(1);
   return std::move(r.mesh);
 }
 
 }  // namespace
 
-TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
+surface::TriMesh repair(const surface::TriMesh& input, const RepairParams& params, Report& report,
+                        const Progress& progress) {
   return within_time(params.total_limit_s, progress,
                      [&](const TimeLimit& limit) { return repair_now(input, params, report, limit.progress()); });
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

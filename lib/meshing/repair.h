@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 struct RepairParams {
   double merge_mm = 0.01;
@@ -59,6 +59,7 @@ struct RepairParams {
 /// can be made; 70 where the child reached its limit of time or memory and the last resort is turned off, or where all
 /// of it takes longer than total_limit_s; Cancelled.
 /// The result has the same bytes whatever the thread count.
-TriMesh repair(const TriMesh& mesh, const RepairParams& params, Report& report, const Progress& progress = {});
+surface::TriMesh repair(const surface::TriMesh& mesh, const RepairParams& params, Report& report,
+                        const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

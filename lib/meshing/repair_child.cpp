@@ -25,7 +25,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -181,7 +181,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
 
 }  // namespace
 
-Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const Progress& progress) {
+Mended mend(const surface::TriMesh& mesh, double flattest_mm, double time_limit_s, const Progress& progress) {
   MessageWriter request;
   request.array(mesh.points_mm);
   request.array(mesh.triangles);
@@ -202,7 +202,7 @@ Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const 
     mended.degenerate = counts.at(1);
     mended.self_intersections = counts.at(2);
     mended.united = counts.at(3);
-    check_mesh(mended.mesh);
+    surface::check_mesh(mended.mesh);
   } catch (const Error& e) {
     mended.fault = e.what();
     mended.over_limit = is_child_limit(e);
@@ -210,4 +210,4 @@ Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const 
   return mended;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -12,7 +12,7 @@
 #include "meshing/validity.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -20,20 +20,20 @@ constexpr std::uint32_t none = 0xffffffffu;
 
 bool sideless(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-std::size_t drop_sideless(TriMesh& mesh) {
+std::size_t drop_sideless(surface::TriMesh& mesh) {
   const std::size_t before = mesh.triangles.size();
   mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(), sideless), mesh.triangles.end());
   return before - mesh.triangles.size();
 }
 
-void drop_marked(TriMesh& mesh, const std::vector<char>& drop) {
+void drop_marked(surface::TriMesh& mesh, const std::vector<char>& drop) {
   std::size_t kept = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (!drop[t]) mesh.triangles[kept++] = mesh.triangles[t];
   mesh.triangles.resize(kept);
 }
 
-std::size_t merge_equal(TriMesh& mesh) {
+std::size_t merge_equal(surface::TriMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.points_mm.size()), kept(order.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t i) {
@@ -53,11 +53,11 @@ std::size_t merge_equal(TriMesh& mesh) {
 }
 
 /// Joins points of edges that only one triangle uses; they are found by a sweep along x.
-std::size_t merge_open(TriMesh& mesh, double merge_mm, const Progress& progress) {
+std::size_t merge_open(surface::TriMesh& mesh, double merge_mm, const Progress& progress) {
   std::vector<char> open(mesh.points_mm.size(), 0);
   double length = 0;
   std::size_t edges = 0;
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
     length += norm(mesh.points_mm[p] - mesh.points_mm[from->other]);
     ++edges;
     if (to - from == 1) open[p] = open[from->other] = 1;
@@ -86,7 +86,7 @@ std::size_t merge_open(TriMesh& mesh, double merge_mm, const Progress& progress)
   return merged;
 }
 
-std::size_t drop_duplicates(TriMesh& mesh) {
+std::size_t drop_duplicates(surface::TriMesh& mesh) {
   const std::size_t n = mesh.triangles.size();
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
@@ -106,7 +106,7 @@ std::size_t drop_duplicates(TriMesh& mesh) {
   if (extra == 0) return 0;
   // The triangle is an inner wall: on each of its edges two other triangles meet.
   std::vector<std::uint8_t> held(n, 0);
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
     int others = 0;
     for (auto u = from; u != to; ++u) others += !several[u->triangle];
     for (auto u = from; u != to; ++u)
@@ -118,11 +118,11 @@ std::size_t drop_duplicates(TriMesh& mesh) {
   return n - mesh.triangles.size();
 }
 
-std::size_t drop_fins(TriMesh& mesh) {
+std::size_t drop_fins(surface::TriMesh& mesh) {
   std::size_t dropped = 0;
   for (;;) {
     std::vector<char> free(mesh.triangles.size(), 0), crowded(mesh.triangles.size(), 0);
-    for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
+    surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
       for (auto u = from; u != to; ++u) {
         if (to - from == 1) free[u->triangle] = 1;
         if (to - from > 2) crowded[u->triangle] = 1;
@@ -141,7 +141,7 @@ struct HalfEdges {
   std::vector<std::uint32_t> twin;
 };
 
-std::uint32_t half_edge(const TriMesh& mesh, std::uint32_t t, std::uint32_t from, std::uint32_t to) {
+std::uint32_t half_edge(const surface::TriMesh& mesh, std::uint32_t t, std::uint32_t from, std::uint32_t to) {
   const Triangle& v = mesh.triangles[t];
   for (std::uint32_t c = 0; c < 3; ++c)
     if (v[c] == from && v[(c + 1) % 3] == to) return 3 * t + c;
@@ -149,15 +149,15 @@ std::uint32_t half_edge(const TriMesh& mesh, std::uint32_t t, std::uint32_t from
 }
 
 /// Orients the triangles of each patch alike. Returns how many were turned.
-std::size_t orient(TriMesh& mesh) {
+std::size_t orient(surface::TriMesh& mesh) {
   struct Link {
     std::uint32_t triangle;
     bool same;  ///< both look to the same side
   };
   std::vector<std::vector<Link>> links(mesh.triangles.size());
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
     if (to - from != 2) return;
-    const EdgeUse &a = *from, &b = *(from + 1);
+    const surface::EdgeUse &a = *from, &b = *(from + 1);
     links[a.triangle].push_back({b.triangle, a.forward != b.forward});
     links[b.triangle].push_back({a.triangle, a.forward != b.forward});
   });
@@ -171,7 +171,7 @@ std::size_t orient(TriMesh& mesh) {
     double area[2] = {0, 0};
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const std::uint32_t t = patch[i];
-      area[side[t] > 0] += norm(triangle_normal(mesh, t));
+      area[side[t] > 0] += norm(surface::triangle_normal(mesh, t));
       for (const Link& l : links[t])
         if (!side[l.triangle]) {
           side[l.triangle] = static_cast<signed char>(l.same ? side[t] : -side[t]);
@@ -189,7 +189,8 @@ std::size_t orient(TriMesh& mesh) {
 }
 
 /// Around an edge from a to b: pairs those uses between which the solid lies, where forward and backward alternate.
-void pair_around(const TriMesh& mesh, std::uint32_t a, const std::vector<EdgeUse>& uses, HalfEdges& edges) {
+void pair_around(const surface::TriMesh& mesh, std::uint32_t a, const std::vector<surface::EdgeUse>& uses,
+                 HalfEdges& edges) {
   const std::uint32_t b = uses[0].other;
   const Vec3 axis = normalized(mesh.points_mm[b] - mesh.points_mm[a]);
   const Vec3 x = normalized(std::abs(axis.x) < 0.6 ? cross(axis, Vec3{1, 0, 0}) : cross(axis, Vec3{0, 1, 0}));
@@ -210,7 +211,7 @@ void pair_around(const TriMesh& mesh, std::uint32_t a, const std::vector<EdgeUse
       return;
   // A forward triangle's normal points along the turn; so the solid lies before it, down to a backward one.
   for (std::size_t i = 0; i < n; ++i) {
-    const EdgeUse &u = uses[turn[i].second], &before = uses[turn[(i + n - 1) % n].second];
+    const surface::EdgeUse &u = uses[turn[i].second], &before = uses[turn[(i + n - 1) % n].second];
     if (!u.forward) continue;
     const std::uint32_t h = half_edge(mesh, u.triangle, a, b), g = half_edge(mesh, before.triangle, b, a);
     edges.twin[h] = g;
@@ -218,17 +219,17 @@ void pair_around(const TriMesh& mesh, std::uint32_t a, const std::vector<EdgeUse
   }
 }
 
-HalfEdges join(const TriMesh& mesh) {
+HalfEdges join(const surface::TriMesh& mesh) {
   HalfEdges edges;
   edges.twin.assign(3 * mesh.triangles.size(), none);
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
     if (to - from == 2 && from->forward != (from + 1)->forward) {
-      const EdgeUse &f = from->forward ? *from : *(from + 1), &g = from->forward ? *(from + 1) : *from;
+      const surface::EdgeUse &f = from->forward ? *from : *(from + 1), &g = from->forward ? *(from + 1) : *from;
       const std::uint32_t h = half_edge(mesh, f.triangle, p, f.other), k = half_edge(mesh, g.triangle, f.other, p);
       edges.twin[h] = k;
       edges.twin[k] = h;
     } else if (to - from > 2) {
-      pair_around(mesh, p, std::vector<EdgeUse>(from, to), edges);
+      pair_around(mesh, p, std::vector<surface::EdgeUse>(from, to), edges);
     }
   });
   return edges;
@@ -236,7 +237,7 @@ HalfEdges join(const TriMesh& mesh) {
 
 /// Gives each fan of triangles a point of its own. Copies that lie on no border are moved inwards, so that the fans do
 /// not touch. Returns how many points were added.
-std::size_t split_points(TriMesh& mesh, const HalfEdges& edges, double step) {
+std::size_t split_points(surface::TriMesh& mesh, const HalfEdges& edges, double step) {
   const std::size_t corners = 3 * mesh.triangles.size();
   DisjointSets fans(corners);
   std::vector<char> at_border(corners, 0);
@@ -268,7 +269,7 @@ std::size_t split_points(TriMesh& mesh, const HalfEdges& edges, double step) {
       else
         several[v] = 1;
     }
-    normals[point_of[fan]] += normalized(triangle_normal(mesh, h / 3));
+    normals[point_of[fan]] += normalized(surface::triangle_normal(mesh, h / 3));
   }
   std::size_t used = 0, split = 0;
   for (const std::uint32_t f : first) used += f != none;
@@ -281,13 +282,13 @@ std::size_t split_points(TriMesh& mesh, const HalfEdges& edges, double step) {
 }
 
 /// Drops flat open pieces, and orients closed pieces that lie in no other one outwards.
-void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progress) {
+void settle_components(surface::TriMesh& mesh, SoupCounts& counts, const Progress& progress) {
   std::vector<int> label;
-  const int n = label_components(mesh, label);
+  const int n = surface::label_components(mesh, label);
   std::vector<char> open(n, 0), drop(n, 0), turn(n, 0);
   std::vector<Vec3> rim(n);
   std::vector<std::size_t> rim_points(n, 0);
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t p, auto from, auto to) {
     if (to - from != 1) return;
     const int c = label[from->triangle];
     open[c] = 1;
@@ -309,12 +310,12 @@ void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progre
     drop[c] = (open[c] && std::abs(volume[c]) <= 2e-3 * std::pow(area[c], 1.5)) || !(area[c] > 0);
     counts.sheets += drop[c];
   }
-  std::vector<TriMesh> parts;
+  std::vector<surface::TriMesh> parts;
   for (int c = 0; c < n; ++c) {
     if (drop[c] || volume[c] >= 0) continue;
     progress.check();
     // The piece lies in no other one: the winding number of the others is about 0 there, however they are oriented.
-    TriMesh others;
+    surface::TriMesh others;
     others.points_mm = mesh.points_mm;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       if (label[t] != c && !drop[label[t]]) others.triangles.push_back(mesh.triangles[t]);
@@ -334,7 +335,7 @@ void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progre
 
 }  // namespace
 
-void clean_soup(TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progress& progress) {
+void clean_soup(surface::TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progress& progress) {
   mesh.normals.clear();
   snap_to_float32(mesh);
   counts.merged = merge_equal(mesh) + merge_open(mesh, merge_mm, progress);
@@ -348,8 +349,8 @@ void clean_soup(TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progre
   counts.split = split_points(mesh, edges, float32_step_mm(mesh));
   progress.report(0.6);
   settle_components(mesh, counts, progress);
-  drop_unused_points(mesh);
+  surface::drop_unused_points(mesh);
   progress.report(1);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

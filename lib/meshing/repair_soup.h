@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// What was done to a soup, for the report.
 struct SoupCounts {
@@ -24,6 +24,6 @@ struct SoupCounts {
 /// - Points with several fans are split, and moved inwards by a few steps where they are not at a border.
 /// - Open pieces that enclose nothing (flat sheets) are removed, and closed pieces that lie in no other are oriented
 ///   outwards.
-void clean_soup(TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progress& progress = {});
+void clean_soup(surface::TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -11,7 +11,7 @@
 #include "surface/bounds.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 /// The solid angle of the triangle as seen from p, divided by 4 pi [VanOosterom1983].
@@ -31,10 +31,10 @@ constexpr double free_slope = 10;  // voxels a unit of winding number where ther
 
 class Recontour {
  public:
-  Recontour(const TriMesh& mesh, int voxels_count) : mesh_(mesh), winding_(mesh), distance_(mesh) {
-    Bounds box;
+  Recontour(const surface::TriMesh& mesh, int voxels_count) : mesh_(mesh), winding_(mesh), distance_(mesh) {
+    surface::Bounds box;
     for (const auto& t : mesh.triangles)
-      for (const std::uint32_t v : t) include(box, mesh.points_mm[v]);
+      for (const std::uint32_t v : t) surface::include(box, mesh.points_mm[v]);
     const Vec3 lo = box.min_mm, hi = box.max_mm;
     side_ = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}) / voxels_count;
     // The raster is placed independently of the surface, so facets that lie on a raster plane do no harm.
@@ -48,7 +48,7 @@ class Recontour {
     field_.voxels.assign(field_.count(), 0);
   }
 
-  TriMesh run(const Progress& progress) {
+  surface::TriMesh run(const Progress& progress) {
     find_corners(progress.part(0, 0.2));
     mark_near();
     for (int k = 0; k < blocks_[2]; ++k) {
@@ -137,12 +137,12 @@ class Recontour {
     });
   }
 
-  const TriMesh& mesh_;
+  const surface::TriMesh& mesh_;
   WindingNumber winding_;
-  PointToMesh distance_;
+  surface::PointToMesh distance_;
   double side_ = 0;
   Vec3 lo_;
-  Field field_;
+  grid::Field field_;
   int blocks_[3];
   std::vector<float> corners_;
   std::vector<char> near_;
@@ -150,14 +150,14 @@ class Recontour {
 
 }  // namespace
 
-double winding_number(const TriMesh& mesh, Vec3 p) {
+double winding_number(const surface::TriMesh& mesh, Vec3 p) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     sum += solid_angle(mesh.points_mm[t[0]], mesh.points_mm[t[1]], mesh.points_mm[t[2]], p);
   return sum;
 }
 
-WindingNumber::WindingNumber(const TriMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
+WindingNumber::WindingNumber(const surface::TriMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   for (const auto& t : mesh.triangles)
     middle_.push_back((mesh.points_mm[t[0]] + mesh.points_mm[t[1]] + mesh.points_mm[t[2]]) / 3);
@@ -169,15 +169,15 @@ std::uint32_t WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
   Node node;
   node.begin = begin;
   node.end = end;
-  Bounds box;
+  surface::Bounds box;
   double total = 0;
   for (std::uint32_t n = begin; n < end; ++n) {
-    const Vec3 normal = triangle_normal(mesh_, order_[n]) / 2;
+    const Vec3 normal = surface::triangle_normal(mesh_, order_[n]) / 2;
     const double area = norm(normal);
     node.area_normal += normal;
     node.centre += middle_[order_[n]] * area;
     total += area;
-    include(box, middle_[order_[n]]);
+    surface::include(box, middle_[order_[n]]);
   }
   const Vec3 lo = box.min_mm, hi = box.max_mm;
   node.centre = total > 0 ? node.centre / total : (lo + hi) / 2;
@@ -225,10 +225,10 @@ double WindingNumber::at(Vec3 p) const {
   return sum;
 }
 
-TriMesh recontour(const TriMesh& mesh, int voxels_count, double& voxel_mm, const Progress& progress) {
+surface::TriMesh recontour(const surface::TriMesh& mesh, int voxels_count, double& voxel_mm, const Progress& progress) {
   Recontour work(mesh, voxels_count);
   voxel_mm = work.side_mm();
   return work.run(progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -11,12 +11,12 @@
 #include "surface/incidence.h"
 #include "surface/triangle_tree.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
-constexpr std::size_t group_leaves = 4, group_size = group_leaves * TriangleTree::width;
+constexpr std::size_t group_leaves = 4, group_size = group_leaves * surface::TriangleTree::width;
 
-std::array<Vec3, 3> corners_of(const TriMesh& m, std::uint32_t t) {
+std::array<Vec3, 3> corners_of(const surface::TriMesh& m, std::uint32_t t) {
   const auto& v = m.triangles[t];
   return {m.points_mm[v[0]], m.points_mm[v[1]], m.points_mm[v[2]]};
 }
@@ -24,7 +24,7 @@ std::array<Vec3, 3> corners_of(const TriMesh& m, std::uint32_t t) {
 /// Whether two triangles around p certainly meet only in what they share. This is so where, seen along the sum of their
 /// normals, all of them turn the same way about p and go around it once, because each then has its own sector of the
 /// plane. Rounding is allowed for.
-bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
+bool is_fan(const surface::TriMesh& mesh, const surface::Incidence& incidence, std::uint32_t p) {
   constexpr double margin = 1e-10;
   const std::uint32_t begin = incidence.begin[p], end = incidence.begin[p + 1];
   if (end - begin < 3 || end - begin > 64) return false;
@@ -63,7 +63,7 @@ bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
 
 /// For each triangle: 2 where it is degenerate, 1 where each of its points has a fan, else 0. Without the incidence,
 /// fans are not looked for.
-std::vector<char> classify(const TriMesh& mesh, const Incidence* incidence) {
+std::vector<char> classify(const surface::TriMesh& mesh, const surface::Incidence* incidence) {
   std::vector<char> fan(mesh.points_mm.size()), kind(mesh.triangles.size());
   parallel_for(0, static_cast<std::int64_t>(incidence ? fan.size() : 0), 8192, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t p = from; p < to; ++p) fan[p] = is_fan(mesh, *incidence, static_cast<std::uint32_t>(p));
@@ -87,7 +87,7 @@ bool share(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t
 
 /// Of one chunk of the work: a tangle of millions of crossings is not worth its memory, and some are enough to refuse
 /// it.
-constexpr std::size_t most_pairs = std::size_t{1} << 20;
+constexpr std::size_t max_pairs = std::size_t{1} << 20;
 
 /// Boxes of triangles, coordinate by coordinate.
 struct Boxes {
@@ -100,12 +100,12 @@ struct Boxes {
     for (int a = 0; a < 3; ++a) min[a].clear(), max[a].clear();
     number.clear();
   }
-  void add(const FloatBox& box, std::uint32_t n) {
+  void add(const surface::FloatBox& box, std::uint32_t n) {
     for (int a = 0; a < 3; ++a) min[a].push_back(box.min[a]), max[a].push_back(box.max[a]);
     number.push_back(n);
   }
   /// Finds those from `first` on that meet this box.
-  void meet(const FloatBox& b, std::size_t first) {
+  void meet(const surface::FloatBox& b, std::size_t first) {
     if (hit.size() < number.size()) {
       hit.resize(number.size());
       met.resize(number.size());
@@ -128,8 +128,8 @@ struct Boxes {
 /// Marks with 2, as degenerate ones, all but the first of triangles with the same corners, and pairs each with it: what
 /// meets the first meets all of them, and all pairs of n equal triangles would be n^2. Equal ones have equal boxes and
 /// stand together in the tree's order.
-std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const TriMesh& mesh, const TriangleTree& tree,
-                                                          std::vector<char>& kind) {
+std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const surface::TriMesh& mesh,
+                                                          const surface::TriangleTree& tree, std::vector<char>& kind) {
   std::vector<std::array<std::uint32_t, 2>> pairs;
   const auto& order = tree.order();
   const auto key = [&](std::uint32_t t) {
@@ -140,7 +140,7 @@ std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const TriMesh& mesh, c
   };
   std::vector<std::pair<std::array<double, 9>, std::uint32_t>> run;
   for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
-    const FloatBox& box = tree.box(from);
+    const surface::FloatBox& box = tree.box(from);
     while (to < order.size() && tree.box(to).min == box.min && tree.box(to).max == box.max) ++to;
     if (to - from < 2) continue;
     run.clear();
@@ -159,11 +159,11 @@ std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const TriMesh& mesh, c
   return pairs;
 }
 
-std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const Incidence* incidence,
+std::vector<std::array<std::uint32_t, 2>> find_pairs(const surface::TriMesh& mesh, const surface::Incidence* incidence,
                                                      const Progress& progress, const std::vector<std::uint32_t>& only) {
   std::vector<char> kind = classify(mesh, incidence);
   progress.check();
-  const TriangleTree tree(mesh);
+  const surface::TriangleTree tree(mesh);
   progress.check();
   const auto& order = tree.order();
   const auto equal = set_equal_aside(mesh, tree, kind);
@@ -175,7 +175,9 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
     if (triangles_intersect(a, corners_of(mesh, s), b, corners_of(mesh, t)))
       out.push_back({std::min(s, t), std::max(s, t)});
   };
-  const auto end_of = [&](std::size_t leaf) { return std::min(TriangleTree::width * (leaf + 1), order.size()); };
+  const auto end_of = [&](std::size_t leaf) {
+    return std::min(surface::TriangleTree::width * (leaf + 1), order.size());
+  };
 
   // Tests each triangle that is asked for against all, or each group of leaves against itself and those that follow.
   const std::int64_t grain = only.empty() ? 64 : 512;
@@ -183,26 +185,26 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
       static_cast<std::int64_t>(only.empty() ? (tree.leaves() + group_leaves - 1) / group_leaves : only.size());
   std::vector<Pairs> found((jobs + grain - 1) / grain);
   const auto one = [&](std::uint32_t t, Pairs& out) {
-    FloatBox box;
+    surface::FloatBox box;
     for (const std::uint32_t v : mesh.triangles[t]) box.add(mesh.points_mm[v]);
     tree.for_each_leaf(box, 0, [&](std::size_t leaf) {
-      for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
+      for (std::size_t n = surface::TriangleTree::width * leaf; n < end_of(leaf); ++n)
         if (box.meets(tree.box(n))) test(t, order[n], out);
     });
   };
   const auto group = [&](std::size_t g, Boxes& boxes, Pairs& out) {
     const std::size_t first = g * group_leaves, begin = g * group_size,
                       end = std::min(begin + group_size, order.size());
-    FloatBox box;
+    surface::FloatBox box;
     for (std::size_t leaf = first; leaf < std::min(first + group_leaves, tree.leaves()); ++leaf)
       box.add(tree.leaf_box(leaf));
     boxes.clear();
     tree.for_each_leaf(box, first, [&](std::size_t leaf) {
-      for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
+      for (std::size_t n = surface::TriangleTree::width * leaf; n < end_of(leaf); ++n)
         if (kind[order[n]] != 2 && box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
     });
     std::size_t after = 0;  // their numbers ascend
-    for (std::size_t m = begin; m < end && out.size() < most_pairs; ++m) {
+    for (std::size_t m = begin; m < end && out.size() < max_pairs; ++m) {
       if (kind[order[m]] == 2) continue;
       progress.check();
       while (after < boxes.number.size() && boxes.number[after] <= m) ++after;
@@ -234,19 +236,20 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress,
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh, const Progress& progress,
                                                              const std::vector<std::uint32_t>& only) {
   if (mesh.triangles.empty()) return {};
   // Where there are few pairs, testing them takes less time than looking at the fan of every point.
   if (!only.empty() && only.size() < mesh.triangles.size() / 8) return find_pairs(mesh, nullptr, progress, only);
-  return self_intersections(mesh, Incidence(mesh), progress, only);
+  return self_intersections(mesh, surface::Incidence(mesh), progress, only);
 }
 
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh,
+                                                             const surface::Incidence& incidence,
                                                              const Progress& progress,
                                                              const std::vector<std::uint32_t>& only) {
   if (mesh.triangles.empty()) return {};
   return find_pairs(mesh, &incidence, progress, only);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

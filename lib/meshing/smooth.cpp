@@ -17,7 +17,7 @@
 #include "surface/incidence.h"
 #include "surface/results.h"
 
-namespace trephine {
+namespace trephine::meshing {
 namespace {
 
 constexpr std::int64_t grain = 16384;
@@ -26,7 +26,7 @@ constexpr std::int64_t grain = 16384;
 struct Neighbours {
   std::vector<std::uint32_t> begin, point;
 
-  Neighbours(const TriMesh& mesh, const Incidence& incidence) : begin(mesh.points_mm.size() + 1, 0) {
+  Neighbours(const surface::TriMesh& mesh, const surface::Incidence& incidence) : begin(mesh.points_mm.size() + 1, 0) {
     // On a closed, oriented surface each triangle around a point adds the corner that follows it.
     point.resize(incidence.triangle.size());
     begin = incidence.begin;
@@ -68,9 +68,9 @@ void half_step(const Neighbours& neighbours, const std::vector<Vec3>& x, std::ve
 }
 
 /// The filter as a sum of Chebyshev polynomials of (I - K/2), by their recurrence.
-std::vector<Vec3> low_pass(const TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
+std::vector<Vec3> low_pass(const surface::TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
   const auto degree = static_cast<int>(params.iterations_count);
-  const Neighbours neighbours(mesh, Incidence(mesh));
+  const Neighbours neighbours(mesh, surface::Incidence(mesh));
   const std::vector<double> c = filter_coefficients(degree, params.pass_band_ratio);
   std::vector<Vec3> before = mesh.points_mm, now(before.size()), next(before.size()), sum(before.size());
   half_step(neighbours, before, now);
@@ -90,8 +90,8 @@ std::vector<Vec3> low_pass(const TriMesh& mesh, const SmoothParams& params, cons
   return sum;
 }
 
-std::vector<Vec3> neighbour_means(const TriMesh& mesh, std::int64_t iterations, const Progress& progress) {
-  const Neighbours neighbours(mesh, Incidence(mesh));
+std::vector<Vec3> neighbour_means(const surface::TriMesh& mesh, std::int64_t iterations, const Progress& progress) {
+  const Neighbours neighbours(mesh, surface::Incidence(mesh));
   std::vector<Vec3> now = mesh.points_mm, next(now.size());
   for (std::int64_t n = 0; n < iterations; ++n) {
     progress.report(double(n) / double(iterations));
@@ -101,7 +101,7 @@ std::vector<Vec3> neighbour_means(const TriMesh& mesh, std::int64_t iterations, 
   return now;
 }
 
-std::vector<Vec3> filtered(const TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
+std::vector<Vec3> filtered(const surface::TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
   switch (params.method) {
     case SmoothMethod::laplacian:
       return neighbour_means(mesh, params.iterations_count, progress);
@@ -114,7 +114,7 @@ std::vector<Vec3> filtered(const TriMesh& mesh, const SmoothParams& params, cons
 }
 
 /// Points of the faulty triangles go back to where they were, with `rings` rings around them.
-void take_back(TriMesh& mesh, const TriMesh& original, std::vector<char>& held,
+void take_back(surface::TriMesh& mesh, const surface::TriMesh& original, std::vector<char>& held,
                const std::vector<std::uint32_t>& triangles, int rings) {
   std::vector<char> marked(mesh.points_mm.size(), 0);
   for (const std::uint32_t t : triangles)
@@ -135,12 +135,12 @@ void take_back(TriMesh& mesh, const TriMesh& original, std::vector<char>& held,
 
 /// Moves each point along its normal towards its target. What the volume loses is given back by an even offset, as far
 /// as the bound allows. Sliding along the surface would use up the bound where triangles are uneven, for nothing.
-void move_points(TriMesh& mesh, const TriMesh& original, const std::vector<Vec3>& target, double volume,
-                 double max_displacement_mm) {
-  TriMesh shape = original;
+void move_points(surface::TriMesh& mesh, const surface::TriMesh& original, const std::vector<Vec3>& target,
+                 double volume, double max_displacement_mm) {
+  surface::TriMesh shape = original;
   Report unused;
   compute_normals(shape, NormalsParams(), unused);
-  const double step = float32_step_mm(original), area = area_mm2(original);
+  const double step = float32_step_mm(original), area = surface::area_mm2(original);
   // Rounding to float32 moves a point by less than one step of the grid, so the bound holds after it as well.
   const double limit = std::max(0.0, max_displacement_mm - step);
   double offset = 0;
@@ -151,20 +151,20 @@ void move_points(TriMesh& mesh, const TriMesh& original, const std::vector<Vec3>
       for (int a = 0; a < 3; ++a) p[a] = std::nearbyint(p[a] / step) * step;
       mesh.points_mm[i] = p;
     }
-    offset += (volume - volume_mm3(mesh)) / area;
+    offset += (volume - surface::volume_mm3(mesh)) / area;
   }
 }
 
-std::vector<std::uint32_t> faulty_triangles(const TriMesh& mesh, const Progress& progress) {
+std::vector<std::uint32_t> faulty_triangles(const surface::TriMesh& mesh, const Progress& progress) {
   std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
   for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
   return faults;
 }
 
 /// The triangles of pieces that were turned inside out.
-std::vector<std::uint32_t> turned_triangles(const TriMesh& mesh, const TriMesh& original) {
+std::vector<std::uint32_t> turned_triangles(const surface::TriMesh& mesh, const surface::TriMesh& original) {
   std::vector<int> piece_of;
-  const int pieces = label_components(mesh, piece_of);
+  const int pieces = surface::label_components(mesh, piece_of);
   const auto before = piece_volumes(original, piece_of, pieces), now = piece_volumes(mesh, piece_of, pieces);
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < piece_of.size(); ++t)
@@ -174,14 +174,14 @@ std::vector<std::uint32_t> turned_triangles(const TriMesh& mesh, const TriMesh& 
 
 }  // namespace
 
-TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report, const Progress& progress,
-               const TriMesh* reference) {
-  check_mesh(input);
+surface::TriMesh smooth(const surface::TriMesh& input, const SmoothParams& params, Report& report,
+                        const Progress& progress, const surface::TriMesh* reference) {
+  surface::check_mesh(input);
   const double bound_mm = params.total_deviation_mm;
   if (bound_mm > 0 && !reference)
     throw Error(ExitCode::usage, "", "total_deviation_mm", "is to a reference: give --reference too");
-  if (reference) with_field("reference", [&] { check_mesh(*reference); });
-  TriMesh original = input;
+  if (reference) with_field("reference", [&] { surface::check_mesh(*reference); });
+  surface::TriMesh original = input;
   original.normals.clear();
   snap_to_float32(original);
   with_field("smooth: input", [&] { require_valid(original, progress.part(0, 0.2)); });
@@ -193,8 +193,8 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
                               "to {:.3f} mm at its points",
                               bound_mm, to_reference->largest_mm(original)),
                   {"raise `total_deviation_mm`, or lower `max_deviation_mm` of `decimate`"});
-  TriMesh mesh = original;
-  const double volume = volume_mm3(original);
+  surface::TriMesh mesh = original;
+  const double volume = surface::volume_mm3(original);
   double strength = 1;
   std::vector<char> held(mesh.points_mm.size(), 0);
   if (params.iterations_count > 0 && params.max_displacement_mm > 0) {
@@ -216,7 +216,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
         take_back(mesh, original, held, faults, rings);
         rings = std::count(held.begin(), held.end(), 1) > before ? 0 : rings + 1;
       }
-      if (!(100 * std::abs(volume_mm3(mesh) / volume - 1) > params.max_volume_change_percent)) break;
+      if (!(100 * std::abs(surface::volume_mm3(mesh) / volume - 1) > params.max_volume_change_percent)) break;
       strength = strength > 0.01 ? strength / 2 : 0;
       if (strength == 0) {
         mesh = original;
@@ -232,9 +232,9 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
     squares += d * d;
   }
   with_field("smooth", [&] { require_valid(mesh, progress.part(0.9, 1)); });
-  const double smoothed_volume = volume_mm3(mesh);
+  const double smoothed_volume = surface::volume_mm3(mesh);
   report.add("triangles_count", mesh.triangles.size());
-  add_result(report, SmoothingResult{largest});
+  add_result(report, surface::SmoothingResult{largest});
   report.add("displacement_rms_mm", mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size()));
   report.add("strength_ratio", strength);
   report.add("volume_ml", smoothed_volume / 1000);
@@ -246,4 +246,4 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   return mesh;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 enum class SmoothMethod { windowed_sinc, laplacian, feature };
 
@@ -61,7 +61,7 @@ struct SmoothParams {
 /// Throws Error 64 where total_deviation_mm is set without a reference; 65 where a mesh is not finite or its indices
 /// are out of range; 80 where it is not closed and 2-manifold, intersects itself already, or lies further from the
 /// reference than total_deviation_mm before it is smoothed.
-TriMesh smooth(const TriMesh& mesh, const SmoothParams& params, Report& report, const Progress& progress = {},
-               const TriMesh* reference = nullptr);
+surface::TriMesh smooth(const surface::TriMesh& mesh, const SmoothParams& params, Report& report,
+                        const Progress& progress = {}, const surface::TriMesh* reference = nullptr);
 
-}  // namespace trephine
+}  // namespace trephine::meshing

@@ -14,7 +14,7 @@
 #include "meshing/float32_raster.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 namespace {
 
@@ -44,7 +44,7 @@ std::string Validity::text() const {
   return faults.empty() ? "closed, 2-manifold, no self-intersections" : faults;
 }
 
-std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh) {
+std::vector<std::uint32_t> degenerate_triangles(const surface::TriMesh& mesh) {
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& v = mesh.triangles[t];
@@ -56,8 +56,8 @@ std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh) {
 namespace {
 
 /// The checks that need no neighbours.
-void look_at_each(const TriMesh& mesh, Validity& v) {
-  v.volume_mm3 = volume_mm3(mesh);
+void look_at_each(const surface::TriMesh& mesh, Validity& v) {
+  v.volume_mm3 = surface::volume_mm3(mesh);
   v.float32 = std::all_of(mesh.points_mm.begin(), mesh.points_mm.end(), [](Vec3 p) {
     return p.x == static_cast<float>(p.x) && p.y == static_cast<float>(p.y) && p.z == static_cast<float>(p.z);
   });
@@ -79,15 +79,17 @@ void look_at_each(const TriMesh& mesh, Validity& v) {
 class ProofOfValidity {
  public:
   /// The number is a digest of what was proven, so that a later change which forgot no proof can be found.
-  static void give(const TriMesh& mesh) {
+  static void give(const surface::TriMesh& mesh) {
     const std::uint64_t number = digest_of(mesh);
     mesh.points_mm.proof_ = number;
     mesh.triangles.proof_ = number;
   }
-  static bool holds(const TriMesh& mesh) { return mesh.proven_valid() && digest_of(mesh) == mesh.points_mm.proof(); }
+  static bool holds(const surface::TriMesh& mesh) {
+    return mesh.proven_valid() && digest_of(mesh) == mesh.points_mm.proof();
+  }
 
  private:
-  static std::uint64_t digest_of(const TriMesh& mesh) {
+  static std::uint64_t digest_of(const surface::TriMesh& mesh) {
     std::uint64_t h = mesh.points_mm.size();
     const auto add = [&h](std::uint64_t word) {
       h = (h ^ word) * 0x9fb21c651e98df25;
@@ -107,14 +109,14 @@ class ProofOfValidity {
   }
 };
 
-Validity check_validity(const TriMesh& mesh, const Progress& progress) {
-  check_mesh(mesh);
+Validity check_validity(const surface::TriMesh& mesh, const Progress& progress) {
+  surface::check_mesh(mesh);
   Validity v;
-  const Incidence incidence(mesh);
+  const surface::Incidence incidence(mesh);
   std::vector<std::array<std::uint32_t, 2>> pairs;
   parallel_do({[&] { pairs = self_intersections(mesh, incidence, progress.part(0.1, 0.9)); },
                [&] {
-                 v.topology = topology_of(mesh, incidence);
+                 v.topology = surface::topology_of(mesh, incidence);
                  if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(mesh, incidence, v.places);
                },
                [&] { look_at_each(mesh, v); }});
@@ -126,7 +128,7 @@ Validity check_validity(const TriMesh& mesh, const Progress& progress) {
   return v;
 }
 
-double float32_step_mm(const TriMesh& mesh) {
+double float32_step_mm(const surface::TriMesh& mesh) {
   double reach = 0;
   for (const Vec3 p : mesh.points_mm) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   if (!(reach > 0)) return std::ldexp(1.0, -14);
@@ -139,10 +141,10 @@ namespace {
 
 /// How far to move a mesh whose origin lies outside its bounds: by whole mm, or by a power of two that is small enough
 /// for a small mesh.
-bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
+bool shift_of_origin(const surface::TriMesh& mesh, Vec3& shift) {
   if (mesh.points_mm.empty()) return false;
-  Bounds box;
-  for (const Vec3 p : mesh.points_mm) include(box, p);
+  surface::Bounds box;
+  for (const Vec3 p : mesh.points_mm) surface::include(box, p);
   const Vec3 low = box.min_mm, high = box.max_mm;
   const Vec3 centre = (low + high) / 2;
   const double half = norm(high - low) / 2;
@@ -155,14 +157,14 @@ bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
 
 }  // namespace
 
-void centre_origin(TriMesh& mesh) {
+void centre_origin(surface::TriMesh& mesh) {
   Vec3 shift;
   if (!shift_of_origin(mesh, shift) || shift == Vec3{}) return;
   for (Vec3& p : mesh.points_mm) p = p - shift;
   mesh.origin_mm += shift;
 }
 
-bool on_float32_raster(const TriMesh& mesh) {
+bool on_float32_raster(const surface::TriMesh& mesh) {
   Vec3 shift;
   if (shift_of_origin(mesh, shift) && !(shift == Vec3{})) return false;
   const double step = float32_step_mm(mesh);
@@ -172,7 +174,7 @@ bool on_float32_raster(const TriMesh& mesh) {
   });
 }
 
-void snap_to_float32(TriMesh& mesh) {
+void snap_to_float32(surface::TriMesh& mesh) {
   if (on_float32_raster(mesh)) return;
   centre_origin(mesh);
   const double step = float32_step_mm(mesh);
@@ -184,7 +186,7 @@ void snap_to_float32(TriMesh& mesh) {
   });
 }
 
-void require_valid(const TriMesh& mesh, const Progress& progress) {
+void require_valid(const surface::TriMesh& mesh, const Progress& progress) {
   if (ProofOfValidity::holds(mesh)) return;
   if (mesh.proven_valid())
     throw Error(ExitCode::internal, "", "mesh", "was changed through a reference that is older than its proof");
@@ -192,4 +194,4 @@ void require_valid(const TriMesh& mesh, const Progress& progress) {
   if (!v.valid()) throw refusal("", v.text(), remedies::other_triangles);
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshing

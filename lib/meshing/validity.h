@@ -9,11 +9,11 @@
 #include "meshing/fault_places.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshing {
 
 /// The properties that the program guarantees for every surface from contour to export.
 struct Validity {
-  Topology topology;
+  surface::Topology topology;
   std::size_t self_intersections = 0;  ///< pairs of triangles that meet elsewhere than in their shared points and edges
   std::size_t degenerate = 0;          ///< triangles whose three points lie exactly on a line, or coincide
   std::size_t slivers = 0;             ///< smallest height below 1e-3 of the longest side; allowed, only counted
@@ -35,32 +35,34 @@ struct Validity {
 /// coordinates and runs in parallel, with the same answer whatever the thread count. If the mesh's points are on
 /// float32's raster (see snap_to_float32), the answer holds for the exported float32 mesh as well. Throws as check_mesh
 /// does.
-Validity check_validity(const TriMesh& mesh, const Progress& progress = {});
+Validity check_validity(const surface::TriMesh& mesh, const Progress& progress = {});
 
 /// The pairs of intersecting triangles (lower index first, ascending): they share no point and touch, or share points
 /// and touch or overlap beyond them. Triangles in `only` (empty: all) are checked against all.
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress = {},
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh,
+                                                             const Progress& progress = {},
                                                              const std::vector<std::uint32_t>& only = {});
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const surface::TriMesh& mesh,
+                                                             const surface::Incidence& incidence,
                                                              const Progress& progress = {},
                                                              const std::vector<std::uint32_t>& only = {});
 
 /// The triangles whose three points lie exactly on a line, or coincide; ascending.
-std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh);
+std::vector<std::uint32_t> degenerate_triangles(const surface::TriMesh& mesh);
 
 /// Moves each point to the nearest multiple of a power of two of mm that float32 holds exactly: 2^-14 mm (0.06 um) for
 /// a mesh that lies within 512 mm of its origin and is not tiny. Such points stay exact in float32 under every shift of
 /// the origin by such multiples (whole mm, for instance) that leaves them within 1,024 mm. Every stage ends with this
 /// step, so that the checked surface is the exported one. A mesh on the raster already keeps its proof.
-void snap_to_float32(TriMesh& mesh);
+void snap_to_float32(surface::TriMesh& mesh);
 /// Where the origin lies outside the bounds, moves it to about their centre (in whole mm; finer for a tiny mesh); the
 /// surface stays where it is, to the last digits.
-void centre_origin(TriMesh& mesh);
+void centre_origin(surface::TriMesh& mesh);
 /// The step that snap_to_float32 uses for that mesh.
-double float32_step_mm(const TriMesh& mesh);
+double float32_step_mm(const surface::TriMesh& mesh);
 
 /// Throws Error 80 with the fault where the mesh is not valid. A mesh that is proven_valid() is not checked again, but
 /// compared with what was proven: Error 70 where it was changed behind the proof's back (mesh_array.h).
-void require_valid(const TriMesh& mesh, const Progress& progress = {});
+void require_valid(const surface::TriMesh& mesh, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshing

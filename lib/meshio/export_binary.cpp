@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "meshio/export_encode.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "floats and integers are written as they lie in memory");
@@ -97,4 +97,4 @@ ExportFormat ply_format() {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -8,7 +8,7 @@
 #include "meshio/export_format.h"
 #include "meshio/texture.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 constexpr double float32_epsilon = 1.2e-7;
 
@@ -18,12 +18,12 @@ struct PreparedSurface {
   std::vector<Vec3> world_mm;  ///< rounded to the precision
   std::vector<Vec3> normals;   ///< one a point
   TextureMap texture;          ///< empty where none is asked for or the format has none
-  const TriMesh& mesh() const { return *source->mesh; }
+  const surface::TriMesh& mesh() const { return *source->mesh; }
   bool textured() const { return !texture.triangles.empty(); }
 };
 
 /// The mesh's points as the format's numbers hold them; a zero is +0.
-std::vector<Vec3> rounded_world(const TriMesh& mesh, Precision precision);
+std::vector<Vec3> rounded_world(const surface::TriMesh& mesh, Precision precision);
 
 /// The same with one vertex a texture point, for formats that know no second index; without texture a plain copy.
 struct PlainSurface {
@@ -35,4 +35,4 @@ PlainSurface plain_surface(const PreparedSurface& s);
 
 std::array<unsigned char, 3> colour_bytes(const std::array<double, 3>& rgb);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

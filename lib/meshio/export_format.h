@@ -7,7 +7,7 @@
 #include "meshio/export_mesh.h"
 #include "meshio/foreign_reader.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 struct PreparedSurface;  // meshio/export_encode.h
 
@@ -54,4 +54,4 @@ const ExportFormat& export_format(std::string_view name);
 /// The formats for which is_so is true, as "obj, wrl and x3d", with `word` before the last.
 std::string format_names(bool (*is_so)(const ExportFormat&), const std::string& word = "and");
 
-}  // namespace trephine
+}  // namespace trephine::meshio

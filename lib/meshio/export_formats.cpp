@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "meshio/export_format.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 ExportFormat stl_format(), ply_format(), obj_format(), vtp_format(), vtk_format(), wrl_format(), x3d_format(),
     glb_format();
@@ -37,4 +37,4 @@ std::string format_names(bool (*is_so)(const ExportFormat&), const std::string& 
   return text;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

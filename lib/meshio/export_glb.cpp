@@ -5,16 +5,16 @@
 #include "meshio/export_encode.h"
 #include "meshio/export_format.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 std::string encode(const PreparedSurface& s) {
-  GlbParams params;
+  cases::GlbParams params;
   params.center_mm = s.mesh().origin_mm;
   params.name = s.source->name;
   params.colour_rgb = s.source->colour_rgb;
   params.opacity = s.source->opacity;
-  return make_glb(s.mesh(), params);
+  return cases::make_glb(s.mesh(), params);
 }
 
 }  // namespace
@@ -34,4 +34,4 @@ ExportFormat glb_format() {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -12,7 +12,7 @@
 #include "meshing/validity.h"
 #include "meshio/export_encode.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 void check_surface(const ExportSurface& s) {
@@ -28,14 +28,14 @@ void check_surface(const ExportSurface& s) {
   if (!(s.opacity >= 0 && s.opacity <= 1)) refuse("an opacity must be 0 to 1");
 }
 
-std::vector<Vec3> normals_of(const TriMesh& mesh) {
+std::vector<Vec3> normals_of(const surface::TriMesh& mesh) {
   std::vector<Vec3> normals = mesh.normals;
   if (normals.empty()) {
-    TriMesh copy = mesh;
+    surface::TriMesh copy = mesh;
     Report ignored;
-    NormalsParams params;
-    params.weight = NormalWeight::area;  // no arc cosine, whose last digit is the C library's
-    compute_normals(copy, params, ignored);
+    meshing::NormalsParams params;
+    params.weight = meshing::NormalWeight::area;  // no arc cosine, whose last digit is the C library's
+    meshing::compute_normals(copy, params, ignored);
     normals = std::move(copy.normals);
   }
   for (Vec3& n : normals) {
@@ -48,13 +48,13 @@ std::vector<Vec3> normals_of(const TriMesh& mesh) {
 // Checks what will be written, which are the rounded coordinates. The bounds are checked first, because float32 has a
 // largest value.
 void check_rounded(const PreparedSurface& s, const ExportFormat& format, const Progress& progress) {
-  TriMesh written;
+  surface::TriMesh written;
   written.points_mm = s.world_mm;
   written.triangles = s.mesh().triangles;
   for (const Vec3 p : written.points_mm)
     if (!is_finite(p))
       throw refusal("", "a point is beyond what float32 can hold", {"choose a `format` of 64 bits, such as vtp"});
-  const Validity v = check_validity(written, progress);
+  const meshing::Validity v = meshing::check_validity(written, progress);
   if (v.valid()) return;
   const auto exact = [](const ExportFormat& f) { return f.precision == Precision::float64_world; };
   throw refusal("", std::string("not a valid surface as written to ") + format.name + ": " + v.text(),
@@ -66,7 +66,7 @@ void check_rounded(const PreparedSurface& s, const ExportFormat& format, const P
 PreparedSurface prepare(const ExportFormat& format, const ExportSurface& source, const Progress& progress) {
   check_surface(source);
   return with_field(source.name, [&] {
-    check_mesh(*source.mesh);
+    surface::check_mesh(*source.mesh);
     if (source.mesh->triangles.empty())
       throw refusal("", "the surface has no triangles", {"leave it out of `anatomy`, or make it anew with `contour`"});
     PreparedSurface s;
@@ -81,7 +81,7 @@ PreparedSurface prepare(const ExportFormat& format, const ExportSurface& source,
 
 }  // namespace
 
-std::vector<Vec3> rounded_world(const TriMesh& mesh, Precision precision) {
+std::vector<Vec3> rounded_world(const surface::TriMesh& mesh, Precision precision) {
   std::vector<Vec3> world(mesh.points_mm.size());
   const auto narrow = [](double v) { return double(float(v)); };
   for (std::size_t i = 0; i < world.size(); ++i) {
@@ -137,4 +137,4 @@ void write_export(const std::filesystem::path& folder, const std::vector<ExportF
   for (const auto& w : writers) w->commit();
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// Surfaces as files of other programs. World coordinates, DICOM patient LPS, mm, said in the file as 3D Slicer reads
 /// it (SPACE=LPS) with UNIT=mm, but for formats that say otherwise; the same bytes for the same surfaces. What each
@@ -16,7 +16,7 @@ namespace trephine {
 struct ExportFormat;  // meshio/export_format.h
 
 struct ExportSurface {
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
   std::string name;                                 ///< [A-Za-z0-9_.-]{1,64}: of the group, shape or material
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< sRGB, 0 to 1
   double opacity = 1;
@@ -44,7 +44,7 @@ std::vector<ExportFile> encode_surfaces(const ExportFormat& format, const std::v
 struct ExportCheck {
   std::string read_by;  ///< "assimp", "VTK"
   std::size_t triangles = 0;
-  Bounds bounds_mm;
+  surface::Bounds bounds_mm;
   double largest_difference_mm = 0;  ///< largest difference of a coordinate of a corner
 };
 
@@ -61,4 +61,4 @@ ExportCheck verify_export(const ExportFormat& format, const std::vector<ExportSu
 /// 73 and 74; then no new file is there (unless a rename fails between two files, which is reported).
 void write_export(const std::filesystem::path& folder, const std::vector<ExportFile>& files);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "meshio/export_encode.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 // Six digits are enough for a direction, a texture or a colour.
@@ -265,4 +265,4 @@ ExportFormat x3d_format() {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

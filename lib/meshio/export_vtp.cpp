@@ -4,14 +4,14 @@
 #include "meshio/export_format.h"
 #include "meshio/vtp_encode.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 std::string encode(const PreparedSurface& s) {
   VtpExtras extras;
   extras.name = s.source->name;
   extras.point_rgb = colour_bytes(s.source->colour_rgb);
-  TriMesh copy;
+  surface::TriMesh copy;
   copy.origin_mm = s.mesh().origin_mm;
   if (!s.textured()) {
     copy = s.mesh();
@@ -42,4 +42,4 @@ ExportFormat vtp_format() {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -4,7 +4,7 @@
 #include "base/child_message.h"
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 constexpr const char* worker_name = "mesh-read";
@@ -92,4 +92,4 @@ ChildLimits foreign_limits(std::size_t bytes) {
   return limits;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -12,7 +12,7 @@
 #include "base/vec3.h"
 #include "meshio/foreign_reader.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// One mesh of a file as its reader gave it: finite points in the file's own coordinates (nodes' transforms applied),
 /// triangles with indices in range, polygons triangulated. Points may be repeated.
@@ -41,4 +41,4 @@ std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::s
                                              std::string_view companion);
 std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::string_view bytes);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -16,7 +16,7 @@
 #include "base/text.h"
 #include "meshio/foreign.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 class Stream final : public Assimp::IOStream {
@@ -164,4 +164,4 @@ std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::s
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

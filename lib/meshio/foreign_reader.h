@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace trephine {
+namespace trephine::meshio {
 
 enum class ForeignProgram : std::uint32_t { assimp, vtk };
 inline const char* name_of(ForeignProgram program) { return program == ForeignProgram::vtk ? "VTK" : "assimp"; }
@@ -15,4 +15,4 @@ struct ForeignReader {
   bool reads(std::string_view other) const { return other == extension; }
 };
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -23,7 +23,7 @@
 #include "base/file_descriptor.h"
 #include "meshio/foreign.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "", what); }
@@ -155,4 +155,4 @@ std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::stri
   return {std::move(s)};
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

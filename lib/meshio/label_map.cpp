@@ -11,24 +11,24 @@
 #include "grid/nifti.h"
 #include "itk/volume_write.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
-Lattice covering_lattice(const std::vector<LabelledField>& fields, std::vector<Box>& places) {
-  const Lattice& first = *fields[0].field;
-  Box all = whole_box(first);
+grid::Lattice covering_lattice(const std::vector<LabelledField>& fields, std::vector<grid::Box>& places) {
+  const grid::Lattice& first = *fields[0].field;
+  grid::Box all = grid::whole_box(first);
   for (const LabelledField& f : fields) {
-    const Box place = with_field(f.name, [&] { return place_in(*f.field, first); });
+    const grid::Box place = with_field(f.name, [&] { return grid::place_in(*f.field, first); });
     places.push_back(place);
     for (int a = 0; a < 3; ++a) {
       all.begin[a] = std::min(all.begin[a], place.begin[a]);
       all.end[a] = std::max(all.end[a], place.end[a]);
     }
   }
-  Lattice lattice = first;
+  grid::Lattice lattice = first;
   for (int a = 0; a < 3; ++a) lattice.size[a] = all.end[a] - all.begin[a];
   lattice.origin_mm = first.to_world_mm({double(all.begin[0]), double(all.begin[1]), double(all.begin[2])});
-  for (Box& b : places)
+  for (grid::Box& b : places)
     for (int a = 0; a < 3; ++a) {
       b.begin[a] -= all.begin[a];
       b.end[a] -= all.begin[a];
@@ -37,7 +37,7 @@ Lattice covering_lattice(const std::vector<LabelledField>& fields, std::vector<B
 }
 
 // Writes the value where the field is positive. Returns how many of these voxels belonged to an earlier field.
-std::size_t paint(Mask& labels, const Field& field, const Box& place, std::uint8_t value) {
+std::size_t paint(grid::Mask& labels, const grid::Field& field, const grid::Box& place, std::uint8_t value) {
   std::size_t taken = 0;
   for (int k = place.begin[2]; k < place.end[2]; ++k)
     for (int j = place.begin[1]; j < place.end[1]; ++j) {
@@ -58,8 +58,8 @@ std::string colour_text(const std::array<double, 3>& rgb) {
   return text;
 }
 
-NrrdKeys keys_of(const std::vector<LabelledField>& fields, const Lattice& lattice) {
-  NrrdKeys keys;
+grid::NrrdKeys keys_of(const std::vector<LabelledField>& fields, const grid::Lattice& lattice) {
+  grid::NrrdKeys keys;
   keys["Segmentation_MasterRepresentation"] = "Binary labelmap";
   keys["Segmentation_ContainedRepresentationNames"] = "Binary labelmap|";
   keys["Segmentation_ReferenceImageExtentOffset"] = "0 0 0";
@@ -106,11 +106,11 @@ std::string label_description(const LabelMap& map) {
 LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report, const Progress& progress) {
   if (fields.empty() || fields.size() > 255)
     throw Error(ExitCode::internal, "", "labels", "there must be 1 to 255 shapes");
-  std::vector<Box> places;
-  const Lattice lattice = covering_lattice(fields, places);
+  std::vector<grid::Box> places;
+  const grid::Lattice lattice = covering_lattice(fields, places);
   if (lattice.count() > std::size_t{1} << 33)
     throw Error(ExitCode::bad_input, "", "labels", "the fields lie too far apart for one volume");
-  LabelMap map{Mask(lattice), keys_of(fields, lattice)};
+  LabelMap map{grid::Mask(lattice), keys_of(fields, lattice)};
   std::size_t overlap = 0;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     overlap += paint(map.labels, *fields[i].field, places[i], std::uint8_t(i + 1));
@@ -150,20 +150,20 @@ const std::vector<LabelFormat>& all_label_formats() {
 }
 
 void write_label_map(const std::filesystem::path& file, const LabelMap& map) {
-  write_nrrd(file, map.labels, map.keys, NrrdEncoding::gzip);
+  grid::write_nrrd(file, map.labels, map.keys, grid::NrrdEncoding::gzip);
   if (!std::filesystem::is_regular_file(file)) return;  // a device
-  const Nrrd back = read_nrrd(file);
-  const Mask* labels = std::get_if<Mask>(&back.grid);
+  const grid::Nrrd back = grid::read_nrrd(file);
+  const grid::Mask* labels = std::get_if<grid::Mask>(&back.grid);
   if (labels && *labels == map.labels && back.keys == map.keys) return;
   remove_unread(file);
 }
 
 void write_label_nifti(const std::filesystem::path& file, const LabelMap& map) {
-  write_file(file, encode_nifti(map.labels, true));
+  write_file(file, grid::encode_nifti(map.labels, true));
   if (!std::filesystem::is_regular_file(file)) return;  // a device
   const std::vector<char> bytes = read_file(file);
-  const Nifti back = decode_nifti({bytes.data(), bytes.size()});
-  const Mask* labels = std::get_if<Mask>(&back.grid);
+  const grid::Nifti back = grid::decode_nifti({bytes.data(), bytes.size()});
+  const grid::Mask* labels = std::get_if<grid::Mask>(&back.grid);
   const auto near = [&](Vec3 corner) {  // NIfTI holds the place as float32
     return norm(labels->to_world_mm(corner) - map.labels.to_world_mm(corner)) <
            1e-3 + 1e-6 * norm(map.labels.origin_mm);
@@ -178,9 +178,9 @@ void write_label_nifti(const std::filesystem::path& file, const LabelMap& map) {
 }
 
 void write_label_volume(const std::filesystem::path& file, const LabelMap& map) {
-  write_volume_file(file, map.labels);
+  itk::write_volume_file(file, map.labels);
   std::filesystem::path names = file;
   write_file(names.replace_extension(".labels.txt"), label_description(map));
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

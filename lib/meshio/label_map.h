@@ -10,18 +10,18 @@
 #include "grid/grid.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// One shape of a segmentation.
 struct LabelledField {
-  const Field* field = nullptr;  ///< positive inside
-  std::string name;              ///< shown by 3D Slicer; no control characters
+  const grid::Field* field = nullptr;  ///< positive inside
+  std::string name;                    ///< shown by 3D Slicer; no control characters
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
 };
 
 struct LabelMap {
-  Mask labels;    ///< 0 is none, shape n of the list is n + 1
-  NrrdKeys keys;  ///< 3D Slicer's, see below
+  grid::Mask labels;    ///< 0 is none, shape n of the list is n + 1
+  grid::NrrdKeys keys;  ///< 3D Slicer's, see below
 };
 
 /// A segmentation as 3D Slicer's .seg.nrrd (slicer.readthedocs.io, developer guide, Segmentations): one layer of uint8
@@ -55,4 +55,4 @@ void write_label_nifti(const std::filesystem::path& file, const LabelMap& map);
 /// The same in a format of itk/volume_write.h, with STEM.labels.txt beside it.
 void write_label_volume(const std::filesystem::path& file, const LabelMap& map);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "meshio/markups.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* schema =
     "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/"
     "markups-schema-v1.0.3.json#";
-constexpr double default_trajectory_mm = 60, most_beside_mm = 20;
+constexpr double default_trajectory_mm = 60, max_beside_mm = 20;
 
 std::string short_text(double v) { return to_text(std::round(v * 100) / 100 + 0.0); }
 
@@ -26,17 +26,18 @@ struct Aim {
   double along_mm = 0, beside_mm = 0;
 };
 
-std::optional<Aim> aim_of(const CaseBurrHole& hole, const std::vector<CaseTarget>& targets) {
+std::optional<Aim> aim_of(const cases::CaseBurrHole& hole, const std::vector<cases::CaseTarget>& targets) {
   std::optional<Aim> best;
-  for (const CaseTarget& t : targets) {
+  for (const cases::CaseTarget& t : targets) {
     const Vec3 to = t.position_mm - hole.position_mm;
     const double along = dot(to, hole.direction), beside = norm(to - hole.direction * along);
-    if (along > 1 && beside <= most_beside_mm && (!best || beside < best->beside_mm)) best = Aim{t.name, along, beside};
+    if (along > 1 && beside <= max_beside_mm && (!best || beside < best->beside_mm)) best = Aim{t.name, along, beside};
   }
   return best;
 }
 
-Markup trajectory_of(const CaseBurrHole& hole, const CaseManifest& manifest, const MarkupsParams& params) {
+Markup trajectory_of(const cases::CaseBurrHole& hole, const cases::CaseManifest& manifest,
+                     const MarkupsParams& params) {
   const auto aim = aim_of(hole, manifest.targets);
   const double length = params.trajectory_mm > 0 ? params.trajectory_mm : aim ? aim->along_mm : default_trajectory_mm;
   std::string end = short_text(length) + " mm from the bone's surface";
@@ -65,18 +66,18 @@ Json json_of(const MarkupPoint& point, std::size_t number) {
 
 }  // namespace
 
-std::vector<Markup> markups_of_case(const CaseManifest& manifest, const MarkupsParams& params) {
+std::vector<Markup> markups_of_case(const cases::CaseManifest& manifest, const MarkupsParams& params) {
   std::vector<Markup> all;
   Markup landmarks{"landmarks", false, {0.2, 0.7, 0.3}, {}}, targets{"targets", false, {0.9, 0.3, 0.2}, {}};
-  for (const CaseLandmark& l : manifest.landmarks)
+  for (const cases::CaseLandmark& l : manifest.landmarks)
     landmarks.points.push_back({l.name, l.source + ", confidence " + short_text(l.confidence), l.position_mm});
-  for (const CaseTarget& t : manifest.targets)
+  for (const cases::CaseTarget& t : manifest.targets)
     targets.points.push_back(
         {t.name, (t.anatomy.empty() ? "" : "in " + t.anatomy + ", ") + "confidence " + short_text(t.confidence),
          t.position_mm});
   for (Markup* m : {&landmarks, &targets})
     if (!m->points.empty()) all.push_back(std::move(*m));
-  for (const CaseBurrHole& hole : manifest.burr_holes) all.push_back(trajectory_of(hole, manifest, params));
+  for (const cases::CaseBurrHole& hole : manifest.burr_holes) all.push_back(trajectory_of(hole, manifest, params));
   return all;
 }
 
@@ -99,4 +100,4 @@ std::string encode_slicer_markups(const Markup& markup) {
   return json.dump(1) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

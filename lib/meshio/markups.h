@@ -8,7 +8,7 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// The points of a case as markups of 3D Slicer (slicer.readthedocs.io, developer guide, Markups; schema 1.0.3), LPS,
 /// mm. Slicer reads one markup of a file, so each is a file of its own.
@@ -40,10 +40,10 @@ struct Markup {
 /// Landmarks ("landmarks"), targets ("targets") and one line for each burr hole ("trajectory-NAME"; its points are
 /// NAME_entry, the middle of the hole on the bone's surface, and NAME_end, on the axis). What the case has none of is
 /// left out. Descriptions say source and confidence, diameter, and how far beside the end the target lies.
-std::vector<Markup> markups_of_case(const CaseManifest& manifest, const MarkupsParams& params = {});
+std::vector<Markup> markups_of_case(const cases::CaseManifest& manifest, const MarkupsParams& params = {});
 
 /// The file's bytes; parse_slicer_markups reads the same positions back, bit for bit. Throws Error 70 where a line has
 /// not two points.
 std::string encode_slicer_markups(const Markup& markup);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

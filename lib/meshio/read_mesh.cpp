@@ -13,7 +13,7 @@
 #include "meshio/foreign.h"
 #include "meshio/vtp.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 constexpr ForeignReader readers[] = {{ForeignProgram::assimp, "stl"}, {ForeignProgram::assimp, "ply"},
@@ -40,8 +40,8 @@ bool says_ras(const ForeignReader& reader, std::string_view bytes) {
   return head.find("SPACE=RAS") != std::string_view::npos;
 }
 
-TriMesh joined(std::vector<ForeignSurface>&& surfaces) {
-  TriMesh mesh;
+surface::TriMesh joined(std::vector<ForeignSurface>&& surfaces) {
+  surface::TriMesh mesh;
   for (ForeignSurface& s : surfaces) {
     const std::size_t base = mesh.points_mm.size();
     if (base + s.points.size() > 0xffffffffu) throw Error(ExitCode::bad_input, "", "", "too many points");
@@ -54,7 +54,7 @@ TriMesh joined(std::vector<ForeignSurface>&& surfaces) {
 }
 
 // Sorts the points, so that of equal points the first one is kept. Returns how many were removed.
-std::size_t merge_points(TriMesh& mesh) {
+std::size_t merge_points(surface::TriMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.points_mm.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = std::uint32_t(i);
   const auto less = [&](std::uint32_t a, std::uint32_t b) {
@@ -77,7 +77,7 @@ std::size_t merge_points(TriMesh& mesh) {
   return merged;
 }
 
-std::size_t drop_sideless(TriMesh& mesh) {
+std::size_t drop_sideless(surface::TriMesh& mesh) {
   const std::size_t before = mesh.triangles.size();
   mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(),
                                       [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }),
@@ -85,9 +85,9 @@ std::size_t drop_sideless(TriMesh& mesh) {
   return before - mesh.triangles.size();
 }
 
-std::optional<TriMesh> own_glb(std::string_view bytes) {
+std::optional<surface::TriMesh> own_glb(std::string_view bytes) {
   try {
-    return read_glb(bytes).mesh;
+    return cases::read_glb(bytes).mesh;
   } catch (const Error& e) {
     if (e.code() != ExitCode::bad_input) throw;
     return {};
@@ -96,23 +96,23 @@ std::optional<TriMesh> own_glb(std::string_view bytes) {
 
 // The reader of PLY takes time with the square of the properties.
 void check_ply_header(std::string_view bytes) {
-  constexpr std::size_t most_properties = 1000, most_bytes = 1 << 20;
+  constexpr std::size_t max_properties = 1000, max_bytes = 1 << 20;
   const std::size_t end = bytes.find("end_header");
-  const std::string_view head = bytes.substr(0, std::min(end, most_bytes));
+  const std::string_view head = bytes.substr(0, std::min(end, max_bytes));
   std::size_t properties = 0;
   for (std::size_t at = 0; (at = head.find("property", at)) != std::string_view::npos; at += 8) ++properties;
-  if (properties > most_properties)
+  if (properties > max_properties)
     throw Error(ExitCode::bad_input, "", "property",
-                std::to_string(properties) + (end > most_bytes ? " or more" : "") + ", at most " +
-                    std::to_string(most_properties) + " of a PLY file are read");
+                std::to_string(properties) + (end > max_bytes ? " or more" : "") + ", at most " +
+                    std::to_string(max_properties) + " of a PLY file are read");
 }
 
-TriMesh foreign_mesh(const ForeignReader& reader, std::string_view bytes, const ReadMeshLimits& limits,
-                     const Progress& progress) {
+surface::TriMesh foreign_mesh(const ForeignReader& reader, std::string_view bytes, const ReadMeshLimits& limits,
+                              const Progress& progress) {
   ChildLimits child = foreign_limits(bytes.size());
   if (reader.reads("ply")) check_ply_header(bytes);
   if (limits.max_s > 0) child.cpu_s = child.wall_s = limits.max_s;
-  TriMesh mesh;
+  surface::TriMesh mesh;
   try {
     mesh = joined(read_foreign(reader, bytes, "", child, progress));
   } catch (const Error& e) {
@@ -138,11 +138,11 @@ const std::vector<std::string>& readable_mesh_extensions() {
   return all;
 }
 
-TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits,
-                       const Progress& progress) {
+surface::TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits,
+                                const Progress& progress) {
   return with_file(file.string(), [&] {
     const ForeignReader& reader = reader_for(file);
-    TriMesh mesh;
+    surface::TriMesh mesh;
     bool ours = false;
     if (reader.reads("vtp")) {
       std::error_code unknown;
@@ -158,27 +158,27 @@ TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const 
       const std::vector<char> read = read_file(file, limits.max_bytes);
       const std::string_view bytes(read.data(), read.size());
       if (bytes.empty()) throw Error(ExitCode::bad_input, "", "", "the file is empty");
-      std::optional<TriMesh> own;
+      std::optional<surface::TriMesh> own;
       if (reader.reads("glb")) own = own_glb(bytes);
       ours = own.has_value();
       mesh = ours ? std::move(*own) : foreign_mesh(reader, bytes, limits, progress);
     }
     std::size_t merged = 0, dropped = 0;
-    if (!ours && !topology_of(mesh).closed()) {
+    if (!ours && !surface::topology_of(mesh).closed()) {
       merged = merge_points(mesh);
       if (merged > 0) mesh.normals.clear();  // of a point's several sides
     }
     if (!ours) dropped = drop_sideless(mesh);
     if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "holds no triangle");
-    drop_unused_points(mesh);
-    if (!ours && !reader.reads("vtp")) centre_origin(mesh);
-    check_mesh(mesh);
+    surface::drop_unused_points(mesh);
+    if (!ours && !reader.reads("vtp")) meshing::centre_origin(mesh);
+    surface::check_mesh(mesh);
     report.add("triangles_count", mesh.triangles.size());
     report.add("points_merged", merged);
     report.add("triangles_dropped", dropped);
-    report.add("closed", topology_of(mesh).closed());
+    report.add("closed", surface::topology_of(mesh).closed());
     return mesh;
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -9,7 +9,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 struct ReadMeshLimits {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
@@ -36,7 +36,7 @@ const std::vector<std::string>& readable_mesh_extensions();
 /// Fills the report: triangles_count, points_merged, triangles_dropped, closed. Throws Error naming the file: 66 where
 /// it is missing; 64 for another extension; 65 where it is too large, damaged, has no triangle, or no reader survives
 /// it within the limits.
-TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits = {},
-                       const Progress& progress = {});
+surface::TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits = {},
+                                const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshio

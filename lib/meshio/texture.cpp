@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -12,7 +12,7 @@ constexpr double pi = 3.14159265358979323846;
 // Rounds to the digits that do not depend on the C library.
 double rounded(double v) { return std::round(v * 1e6) / 1e6; }
 
-Vec3 area_centroid(const TriMesh& mesh) {
+Vec3 area_centroid(const surface::TriMesh& mesh) {
   Vec3 sum;
   double area = 0;
   for (const auto& t : mesh.triangles) {
@@ -68,7 +68,7 @@ void unwrap(double* u, int count) {
 
 }  // namespace
 
-TextureMap spherical_texture(const TriMesh& mesh) {
+TextureMap spherical_texture(const surface::TriMesh& mesh) {
   const Vec3 centre = area_centroid(mesh);
   std::vector<Direction> directions;
   directions.reserve(mesh.points_mm.size());
@@ -108,4 +108,4 @@ TextureMap spherical_texture(const TriMesh& mesh) {
   return map;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -6,7 +6,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// A mesh's texture: points of it that carry texture coordinates (a mesh's point once for each u that it needs), and
 /// the triangles, in the mesh's order, as indices into them.
@@ -25,6 +25,6 @@ struct TextureMap {
 /// picture. A corner on the axis has no azimuth and takes the mean u of the triangle's others; a triangle around the
 /// axis is cut at its widest gap, so that it spans less than 1. Rounded to 1e-6. The mesh is not touched; its indices
 /// must be in range, its points finite.
-TextureMap spherical_texture(const TriMesh& mesh);
+TextureMap spherical_texture(const surface::TriMesh& mesh);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

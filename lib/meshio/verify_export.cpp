@@ -9,7 +9,7 @@
 #include "meshio/foreign.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 // Transforms glTF's metres with Y up about the origin back to mm in LPS.
@@ -53,7 +53,7 @@ void compare_surface(const std::vector<Vec3>& world, const ExportSurface& wanted
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3 p = got.points[got.triangles[t][c]], d = p - world[triangles[t][c]];
       largest = std::max({largest, std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-      include(all.bounds_mm, p);
+      surface::include(all.bounds_mm, p);
     }
   if (!(largest <= tolerance_mm))
     differs("a corner lies " + to_text(largest) + " mm off, the limit is " + to_text(tolerance_mm) + " mm");
@@ -92,4 +92,4 @@ ExportCheck verify_export(const ExportFormat& format, const std::vector<ExportSu
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

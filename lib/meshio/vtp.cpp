@@ -29,7 +29,7 @@
 #include "meshio/vtp_encode.h"
 #include "meshio/vtp_parse.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "copied as three doubles");
@@ -63,7 +63,7 @@ vtkSmartPointer<vtkDoubleArray> vectors(const char* name, const std::vector<Vec3
 }
 
 template <class IdArray>
-vtkSmartPointer<vtkCellArray> cells_of(const TriMesh& mesh) {
+vtkSmartPointer<vtkCellArray> cells_of(const surface::TriMesh& mesh) {
   const auto n = vtkIdType(mesh.triangles.size());
   vtkNew<IdArray> offsets, ids;
   offsets->SetNumberOfValues(n + 1);
@@ -111,7 +111,7 @@ void add_extras(vtkPolyData* data, const VtpExtras& extras) {
 }
 
 const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
-  const TriMesh mesh = parse_vtp(std::string(request.request()));
+  const surface::TriMesh mesh = parse_vtp(std::string(request.request()));
   const auto send = [&](const auto& array) {  // one after the other: there is a copy of one only
     MessageWriter out;
     out.array(array);
@@ -123,12 +123,12 @@ const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
   send(mesh.normals);
 });
 
-TriMesh parse_in_child(std::string_view bytes) {
+surface::TriMesh parse_in_child(std::string_view bytes) {
   ChildLimits limits;
   limits.memory_bytes = (std::uint64_t{1} << 30) + 16 * std::uint64_t(bytes.size());
   const ChildResult result = run_child("vtp-parse", bytes, limits);
   MessageReader in("vtp-parse", result.bytes());
-  TriMesh mesh;
+  surface::TriMesh mesh;
   mesh.origin_mm = in.array<Vec3>().at(0);
   mesh.points_mm = in.array<Vec3>();
   mesh.triangles = in.array<std::array<std::uint32_t, 3>>();
@@ -143,7 +143,7 @@ bool ends_as_xml(std::string_view bytes) {
 
 }  // namespace
 
-std::string encode_vtp(const TriMesh& mesh, const VtpExtras& extras) {
+std::string encode_vtp(const surface::TriMesh& mesh, const VtpExtras& extras) {
   vtkObject::GlobalWarningDisplayOff();
   std::vector<Vec3> world(mesh.points_mm.size());
   bool exact = true;
@@ -184,12 +184,12 @@ std::string encode_vtp(const TriMesh& mesh, const VtpExtras& extras) {
   return bytes;
 }
 
-void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
-  with_field("surface", [&] { check_mesh(mesh); });
+void write_vtp(const std::filesystem::path& file, const surface::TriMesh& mesh) {
+  with_field("surface", [&] { surface::check_mesh(mesh); });
   write_file(file, with_file(file.string(), [&] { return encode_vtp(mesh); }));
 }
 
-TriMesh read_vtp(const std::filesystem::path& file) {
+surface::TriMesh read_vtp(const std::filesystem::path& file) {
   std::string bytes;
   {
     const std::vector<char> read = read_file(file);
@@ -208,4 +208,4 @@ TriMesh read_vtp(const std::filesystem::path& file) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -4,7 +4,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// The file in which the single tools hand each other surfaces: VTK's XML PolyData (.vtp), as ParaView and 3D Slicer
 /// read it, and a round trip of the mesh that is exact to the bit. Written appended, raw, without compression (every
@@ -19,7 +19,7 @@ namespace trephine {
 ///                            reader, which can crash of it, sees the file
 ///
 /// Throws 65 for a mesh that check_mesh refuses, 73 and 74 as write_file does, 70 where VTK fails.
-void write_vtp(const std::filesystem::path& file, const TriMesh& mesh);
+void write_vtp(const std::filesystem::path& file, const surface::TriMesh& mesh);
 
 /// Reads what write_vtp wrote, bit for bit, and what other programs write: float or double points and normals, any id
 /// type, SPACE=RAS turned to LPS; without origin_mm the origin is 0. Only triangles are taken (no other polygons,
@@ -29,6 +29,6 @@ void write_vtp(const std::filesystem::path& file, const TriMesh& mesh);
 /// than said above, damaged (checksum), has counts that its size cannot hold, indices out of range, or values that are
 /// not finite. A file without our checksum is parsed in a bounded child (base/child.h): 70 where that dies. A foreign
 /// file whose coordinates were altered within the finite numbers is not noticed.
-TriMesh read_vtp(const std::filesystem::path& file);
+surface::TriMesh read_vtp(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -8,7 +8,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 /// What an exported copy holds beside the mesh: a name and the unit (field data), a colour (point data RGB, the active
 /// scalars), texture coordinates (one a point, or none).
@@ -19,6 +19,6 @@ struct VtpExtras {
 };
 
 /// What write_vtp writes, with its checksum. The mesh has passed check_mesh.
-std::string encode_vtp(const TriMesh& mesh, const VtpExtras& extras = {});
+std::string encode_vtp(const surface::TriMesh& mesh, const VtpExtras& extras = {});
 
-}  // namespace trephine
+}  // namespace trephine::meshio

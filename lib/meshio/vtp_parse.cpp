@@ -26,7 +26,7 @@
 #include "base/text.h"
 #include "grid/length_unit.h"
 
-namespace trephine {
+namespace trephine::meshio {
 namespace {
 
 constexpr const char* altered =
@@ -119,7 +119,7 @@ Vec3 origin_field(vtkFieldData* fields) {
   return origin;
 }
 
-void read_triangles(vtkPolyData* data, TriMesh& mesh) {
+void read_triangles(vtkPolyData* data, surface::TriMesh& mesh) {
   if (data->GetNumberOfVerts() + data->GetNumberOfLines() + data->GetNumberOfStrips() > 0)
     damaged("", "has vertices, lines or strips; only triangles are read");
   vtkCellArray* cells = data->GetPolys();
@@ -146,7 +146,7 @@ void read_triangles(vtkPolyData* data, TriMesh& mesh) {
     copy(cells->GetOffsetsArray32()->GetPointer(0), cells->GetConnectivityArray32()->GetPointer(0));
 }
 
-void turn_to_lps(TriMesh& mesh) {
+void turn_to_lps(surface::TriMesh& mesh) {
   mesh.origin_mm = {-mesh.origin_mm.x, -mesh.origin_mm.y, mesh.origin_mm.z};
   const auto turn = [](auto& vectors) {
     for (Vec3& p : vectors) p = {-p.x, -p.y, p.z};
@@ -155,9 +155,9 @@ void turn_to_lps(TriMesh& mesh) {
   turn(mesh.normals);
 }
 
-void scale_to_mm(TriMesh& mesh, const std::string& unit) {
+void scale_to_mm(surface::TriMesh& mesh, const std::string& unit) {
   if (unit.empty()) return;
-  const auto mm = mm_per_unit(unit);
+  const auto mm = grid::mm_per_unit(unit);
   if (!mm) damaged("UNIT", printable(unit).substr(0, 40) + " is no unit of length that is known");
   if (*mm == 1) return;
   mesh.origin_mm = mesh.origin_mm * *mm;
@@ -166,7 +166,7 @@ void scale_to_mm(TriMesh& mesh, const std::string& unit) {
 
 }  // namespace
 
-TriMesh parse_vtp(std::string&& bytes) {
+surface::TriMesh parse_vtp(std::string&& bytes) {
   const Declared declared = check_counts(bytes);
   const vtkSmartPointer<vtkPolyData> data = parse(std::move(bytes));
   if (std::uint64_t(data->GetNumberOfPoints()) != declared.points ||
@@ -175,7 +175,7 @@ TriMesh parse_vtp(std::string&& bytes) {
                     " polygons are declared, " + std::to_string(data->GetNumberOfPoints()) + " and " +
                     std::to_string(data->GetNumberOfPolys()) + " are there");
   vtkFieldData* fields = data->GetFieldData();
-  TriMesh mesh;
+  surface::TriMesh mesh;
   mesh.origin_mm = origin_field(fields);
   const auto count = std::size_t(data->GetNumberOfPoints());
   vtkPointData* arrays = data->GetPointData();
@@ -201,8 +201,8 @@ TriMesh parse_vtp(std::string&& bytes) {
     turn_to_lps(mesh);
   else if (!space.empty() && space.find("LPS") == std::string::npos)
     damaged(vtp_space_name, printable(space).substr(0, 40) + ", must be LPS or RAS");
-  check_mesh(mesh);
+  surface::check_mesh(mesh);
   return mesh;
 }
 
-}  // namespace trephine
+}  // namespace trephine::meshio

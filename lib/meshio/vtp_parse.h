@@ -5,7 +5,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::meshio {
 
 constexpr const char* vtp_local_name = "local_points_mm";
 constexpr const char* vtp_origin_name = "origin_mm";
@@ -13,6 +13,6 @@ constexpr const char* vtp_space_name = "SPACE";
 
 /// The bytes of a .vtp file as a mesh that has passed check_mesh. Throws Error 65 without a file name. VTK 9.1's reader
 /// can crash on damaged bytes, so it is called in this process only for bytes whose checksum was verified.
-TriMesh parse_vtp(std::string&& bytes);
+surface::TriMesh parse_vtp(std::string&& bytes);
 
-}  // namespace trephine
+}  // namespace trephine::meshio

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "surface/bvh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 namespace {
 
 constexpr std::int64_t grain = 256;
@@ -26,11 +26,12 @@ struct Corner {
 
 class OneWay {
  public:
-  OneWay(const TriMesh& from, const TriMesh& to, const CertifyParams& params, const Progress& progress)
+  OneWay(const surface::TriMesh& from, const surface::TriMesh& to, const CertifyParams& params,
+         const Progress& progress)
       : from_(from),
         to_(to),
         tolerance_(params.certify_tolerance_mm),
-        most_pieces_(params.certify_max_pieces_count),
+        max_pieces_(params.certify_max_pieces_count),
         bvh_(to, progress),
         shift_(from.origin_mm - to.origin_mm) {}
 
@@ -45,9 +46,9 @@ class OneWay {
       for (std::int64_t t = begin; t < end; ++t) {
         const auto& v = from_.triangles[t];
         pieces_ += std::int64_t(examine(corners_[v[0]], corners_[v[1]], corners_[v[2]], best));
-        if (pieces_ > most_pieces_)  // what all triangles need does not depend on the threads
+        if (pieces_ > max_pieces_)  // what all triangles need does not depend on the threads
           throw Error(ExitCode::internal, "", "--certify",
-                      "the surface would be cut into more than " + grouped_text(most_pieces_) +
+                      "the surface would be cut into more than " + grouped_text(max_pieces_) +
                           " pieces: give a larger --certify-tolerance-mm than " + to_text(tolerance_) +
                           ", or --certify-max-pieces-count");
       }
@@ -60,7 +61,7 @@ class OneWay {
       }
       all.upper_mm = std::max(all.upper_mm, d.upper_mm);
     }
-    const Bounds a = bounds_of(from_), b = bounds_of(to_);
+    const surface::Bounds a = surface::bounds_of(from_), b = surface::bounds_of(to_);
     all.upper_mm += rounding * std::max(norm(a.max_mm - a.min_mm), norm(b.max_mm - b.min_mm));
     all.at_mm = all.at_mm + to_.origin_mm;
     progress.report(1);
@@ -95,7 +96,8 @@ class OneWay {
 
   double to_triangle(Vec3 p, std::uint32_t t) const {
     const auto& v = to_.triangles[t];
-    return std::sqrt(nearest_on_triangle(p, to_.points_mm[v[0]], to_.points_mm[v[1]], to_.points_mm[v[2]]).squared_mm2);
+    return std::sqrt(
+        surface::nearest_on_triangle(p, to_.points_mm[v[0]], to_.points_mm[v[1]], to_.points_mm[v[2]]).squared_mm2);
   }
 
   /// Of the triangles that are nearest to one of the corners, takes the one whose largest distance to a corner is
@@ -144,10 +146,10 @@ class OneWay {
     best.at_mm = c.at;
   }
 
-  const TriMesh &from_, &to_;
+  const surface::TriMesh &from_, &to_;
   double tolerance_, floor_ = 0;
-  std::int64_t most_pieces_;
-  Bvh bvh_;
+  std::int64_t max_pieces_;
+  surface::Bvh bvh_;
   Vec3 shift_;
   std::vector<Corner> corners_;
   std::atomic<std::int64_t> pieces_{0};
@@ -155,11 +157,11 @@ class OneWay {
 
 }  // namespace
 
-CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
-                                     const Progress& progress) {
-  const auto check = [](const char* which, const TriMesh& m) {
+CertifiedDeviation certify_deviation(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                                     const CertifyParams& params, const Progress& progress) {
+  const auto check = [](const char* which, const surface::TriMesh& m) {
     with_field(which, [&] {
-      check_mesh(m);
+      surface::check_mesh(m);
       if (m.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "has no triangles");
     });
   };
@@ -183,4 +185,4 @@ void add_certified(Report& report, const CertifiedDeviation& d) {
   report.add("certified_at_z_mm", at.z);
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

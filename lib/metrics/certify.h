@@ -8,7 +8,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 
 struct CertifyParams {
   bool certify = false;
@@ -47,11 +47,11 @@ struct CertifiedDeviation {
 /// pieces; this too does not depend on threads or clock. Rounding is on the safe side (1e-9 of the surfaces' size is
 /// added). It runs in this process within bounds, with the same bits whatever the thread count. Throws Error 65 as
 /// check_mesh does, and for a surface without triangles.
-CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
-                                     const Progress& progress = {});
+CertifiedDeviation certify_deviation(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                                     const CertifyParams& params, const Progress& progress = {});
 
 /// Adds certified_max_mm (the upper bound), certified_lower_mm, certified_to_reference_mm, certified_from_reference_mm
 /// and certified_at_{x,y,z}_mm.
 void add_certified(Report& report, const CertifiedDeviation& deviation);
 
-}  // namespace trephine
+}  // namespace trephine::metrics

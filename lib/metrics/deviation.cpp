@@ -12,7 +12,7 @@
 #include "base/splitmix64.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 namespace {
 
 constexpr std::int64_t piece = 2048;
@@ -22,7 +22,7 @@ double hashed(std::uint64_t i, std::uint64_t which) {
   return unit_of_bits(splitmix64_mixed((4 * i + which + 1) * splitmix64_step));
 }
 
-std::vector<Vec3> used_points(const TriMesh& mesh) {
+std::vector<Vec3> used_points(const surface::TriMesh& mesh) {
   std::vector<bool> used(mesh.points_mm.size());
   for (const auto& t : mesh.triangles)
     for (const std::uint32_t v : t) used[v] = true;
@@ -75,8 +75,8 @@ std::vector<Vec3> kept(std::vector<Vec3> points, const KnownRegion& within) {
 }
 
 // The distances from sample points and vertices of `from` to `to`.
-Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const KnownRegion& within,
-                  const Progress& progress) {
+Side measure_side(const surface::TriMesh& from, const surface::PointToMesh& to, const DeviationParams& params,
+                  const KnownRegion& within, const Progress& progress) {
   Side side;
   side.signed_mm =
       to.signed_distances_mm(kept(points_on_surface(from, std::size_t(params.sample_count)), within), progress);
@@ -87,7 +87,8 @@ Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationPar
   return side;
 }
 
-std::vector<double> evaluate(const DistanceFunction& truth, const std::vector<Vec3>& points, const Progress& progress) {
+std::vector<double> evaluate(const surface::DistanceFunction& truth, const std::vector<Vec3>& points,
+                             const Progress& progress) {
   std::vector<double> d(points.size());
   parallel_for(0, std::int64_t(points.size()), piece, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -112,9 +113,9 @@ Deviation combine(Side mesh_to_reference, Side reference_to_mesh) {
   return d;
 }
 
-void check_surface(const TriMesh& mesh, const char* which) {
+void check_surface(const surface::TriMesh& mesh, const char* which) {
   with_field(which, [&] {
-    check_mesh(mesh);
+    surface::check_mesh(mesh);
     if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "has no triangles");
   });
 }
@@ -128,23 +129,23 @@ void add_deviation(Report& report, const Deviation& d) {
   report.add("samples_count", d.both.samples);
 }
 
-std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count) {
+std::vector<Vec3> points_on_surface(const surface::TriMesh& mesh, std::size_t count) {
   std::vector<Vec3> points;
   if (count == 0) return points;
   double total = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(triangle_normal(mesh, t));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(surface::triangle_normal(mesh, t));
   if (!(total > 0) || !std::isfinite(total))
     throw Error(ExitCode::bad_input, "", "surface", "has no area to measure on");
   points.reserve(count);
   const double step = total / double(count);
   double before = 0;  // area of the triangles before t
   std::size_t t = 0;
-  double own = norm(triangle_normal(mesh, 0));
+  double own = norm(surface::triangle_normal(mesh, 0));
   for (std::size_t i = 0; i < count; ++i) {
     const double target = (double(i) + hashed(i, 0)) * step;
     while (target >= before + own && t + 1 < mesh.triangles.size()) {
       before += own;
-      own = norm(triangle_normal(mesh, ++t));
+      own = norm(surface::triangle_normal(mesh, ++t));
     }
     const auto& v = mesh.triangles[t];
     const double r = std::sqrt(hashed(i, 1)), s = hashed(i, 2);
@@ -154,23 +155,24 @@ std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count) {
   return points;
 }
 
-Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const DeviationParams& params,
-                            const Progress& progress) {
+Deviation measure_deviation(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                            const DeviationParams& params, const Progress& progress) {
   check_surface(mesh, "surface");
   check_surface(reference, "reference");
   Side forth, back;
-  parallel_do({[&] {
-                 const PointToMesh to_reference(reference, progress);
-                 progress.report(0.3);
-                 forth = measure_side(mesh, to_reference, params, {}, progress.part(0.3, 1));
-               },
-               [&] { back = measure_side(reference, PointToMesh(mesh, progress), params, {}, progress.part(0, 0)); }});
+  parallel_do(
+      {[&] {
+         const surface::PointToMesh to_reference(reference, progress);
+         progress.report(0.3);
+         forth = measure_side(mesh, to_reference, params, {}, progress.part(0.3, 1));
+       },
+       [&] { back = measure_side(reference, surface::PointToMesh(mesh, progress), params, {}, progress.part(0, 0)); }});
   return combine(std::move(forth), std::move(back));
 }
 
-Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params, const KnownRegion& within,
-                                     const Progress& progress) {
+Deviation measure_deviation_to_truth(const surface::TriMesh& mesh, const surface::DistanceFunction& truth,
+                                     const surface::TriMesh& truth_mesh, const DeviationParams& params,
+                                     const KnownRegion& within, const Progress& progress) {
   check_surface(mesh, "surface");
   check_surface(truth_mesh, "truth");
   Side forth;
@@ -179,7 +181,7 @@ Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction
   progress.report(0.3);
   if (params.at_vertices) forth.vertex_max_mm = largest(evaluate(truth, kept(used_points(mesh), within), progress));
   progress.report(0.5);
-  const PointToMesh to_mesh(mesh, progress);
+  const surface::PointToMesh to_mesh(mesh, progress);
   progress.report(0.7);
   Side back = measure_side(truth_mesh, to_mesh, params, within, progress.part(0.7, 1));
   if (forth.signed_mm.empty() || back.signed_mm.empty())
@@ -187,4 +189,4 @@ Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction
   return combine(std::move(forth), std::move(back));
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

@@ -10,7 +10,7 @@
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 
 struct DeviationParams {
   int sample_count = 200000;
@@ -54,22 +54,22 @@ using KnownRegion = std::function<bool(Vec3 world_mm)>;
 /// in the order of the triangles, into sample_count equal pieces, with one point in each, placed by a hash of its
 /// number. The bias needs closed, oriented surfaces. Throws 65 as check_mesh does, and for a surface without triangles
 /// or area.
-Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const DeviationParams& params = {},
-                            const Progress& progress = {});
+Deviation measure_deviation(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                            const DeviationParams& params = {}, const Progress& progress = {});
 
 /// The same against a known surface: from the mesh by the distance function of the truth (every sample and every
 /// vertex), from the truth's own mesh to the mesh by nearest points. Parts of the truth that its mesh leaves out are
 /// not noticed in the second direction. Points of either surface outside `within` are left out (a scan that ends in the
 /// middle of a head has caps without a truth); throws Error 65 where that leaves none.
-Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params = {}, const KnownRegion& within = {},
-                                     const Progress& progress = {});
+Deviation measure_deviation_to_truth(const surface::TriMesh& mesh, const surface::DistanceFunction& truth,
+                                     const surface::TriMesh& truth_mesh, const DeviationParams& params = {},
+                                     const KnownRegion& within = {}, const Progress& progress = {});
 
 /// Adds deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of
 /// each, and samples_count.
 void add_deviation(Report& report, const Deviation& deviation);
 
 /// The points described above, world; none where `count` is 0.
-std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count);
+std::vector<Vec3> points_on_surface(const surface::TriMesh& mesh, std::size_t count);
 
-}  // namespace trephine
+}  // namespace trephine::metrics

@@ -8,12 +8,12 @@
 #include "meshing/contour.h"
 #include "metrics/overlap.h"
 
-namespace trephine {
+namespace trephine::metrics {
 namespace {
 
-Mask inside_of(const Field& field, const Lattice& lattice) {
-  const Box box = place_in(field, lattice);
-  Mask mask(lattice);
+grid::Mask inside_of(const grid::Field& field, const grid::Lattice& lattice) {
+  const grid::Box box = grid::place_in(field, lattice);
+  grid::Mask mask(lattice);
   for (int k = std::max(0, box.begin[2]); k < std::min(lattice.size[2], box.end[2]); ++k)
     for (int j = std::max(0, box.begin[1]); j < std::min(lattice.size[1], box.end[1]); ++j)
       for (int i = std::max(0, box.begin[0]); i < std::min(lattice.size[0], box.end[0]); ++i)
@@ -21,7 +21,7 @@ Mask inside_of(const Field& field, const Lattice& lattice) {
   return mask;
 }
 
-void add_shell(Report& report, const TriMesh& surface, const FieldTruth& truth, int sample_count,
+void add_shell(Report& report, const surface::TriMesh& surface, const FieldTruth& truth, int sample_count,
                const Progress& progress) {
   const std::vector<Vec3> points = points_on_surface(surface, std::size_t(sample_count));
   std::vector<double> distance(points.size());
@@ -47,9 +47,9 @@ void add_shell(Report& report, const TriMesh& surface, const FieldTruth& truth, 
 
 }  // namespace
 
-Report measure_field(const Field& field, const FieldTruth& truth, int sample_count, const Progress& progress) {
+Report measure_field(const grid::Field& field, const FieldTruth& truth, int sample_count, const Progress& progress) {
   Report report;
-  const Mask found = inside_of(field, *truth.solid);
+  const grid::Mask found = inside_of(field, *truth.solid);
   const double volume = volume_mm3(found), reference = volume_mm3(*truth.solid);
   if (!(reference > 0)) throw Error(ExitCode::bad_input, "", "truth", "nothing of it lies in the field's volume");
   report.add("dice_ratio", dice(found, *truth.solid));
@@ -58,11 +58,11 @@ Report measure_field(const Field& field, const FieldTruth& truth, int sample_cou
   report.add("volume_difference_ratio", volume / reference - 1);
   progress.report(0.1);
 
-  ContourParams all;
+  meshing::ContourParams all;
   all.min_component_mm3 = 0;
   all.keep_cavities = true;
   Report ignored;
-  const TriMesh surface = contour(field, all, ignored, progress.part(0.1, 0.3));
+  const surface::TriMesh surface = meshing::contour(field, all, ignored, progress.part(0.1, 0.3));
   DeviationParams samples;
   samples.sample_count = sample_count;
   samples.at_vertices = false;
@@ -73,4 +73,4 @@ Report measure_field(const Field& field, const FieldTruth& truth, int sample_cou
   return report;
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

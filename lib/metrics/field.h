@@ -9,14 +9,14 @@
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 
 /// What a field is measured against. The objects behind the pointers must outlive the call.
 struct FieldTruth {
-  const Mask* solid =
+  const grid::Mask* solid =
       nullptr;  ///< 1 inside, on the field's raster (perhaps on more of it); the two are compared only there
-  DistanceFunction distance;                    ///< to the truth's surface, negative inside
-  const TriMesh* mesh = nullptr;                ///< the truth's own surface
+  surface::DistanceFunction distance;           ///< to the truth's surface, negative inside
+  const surface::TriMesh* mesh = nullptr;       ///< the truth's own surface
   std::function<bool(Vec3 world_mm)> is_inner;  ///< null, or whether a point near the truth's surface belongs to its
                                                 ///< inner side: a shell's thickness is then measured
   KnownRegion within;                           ///< where distances are taken
@@ -29,6 +29,7 @@ struct FieldTruth {
 /// inner_bias_mm and outer_bias_mm (positive where the surface lies outside of the truth's, from the surface's points)
 /// and their sum, width_bias_mm, which is how much too thick the shell is. Throws Error 65 where the rasters differ or
 /// nothing can be measured, 80 as contour() does.
-Report measure_field(const Field& field, const FieldTruth& truth, int sample_count, const Progress& progress = {});
+Report measure_field(const grid::Field& field, const FieldTruth& truth, int sample_count,
+                     const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::metrics

@@ -13,7 +13,7 @@
 #include "metrics/quality.h"
 #include "surface/inside.h"
 
-namespace trephine {
+namespace trephine::metrics {
 namespace {
 
 void add_deviation(Report& report, const Deviation& d, double volume, double reference_volume) {
@@ -23,8 +23,8 @@ void add_deviation(Report& report, const Deviation& d, double volume, double ref
 }
 
 // The surface halfway between the voxels of the mask and the others.
-TriMesh surface_of(const Mask& mask) {
-  Box box{mask.size, {0, 0, 0}};
+surface::TriMesh surface_of(const grid::Mask& mask) {
+  grid::Box box{mask.size, {0, 0, 0}};
   for (int k = 0; k < mask.size[2]; ++k)
     for (int j = 0; j < mask.size[1]; ++j)
       for (int i = 0; i < mask.size[0]; ++i)
@@ -36,14 +36,14 @@ TriMesh surface_of(const Mask& mask) {
           }
         }
   if (box.empty()) throw Error(ExitCode::bad_input, "", "labels", "no voxel has the label");
-  const Mask part = crop(mask, grown(box, 1, mask));
-  Field field(static_cast<const Lattice&>(part));
+  const grid::Mask part = grid::crop(mask, grid::grown(box, 1, mask));
+  grid::Field field(static_cast<const grid::Lattice&>(part));
   for (std::size_t i = 0; i < part.voxels.size(); ++i) field.voxels[i] = part.voxels[i] ? 0.5f : -0.5f;
-  ContourParams params;
+  meshing::ContourParams params;
   params.min_component_mm3 = 0;
   params.keep_cavities = true;
   Report ignored;
-  return with_field("labels", [&] { return contour(field, params, ignored); });
+  return with_field("labels", [&] { return meshing::contour(field, params, ignored); });
 }
 
 void add_quality(Report& report, const MeshMeasures& m) {
@@ -55,7 +55,7 @@ void add_quality(Report& report, const MeshMeasures& m) {
   report.add("manifold", m.topology.manifold());
 }
 
-void add_validity(Report& report, const Validity& v) {
+void add_validity(Report& report, const meshing::Validity& v) {
   report.add("oriented", v.oriented());
   report.add("valid", v.valid());
   // How many there are, and the positions of the first of them: x, y, z, x, y, z, ...
@@ -91,9 +91,9 @@ void add_geometry(Report& report, const MeshMeasures& m) {
 
 }  // namespace
 
-Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, const MeasureParams& params,
+Report measure_surface(const surface::TriMesh& mesh, const MeasureReference& reference, const MeasureParams& params,
                        const Progress& progress) {
-  check_mesh(mesh);
+  surface::check_mesh(mesh);
   if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
   Report report;
   const MeshMeasures m = measure_mesh(mesh);
@@ -103,35 +103,35 @@ Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, c
   samples.sample_count = params.sample_count;
   const Progress rest = progress.part(0.4, 1);
   const auto* against = std::get_if<MeshReference>(&reference);
-  Validity validity;
+  meshing::Validity validity;
   Deviation deviation;
   parallel_do({[&] {
                  if (against) deviation = measure_deviation(mesh, *against->mesh, samples, rest);
                },
                [&] {
-                 if (params.validity) validity = check_validity(mesh, progress.part(0.1, 0.4));
+                 if (params.validity) validity = meshing::check_validity(mesh, progress.part(0.1, 0.4));
                }});
   if (params.validity) add_validity(report, validity);
   add_geometry(report, m);
 
   if (against) {
     report.add("reference", "mesh");
-    add_deviation(report, deviation, m.volume_mm3, volume_mm3(*against->mesh));
+    add_deviation(report, deviation, m.volume_mm3, surface::volume_mm3(*against->mesh));
   } else if (const auto* l = std::get_if<LabelReference>(&reference)) {
     report.add("reference", "labels");
-    const Mask label = select_label(*l->labels, l->label);
-    const TriMesh surface = surface_of(label);
+    const grid::Mask label = select_label(*l->labels, l->label);
+    const surface::TriMesh surface = surface_of(label);
     rest.report(0.2);
     add_deviation(report, measure_deviation(mesh, surface, samples, rest.part(0.2, 0.8)), m.volume_mm3,
                   volume_mm3(label));
     if (m.topology.closed())
-      report.add("dice_ratio", dice(voxelize_inside(mesh, label, rest.part(0.8, 1)), label));
+      report.add("dice_ratio", dice(surface::voxelize_inside(mesh, label, rest.part(0.8, 1)), label));
     else
       report.warn("no Dice: the surface is not closed");
   } else if (const auto* t = std::get_if<TruthReference>(&reference)) {
     report.add("reference", "truth");
     add_deviation(report, measure_deviation_to_truth(mesh, t->distance, *t->mesh, samples, t->within, rest),
-                  m.volume_mm3, volume_mm3(*t->mesh));
+                  m.volume_mm3, surface::volume_mm3(*t->mesh));
   } else {
     report.add("reference", "none");
   }
@@ -141,4 +141,4 @@ Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, c
   return report;
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

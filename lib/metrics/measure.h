@@ -9,20 +9,20 @@
 #include "metrics/deviation.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 
 /// What a surface is measured against. The objects behind the pointers must outlive the call.
 struct MeshReference {
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
 };
 struct LabelReference {
-  const Mask* labels = nullptr;
+  const grid::Mask* labels = nullptr;
   int label = 0;  ///< 0: every voxel that is not 0
 };
 struct TruthReference {
-  DistanceFunction distance;
-  const TriMesh* mesh = nullptr;  ///< the truth's own surface, fine enough for what is to be measured
-  KnownRegion within;             ///< where distances are taken; volumes are compared all the same
+  surface::DistanceFunction distance;
+  const surface::TriMesh* mesh = nullptr;  ///< the truth's own surface, fine enough for what is to be measured
+  KnownRegion within;                      ///< where distances are taken; volumes are compared all the same
 };
 using MeasureReference = std::variant<std::monostate, MeshReference, LabelReference, TruthReference>;
 
@@ -53,7 +53,7 @@ struct MeasureParams {
 /// which lies up to about half a voxel off the shape that was labelled; Dice and volume are of the voxels themselves.
 ///
 /// Throws 65 as check_mesh does, where the surface or the reference has no triangles, or the label no voxels.
-Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, const MeasureParams& params = {},
-                       const Progress& progress = {});
+Report measure_surface(const surface::TriMesh& mesh, const MeasureReference& reference,
+                       const MeasureParams& params = {}, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::metrics

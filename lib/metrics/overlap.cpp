@@ -3,22 +3,22 @@
 
 #include <algorithm>
 
-namespace trephine {
-Mask select_label(const Mask& labels, int label) {
-  Mask m(static_cast<const Lattice&>(labels));
+namespace trephine::metrics {
+grid::Mask select_label(const grid::Mask& labels, int label) {
+  grid::Mask m(static_cast<const grid::Lattice&>(labels));
   for (std::size_t i = 0; i < m.voxels.size(); ++i)
     m.voxels[i] = label == 0 ? labels.voxels[i] != 0 : labels.voxels[i] == label;
   return m;
 }
 
-double volume_mm3(const Mask& mask) {
+double volume_mm3(const grid::Mask& mask) {
   const auto n = mask.voxels.size() - std::size_t(std::count(mask.voxels.begin(), mask.voxels.end(), 0));
   return double(n) * mask.voxel_volume_mm3();
 }
 
-double dice(const Mask& a, const Mask& b) {
-  const Box box = place_in(b, a);
-  const auto count = [](const Mask& m) {
+double dice(const grid::Mask& a, const grid::Mask& b) {
+  const grid::Box box = grid::place_in(b, a);
+  const auto count = [](const grid::Mask& m) {
     return m.voxels.size() - std::size_t(std::count(m.voxels.begin(), m.voxels.end(), 0));
   };
   const std::size_t sum = count(a) + count(b);
@@ -31,4 +31,4 @@ double dice(const Mask& a, const Mask& b) {
   return 2 * double(common) / double(sum);
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

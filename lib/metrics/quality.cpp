@@ -7,7 +7,7 @@
 
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::metrics {
 namespace {
 
 Quantiles quantiles_of(std::vector<double>& v) {
@@ -27,16 +27,16 @@ Quantiles quantiles_of(std::vector<double>& v) {
 
 }  // namespace
 
-MeshMeasures measure_mesh(const TriMesh& mesh) {
-  check_mesh(mesh);
+MeshMeasures measure_mesh(const surface::TriMesh& mesh) {
+  surface::check_mesh(mesh);
   MeshMeasures m;
-  m.topology = topology_of(mesh);
-  m.area_mm2 = area_mm2(mesh);
-  m.volume_mm3 = volume_mm3(mesh);
+  m.topology = surface::topology_of(mesh);
+  m.area_mm2 = surface::area_mm2(mesh);
+  m.volume_mm3 = surface::volume_mm3(mesh);
 
   std::vector<double> lengths, aspects;
   lengths.reserve(m.topology.edges);
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t low, auto from, auto) {
+  surface::for_each_edge(mesh, surface::Incidence(mesh), [&](std::uint32_t low, auto from, auto) {
     lengths.push_back(norm(mesh.points_mm[from->other] - mesh.points_mm[low]));
   });
   aspects.reserve(mesh.triangles.size());
@@ -44,7 +44,7 @@ MeshMeasures measure_mesh(const TriMesh& mesh) {
     const auto& v = mesh.triangles[t];
     const Vec3 &a = mesh.points_mm[v[0]], &b = mesh.points_mm[v[1]], &c = mesh.points_mm[v[2]];
     const double ab = norm(b - a), bc = norm(c - b), ca = norm(a - c);
-    const double area = norm(triangle_normal(mesh, t)) / 2;
+    const double area = norm(surface::triangle_normal(mesh, t)) / 2;
     const double aspect = std::max({ab, bc, ca}) * (ab + bc + ca) / (4 * std::sqrt(3.0) * area);
     if (area > 0 && std::isfinite(aspect)) aspects.push_back(aspect);
   }
@@ -53,4 +53,4 @@ MeshMeasures measure_mesh(const TriMesh& mesh) {
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::metrics

@@ -3,7 +3,7 @@
 #include "base/report.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::metrics {
 
 struct Quantiles {
   double min = 0, median = 0, p99 = 0, max = 0;  ///< nearest rank
@@ -11,7 +11,7 @@ struct Quantiles {
 
 /// The measures of a surface alone, except self-intersections (meshing/validity.h).
 struct MeshMeasures {
-  Topology topology;
+  surface::Topology topology;
   double area_mm2 = 0;
   double volume_mm3 = 0;     ///< signed; of a closed, oriented mesh
   Quantiles edge_length_mm;  ///< each edge once
@@ -21,6 +21,6 @@ struct MeshMeasures {
 };
 
 /// Throws 65 as check_mesh does. A mesh without triangles gives zeros.
-MeshMeasures measure_mesh(const TriMesh& mesh);
+MeshMeasures measure_mesh(const surface::TriMesh& mesh);
 
-}  // namespace trephine
+}  // namespace trephine::metrics

@@ -11,7 +11,7 @@
 #include "page/pack.h"
 #include "page/web_files.h"
 
-namespace trephine {
+namespace trephine::page {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -20,7 +20,7 @@ constexpr double page_overhead_bytes = 100e3;  // script, style and the JSON of 
 
 Json to_list(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
-Json to_json(const CaseValues& values) {
+Json to_json(const cases::CaseValues& values) {
   Json out = Json::object();
   for (const auto& [name, value] : values) out[name] = std::visit([](const auto& v) { return Json(v); }, value);
   return out;
@@ -29,7 +29,7 @@ Json to_json(const CaseValues& values) {
 // The page's data: JSON, and a block for what is large.
 class PageMaker {
  public:
-  PageMaker(const LoadedCase& loaded, const PageNotes& notes, const PageParams& params, const Progress& progress)
+  PageMaker(const cases::LoadedCase& loaded, const PageNotes& notes, const PageParams& params, const Progress& progress)
       : case_(loaded), manifest_(loaded.manifest), notes_(notes), params_(params), progress_(progress) {}
 
   std::string make() {
@@ -44,16 +44,16 @@ class PageMaker {
   }
 
  private:
-  const CaseShape* felt_shape(const std::string& name) const {
-    for (const CaseShape& shape : manifest_.haptic.shapes)
+  const cases::CaseShape* felt_shape(const std::string& name) const {
+    for (const cases::CaseShape& shape : manifest_.haptic.shapes)
       if (shape.name == name && shape.displayed == "haptic" && case_.has_haptic()) return &shape;
     return nullptr;
   }
 
   PackedSurface packed(std::size_t anatomy) const {
-    const CaseAnatomy& a = manifest_.anatomies[anatomy];
+    const cases::CaseAnatomy& a = manifest_.anatomies[anatomy];
     if (case_.surfaces[anatomy].triangles.empty()) {
-      const CaseShape* shape = felt_shape(a.name);
+      const cases::CaseShape* shape = felt_shape(a.name);
       return shape ? pack_surface(felt_surface_for_page(case_.haptic, shape->number)) : PackedSurface();
     }
     const auto deviation = notes_.deviation_mm.find(a.name);
@@ -71,7 +71,7 @@ class PageMaker {
     for (std::size_t i = 0; i < surfaces.size(); ++i) add_anatomy(manifest_.anatomies[i], surfaces[i]);
   }
 
-  void add_anatomy(const CaseAnatomy& a, PackedSurface& surface) {
+  void add_anatomy(const cases::CaseAnatomy& a, PackedSurface& surface) {
     Json out;
     out["name"] = a.name;
     out["from"] = !a.file.empty() ? "surface" : surface.triangles > 0 ? "haptic" : "none";
@@ -100,7 +100,7 @@ class PageMaker {
     json_["anatomies"].push_back(std::move(out));
   }
 
-  void add_volume(PageBlock block, const Lattice& lattice) {
+  void add_volume(PageBlock block, const grid::Lattice& lattice) {
     json_[block.id] = {{"block", block.id},
                        {"size", lattice.size},
                        {"spacing_mm", to_list(lattice.spacing_mm)},
@@ -109,7 +109,7 @@ class PageMaker {
   }
 
   // On voxels as large as the page's size wants it: a part of a CT compresses about as well as the whole.
-  void add_ct(const HuVolume& volume) {
+  void add_ct(const grid::HuVolume& volume) {
     double room = params_.max_mb * 1e6 - page_overhead_bytes;
     for (const PageBlock& b : blocks_) room -= double(b.bytes_in_page());
     int side = page_volume_side;
@@ -126,7 +126,7 @@ class PageMaker {
       side = std::clamp(smaller, page_volume_side / 2, std::max(longest - 4, page_volume_side / 2));
     }
     json_["ct"]["predicted"] = true;
-    json_["ct"]["of_spacing_mm"] = to_list(lattice_of(volume).spacing_mm);
+    json_["ct"]["of_spacing_mm"] = to_list(grid::lattice_of(volume).spacing_mm);
     json_["ct"]["levels"] = page_hu_levels;
   }
 
@@ -136,16 +136,16 @@ class PageMaker {
       const PackedVolume felt = pack_shapes(case_.haptic, progress_);
       add_volume(page_block("felt", felt.bytes), felt.lattice);
     }
-    const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == HapticEncoding::hu;
+    const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == voxel::HapticEncoding::hu;
     if (case_.has_ct()) {
-      add_ct(HuVolume(case_.ct));
+      add_ct(grid::HuVolume(case_.ct));
       json_["ct"]["from"] = "ct";
     } else if (felt_hu) {
-      add_ct(HuVolume(case_.haptic.voxels));
+      add_ct(grid::HuVolume(case_.haptic.voxels));
       json_["ct"]["from"] = "haptic";
     }
     if (!case_.has_haptic()) return;
-    for (const CaseShape& s : manifest_.haptic.shapes)
+    for (const cases::CaseShape& s : manifest_.haptic.shapes)
       json_["felt"]["shapes"].push_back({{"name", s.name},
                                          {"number", s.number},
                                          {"colour_rgb", s.material.colour_rgb},
@@ -155,17 +155,17 @@ class PageMaker {
 
   void add_marks() {
     json_["landmarks"] = json_["targets"] = json_["burr_holes"] = Json::array();
-    for (const CaseLandmark& l : manifest_.landmarks)
+    for (const cases::CaseLandmark& l : manifest_.landmarks)
       json_["landmarks"].push_back({{"name", l.name},
                                     {"position_mm", to_list(l.position_mm)},
                                     {"confidence", l.confidence},
                                     {"source", l.source}});
-    for (const CaseTarget& t : manifest_.targets)
+    for (const cases::CaseTarget& t : manifest_.targets)
       json_["targets"].push_back({{"name", t.name},
                                   {"position_mm", to_list(t.position_mm)},
                                   {"confidence", t.confidence},
                                   {"anatomy", t.anatomy}});
-    for (const CaseBurrHole& b : manifest_.burr_holes)
+    for (const cases::CaseBurrHole& b : manifest_.burr_holes)
       json_["burr_holes"].push_back({{"name", b.name},
                                      {"position_mm", to_list(b.position_mm)},
                                      {"direction", to_list(b.direction)},
@@ -185,8 +185,8 @@ class PageMaker {
     if (notes.contains("trade")) json_["trade"] = notes["trade"];
   }
 
-  const LoadedCase& case_;
-  const CaseManifest& manifest_;
+  const cases::LoadedCase& case_;
+  const cases::CaseManifest& manifest_;
   const PageNotes& notes_;
   const PageParams& params_;
   const Progress& progress_;
@@ -196,15 +196,15 @@ class PageMaker {
 
 }  // namespace
 
-std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, const PageParams& params,
+std::string make_case_page(const cases::LoadedCase& loaded, const PageNotes& notes, const PageParams& params,
                            const Progress& progress) {
   return PageMaker(loaded, notes, params, progress).make();
 }
 
 std::string make_case_page(const std::filesystem::path& case_folder, const PageParams& params,
                            const Progress& progress) {
-  const LoadedCase loaded = load_case(case_folder, LoadParts{true});
+  const cases::LoadedCase loaded = cases::load_case(case_folder, cases::LoadParts{true});
   return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), params, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::page

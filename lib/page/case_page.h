@@ -8,7 +8,7 @@
 #include "cases/load_case.h"
 #include "page/page_notes.h"
 
-namespace trephine {
+namespace trephine::page {
 
 struct PageParams {
   double max_mb = 6;
@@ -28,7 +28,7 @@ struct PageParams {
 /// 256 voxels a side, and fewer where the page would exceed `max_mb`; it may exceed it all the same where surfaces, or
 /// slices on voxels twice as large, do. It holds nothing but what the case and the notes hold. The same input gives the
 /// same bytes, whatever the thread count. Throws Error 70 where the deviations are not one a point.
-std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, const PageParams& params = {},
+std::string make_case_page(const cases::LoadedCase& loaded, const PageNotes& notes, const PageParams& params = {},
                            const Progress& progress = {});
 
 /// The same for a case on disk, with the notes that its report folder holds. Throws as load_case and read_page_notes
@@ -36,4 +36,4 @@ std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, con
 std::string make_case_page(const std::filesystem::path& case_folder, const PageParams& params = {},
                            const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::page

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::page {
 namespace {
 
 constexpr int compression_level = 6;  // surfaces and slices: 20 % smaller than at 1, and pages travel
@@ -46,7 +46,7 @@ std::string blocks_html(const std::vector<PageBlock>& blocks) {
 }  // namespace
 
 PageBlock page_block(std::string id, const std::string& bytes) {
-  return {std::move(id), bytes.size(), detail::gzip_compress(bytes, compression_level)};
+  return {std::move(id), bytes.size(), grid::detail::gzip_compress(bytes, compression_level)};
 }
 
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
@@ -85,4 +85,4 @@ std::string html_page(std::string_view html, std::string_view style, std::string
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::page

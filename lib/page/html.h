@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace trephine {
+namespace trephine::page {
 
 /// Named binary data of a page, compressed.
 struct PageBlock {
@@ -27,4 +27,4 @@ PageBlock page_block(std::string id, const std::string& bytes);
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
                       const std::vector<PageBlock>& blocks);
 
-}  // namespace trephine
+}  // namespace trephine::page

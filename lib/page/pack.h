@@ -10,7 +10,7 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::page {
 
 /// Surfaces and volumes as a page holds them (docs/case-page.md): small, and quick to decode in a browser. A page is to
 /// be looked at; the case's own files stay what is computed with.
@@ -29,11 +29,11 @@ struct PackedSurface {
 };
 /// `deviation_mm` is empty, or one value a point of the mesh, NaN where none is known. Positions are off by at most
 /// size / 131070. Throws Error 65 as check_mesh does, 70 where the deviations are not as many as the points.
-PackedSurface pack_surface(const TriMesh& mesh, const std::vector<float>& deviation_mm = {});
+PackedSurface pack_surface(const surface::TriMesh& mesh, const std::vector<float>& deviation_mm = {});
 
 /// A volume along the patient's axes, 8 bits a voxel, x (towards the left) fastest.
 struct PackedVolume {
-  Lattice lattice;  ///< direction: identity
+  grid::Lattice lattice;  ///< direction: identity
   std::string bytes;
 };
 constexpr int page_volume_side = 256;
@@ -43,16 +43,16 @@ constexpr std::array<std::array<int, 2>, 4> page_hu_levels = {{{0, -1024}, {24, 
 
 /// The CT on at most `side` voxels a side (at most page_volume_side): means of the old voxels where there are more. A
 /// volume that lies oblique to the patient's axes is resampled (trilinear); what it does not cover is level 0.
-PackedVolume pack_ct(const HuVolume& volume, int side = page_volume_side, const Progress& progress = {});
+PackedVolume pack_ct(const grid::HuVolume& volume, int side = page_volume_side, const Progress& progress = {});
 /// Each voxel's byte less what its neighbours in the slice predict, modulo 256: the median of left, above, and left +
 /// above - above left [Weinberger2000], with 0 beyond the border. gzip makes a CT's slices a fifth to a third smaller.
 std::string predicted_bytes(const PackedVolume& volume);
 /// The number of the shape that fills most of each voxel (0: none), taken at the voxel's centre.
-PackedVolume pack_shapes(const HapticVolume& volume, const Progress& progress = {});
+PackedVolume pack_shapes(const voxel::HapticVolume& volume, const Progress& progress = {});
 
 /// The surface of a felt shape for a page: contoured on voxels so large that it has about `triangles`. Thin walls may
 /// open. Empty where the shape fills no voxel of that size.
-TriMesh felt_surface_for_page(const HapticVolume& volume, int number, std::uint64_t triangles = 60000,
-                              const Progress& progress = {});
+surface::TriMesh felt_surface_for_page(const voxel::HapticVolume& volume, int number, std::uint64_t triangles = 60000,
+                                       const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::page

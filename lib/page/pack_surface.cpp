@@ -8,7 +8,7 @@
 #include "page/pack.h"
 #include "voxel/shape_field.h"
 
-namespace trephine {
+namespace trephine::page {
 namespace {
 
 void append_varint(std::string& out, std::uint64_t v) {
@@ -21,7 +21,7 @@ std::uint64_t zigzag(std::int64_t v) {
 }
 
 // Points in the order of their first use.
-std::vector<std::uint32_t> append_triangles(const TriMesh& mesh, std::string& out) {
+std::vector<std::uint32_t> append_triangles(const surface::TriMesh& mesh, std::string& out) {
   constexpr std::uint32_t unused = 0xffffffffu;
   std::vector<std::uint32_t> number(mesh.points_mm.size(), unused), order;
   order.reserve(number.size());
@@ -38,7 +38,7 @@ std::vector<std::uint32_t> append_triangles(const TriMesh& mesh, std::string& ou
   return order;
 }
 
-void append_positions(const TriMesh& mesh, const std::vector<std::uint32_t>& order, PackedSurface& packed) {
+void append_positions(const surface::TriMesh& mesh, const std::vector<std::uint32_t>& order, PackedSurface& packed) {
   Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
   for (const std::uint32_t point : order)
     for (int k = 0; k < 3; ++k) {
@@ -78,7 +78,7 @@ void append_deviations(const std::vector<float>& deviation_mm, const std::vector
 }
 
 // A closed contour has a point on every edge of the raster that it crosses, and twice as many triangles.
-std::uint64_t contour_triangles(const Field& field) {
+std::uint64_t contour_triangles(const grid::Field& field) {
   std::uint64_t crossings = 0;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
@@ -91,17 +91,17 @@ std::uint64_t contour_triangles(const Field& field) {
   return 2 * crossings;
 }
 
-Field coarser(Field field, double factor) {
-  ResampleParams params;
+grid::Field coarser(grid::Field field, double factor) {
+  grid::ResampleParams params;
   for (int k = 0; k < 3; ++k) params.spacing_mm[k] = field.spacing_mm[k] * factor;
   Report ignored;
-  return std::get<Field>(resample(HuVolume(std::move(field)), params, ignored));
+  return std::get<grid::Field>(grid::resample(grid::HuVolume(std::move(field)), params, ignored));
 }
 
 }  // namespace
 
-PackedSurface pack_surface(const TriMesh& mesh, const std::vector<float>& deviation_mm) {
-  check_mesh(mesh);
+PackedSurface pack_surface(const surface::TriMesh& mesh, const std::vector<float>& deviation_mm) {
+  surface::check_mesh(mesh);
   if (!deviation_mm.empty() && deviation_mm.size() != mesh.points_mm.size())
     throw Error(ExitCode::internal, "", "deviation_mm", "is not one value a point");
   PackedSurface packed;
@@ -115,21 +115,21 @@ PackedSurface pack_surface(const TriMesh& mesh, const std::vector<float>& deviat
   return packed;
 }
 
-TriMesh felt_surface_for_page(const HapticVolume& volume, int number, std::uint64_t triangles,
-                              const Progress& progress) {
-  Field field = shape_field(volume, number, progress);
+surface::TriMesh felt_surface_for_page(const voxel::HapticVolume& volume, int number, std::uint64_t triangles,
+                                       const Progress& progress) {
+  grid::Field field = voxel::shape_field(volume, number, progress);
   const std::uint64_t count = contour_triangles(field);
   if (count > triangles) field = coarser(std::move(field), std::sqrt(double(count) / double(triangles)));
-  ContourParams params;
+  meshing::ContourParams params;
   params.min_component_mm3 = 0;
   params.keep_cavities = true;
   Report ignored;
   try {
-    return contour(field, params, ignored, progress);
+    return meshing::contour(field, params, ignored, progress);
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
     return {};  // nothing of it is left on voxels of that size
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::page

@@ -8,13 +8,13 @@
 #include "page/pack.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::page {
 namespace {
 
 constexpr double along_axis = 1 - 1e-6;  // of a direction: it does not lie oblique
 
 // The patient's axis along which axis k of the lattice runs; nothing where it lies oblique.
-std::optional<int> patient_axis(const Lattice& lattice, int k) {
+std::optional<int> patient_axis(const grid::Lattice& lattice, int k) {
   for (int axis = 0; axis < 3; ++axis)
     if (std::abs(lattice.direction.column[k][axis]) >= along_axis) return axis;
   return {};
@@ -22,7 +22,7 @@ std::optional<int> patient_axis(const Lattice& lattice, int k) {
 
 // The lattice along the patient's axes for a volume: its own voxels where it lies along them, else the box around it
 // with at most `side` voxels a side.
-Lattice page_lattice(const Lattice& from, int side) {
+grid::Lattice page_lattice(const grid::Lattice& from, int side) {
   Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 at = from.to_world_mm({corner & 1 ? from.size[0] - 1.0 : 0.0, corner & 2 ? from.size[1] - 1.0 : 0.0,
@@ -33,7 +33,7 @@ Lattice page_lattice(const Lattice& from, int side) {
     }
   }
   const double finest = std::min({from.spacing_mm.x, from.spacing_mm.y, from.spacing_mm.z});
-  Lattice to;
+  grid::Lattice to;
   to.origin_mm = least;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = most[axis] - least[axis];
@@ -51,9 +51,9 @@ Lattice page_lattice(const Lattice& from, int side) {
 }
 
 // As many voxels as a page takes, each the mean of those that it covers.
-HuVolume small_enough(const HuVolume& volume, int side) {
-  const Lattice& lattice = lattice_of(volume);
-  ResampleParams params;
+grid::HuVolume small_enough(const grid::HuVolume& volume, int side) {
+  const grid::Lattice& lattice = grid::lattice_of(volume);
+  grid::ResampleParams params;
   bool large = false;
   for (int k = 0; k < 3; ++k)
     if (lattice.size[k] > side) {
@@ -62,7 +62,7 @@ HuVolume small_enough(const HuVolume& volume, int side) {
     }
   if (!large) return volume;
   Report ignored;
-  return resample(volume, params, ignored);
+  return grid::resample(volume, params, ignored);
 }
 
 std::uint8_t level_of(double hu) {
@@ -78,7 +78,7 @@ std::uint8_t level_of(double hu) {
 
 // Calls value(index) for every voxel of `to` with its continuous index in `from`.
 template <class F>
-PackedVolume sample(const Lattice& from, const Lattice& to, const Progress& progress, F&& value) {
+PackedVolume sample(const grid::Lattice& from, const grid::Lattice& to, const Progress& progress, F&& value) {
   PackedVolume out;
   out.lattice = to;
   out.bytes.resize(to.count());
@@ -101,7 +101,7 @@ PackedVolume sample(const Lattice& from, const Lattice& to, const Progress& prog
   return out;
 }
 
-bool nearest(const Lattice& lattice, Vec3 index, std::array<int, 3>& voxel) {
+bool nearest(const grid::Lattice& lattice, Vec3 index, std::array<int, 3>& voxel) {
   for (int k = 0; k < 3; ++k) {
     if (!(index[k] > -0.5 && index[k] < lattice.size[k] - 0.5)) return false;
     voxel[static_cast<std::size_t>(k)] = static_cast<int>(std::lround(index[k]));
@@ -112,7 +112,7 @@ bool nearest(const Lattice& lattice, Vec3 index, std::array<int, 3>& voxel) {
 constexpr double edge_slack = 1e-6;  // voxels: a lattice rounded to the volume's own end still lies in it
 
 template <class T>
-double trilinear(const Grid<T>& grid, Vec3 index, double beyond) {
+double trilinear(const grid::Grid<T>& grid, Vec3 index, double beyond) {
   std::array<int, 3> low{};
   std::array<double, 3> share{};
   for (int k = 0; k < 3; ++k) {
@@ -137,11 +137,11 @@ double trilinear(const Grid<T>& grid, Vec3 index, double beyond) {
 
 }  // namespace
 
-PackedVolume pack_ct(const HuVolume& volume, int side, const Progress& progress) {
-  const HuVolume small = small_enough(volume, side);
+PackedVolume pack_ct(const grid::HuVolume& volume, int side, const Progress& progress) {
+  const grid::HuVolume small = small_enough(volume, side);
   return std::visit(
       [&](const auto& grid) {
-        const Lattice to = page_lattice(grid, side);
+        const grid::Lattice to = page_lattice(grid, side);
         const bool straight = to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1);
         return sample(grid, to, progress, [&](Vec3 index) -> std::uint8_t {
           std::array<int, 3> voxel{};
@@ -154,7 +154,7 @@ PackedVolume pack_ct(const HuVolume& volume, int side, const Progress& progress)
 }
 
 std::string predicted_bytes(const PackedVolume& volume) {
-  const Lattice& l = volume.lattice;
+  const grid::Lattice& l = volume.lattice;
   std::string out(volume.bytes.size(), '\0');
   parallel_for(0, l.size[2], 1, [&](std::int64_t begin, std::int64_t end) {
     for (auto k = static_cast<int>(begin); k < end; ++k)
@@ -171,9 +171,9 @@ std::string predicted_bytes(const PackedVolume& volume) {
   return out;
 }
 
-PackedVolume pack_shapes(const HapticVolume& volume, const Progress& progress) {
-  const HapticDecoder decoder(volume);
-  Lattice to = page_lattice(volume.voxels, page_volume_side);
+PackedVolume pack_shapes(const voxel::HapticVolume& volume, const Progress& progress) {
+  const voxel::HapticDecoder decoder(volume);
+  grid::Lattice to = page_lattice(volume.voxels, page_volume_side);
   for (int axis = 0; axis < 3; ++axis)
     if (to.size[axis] > page_volume_side) {
       const double length = to.spacing_mm[axis] * (to.size[axis] - 1);
@@ -187,4 +187,4 @@ PackedVolume pack_shapes(const HapticVolume& volume, const Progress& progress) {
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::page

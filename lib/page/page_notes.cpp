@@ -10,12 +10,12 @@
 #include "base/text.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::page {
 namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::uint64_t most_json_bytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t max_json_bytes = std::uint64_t{16} << 20;
 constexpr std::string_view deviation_magic = "trephine deviation 1\n";
 constexpr std::size_t hash_digits = 64;
 
@@ -31,7 +31,7 @@ std::uint32_t bits_of(float v) {
 Json read_json(const fs::path& file) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
-  const std::vector<char> bytes = read_file(file, most_json_bytes);
+  const std::vector<char> bytes = read_file(file, max_json_bytes);
   try {
     return Json::parse(bytes.begin(), bytes.end());
   } catch (const nlohmann::json::exception&) {
@@ -53,7 +53,7 @@ PageTrade read_trade(const Json& json) {
 
 }  // namespace
 
-std::string deviation_file_name(const CaseManifest& manifest, const CaseAnatomy& anatomy) {
+std::string deviation_file_name(const cases::CaseManifest& manifest, const cases::CaseAnatomy& anatomy) {
   return "deviation-" + anatomy.name + "-" + manifest.find_file(anatomy.file)->sha256.substr(0, 16) + ".f32";
 }
 
@@ -101,7 +101,7 @@ std::string page_notes_json(const PageNotes& notes) {
   return json.dump(1) + "\n";
 }
 
-PageNotes read_page_notes(const fs::path& case_folder, const CaseManifest& manifest) {
+PageNotes read_page_notes(const fs::path& case_folder, const cases::CaseManifest& manifest) {
   PageNotes notes;
   const fs::path report = case_folder / "report";
   Json json = read_json(report / page_notes_file);
@@ -114,7 +114,7 @@ PageNotes read_page_notes(const fs::path& case_folder, const CaseManifest& manif
   } catch (const nlohmann::json::exception&) {
     throw Error(ExitCode::bad_input, from.string(), "", "is not what `run` writes; run the case again, or remove it");
   }
-  for (const CaseAnatomy& a : manifest.anatomies) {
+  for (const cases::CaseAnatomy& a : manifest.anatomies) {
     std::error_code ignored;
     if (a.file.empty()) continue;
     const fs::path file = report / deviation_file_name(manifest, a);
@@ -127,4 +127,4 @@ PageNotes read_page_notes(const fs::path& case_folder, const CaseManifest& manif
   return notes;
 }
 
-}  // namespace trephine
+}  // namespace trephine::page

@@ -9,7 +9,7 @@
 
 #include "cases/case.h"
 
-namespace trephine {
+namespace trephine::page {
 
 /// What a page shows of a case beside the case package. `run` leaves it in the case's report folder, outside the
 /// checksummed bytes, so that `trephine page` can make the same page again.
@@ -38,7 +38,7 @@ constexpr const char *page_file = "view.html", *page_notes_file = "view.json";  
 
 /// The name of an anatomy's deviations: it holds the hash of the GLB, so that those of an older surface are never
 /// taken.
-std::string deviation_file_name(const CaseManifest& manifest, const CaseAnatomy& anatomy);
+std::string deviation_file_name(const cases::CaseManifest& manifest, const cases::CaseAnatomy& anatomy);
 /// Its bytes: "trephine deviation 1\n", the SHA-256 of what follows and a line feed, and a float32 (little endian) a
 /// point.
 std::string encode_deviation(const std::vector<float>& deviation_mm);
@@ -49,6 +49,6 @@ std::vector<float> decode_deviation(std::string_view bytes, std::uint64_t points
 std::string page_notes_json(const PageNotes& notes);
 /// Reads what is there of view.json and the deviations; a missing file leaves its part empty (without view.json the
 /// warnings are those of run.json). Throws Error 65 naming the file where one is damaged.
-PageNotes read_page_notes(const std::filesystem::path& case_folder, const CaseManifest& manifest);
+PageNotes read_page_notes(const std::filesystem::path& case_folder, const cases::CaseManifest& manifest);
 
-}  // namespace trephine
+}  // namespace trephine::page

@@ -12,7 +12,7 @@ namespace trephine::phantom {
 namespace {
 
 constexpr double fwhm_per_sigma = 2.3548200450309493;
-constexpr double most_step_mm = 0.5;  // across a slice
+constexpr double max_step_mm = 0.5;  // across a slice
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Scan scan_body(const HuAt& hu, const ScanParams& params, std::uint64_t seed, con
   const std::size_t per_slice = std::size_t(out.columns) * std::size_t(out.rows);
   out.hu.resize(per_slice * out.slices.size());
   const double sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
-  const int across = std::max(1, int(std::ceil(params.slice_thickness_mm / most_step_mm)));
+  const int across = std::max(1, int(std::ceil(params.slice_thickness_mm / max_step_mm)));
   std::atomic<int> done{0};
   parallel_for(0, params.slices_count, 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k) {

@@ -47,7 +47,7 @@ void write_truth(const std::filesystem::path& folder, const ChestParams& of, con
                                      {"vein_mm", line_of(chest.vein_line(left))},
                                      {"artery_mm", line_of(chest.artery_line(left))}};
   if (labels && has_lattice(params)) {
-    Mask mask(lattice_of(scan));
+    grid::Mask mask(lattice_of(scan));
     parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
       for (int k = int(from); k < to; ++k)
         for (int j = 0; j < mask.size[1]; ++j)
@@ -62,7 +62,7 @@ void write_truth(const std::filesystem::path& folder, const ChestParams& of, con
                                                          : 1;
           }
     });
-    write_nrrd(folder / "labels.nrrd", mask);
+    grid::write_nrrd(folder / "labels.nrrd", mask);
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
   report.add("truth_lines_count", std::int64_t(6));

@@ -29,14 +29,14 @@ bool is_of(Anatomy anatomy, std::uint8_t label) {
 constexpr double cap_margin_mm = 3;
 constexpr double rounding_mm = 1e-3;
 
-KnownRegion without_caps(const ScannedRegion& scanned) {
+metrics::KnownRegion without_caps(const ScannedRegion& scanned) {
   return [&scanned](Vec3 p) { return scanned.beyond_mm(p) <= -cap_margin_mm; };
 }
 
 constexpr std::uint8_t apparatus_label = 7, vertebrae_label = 6;
 
 // How much of what is labelled so the field (positive inside) holds. The raster covers the field's.
-double held_ml(const Field& field, const Mask& labels, std::uint8_t label) {
+double held_ml(const grid::Field& field, const grid::Mask& labels, std::uint8_t label) {
   const Vec3 first = labels.to_index(field.origin_mm);
   const std::array<int, 3> at{int(std::lround(first.x)), int(std::lround(first.y)), int(std::lround(first.z))};
   std::size_t count = 0;
@@ -48,7 +48,7 @@ double held_ml(const Field& field, const Mask& labels, std::uint8_t label) {
 }
 
 // 1 where the truth's label is of the anatomy, as far as the scan reached.
-Mask solid_of(const Truth& truth, Anatomy anatomy, Mask solid) {
+grid::Mask solid_of(const Truth& truth, Anatomy anatomy, grid::Mask solid) {
   const bool skewed = !truth.scanned.faces.empty();
   parallel_for(0, solid.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -63,14 +63,14 @@ Mask solid_of(const Truth& truth, Anatomy anatomy, Mask solid) {
 }
 
 // The field's raster, over all of it and of the box.
-Lattice raster_over(const Field& field, const Bounds& box_mm) {
-  const auto [low, high] = index_bounds(field, box_mm);
-  Box box{{0, 0, 0}, {0, 0, 0}};
+grid::Lattice raster_over(const grid::Field& field, const surface::Bounds& box_mm) {
+  const auto [low, high] = surface::index_bounds(field, box_mm);
+  grid::Box box{{0, 0, 0}, {0, 0, 0}};
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = std::min(box.begin[a], int(std::ceil(low[a] - 1e-3)));
     box.end[a] = std::max(box.end[a], int(std::floor(high[a] + 1e-3)) + 1);
   }
-  Lattice lattice = field;
+  grid::Lattice lattice = field;
   lattice.origin_mm = field.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
   for (int a = 0; a < 3; ++a) lattice.size[a] = std::max(box.end[a], field.size[a]) - box.begin[a];
   return lattice;
@@ -82,25 +82,25 @@ TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& 
   return {&truth, anatomy, truth_mesh(truth.head, anatomy, truth.scanned, 1.0, progress)};
 }
 
-Report measure_against_truth(const TriMesh& surface, const TruthSurface& known, const MeasureParams& params,
-                             const Progress& progress) {
+Report measure_against_truth(const surface::TriMesh& surface, const TruthSurface& known,
+                             const metrics::MeasureParams& params, const Progress& progress) {
   const Truth& truth = *known.truth;
-  TruthReference reference;
+  metrics::TruthReference reference;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
   reference.mesh = &known.mesh;
   reference.within = without_caps(truth.scanned);
-  return measure_surface(surface, reference, params, progress);
+  return metrics::measure_surface(surface, reference, params, progress);
 }
 
-Report measure_against_truth(const Field& field, const TruthSurface& known, int sample_count,
+Report measure_against_truth(const grid::Field& field, const TruthSurface& known, int sample_count,
                              const Progress& progress) {
   const Truth& truth = *known.truth;
-  Mask labels = truth_labels(truth.head, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
+  grid::Mask labels = truth_labels(truth.head, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
   const bool hard = truth.head.params().level == Level::hard;
   const double apparatus = hard ? held_ml(field, labels, apparatus_label) : 0;
   const double vertebrae = hard ? held_ml(field, labels, vertebrae_label) : 0;
-  const Mask solid = solid_of(truth, known.anatomy, std::move(labels));
-  FieldTruth reference;
+  const grid::Mask solid = solid_of(truth, known.anatomy, std::move(labels));
+  metrics::FieldTruth reference;
   reference.solid = &solid;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
   reference.mesh = &known.mesh;
@@ -112,7 +112,7 @@ Report measure_against_truth(const Field& field, const TruthSurface& known, int 
       truth.head.implicit_mm(known.anatomy, foot, normal);
       return truth.head.label(foot + normalized(normal)) >= 3;
     };
-  Report report = measure_field(field, reference, sample_count, progress.part(0.4, 1));
+  Report report = metrics::measure_field(field, reference, sample_count, progress.part(0.4, 1));
   if (hard) {
     report.add("apparatus_ml", apparatus);
     report.add("vertebrae_ml", vertebrae);

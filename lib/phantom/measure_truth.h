@@ -13,19 +13,19 @@ namespace trephine::phantom {
 struct TruthSurface {
   const Truth* truth = nullptr;  ///< must outlive this
   Anatomy anatomy = Anatomy::skin;
-  TriMesh mesh;  ///< truth_mesh with a step of 1 mm
+  surface::TriMesh mesh;  ///< truth_mesh with a step of 1 mm
 };
 TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& progress = {});
 
 /// A surface against the analytic one, as measure_surface with a TruthReference. Where the scan ends the surface is
 /// capped, and nothing is known of the cap's truth: 3 mm of it are left out.
-Report measure_against_truth(const TriMesh& surface, const TruthSurface& truth, const MeasureParams& params,
-                             const Progress& progress = {});
+Report measure_against_truth(const surface::TriMesh& surface, const TruthSurface& truth,
+                             const metrics::MeasureParams& params, const Progress& progress = {});
 
 /// A field against the truth's solid on the field's own voxels, as far as the scan reached: measure_field, of a skull
 /// also how much too thick it is. At level hard the report also says how much apparatus and how much of the cervical
 /// vertebrae the field holds: apparatus_ml, vertebrae_ml.
-Report measure_against_truth(const Field& field, const TruthSurface& truth, int sample_count,
+Report measure_against_truth(const grid::Field& field, const TruthSurface& truth, int sample_count,
                              const Progress& progress = {});
 
 }  // namespace trephine::phantom

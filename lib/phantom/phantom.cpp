@@ -97,9 +97,9 @@ std::string identity_of(const PhantomParams& params) {
   return text;
 }
 
-Grid<std::int16_t> volume_of(const Scan& scan) {
-  Grid<std::int16_t> grid;
-  static_cast<Lattice&>(grid) = lattice_of(scan);
+grid::Grid<std::int16_t> volume_of(const Scan& scan) {
+  grid::Grid<std::int16_t> grid;
+  static_cast<grid::Lattice&>(grid) = lattice_of(scan);
   grid.voxels = scan.hu;
   return grid;
 }

@@ -34,7 +34,7 @@ std::string identity_of(const PhantomParams& params);
 Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress = {});
 
 /// The scan as a grid, HU. Throws 64 as lattice_of does.
-Grid<std::int16_t> volume_of(const Scan& scan);
+grid::Grid<std::int16_t> volume_of(const Scan& scan);
 
 /// What sample_dicom/ was made with.
 PhantomParams sample_phantom();

@@ -210,8 +210,8 @@ bool has_lattice(const ScanParams& p) {
   return p.tilt_deg == 0 && p.jitter_mm == 0 && (p.upper_step_mm == 0 || p.upper_step_mm == p.slice_step_mm);
 }
 
-Lattice lattice_of(const Scan& s) {
-  Lattice l;
+grid::Lattice lattice_of(const Scan& s) {
+  grid::Lattice l;
   const int n = static_cast<int>(s.slices.size());
   l.size = {s.columns, s.rows, n};
   l.origin_mm = s.slices.front().origin_mm;

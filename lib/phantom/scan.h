@@ -120,7 +120,7 @@ double pixel_spacing_mm(const ScanParams& params);
 std::vector<SlicePose> slice_poses(const ScanParams& params);
 
 /// The lattice of the scan where it is one: no tilt, jitter or change of step. Throws Error 64 elsewhere.
-Lattice lattice_of(const Scan& scan);
+grid::Lattice lattice_of(const Scan& scan);
 bool has_lattice(const ScanParams& params);
 
 /// A reconstruction kernel: a Gaussian in the slice, and edge enhancement (HardParams).

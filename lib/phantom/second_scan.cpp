@@ -56,8 +56,8 @@ double bias_at(Vec3 p, const SecondScanParams& s) {
   return 1 + s.bias_ratio * sum / 3;
 }
 
-Lattice sagittal_box(const SecondScanParams& s) {
-  Lattice l;
+grid::Lattice sagittal_box(const SecondScanParams& s) {
+  grid::Lattice l;
   l.direction = {{Vec3{0, 1, 0}, Vec3{0, 0, -1}, Vec3{-1, 0, 0}}};
   const double along[3] = {extent_mm.y, extent_mm.z, extent_mm.x};
   for (int a = 0; a < 3; ++a) l.size[a] = std::max(8, static_cast<int>(std::lround(along[a] / s.voxel_mm)));
@@ -79,14 +79,14 @@ Second second_scan(const Head& first, const SecondScanParams& s, const Progress&
     params.hard.contrast = true;
   }
   const Head head = s.contrast == SecondScan::cta ? Head(params) : first;
-  const Lattice rest = sagittal_box(s);
+  const grid::Lattice rest = sagittal_box(s);
   const auto vec = [](const std::array<double, 3>& v) { return Vec3{v[0], v[1], v[2]}; };
   Second out;
-  out.truth = rigid_map(vec(s.turn_deg), vec(s.shift_mm), middle);
-  Lattice moved = rest;
+  out.truth = itk::rigid_map(vec(s.turn_deg), vec(s.shift_mm), middle);
+  grid::Lattice moved = rest;
   moved.origin_mm = out.truth(rest.origin_mm);
   for (int a = 0; a < 3; ++a) moved.direction.column[a] = out.truth.matrix * rest.direction.column[a];
-  out.volume = Grid<std::int16_t>(moved);
+  out.volume = grid::Grid<std::int16_t>(moved);
   const bool mr = s.contrast == SecondScan::mr;
   const auto seed = static_cast<std::uint64_t>(s.scan_seed);
   parallel_for(0, rest.size[2], 1, [&](std::int64_t from, std::int64_t to) {
@@ -109,8 +109,8 @@ Second second_scan(const Head& first, const SecondScanParams& s, const Progress&
 
 void write_second_scan(const std::filesystem::path& folder, const Second& second) {
   make_output_folder(folder);
-  write_nrrd(folder / "scan.nrrd", HuVolume(second.volume), {});
-  write_file(folder / "truth.tfm", encode_tfm(second.truth));
+  grid::write_nrrd(folder / "scan.nrrd", grid::HuVolume(second.volume), {});
+  write_file(folder / "truth.tfm", itk::encode_tfm(second.truth));
 }
 
 }  // namespace trephine::phantom

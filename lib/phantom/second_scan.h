@@ -41,8 +41,8 @@ struct SecondScanParams {
 };
 
 struct Second {
-  Grid<std::int16_t> volume;  ///< MR: white matter about 1000; CT: HU
-  LinearMap truth;            ///< from a place of the head to the same place in the second scan's frame
+  grid::Grid<std::int16_t> volume;  ///< MR: white matter about 1000; CT: HU
+  itk::LinearMap truth;             ///< from a place of the head to the same place in the second scan's frame
 };
 
 /// Scans the head. A voxel is the mean over 2 x 2 x 2 points where a tissue ends within it. The box of 200 x 230 x 240

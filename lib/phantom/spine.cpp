@@ -15,8 +15,9 @@ double hu_of(const Spine& spine, Vec3 p, double width_mm) {
          share(bone - 1.5) * (280 - 900);
 }
 
-Grid<std::int16_t> scan_of(const Spine& spine, const Lattice& lattice, double noise_hu, std::uint64_t seed) {
-  Grid<std::int16_t> ct(lattice);
+grid::Grid<std::int16_t> scan_of(const Spine& spine, const grid::Lattice& lattice, double noise_hu,
+                                 std::uint64_t seed) {
+  grid::Grid<std::int16_t> ct(lattice);
   const double voxel = std::min({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
   parallel_for(0, lattice.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)

@@ -154,10 +154,10 @@ class Spine {
 
 /// A lattice of whole vertebrae with that spacing, from 22 mm below the lowest one's middle to as far above the
 /// highest.
-inline Lattice lattice_about(const Spine& spine, Vec3 spacing, double half_width_mm = 75) {
+inline grid::Lattice lattice_about(const Spine& spine, Vec3 spacing, double half_width_mm = 75) {
   const int last = spine.params().vertebrae_count - 1;
   const double low = spine.level(0) - 22, high = spine.level(last) + 22;
-  Lattice l;
+  grid::Lattice l;
   l.spacing_mm = spacing;
   l.origin_mm = {-half_width_mm, 10 - half_width_mm, low};
   l.size = {int(2 * half_width_mm / spacing.x) + 1, int(2 * half_width_mm / spacing.y) + 1,
@@ -166,7 +166,8 @@ inline Lattice lattice_about(const Spine& spine, Vec3 spacing, double half_width
 }
 
 /// A scan of it: cortical bone over marrow, soft tissue, air, a canal as water; partial volume over a voxel, and noise.
-Grid<std::int16_t> scan_of(const Spine& spine, const Lattice& lattice, double noise_hu = 15, std::uint64_t seed = 1);
+grid::Grid<std::int16_t> scan_of(const Spine& spine, const grid::Lattice& lattice, double noise_hu = 15,
+                                 std::uint64_t seed = 1);
 
 /// The spine as a scanner with those parameters sees it: its middle lies where that of the scanner's default block
 /// does, and there are as many vertebrae as the block is high, those at its ends cut. Tissue as in scan_of, averaged

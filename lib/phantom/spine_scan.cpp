@@ -86,7 +86,7 @@ void write_truth(const std::filesystem::path& folder, const SpineParams& of, con
   }
   report.add("pedicles_count", json["pedicles"].size());
   if (labels && has_lattice(params)) {
-    Mask mask(lattice_of(scan));
+    grid::Mask mask(lattice_of(scan));
     parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
       for (int k = int(from); k < to; ++k)
         for (int j = 0; j < mask.size[1]; ++j)
@@ -95,7 +95,7 @@ void write_truth(const std::filesystem::path& folder, const SpineParams& of, con
             mask.at(i, j, k) = spine.bone(p) > 0 ? 2 : spine.canal(p) > 0 ? 3 : spine.skin(p) > 0 ? 1 : 0;
           }
     });
-    write_nrrd(folder / "labels.nrrd", mask);
+    grid::write_nrrd(folder / "labels.nrrd", mask);
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
 }

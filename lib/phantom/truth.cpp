@@ -29,7 +29,7 @@ Json params_to_json(const P& params) {
 
 /// Fills one block of labels: all alike where no boundary is near its middle, else by octants.
 template <class Label>
-void label_block(const Head& head, const Label& label_at, Mask& mask, std::array<int, 3> from,
+void label_block(const Head& head, const Label& label_at, grid::Mask& mask, std::array<int, 3> from,
                  std::array<int, 3> size) {
   const Vec3 middle =
       mask.to_world_mm({from[0] + 0.5 * (size[0] - 1), from[1] + 0.5 * (size[1] - 1), from[2] + 0.5 * (size[2] - 1)});
@@ -91,8 +91,8 @@ P params_from_json(const Json& j) {
 
 namespace {
 template <class Label>
-Mask labelled(const Head& head, const Lattice& lattice, const Label& label_at, const Progress& progress) {
-  Mask mask(lattice);
+grid::Mask labelled(const Head& head, const grid::Lattice& lattice, const Label& label_at, const Progress& progress) {
+  grid::Mask mask(lattice);
   constexpr int block = 16;
   const int layers = (lattice.size[2] + block - 1) / block;
   parallel_for(0, layers, 1, [&](std::int64_t from, std::int64_t to) {
@@ -111,12 +111,12 @@ Mask labelled(const Head& head, const Lattice& lattice, const Label& label_at, c
 }
 }  // namespace
 
-Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress) {
+grid::Mask truth_labels(const Head& head, const grid::Lattice& lattice, const Progress& progress) {
   return labelled(
       head, lattice, [&](Vec3 p) { return head.label(p); }, progress);
 }
 
-Mask truth_things(const Head& head, const Lattice& lattice, const Progress& progress) {
+grid::Mask truth_things(const Head& head, const grid::Lattice& lattice, const Progress& progress) {
   return labelled(
       head, lattice, [&](Vec3 p) { return static_cast<std::uint8_t>(head.thing(p)); }, progress);
 }
@@ -125,7 +125,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
                  const TruthParams& params, Report& report, const Progress& progress) {
   make_output_folder(folder);
   const ScannedRegion region = scanned_region(scan_params);
-  const Bounds& box = region.box_mm;
+  const surface::Bounds& box = region.box_mm;
   Json json;
   json["trephine_phantom_truth"] = truth_version;
   json["frame"] = "DICOM patient LPS, mm; signed distances are negative inside";
@@ -135,7 +135,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
   json["scan"] = params_to_json(scan_params);
   json["box_mm"] = Json::array({to_json(box.min_mm), to_json(box.max_mm)});
   if (has_lattice(scan_params)) {
-    const Lattice l = lattice_of(scan);
+    const grid::Lattice l = lattice_of(scan);
     json["lattice"] = {
         {"size", l.size},
         {"spacing_mm", to_json(l.spacing_mm)},
@@ -158,19 +158,20 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
   if (scan_params.contents != Contents::fiducials) {
     double done = 0;
     for (const Anatomy a : all_anatomies) {
-      const TriMesh mesh = truth_mesh(head, a, region, params.mesh_step_mm > 0 ? params.mesh_step_mm : 2.0,
-                                      progress.part(done, done + 0.2));
-      const double volume = volume_mm3(mesh) / 1000;
+      const surface::TriMesh mesh = truth_mesh(head, a, region, params.mesh_step_mm > 0 ? params.mesh_step_mm : 2.0,
+                                               progress.part(done, done + 0.2));
+      const double volume = surface::volume_mm3(mesh) / 1000;
       json["volumes_in_box_ml"][name_of(a)] = volume;
       report.add(std::string(name_of(a)) + "_volume_ml", volume);
       if (params.mesh_step_mm > 0 && !mesh.triangles.empty())
-        write_vtp(folder / (std::string(name_of(a)) + ".vtp"), mesh);
+        meshio::write_vtp(folder / (std::string(name_of(a)) + ".vtp"), mesh);
       progress.report(done += 0.2);
     }
     if (params.labels && has_lattice(scan_params))
-      write_nrrd(folder / "labels.nrrd", truth_labels(head, lattice_of(scan), progress.part(0.8, hard ? 0.9 : 1)));
+      grid::write_nrrd(folder / "labels.nrrd",
+                       truth_labels(head, lattice_of(scan), progress.part(0.8, hard ? 0.9 : 1)));
     if (hard && params.labels && has_lattice(scan_params))
-      write_nrrd(folder / "things.nrrd", truth_things(head, lattice_of(scan), progress.part(0.9, 1)));
+      grid::write_nrrd(folder / "things.nrrd", truth_things(head, lattice_of(scan), progress.part(0.9, 1)));
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
 }

@@ -31,9 +31,9 @@ struct ScannedRegion {
     Vec3 normal;  ///< of length 1, outwards
     double offset_mm;
   };
-  Bounds box_mm;
+  surface::Bounds box_mm;
   std::vector<Face> faces;
-  ScannedRegion(const Bounds& box = {}) : box_mm(box) {}
+  ScannedRegion(const surface::Bounds& box = {}) : box_mm(box) {}
   /// How far beyond the farthest of its planes, mm; negative inside: less the distance to the nearest.
   double beyond_mm(Vec3 p) const;
 };
@@ -42,14 +42,14 @@ ScannedRegion scanned_region(const ScanParams& params);
 /// The truth's mesh of one anatomy within a region: marching tetrahedra on a lattice of at most `step_mm`, each point
 /// then moved onto the analytic surface. It is closed, 2-manifold and oriented outwards; where the region cuts the
 /// anatomy the mesh is capped in the region's face. Empty where no part of the anatomy lies within.
-TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
-                   const Progress& progress = {});
+surface::TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
+                            const Progress& progress = {});
 
 /// Head::label at every voxel centre of the lattice.
-Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress = {});
+grid::Mask truth_labels(const Head& head, const grid::Lattice& lattice, const Progress& progress = {});
 
 /// Head::thing at every voxel centre of the lattice; level hard.
-Mask truth_things(const Head& head, const Lattice& lattice, const Progress& progress = {});
+grid::Mask truth_things(const Head& head, const grid::Lattice& lattice, const Progress& progress = {});
 
 /// Writes into `folder` (made where missing): truth.json (the head's parameters, from which read_truth rebuilds it; the
 /// scan's; landmarks; fiducials' centres; volumes within the scanned region; the lattice), labels.nrrd, at level

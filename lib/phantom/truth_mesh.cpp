@@ -24,7 +24,7 @@ struct Samples {
 
 Samples sample_solid(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
                      const Progress& progress) {
-  const Bounds& box = region.box_mm;
+  const surface::Bounds& box = region.box_mm;
   Samples s;
   for (int a = 0; a < 3; ++a) {
     const double length = box.max_mm[a] - box.min_mm[a];
@@ -69,7 +69,7 @@ class Marcher {
     for (auto& l : edges_) l.assign(layer_points_ * 7, none);
   }
 
-  TriMesh run(const Progress& progress) {
+  surface::TriMesh run(const Progress& progress) {
     for (int k = 0; k + 1 < s_.n[2]; ++k) {
       progress.check();
       for (int j = 0; j + 1 < s_.n[1]; ++j)
@@ -146,23 +146,23 @@ class Marcher {
   std::array<std::vector<std::uint32_t>, 2> edges_;
   std::array<float, 8> corner_{};
   int i_ = 0, j_ = 0, k_ = 0;
-  TriMesh mesh_;
+  surface::TriMesh mesh_;
 };
 
 }  // namespace
 
 double ScannedRegion::beyond_mm(Vec3 p) const {
-  const Bounds& b = box_mm;
+  const surface::Bounds& b = box_mm;
   double beyond = std::max(
       {b.min_mm.x - p.x, p.x - b.max_mm.x, b.min_mm.y - p.y, p.y - b.max_mm.y, b.min_mm.z - p.z, p.z - b.max_mm.z});
   for (const Face& f : faces) beyond = std::max(beyond, dot(f.normal, p) - f.offset_mm);
   return beyond;
 }
 
-TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
-                   const Progress& progress) {
+surface::TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
+                            const Progress& progress) {
   const Samples samples = sample_solid(head, anatomy, region, step_mm, progress);
-  TriMesh mesh = Marcher(samples).run(progress);
+  surface::TriMesh mesh = Marcher(samples).run(progress);
   // Onto the analytic surface, by at most half a step: farther means a crease that the lattice cannot show.
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), 4096, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -190,7 +190,7 @@ ScannedRegion scanned_region(const ScanParams& params) {
       corners.push_back(s.origin_mm + s.row * (c & 1 ? (params.columns_count - 1) * pixel_mm : 0) +
                         s.column * (c & 2 ? (params.rows_count - 1) * pixel_mm : 0));
   ScannedRegion region;
-  for (const Vec3 p : corners) include(region.box_mm, p);
+  for (const Vec3 p : corners) surface::include(region.box_mm, p);
   const Vec3 row = slices[0].row, column = slices[0].column, feed = slices.back().origin_mm - slices[0].origin_mm;
   for (const Vec3 across : {cross(row, column), cross(row, feed), cross(column, feed)}) {
     if (!(norm(across) > 0)) continue;  // the plane of a single slice has no normal

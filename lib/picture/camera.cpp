@@ -8,7 +8,7 @@
 #include "picture/stroke.h"
 #include "surface/bounds.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 namespace {
 
 constexpr Rgb ink{0.16, 0.19, 0.23}, halo{1, 1, 1};
@@ -49,7 +49,7 @@ void for_each_point(const std::vector<SurfaceView>& surfaces, const RenderParams
       for (std::size_t i = 0; i < s.mesh->points_mm.size(); ++i) f(s.mesh->world_mm(i));
     return;
   }
-  for (const Vec3 corner : corners_of(*params.frame)) f(corner);
+  for (const Vec3 corner : surface::corners_of(*params.frame)) f(corner);
 }
 
 // The letter of the patient's side that a direction points to.
@@ -88,11 +88,11 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
   c.right = normalized(cross(axes.up, c.toward));
   c.up = cross(c.toward, c.right);
 
-  Bounds b;
+  surface::Bounds b;
   bool any = false;
   for_each_point(surfaces, params, [&](Vec3 p) {
     any = true;
-    include(b, p);
+    surface::include(b, p);
   });
   if (!any) b = {{-1, -1, -1}, {1, 1, 1}};
   if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) throw Error(ExitCode::bad_input, "", "frame", "is not finite");
@@ -137,4 +137,4 @@ void draw_marks(Image& image, const Camera& camera, const RenderParams& params) 
   draw_scale_bar(image, 1 / camera.px_per_mm, params.width * 0.25, text_px * 0.9, ink, halo);
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

@@ -2,7 +2,7 @@
 #pragma once
 #include "picture/render.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 
 /// Where the picture is taken from. Camera coordinates are (right, up, towards the viewer) in mm about `target`.
 struct Camera {
@@ -34,4 +34,4 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
 /// Letters and scale bar.
 void draw_marks(Image& image, const Camera& camera, const RenderParams& params);
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

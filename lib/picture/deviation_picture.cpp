@@ -13,7 +13,7 @@
 #include "picture/render.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::picture {
 namespace {
 
 constexpr int shades = 33;  // from -full to full
@@ -59,42 +59,44 @@ void draw_scale(Image& image, double full) {
 
 }  // namespace
 
-std::vector<double> signed_deviations_mm(const TriMesh& mesh, const TriMesh& reference, const Progress& progress) {
+std::vector<double> signed_deviations_mm(const surface::TriMesh& mesh, const surface::TriMesh& reference,
+                                         const Progress& progress) {
   std::vector<Vec3> world(mesh.points_mm.size());
   for (std::size_t i = 0; i < world.size(); ++i) world[i] = mesh.world_mm(i);
-  return PointToMesh(reference, progress).signed_distances_mm(world, progress);
+  return surface::PointToMesh(reference, progress).signed_distances_mm(world, progress);
 }
 
-Image deviation_picture(const TriMesh& mesh, const TriMesh& reference, double full_scale_mm, const Progress& progress) {
-  check_mesh(mesh);
+Image deviation_picture(const surface::TriMesh& mesh, const surface::TriMesh& reference, double full_scale_mm,
+                        const Progress& progress) {
+  surface::check_mesh(mesh);
   if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
   const std::vector<double> deviation = signed_deviations_mm(mesh, reference, progress.part(0, 0.4));
   double full = full_scale_mm > 0 ? full_scale_mm : percentile99(deviation);
   if (!(full > 0)) full = 1e-3;
-  TriMesh smooth = mesh;
+  surface::TriMesh smooth = mesh;
   if (smooth.normals.empty()) {
     Report ignored;
-    compute_normals(smooth, NormalsParams(), ignored);
+    meshing::compute_normals(smooth, meshing::NormalsParams(), ignored);
   }
   // There is one surface for each shade, because the renderer gives a surface one colour.
-  std::vector<TriMesh> parts(shades);
+  std::vector<surface::TriMesh> parts(shades);
   for (const auto& t : smooth.triangles) {
     const double mean = (deviation[t[0]] + deviation[t[1]] + deviation[t[2]]) / 3;
     parts[std::size_t(shade_of(mean, full))].triangles.push_back(t);
   }
   std::vector<SurfaceView> surfaces;
   for (int s = 0; s < shades; ++s) {
-    TriMesh& part = parts[std::size_t(s)];
+    surface::TriMesh& part = parts[std::size_t(s)];
     if (part.triangles.empty()) continue;
     part.origin_mm = smooth.origin_mm;
     part.points_mm = smooth.points_mm;
     part.normals = smooth.normals;
-    drop_unused_points(part);
+    surface::drop_unused_points(part);
     surfaces.push_back({&part, colour_at(2.0 * s / (shades - 1) - 1), 1});
   }
   RenderParams params;
   params.width = params.height = 480;
-  params.frame = bounds_of(mesh);
+  params.frame = surface::bounds_of(mesh);
   std::vector<Image> images;
   for (const View v : {View::oblique_left, View::oblique_right, View::back, View::top}) {
     params.view = v;
@@ -108,4 +110,4 @@ Image deviation_picture(const TriMesh& mesh, const TriMesh& reference, double fu
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::picture

@@ -7,7 +7,7 @@
 
 #include "picture/stroke.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 namespace {
 
 constexpr double units = 12;
@@ -164,4 +164,4 @@ const Glyph& glyph_of(unsigned char c) {
   return found == glyphs.end() ? box : found->second;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::picture {
 namespace {
 
 png_image header() {
@@ -79,4 +79,4 @@ Image contact_sheet(const std::vector<Image>& images, int columns, Rgb backgroun
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::picture

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace trephine {
+namespace trephine::picture {
 
 /// sRGB, 0 to 1.
 using Rgb = std::array<double, 3>;
@@ -36,4 +36,4 @@ int text_width(std::string_view text, double height_px);
 /// readable on anything. `height_px` is that of a capital letter.
 void draw_text(Image& image, double x, double y, std::string_view text, double height_px, Rgb colour, Rgb halo);
 
-}  // namespace trephine
+}  // namespace trephine::picture

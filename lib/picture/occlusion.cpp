@@ -6,7 +6,7 @@
 
 #include "base/parallel.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 namespace {
 
 constexpr int sample_count = 16, turns = 7, tile = 4;
@@ -83,4 +83,4 @@ std::vector<float> openness(const SurfaceBuffer& b, const Camera& camera, double
   return out;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

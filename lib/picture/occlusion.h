@@ -4,7 +4,7 @@
 
 #include "picture/camera.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 
 /// What the darkening of creases needs: the nearest opaque position (camera coordinates, mm) and normal of each pixel;
 /// NaN where there is none.
@@ -18,4 +18,4 @@ struct SurfaceBuffer {
 /// radius_mm.
 std::vector<float> openness(const SurfaceBuffer& buffer, const Camera& camera, double radius_mm);
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

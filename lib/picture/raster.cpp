@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "surface/vertex_normals.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 namespace {
 
 constexpr int sub = 256;  // steps of a sample
@@ -114,14 +114,14 @@ void sort_into_bands(Projected& s, bool perspective, int rows) {
 
 }  // namespace
 
-Projected project(const TriMesh& mesh, const Camera& camera, int samples, int rows,
+Projected project(const surface::TriMesh& mesh, const Camera& camera, int samples, int rows,
                   const std::optional<ClipPlane>& clip) {
   Projected out;
   out.mesh = &mesh;
   out.points.resize(mesh.points_mm.size());
   out.normals.resize(mesh.points_mm.size());
   std::vector<Vec3> own;
-  if (mesh.normals.empty()) own = vertex_normals(mesh);
+  if (mesh.normals.empty()) own = surface::vertex_normals(mesh);
   const auto& normals = mesh.normals.empty() ? own : mesh.normals;
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), grain, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t i = from; i < to; ++i) {
@@ -165,4 +165,4 @@ std::array<double, 3> weights_at(const Projected& s, std::uint32_t triangle, int
   return w;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

@@ -5,7 +5,7 @@
 
 #include "picture/camera.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 
 /// A surface on the screen of `samples` x `samples` supersampled pixels.
 struct Projected {
@@ -16,7 +16,7 @@ struct Projected {
   };
   std::vector<Point> points;
   std::vector<std::array<float, 3>> normals;  ///< camera coordinates, unit
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
   /// The triangles whose first row lies in band b are in_band[band_begin[b]] up to band_begin[b + 1]; they end in that
   /// band or the next. Triangles that reach further are in `tall`.
   std::vector<std::uint32_t> band_begin, in_band, tall;
@@ -25,7 +25,7 @@ struct Projected {
 
 constexpr int band_rows = 32;
 
-Projected project(const TriMesh& mesh, const Camera& camera, int samples, int rows,
+Projected project(const surface::TriMesh& mesh, const Camera& camera, int samples, int rows,
                   const std::optional<ClipPlane>& clip);
 
 /// The nearest part of a surface in a band of sample rows.
@@ -41,4 +41,4 @@ void draw_band(const Projected& surface, int band, int width, int rows, bool cli
 /// Weights of the triangle's corners at a sample's centre, in space (not on the screen).
 std::array<double, 3> weights_at(const Projected& surface, std::uint32_t triangle, int x, int y, bool perspective);
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

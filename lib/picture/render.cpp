@@ -11,7 +11,7 @@
 #include "picture/occlusion.h"
 #include "picture/raster.h"
 
-namespace trephine {
+namespace trephine::picture {
 namespace {
 
 using detail::Camera;
@@ -248,7 +248,7 @@ std::vector<Light> background_rows(const RenderParams& p) {
 void check(const std::vector<SurfaceView>& surfaces, const RenderParams& p) {
   for (const auto& s : surfaces) {
     if (!s.mesh) throw Error(ExitCode::internal, "", "picture", "a surface is null");
-    check_mesh(*s.mesh);
+    surface::check_mesh(*s.mesh);
   }
   if (p.width < 1 || p.height < 1 || p.width > 16384 || p.height > 16384)
     throw Error(ExitCode::internal, "", "picture", "the size must lie between 1 and 16384 pixels");
@@ -308,4 +308,4 @@ Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderPara
   return image;
 }
 
-}  // namespace trephine
+}  // namespace trephine::picture

@@ -8,13 +8,13 @@
 #include "picture/image.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::picture {
 
 /// From where the patient is seen: `left` shows the patient's left side. The oblique ones look down a little.
 enum class View { front, back, left, right, top, bottom, oblique_left, oblique_right };
 
 struct SurfaceView {
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
   Rgb colour_rgb{0.8, 0.8, 0.8};
   double opacity = 1;  ///< below 1, the nearest layer is seen, and through it what lies behind
 };
@@ -28,9 +28,9 @@ struct ClipPlane {
 struct RenderParams {
   View view = View::oblique_left;
   int width = 800, height = 800;
-  int supersampling = 2;          ///< 1 to 4 samples a pixel, in x and in y
-  double field_of_view_deg = 20;  ///< 0: orthographic
-  std::optional<Bounds> frame;    ///< what must fit into the picture; the surfaces' bounds where not given
+  int supersampling = 2;                 ///< 1 to 4 samples a pixel, in x and in y
+  double field_of_view_deg = 20;         ///< 0: orthographic
+  std::optional<surface::Bounds> frame;  ///< what must fit into the picture; the surfaces' bounds where not given
   std::optional<ClipPlane> clip;
   Rgb background_top{1, 1, 1}, background_bottom{0.90, 0.92, 0.94};
   bool marks = true;      ///< orientation letters and a scale bar (of the plane through the frame's centre)
@@ -44,4 +44,4 @@ struct RenderParams {
 Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderParams& params,
                       const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::picture

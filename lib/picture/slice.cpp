@@ -10,7 +10,7 @@
 #include "picture/stroke.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::picture {
 namespace {
 
 constexpr Rgb outside{0.03, 0.05, 0.11}, ink{0.93, 0.95, 0.97}, halo{0, 0, 0};
@@ -31,7 +31,7 @@ const PlaneAxes& axes_of(SlicePlane plane) {
 
 // Interpolates trilinearly. Up to half a voxel beyond the outermost centres, their values hold. Returns false outside.
 template <class T>
-bool sample(const Grid<T>& g, Vec3 index, double& hu) {
+bool sample(const grid::Grid<T>& g, Vec3 index, double& hu) {
   int low[3], high[3];
   double t[3];
   for (int a = 0; a < 3; ++a) {
@@ -48,7 +48,7 @@ bool sample(const Grid<T>& g, Vec3 index, double& hu) {
 }
 
 template <class T>
-void draw_volume(const Grid<T>& g, const SliceGeometry& geometry, const SliceParams& p, Image& image) {
+void draw_volume(const grid::Grid<T>& g, const SliceGeometry& geometry, const SliceParams& p, Image& image) {
   const double low = p.window_center_hu - p.window_width_hu / 2;
   const auto index = [&](double x, double y) { return g.to_index(geometry.to_world_mm(x, y)); };
   const Vec3 first = index(0.5, 0.5), right = index(1.5, 0.5) - first, down = index(0.5, 1.5) - first;
@@ -68,7 +68,7 @@ struct Segment {
 };
 
 // Where the triangles meet the plane. A point that lies in it counts as above, so that the lines close.
-std::vector<Segment> cut(const TriMesh& mesh, const SliceGeometry& g, int normal, double position) {
+std::vector<Segment> cut(const surface::TriMesh& mesh, const SliceGeometry& g, int normal, double position) {
   std::vector<Segment> out;
   const double k = 1 / g.mm_per_px;
   for (const auto& t : mesh.triangles) {
@@ -94,7 +94,7 @@ std::vector<Segment> cut(const TriMesh& mesh, const SliceGeometry& g, int normal
 
 // The lines where the field crosses 0 between pixels, by marching squares. Outside of its lattice nothing counts as
 // inside.
-std::vector<Segment> cut(const Field& field, const SliceGeometry& g) {
+std::vector<Segment> cut(const grid::Field& field, const SliceGeometry& g) {
   const std::size_t row = std::size_t(g.width) + 1;
   std::vector<float> values(row * (std::size_t(g.height) + 1));
   parallel_for(0, g.height + 1, 16, [&](std::int64_t from, std::int64_t to) {
@@ -193,15 +193,15 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
 
 }  // namespace
 
-std::array<double, 2> slice_range_mm(const Lattice& volume, SlicePlane plane) {
-  const Bounds b = bounds_of(volume, 0.5);
+std::array<double, 2> slice_range_mm(const grid::Lattice& volume, SlicePlane plane) {
+  const surface::Bounds b = surface::bounds_of(volume, 0.5);
   const int n = axes_of(plane).normal;
   return {b.min_mm[n], b.max_mm[n]};
 }
 
-SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params) {
+SliceGeometry slice_geometry(const grid::Lattice& volume, const SliceParams& params) {
   const PlaneAxes& axes = axes_of(params.plane);
-  const Bounds b = bounds_of(volume, 0.5);
+  const surface::Bounds b = surface::bounds_of(volume, 0.5);
   const int n = axes.normal;
   if (!(params.position_mm >= b.min_mm[n] && params.position_mm <= b.max_mm[n]))
     throw Error(ExitCode::bad_input, "", "position_mm",
@@ -229,8 +229,8 @@ SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params) {
   return g;
 }
 
-Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes) {
-  const SliceGeometry g = slice_geometry(lattice_of(volume), params);
+Image slice_overlay(const grid::HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes) {
+  const SliceGeometry g = slice_geometry(grid::lattice_of(volume), params);
   Image image(g.width, g.height, outside);
   std::visit([&](const auto& grid) { draw_volume(grid, g, params, image); }, volume);
   std::vector<std::vector<Segment>> cuts;
@@ -240,7 +240,7 @@ Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std
       cuts.push_back(cut(*s.field, g));
       continue;
     }
-    check_mesh(*s.mesh);
+    surface::check_mesh(*s.mesh);
     cuts.push_back(cut(*s.mesh, g, axes_of(params.plane).normal, params.position_mm));
   }
   if (params.fill_opacity > 0)
@@ -254,4 +254,4 @@ Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std
   return image;
 }
 
-}  // namespace trephine
+}  // namespace trephine::picture

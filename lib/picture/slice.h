@@ -7,15 +7,15 @@
 #include "picture/image.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::picture {
 
 enum class SlicePlane { axial, coronal, sagittal };
 
 struct OverlayShape {
-  const TriMesh* mesh = nullptr;
+  const surface::TriMesh* mesh = nullptr;
   Rgb colour_rgb{1, 0, 0};
   std::string name;  ///< for the legend; not listed where empty
-  const Field* field =
+  const grid::Field* field =
       nullptr;  ///< instead of a mesh: the line at 0 of the field, trilinear between the pixels' corners
 };
 
@@ -38,17 +38,17 @@ struct SliceGeometry {
   Vec3 corner_mm, right, down;  ///< world position of (0, 0), unit directions of x and y
   Vec3 to_world_mm(double x, double y) const { return corner_mm + right * (x * mm_per_px) + down * (y * mm_per_px); }
 };
-SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params);
+SliceGeometry slice_geometry(const grid::Lattice& volume, const SliceParams& params);
 
 /// The CT resampled in the plane (trilinear), in radiological convention: axial slices as seen from the feet and
 /// coronal ones from the front, with the patient's right on the left; sagittal ones with the nose on the left. The
 /// exact cuts of the meshes with the plane are drawn over it. Places outside the volume are dark blue. Where the
 /// picture is too low for its marks they stand in a strip below it, which slice_geometry() does not count. The same
 /// bytes whatever the thread count. Throws Error 65 where the plane does not meet the volume, or a mesh is damaged.
-Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
+Image slice_overlay(const grid::HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
 
 /// The coordinates along the plane's normal that the volume reaches.
 /// sense.
-std::array<double, 2> slice_range_mm(const Lattice& volume, SlicePlane plane);
+std::array<double, 2> slice_range_mm(const grid::Lattice& volume, SlicePlane plane);
 
-}  // namespace trephine
+}  // namespace trephine::picture

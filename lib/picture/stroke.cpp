@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::picture {
 namespace detail {
 
 void blend_pixel(std::uint8_t* pixel, Rgb colour, double opacity) {
@@ -47,11 +47,11 @@ void fill_rectangle(Image& image, double x0, double y0, double x1, double y1, Rg
       blend_pixel(image.at(i, j), colour, opacity * overlap(x0, x1, i) * overlap(y0, y1, j));
 }
 
-void draw_scale_bar(Image& image, double mm_per_px, double most_px, double text_px, Rgb colour, Rgb halo) {
+void draw_scale_bar(Image& image, double mm_per_px, double max_px, double text_px, Rgb colour, Rgb halo) {
   double length_mm = 0;
   for (double decade = 1e-3; decade < 1e6; decade *= 10)
     for (const double step : {1.0, 2.0, 5.0})
-      if (decade * step / mm_per_px <= most_px) length_mm = decade * step;
+      if (decade * step / mm_per_px <= max_px) length_mm = decade * step;
   if (!(length_mm > 0)) return;
   const double length = length_mm / mm_per_px, margin = text_px, thick = std::max(2.0, text_px * 0.22);
   const double x1 = image.width - margin, x0 = x1 - length, y = image.height - margin;
@@ -113,4 +113,4 @@ void draw_text(Image& image, double x, double y, std::string_view text, double h
   each([](const std::uint8_t* p, std::uint8_t* q) { std::copy(p, p + 3, q); });
 }
 
-}  // namespace trephine
+}  // namespace trephine::picture

@@ -5,7 +5,7 @@
 
 #include "picture/image.h"
 
-namespace trephine::detail {
+namespace trephine::picture::detail {
 
 /// How much of each pixel is covered by strokes. Segments are joined by their largest coverage, so that a line of many
 /// short segments has no dots at the joints, and are blended into the picture once.
@@ -24,8 +24,8 @@ class StrokeMask {
 void blend_pixel(std::uint8_t* pixel, Rgb colour, double opacity);
 void fill_rectangle(Image& image, double x0, double y0, double x1, double y1, Rgb colour, double opacity);
 
-/// A bar of a round length in mm with its label, right-aligned in the lower right corner; at most `most_px` long.
-void draw_scale_bar(Image& image, double mm_per_px, double most_px, double text_px, Rgb colour, Rgb halo);
+/// A bar of a round length in mm with its label, right-aligned in the lower right corner; at most `max_px` long.
+void draw_scale_bar(Image& image, double mm_per_px, double max_px, double text_px, Rgb colour, Rgb halo);
 /// Letters at the middle of the left, right, upper and lower edge.
 void draw_edge_letters(Image& image, std::string_view left, std::string_view right, std::string_view top,
                        std::string_view bottom, double text_px, Rgb colour, Rgb halo);
@@ -39,4 +39,4 @@ struct Glyph {
 };
 const Glyph& glyph_of(unsigned char c);
 
-}  // namespace trephine::detail
+}  // namespace trephine::picture::detail

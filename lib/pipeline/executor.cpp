@@ -17,31 +17,31 @@
 #include "pipeline/schedule.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-double bytes_of(const StageData& data) {
-  if (const auto* v = std::get_if<std::shared_ptr<const HuVolume>>(&data))
+double bytes_of(const stages::StageData& data) {
+  if (const auto* v = std::get_if<std::shared_ptr<const grid::HuVolume>>(&data))
     return std::visit([](const auto& g) { return double(g.voxels.size() * sizeof(g.voxels[0])); }, **v);
-  if (const auto* f = std::get_if<std::shared_ptr<const Field>>(&data))
+  if (const auto* f = std::get_if<std::shared_ptr<const grid::Field>>(&data))
     return double((*f)->voxels.size() * sizeof(float));
-  if (const auto* m = std::get_if<std::shared_ptr<const TriMesh>>(&data))
+  if (const auto* m = std::get_if<std::shared_ptr<const surface::TriMesh>>(&data))
     return double((*m)->points_mm.size() * sizeof(Vec3) * 2 + (*m)->triangles.size() * 12);
-  if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
+  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
     return double((*h)->voxels.voxels.size() * sizeof(std::int16_t));
   return 0;
 }
 
 // An output is worth its space on disk if it took much longer to make than to write and read, or if it is small: then
 // what the cache holds does not hang on how fast the machine is, and the pictures of a refused run can be made of it.
-bool worth_storing(const StageData& data, double seconds) {
+bool worth_storing(const stages::StageData& data, double seconds) {
   constexpr double disk_bytes_per_s = 100e6, gain = 4, small_bytes = 1e6;
   // The file of a haptic volume does not hold its hardness.
-  if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
+  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
     if (!(*h)->hardness.voxels.empty()) return false;
   const double bytes = bytes_of(data);
   return bytes <= small_bytes || seconds > gain * bytes / disk_bytes_per_s;
@@ -73,7 +73,7 @@ class Executor {
     // Starts with the last node: when a node's turn comes, all its readers have been counted, and a node without
     // readers is dropped.
     for (std::size_t i = tasks_.size(); i-- > 0;) {
-      const bool kept = !options_.keep.empty() && graph.nodes[i].output != DataKind::nothing && !is_known(i);
+      const bool kept = !options_.keep.empty() && graph.nodes[i].output != stages::DataKind::nothing && !is_known(i);
       if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
       if (tasks_[i].readers == 0) results_[i].data = {};
     }
@@ -155,7 +155,7 @@ class Executor {
     Task& task = tasks_[i];
     if (task.needed) return;
     task.needed = true;
-    if (is_known(i) && (results_[i].data.index() != 0 || graph_.nodes[i].output == DataKind::nothing)) {
+    if (is_known(i) && (results_[i].data.index() != 0 || graph_.nodes[i].output == stages::DataKind::nothing)) {
       task.started = task.done = true;
       return;
     }
@@ -270,7 +270,8 @@ class Executor {
     if (!options_.cache) return;
     into_cache([&] {
       const bool worth = worth_storing(result.data, result.seconds);
-      options_.cache->store(node.key, node.output, worth ? result.data : StageData{}, result.report, result.seconds);
+      options_.cache->store(node.key, node.output, worth ? result.data : stages::StageData{}, result.report,
+                            result.seconds);
       result.kept = worth;
     });
   }
@@ -289,14 +290,14 @@ class Executor {
   void finish_output(int i, const char* how) {
     const Node& node = graph_.nodes[i];
     const NodeResult& result = results_[i];
-    if (!options_.keep.empty() && node.output != DataKind::nothing)
-      save_data(options_.keep / (node.name + file_extension(node.output)), result.data);
+    if (!options_.keep.empty() && node.output != stages::DataKind::nothing)
+      stages::save_data(options_.keep / (node.name + stages::file_extension(node.output)), result.data);
     observer_.finished(node.name, how, result.seconds, result.report);
   }
 
   void compute(const Node& node, NodeResult& result) {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
-    StageInputs inputs;
+    stages::StageInputs inputs;
     for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
     try {
       result.data = compute_node(node, std::move(inputs), result.report, progress);
@@ -324,7 +325,7 @@ class Executor {
 
 }  // namespace
 
-StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress) {
+stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress) {
   inputs.file_sha256 = node.file_sha256;
   return node.type->run(node.params, inputs, report, progress);
 }
@@ -335,4 +336,4 @@ std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& want
   return Executor(graph, wanted, options, observer).run();
 }
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

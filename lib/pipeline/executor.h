@@ -10,7 +10,7 @@
 #include "pipeline/graph.h"
 #include "pipeline/stage_cache.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 
 /// Observes a run. Its functions are called from several threads.
 class RunObserver {
@@ -31,7 +31,7 @@ class RunObserver {
 
 struct NodeResult {
   enum class State { not_needed, computed, cached } state = State::not_needed;
-  StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
+  stages::StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
   Report report;
   double seconds = 0;
   bool kept = false;  ///< computed or cached, and in the cache: the next run need not compute it
@@ -52,7 +52,7 @@ struct ExecuteOptions {
 
 /// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
 /// longer the one for which the graph was made.
-StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress);
+stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress);
 
 /// Computes the wanted nodes and what they need that is not in the cache. Independent nodes run at the same time on up
 /// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
@@ -63,4 +63,4 @@ StageData compute_node(const Node& node, StageInputs inputs, Report& report, con
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

@@ -9,27 +9,22 @@
 #include "stages/import.h"
 #include "stages/points.h"
 
-namespace trephine {
-namespace {
+namespace trephine::pipeline {
 
-// The parameters as text. The hash of a file's content stands for its path.
-std::string parameters_text(const Node& node) {
-  if (node.file_sha256.empty()) return to_text(node.params);
-  std::string text;
-  for (const auto& [name, value] : node.recorded()) text += name + ": " + to_text(value) + "; ";
-  return text;
-}
+using stages::DataKind, stages::From, stages::Port, stages::StagePlace, stages::StageType;
+
+namespace {
 
 // What the ports of a node are connected to, as far as it differs between nodes of one stage.
 struct Place {
-  const RecipeStep* step = nullptr;    // what a recipe says of the stage
-  int scan = 0;                        // the scan that it reads
-  int before = -1;                     // the step before it in an anatomy
-  bool original = false;               // of the scan before its face is taken away
-  bool required_only = false;          // anatomies that it can do without are left out
-  bool without_given = false;          // so are the landmarks that a person placed
-  int further_scan = -1;               // the import of a further scan
-  const Graph::Anatomy* of = nullptr;  // the anatomy whose surfaces it reads
+  const config::RecipeStep* step = nullptr;  // what a recipe says of the stage
+  int scan = 0;                              // the scan that it reads
+  int before = -1;                           // the step before it in an anatomy
+  bool original = false;                     // of the scan before its face is taken away
+  bool required_only = false;                // anatomies that it can do without are left out
+  bool without_given = false;                // so are the landmarks that a person placed
+  int further_scan = -1;                     // the import of a further scan
+  const Graph::Anatomy* of = nullptr;        // the anatomy whose surfaces it reads
 };
 
 // Inputs are looked for in the order of From, those that a recipe names in the order of their names.
@@ -43,7 +38,7 @@ std::vector<const Port*> in_order(const std::vector<Port>& ports) {
 }
 
 // A stage that every recipe has does nothing with its default parameters.
-bool is_idle(const RecipeStep& step) {
+bool is_idle(const config::RecipeStep& step) {
   return step.type->in_every_recipe && to_text(step.params) == to_text(step.type->make_params());
 }
 
@@ -51,7 +46,7 @@ bool is_of_anatomy(const StageType& type) { return type.reads(From::first_surfac
 
 class Builder {
  public:
-  Builder(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan)
+  Builder(const config::CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan)
       : config_(config), hash_of_scan_(hash_of_scan) {
     add(import_node("import", {config.series, config.import}, input_hash));
   }
@@ -59,22 +54,22 @@ class Builder {
   Graph build() {
     add_checks_of_scan(true);
     for (const From from : {From::import, From::scan})
-      for (const RecipeStep& step : config_.scan_steps)
+      for (const config::RecipeStep& step : config_.scan_steps)
         if (step.type->output == DataKind::volume && step.type->reads(from) && !is_idle(step)) prepare(step);
     original_ = graph_.scan;
     if (config_.takes_face_away()) {
       defacing_ = true;
-      const RecipeStep& step = *config_.face_step();
+      const config::RecipeStep& step = *config_.face_step();
       graph_.scan = add(node_of_step(step, step.type->name), {&step});
     }
     if (config_.ct) want(graph_.scan, "CT that is published");
-    for (const SceneAnatomy& wanted : config_.scene) add_anatomy(*config_.find_anatomy(wanted.name));
-    for (const SceneShape& shape : config_.haptic.shapes)
-      if (config_.haptic.encoding() == HapticEncoding::occupancy) first_surface_of(shape.name);
+    for (const config::SceneAnatomy& wanted : config_.scene) add_anatomy(*config_.find_anatomy(wanted.name));
+    for (const config::SceneShape& shape : config_.haptic.shapes)
+      if (config_.haptic.encoding() == voxel::HapticEncoding::occupancy) first_surface_of(shape.name);
     add_checks_of_scan(false);
     if (config_.needs_landmarks()) landmarks();
-    for (const CaseDrill& hole : config_.burr_holes) want(add(node_with(hole.name, hole.params), Place()));
-    for (const SceneDrill& drilled : config_.drilled)
+    for (const config::CaseDrill& hole : config_.burr_holes) want(add(node_with(hole.name, hole.params), Place()));
+    for (const config::SceneDrill& drilled : config_.drilled)
       for (Graph::Anatomy& anatomy : graph_.anatomies)
         if (anatomy.name == drilled.anatomy) cut(anatomy, drilled);
     for (const Graph::Anatomy& a : graph_.anatomies)
@@ -86,7 +81,7 @@ class Builder {
     }
     // Whether the face is gone is asked of all that will be published, so last.
     for (const bool of_face : {false, true})
-      for (const StageType* type : stages_of(StagePlace::scene))
+      for (const StageType* type : stages::stages_of(StagePlace::scene))
         if (type->is_check() && !is_of_anatomy(*type) && type->sees_face() == of_face) add_check_of_scene(*type);
     return std::move(graph_);
   }
@@ -178,16 +173,17 @@ class Builder {
   // checked for the face like all else.
   int scan_named(const std::string& name, const std::string& reader) {
     if (const auto known = graph_.scans.find(name); known != graph_.scans.end()) return known->second;
-    const CaseScan* scan = config_.find_scan(name);
+    const config::CaseScan* scan = config_.find_scan(name);
     if (!scan)
       throw Error(ExitCode::bad_config, "", reader + ".scan",
                   name + ", the case has no such scan: name it, scans: {" + name + ": {modality: ..., series: ...}}");
     if (scan->series.empty())
       throw Error(ExitCode::usage, "", "scans." + name + ".series",
                   "is not said, and " + reader + " reads it: give --scan " + name + "=PATH");
-    const SeriesChoice series{scan->series, scan->import.as<ImportParams>()};
+    const dicom::SeriesChoice series{scan->series, scan->import.as<dicom::ImportParams>()};
     const std::string hash = with_field("scans." + name, [&] {
-      return hash_of_scan_ ? hash_of_scan_(name, series) : hash_of_series_input(series.folder_or_file, series.params);
+      return hash_of_scan_ ? hash_of_scan_(name, series)
+                           : dicom::hash_of_series_input(series.folder_or_file, series.params);
     });
     Place place;
     place.further_scan = add(import_node(name + ".import", series, hash));
@@ -196,9 +192,9 @@ class Builder {
     return graph_.scans[name] = add(std::move(node), place);
   }
 
-  static Node import_node(const std::string& name, const SeriesChoice& series, const std::string& hash) {
-    ImportStageParams params;
-    static_cast<ImportParams&>(params) = series.params;
+  static Node import_node(const std::string& name, const dicom::SeriesChoice& series, const std::string& hash) {
+    stages::ImportStageParams params;
+    static_cast<dicom::ImportParams&>(params) = series.params;
     params.input = series.folder_or_file.string();
     Node node = node_with(name, AnyParams::make(params));
     node.file_sha256["input"] = hash;
@@ -220,26 +216,26 @@ class Builder {
     return node;
   }
   static Node node_with(const std::string& name, const AnyParams& params) {
-    return node_of(stage_with(*params.set), name, params);
+    return node_of(stages::stage_with(*params.set), name, params);
   }
-  static Node node_of_step(const RecipeStep& step, const std::string& name) {
+  static Node node_of_step(const config::RecipeStep& step, const std::string& name) {
     Node node = node_of(*step.type, name, step.params);
     add_file_hashes(node);
     return node;
   }
 
   // A step of an anatomy; `original`: on the scan before its face is taken away.
-  int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool original = false) {
-    const RecipeStep& step = anatomy.steps[index];
+  int node_of(const config::RecipeAnatomy& anatomy, std::size_t index, bool original = false) {
+    const config::RecipeStep& step = anatomy.steps[index];
     Place place{&step};
     place.original = original && (graph_.scan != original_ || defacing_);
     const std::string name = (place.original ? "original." : "") + anatomy.name + "." + step.type->name;
     if (const int known = graph_.find(name); known >= 0) return known;
-    const bool is_ct = step.scan.empty() || step.scan == first_scan;
+    const bool is_ct = step.scan.empty() || step.scan == config::first_scan;
     place.scan = !is_ct ? scan_named(step.scan, name) : place.original ? original_ : graph_.scan;
     Node node = node_of_step(step, name);
     place.before = index == 0 ? place.scan : node_of(anatomy, index - 1, place.original);
-    node.may_be_missing = std::any_of(config_.scene.begin(), config_.scene.end(), [&](const SceneAnatomy& a) {
+    node.may_be_missing = std::any_of(config_.scene.begin(), config_.scene.end(), [&](const config::SceneAnatomy& a) {
       return a.name == anatomy.name && a.may_be_missing;
     });
     return add(std::move(node), place);
@@ -248,42 +244,42 @@ class Builder {
   static std::string anatomy_of(const std::string& source) { return source.substr(0, source.find('.')); }
 
   int node_named(const std::string& path, bool original = false) {
-    const RecipeAnatomy& anatomy = *config_.find_anatomy(anatomy_of(path));
+    const config::RecipeAnatomy& anatomy = *config_.find_anatomy(anatomy_of(path));
     for (std::size_t i = 0; i < anatomy.steps.size(); ++i)
       if (anatomy.name + "." + anatomy.steps[i].type->name == path) return node_of(anatomy, i, original);
     return -1;  // unreachable: read_case_config checked it
   }
 
-  int first_surface_of(const RecipeAnatomy& recipe) {
+  int first_surface_of(const config::RecipeAnatomy& recipe) {
     for (std::size_t i = 0; i < recipe.steps.size(); ++i)
       if (recipe.steps[i].type->output == DataKind::mesh) return node_of(recipe, i);
     return -1;  // unreachable: a recipe ends in a surface
   }
   int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
 
-  void add_anatomy(const RecipeAnatomy& recipe) {
+  void add_anatomy(const config::RecipeAnatomy& recipe) {
     Graph::Anatomy anatomy;
     anatomy.name = recipe.name;
     anatomy.surface = anatomy.finished = node_of(recipe, recipe.steps.size() - 1);
     anatomy.first_surface = first_surface_of(recipe);
     Place place;
     place.of = &anatomy;
-    for (const StageType* type : stages_of(StagePlace::scene))
+    for (const StageType* type : stages::stages_of(StagePlace::scene))
       if (type->is_check() && is_of_anatomy(*type))
         want(add(node_of(*type, recipe.name + "." + type->name_in_case(), type->make_params()), place),
              type->serves + " " + recipe.name);
     graph_.anatomies.push_back(anatomy);
   }
 
-  void cut(Graph::Anatomy& anatomy, const SceneDrill& drilled) {
-    CutSurfaceParams params;
+  void cut(Graph::Anatomy& anatomy, const config::SceneDrill& drilled) {
+    boolean::CutSurfaceParams params;
     params.widen_mm = drilled.widen_mm;
     Place place;
     place.of = &anatomy;
     anatomy.surface = add(node_with(anatomy.name + ".boolean", AnyParams::make(params)), place);
   }
 
-  void prepare(const RecipeStep& step) {
+  void prepare(const config::RecipeStep& step) {
     const int before = graph_.scan;
     graph_.scan = add(node_of_step(step, step.type->name), {&step, before});
     if (step.type->draws_removal && config_.face == "keep") graph_.removals.push_back({before, graph_.scan});
@@ -291,18 +287,18 @@ class Builder {
 
   // The checks that a recipe names: of the scan as it was read, or of what was made of it.
   void add_checks_of_scan(bool as_read) {
-    for (const RecipeStep& step : config_.scan_steps) {
+    for (const config::RecipeStep& step : config_.scan_steps) {
       if (!step.type->is_check() || step.type->reads(From::import) != as_read) continue;
       const auto shown = std::count_if(step.ports.begin(), step.ports.end(),
                                        [&](const auto& p) { return config_.is_shown(anatomy_of(p.second)); });
-      if (shown >= step.type->least_inputs)
+      if (shown >= step.type->min_inputs)
         want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves);
     }
   }
 
   // The checks that no recipe names are made where the case has what they need.
   void add_check_of_scene(const StageType& type) {
-    const RecipeStep* face = config_.face_step();
+    const config::RecipeStep* face = config_.face_step();
     if (type.sees_face() && (!face || config_.face == "keep")) return;
     const AnyParams of_face = AnyParams::make(config_.face_belief), defaults = type.make_params();
     Node node = node_of(type, type.name_in_case(), defaults.set == of_face.set ? of_face : defaults);
@@ -319,20 +315,20 @@ class Builder {
   bool is_made(const std::string& source) const {
     if (graph_.find(source) >= 0) return true;
     const std::string anatomy = anatomy_of(source);
-    for (const SceneLandmark& l : config_.scene_landmarks)
+    for (const config::SceneLandmark& l : config_.scene_landmarks)
       if (config_.target_in(l.name) == anatomy) return true;
-    for (const CaseDrill& hole : config_.burr_holes)
-      if (config_.target_in(hole.params.as<BurrHoleParams>().toward) == anatomy) return true;
+    for (const config::CaseDrill& hole : config_.burr_holes)
+      if (config_.target_in(hole.params.as<boolean::BurrHoleParams>().toward) == anatomy) return true;
     return false;
   }
 
   // The landmarks that a person placed, as a source node of their own; -1 where none are given.
   int given_landmarks() {
     if (config_.landmarks.empty()) return -1;
-    PointsParams points;
-    for (const CaseLandmark& l : config_.landmarks)
+    stages::PointsParams points;
+    for (const cases::CaseLandmark& l : config_.landmarks)
       points.landmarks.emplace_back(
-          l.name, PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
+          l.name, stages::PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
     Node node = node_with("", AnyParams::make(points));
     node.name = node.type->name_in_case();
     const int known = graph_.find(node.name);
@@ -341,7 +337,7 @@ class Builder {
 
   int landmarks_node(const std::string& name, bool required_only, bool without_given) {
     if (const int known = graph_.find(name); known >= 0) return known;
-    const RecipeStep& step = *config_.landmarks_step();
+    const config::RecipeStep& step = *config_.landmarks_step();
     Place place{&step};
     place.required_only = required_only;
     place.without_given = without_given;
@@ -377,14 +373,14 @@ class Builder {
   int add(Node node) {
     Sha256 hash;
     hash.text("stage").text(node.type->name).integer(node.type->version);
-    hash.text(parameters_text(node));
+    hash.text(node.parameters_text());
     for (const auto& [port, source] : node.sources) hash.text(port).text(graph_.nodes[source].key);
     node.key = hash.hex();
     graph_.nodes.push_back(std::move(node));
     return static_cast<int>(graph_.nodes.size()) - 1;
   }
 
-  const CaseConfig& config_;
+  const config::CaseConfig& config_;
   const HashOfScan& hash_of_scan_;
   Graph graph_;
   bool defacing_ = false;
@@ -393,8 +389,8 @@ class Builder {
 
 }  // namespace
 
-Graph make_graph(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan) {
+Graph make_graph(const config::CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan) {
   return Builder(config, input_hash, hash_of_scan).build();
 }
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

@@ -9,24 +9,26 @@
 #include "config/config.h"
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 
 /// One computation of a case: a stage with its parameters and the sources of its inputs.
 struct Node {
   std::string name;  ///< "import", "skull.decimate"
-  const StageType* type = nullptr;
+  const stages::StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, int> sources;  ///< port -> node
   std::map<std::string, std::string>
       file_sha256;  ///< for parameters that name files: the hash of the content stands for the path
   std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
-  DataKind output = DataKind::volume;
+  stages::DataKind output = stages::DataKind::volume;
   bool may_be_missing = false;  ///< it belongs to an anatomy that the scene can do without
   bool wanted = false;          ///< the case itself reads its data or report
   std::string serves;           ///< what the case has of it, in words
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that
   /// runs somebody else's program, the absolute paths without their folders.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;
+  /// The parameters as text; the hash of a file's content stands for its path.
+  std::string parameters_text() const;
 };
 
 /// The nodes that the scene needs and no others, sources before their readers. Node 0 is the import, which is a stage
@@ -51,8 +53,8 @@ struct Graph {
   std::map<std::string, int> scans;  ///< further scans that a stage reads, on the CT's voxels, by name
   /// What the case has of that kind, such as its haptic volume and its landmarks: the first such node that it reads
   /// itself; -1: none. Of burr holes, all.
-  int result(DataKind kind) const;
-  std::vector<int> results(DataKind kind) const;
+  int result(stages::DataKind kind) const;
+  std::vector<int> results(stages::DataKind kind) const;
   /// -1: none.
   int find(const std::string& name) const;
 };
@@ -62,12 +64,12 @@ struct Graph {
 void require_allowed(const Graph& graph, bool allow_external);
 
 /// The hash of a further scan's content, by the scan's name.
-using HashOfScan = std::function<std::string(const std::string& name, const SeriesChoice& series)>;
+using HashOfScan = std::function<std::string(const std::string& name, const dicom::SeriesChoice& series)>;
 
 /// `input_hash` identifies the series' content (hash_of_series_input). The content of further scans is hashed as well,
 /// of those alone that a stage of the graph reads: by `hash_of_scan`, or hash_of_series_input where there is none.
 /// Throws what that throws, 78 where a stage reads a scan that the case has not, and 64 where it is not said where that
 /// scan lies.
-Graph make_graph(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan = {});
+Graph make_graph(const config::CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan = {});
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

@@ -5,7 +5,7 @@
 
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 namespace {
 
 /// The text with the last name alone of each absolute path: the folders of a machine may hold its user's name.
@@ -28,6 +28,13 @@ std::string without_folders(const std::string& text) {
 
 }  // namespace
 
+std::string Node::parameters_text() const {
+  if (file_sha256.empty()) return to_text(params);
+  std::string text;
+  for (const auto& [name, value] : recorded()) text += name + ": " + trephine::to_text(value) + "; ";
+  return text;
+}
+
 std::vector<std::pair<std::string, ParameterValue>> Node::recorded() const {
   std::vector<std::pair<std::string, ParameterValue>> all;
   for (const ParameterLeaf& leaf : leaves_of(params)) {
@@ -40,14 +47,14 @@ std::vector<std::pair<std::string, ParameterValue>> Node::recorded() const {
   return all;
 }
 
-std::vector<int> Graph::results(DataKind kind) const {
+std::vector<int> Graph::results(stages::DataKind kind) const {
   std::vector<int> all;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (nodes[i].wanted && nodes[i].output == kind) all.push_back(static_cast<int>(i));
   return all;
 }
 
-int Graph::result(DataKind kind) const {
+int Graph::result(stages::DataKind kind) const {
   const std::vector<int> all = results(kind);
   return all.empty() ? -1 : all[0];
 }
@@ -69,4 +76,4 @@ void require_allowed(const Graph& graph, bool allow_external) {
     }
 }
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

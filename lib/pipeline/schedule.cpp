@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::pipeline {
 
 std::vector<double> wall_shares_s(const std::vector<ScheduledTask>& tasks, int threads) {
   std::vector<double> share(tasks.size()), left;
@@ -35,4 +35,4 @@ std::vector<double> wall_shares_s(const std::vector<ScheduledTask>& tasks, int t
   return share;
 }
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-namespace trephine {
+namespace trephine::pipeline {
 
 struct ScheduledTask {
   double seconds = 0;        ///< 0 or more
@@ -13,4 +13,4 @@ struct ScheduledTask {
 /// their order: a time in which several run is shared between them. The sum is the time that all take.
 std::vector<double> wall_shares_s(const std::vector<ScheduledTask>& tasks, int threads);
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

@@ -14,7 +14,7 @@
 #include "base/write_file.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 namespace fs = std::filesystem;
 
 // No data file has this extension: cutters are .json.
@@ -86,7 +86,7 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
       out.outcome.refusal =
           Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>());
     else
-      out.outcome.report = parse_report_json(json.at("report").get<std::string>());
+      out.outcome.report = stages::parse_report_json(json.at("report").get<std::string>());
     out.sha256 = json.value("sha256", std::string());
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
     return out;
@@ -104,16 +104,16 @@ StageCache::Outcome StageCache::load_outcome(const std::string& key) const {
   return std::move(index->outcome);
 }
 
-std::optional<StageData> StageCache::load_data(const std::string& key, DataKind kind) const {
+std::optional<stages::StageData> StageCache::load_data(const std::string& key, stages::DataKind kind) const {
   const auto index = load_index(key);
   if (!index || !index->outcome.report) return {};
-  if (kind == DataKind::nothing) return StageData{};
+  if (kind == stages::DataKind::nothing) return stages::StageData{};
   if (index->sha256.empty()) return {};
-  const fs::path data = file(key, file_extension(kind));
+  const fs::path data = file(key, stages::file_extension(kind));
   try {
     if (!is_our_file(data) || data_sha256(key, data) != index->sha256)
       throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
-    return trephine::load_data(data, kind, DataOf::cache);
+    return trephine::stages::load_data(data, kind, stages::DataOf::cache);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
@@ -124,16 +124,16 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
   }
 }
 
-void StageCache::store(const std::string& key, DataKind kind, const StageData& data, const Report& report,
-                       double seconds) const {
+void StageCache::store(const std::string& key, stages::DataKind kind, const stages::StageData& data,
+                       const Report& report, double seconds) const {
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
   json["key"] = key;
   if (!std::holds_alternative<std::monostate>(data)) {
-    save_data(file(key, file_extension(kind)), data);
-    json["sha256"] = data_sha256(key, file(key, file_extension(kind)));
+    stages::save_data(file(key, stages::file_extension(kind)), data);
+    json["sha256"] = data_sha256(key, file(key, stages::file_extension(kind)));
   }
-  json["report"] = report_json(report);
+  json["report"] = stages::report_json(report);
   json["seconds"] = seconds;
   write_index(key, json.dump());
 }
@@ -231,4 +231,4 @@ void StageCache::shrink_to(std::uint64_t max_bytes) const {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

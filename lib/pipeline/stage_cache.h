@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::pipeline {
 
 /// Outputs of stages on disk, by key. The cache holds patient data, so its folder is made with mode 0700. An entry is a
 /// JSON file with the key, the stage's report and, where the output was worth its space, the SHA-256 of the key and a
@@ -29,10 +29,11 @@ class StageCache {
   };
   Outcome load_outcome(const std::string& key) const;
   /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).
-  std::optional<StageData> load_data(const std::string& key, DataKind kind) const;
+  std::optional<stages::StageData> load_data(const std::string& key, stages::DataKind kind) const;
   /// Stores an output. With empty `data` only the report is kept. `seconds` is the time that the stage took, for later
   /// estimates.
-  void store(const std::string& key, DataKind kind, const StageData& data, const Report& report, double seconds) const;
+  void store(const std::string& key, stages::DataKind kind, const stages::StageData& data, const Report& report,
+             double seconds) const;
 
   /// A refusal (Error 80 without a file) is an outcome too: the same inputs and parameters are refused again.
   void store_refusal(const std::string& key, const Error& refusal) const;
@@ -63,4 +64,4 @@ class StageCache {
   std::filesystem::path folder_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::pipeline

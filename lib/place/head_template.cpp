@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace trephine::segmentation {
+namespace trephine::place {
 namespace {
 
 struct Ellipsoid {
@@ -96,4 +96,4 @@ double place_mm(Place place, Vec3 p) {
   return 1e9;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::place

@@ -3,7 +3,7 @@
 // Where things lie in a head: a template of our own.
 #include "base/vec3.h"
 
-namespace trephine::segmentation {
+namespace trephine::place {
 
 /// The template is an analytic head in mm: origin in the middle between the ear canals, x to the patient's left, y to
 /// the back, z up, Frankfurt plane level. Cavity, lateral ventricles and cisterns have the numbers of the synthetic
@@ -38,4 +38,4 @@ inline bool in_brainstem(Vec3 p) { return p.x > -15 && p.x < 15 && p.y > -9 && p
 constexpr double template_foramen_z = -31.5;
 constexpr Vec3 template_foramen_mm{0, 26, -24};
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::place

@@ -7,7 +7,7 @@
 
 #include "mask/filters.h"
 
-namespace trephine::segmentation {
+namespace trephine::place {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -26,7 +26,7 @@ constexpr double scale_spread = 0.05;                          ///< of the logar
 constexpr double roll_deg = 15, yaw_deg = 20, pitch_deg = 40;  ///< how heads lie
 constexpr double fluid_raster_mm = 4;                          ///< one sample of the fluid in a cube of this
 constexpr double fluid_error_mm = 4, fluid_independent = 60, fluid_outlier_mm = 16;
-constexpr double fits_mm = 6, least_scanned = 0.5, least_matched = 0.6;
+constexpr double fits_mm = 6, min_scanned = 0.5, min_matched = 0.6;
 
 struct Sample {
   Vec3 at;
@@ -57,9 +57,9 @@ std::vector<Sample> surface_points() {
 /// Signed distance to the cavity in mm, negative inside, as a function of the place.
 class Distance {
  public:
-  Distance(const BitMask& cavity, const Lattice& scan, const Progress& progress) {
-    const Lattice& from = cavity.lattice();
-    Lattice l = from;
+  Distance(const mask::BitMask& cavity, const grid::Lattice& scan, const Progress& progress) {
+    const grid::Lattice& from = cavity.lattice();
+    grid::Lattice l = from;
     std::array<double, 3> step;
     Vec3 first;
     for (int a = 0; a < 3; ++a) {
@@ -69,7 +69,7 @@ class Distance {
       first[a] = 0.5 * (step[a] - 1) - pad_cells * step[a];
     }
     l.origin_mm = from.to_world_mm(first);
-    BitMask in(l), out(l);
+    mask::BitMask in(l), out(l);
     for (int k = 0; k < l.size[2]; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
@@ -83,8 +83,8 @@ class Distance {
           else if (scanned)
             out.set(i, j, k);
         }
-    values_ = distance_mm(in, progress);
-    const Grid<float> inside = distance_mm(out, progress);
+    values_ = mask::distance_mm(in, progress);
+    const grid::Grid<float> inside = mask::distance_mm(out, progress);
     for (std::size_t v = 0; v < values_.voxels.size(); ++v)
       values_.voxels[v] = std::clamp(values_.voxels[v] - inside.voxels[v], -80.f, 80.f);
     scan_ = scan;
@@ -128,15 +128,15 @@ class Distance {
   }
 
  private:
-  Grid<float> values_;
-  Lattice scan_;
+  grid::Grid<float> values_;
+  grid::Lattice scan_;
 };
 
 /// Centres of the fluid, one in each cube of fluid_raster_mm.
-std::vector<Vec3> fluid_points(const BitMask* fluid) {
+std::vector<Vec3> fluid_points(const mask::BitMask* fluid) {
   std::vector<Vec3> points;
   if (!fluid) return points;
-  const Lattice& l = fluid->lattice();
+  const grid::Lattice& l = fluid->lattice();
   int step[3];
   for (int a = 0; a < 3; ++a) step[a] = std::max(1, int(std::lround(fluid_raster_mm / l.spacing_mm[a])));
   for (int k = step[2] / 2; k < l.size[2]; k += step[2])
@@ -339,7 +339,8 @@ Vec3 HeadPlace::to_lps(Vec3 t) const {
   return centre_mm + axes * Vec3{v.x * scale.x, v.y * scale.y, v.z * scale.z};
 }
 
-HeadPlace place_head(const BitMask& cavity, const BitMask* fluid, const Lattice& scan, const Progress& progress) {
+HeadPlace place_head(const mask::BitMask& cavity, const mask::BitMask* fluid, const grid::Lattice& scan,
+                     const Progress& progress) {
   HeadPlace found;
   if (!cavity.any()) return found;
   const std::vector<Sample> points = surface_points();
@@ -373,10 +374,10 @@ HeadPlace place_head(const BitMask& cavity, const BitMask* fluid, const Lattice&
     if (d <= fits_mm) matched += p.weight;
     off.push_back(float(d));
   }
-  found.residual_mm = median(off, 1e3f);
+  found.residual_mm = mask::median(off, 1e3f);
   found.scanned = scanned / all;
   found.matched = scanned > 0 ? matched / scanned : 0;
-  found.sure = found.scanned >= least_scanned && found.matched >= least_matched;
+  found.sure = found.scanned >= min_scanned && found.matched >= min_matched;
   return found;
 }
 
@@ -391,4 +392,4 @@ void report_place(const HeadPlace& place, Report& report) {
         "cisterns are told apart by their place in the scan alone, which holds for straight heads");
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::place

@@ -6,7 +6,7 @@
 #include "mask/bits.h"
 #include "place/head_template.h"
 
-namespace trephine::segmentation {
+namespace trephine::place {
 
 /// Where the template lies in a scan: rotated and stretched along its axes.
 struct HeadPlace {
@@ -29,10 +29,11 @@ struct HeadPlace {
 /// the pose also brings it near to the template's ventricles and cisterns, because the shape of the cavity alone leaves
 /// the pitch open by 10 degrees. Deterministic, the same whatever the thread count. Not
 /// sure where less than half of the cavity was scanned or less than 60 % of that fits to 6 mm.
-HeadPlace place_head(const BitMask& cavity, const BitMask* fluid, const Lattice& scan, const Progress& progress = {});
+HeadPlace place_head(const mask::BitMask& cavity, const mask::BitMask* fluid, const grid::Lattice& scan,
+                     const Progress& progress = {});
 
 /// Adds "template_residual_mm", "template_matched_ratio", "template_scanned_ratio" and "head_pitch_deg" (chin down:
 /// above 0), and warns where the template is not sure.
 void report_place(const HeadPlace& place, Report& report);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::place

@@ -12,10 +12,8 @@
 #include "mask/surface_field.h"
 #include "place/place_head.h"
 
-namespace trephine {
+namespace trephine::place {
 namespace {
-
-using namespace segmentation;
 
 constexpr double cut_sigma_mm = 1, inside_hu = 200, margin_mm = 3;
 constexpr double third_reach_mm = 6;  ///< from the template's third ventricle; a wide one reaches farther to the side
@@ -26,13 +24,14 @@ constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by thi
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
 /// The cavity's signed distance, positive inside, on a box of it, on cells where `cell_mm` is above 0.
-Field cavity_mm(const BitMask& cavity, const Box& box, const Field* skull, double cell_mm, const Progress& progress) {
-  BitMask part = crop(cavity, box);
-  Field edge(part.lattice());
+grid::Field cavity_mm(const mask::BitMask& cavity, const grid::Box& box, const grid::Field* skull, double cell_mm,
+                      const Progress& progress) {
+  mask::BitMask part = mask::crop(cavity, box);
+  grid::Field edge(part.lattice());
   if (skull) {
     // Outside of bone the field of the skull is negative: the cavity is where its opposite is positive.
     constexpr float far = -1e4f;
-    edge = fit(*skull, part.lattice(), far);
+    edge = grid::fit(*skull, part.lattice(), far);
     for (float& v : edge.voxels) v = static_cast<float>(std::clamp(-double(v), -inside_hu, inside_hu));
   } else {
     for (int k = 0; k < edge.size[2]; ++k)
@@ -40,18 +39,18 @@ Field cavity_mm(const BitMask& cavity, const Box& box, const Field* skull, doubl
         for (int i = 0; i < edge.size[0]; ++i) edge.at(i, j, k) = part.get(i, j, k) ? 1.0f : -1.0f;
   }
   if (cell_mm > 0) {
-    const CoarseRaster raster = coarse_raster(part.lattice(), cell_mm);
-    edge = coarse_mean(edge, raster);
-    part = coarse_mask(part, raster, 0.5);
+    const mask::CoarseRaster raster = mask::coarse_raster(part.lattice(), cell_mm);
+    edge = mask::coarse_mean(edge, raster);
+    part = mask::coarse_mask(part, raster, 0.5);
   }
-  place_surface(edge, part, cut_sigma_mm, inside_hu, progress);
-  return signed_distance_mm(edge, progress);
+  mask::place_surface(edge, part, cut_sigma_mm, inside_hu, progress);
+  return mask::signed_distance_mm(edge, progress);
 }
 
-Box box_around(const BitMask& cavity) {
-  const Lattice& all = cavity.lattice();
+grid::Box box_around(const mask::BitMask& cavity) {
+  const grid::Lattice& all = cavity.lattice();
   const double least = std::min({all.spacing_mm.x, all.spacing_mm.y, all.spacing_mm.z});
-  return grown(cavity.bounds(), static_cast<int>(std::ceil(margin_mm / least)), all);
+  return grid::grown(cavity.bounds(), static_cast<int>(std::ceil(margin_mm / least)), all);
 }
 
 double stem_mm(Vec3 p) {
@@ -66,7 +65,7 @@ double stem_mm(Vec3 p) {
 
 /// Keeps of the fluid's distances what is narrow from side to side. The template's border alone lets the third
 /// ventricle bulge into lateral ventricles that are wider than the template's.
-void cut_off_lateral(Field& fluid_mm, const HeadPlace& place, const Progress& progress) {
+void cut_off_lateral(grid::Field& fluid_mm, const HeadPlace& place, const Progress& progress) {
   const Vec3 sideways = normalized(place.axes.column[0]);
   const double step_mm = 0.5 * std::min({fluid_mm.spacing_mm.x, fluid_mm.spacing_mm.y, fluid_mm.spacing_mm.z});
   const auto side_mm = [&](Vec3 p) { return std::abs(place.to_template(p).x) * place.scale.x; };
@@ -75,7 +74,7 @@ void cut_off_lateral(Field& fluid_mm, const HeadPlace& place, const Progress& pr
     const int i = int(std::lround(at.x)), j = int(std::lround(at.y)), k = int(std::lround(at.z));
     return fluid_mm.contains(i, j, k) && fluid_mm.at(i, j, k) > 0;
   };
-  Field narrow(Lattice(fluid_mm), 1.0f);
+  grid::Field narrow(grid::Lattice(fluid_mm), 1.0f);
   parallel_for(0, narrow.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = int(from); k < to; ++k)
@@ -92,7 +91,7 @@ void cut_off_lateral(Field& fluid_mm, const HeadPlace& place, const Progress& pr
           if (most_mm > third_wide_mm || least_mm > third_near_mm) narrow.at(i, j, k) = -1;
         }
   });
-  gaussian(narrow, third_cut_mm);
+  mask::gaussian(narrow, third_cut_mm);
   for (std::size_t n = 0; n < narrow.voxels.size(); ++n)
     fluid_mm.voxels[n] = std::min(fluid_mm.voxels[n], static_cast<float>(2 * third_cut_mm) * narrow.voxels[n]);
 }
@@ -120,10 +119,11 @@ double template_mm(Vec3 t, double side_mm, const ZoneParams& params) {
 }
 
 /// The part of the box in which the template has something of the zone, with room for distances around it.
-Box box_of_template(const Lattice& l, const Box& box, const HeadPlace& place, const ZoneParams& params) {
+grid::Box box_of_template(const grid::Lattice& l, const grid::Box& box, const HeadPlace& place,
+                          const ZoneParams& params) {
   constexpr int step = 4;
   constexpr double room_mm = 12;
-  Box out{box.end, box.begin};
+  grid::Box out{box.end, box.begin};
   for (int k = box.begin[2]; k < box.end[2]; k += step)
     for (int j = box.begin[1]; j < box.end[1]; j += step)
       for (int i = box.begin[0]; i < box.end[0]; i += step) {
@@ -136,7 +136,7 @@ Box box_of_template(const Lattice& l, const Box& box, const HeadPlace& place, co
         }
       }
   if (out.begin[0] >= out.end[0]) return box;  // nothing: the zone is then refused
-  Box roomy = grown(out, step, l);
+  grid::Box roomy = grid::grown(out, step, l);
   for (std::size_t a = 0; a < 3; ++a) {
     roomy.begin[a] = std::max(roomy.begin[a], box.begin[a]);
     roomy.end[a] = std::min(roomy.end[a], box.end[a]);
@@ -145,8 +145,8 @@ Box box_of_template(const Lattice& l, const Box& box, const HeadPlace& place, co
 }
 
 /// The smallest box around what is positive, with room for the surface.
-Field trimmed(const Field& field, Report& report, const char* what) {
-  Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
+grid::Field trimmed(const grid::Field& field, Report& report, const char* what) {
+  grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
   std::size_t count = 0;
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
@@ -163,7 +163,7 @@ Field trimmed(const Field& field, Report& report, const char* what) {
     throw refusal("", std::string("nothing of the ") + what + " lies in the scan",
                   {"take the zone out of the scene's `anatomies`, or take a scan of the whole head"});
   report.add("volume_ml", double(count) * field.voxel_volume_mm3() / 1000);
-  return crop(field, grown(box, 2, field));
+  return grid::crop(field, grid::grown(box, 2, field));
 }
 
 const char* name_of(Zone zone) {
@@ -183,14 +183,14 @@ const char* name_of(Zone zone) {
 }
 
 /// Half of the slab's width: at least a voxel across it, or none would hold it. Thick slices do not matter to it.
-double slab_mm(const Lattice& l, const ZoneParams& params) {
+double slab_mm(const grid::Lattice& l, const ZoneParams& params) {
   std::size_t across = 0;
   for (std::size_t a = 1; a < 3; ++a)
     if (std::abs(l.direction.column[a].x) > std::abs(l.direction.column[across].x)) across = a;
   return std::max({params.half_width_mm, l.spacing_mm[int(across)], params.cell_mm});
 }
 
-void check(const Lattice& l, const ZoneShapes& shapes, const ZoneParams& params) {
+void check(const grid::Lattice& l, const ZoneShapes& shapes, const ZoneParams& params) {
   const double coarsest = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z, params.cell_mm});
   if (params.what == Zone::dura && params.thickness_mm > 0 && params.thickness_mm < 2 * coarsest)
     throw Error(ExitCode::usage, "", "thickness_mm",
@@ -201,16 +201,16 @@ void check(const Lattice& l, const ZoneShapes& shapes, const ZoneParams& params)
 
 }  // namespace
 
-Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& said, Report& report,
-                const Progress& progress) {
+grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& said, Report& report,
+                      const Progress& progress) {
   check(cavity.lattice(), shapes, said);
   ZoneParams params = said;
   params.half_width_mm = slab_mm(cavity.lattice(), said);
-  const Box whole = box_around(cavity);
+  const grid::Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
-    Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
+    grid::Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
     if (params.smooth_mm > 0) {
-      gaussian(wall, params.smooth_mm);
+      mask::gaussian(wall, params.smooth_mm);
       for (float& v : wall.voxels)
         if (v == 0) v = -1e-6f;
     }
@@ -218,8 +218,8 @@ Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParam
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
     return trimmed(wall, report, name_of(params.what));
   }
-  BitMask fluid;
-  if (shapes.ventricles) fluid = positive(*shapes.ventricles, cavity.lattice());
+  mask::BitMask fluid;
+  if (shapes.ventricles) fluid = mask::positive(*shapes.ventricles, cavity.lattice());
   const HeadPlace place =
       place_head(cavity, shapes.ventricles ? &fluid : nullptr, cavity.lattice(), progress.part(0, 0.4));
   report_place(place, report);
@@ -227,17 +227,17 @@ Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParam
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",
                   {"take the zone out of the scene, or bring it as labels by the stage `labels`"});
   // What the scan itself shows: the inner table, or of the third ventricle the ventricles' walls.
-  const Box box = box_of_template(cavity.lattice(), whole, place, params);
-  Field seen;
+  const grid::Box box = box_of_template(cavity.lattice(), whole, place, params);
+  grid::Field seen;
   if (params.what == Zone::third_ventricle) {
     constexpr float far = -1e3f;
-    seen = signed_distance_mm(fit(*shapes.ventricles, cropped(cavity.lattice(), box), far), progress);
+    seen = mask::signed_distance_mm(grid::fit(*shapes.ventricles, grid::cropped(cavity.lattice(), box), far), progress);
     cut_off_lateral(seen, place, progress);
   } else {
     seen = cavity_mm(cavity, box, shapes.skull, params.what == Zone::midline ? params.cell_mm : 0,
                      progress.part(0.4, 0.8));
   }
-  Field zone{Lattice(seen)};
+  grid::Field zone{grid::Lattice(seen)};
   parallel_for(0, zone.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = static_cast<int>(from); k < to; ++k) {
       progress.part(0.8, 1).report(double(k) / zone.size[2]);
@@ -256,4 +256,4 @@ Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParam
   return trimmed(zone, report, name_of(params.what));
 }
 
-}  // namespace trephine
+}  // namespace trephine::place

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine {
+namespace trephine::place {
 
 /// What of a head no tool should enter, as far as a CT alone says where it lies.
 enum class Zone { dura, midline, sagittal_sinus, third_ventricle, brainstem };
@@ -47,8 +47,8 @@ struct ZoneParams {
 
 /// What a zone is made from, on the scan's raster.
 struct ZoneShapes {
-  const Field* skull = nullptr;       ///< may be null: then the cavity's surface is that of its voxels
-  const Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
+  const grid::Field* skull = nullptr;       ///< may be null: then the cavity's surface is that of its voxels
+  const grid::Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
 };
 
 /// The zone as a field in mm (positive inside) on the part of the cavity's lattice, or of its cells, where it lies.
@@ -64,7 +64,7 @@ struct ZoneShapes {
 /// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
-Field find_zone(const segmentation::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
-                const Progress& progress = {});
+grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
+                      const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::place

@@ -21,10 +21,10 @@
 #include "surface/results.h"
 #include "voxel/shape_field.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
-void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result) {
+void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult& result) {
   if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
     throw refusal(limit.name,
                   std::to_string(result.triangles_after) + " triangles, the scene allows " +
@@ -43,7 +43,8 @@ constexpr double removed_tolerance = 0.03;
 // Everything that a case is made of, step by step.
 class Builder {
  public:
-  Builder(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results)
+  Builder(const config::CaseConfig& config, const pipeline::Graph& graph,
+          const std::vector<pipeline::NodeResult>& results)
       : config_(config), graph_(graph), results_(results) {}
 
   CaseContent build(const std::string& program_version, const std::string& input_sha256, bool pictures,
@@ -60,7 +61,7 @@ class Builder {
     hold_against_budget();
     if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
-    for (const int hole : graph_.results(DataKind::cutters)) add_burr_hole(hole);
+    for (const int hole : graph_.results(stages::DataKind::cutters)) add_burr_hole(hole);
     if (pictures) add_pictures(progress.part(0.4, 1));
     progress.report(1);
     return std::move(out_);
@@ -69,15 +70,19 @@ class Builder {
  private:
   // The figures of the patient were taken from the fields; of what is published there is one volume, its surface's.
   void use_published_volumes() {
-    for (const CaseAnatomy& a : manifest().anatomies)
+    for (const cases::CaseAnatomy& a : manifest().anatomies)
       for (auto& [name, value] : manifest().figures)
         if (name == a.name + "_ml") value = a.volume_ml;
   }
 
-  CaseManifest& manifest() { return out_.manifest; }
-  const NodeResult& at(int node) const { return results_[static_cast<std::size_t>(node)]; }
-  const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
-  const HapticVolume& haptic() const { return *std::get<std::shared_ptr<const HapticVolume>>(at(haptic_).data); }
+  cases::CaseManifest& manifest() { return out_.manifest; }
+  const pipeline::NodeResult& at(int node) const { return results_[static_cast<std::size_t>(node)]; }
+  const surface::TriMesh& mesh(int node) const {
+    return *std::get<std::shared_ptr<const surface::TriMesh>>(at(node).data);
+  }
+  const voxel::HapticVolume& haptic() const {
+    return *std::get<std::shared_ptr<const voxel::HapticVolume>>(at(haptic_).data);
+  }
   const Report& report_of(const std::string& node) const {
     static const Report none;
     const int i = graph_.find(node);
@@ -86,23 +91,25 @@ class Builder {
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
   Vec3 center() const {
-    Bounds all;
-    for (const Graph::Anatomy& a : graph_.anatomies) include(all, bounds_of(mesh(a.surface)));
+    surface::Bounds all;
+    for (const pipeline::Graph::Anatomy& a : graph_.anatomies)
+      surface::include(all, surface::bounds_of(mesh(a.surface)));
     const Vec3 c = (all.min_mm + all.max_mm) / 2;
     return {std::round(c.x), std::round(c.y), std::round(c.z)};
   }
 
   void add_provenance(const std::string& program_version, const std::string& input_sha256) {
-    CaseManifest& m = manifest();
+    cases::CaseManifest& m = manifest();
     m.case_token = config_.case_token;
     m.program_version = program_version;
     m.input_sha256 = input_sha256;
     // Only the stages by which the case was made: parameters that the scene does not need change no byte.
-    for (const Node& node : graph_.nodes)
+    for (const pipeline::Node& node : graph_.nodes)
       for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
     for (const auto& [name, node] : graph_.scans) {
-      const CaseScan& scan = *config_.find_scan(name);
-      m.parameters.emplace_back("scans." + name + ".modality", ParameterValue(std::string(to_text(scan.modality))));
+      const config::CaseScan& scan = *config_.find_scan(name);
+      m.parameters.emplace_back("scans." + name + ".modality",
+                                ParameterValue(std::string(config::to_text(scan.modality))));
       if (!scan.same_patient_reason.empty())
         m.parameters.emplace_back("scans." + name + ".same_patient_reason", ParameterValue(scan.same_patient_reason));
     }
@@ -113,26 +120,26 @@ class Builder {
   }
 
   void add_file(const std::string& stem, const std::string& extension, std::string bytes, std::string& name) {
-    const CaseFile file = describe_case_file(stem, extension, bytes);
+    const cases::CaseFile file = cases::describe_case_file(stem, extension, bytes);
     name = file.name;
     manifest().files.push_back(file);
     out_.files.push_back({stem, extension, std::move(bytes)});
   }
 
   // Adds up the bounds that were given to the stages which moved the surface, and what these stages used of them.
-  void add_budget(const RecipeAnatomy& recipe, CaseAnatomy& out) const {
-    for (const RecipeStep& step : recipe.steps)
+  void add_budget(const config::RecipeAnatomy& recipe, cases::CaseAnatomy& out) const {
+    for (const config::RecipeStep& step : recipe.steps)
       for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
         if (const Parameter* p = step.params.set->find(bound)) {
           out.budget_asked_mm += std::get<double>(step.params.get(*p));
           const Report& report = report_of(recipe.name + "." + step.type->name);
           out.budget_used_mm += report.find("displacement_max_mm")
-                                    ? result_of<SmoothingResult>(report).displacement_max_mm
-                                    : result_of<BoundResult>(report).deviation_max_mm;
+                                    ? result_of<surface::SmoothingResult>(report).displacement_max_mm
+                                    : result_of<surface::BoundResult>(report).deviation_max_mm;
         }
   }
 
-  void add_stage_figures(const std::string& anatomy, const std::string& stage, CaseAnatomy& out,
+  void add_stage_figures(const std::string& anatomy, const std::string& stage, cases::CaseAnatomy& out,
                          AnatomyResult& result) const {
     const int node = graph_.find(anatomy + "." + stage);
     if (node < 0) return;
@@ -140,36 +147,36 @@ class Builder {
     for (const auto& f : at(node).report.figures) out.figures.emplace_back(stage + "." + f.first, f.second);
   }
 
-  void add_anatomy(const Graph::Anatomy& nodes, const SceneAnatomy& limit) {
-    const RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
-    const TriMesh& surface = mesh(nodes.surface);
+  void add_anatomy(const pipeline::Graph::Anatomy& nodes, const config::SceneAnatomy& limit) {
+    const config::RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
+    const surface::TriMesh& surface = mesh(nodes.surface);
     const Report& measured = report_of(nodes.name + ".measure");
 
-    GlbParams glb;
+    cases::GlbParams glb;
     glb.center_mm = manifest().center_mm;
     glb.name = nodes.name;
     glb.colour_rgb = recipe.colour_rgb;
     glb.opacity = recipe.opacity_ratio;
-    std::string bytes = make_glb(surface, glb);
+    std::string bytes = cases::make_glb(surface, glb);
     // The published coordinates are float32 about the case's centre, so validity is checked on these and not on our
     // doubles.
-    with_field(nodes.name, [&] { require_valid(read_glb(std::string_view(bytes)).mesh); });
+    with_field(nodes.name, [&] { meshing::require_valid(cases::read_glb(std::string_view(bytes)).mesh); });
 
-    CaseAnatomy out;
+    cases::CaseAnatomy out;
     out.name = nodes.name;
     out.colour_rgb = recipe.colour_rgb;
     out.opacity = recipe.opacity_ratio;
     out.triangles = surface.triangles.size();
     out.points = surface.points_mm.size();
-    out.volume_ml = volume_mm3(surface) / 1000;
-    out.area_cm2 = area_mm2(surface) / 100;
-    const auto deviation = result_of<DeviationStats>(measured, "deviation_");
+    out.volume_ml = surface::volume_mm3(surface) / 1000;
+    out.area_cm2 = surface::area_mm2(surface) / 100;
+    const auto deviation = result_of<metrics::DeviationStats>(measured, "deviation_");
     out.deviation = {deviation.max_mm, deviation.p99_mm, deviation.rms_mm};
     add_budget(recipe, out);
 
     AnatomyResult result;
     result.name = nodes.name;
-    result.triangles_before = result_of<ContourResult>(at(nodes.first_surface).report).triangles_count;
+    result.triangles_before = result_of<surface::ContourResult>(at(nodes.first_surface).report).triangles_count;
     result.triangles_after = static_cast<std::int64_t>(out.triangles);
     result.bytes_after = bytes.size();
     // A GLB needs 24 bytes for a vertex (position, normal) and 12 for a triangle; a closed surface has half as many
@@ -180,8 +187,8 @@ class Builder {
     result.deviation_rms_mm = out.deviation.rms_mm;
     result.volume_ml = out.volume_ml;
     if (recipe.find_step("decimate"))
-      result.stopped_by = result_of<DecimationResult>(report_of(nodes.name + ".decimate")).stopped_by;
-    for (const RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
+      result.stopped_by = result_of<surface::DecimationResult>(report_of(nodes.name + ".decimate")).stopped_by;
+    for (const config::RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
     add_stage_figures(nodes.name, "boolean", out, result);
     hold_against_limits(limit, result);
 
@@ -208,28 +215,29 @@ class Builder {
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
     // A shape that has no surface of its own is displayed from the haptic volume.
-    for (CaseAnatomy& anatomy : made.anatomies) manifest().anatomies.push_back(std::move(anatomy));
+    for (cases::CaseAnatomy& anatomy : made.anatomies) manifest().anatomies.push_back(std::move(anatomy));
     manifest().haptic = std::move(made.manifest);
   }
 
   // The scan as the anatomies are made of it, so after the face policy.
   void add_ct() {
-    Bounds shown;
-    for (const Graph::Anatomy& a : graph_.anatomies) include(shown, bounds_of(mesh(a.surface)));
-    if (haptic_ >= 0) include(shown, bounds_of_lattice(haptic().voxels));
-    const Grid<std::int16_t> ct =
-        published_ct(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data), shown, config_.ct->margin_mm);
-    CaseCt& out = manifest().ct;
+    surface::Bounds shown;
+    for (const pipeline::Graph::Anatomy& a : graph_.anatomies)
+      surface::include(shown, surface::bounds_of(mesh(a.surface)));
+    if (haptic_ >= 0) surface::include(shown, bounds_of_lattice(haptic().voxels));
+    const grid::Grid<std::int16_t> ct = published_ct(
+        *std::get<std::shared_ptr<const grid::HuVolume>>(at(graph_.scan).data), shown, config_.ct->margin_mm);
+    cases::CaseCt& out = manifest().ct;
     out.size = ct.size;
     out.spacing_mm = ct.spacing_mm;
-    add_file("ct", ".nrrd", encode_nrrd(HuVolume(ct), {}, NrrdEncoding::gzip), out.file);
+    add_file("ct", ".nrrd", grid::encode_nrrd(grid::HuVolume(ct), {}, grid::NrrdEncoding::gzip), out.file);
   }
 
   void add_burr_hole(int node) {
     const std::string& name = graph_.nodes[static_cast<std::size_t>(node)].name;
-    const auto& cutters = *std::get<std::shared_ptr<const std::vector<Cutter>>>(at(node).data);
-    const Cutter& cutter = cutters.at(0);
-    CaseBurrHole hole;
+    const auto& cutters = *std::get<std::shared_ptr<const std::vector<boolean::Cutter>>>(at(node).data);
+    const boolean::Cutter& cutter = cutters.at(0);
+    cases::CaseBurrHole hole;
     hole.name = name;
     hole.position_mm = cutter.position_mm;
     hole.direction = cutter.direction;
@@ -237,26 +245,28 @@ class Builder {
     for (const auto& f : at(node).report.figures)
       if (!std::holds_alternative<std::vector<double>>(f.second)) hole.figures.push_back(f);
     const std::string& bone = config_.roles.burr_holes.bone;
-    for (const SceneDrill& drilled : config_.drilled) {
+    for (const config::SceneDrill& drilled : config_.drilled) {
       hole.cut.push_back(drilled.anatomy);
       const int cut = graph_.find(drilled.anatomy + ".boolean");
-      if (cut >= 0) add_removed(hole, "mesh.", drilled.anatomy, result_of<RemovedResult>(at(cut).report, name + "."));
+      if (cut >= 0)
+        add_removed(hole, "mesh.", drilled.anatomy, result_of<surface::RemovedResult>(at(cut).report, name + "."));
       if (drilled.anatomy == bone) require_free(drilled, cutter, name);
     }
     if (haptic_ >= 0)
-      for (const auto& [shape, drill] : config_.haptic.params.as<VoxelizeStageParams>().drill)
-        add_removed(hole, "haptic.", shape, result_of<RemovedResult>(at(haptic_).report, name + "." + shape + "."));
+      for (const auto& [shape, drill] : config_.haptic.params.as<stages::VoxelizeStageParams>().drill)
+        add_removed(hole, "haptic.", shape,
+                    result_of<surface::RemovedResult>(at(haptic_).report, name + "." + shape + "."));
     compare_removed(hole, bone);
     manifest().burr_holes.push_back(std::move(hole));
   }
 
-  static void add_removed(CaseBurrHole& hole, const std::string& of, const std::string& shape,
-                          const RemovedResult& removed) {
+  static void add_removed(cases::CaseBurrHole& hole, const std::string& of, const std::string& shape,
+                          const surface::RemovedResult& removed) {
     hole.figures.emplace_back(of + shape + ".removed_mm3", removed.removed_mm3);
   }
 
   // Compares the bone that the displayed surface lost with the bone that the haptic volume lost.
-  void compare_removed(CaseBurrHole& hole, const std::string& bone) const {
+  void compare_removed(cases::CaseBurrHole& hole, const std::string& bone) const {
     const auto removed_mm3 = [&](const std::string& figure) {
       for (const auto& [name, value] : hole.figures)
         if (name == figure) return std::optional<double>(std::get<double>(value));
@@ -278,60 +288,61 @@ class Builder {
 
   // A drill of the hole's own size, less some clearance, must pass through the displayed bone and through the felt
   // bone.
-  void require_free(const SceneDrill& drilled, const Cutter& cutter, const std::string& name) const {
-    const Cutter own = widened(cutter, drilled.widen_mm);
-    for (const Graph::Anatomy& a : graph_.anatomies)
-      if (a.name == drilled.anatomy && free_radius_mm(mesh(a.surface), own) < own.radius_mm - hole_play_mm)
+  void require_free(const config::SceneDrill& drilled, const boolean::Cutter& cutter, const std::string& name) const {
+    const boolean::Cutter own = boolean::widened(cutter, drilled.widen_mm);
+    for (const pipeline::Graph::Anatomy& a : graph_.anatomies)
+      if (a.name == drilled.anatomy &&
+          boolean::free_radius_mm(mesh(a.surface), own) < own.radius_mm - voxel::hole_play_mm)
         throw refusal(name, "is not free in the surface of " + a.name,
                       {"lower `max_deviation_mm` of `decimate`, or raise `widen_mm`"});
-    const Bore bore{own.position_mm, own.direction, own.radius_mm, own.above_mm, own.depth_mm};
-    if (haptic_ >= 0 && haptic().find_shape(drilled.anatomy) && !hole_is_free(haptic(), drilled.anatomy, bore))
+    const voxel::Bore bore{own.position_mm, own.direction, own.radius_mm, own.above_mm, own.depth_mm};
+    if (haptic_ >= 0 && haptic().find_shape(drilled.anatomy) && !voxel::hole_is_free(haptic(), drilled.anatomy, bore))
       throw refusal(name, "is not free in the haptic volume of " + drilled.anatomy,
                     {"set a smaller `spacing_mm`, or raise `widen_mm`"});
   }
 
   // The surface as the simulator will show it, capped where the volume ends.
-  TriMesh felt_surface(int number) const {
+  surface::TriMesh felt_surface(int number) const {
     Report ignored;
-    ContourParams params;
+    meshing::ContourParams params;
     params.min_component_mm3 = 0;
     params.keep_cavities = true;
-    return contour(shape_field(haptic(), number), params, ignored);
+    return meshing::contour(voxel::shape_field(haptic(), number), params, ignored);
   }
 
   void add_pictures(const Progress& progress) {
     std::vector<PictureAnatomy> shown;
-    for (const Graph::Anatomy& a : graph_.anatomies) {
-      const RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
+    for (const pipeline::Graph::Anatomy& a : graph_.anatomies) {
+      const config::RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
       shown.push_back({a.name, &mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
     }
     // Felt shapes without a surface of their own, as the simulator will show them.
-    std::vector<TriMesh> felt;
+    std::vector<surface::TriMesh> felt;
     felt.reserve(manifest().haptic.shapes.size());
-    for (const CaseShape& shape : manifest().haptic.shapes)
+    for (const cases::CaseShape& shape : manifest().haptic.shapes)
       if (shape.displayed == "haptic") {
         progress.check();
         felt.push_back(felt_surface(shape.number));
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
-    const auto volume = [&](int node) { return std::get<std::shared_ptr<const HuVolume>>(at(node).data).get(); };
+    const auto volume = [&](int node) { return std::get<std::shared_ptr<const grid::HuVolume>>(at(node).data).get(); };
     out_.pictures = make_case_pictures(volume(graph_.scan), shown, manifest().landmarks, progress);
-    for (const Graph::Removal& r : graph_.removals)
+    for (const pipeline::Graph::Removal& r : graph_.removals)
       if (auto picture =
               make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
         out_.pictures.push_back(std::move(*picture));
   }
 
-  const CaseConfig& config_;
-  const Graph& graph_;
-  const std::vector<NodeResult>& results_;
-  const int haptic_ = graph_.result(DataKind::haptic);
+  const config::CaseConfig& config_;
+  const pipeline::Graph& graph_;
+  const std::vector<pipeline::NodeResult>& results_;
+  const int haptic_ = graph_.result(stages::DataKind::haptic);
   CaseContent out_;
 };
 
 }  // namespace
 
-std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
+std::vector<int> wanted_nodes(const pipeline::Graph& graph, bool pictures, bool page) {
   std::vector<int> wanted;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
     if (graph.nodes[i].wanted) wanted.push_back(int(i));
@@ -343,10 +354,10 @@ std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
   return wanted;
 }
 
-CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
-                              const std::string& program_version, const std::string& input_sha256, bool pictures,
-                              const Progress& progress) {
+CaseContent make_case_content(const config::CaseConfig& config, const pipeline::Graph& graph,
+                              const std::vector<pipeline::NodeResult>& results, const std::string& program_version,
+                              const std::string& input_sha256, bool pictures, const Progress& progress) {
   return Builder(config, graph, results).build(program_version, input_sha256, pictures, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -10,7 +10,7 @@
 #include "publish/case_pictures.h"
 #include "publish/case_table.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// A case in memory: everything that will be published, before anything is written.
 struct CaseContent {
@@ -18,7 +18,7 @@ struct CaseContent {
     std::string stem, extension;  ///< as write_case_file takes them
     std::string bytes;
   };
-  CaseManifest manifest;
+  cases::CaseManifest manifest;
   std::vector<File> files;
   std::vector<AnatomyResult> anatomies;
   std::vector<CasePicture> pictures;
@@ -26,12 +26,12 @@ struct CaseContent {
 
 /// The nodes whose data or report the case needs, and those that its pictures and its page need beside. Only these and
 /// their sources are computed.
-std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page = false);
+std::vector<int> wanted_nodes(const pipeline::Graph& graph, bool pictures, bool page = false);
 
 /// Makes the case from a run's results and checks it against the scene's limits. Throws Error 80, naming the anatomy,
 /// where a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
-CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
-                              const std::string& program_version, const std::string& input_sha256, bool pictures,
-                              const Progress& progress);
+CaseContent make_case_content(const config::CaseConfig& config, const pipeline::Graph& graph,
+                              const std::vector<pipeline::NodeResult>& results, const std::string& program_version,
+                              const std::string& input_sha256, bool pictures, const Progress& progress);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 CaseLock::CaseLock(const std::filesystem::path& case_folder) {
   const std::string file = (case_folder / ".lock").string();
@@ -35,4 +35,4 @@ CaseLock::~CaseLock() {
   if (fd_ >= 0) close(fd_);
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace trephine {
+namespace trephine::publish {
 
 /// Lets only one run at a time build a case: an flock on <case>/.lock, which ends with the process even if it is
 /// killed. Throws Error 75 where another run holds it, 73 where it cannot be made. It is released with the object; the
@@ -18,4 +18,4 @@ class CaseLock {
   int fd_ = -1;
 };
 
-}  // namespace trephine
+}  // namespace trephine::publish

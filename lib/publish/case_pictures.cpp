@@ -17,39 +17,42 @@
 #include "stages/stage.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
 constexpr int cell_px = 640;
 
 // The axis along the plane's normal.
-int axis_of(SlicePlane plane) { return plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0; }
+int axis_of(picture::SlicePlane plane) {
+  return plane == picture::SlicePlane::axial ? 2 : plane == picture::SlicePlane::coronal ? 1 : 0;
+}
 
-Bounds bounds_of_all(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies) {
-  if (anatomies.empty()) return bounds_of(lattice_of(*volume), 0.5);
-  Bounds all;
-  for (const PictureAnatomy& a : anatomies) include(all, bounds_of(*a.surface));
+surface::Bounds bounds_of_all(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies) {
+  if (anatomies.empty()) return surface::bounds_of(grid::lattice_of(*volume), 0.5);
+  surface::Bounds all;
+  for (const PictureAnatomy& a : anatomies) surface::include(all, surface::bounds_of(*a.surface));
   return all;
 }
 
-Image shaded(const std::vector<SurfaceView>& views, View from, const std::string& title, std::optional<Bounds> frame,
-             const Progress& progress, std::optional<ClipPlane> clip = {}) {
-  RenderParams params;
+picture::Image shaded(const std::vector<picture::SurfaceView>& views, picture::View from, const std::string& title,
+                      std::optional<surface::Bounds> frame, const Progress& progress,
+                      std::optional<picture::ClipPlane> clip = {}) {
+  picture::RenderParams params;
   params.view = from;
   params.width = params.height = cell_px;
   params.title = title;
   params.frame = frame;
   params.clip = clip;
-  return render_surfaces(views, params, progress);
+  return picture::render_surfaces(views, params, progress);
 }
 
 // The largest shape lies outermost and would hide the rest, so it is drawn transparent.
-std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomies) {
-  std::vector<SurfaceView> views;
+std::vector<picture::SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomies) {
+  std::vector<picture::SurfaceView> views;
   double largest = 0;
-  for (const PictureAnatomy& a : anatomies) largest = std::max(largest, std::abs(volume_mm3(*a.surface)));
+  for (const PictureAnatomy& a : anatomies) largest = std::max(largest, std::abs(surface::volume_mm3(*a.surface)));
   for (const PictureAnatomy& a : anatomies) {
-    const double share = std::abs(volume_mm3(*a.surface)) / largest;
+    const double share = std::abs(surface::volume_mm3(*a.surface)) / largest;
     views.push_back({a.surface, a.colour_rgb, share > 0.3 && anatomies.size() > 1 ? 0.25 * a.opacity : a.opacity});
   }
   return views;
@@ -69,27 +72,29 @@ struct Focus {
   Vec3 at;
   std::string note;  // says so in the picture
 };
-Focus point_of_interest(const std::vector<PictureAnatomy>& anatomies, const Bounds& frame) {
+Focus point_of_interest(const std::vector<PictureAnatomy>& anatomies, const surface::Bounds& frame) {
   if (anatomies.empty()) return {(frame.min_mm + frame.max_mm) / 2, "through the middle"};
   const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
-    return std::abs(volume_mm3(*a.surface)) < std::abs(volume_mm3(*b.surface));
+    return std::abs(surface::volume_mm3(*a.surface)) < std::abs(surface::volume_mm3(*b.surface));
   });
-  const Bounds b = bounds_of(*smallest->surface);
+  const surface::Bounds b = surface::bounds_of(*smallest->surface);
   return {(b.min_mm + b.max_mm) / 2, "through the middle of " + smallest->name};
 }
 
 constexpr double ball_radius_mm = 3;
 
-TriMesh ball_at(Vec3 position_mm) {
-  Cutter ball;
-  ball.kind = Cutter::Kind::sphere;
+surface::TriMesh ball_at(Vec3 position_mm) {
+  boolean::Cutter ball;
+  ball.kind = boolean::Cutter::Kind::sphere;
   ball.position_mm = position_mm;
   ball.radius_mm = ball_radius_mm;
-  return mesh_of(ball, 0.1);
+  return boolean::mesh_of(ball, 0.1);
 }
 
 // From red (a guess) to green (certain).
-std::array<double, 3> colour_of(const CaseLandmark& l) { return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1}; }
+std::array<double, 3> colour_of(const cases::CaseLandmark& l) {
+  return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1};
+}
 
 // Images that may lie on several sheets. The parts of one image are made one after the other, so that as many images
 // are made at once as there are threads.
@@ -100,14 +105,14 @@ struct Sheet {
 
 class Sheets {
  public:
-  std::size_t image(std::function<Image()> make) {
+  std::size_t image(std::function<picture::Image()> make) {
     makers_.push_back(std::move(make));
     return makers_.size() - 1;
   }
   void add(Sheet sheet) { sheets_.push_back(std::move(sheet)); }
 
   std::vector<CasePicture> make(const Progress& progress) const {
-    std::vector<Image> images(makers_.size());
+    std::vector<picture::Image> images(makers_.size());
     std::atomic<std::size_t> made{0};
     const auto one_more = [&] { progress.report(double(++made) / double(makers_.size() + sheets_.size())); };
     parallel_for(0, std::int64_t(images.size()), 1, [&](std::int64_t from, std::int64_t to) {
@@ -119,9 +124,9 @@ class Sheets {
     std::vector<CasePicture> pictures(sheets_.size());
     parallel_for(0, std::int64_t(sheets_.size()), 1, [&](std::int64_t from, std::int64_t to) {
       for (std::int64_t i = from; i < to; ++i) {
-        std::vector<Image> cells;
+        std::vector<picture::Image> cells;
         for (const std::size_t c : sheets_[i].cells) cells.push_back(images[c]);
-        pictures[i] = {sheets_[i].name, encode_png(contact_sheet(cells, 3))};
+        pictures[i] = {sheets_[i].name, picture::encode_png(picture::contact_sheet(cells, 3))};
         one_more();
       }
     });
@@ -129,45 +134,46 @@ class Sheets {
   }
 
  private:
-  std::vector<std::function<Image()>> makers_;
+  std::vector<std::function<picture::Image()>> makers_;
   std::vector<Sheet> sheets_;
 };
 
 /// The scene in which landmarks are shown; the makers of the images keep it.
 struct LandmarksScene {
-  std::vector<TriMesh> balls;
-  std::vector<SurfaceView> views;
-  std::vector<OverlayShape> outlines;
+  std::vector<surface::TriMesh> balls;
+  std::vector<picture::SurfaceView> views;
+  std::vector<picture::OverlayShape> outlines;
 };
 
-Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
-                      const std::vector<CaseLandmark>& landmarks, const Bounds& frame, const Progress& progress) {
+Sheet landmarks_sheet(Sheets& sheets, const grid::HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                      const std::vector<cases::CaseLandmark>& landmarks, const surface::Bounds& frame,
+                      const Progress& progress) {
   const auto scene = std::make_shared<LandmarksScene>();
-  for (const CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm));
+  for (const cases::CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm));
   scene->views = see_through(anatomies);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     scene->views.push_back({&scene->balls[i], colour_of(landmarks[i]), 1});
   for (const PictureAnatomy& a : anatomies) scene->outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
 
   Sheet sheet{"landmarks.png", {}};
-  for (const View v : {View::front, View::left, View::oblique_right})
+  for (const picture::View v : {picture::View::front, picture::View::left, picture::View::oblique_right})
     sheet.cells.push_back(
         sheets.image([scene, v, &frame, &progress] { return shaded(scene->views, v, "landmarks", frame, progress); }));
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const CaseLandmark& l = landmarks[i];
-    SliceParams params;
-    params.plane = plane_of_landmark(l.name);
+    const cases::CaseLandmark& l = landmarks[i];
+    picture::SliceParams params;
+    params.plane = stages::plane_of_landmark(l.name);
     const int axis = axis_of(params.plane);
-    const auto range = slice_range_mm(lattice_of(volume), params.plane);
+    const auto range = picture::slice_range_mm(grid::lattice_of(volume), params.plane);
     if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
     params.longer_side_px = cell_px;
     params.window_width_hu = 400;
     params.position_mm = l.position_mm[axis];
     sheet.cells.push_back(sheets.image([scene, i, params, &l, &volume, &progress] {
       progress.check();
-      std::vector<OverlayShape> shapes = scene->outlines;
+      std::vector<picture::OverlayShape> shapes = scene->outlines;
       shapes.push_back({&scene->balls[i], colour_of(l), l.name + (l.confidence < 0.5 ? " (doubtful)" : "")});
-      return slice_overlay(volume, params, shapes);
+      return picture::slice_overlay(volume, params, shapes);
     }));
   }
   return sheet;
@@ -175,38 +181,40 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
 
 }  // namespace
 
-std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
-                                            const std::vector<CaseLandmark>& landmarks, const Progress& whole) {
+std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
+                                            const std::vector<cases::CaseLandmark>& landmarks, const Progress& whole) {
   if (anatomies.empty() && !volume) return {};
   const Progress progress = whole.silent();  // of an image; what is reported is how many of them are made
-  const Bounds frame = bounds_of_all(volume, anatomies);
+  const surface::Bounds frame = bounds_of_all(volume, anatomies);
   const Focus focus = point_of_interest(anatomies, frame);
   Sheets sheets;
   if (volume && !landmarks.empty() && !anatomies.empty())
     sheets.add(landmarks_sheet(sheets, *volume, anatomies, landmarks, frame, progress));
   Sheet overview{"overview.png", {}};
 
-  std::vector<SurfaceView> solid;
+  std::vector<picture::SurfaceView> solid;
   for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
   // On the cut face what comes later covers what came before: what is enclosed comes after what encloses it.
-  std::map<const TriMesh*, double> sizes;
-  for (const SurfaceView& s : solid) sizes[s.mesh] = std::abs(volume_mm3(*s.mesh));
-  std::stable_sort(solid.begin(), solid.end(),
-                   [&](const SurfaceView& a, const SurfaceView& b) { return sizes.at(a.mesh) > sizes.at(b.mesh); });
+  std::map<const surface::TriMesh*, double> sizes;
+  for (const picture::SurfaceView& s : solid) sizes[s.mesh] = std::abs(surface::volume_mm3(*s.mesh));
+  std::stable_sort(solid.begin(), solid.end(), [&](const picture::SurfaceView& a, const picture::SurfaceView& b) {
+    return sizes.at(a.mesh) > sizes.at(b.mesh);
+  });
   if (anatomies.size() > 1)  // with one anatomy it is that anatomy's own picture
-    overview.cells.push_back(
-        sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
+    overview.cells.push_back(sheets.image(
+        [&] { return shaded(see_through(anatomies), picture::View::oblique_left, "all", frame, progress); }));
   if (!anatomies.empty())
     overview.cells.push_back(sheets.image([&] {
-      ClipPlane front_half;
+      picture::ClipPlane front_half;
       front_half.point_mm = focus.at;
       front_half.normal = {0, -1, 0};
-      return shaded(solid, View::front, "cut", frame, progress, front_half);
+      return shaded(solid, picture::View::front, "cut", frame, progress, front_half);
     }));
 
   for (const PictureAnatomy& a : anatomies) {
     Sheet sides{a.name + ".png", {}};
-    for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
+    for (const picture::View v : {picture::View::oblique_left, picture::View::oblique_right, picture::View::front,
+                                  picture::View::left, picture::View::back, picture::View::top})
       sides.cells.push_back(sheets.image([&a, v, &progress] {
         return shaded({{a.surface, a.colour_rgb, 1}}, v, a.name, {}, progress);
       }));
@@ -215,23 +223,24 @@ std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::v
     sheets.add(std::move(sides));
   }
 
-  std::vector<OverlayShape> shapes;
+  std::vector<picture::OverlayShape> shapes;
   for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, vivid(a.colour_rgb), a.name});
-  constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
+  constexpr picture::SlicePlane planes[] = {picture::SlicePlane::axial, picture::SlicePlane::coronal,
+                                            picture::SlicePlane::sagittal};
   constexpr const char* names[] = {"axial", "coronal", "sagittal"};
   constexpr int slices = 6;
   for (int p = 0; volume && p < 3; ++p) {
-    const auto range = slice_range_mm(lattice_of(*volume), planes[p]);
+    const auto range = picture::slice_range_mm(grid::lattice_of(*volume), planes[p]);
     const int axis = axis_of(planes[p]);
     const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
-    SliceParams params;
+    picture::SliceParams params;
     params.plane = planes[p];
     params.longer_side_px = cell_px;
     params.window_width_hu = 150;  // brain and CSF must be distinguishable; bone is white in any window
     const auto slice = [&] {
       return sheets.image([volume, &shapes, &progress, params] {
         progress.check();
-        return slice_overlay(*volume, params, shapes);
+        return picture::slice_overlay(*volume, params, shapes);
       });
     };
     Sheet sheet{std::string(names[p]) + ".png", {}};
@@ -248,4 +257,4 @@ std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::v
   return sheets.make(whole);
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

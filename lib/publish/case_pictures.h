@@ -10,11 +10,11 @@
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 struct PictureAnatomy {
   std::string name;
-  const TriMesh* surface = nullptr;
+  const surface::TriMesh* surface = nullptr;
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
   double opacity = 1;
 };
@@ -30,12 +30,13 @@ struct CasePicture {
 /// more confidence, and the slices through each. The pictures are made in memory, so that they can be written when
 /// nothing can fail any more. Without a volume there are only those of surfaces, without anatomies only those of the
 /// volume. The same input gives the same bytes.
-std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
-                                            const std::vector<CaseLandmark>& landmarks, const Progress& progress = {});
+std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
+                                            const std::vector<cases::CaseLandmark>& landmarks,
+                                            const Progress& progress = {});
 
 /// What a stage took off the scan: removed_by_NAME.png, slices of the scan before with the outline of what is missing
 /// after, which has at least 0.5 ml. Nothing where less is missing. Both volumes have the same lattice (Error 70).
-std::optional<CasePicture> make_removed_picture(const HuVolume& before, const HuVolume& after, const std::string& name,
-                                                const Progress& progress = {});
+std::optional<CasePicture> make_removed_picture(const grid::HuVolume& before, const grid::HuVolume& after,
+                                                const std::string& name, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::publish

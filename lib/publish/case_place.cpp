@@ -7,7 +7,7 @@
 #include "base/write_file.h"
 #include "cases/new_case.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace fs = std::filesystem;
 namespace {
 
@@ -25,8 +25,8 @@ void clear_out(const fs::path& folder) {
 }  // namespace
 
 CasePlace::CasePlace(const fs::path& case_folder) : folder_(case_folder), made_in_(case_folder) {
-  if (is_free_for_case(folder_)) {
-    made_in_ = new_case_folder(folder_);
+  if (cases::is_free_for_case(folder_)) {
+    made_in_ = cases::new_case_folder(folder_);
     make_output_folder(made_in_);
     try {
       lock_.emplace(made_in_);
@@ -35,7 +35,7 @@ CasePlace::CasePlace(const fs::path& case_folder) : folder_(case_folder), made_i
       fs::remove(made_in_, ignored);  // fails where another run writes in it
       throw;
     }
-    if (is_free_for_case(folder_)) {
+    if (cases::is_free_for_case(folder_)) {
       clear_out(made_in_);
       return;
     }
@@ -59,7 +59,7 @@ CasePlace::~CasePlace() {
 
 void CasePlace::appear() {
   if (made_in_ == folder_) return;
-  let_case_appear(made_in_, folder_);
+  cases::let_case_appear(made_in_, folder_);
   made_in_ = folder_;
 }
 
@@ -76,4 +76,4 @@ void CasePlace::remove_unpublished() const {
   fs::remove(folder_, ignored);
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -5,7 +5,7 @@
 
 #include "publish/case_lock.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// Where a run writes its case, under the case's lock: in its place where it is there already, else in a hidden folder
 /// beside it, which appear() renames (cases/new_case.h). Without appear() nothing is left of a case that was not there
@@ -29,4 +29,4 @@ class CasePlace {
   std::optional<CaseLock> lock_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::publish

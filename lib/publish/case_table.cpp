@@ -8,7 +8,7 @@
 #include "base/text.h"
 #include "base/text_table.h"
 
-namespace trephine {
+namespace trephine::publish {
 std::string case_table(const std::vector<AnatomyResult>& anatomies) {
   std::vector<std::vector<std::string>> rows = {{"anatomy", "triangles", "after", "reduction", "MB", "after", "max mm",
                                                  "p99 mm", "RMS mm", "ml", "s", "stopped by"}};
@@ -23,4 +23,4 @@ std::string case_table(const std::vector<AnatomyResult>& anatomies) {
   return text_table(rows, "lrrrrrrrrrrl");
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

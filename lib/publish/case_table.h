@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::publish {
 
 /// What the pipeline made of one anatomy, as [Rizzi, chapter 2, Table I] reports it.
 struct AnatomyResult {
@@ -20,4 +20,4 @@ struct AnatomyResult {
 /// A table with aligned columns for a person. Numbers are the same whatever the locale.
 std::string case_table(const std::vector<AnatomyResult>& anatomies);
 
-}  // namespace trephine
+}  // namespace trephine::publish

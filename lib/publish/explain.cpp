@@ -8,7 +8,7 @@
 
 #include "base/text_table.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
 std::string joined(const std::vector<std::string>& parts, const char* between) {
@@ -20,7 +20,7 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
 // Predicts what the executor will do, without doing it (executor.cpp, demand).
 class Forecast {
  public:
-  Forecast(const Graph& graph, const std::vector<int>& wanted, const StageCache& cache)
+  Forecast(const pipeline::Graph& graph, const std::vector<int>& wanted, const pipeline::StageCache& cache)
       : graph_(graph), entries_(graph.nodes.size()), needed_(graph.nodes.size(), false) {
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) entries_[i] = cache.look_up(graph.nodes[i].key);
     for (const int w : wanted) demand(w);
@@ -37,7 +37,7 @@ class Forecast {
 
  private:
   bool is_cached(std::size_t i) const {
-    return entries_[i].has_report && (entries_[i].has_data || graph_.nodes[i].output == DataKind::nothing);
+    return entries_[i].has_report && (entries_[i].has_data || graph_.nodes[i].output == stages::DataKind::nothing);
   }
   void demand(int node) {
     const auto i = static_cast<std::size_t>(node);
@@ -47,16 +47,16 @@ class Forecast {
     for (const auto& [port, source] : graph_.nodes[i].sources) demand(source);
   }
 
-  const Graph& graph_;
-  std::vector<StageCache::Entry> entries_;
+  const pipeline::Graph& graph_;
+  std::vector<pipeline::StageCache::Entry> entries_;
   std::vector<bool> needed_;
 };
 
-std::string why_needed(const Graph& graph, int node, bool pictured) {
+std::string why_needed(const pipeline::Graph& graph, int node, bool pictured) {
   std::vector<std::string> why, readers;
   if (pictured && graph.scan == node) why.emplace_back("the pictures");
   if (const std::string& serves = graph.nodes[std::size_t(node)].serves; !serves.empty()) why.push_back(serves);
-  for (const Node& reader : graph.nodes)
+  for (const pipeline::Node& reader : graph.nodes)
     for (const auto& [port, source] : reader.sources)
       if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
         readers.push_back(reader.name);
@@ -66,23 +66,23 @@ std::string why_needed(const Graph& graph, int node, bool pictured) {
   return joined(why, "; ");
 }
 
-const SceneShape* find_shape(const CaseConfig& config, const std::string& name) {
-  for (const SceneShape& s : config.haptic.shapes)
+const config::SceneShape* find_shape(const config::CaseConfig& config, const std::string& name) {
+  for (const config::SceneShape& s : config.haptic.shapes)
     if (s.name == name) return &s;
   return nullptr;
 }
 
-std::string why_pruned(const CaseConfig& config, const RecipeAnatomy& anatomy) {
+std::string why_pruned(const config::CaseConfig& config, const config::RecipeAnatomy& anatomy) {
   const bool has_surface = std::any_of(config.scene.begin(), config.scene.end(),
-                                       [&](const SceneAnatomy& a) { return a.name == anatomy.name; });
+                                       [&](const config::SceneAnatomy& a) { return a.name == anatomy.name; });
   if (has_surface) return "nothing of the scene reads it";  // no recipe of one chain has such a step
   if (find_shape(config, anatomy.name)) return "the scene feels " + anatomy.name + " but has no surface of it";
   return "the scene neither shows nor feels " + anatomy.name;
 }
 
-std::string why_scan_step_pruned(const CaseConfig& config, const StageType& type) {
+std::string why_scan_step_pruned(const config::CaseConfig& config, const stages::StageType& type) {
   if (type.in_every_recipe) return "no spacing is set, the scan stays as it is";
-  if (type.output == DataKind::landmarks) return "nothing in the scene needs a landmark";
+  if (type.output == stages::DataKind::landmarks) return "nothing in the scene needs a landmark";
   if (type.removes_face)
     return config.face.empty() ? "the scene has no face policy" : "the scene's face policy is " + config.face;
   return "the scene shows too few of its anatomies";
@@ -92,15 +92,15 @@ bool begins_with(const std::string& text, const std::string& start) { return tex
 
 // Whether the value has a part in this case: it belongs to a stage that will exist (for a node that sees the original
 // scan, to its stage), to the scene, to an anatomy or a material that the scene has, or it is a role that is given.
-bool is_shown(const ValueRow& row, const CaseConfig& config, const Graph& graph) {
+bool is_shown(const config::ValueRow& row, const config::CaseConfig& config, const pipeline::Graph& graph) {
   if (begins_with(row.path, "scene.")) return true;
-  for (const Node& node : graph.nodes)
-    if (begins_with(row.path, node.output == DataKind::haptic ? "haptic." : node.name + ".")) return true;
-  for (const SceneShape& shape : config.haptic.shapes)
+  for (const pipeline::Node& node : graph.nodes)
+    if (begins_with(row.path, node.output == stages::DataKind::haptic ? "haptic." : node.name + ".")) return true;
+  for (const config::SceneShape& shape : config.haptic.shapes)
     if (begins_with(row.path, "materials." + shape.material.name + ".")) return true;
   const AnyParams roles = AnyParams::make(config.roles);
   for (const ParameterLeaf& leaf : leaves_of(roles))
-    if (leaf.path == row.path) return row.origin.source != ValueSource::standard;
+    if (leaf.path == row.path) return row.origin.source != config::ValueSource::standard;
   const std::size_t dot = row.path.find('.');
   return dot != std::string::npos && row.path.find('.', dot + 1) == std::string::npos &&
          config.find_anatomy(row.path.substr(0, dot)) && config.is_shown(row.path.substr(0, dot));
@@ -120,11 +120,11 @@ const char* to_text(Explanation::Stage::State state) {
 
 }  // namespace
 
-Explanation explain(const CaseConfig& config, const Graph& graph, const std::vector<int>& wanted,
-                    const StageCache& cache) {
+Explanation explain(const config::CaseConfig& config, const pipeline::Graph& graph, const std::vector<int>& wanted,
+                    const pipeline::StageCache& cache) {
   Explanation out;
   out.trade = config.trade;
-  for (const ValueRow& row : config.values)
+  for (const config::ValueRow& row : config.values)
     if (is_shown(row, config, graph)) out.values.push_back(row);
   const Forecast forecast(graph, wanted, cache);
   const bool pictured =
@@ -132,11 +132,11 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
     out.stages.push_back({graph.nodes[i].name, forecast.state(i), forecast.seconds(i),
                           why_needed(graph, static_cast<int>(i), pictured)});
-  for (const RecipeStep& step : config.scan_steps)
+  for (const config::RecipeStep& step : config.scan_steps)
     if (graph.find(step.type->name) < 0)
       out.pruned.push_back({step.type->name, why_scan_step_pruned(config, *step.type)});
-  for (const RecipeAnatomy& anatomy : config.anatomies)
-    for (const RecipeStep& step : anatomy.steps)
+  for (const config::RecipeAnatomy& anatomy : config.anatomies)
+    for (const config::RecipeStep& step : anatomy.steps)
       if (const std::string name = anatomy.name + "." + step.type->name; graph.find(name) < 0)
         out.pruned.push_back({name, why_pruned(config, anatomy)});
   if (!config.haptic.wanted) out.pruned.push_back({"haptic.voxelize", "the scene wants no haptic volume"});
@@ -146,12 +146,12 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
 namespace {
 
 // The values that a source sets, then the count of those that are defaults.
-std::string values_table(const std::vector<ValueRow>& values) {
+std::string values_table(const std::vector<config::ValueRow>& values) {
   std::vector<std::vector<std::string>> cells = {{"parameter", "value", "from", "where"}};
   std::size_t defaults = 0;
-  for (const ValueRow& row : values) {
-    defaults += row.origin.source == ValueSource::standard;
-    cells.push_back({row.path, row.value, to_text(row.origin.source), row.origin.where});
+  for (const config::ValueRow& row : values) {
+    defaults += row.origin.source == config::ValueSource::standard;
+    cells.push_back({row.path, row.value, config::to_text(row.origin.source), row.origin.where});
   }
   return text_table(cells, "llll") + fmt::format("{} parameters, {} at their defaults\n", values.size(), defaults);
 }
@@ -196,12 +196,14 @@ std::string explanation_json(const Explanation& e) {
   json["pruned"] = nlohmann::ordered_json::array();
   for (const auto& p : e.pruned) json["pruned"].push_back({{"name", p.name}, {"why", p.why}});
   json["parameters"] = nlohmann::ordered_json::array();
-  for (const ValueRow& row : e.values)
-    json["parameters"].push_back(
-        {{"path", row.path}, {"value", row.value}, {"from", to_text(row.origin.source)}, {"where", row.origin.where}});
+  for (const config::ValueRow& row : e.values)
+    json["parameters"].push_back({{"path", row.path},
+                                  {"value", row.value},
+                                  {"from", config::to_text(row.origin.source)},
+                                  {"where", row.origin.where}});
   if (!e.trade.rule.empty())
     json["trade"] = {{"rule", e.trade.rule.text()}, {"point", e.trade.choice.point.name}, {"why", e.trade.choice.why}};
   return json.dump(2) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

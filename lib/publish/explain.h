@@ -7,7 +7,7 @@
 #include "pipeline/graph.h"
 #include "pipeline/stage_cache.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// Why each stage of a case is computed or not: only what the scene requires is computed.
 struct Explanation {
@@ -24,19 +24,19 @@ struct Explanation {
   struct Pruned {
     std::string name, why;
   };
-  std::vector<Stage> stages;     ///< as in the graph
-  std::vector<Pruned> pruned;    ///< stages of the recipe, in its order
-  std::vector<ValueRow> values;  ///< everything that has a part in the case, and the source of its value
-  CaseTrade trade;
+  std::vector<Stage> stages;             ///< as in the graph
+  std::vector<Pruned> pruned;            ///< stages of the recipe, in its order
+  std::vector<config::ValueRow> values;  ///< everything that has a part in the case, and the source of its value
+  config::CaseTrade trade;
 };
 
 /// Explains a case without computing or writing anything. Entries of the cache are looked up but not verified: a run
 /// may find one damaged and compute it again.
-Explanation explain(const CaseConfig& config, const Graph& graph, const std::vector<int>& wanted,
-                    const StageCache& cache);
+Explanation explain(const config::CaseConfig& config, const pipeline::Graph& graph, const std::vector<int>& wanted,
+                    const pipeline::StageCache& cache);
 
 /// Formats the explanation for a person, and as JSON.
 std::string explanation_table(const Explanation& explanation);
 std::string explanation_json(const Explanation& explanation);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -8,17 +8,17 @@
 #include "config/config.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The haptic part of a case.
 struct HapticContent {
-  CaseHaptic manifest;                 ///< without the files' names
-  std::vector<CaseAnatomy> anatomies;  ///< for shapes that have no surface of their own
+  cases::CaseHaptic manifest;                 ///< without the files' names
+  std::vector<cases::CaseAnatomy> anatomies;  ///< for shapes that have no surface of their own
   std::string bytes, hardness_bytes;
 };
 
 /// `made` is the report of voxelize, `mismatch` that of mismatch.
-HapticContent make_haptic_content(const CaseConfig& config, const HapticVolume& volume, const Report& made,
-                                  const Report& mismatch);
+HapticContent make_haptic_content(const config::CaseConfig& config, const voxel::HapticVolume& volume,
+                                  const Report& made, const Report& mismatch);
 
-}  // namespace trephine
+}  // namespace trephine::publish

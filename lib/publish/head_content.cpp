@@ -7,11 +7,11 @@
 #include "base/error.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
-const CaseLandmark* find(const std::vector<CaseLandmark>& all, const std::string& name) {
-  for (const CaseLandmark& l : all)
+const cases::CaseLandmark* find(const std::vector<cases::CaseLandmark>& all, const std::string& name) {
+  for (const cases::CaseLandmark& l : all)
     if (l.name == name) return &l;
   return nullptr;
 }
@@ -19,16 +19,16 @@ const CaseLandmark* find(const std::vector<CaseLandmark>& all, const std::string
 std::string two_digits(double v) { return to_text(ParameterValue(std::round(100 * v) / 100)); }
 
 // The one of that name; of a family the surest.
-const CaseLandmark* surest(const std::vector<CaseLandmark>& all, const std::string& name) {
-  const CaseLandmark* best = find(all, name);
+const cases::CaseLandmark* surest(const std::vector<cases::CaseLandmark>& all, const std::string& name) {
+  const cases::CaseLandmark* best = find(all, name);
   if (best) return best;
-  for (const CaseLandmark& l : all)
+  for (const cases::CaseLandmark& l : all)
     if (l.name.rfind(name + "_", 0) == 0 && (!best || l.confidence > best->confidence)) best = &l;
   return best;
 }
 
-void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known) {
-  const CaseLandmark* l = surest(known, wanted.name);
+void require(const config::SceneLandmark& wanted, const std::vector<cases::CaseLandmark>& known) {
+  const cases::CaseLandmark* l = surest(known, wanted.name);
   if (l && l->confidence >= wanted.min_confidence) return;
   if (l && l->name != wanted.name)
     throw refusal("landmarks." + wanted.name,
@@ -47,9 +47,10 @@ void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known
 // Of the patient, of what was checked, and of what changed the scan.
 enum class FiguresOf { patient, checks, changes };
 
-void add_figures(const Graph& graph, const std::vector<NodeResult>& results, FiguresOf which, CaseManifest& manifest) {
+void add_figures(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results, FiguresOf which,
+                 cases::CaseManifest& manifest) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    const StageType& type = *graph.nodes[i].type;
+    const stages::StageType& type = *graph.nodes[i].type;
     if (!type.case_figures) continue;
     const FiguresOf of = type.case_figures->empty() ? FiguresOf::patient
                          : type.is_check()          ? FiguresOf::checks
@@ -62,15 +63,15 @@ void add_figures(const Graph& graph, const std::vector<NodeResult>& results, Fig
 
 }  // namespace
 
-void add_head_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
-                      CaseManifest& manifest) {
+void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
+                      const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest) {
   manifest.landmarks = config.landmarks;
-  if (const int found = graph.result(DataKind::landmarks); found >= 0)
+  if (const int found = graph.result(stages::DataKind::landmarks); found >= 0)
     manifest.landmarks =
-        std::get<std::shared_ptr<const HeadLandmarks>>(results[static_cast<std::size_t>(found)].data)->landmarks;
-  for (const SceneLandmark& wanted : config.scene_landmarks) require(wanted, manifest.landmarks);
+        std::get<std::shared_ptr<const head::HeadLandmarks>>(results[static_cast<std::size_t>(found)].data)->landmarks;
+  for (const config::SceneLandmark& wanted : config.scene_landmarks) require(wanted, manifest.landmarks);
   for (const auto& [landmark, anatomy] : config.roles.targets)
-    if (const CaseLandmark* l = config.is_shown(anatomy.name) ? find(manifest.landmarks, landmark) : nullptr)
+    if (const cases::CaseLandmark* l = config.is_shown(anatomy.name) ? find(manifest.landmarks, landmark) : nullptr)
       manifest.targets.push_back({l->name, l->position_mm, l->confidence, anatomy.name});
   add_figures(graph, results, FiguresOf::patient, manifest);
   if (const bool classed = std::any_of(manifest.figures.begin(), manifest.figures.end(),
@@ -83,4 +84,4 @@ void add_head_content(const CaseConfig& config, const Graph& graph, const std::v
   manifest.face_reason = config.face_reason;
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -7,12 +7,12 @@
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// Adds what a case says of the head as a whole: landmarks (found and given), the foramina of Monro as targets, the
 /// figures of the anatomical consistency check, and the face policy. Throws Error 80 where a landmark that the scene
 /// needs was not found or has less confidence than the scene demands, naming how to give it.
-void add_head_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
-                      CaseManifest& manifest);
+void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
+                      const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/left_out.h"
 
-namespace trephine {
+namespace trephine::publish {
 
-std::string refused_anatomy(const CaseConfig& config, const Error& e) {
+std::string refused_anatomy(const config::CaseConfig& config, const Error& e) {
   if (e.code() != ExitCode::quality) return "";
   const std::string& field = e.field();
-  for (const SceneAnatomy& a : config.scene) {
+  for (const config::SceneAnatomy& a : config.scene) {
     if (!a.may_be_missing) continue;
     const std::string felt = "haptic." + a.name;  // as a shape: too thin for the voxels, or others take all of it
     const bool is_shape =
@@ -16,10 +16,11 @@ std::string refused_anatomy(const CaseConfig& config, const Error& e) {
   return "";
 }
 
-void keep_made(const Graph& graph, std::vector<NodeResult>& results, std::map<std::string, NodeResult>& known) {
+void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,
+               std::map<std::string, pipeline::NodeResult>& known) {
   for (std::size_t i = 0; i < results.size(); ++i)
-    if (results[i].state != NodeResult::State::not_needed) known[graph.nodes[i].key] = std::move(results[i]);
+    if (results[i].state != pipeline::NodeResult::State::not_needed) known[graph.nodes[i].key] = std::move(results[i]);
   results.clear();
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

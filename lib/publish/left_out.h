@@ -9,13 +9,14 @@
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The anatomy of the scene that may be missing (`may_be_missing`) and whose stages, surface or haptic shape the error
 /// refuses (80); empty where there is none.
-std::string refused_anatomy(const CaseConfig& config, const Error& e);
+std::string refused_anatomy(const config::CaseConfig& config, const Error& e);
 
 /// Moves what a run has made to `known`, by key, for a run of another graph (ExecuteOptions::known).
-void keep_made(const Graph& graph, std::vector<NodeResult>& results, std::map<std::string, NodeResult>& known);
+void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,
+               std::map<std::string, pipeline::NodeResult>& known);
 
-}  // namespace trephine
+}  // namespace trephine::publish

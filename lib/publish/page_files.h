@@ -8,14 +8,14 @@
 #include "pipeline/graph.h"
 #include "publish/case_content.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The page of a case that is about to be published, and what it is made of beside the case: view.html, view.json and
 /// the deviation of every surface's points (page/page_notes.h), as files of the report folder. `warnings` are those of
 /// the stages. The surfaces before decimation must be among the results (wanted_nodes). The same input gives the same
 /// bytes.
-std::vector<CasePicture> make_page_files(const CaseConfig& config, const Graph& graph,
-                                         const std::vector<NodeResult>& results, const CaseContent& content,
+std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const pipeline::Graph& graph,
+                                         const std::vector<pipeline::NodeResult>& results, const CaseContent& content,
                                          const std::vector<std::string>& warnings, const Progress& progress);
 
-}  // namespace trephine
+}  // namespace trephine::publish

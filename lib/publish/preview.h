@@ -8,7 +8,7 @@
 #include "config/config.h"
 #include "pipeline/executor.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 struct PreviewParams {
   std::string stage;
@@ -46,12 +46,12 @@ struct Preview {
 /// exact; the surface is that of every n-th voxel, so that it has cells of about cell_mm: thin parts may be missing
 /// there, and the volumes are rough. Throws Error 64 for a report, which has no place; 80 where there is nothing to be
 /// seen; Cancelled.
-Preview draw_preview(const std::string& name, const StageData& data, const HuVolume* volume,
+Preview draw_preview(const std::string& name, const stages::StageData& data, const grid::HuVolume* volume,
                      const PreviewParams& params, const Progress& progress = {});
 
 struct PreviewRequest {
   std::filesystem::path config;
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   PreviewParams params;
   std::filesystem::path cache;  ///< empty: nothing is kept
 };
@@ -60,6 +60,6 @@ struct PreviewRequest {
 /// original one, or the one without its face where the scene takes the face away. Publishes nothing. Throws what
 /// read_case_config, the stages and draw_preview throw; 64 where neither the scene nor that anatomy has such a stage,
 /// naming the nearest. An anatomy that the scene does not show is computed as if it did.
-Preview preview_stage(const PreviewRequest& request, RunObserver& observer);
+Preview preview_stage(const PreviewRequest& request, pipeline::RunObserver& observer);
 
-}  // namespace trephine
+}  // namespace trephine::publish

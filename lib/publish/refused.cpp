@@ -11,7 +11,7 @@
 #include "meshing/contour.h"
 #include "publish/case_pictures.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace fs = std::filesystem;
 namespace {
 
@@ -24,7 +24,8 @@ class Made {
   explicit Made(const RefusedRun& run) : run_(run) {}
 
   bool is_done(int node) const {
-    return node >= 0 && std::size_t(node) < run_.made.size() && run_.made[node].state != NodeResult::State::not_needed;
+    return node >= 0 && std::size_t(node) < run_.made.size() &&
+           run_.made[node].state != pipeline::NodeResult::State::not_needed;
   }
 
   template <class T>
@@ -39,15 +40,15 @@ class Made {
   }
 
   /// The newest surface of an anatomy: the published one, an earlier one, or one made now of its field.
-  Shared<TriMesh> surface_of(const Graph::Anatomy& a) const {
+  Shared<surface::TriMesh> surface_of(const pipeline::Graph::Anatomy& a) const {
     for (const int node : {a.surface, a.finished, a.first_surface})
-      if (auto mesh = find<TriMesh>(node)) return mesh;
+      if (auto mesh = find<surface::TriMesh>(node)) return mesh;
     for (const auto& [port, source] : run_.graph.nodes[a.first_surface].sources) {
-      const auto field = find<Field>(source);
+      const auto field = find<grid::Field>(source);
       if (!field) continue;
       try {
         Report ignored;
-        return std::make_shared<const TriMesh>(contour(*field, ContourParams(), ignored));
+        return std::make_shared<const surface::TriMesh>(meshing::contour(*field, meshing::ContourParams(), ignored));
       } catch (const Error&) {  // what has no surface has no picture
         return {};
       }
@@ -62,7 +63,7 @@ class Made {
 /// Whether the scan and what shows the face may be seen.
 bool may_show_face(const RefusedRun& run, const Made& made) {
   const bool face_in_it = std::any_of(run.config.anatomies.begin(), run.config.anatomies.end(),
-                                      [](const RecipeAnatomy& a) { return a.shows_face; });
+                                      [](const config::RecipeAnatomy& a) { return a.shows_face; });
   return !face_in_it || !run.config.takes_face_away() || made.is_done(run.graph.find("face"));
 }
 
@@ -70,20 +71,21 @@ std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal
   const Made made(run);
   const bool whole = may_show_face(run, made);
   std::vector<PictureAnatomy> shown;
-  std::vector<Shared<TriMesh>> surfaces;
-  for (const Graph::Anatomy& a : run.graph.anatomies) {
-    const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
+  std::vector<Shared<surface::TriMesh>> surfaces;
+  for (const pipeline::Graph::Anatomy& a : run.graph.anatomies) {
+    const config::RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
     if (recipe.shows_face && !whole) continue;
     if (auto mesh = made.surface_of(a); mesh && !mesh->triangles.empty()) {
       shown.push_back({a.name, mesh.get(), recipe.colour_rgb, recipe.opacity_ratio});
       surfaces.push_back(std::move(mesh));
     }
   }
-  const auto marks = made.find<HeadLandmarks>(run.graph.result(DataKind::landmarks));
-  const std::vector<CaseLandmark> landmarks = marks && whole ? marks->landmarks : std::vector<CaseLandmark>();
-  const auto scan = whole ? made.find<HuVolume>(run.graph.scan) : Shared<HuVolume>();
+  const auto marks = made.find<head::HeadLandmarks>(run.graph.result(stages::DataKind::landmarks));
+  const std::vector<cases::CaseLandmark> landmarks =
+      marks && whole ? marks->landmarks : std::vector<cases::CaseLandmark>();
+  const auto scan = whole ? made.find<grid::HuVolume>(run.graph.scan) : Shared<grid::HuVolume>();
   std::vector<CasePicture> pictures = make_case_pictures(scan.get(), shown, landmarks);
-  if (const auto* anatomy = dynamic_cast<const AnatomyError*>(&refusal); anatomy && whole)
+  if (const auto* anatomy = dynamic_cast<const consistency::AnatomyError*>(&refusal); anatomy && whole)
     if (!anatomy->picture_png.empty()) pictures.push_back({"fault.png", anatomy->picture_png});
   return pictures;
 }
@@ -95,7 +97,7 @@ constexpr const char* message_file = "message.txt";
 std::string stamp_of(const RefusedRun& run) {
   Sha256 sha;
   sha.text(run.config.face);
-  for (const Node& node : run.graph.nodes) sha.text(node.name).text(node.key);
+  for (const pipeline::Node& node : run.graph.nodes) sha.text(node.name).text(node.key);
   return "made of " + sha.hex() + "\n";
 }
 
@@ -153,4 +155,4 @@ void remove_refused(const fs::path& folder) {
   fs::remove_all(half_made(folder), ignored);
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

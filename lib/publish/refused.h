@@ -9,7 +9,7 @@
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// What a refused run leaves for a person to look at: LIBRARY/CASE.refused/, a folder that only its owner may open,
 /// with message.txt (the refusal and the warnings) and pictures (PNG) of what had been made. It is no case: the
@@ -18,10 +18,11 @@ namespace trephine {
 std::filesystem::path refused_folder(const std::filesystem::path& library, const std::string& case_token);
 
 struct RefusedRun {
-  const CaseConfig& config;
-  const Graph& graph;
-  const std::vector<NodeResult>& made;  ///< what was in memory when the run ended; empty, or one for each node
-  const StageCache& cache;              ///< where the rest may be
+  const config::CaseConfig& config;
+  const pipeline::Graph& graph;
+  const std::vector<pipeline::NodeResult>&
+      made;                           ///< what was in memory when the run ended; empty, or one for each node
+  const pipeline::StageCache& cache;  ///< where the rest may be
   const std::vector<std::string>& warnings;
 };
 
@@ -35,4 +36,4 @@ void keep_refused(const std::filesystem::path& folder, const RefusedRun& run, co
 /// Removes the folder and what a killed run left of one.
 void remove_refused(const std::filesystem::path& folder);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -8,30 +8,29 @@
 #include "picture/slice.h"
 #include "publish/case_pictures.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
 constexpr int cell_px = 640, cells = 6;
 constexpr double least_ml = 0.5;
-constexpr float least_hu = 100;  // what lost less is not called removed
+constexpr float min_hu = 100;  // what lost less is not called removed
 
-// Where the scan lost at least least_hu, on every second voxel of a slice: an outline needs no more.
-Field lost(const HuVolume& before, const HuVolume& after) {
+// Where the scan lost at least min_hu, on every second voxel of a slice: an outline needs no more.
+grid::Field lost(const grid::HuVolume& before, const grid::HuVolume& after) {
   constexpr int step = 2;
-  Lattice l = lattice_of(before);
+  grid::Lattice l = grid::lattice_of(before);
   for (int a = 0; a < 2; ++a) {
     l.size[a] = (l.size[a] + step - 1) / step;
     l.spacing_mm[a] *= step;
   }
-  Field out(l);
+  grid::Field out(l);
   std::visit(
       [&](const auto& from, const auto& to) {
         parallel_for(0, l.size[2], 4, [&](std::int64_t begin, std::int64_t end) {
           for (auto k = int(begin); k < end; ++k)
             for (int j = 0; j < l.size[1]; ++j)
               for (int i = 0; i < l.size[0]; ++i)
-                out.at(i, j, k) =
-                    float(from.at(step * i, step * j, k)) - float(to.at(step * i, step * j, k)) - least_hu;
+                out.at(i, j, k) = float(from.at(step * i, step * j, k)) - float(to.at(step * i, step * j, k)) - min_hu;
         });
       },
       before, after);
@@ -40,15 +39,15 @@ Field lost(const HuVolume& before, const HuVolume& after) {
 
 }  // namespace
 
-std::optional<CasePicture> make_removed_picture(const HuVolume& before, const HuVolume& after, const std::string& name,
-                                                const Progress& progress) {
-  if (!(lattice_of(before) == lattice_of(after)))
+std::optional<CasePicture> make_removed_picture(const grid::HuVolume& before, const grid::HuVolume& after,
+                                                const std::string& name, const Progress& progress) {
+  if (!(grid::lattice_of(before) == grid::lattice_of(after)))
     throw Error(ExitCode::internal, "", name, "does not keep the scan's voxels");
-  const Field missing = lost(before, after);
+  const grid::Field missing = lost(before, after);
   const auto count = std::count_if(missing.voxels.begin(), missing.voxels.end(), [](float v) { return v > 0; });
   if (double(count) * missing.voxel_volume_mm3() / 1000 < least_ml) return {};
-  const Box box = inside_box(missing);
-  std::vector<Image> images(cells);
+  const grid::Box box = mask::inside_box(missing);
+  std::vector<picture::Image> images(cells);
   parallel_for(0, cells, 1, [&](std::int64_t from, std::int64_t to) {
     for (auto i = from; i < to; ++i) {
       progress.check();
@@ -57,16 +56,19 @@ std::optional<CasePicture> make_removed_picture(const HuVolume& before, const Hu
       Vec3 at;
       for (int a = 0; a < 3; ++a) at[a] = box.begin[a] + along[i] * (box.end[a] - 1 - box.begin[a]);
       const Vec3 place = missing.to_world_mm(at);
-      SliceParams params;
+      picture::SliceParams params;
       params.longer_side_px = cell_px;
       params.window_center_hu = -300;  // apparatus is foam and plastic, between air and tissue
       params.window_width_hu = 1400;
-      params.plane = i < 4 ? SlicePlane::axial : i == 4 ? SlicePlane::coronal : SlicePlane::sagittal;
+      params.plane = i < 4    ? picture::SlicePlane::axial
+                     : i == 4 ? picture::SlicePlane::coronal
+                              : picture::SlicePlane::sagittal;
       params.position_mm = i < 4 ? place.z : i == 4 ? place.y : place.x;
-      images[std::size_t(i)] = slice_overlay(before, params, {{nullptr, {1, 0.25, 0.1}, "taken off", &missing}});
+      images[std::size_t(i)] =
+          picture::slice_overlay(before, params, {{nullptr, {1, 0.25, 0.1}, "taken off", &missing}});
     }
   });
-  return CasePicture{"removed_by_" + name + ".png", encode_png(contact_sheet(images, 3))};
+  return CasePicture{"removed_by_" + name + ".png", picture::encode_png(picture::contact_sheet(images, 3))};
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -23,7 +23,7 @@
 #include "publish/scan_checks.h"
 #include "publish/series_hashes.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace fs = std::filesystem;
 namespace {
 
@@ -39,20 +39,20 @@ std::string random_token() {
 
 }  // namespace
 
-void require_face_policy(const CaseConfig& config) {
+void require_face_policy(const config::CaseConfig& config) {
   if (!config.face.empty()) return;
   std::string shown;
-  for (const SceneAnatomy& wanted : config.scene)
+  for (const config::SceneAnatomy& wanted : config.scene)
     if (config.find_anatomy(wanted.name)->shows_face) shown = wanted.name;
-  if (config.haptic.wanted && config.haptic.encoding() == HapticEncoding::hu) {
-    for (const RecipeAnatomy& a : config.anatomies)
+  if (config.haptic.wanted && config.haptic.encoding() == voxel::HapticEncoding::hu) {
+    for (const config::RecipeAnatomy& a : config.anatomies)
       if (a.shows_face) shown = "the haptic volume of raw HU";
   } else {
-    for (const SceneShape& shape : config.haptic.shapes)
+    for (const config::SceneShape& shape : config.haptic.shapes)
       if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
   }
   if (config.ct)
-    for (const RecipeAnatomy& a : config.anatomies)
+    for (const config::RecipeAnatomy& a : config.anatomies)
       if (a.shows_face) shown = "the CT";
   if (!shown.empty())
     throw Error(ExitCode::privacy, "", "scene.face",
@@ -95,15 +95,15 @@ void require_outside(const fs::path& case_folder, const fs::path& output, const 
 }
 
 bool tells_at_once(const std::string& node) {
-  const StageType* type = find_stage(node);
+  const stages::StageType* type = stages::find_stage(node);
   return type && type->tells_at_once;
 }
 
 // What was made for a case on the way to its content.
 struct Made {
-  Graph graph;
-  std::vector<NodeResult> results;
-  std::vector<CaseMissing> missing;  // what was refused and left out
+  pipeline::Graph graph;
+  std::vector<pipeline::NodeResult> results;
+  std::vector<cases::CaseMissing> missing;  // what was refused and left out
   Clock::time_point publishing_began = Clock::now();
 };
 
@@ -114,7 +114,7 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
   std::vector<std::string> all = about_patients;
   for (const auto& [import, folder] : folders)
     for (const std::string& w : folder.warnings) all.push_back(import + ": " + w);
-  for (const CaseMissing& m : made.missing) all.push_back(m.anatomy + ": left out: " + m.why);
+  for (const cases::CaseMissing& m : made.missing) all.push_back(m.anatomy + ": left out: " + m.why);
   for (std::size_t i = 0; i < made.results.size(); ++i)
     for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
   for (const std::string& w : all)  // EarlyWarnings has told the others
@@ -123,9 +123,9 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
 }
 
 // Tells at once what the scan is not suited for: a run that is refused later may be refused because of it.
-class EarlyWarnings : public RunObserver {
+class EarlyWarnings : public pipeline::RunObserver {
  public:
-  EarlyWarnings(RunObserver& observer, std::string token, double publishing_s)
+  EarlyWarnings(pipeline::RunObserver& observer, std::string token, double publishing_s)
       : observer_(observer), token_(std::move(token)), publishing_s_(publishing_s) {}
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override {
     auto all = expected_s;
@@ -141,7 +141,7 @@ class EarlyWarnings : public RunObserver {
   }
 
  private:
-  RunObserver& observer_;
+  pipeline::RunObserver& observer_;
   std::string token_;
   double publishing_s_;
 };
@@ -150,13 +150,13 @@ class EarlyWarnings : public RunObserver {
 std::map<std::string, double> seconds_of(const Made& made) {
   std::map<std::string, double> seconds;
   for (std::size_t i = 0; i < made.results.size(); ++i)
-    if (made.results[i].state == NodeResult::State::computed)
+    if (made.results[i].state == pipeline::NodeResult::State::computed)
       seconds[made.graph.nodes[i].name] = made.results[i].seconds;
   return seconds;
 }
 
 // A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
-std::vector<std::string> overrun(const CaseTrade& trade, double seconds) {
+std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds) {
   const double budget_s = trade.rule.seconds;
   if (budget_s <= 0 || seconds <= budget_s) return {};
   return {"took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
@@ -165,8 +165,8 @@ std::vector<std::string> overrun(const CaseTrade& trade, double seconds) {
 
 // What a run leaves in the report folder.
 bool is_of_report(const fs::path& file) {
-  return file.extension() == ".png" || file.extension() == ".f32" || file.filename() == page_file ||
-         file.filename() == page_notes_file;
+  return file.extension() == ".png" || file.extension() == ".f32" || file.filename() == page::page_file ||
+         file.filename() == page::page_notes_file;
 }
 
 // Pictures and pages of an older state of the case could be mistaken for this one's.
@@ -185,19 +185,19 @@ void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture
 // part of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the
 // same moment.
 void publish(const fs::path& folder, const CaseContent& content) {
-  for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
+  for (const CaseContent::File& f : content.files) cases::write_case_file(folder, f.stem, f.extension, f.bytes);
   for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
-  publish_case(folder, content.manifest);
+  cases::publish_case(folder, content.manifest);
   remove_other_pictures(folder / "report", content.pictures);
   try {
-    remove_unnamed_case_files(folder);
+    cases::remove_unnamed_case_files(folder);
   } catch (const std::exception& e) {  // the case is published, whatever old files remain beside it
     log_warning(content.manifest.case_token + ": files of the older case are left: " + e.what());
   }
 }
 
 // What was made is kept beside the case's folder, which may hold the last valid case or not exist.
-void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e, RunObserver& observer) {
+void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e, pipeline::RunObserver& observer) {
   if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
   try {
     keep_refused(folder, run, e);
@@ -214,21 +214,21 @@ fs::path cache_folder_of(const RunRequest& request) {
   return request.cache.empty() ? request.library / ".trephine-cache" : request.cache;
 }
 
-CaseConfig read_config(const RunRequest& request) {
-  ConfigOverrides overrides = request.overrides;
+config::CaseConfig read_config(const RunRequest& request) {
+  config::ConfigOverrides overrides = request.overrides;
   if (!request.params.case_token.empty()) {
-    validate_case_token(request.params.case_token, ExitCode::usage);
+    cases::validate_case_token(request.params.case_token, ExitCode::usage);
     overrides.case_token = request.params.case_token;
   }
   overrides.profile = request.params.profile;
-  CaseConfig config = read_case_config(request.config, overrides);
+  config::CaseConfig config = config::read_case_config(request.config, overrides);
   if (config.series.empty())
     throw Error(ExitCode::usage, request.config.string(), "series",
                 "the configuration names none, give --series FOLDER");
   return config;
 }
 
-void tell_choice(const CaseConfig& config) {
+void tell_choice(const config::CaseConfig& config) {
   if (!config.trade.rule.empty())
     log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
              " of " + config.trade.front_names() + ", " + config.trade.choice.why);
@@ -237,25 +237,26 @@ void tell_choice(const CaseConfig& config) {
 }  // namespace
 
 Explanation explain_case(const RunRequest& request) {
-  const CaseConfig config = read_config(request);
+  const config::CaseConfig config = read_config(request);
   const Progress cancelled({}, &cancel_requested());
-  const Graph graph = SeriesHashes(cancelled).graph_of(config);
+  const pipeline::Graph graph = SeriesHashes(cancelled).graph_of(config);
   std::error_code ignored;
   const fs::path cache = cache_folder_of(request);
   return explain(config, graph, wanted_nodes(graph, request.params.pictures, request.params.page),
-                 StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
+                 pipeline::StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
 }
 
 namespace {
 
 // Computes what the case needs and makes its content of it. An anatomy that may be missing is taken out of `config`
 // where it is refused. Where this throws, `made` holds what there is.
-CaseContent compute(const RunRequest& request, CaseConfig& config, SeriesHashes& series, ExecuteOptions execution,
-                    RunObserver& observer, const Progress& progress, Made& made) {
+CaseContent compute(const RunRequest& request, config::CaseConfig& config, SeriesHashes& series,
+                    pipeline::ExecuteOptions execution, pipeline::RunObserver& observer, const Progress& progress,
+                    Made& made) {
   execution.made = &made.results;
   while (true) try {
-      made.results = execute(made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page),
-                             execution, observer);
+      made.results = pipeline::execute(
+          made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page), execution, observer);
       require_modalities(config, made.graph, made.results);
       made.publishing_began = Clock::now();
       observer.publishing();
@@ -275,7 +276,7 @@ CaseContent compute(const RunRequest& request, CaseConfig& config, SeriesHashes&
 
 // Publishes and remembers for the next run what this one took.
 void publish_and_remember(const RunRequest& request, const fs::path& folder, const CaseContent& content,
-                          const Made& made, const StageCache& cache, RunObserver& observer) {
+                          const Made& made, const pipeline::StageCache& cache, pipeline::RunObserver& observer) {
   publish(folder, content);
   observer.progressed(publishing_step, 1);
   remove_refused(refused_folder(request.library, content.manifest.case_token));
@@ -299,9 +300,9 @@ RunResult result_of(const fs::path& folder, const CaseContent& content) {
 
 }  // namespace
 
-RunResult run_case(const RunRequest& request, RunObserver& observer) {
+RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
   const auto start = Clock::now();
-  CaseConfig config = read_config(request);
+  config::CaseConfig config = read_config(request);
   if (config.case_token.empty()) config.case_token = random_token();
   const std::string token = config.case_token;
   try {
@@ -323,7 +324,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     if (request.params.pictures || request.params.page) make_output_folder(made_in / "report");
     for (const fs::path& f : {made_in, made_in / "meshes", made_in / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
-    const StageCache cache(cache_folder);
+    const pipeline::StageCache cache(cache_folder);
 
     const Progress cancelled({}, &cancel_requested());
     const Progress publishing([&](double share) { observer.progressed(publishing_step, share); }, &cancel_requested());
@@ -331,7 +332,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     SeriesHashes series(cancelled);
     Made made;
     made.graph = series.graph_of(config);
-    ExecuteOptions execution;
+    pipeline::ExecuteOptions execution;
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
@@ -376,4 +377,4 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

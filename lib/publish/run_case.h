@@ -11,7 +11,7 @@
 #include "publish/case_table.h"
 #include "publish/explain.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The parameters of `trephine run`, without its files and folders.
 struct RunParams {
@@ -27,7 +27,7 @@ struct RunParams {
     v.text(&P::case_token, "case",
            "Name of the case: a-z, 0-9, _ and -; never a patient's name. It overrides the configuration's; where "
            "neither gives one, it is random.");
-    v.word(&P::profile, "profile", profile_names,
+    v.word(&P::profile, "profile", config::profile_names,
            "A named point of the trade that the configuration names, instead of the configuration's own rule.");
     v.flag(&P::use_cache, "use_cache",
            "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
@@ -45,7 +45,7 @@ struct RunParams {
 struct RunRequest {
   std::filesystem::path config;
   std::filesystem::path library;  ///< the case becomes <library>/<case>/
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   RunParams params;
   std::filesystem::path keep;   ///< the output of every stage is written here too; empty: not written
   std::filesystem::path cache;  ///< empty: <library>/.trephine-cache
@@ -67,7 +67,7 @@ constexpr const char* publishing_step = "publish";
 
 /// The skin of a head shows the face, and so does a CT of it. Throws Error 81 where the case would publish one and the
 /// scene does not say that it may, and why.
-void require_face_policy(const CaseConfig& config);
+void require_face_policy(const config::CaseConfig& config);
 
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
 /// the configuration, refuses outputs inside the case's folder (64), checks the face policy (81), makes and checks the
@@ -76,10 +76,10 @@ void require_face_policy(const CaseConfig& config);
 /// refused run (80, 81) has made is kept for looking beside the case (publish/refused.h).
 /// Pictures of the previous run and files that case.json no longer names are removed afterwards: a program that is
 /// still reading the older case may get Error 66 for such a file, and should read case.json again.
-RunResult run_case(const RunRequest& request, RunObserver& observer);
+RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer);
 
 /// Says what run_case would compute, what it would take from its cache, what it would skip, and why. Reads the
 /// configuration and the series, but computes and writes nothing; the library need not exist.
 Explanation explain_case(const RunRequest& request);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -20,13 +20,13 @@ double peak_memory_mb(int who) {
   return double(usage.ru_maxrss) / 1024;
 }
 
-const char* to_text(NodeResult::State state) {
+const char* to_text(pipeline::NodeResult::State state) {
   switch (state) {
-    case NodeResult::State::not_needed:
+    case pipeline::NodeResult::State::not_needed:
       return "not needed";
-    case NodeResult::State::computed:
+    case pipeline::NodeResult::State::computed:
       return "computed";
-    case NodeResult::State::cached:
+    case pipeline::NodeResult::State::cached:
       return "cached";
   }
   return "";
@@ -34,9 +34,9 @@ const char* to_text(NodeResult::State state) {
 
 }  // namespace
 
-std::string run_json(const Graph& graph, const std::vector<NodeResult>& results, const Report& folder,
-                     const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings,
-                     double wall_s) {
+std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results,
+                     const Report& folder, const std::vector<AnatomyResult>& anatomies,
+                     const std::vector<std::string>& warnings, double wall_s) {
   Json json;
   json["wall_s"] = wall_s;
   json["peak_memory_mb"] = peak_memory_mb(RUSAGE_SELF);
@@ -55,16 +55,16 @@ std::string run_json(const Graph& graph, const std::vector<NodeResult>& results,
                                  {"volume_ml", a.volume_ml},
                                  {"seconds", a.seconds},
                                  {"stopped_by", a.stopped_by}};
-  json["folder"] = Json::parse(report_json(folder));
+  json["folder"] = Json::parse(stages::report_json(folder));
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     Json& stage = json["stages"][graph.nodes[i].name];
     stage["state"] = to_text(results[i].state);
     stage["seconds"] = results[i].seconds;
-    if (results[i].state == NodeResult::State::computed) stage["kept"] = results[i].kept;
-    stage["report"] = Json::parse(report_json(results[i].report));
+    if (results[i].state == pipeline::NodeResult::State::computed) stage["kept"] = results[i].kept;
+    stage["report"] = Json::parse(stages::report_json(results[i].report));
   }
   json["warnings"] = warnings;
   return json.dump(2) + "\n";
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

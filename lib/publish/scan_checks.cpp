@@ -8,7 +8,7 @@
 #include "itk/same_place.h"
 #include "itk/transform_file.h"
 
-namespace trephine {
+namespace trephine::publish {
 namespace {
 
 /// Whether these attributes of identity are of few people: a sex or a date of birth alone are shared by many.
@@ -20,18 +20,18 @@ bool identifies(const std::vector<std::string>& agreeing) {
 
 }  // namespace
 
-std::vector<std::string> names_of_scans(const Graph& graph) {
+std::vector<std::string> names_of_scans(const pipeline::Graph& graph) {
   std::vector<std::string> names;
   for (const auto& scan : graph.scans) names.push_back(scan.first);
   return names;
 }
 
-std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
+std::vector<std::string> require_one_patient(const config::CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress) {
   std::vector<std::string> warnings;
-  const auto compare_with = [&](const std::string& whose, const SeriesChoice& first, const CaseScan& scan,
-                                const SeriesChoice& second) {
-    const PatientMatch match = compare_patients(first, second, progress);
+  const auto compare_with = [&](const std::string& whose, const dicom::SeriesChoice& first,
+                                const config::CaseScan& scan, const dicom::SeriesChoice& second) {
+    const dicom::PatientMatch match = dicom::compare_patients(first, second, progress);
     const auto listed = [](const std::vector<std::string>& words) {
       std::string all;
       for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
@@ -52,11 +52,12 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
                               : "only " + listed(match.agreeing) + " can be compared, and agrees"));
   };
   for (const std::string& name : scans) {
-    const CaseScan& scan = *config.find_scan(name);
-    const SeriesChoice ct{config.series, config.import}, other{scan.series, scan.import.as<ImportParams>()};
-    const std::string& given = scan.registration.as<RegistrationParams>().given;
-    if (scan.modality != ScanModality::mr && !given.empty() && is_identity(read_transform(given))) {
-      const auto frame = of_one_frame(ct, other, progress);
+    const config::CaseScan& scan = *config.find_scan(name);
+    const dicom::SeriesChoice ct{config.series, config.import},
+        other{scan.series, scan.import.as<dicom::ImportParams>()};
+    const std::string& given = scan.registration.as<itk::RegistrationParams>().given;
+    if (scan.modality != config::ScanModality::mr && !given.empty() && itk::is_identity(itk::read_transform(given))) {
+      const auto frame = dicom::of_one_frame(ct, other, progress);
       if (!frame)
         warnings.push_back(name + ".register: that it lies in the CT's frame of reference is taken on trust: one of " +
                            "the two does not say which it has");
@@ -69,28 +70,29 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
     compare_with("the CT", ct, scan, other);
     for (const std::string& earlier : scans) {
       if (earlier == name) break;
-      const CaseScan& one = *config.find_scan(earlier);
-      compare_with("scans." + earlier, {one.series, one.import.as<ImportParams>()}, scan, other);
+      const config::CaseScan& one = *config.find_scan(earlier);
+      compare_with("scans." + earlier, {one.series, one.import.as<dicom::ImportParams>()}, scan, other);
     }
   }
   return warnings;
 }
 
-void require_modalities(const CaseConfig& config, const Graph& graph,
+void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
                         const std::function<const Report&(int node)>& report_of) {
-  for (const CaseScan& scan : config.scans) {
+  for (const config::CaseScan& scan : config.scans) {
     const int read = graph.find(scan.name + ".import");
     if (read < 0) continue;  // no stage reads it
     const ParameterValue* said = report_of(read).find("modality");
     const std::string is = said ? std::get<std::string>(*said) : "";
-    if (is != (scan.modality == ScanModality::mr ? "MR" : "CT") && is != "any")
+    if (is != (scan.modality == config::ScanModality::mr ? "MR" : "CT") && is != "any")
       throw Error(ExitCode::bad_input, "", "scans." + scan.name + ".modality",
-                  std::string("is ") + to_text(scan.modality) + ", and the series is " + is);
+                  std::string("is ") + config::to_text(scan.modality) + ", and the series is " + is);
   }
 }
 
-void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results) {
+void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
+                        const std::vector<pipeline::NodeResult>& results) {
   require_modalities(config, graph, [&](int node) -> const Report& { return results[std::size_t(node)].report; });
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -7,24 +7,25 @@
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The names of the further scans that the graph's stages read.
-std::vector<std::string> names_of_scans(const Graph& graph);
+std::vector<std::string> names_of_scans(const pipeline::Graph& graph);
 
 /// A scan of another patient must not become part of the case: compares what each of these scans says of the patient
 /// (dicom/identity.h) with what the CT and the other scans say. Returns a warning for each of which it is not sure;
 /// names and IDs themselves go nowhere. Throws Error 65, field scans.NAME, where two contradict each other and the
 /// configuration does not say why; what compare_patients throws. Also of a
 /// scan whose given transform moves nothing, that it has the CT's frame of reference: Error 65 where it has another.
-std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
+std::vector<std::string> require_one_patient(const config::CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);
 
 /// A series that says what it is must be what the configuration says. Asks `report_of` for the report of the import of
 /// every scan that the graph reads. Throws Error 65.
-void require_modalities(const CaseConfig& config, const Graph& graph,
+void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
                         const std::function<const Report&(int node)>& report_of);
 /// The reports are those of the graph's nodes.
-void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results);
+void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
+                        const std::vector<pipeline::NodeResult>& results);
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -3,14 +3,15 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::publish {
 
-Graph SeriesHashes::graph_of(const CaseConfig& config) {
-  return make_graph(config, input(config),
-                    [&](const std::string& name, const SeriesChoice& scan) { return hash(name + ".import", scan); });
+pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
+  return pipeline::make_graph(config, input(config), [&](const std::string& name, const dicom::SeriesChoice& scan) {
+    return hash(name + ".import", scan);
+  });
 }
 
-const std::string& SeriesHashes::input(const CaseConfig& config) {
+const std::string& SeriesHashes::input(const config::CaseConfig& config) {
   try {
     return hash("import", {config.series, config.import});
   } catch (const Error& e) {
@@ -19,11 +20,11 @@ const std::string& SeriesHashes::input(const CaseConfig& config) {
   }
 }
 
-const std::string& SeriesHashes::hash(const std::string& import, const SeriesChoice& series) {
+const std::string& SeriesHashes::hash(const std::string& import, const dicom::SeriesChoice& series) {
   std::string& sha256 = sha256_[import];
   if (sha256.empty())
-    sha256 = hash_of_series_input(series.folder_or_file, series.params, cancelled_, &folders_[import]);
+    sha256 = dicom::hash_of_series_input(series.folder_or_file, series.params, cancelled_, &folders_[import]);
   return sha256;
 }
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -6,7 +6,7 @@
 #include "base/progress.h"
 #include "pipeline/graph.h"
 
-namespace trephine {
+namespace trephine::publish {
 
 /// The content of the series that a case reads. Each is hashed once, though an anatomy that is left out needs another
 /// graph.
@@ -15,18 +15,18 @@ class SeriesHashes {
   explicit SeriesHashes(const Progress& cancelled) : cancelled_(cancelled) {}
 
   /// Throws what make_graph and hash_of_series_input throw.
-  Graph graph_of(const CaseConfig& config);
+  pipeline::Graph graph_of(const config::CaseConfig& config);
   /// The hash of the case's own series.
-  const std::string& input(const CaseConfig& config);
+  const std::string& input(const config::CaseConfig& config);
   /// What else the folders of series hold, by the node that imports each.
   const std::map<std::string, Report>& folders() const { return folders_; }
 
  private:
-  const std::string& hash(const std::string& import, const SeriesChoice& series);
+  const std::string& hash(const std::string& import, const dicom::SeriesChoice& series);
 
   const Progress& cancelled_;
   std::map<std::string, std::string> sha256_;
   std::map<std::string, Report> folders_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::publish

@@ -13,7 +13,7 @@
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
 std::vector<std::string> split(std::string_view s, char by) {
@@ -26,30 +26,30 @@ std::vector<std::string> split(std::string_view s, char by) {
 }
 
 std::string described(const Bubble& b) {
-  return fmt::format("{},{},{},{}", to_text(b.centre_mm.x), to_text(b.centre_mm.y), to_text(b.centre_mm.z),
-                     to_text(b.radius_mm));
+  return fmt::format("{},{},{},{}", trephine::to_text(b.centre_mm.x), trephine::to_text(b.centre_mm.y),
+                     trephine::to_text(b.centre_mm.z), trephine::to_text(b.radius_mm));
 }
 
 /// "x -80 to 75, y -100 to 90, z 0 to 120 mm": where the lattice's voxels lie.
-std::string reach_of(const Lattice& l) {
-  const auto [low, high] = bounds_of(l);
+std::string reach_of(const grid::Lattice& l) {
+  const auto [low, high] = surface::bounds_of(l);
   return fmt::format("x {:.0f} to {:.0f}, y {:.0f} to {:.0f}, z {:.0f} to {:.0f} mm", low.x, high.x, low.y, high.y,
                      low.z, high.z);
 }
 
 /// Calls f(voxel, distance from the centre in mm) for the voxels of the ball's box, where it meets the lattice.
 template <class F>
-void for_ball(const Bubble& b, const Lattice& l, double margin_mm, F&& f) {
-  segmentation::for_box_about(l, b.centre_mm, b.radius_mm + margin_mm, [&](int i, int j, int k, double mm) {
+void for_ball(const Bubble& b, const grid::Lattice& l, double margin_mm, F&& f) {
+  mask::for_box_about(l, b.centre_mm, b.radius_mm + margin_mm, [&](int i, int j, int k, double mm) {
     f(l.index(i, j, k), mm);
     return false;
   });
 }
 
 /// Means over blocks of voxels, so that no side is below 1 mm.
-Grid<float> coarsened(const Field& speed) {
+grid::Grid<float> coarsened(const grid::Field& speed) {
   int step[3];
-  Lattice l = speed;
+  grid::Lattice l = speed;
   Vec3 shift;
   for (int a = 0; a < 3; ++a) {
     step[a] = std::clamp(int(std::lround(1 / l.spacing_mm[a])), 1, std::max(1, l.size[a]));
@@ -58,7 +58,7 @@ Grid<float> coarsened(const Field& speed) {
     shift[a] = 0.5 * (step[a] - 1);
   }
   l.origin_mm = speed.to_world_mm(shift);
-  Grid<float> sum(l), count(l);
+  grid::Grid<float> sum(l), count(l);
   for (int k = 0; k < speed.size[2]; ++k)
     for (int j = 0; j < speed.size[1]; ++j)
       for (int i = 0; i < speed.size[0]; ++i) {
@@ -91,13 +91,13 @@ std::vector<Bubble> parse_bubbles(const std::string& text) {
   return bubbles;
 }
 
-std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radius_mm, const Progress& progress) {
+std::vector<Bubble> place_bubbles(const grid::Field& speed, int count, double min_radius_mm, const Progress& progress) {
   constexpr double share = 0.9;  // of the ball that fits
-  const Grid<float> coarse = coarsened(speed);
-  const segmentation::BitMask held = segmentation::make_mask(coarse, [&](int j, int k, std::uint8_t* row) {
+  const grid::Grid<float> coarse = coarsened(speed);
+  const mask::BitMask held = mask::make_mask(coarse, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < coarse.size[0]; ++i) row[i] = !(coarse.at(i, j, k) > 0);
   });
-  const Grid<float> free = segmentation::distance_mm(held, progress);
+  const grid::Grid<float> free = mask::distance_mm(held, progress);
 
   struct Place {
     float radius;
@@ -133,7 +133,7 @@ std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radi
   if (bubbles.empty())
     throw refusal("bubble_min_radius_mm",
                   fmt::format("no ball of {} mm fits where the speed is positive, the largest has {:.2g} mm",
-                              to_text(min_radius_mm), largest),
+                              trephine::to_text(min_radius_mm), largest),
                   {"check what `presegment` made, or lower `bubble_min_radius_mm`"});
   return bubbles;
 }
@@ -146,9 +146,9 @@ std::string to_text(const std::vector<Bubble>& bubbles) {
   return all;
 }
 
-Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
+grid::Field bubble_field(const std::vector<Bubble>& bubbles, const grid::Lattice& lattice) {
   const double margin = 3 * std::max({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
-  Field field(lattice, float(-margin));
+  grid::Field field(lattice, float(-margin));
   for (std::size_t n = 0; n < bubbles.size(); ++n) {
     bool any = false;
     for_ball(bubbles[n], lattice, margin, [&](std::size_t v, double distance) {
@@ -167,7 +167,7 @@ Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
   return field;
 }
 
-void check_bubbles(const std::vector<Bubble>& bubbles, const Field& speed) {
+void check_bubbles(const std::vector<Bubble>& bubbles, const grid::Field& speed) {
   for (std::size_t n = 0; n < bubbles.size(); ++n) {
     bool any = false;
     for_ball(bubbles[n], speed, 0, [&](std::size_t v, double distance) {
@@ -181,4 +181,4 @@ void check_bubbles(const std::vector<Bubble>& bubbles, const Field& speed) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -6,7 +6,7 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 /// A ball from which a snake grows.
 struct Bubble {
@@ -24,13 +24,14 @@ std::string to_text(const std::vector<Bubble>& bubbles);
 /// largest whose centre lies outside all before, and so on while they reach min_radius_mm. The search uses voxels of 1
 /// mm or more; the balls are nine tenths of what fits. Throws Error 80 where none fits, saying how large the largest
 /// would be.
-std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radius_mm, const Progress& progress = {});
+std::vector<Bubble> place_bubbles(const grid::Field& speed, int count, double min_radius_mm,
+                                  const Progress& progress = {});
 
 /// The union of the balls as a field in mm, positive inside, on the lattice. Throws Error 80, naming the ball by its
 /// number from 1, where one holds no voxel centre because it lies outside the lattice or is smaller than its voxels.
-Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice);
+grid::Field bubble_field(const std::vector<Bubble>& bubbles, const grid::Lattice& lattice);
 
 /// Throws Error 80, naming the ball by its number from 1, where the speed is nowhere above 0 in a ball.
-void check_bubbles(const std::vector<Bubble>& bubbles, const Field& speed);
+void check_bubbles(const std::vector<Bubble>& bubbles, const grid::Field& speed);
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -12,9 +12,9 @@ namespace {
 
 /// The brightest voxel of each cell; NaN where one of them is NaN.
 template <class T>
-Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progress& progress) {
+grid::Grid<T> brightest(const grid::Grid<T>& fine, const mask::CoarseRaster& raster, const Progress& progress) {
   const auto& factor = raster.factor;
-  Grid<T> cells(raster.cells, std::numeric_limits<T>::lowest());
+  grid::Grid<T> cells(raster.cells, std::numeric_limits<T>::lowest());
   parallel_for(0, cells.size[2], 1, [&](std::int64_t first, std::int64_t last) {
     progress.check();
     for (int k = static_cast<int>(first) * factor[2]; k < std::min<std::int64_t>(last * factor[2], fine.size[2]); ++k)
@@ -30,15 +30,15 @@ Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progres
 }
 
 /// Gives each voxel its cell's value, in the box that the field's cells cover.
-Field spread(const Field& field, const CoarseRaster& raster) {
+grid::Field spread(const grid::Field& field, const mask::CoarseRaster& raster) {
   const auto& factor = raster.factor;
-  const Box at = place_in(field, raster.cells);
-  Box box;
+  const grid::Box at = grid::place_in(field, raster.cells);
+  grid::Box box;
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = at.begin[a] * factor[a];
     box.end[a] = std::min(at.end[a] * factor[a], raster.fine.size[a]);
   }
-  Field out(cropped(raster.fine, box));
+  grid::Field out(grid::cropped(raster.fine, box));
   parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = static_cast<int>(from); k < to; ++k)
       for (int j = 0; j < out.size[1]; ++j) {
@@ -53,17 +53,18 @@ Field spread(const Field& field, const CoarseRaster& raster) {
 
 }  // namespace
 
-Field segment_coarsely(const HuVolume& volume, const SegmentParams& params, Report& report, const Progress& progress) {
-  const CoarseRaster raster = coarse_raster(lattice_of(volume), params.coarse_mm, true);
-  const HuVolume coarse =
-      std::visit([&](const auto& grid) { return HuVolume(brightest(grid, raster, progress)); }, volume);
+grid::Field segment_coarsely(const grid::HuVolume& volume, const SegmentParams& params, Report& report,
+                             const Progress& progress) {
+  const mask::CoarseRaster raster = mask::coarse_raster(grid::lattice_of(volume), params.coarse_mm, true);
+  const grid::HuVolume coarse =
+      std::visit([&](const auto& grid) { return grid::HuVolume(brightest(grid, raster, progress)); }, volume);
   // A bridge must not count as wider because cells are coarse.
   SegmentParams p = params;
   p.coarse_mm = 0;
   double widened_mm = 0;
   for (int a = 0; a < 3; ++a) widened_mm = std::max(widened_mm, (raster.factor[a] - 1) * raster.fine.spacing_mm[a]);
   if (p.open_mm > 0) p.open_mm += widened_mm;
-  const Field field = segment(coarse, {}, p, report, progress.part(0.1, 0.9));
+  const grid::Field field = segment(coarse, {}, p, report, progress.part(0.1, 0.9));
   return spread(field, raster);
 }
 

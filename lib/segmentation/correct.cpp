@@ -12,15 +12,15 @@
 #include "mask/surface_field.h"
 #include "segmentation/label_raster.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
-using segmentation::BitMask;
+using mask::BitMask;
 
 constexpr int added = 1, removed = 2;
 constexpr double reach_voxels = 2;  ///< around what changed, the field follows the new mask
 
-void include(Box& box, const Box& other) {
+void include(grid::Box& box, const grid::Box& other) {
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = std::min(box.begin[a], other.begin[a]);
     box.end[a] = std::max(box.end[a], other.end[a]);
@@ -28,16 +28,16 @@ void include(Box& box, const Box& other) {
 }
 
 /// The raster of `lattice` over a box of its indices, which may reach beyond it.
-Lattice over(const Lattice& lattice, const Box& box) {
-  Lattice out = lattice;
+grid::Lattice over(const grid::Lattice& lattice, const grid::Box& box) {
+  grid::Lattice out = lattice;
   out.origin_mm = lattice.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
   for (int a = 0; a < 3; ++a) out.size[a] = box.end[a] - box.begin[a];
   return out;
 }
 
 /// The box of `other`'s voxels in the indices of `lattice`, with which it shares a raster.
-Box box_in(const Lattice& other, const Lattice& lattice) {
-  Box box{{1 << 30, 1 << 30, 1 << 30}, {-(1 << 30), -(1 << 30), -(1 << 30)}};
+grid::Box box_in(const grid::Lattice& other, const grid::Lattice& lattice) {
+  grid::Box box{{1 << 30, 1 << 30, 1 << 30}, {-(1 << 30), -(1 << 30), -(1 << 30)}};
   for (int c = 0; c < 8; ++c) {
     Vec3 at;
     for (int a = 0; a < 3; ++a) at[a] = c >> a & 1 ? other.size[std::size_t(a)] - 1.0 : 0;
@@ -66,21 +66,21 @@ struct Wanted {
   std::size_t beyond = 0;  ///< voxels of the correction that lie beyond the lattice
 };
 
-Wanted wanted_on(const Lattice& lattice, const LabelFile& correction) {
-  const auto picked = [&](const char* name) -> Mask {
-    for (const LabelSegment& s : correction.segments)
-      if (s.name == name) return pick_label(correction, name).mask;
+Wanted wanted_on(const grid::Lattice& lattice, const grid::LabelFile& correction) {
+  const auto picked = [&](const char* name) -> grid::Mask {
+    for (const grid::LabelSegment& s : correction.segments)
+      if (s.name == name) return grid::pick_label(correction, name).mask;
     throw Error(ExitCode::bad_input, "", "file", "is no correction: it has no segment '" + std::string(name) + "'");
   };
-  const Mask plus = picked("added"), minus = picked("removed");
+  const grid::Mask plus = picked("added"), minus = picked("removed");
   Wanted out;
   if (const auto aligned = raster_alignment(correction.lattice, lattice)) {
     out.plus = on_raster(plus, lattice, *aligned);
     out.minus = on_raster(minus, lattice, *aligned);
   } else {
     out.resampled = true;
-    const auto nearest = [&](const Mask& mask) {
-      return segmentation::make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+    const auto nearest = [&](const grid::Mask& mask) {
+      return mask::make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
         for (int i = 0; i < lattice.size[0]; ++i) {
           const Vec3 q = mask.to_index(lattice.to_world_mm({double(i), double(j), double(k)}));
           if (!(std::abs(q.x) < 1e6 && std::abs(q.y) < 1e6 && std::abs(q.z) < 1e6)) continue;
@@ -107,7 +107,7 @@ Wanted wanted_on(const Lattice& lattice, const LabelFile& correction) {
 }
 
 /// The median of what the field has beside its surface within the box: how much it changes from voxel to voxel there.
-float scale_beside_surface(const Field& f, const Box& box) {
+float scale_beside_surface(const grid::Field& f, const grid::Box& box) {
   std::vector<float> beside;
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
@@ -123,13 +123,13 @@ float scale_beside_surface(const Field& f, const Box& box) {
           }
         if (is) beside.push_back(std::abs(v));
       }
-  return segmentation::median(beside, 0);
+  return mask::median(beside, 0);
 }
 
 /// The field over a lattice of its raster that covers it; what is new is outside.
-Field spread(const Field& field, const Lattice& lattice) {
-  Field out(lattice, std::min(-1.f, *std::min_element(field.voxels.begin(), field.voxels.end())));
-  const Box box = box_in(field, lattice);
+grid::Field spread(const grid::Field& field, const grid::Lattice& lattice) {
+  grid::Field out(lattice, std::min(-1.f, *std::min_element(field.voxels.begin(), field.voxels.end())));
+  const grid::Box box = box_in(field, lattice);
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       std::copy_n(&field.voxels[field.index(0, j, k)], field.size[0],
@@ -138,33 +138,33 @@ Field spread(const Field& field, const Lattice& lattice) {
 }
 
 /// The field's lattice grown to the box (of the volume's indices) and the box around it that is looked at.
-Field grown_to(const Field& field, const Lattice& volume, const Box& changed, int margin) {
-  Box all = box_in(field, volume), wanted = grown(changed, margin, volume);
+grid::Field grown_to(const grid::Field& field, const grid::Lattice& volume, const grid::Box& changed, int margin) {
+  grid::Box all = box_in(field, volume), wanted = grid::grown(changed, margin, volume);
   include(all, wanted);
   return spread(field, over(volume, all));
 }
 
 }  // namespace
 
-LabelFile correction_between(const LabelFile& before, const LabelFile& after, const std::string& label,
-                             const std::string& painted_label, Report& report) {
-  const Mask was = with_field("before", [&] { return pick_label(before, label).mask; });
-  const Mask is = with_field("after", [&] { return pick_label(after, painted_label).mask; });
+grid::LabelFile correction_between(const grid::LabelFile& before, const grid::LabelFile& after,
+                                   const std::string& label, const std::string& painted_label, Report& report) {
+  const grid::Mask was = with_field("before", [&] { return grid::pick_label(before, label).mask; });
+  const grid::Mask is = with_field("after", [&] { return grid::pick_label(after, painted_label).mask; });
   if (!raster_alignment(is, was))
     throw Error(ExitCode::bad_input, "", "after",
                 "its voxels do not lie on those of before: save it on the voxels that it was opened on");
-  Box all = whole_box(was);
+  grid::Box all = grid::whole_box(was);
   include(all, box_in(is, was));
-  const Lattice lattice = over(was, all);
+  const grid::Lattice lattice = over(was, all);
   if (lattice.count() > std::size_t{1} << 33) throw Error(ExitCode::bad_input, "", "after", "lies too far from before");
   const BitMask old_bits = on_raster(was, lattice, *raster_alignment(was, lattice)),
                 new_bits = on_raster(is, lattice, *raster_alignment(is, lattice));
-  const BitMask plus = without(new_bits, old_bits), minus = without(old_bits, new_bits);
+  const BitMask plus = mask::without(new_bits, old_bits), minus = mask::without(old_bits, new_bits);
   add_counts(report, plus, minus);
-  Box changed = plus.any() ? plus.bounds() : minus.bounds();
+  grid::Box changed = plus.any() ? plus.bounds() : minus.bounds();
   if (minus.any()) include(changed, minus.bounds());
   if (!plus.any() && !minus.any()) throw Error(ExitCode::bad_input, "", "after", "nothing of the label is different");
-  Mask change(over(lattice, changed));
+  grid::Mask change(over(lattice, changed));
   for (int k = 0; k < change.size[2]; ++k)
     for (int j = 0; j < change.size[1]; ++j)
       for (int i = 0; i < change.size[0]; ++i) {
@@ -173,12 +173,12 @@ LabelFile correction_between(const LabelFile& before, const LabelFile& after, co
                                           : minus.get(at[0], at[1], at[2]) ? removed
                                                                            : 0);
       }
-  LabelFile out;
+  grid::LabelFile out;
   out.lattice = change;
   out.samples = std::move(change);
   out.format = "seg.nrrd";
   for (const auto& [name, value] : {std::make_pair("added", added), {"removed", removed}}) {
-    LabelSegment segment;
+    grid::LabelSegment segment;
     segment.id = segment.name = name;
     segment.value = value;
     out.segments.push_back(segment);
@@ -186,11 +186,11 @@ LabelFile correction_between(const LabelFile& before, const LabelFile& after, co
   return out;
 }
 
-Field corrected(const Field& field, const Lattice& volume, const LabelFile& correction, Report& report,
-                const Progress& progress) {
+grid::Field corrected(const grid::Field& field, const grid::Lattice& volume, const grid::LabelFile& correction,
+                      Report& report, const Progress& progress) {
   for (const float v : field.voxels)
     if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "field", "holds a voxel that is not finite");
-  with_field("field", [&] { place_in(field, volume); });
+  with_field("field", [&] { grid::place_in(field, volume); });
   const Wanted wanted = wanted_on(volume, correction);
   BitMask touched = wanted.plus;
   touched |= wanted.minus;
@@ -199,11 +199,11 @@ Field corrected(const Field& field, const Lattice& volume, const LabelFile& corr
   const double smallest = std::min({volume.spacing_mm.x, volume.spacing_mm.y, volume.spacing_mm.z});
   const double reach_mm = reach_voxels * mean;
   const int margin = int(std::ceil((reach_mm + 3 * mean) / smallest)) + 2;
-  Field out = grown_to(field, volume, touched.bounds(), margin);
-  const BitMask plus = segmentation::placed(wanted.plus, out), minus = segmentation::placed(wanted.minus, out);
+  grid::Field out = grown_to(field, volume, touched.bounds(), margin);
+  const BitMask plus = mask::placed(wanted.plus, out), minus = mask::placed(wanted.minus, out);
 
-  BitMask mask = segmentation::positive(out, out);
-  const BitMask really_plus = without(plus, mask);
+  BitMask mask = mask::positive(out, out);
+  const BitMask really_plus = mask::without(plus, mask);
   BitMask really_minus = minus;
   really_minus &= mask;
   mask |= plus;
@@ -223,16 +223,16 @@ Field corrected(const Field& field, const Lattice& volume, const LabelFile& corr
   if (!changed.any()) return field;
   progress.report(0.3);
 
-  const BitMask near = segmentation::dilated(changed, reach_mm, progress.part(0.3, 0.6));
-  const Box work = grown(near.bounds(), margin, out);
-  const BitMask part = segmentation::crop(mask, work);
-  Field smooth(part.lattice(), -1.f);
-  segmentation::place_surface(smooth, part, mean, 1, progress.part(0.6, 0.9));
+  const BitMask near = mask::dilated(changed, reach_mm, progress.part(0.3, 0.6));
+  const grid::Box work = grid::grown(near.bounds(), margin, out);
+  const BitMask part = mask::crop(mask, work);
+  grid::Field smooth(part.lattice(), -1.f);
+  mask::place_surface(smooth, part, mean, 1, progress.part(0.6, 0.9));
   float scale = scale_beside_surface(out, work);
-  if (!(scale > 0)) scale = scale_beside_surface(out, whole_box(out));
+  if (!(scale > 0)) scale = scale_beside_surface(out, grid::whole_box(out));
   if (!(scale > 0)) scale = 1;
   // The smoothed mask is about a third beside its surface: half a voxel off, at a sigma of one.
-  const float factor = scale / std::max(0.05f, scale_beside_surface(smooth, whole_box(smooth)));
+  const float factor = scale / std::max(0.05f, scale_beside_surface(smooth, grid::whole_box(smooth)));
   for (int k = work.begin[2]; k < work.end[2]; ++k)
     for (int j = work.begin[1]; j < work.end[1]; ++j)
       for (int i = work.begin[0]; i < work.end[0]; ++i)
@@ -244,4 +244,4 @@ Field corrected(const Field& field, const Lattice& volume, const LabelFile& corr
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -8,7 +8,7 @@
 #include "grid/grid.h"
 #include "grid/labels.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 /// A correction by hand: what a person changed of a shape, and nothing else. It is kept as a map of labels on the
 /// voxels that changed, added (1) and removed (2), and not as the shape: so it survives another run, whose shape may
@@ -19,8 +19,8 @@ namespace trephine {
 /// less or more of the same raster, in any order of its axes. Report: added_voxels_count, removed_voxels_count,
 /// added_ml, removed_ml. Throws Error 65: the voxels of the second do not lie on the first's; nothing is different; and
 /// as pick_label does, naming `before` or `after`.
-LabelFile correction_between(const LabelFile& before, const LabelFile& after, const std::string& label,
-                             const std::string& painted_label, Report& report);
+grid::LabelFile correction_between(const grid::LabelFile& before, const grid::LabelFile& after,
+                                   const std::string& label, const std::string& painted_label, Report& report);
 
 struct CorrectParams {
   std::string file;
@@ -39,7 +39,7 @@ struct CorrectParams {
 /// held before it; resampled. Warns where the correction was made on another raster, where more than half of it held
 /// already (another segmentation, or another scan), and of voxels beyond the volume. Throws Error 65 for a map that is
 /// no correction, or of which nothing lies in the volume, and for a field that is not finite; Cancelled.
-Field corrected(const Field& field, const Lattice& volume, const LabelFile& correction, Report& report,
-                const Progress& progress = {});
+grid::Field corrected(const grid::Field& field, const grid::Lattice& volume, const grid::LabelFile& correction,
+                      Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -27,8 +27,8 @@ auto of_thresholds(F&& f) {
 }
 
 /// The field's surface moved by grow_mm, on a lattice with room for it.
-Field moved(const Field& field, const Lattice& volume, double grow_mm, const Progress& progress) {
-  Box box = place_in(field, volume);
+grid::Field moved(const grid::Field& field, const grid::Lattice& volume, double grow_mm, const Progress& progress) {
+  grid::Box box = grid::place_in(field, volume);
   for (int axis = 0; axis < 3; ++axis) {
     const int margin = int(std::ceil(std::max(0.0, grow_mm) / volume.spacing_mm[axis])) + 1;
     box.begin[axis] = std::max(0, box.begin[axis] - margin);
@@ -36,7 +36,7 @@ Field moved(const Field& field, const Lattice& volume, double grow_mm, const Pro
   }
   float lowest = -1;
   for (float f : field.voxels) lowest = std::min(lowest, f);
-  Field out = signed_distance_mm(fit(field, cropped(volume, box), lowest), progress);
+  grid::Field out = mask::signed_distance_mm(grid::fit(field, grid::cropped(volume, box), lowest), progress);
   for (float& d : out.voxels) {
     d += float(grow_mm);
     if (std::abs(d) < 1e-4f) d = d > 0 ? 1e-4f : -1e-4f;
@@ -45,7 +45,7 @@ Field moved(const Field& field, const Lattice& volume, double grow_mm, const Pro
 }
 
 /// Checks whether the surface is that of a body.
-void check_scan_edge(const HuView& hu, const Field& field, const FinishParams& params, Report& report) {
+void check_scan_edge(const mask::HuView& hu, const grid::Field& field, const FinishParams& params, Report& report) {
   const double ratio = scan_edge_ratio(hu, field);
   report.add("scan_edge_ratio", ratio);
   if (ratio > params.max_scan_edge_ratio)
@@ -57,11 +57,11 @@ void check_scan_edge(const HuView& hu, const Field& field, const FinishParams& p
 }
 
 /// The field cropped to its positive part and two voxels more.
-Field trimmed(Field field) {
-  const Box box = grown(positive(field, field).bounds(), 2, field);
-  const Lattice target = cropped(field, box);
+grid::Field trimmed(grid::Field field) {
+  const grid::Box box = grid::grown(mask::positive(field, field).bounds(), 2, field);
+  const grid::Lattice target = grid::cropped(field, box);
   if (target == field) return field;
-  return crop(field, box);
+  return grid::crop(field, box);
 }
 
 }  // namespace
@@ -71,17 +71,18 @@ void check_thresholds(double lower_hu, double upper_hu) {
     throw Error(ExitCode::usage, "", "lower_hu", fmt::format("{} is above upper_hu, {}", lower_hu, upper_hu));
 }
 
-Field found_and_finished(const HuVolume& volume, const FinishParams& params,
-                         const std::function<Field(const HuView&)>& find, Report& report, const Progress& progress) {
-  const Lattice& lattice = lattice_of(volume);
-  const HuView hu(volume);
-  check_finite(volume);
-  Field field = of_thresholds([&] { return find(hu); });
+grid::Field found_and_finished(const grid::HuVolume& volume, const FinishParams& params,
+                               const std::function<grid::Field(const mask::HuView&)>& find, Report& report,
+                               const Progress& progress) {
+  const grid::Lattice& lattice = grid::lattice_of(volume);
+  const mask::HuView hu(volume);
+  mask::check_finite(volume);
+  grid::Field field = of_thresholds([&] { return find(hu); });
   if (params.grow_mm != 0) {
     field = moved(field, lattice, params.grow_mm, progress);
     report.add("grown_mm", params.grow_mm);
   }
-  of_thresholds([&] { check_mask(positive(field, field), lattice.count(), report); });
+  of_thresholds([&] { mask::check_mask(mask::positive(field, field), lattice.count(), report); });
   field = trimmed(std::move(field));
   if (params.max_scan_edge_ratio < 1) check_scan_edge(hu, field, params, report);
   progress.report(1);

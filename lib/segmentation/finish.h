@@ -20,7 +20,8 @@ void check_thresholds(double lower_hu, double upper_hu);
 /// Adds "voxels_count", "volume_ml", and where they are requested "grown_mm" and "scan_edge_ratio". Throws Error 65
 /// where a voxel is not finite; 80 where the mask is empty, fills the volume or lies in one slice, or where more of its
 /// rim than allowed is the edge of the scan. A fault that names no parameter is attributed to lower_hu and upper_hu.
-Field found_and_finished(const HuVolume& volume, const FinishParams& params,
-                         const std::function<Field(const HuView&)>& find, Report& report, const Progress& progress);
+grid::Field found_and_finished(const grid::HuVolume& volume, const FinishParams& params,
+                               const std::function<grid::Field(const mask::HuView&)>& find, Report& report,
+                               const Progress& progress);
 
 }  // namespace trephine::segmentation

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
 constexpr double same_raster_voxels = 0.05;
 
 }  // namespace
 
-std::optional<RasterAlignment> raster_alignment(const Lattice& label, const Lattice& volume) {
+std::optional<RasterAlignment> raster_alignment(const grid::Lattice& label, const grid::Lattice& volume) {
   RasterAlignment a;
   const Vec3 first = volume.to_index(label.origin_mm);
   std::array<bool, 3> used{};
@@ -40,8 +40,8 @@ std::optional<RasterAlignment> raster_alignment(const Lattice& label, const Latt
   return a;
 }
 
-segmentation::BitMask on_raster(const Mask& label, const Lattice& volume, const RasterAlignment& a) {
-  return segmentation::make_mask(volume, [&](int j, int k, std::uint8_t* row) {
+mask::BitMask on_raster(const grid::Mask& label, const grid::Lattice& volume, const RasterAlignment& a) {
+  return mask::make_mask(volume, [&](int j, int k, std::uint8_t* row) {
     const int at[3] = {0, j, k};
     int from[3];
     for (int v = 1; v < 3; ++v) {
@@ -58,4 +58,4 @@ segmentation::BitMask on_raster(const Mask& label, const Lattice& volume, const 
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

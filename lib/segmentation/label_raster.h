@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 /// How the label's axes lie along the volume's, where both are one raster.
 struct RasterAlignment {
@@ -18,9 +18,9 @@ struct RasterAlignment {
 
 /// Nothing where the label's voxels lie more than 0.05 voxels off those of the volume's raster. Its axes may be flipped
 /// or swapped, it may cover a part, or reach beyond.
-std::optional<RasterAlignment> raster_alignment(const Lattice& label, const Lattice& volume);
+std::optional<RasterAlignment> raster_alignment(const grid::Lattice& label, const grid::Lattice& volume);
 
 /// The mask on the volume's voxels; what lies beyond them is lost.
-segmentation::BitMask on_raster(const Mask& label, const Lattice& volume, const RasterAlignment& alignment);
+mask::BitMask on_raster(const grid::Mask& label, const grid::Lattice& volume, const RasterAlignment& alignment);
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -15,11 +15,11 @@
 #include "segmentation/label_raster.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
-using segmentation::BitMask;
-using segmentation::HuView;
+using mask::BitMask;
+using mask::HuView;
 
 constexpr double air_hu = -900;
 constexpr double noted_ratio = 0.01, noted_air_ratio = 0.2, noted_change_ratio = 0.02;
@@ -31,8 +31,8 @@ std::string at_text(Vec3 p) {
   return "(" + mm(p.x) + ", " + mm(p.y) + ", " + mm(p.z) + ") mm";
 }
 
-BitMask bits_of(const Mask& mask) {
-  return segmentation::make_mask(mask, [&](int j, int k, std::uint8_t* row) {
+BitMask bits_of(const grid::Mask& mask) {
+  return mask::make_mask(mask, [&](int j, int k, std::uint8_t* row) {
     std::copy_n(&mask.voxels[mask.index(0, j, k)], mask.size[0], row);
   });
 }
@@ -42,8 +42,8 @@ struct Fit {
 };
 
 /// Of at most about 200,000 of the label's voxels, evenly taken; `flip` negates x and y.
-Fit fit_of(const HuView& hu, const Mask& mask, std::size_t voxels, bool flip) {
-  const Lattice& l = hu.lattice();
+Fit fit_of(const HuView& hu, const grid::Mask& mask, std::size_t voxels, bool flip) {
+  const grid::Lattice& l = hu.lattice();
   const std::size_t step = voxels / 200000 + 1;
   std::size_t n = 0, taken = 0, outside = 0, air = 0;
   for (int k = 0; k < mask.size[2]; ++k)
@@ -70,7 +70,7 @@ Fit fit_of(const HuView& hu, const Mask& mask, std::size_t voxels, bool flip) {
 }
 
 /// A hint where the label would lie in the body with x and y negated.
-std::string hint(const HuView& hu, const Mask& mask, std::size_t voxels, const Fit& is) {
+std::string hint(const HuView& hu, const grid::Mask& mask, std::size_t voxels, const Fit& is) {
   const Fit flipped = fit_of(hu, mask, voxels, true);
   return flipped.outside + flipped.air < 0.5 * (is.outside + is.air) && flipped.outside + flipped.air < 0.3
              ? "; with x and y negated it would fit: RAS was taken for LPS, or the reverse"
@@ -78,13 +78,13 @@ std::string hint(const HuView& hu, const Mask& mask, std::size_t voxels, const F
 }
 
 /// Returns the share of the label outside of the volume.
-double check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& params, Report& report) {
+double check_fit(const HuView& hu, const grid::PickedLabel& label, const LabelParams& params, Report& report) {
   const Fit fit = fit_of(hu, label.mask, label.voxels, false);
   report.add("outside_ratio", fit.outside);
   report.add("air_ratio", fit.air);
   if (fit.outside >= 1 || fit.outside > params.max_outside_ratio) {
-    const Lattice& l = hu.lattice();
-    const Box box = bits_of(label.mask).bounds();
+    const grid::Lattice& l = hu.lattice();
+    const grid::Box box = bits_of(label.mask).bounds();
     const Vec3 middle =
         label.mask.to_world_mm({(box.begin[0] + box.end[0] - 1) / 2.0, (box.begin[1] + box.end[1] - 1) / 2.0,
                                 (box.begin[2] + box.end[2] - 1) / 2.0});
@@ -109,24 +109,24 @@ double check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& 
 }
 
 /// A mask as a field of about -1 to 1 with the mask's signs, smooth across its surface.
-Field smooth_field(const BitMask& mask, double sigma_mm, const Progress& progress) {
-  const Lattice& l = mask.lattice();
+grid::Field smooth_field(const BitMask& mask, double sigma_mm, const Progress& progress) {
+  const grid::Lattice& l = mask.lattice();
   const double mean = std::cbrt(l.voxel_volume_mm3());
-  Field field(l, -1.f);
-  segmentation::place_surface(field, mask, sigma_mm > 0 ? sigma_mm : mean, 1, progress);
+  grid::Field field(l, -1.f);
+  mask::place_surface(field, mask, sigma_mm > 0 ? sigma_mm : mean, 1, progress);
   return field;
 }
 
 /// The box around the set voxels, with a margin that may reach beyond the lattice.
-Lattice padded(const Lattice& l, const Box& box) {
-  Lattice out = l;
+grid::Lattice padded(const grid::Lattice& l, const grid::Box& box) {
+  grid::Lattice out = l;
   out.origin_mm =
       l.to_world_mm({double(box.begin[0] - margin), double(box.begin[1] - margin), double(box.begin[2] - margin)});
   for (int a = 0; a < 3; ++a) out.size[a] = box.end[a] - box.begin[a] + 2 * margin;
   return out;
 }
 
-float linear(const Field& f, Vec3 q, float otherwise) {
+float linear(const grid::Field& f, Vec3 q, float otherwise) {
   int low[3];
   float t[3];
   for (int a = 0; a < 3; ++a) {
@@ -143,20 +143,19 @@ float linear(const Field& f, Vec3 q, float otherwise) {
 }
 
 /// The signed distance to the label's own surface, at the volume's voxels around it.
-Field resampled(const Mask& label, const Lattice& volume, double sigma_mm, const Progress& progress) {
+grid::Field resampled(const grid::Mask& label, const grid::Lattice& volume, double sigma_mm, const Progress& progress) {
   const BitMask all = bits_of(label);
-  const Lattice own = padded(label, all.bounds());
-  Field distance =
-      segmentation::signed_distance_mm(smooth_field(segmentation::placed(all, own), sigma_mm, progress), progress);
-  Box box{volume.size, {0, 0, 0}};
-  for (const Vec3 corner : corners_of(own)) {
+  const grid::Lattice own = padded(label, all.bounds());
+  grid::Field distance = mask::signed_distance_mm(smooth_field(mask::placed(all, own), sigma_mm, progress), progress);
+  grid::Box box{volume.size, {0, 0, 0}};
+  for (const Vec3 corner : surface::corners_of(own)) {
     const Vec3 p = volume.to_index(corner);
     for (int a = 0; a < 3; ++a) {
       box.begin[a] = std::min(box.begin[a], int(std::clamp(std::floor(p[a]), 0.0, double(volume.size[a]))));
       box.end[a] = std::max(box.end[a], int(std::clamp(std::ceil(p[a]) + 1, 0.0, double(volume.size[a]))));
     }
   }
-  Field out(cropped(volume, box));
+  grid::Field out(grid::cropped(volume, box));
   const float far = -float(norm(label.spacing_mm));
   parallel_for(0, out.size[2], 1, [&](std::int64_t k, std::int64_t) {
     progress.check();
@@ -170,7 +169,7 @@ Field resampled(const Mask& label, const Lattice& volume, double sigma_mm, const
 }
 
 /// ml inside of the level's surface of a distance in mm, interpolated linearly between voxels, to their outer faces.
-double volume_ml(const Field& distance, double level) {
+double volume_ml(const grid::Field& distance, double level) {
   constexpr int parts = 3;  // of a voxel along each axis
   const auto& n = distance.size;
   if (std::min({n[0], n[1], n[2]}) < 2)
@@ -204,7 +203,7 @@ double volume_ml(const Field& distance, double level) {
 
 /// Moves the surface of a distance in mm by up to half a voxel of the label's, so that it holds as much as the label:
 /// between voxels what is thin or bent loses more than it gains. Returns by how much, outwards; `ml` is what it holds.
-double keep_volume(Field& distance, double wanted_ml, const Lattice& label, double& ml) {
+double keep_volume(grid::Field& distance, double wanted_ml, const grid::Lattice& label, double& ml) {
   const double most = 0.5 * std::max({label.spacing_mm.x, label.spacing_mm.y, label.spacing_mm.z});
   double low = -most, high = most, level = 0, step = 0.02 * most;
   ml = volume_ml(distance, level);
@@ -229,9 +228,9 @@ double keep_volume(Field& distance, double wanted_ml, const Lattice& label, doub
 /// Smoothing takes more from what is thin than it gives. The values inside, times a factor, move the surface between
 /// voxels and no voxel to the other side; returns the factor that comes nearest to the wanted volume, and what it
 /// holds.
-double balance(const Field& field, double wanted_ml, double& ml) {
+double balance(const grid::Field& field, double wanted_ml, double& ml) {
   const auto times = [&](double factor) {
-    Field out = field;
+    grid::Field out = field;
     for (float& v : out.voxels)
       if (v > 0) v *= float(factor);
     return volume_ml(out, 0);
@@ -246,9 +245,9 @@ double balance(const Field& field, double wanted_ml, double& ml) {
 }
 
 /// Warns where the label reaches its own grid's edge inside of the volume.
-void check_cut(const PickedLabel& label, const Lattice& volume, Report& report) {
-  const Box box = bits_of(label.mask).bounds();
-  const Mask& m = label.mask;
+void check_cut(const grid::PickedLabel& label, const grid::Lattice& volume, Report& report) {
+  const grid::Box box = bits_of(label.mask).bounds();
+  const grid::Mask& m = label.mask;
   for (int a = 0; a < 3; ++a)
     for (int side = 0; side < 2; ++side) {
       if (side ? box.end[a] < m.size[a] : box.begin[a] > 0) continue;
@@ -268,18 +267,18 @@ void check_cut(const PickedLabel& label, const Lattice& volume, Report& report) 
 
 }  // namespace
 
-Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
-                  const Progress& progress) {
+grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map, const LabelParams& params,
+                        Report& report, const Progress& progress) {
   const HuView hu(volume);
-  const Lattice& l = hu.lattice();
-  const PickedLabel label = pick_label(map, params.label);
+  const grid::Lattice& l = hu.lattice();
+  const grid::PickedLabel label = grid::pick_label(map, params.label);
   report.add("label", label.name);
   report.add("format", map.format);
   report.add("label_voxels_count", label.voxels);
   const double label_ml = double(label.voxels) * map.lattice.voxel_volume_mm3() / 1000;
   report.add("label_ml", label_ml);
   for (const std::string& w : map.warnings) report.warn(w);
-  for (const LabelSegment& s : map.segments)
+  for (const grid::LabelSegment& s : map.segments)
     if (s.cropped && (params.label.empty() || s.name == label.name))
       report.warn("the file says that segment " + s.name + " reaches beyond its voxels: it was cropped when written");
   if (!label.voxels)
@@ -290,7 +289,7 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
 
   const auto aligned = raster_alignment(map.lattice, l);
   report.add("resampled", !aligned);
-  Field field;
+  grid::Field field;
   double ml = 0;
   if (aligned) {
     report.add("offset_max_ratio", aligned->off_voxels);
@@ -298,7 +297,7 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
     if (!mask.any())
       throw refusal("label", "none of its voxels lies in the volume",
                     {"paint it on this very series, or name another `label`"});
-    field = smooth_field(segmentation::crop(mask, grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
+    field = smooth_field(mask::crop(mask, grid::grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
   } else {
     field = resampled(label.mask, l, params.smooth_mm, progress);
     report.add("moved_mm", keep_volume(field, inside_ml, map.lattice, ml));
@@ -310,7 +309,7 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   }
   if (aligned) {
     // Values change by about 1 a voxel across the surface: in mm they are nearly a distance.
-    Field scaled = field;
+    grid::Field scaled = field;
     for (float& v : scaled.voxels) v *= float(std::cbrt(l.voxel_volume_mm3()));
     ml = volume_ml(scaled, 0);
     if (std::abs(ml / inside_ml - 1) > noted_change_ratio) {
@@ -330,4 +329,4 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   return field;
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

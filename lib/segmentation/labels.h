@@ -8,7 +8,7 @@
 #include "grid/grid.h"
 #include "grid/labels.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 struct LabelParams {
   std::string file, label;
@@ -52,7 +52,7 @@ struct LabelParams {
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
 /// whether it would fit with x and y negated, because RAS was taken for LPS or the reverse), or nothing of it is left;
 /// 65 where the volume's voxels are not finite; Cancelled. The result has the same bits whatever the thread count.
-Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
-                  const Progress& progress = {});
+grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map, const LabelParams& params,
+                        Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -19,7 +19,7 @@ constexpr float padding_below_hu = -1100;
 struct Circle {
   double u0, v0, du, dv, radius_mm, slack_mm;
 
-  explicit Circle(const Lattice& l)
+  explicit Circle(const grid::Lattice& l)
       : u0(0.5 * (l.size[0] - 1)), v0(0.5 * (l.size[1] - 1)), du(l.spacing_mm[0]), dv(l.spacing_mm[1]) {
     radius_mm = 0.5 * std::min(l.size[0] * du, l.size[1] * dv);
     slack_mm = circle_voxels * std::max(du, dv);
@@ -32,9 +32,9 @@ struct Circle {
 
 }  // namespace
 
-double scan_edge_ratio(const HuView& hu, const Field& field) {
-  const Lattice& whole = hu.lattice();
-  const Box box = place_in(field, whole);
+double scan_edge_ratio(const mask::HuView& hu, const grid::Field& field) {
+  const grid::Lattice& whole = hu.lattice();
+  const grid::Box box = grid::place_in(field, whole);
   const Circle circle(whole);
   const int steps[2] = {std::max(1, int(std::lround(look_mm / whole.spacing_mm[0]))),
                         std::max(1, int(std::lround(look_mm / whole.spacing_mm[1])))};

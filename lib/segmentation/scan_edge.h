@@ -8,6 +8,6 @@ namespace trephine::segmentation {
 /// field: within 2 mm outwards lies the volume's side, a value below -1100 HU (padding that no tag declares), or the
 /// largest circle that fits into the slices (where scanners end the reconstructed field). It is a share of area, 0 to
 /// 1. The volume's first and last slice do not count, because every scan cuts the body there.
-double scan_edge_ratio(const HuView& hu, const Field& field);
+double scan_edge_ratio(const mask::HuView& hu, const grid::Field& field);
 
 }  // namespace trephine::segmentation

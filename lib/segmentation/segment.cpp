@@ -6,11 +6,10 @@
 #include "segmentation/finish.h"
 #include "segmentation/threshold.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
-Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
-              const Progress& progress) {
-  using namespace segmentation;
+grid::Field segment(const grid::HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params,
+                    Report& report, const Progress& progress) {
   check_thresholds(params.lower_hu, params.upper_hu);
   if (params.coarse_mm > 0) {
     if (masks.within || masks.without) throw Error(ExitCode::usage, "", "coarse_mm", "only without another anatomy");
@@ -18,7 +17,7 @@ Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentPa
   }
   return found_and_finished(
       volume, {params.grow_mm, params.max_scan_edge_ratio},
-      [&](const HuView& hu) { return segment_threshold(hu, masks, params, report, progress); }, report, progress);
+      [&](const mask::HuView& hu) { return segment_threshold(hu, masks, params, report, progress); }, report, progress);
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 enum class SegmentEdge { fixed, half_maximum };
 enum class SegmentComponents { all, largest };
@@ -78,8 +78,8 @@ struct SegmentParams {
 /// Fields of other anatomies (positive inside) on the volume's raster, perhaps covering only a part of it. Null where
 /// not given.
 struct SegmentMasks {
-  const Field* within = nullptr;   ///< the anatomy lies inside it
-  const Field* without = nullptr;  ///< the anatomy lies outside it
+  const grid::Field* within = nullptr;   ///< the anatomy lies inside it
+  const grid::Field* without = nullptr;  ///< the anatomy lies outside it
 };
 
 /// Finds one anatomy in a volume of HU by thresholds. The result is a field, positive inside, whose zero crossing is
@@ -97,7 +97,7 @@ struct SegmentMasks {
 /// mask is given, or corners or thresholds are exchanged; 80, with the count of voxels, where the mask is empty, fills
 /// the volume, or lies in a single slice, or where more of its rim than max_scan_edge_ratio is the edge of the scan;
 /// Cancelled.
-Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
-              const Progress& progress = {});
+grid::Field segment(const grid::HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params,
+                    Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

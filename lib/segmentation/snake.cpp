@@ -13,19 +13,15 @@
 #include "segmentation/bubbles.h"
 #include "segmentation/snake_band.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
-using segmentation::BandEnd;
-using segmentation::BandParams;
-using segmentation::BandRun;
-
 constexpr float largest_speed = 1.0001f;  // allows for rounding in other programs
-constexpr double most_held_back = 0.05;   // a shape in noise has about 0.01
+constexpr double max_held_back = 0.05;    // a shape in noise has about 0.01
 
 /// Throws Error 65 at the first voxel (in memory's order) for which bad() holds.
 template <class Bad>
-void check_voxels(const Field& field, const char* name, Bad&& bad, const char* must) {
+void check_voxels(const grid::Field& field, const char* name, Bad&& bad, const char* must) {
   std::vector<std::int64_t> first(std::size_t(field.size[2]), -1);
   const std::int64_t slice = std::int64_t(field.size[0]) * field.size[1];
   parallel_for(0, field.size[2], 4, [&](std::int64_t from, std::int64_t to) {
@@ -40,26 +36,26 @@ void check_voxels(const Field& field, const char* name, Bad&& bad, const char* m
                               v / slice, field.voxels[v], must));
 }
 
-void check_finite(const Field& field, const char* name) {
+void check_finite(const grid::Field& field, const char* name) {
   check_voxels(
       field, name, [](float f) { return !std::isfinite(f); }, "must be finite");
 }
 
-void check_speed(const Field& speed) {
+void check_speed(const grid::Field& speed) {
   check_voxels(
       speed, "speed", [](float f) { return !(std::abs(f) <= largest_speed); },
       "must be within -1 and 1: a speed image, as presegment makes it");
 }
 
 struct Inside {
-  Box box;  ///< of the voxels above 0
+  grid::Box box;  ///< of the voxels above 0
   std::size_t voxels = 0, edge = 0;
   std::size_t held_back = 0;  ///< voxels at which the speed is negative
   double mean_speed = 0;
 };
 
 /// The voxels of `field` above 0; with their mean speed where one is given.
-Inside inside_of(const Field& field, const Field* speed) {
+Inside inside_of(const grid::Field& field, const grid::Field* speed) {
   struct Slice {
     int low[2] = {1 << 30, 1 << 30}, high[2] = {-1, -1};
     std::size_t voxels = 0, edge = 0, held_back = 0;
@@ -107,10 +103,10 @@ Inside inside_of(const Field& field, const Field* speed) {
   return all;
 }
 
-Box joined(const Box& a, const Box& b) {
+grid::Box joined(const grid::Box& a, const grid::Box& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
-  Box c = a;
+  grid::Box c = a;
   for (int i = 0; i < 3; ++i) {
     c.begin[i] = std::min(a.begin[i], b.begin[i]);
     c.end[i] = std::max(a.end[i], b.end[i]);
@@ -119,8 +115,8 @@ Box joined(const Box& a, const Box& b) {
 }
 
 /// The lattice of half as many voxels along the axes that are not much coarser than the finest.
-Lattice halved(const Lattice& l) {
-  Lattice c = l;
+grid::Lattice halved(const grid::Lattice& l) {
+  grid::Lattice c = l;
   const double finest = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   Vec3 shift;
   for (int a = 0; a < 3; ++a) {
@@ -134,8 +130,8 @@ Lattice halved(const Lattice& l) {
 }
 
 /// The mean of the fine voxels of each coarse one.
-Grid<float> pooled(const Grid<float>& fine, const Lattice& coarse) {
-  Grid<float> out(coarse);
+grid::Grid<float> pooled(const grid::Grid<float>& fine, const grid::Lattice& coarse) {
+  grid::Grid<float> out(coarse);
   int factor[3];
   for (int a = 0; a < 3; ++a) factor[a] = coarse.size[a] == fine.size[a] ? 1 : 2;
   parallel_for(0, coarse.size[2], 2, [&](std::int64_t from, std::int64_t to) {
@@ -155,8 +151,8 @@ Grid<float> pooled(const Grid<float>& fine, const Lattice& coarse) {
 }
 
 /// Trilinear; outside, the values of the edge continue.
-Grid<float> refined(const Grid<float>& coarse, const Lattice& fine) {
-  Grid<float> out(fine);
+grid::Grid<float> refined(const grid::Grid<float>& coarse, const grid::Lattice& fine) {
+  grid::Grid<float> out(fine);
   struct Tap {
     int low, high;
     float t;
@@ -190,12 +186,12 @@ Grid<float> refined(const Grid<float>& coarse, const Lattice& fine) {
   return out;
 }
 
-BandParams band_params(const SnakeParams& p, int most_iterations, const Lattice& lattice) {
+BandParams band_params(const SnakeParams& p, int max_iterations, const grid::Lattice& lattice) {
   BandParams b;
   b.propagation = p.propagation;
   b.curvature = p.curvature;
   b.advection = p.method == SnakeMethod::geodesic ? p.advection : 0;
-  b.max_iterations_count = most_iterations;
+  b.max_iterations_count = max_iterations;
   b.min_change_mm = p.min_change_mm;
   if (p.max_volume_ml < 100000) b.max_voxels = std::size_t(p.max_volume_ml * 1000 / lattice.voxel_volume_mm3());
   return b;
@@ -210,7 +206,8 @@ BandParams band_params(const SnakeParams& p, int most_iterations, const Lattice&
   if (run.end == BandEnd::filled)
     throw refusal("speed", "the surface filled the whole speed image " + after + ", the speed holds it nowhere",
                   {"narrow what `presegment` finds, or give `within`"});
-  throw refusal("max_volume_ml", fmt::format("the surface leaked: more than {} ml {}", to_text(p.max_volume_ml), after),
+  throw refusal("max_volume_ml",
+                fmt::format("the surface leaked: more than {} ml {}", trephine::to_text(p.max_volume_ml), after),
                 {"narrow what `presegment` finds, give `within`, or raise `max_volume_ml`"});
 }
 
@@ -218,49 +215,50 @@ bool ended_well(BandEnd end) { return end == BandEnd::converged || end == BandEn
 
 /// A geodesic surface begins outside of the walls, also of thin ones: within them nothing in the image would move it
 /// out.
-void leave_walls(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p) {
+void leave_walls(const grid::Grid<float>& speed, grid::Grid<float>& phi, const SnakeParams& p) {
   if (p.method != SnakeMethod::geodesic) return;
   const float outside = -0.5f * float(std::min({phi.spacing_mm.x, phi.spacing_mm.y, phi.spacing_mm.z}));
   for (std::size_t v = 0; v < phi.count(); ++v)
     if (speed.voxels[v] <= -1) phi.voxels[v] = std::min(phi.voxels[v], outside);
 }
 
-/// Runs the finest level, after `levels` coarser ones, which take at most half of `most_iterations`. `phi` is the start
+/// Runs the finest level, after `levels` coarser ones, which take at most half of `max_iterations`. `phi` is the start
 /// and then the result; `iterations` counts all levels.
-BandRun evolve_levels(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p, int levels, int most_iterations,
-                      int& iterations, const Progress& progress) {
-  const Lattice coarse = halved(phi);
+BandRun evolve_levels(const grid::Grid<float>& speed, grid::Grid<float>& phi, const SnakeParams& p, int levels,
+                      int max_iterations, int& iterations, const Progress& progress) {
+  const grid::Lattice coarse = halved(phi);
   const int before = iterations;
-  if (levels > 0 && coarse.size != phi.size && most_iterations > 1) {
+  if (levels > 0 && coarse.size != phi.size && max_iterations > 1) {
     // In mm about the surface, so that the mean of voxels is one's own.
     BandParams none;
     none.max_iterations_count = 0;
-    segmentation::evolve_band(speed, phi, none, progress.part(0, 0));
-    Grid<float> rough = pooled(phi, coarse);
+    evolve_band(speed, phi, none, progress.part(0, 0));
+    grid::Grid<float> rough = pooled(phi, coarse);
     if (inside_of(rough, nullptr).voxels > 0) {
-      const BandRun run = evolve_levels(pooled(speed, coarse), rough, p, levels - 1, most_iterations / 2, iterations,
+      const BandRun run = evolve_levels(pooled(speed, coarse), rough, p, levels - 1, max_iterations / 2, iterations,
                                         progress.part(0, 0.3));
       if (run.end == BandEnd::too_large) refuse_end(run, p);
       if (ended_well(run.end)) phi = refined(rough, phi);
       leave_walls(speed, phi, p);
     }
   }
-  const BandRun run = segmentation::evolve_band(
-      speed, phi, band_params(p, most_iterations - (iterations - before), phi), progress.part(levels > 0 ? 0.3 : 0, 1));
+  const BandRun run = evolve_band(speed, phi, band_params(p, max_iterations - (iterations - before), phi),
+                                  progress.part(levels > 0 ? 0.3 : 0, 1));
   iterations += run.iterations;
   return run;
 }
 
 }  // namespace
 
-Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& params, Report& report,
-                   const Progress& progress) {
+grid::Field evolve_snake(const grid::Field& speed, const grid::Field& start, const SnakeParams& params, Report& report,
+                         const Progress& progress) {
   const bool geodesic = params.method == SnakeMethod::geodesic;
   if (params.propagation == 0 && params.curvature == 0 && (!geodesic || params.advection == 0))
     throw Error(ExitCode::usage, "", "propagation, curvature, advection", "all 0, nothing would move the surface");
   check_speed(speed);
   check_finite(start, "start");
-  Grid<float> phi = with_field("start", [&] { return fit(start, static_cast<const Lattice&>(speed), -1.f); });
+  grid::Grid<float> phi =
+      with_field("start", [&] { return grid::fit(start, static_cast<const grid::Lattice&>(speed), -1.f); });
   leave_walls(speed, phi, params);
   const Inside begun = inside_of(phi, nullptr);
   if (begun.voxels == 0)
@@ -268,15 +266,15 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
                   {"begin elsewhere with `start` or `bubbles`"});
 
   // The surface does not leave the start but where the speed lets it.
-  const Box box =
-      grown(params.propagation < 0 ? whole_box(speed) : joined(begun.box, inside_of(speed, nullptr).box), 4, speed);
-  const bool part = cropped(speed, box) != static_cast<const Lattice&>(speed);
-  Grid<float> part_speed;
+  const grid::Box box = grid::grown(
+      params.propagation < 0 ? grid::whole_box(speed) : joined(begun.box, inside_of(speed, nullptr).box), 4, speed);
+  const bool part = grid::cropped(speed, box) != static_cast<const grid::Lattice&>(speed);
+  grid::Grid<float> part_speed;
   if (part) {
-    part_speed = crop(speed, box);
-    phi = crop(phi, box);
+    part_speed = grid::crop(speed, box);
+    phi = grid::crop(phi, box);
   }
-  const Grid<float>& g = part ? part_speed : speed;
+  const grid::Grid<float>& g = part ? part_speed : speed;
   int iterations = 0;
   const BandRun run =
       evolve_levels(g, phi, params, params.coarse_levels_count, params.max_iterations_count, iterations, progress);
@@ -294,7 +292,7 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   if (!(done.mean_speed >= params.min_mean_speed))
     throw refusal("min_mean_speed",
                   fmt::format("the mean speed inside is {:.3f}, must be at least {}: it lost its structure",
-                              done.mean_speed, to_text(params.min_mean_speed)),
+                              done.mean_speed, trephine::to_text(params.min_mean_speed)),
                   {"begin inside the structure with `bubbles`, narrow what `presegment` finds, or lower "
                    "`min_mean_speed`"});
   if (params.max_iterations_count == 0)
@@ -303,7 +301,7 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
     report.warn(
         fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm, iterations));
   // A geodesic surface is drawn beyond the place where a speed of both signs ends.
-  if (!geodesic && params.propagation > 0 && held_back > most_held_back)
+  if (!geodesic && params.propagation > 0 && held_back > max_held_back)
     report.warn(
         fmt::format("snake: at {:.0f} % of what it holds the speed is negative: it leaked through noise, or began "
                     "elsewhere; smooth the presegmentation (smoothing_sigma_mm) or narrow it, give within or "
@@ -311,7 +309,7 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
                     100 * held_back));
   if (begun.edge == 0 && done.edge > 0)
     report.warn(fmt::format("snake: {} voxels at the edge of the speed image, it may have leaked", done.edge));
-  return crop(phi, grown(done.box, 2, phi));
+  return grid::crop(phi, grid::grown(done.box, 2, phi));
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

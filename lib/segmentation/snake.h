@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 enum class SnakeMethod { region_competition, geodesic };
 
@@ -79,14 +79,14 @@ struct SnakeParams {
 /// weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain or exceeds
 /// the given bounds; Cancelled. The result has the same bits whatever the thread count. It must not be called from
 /// several threads at a time.
-Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& params, Report& report,
-                   const Progress& progress = {});
+grid::Field evolve_snake(const grid::Field& speed, const grid::Field& start, const SnakeParams& params, Report& report,
+                         const Progress& progress = {});
 
 /// Fields on the speed's raster, null where not given.
 struct SnakeMasks {
-  const Field* start = nullptr;    ///< the first surface; without it, the parameters' bubbles
-  const Field* within = nullptr;   ///< the surface stays inside it, to a fraction of a voxel
-  const Field* without = nullptr;  ///< the surface stays outside it
+  const grid::Field* start = nullptr;    ///< the first surface; without it, the parameters' bubbles
+  const grid::Field* within = nullptr;   ///< the surface stays inside it, to a fraction of a voxel
+  const grid::Field* without = nullptr;  ///< the surface stays outside it
 };
 
 /// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws Error 64 where
@@ -94,7 +94,7 @@ struct SnakeMasks {
 /// report also has bubbles (in the form in which they can be given) and pieces_count, because a bubble in other CSF
 /// does not leak and yet is no ventricle; and held_by_limits_ratio, the share of the surface that a mask holds at a
 /// positive speed (geodesic: also a wall of the speed image). Warns where that is above a tenth.
-Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
-            const Progress& progress = {});
+grid::Field snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
+                  const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -24,11 +24,11 @@ struct StepLimits {
 StepLimits step_limits(const SnakeSpacing& s, const BandParams& p) {
   const double sum_inv2 =
       double(s.inv_h[0]) * s.inv_h[0] + double(s.inv_h[1]) * s.inv_h[1] + double(s.inv_h[2]) * s.inv_h[2];
-  const double least_inv2 = 1.0 / (double(s.h_max) * s.h_max);
+  const double min_inv2 = 1.0 / (double(s.h_max) * s.h_max);
   StepLimits r;
   // Godunov's scheme is monotone up to 1 / sqrt(sum 1/h^2); curvature diffuses along the two finest axes.
   r.cfl = 0.8 / std::sqrt(sum_inv2);
-  r.longest = 0.8 / (2 * p.curvature * (sum_inv2 - least_inv2) + 1e-30);
+  r.longest = 0.8 / (2 * p.curvature * (sum_inv2 - min_inv2) + 1e-30);
   if (p.propagation != 0)
     r.longest = std::min(r.longest, r.cfl / std::abs(p.propagation));
   else if (p.advection != 0)
@@ -38,7 +38,7 @@ StepLimits step_limits(const SnakeSpacing& s, const BandParams& p) {
 
 class Band {
  public:
-  Band(const Grid<float>& speed, Grid<float>& phi, const BandParams& params)
+  Band(const grid::Grid<float>& speed, grid::Grid<float>& phi, const BandParams& params)
       : l_(phi),
         g_(speed),
         phi_(phi),
@@ -118,8 +118,8 @@ class Band {
   /// Remembers the surface, to see later how far it went.
   void remember() {
     if (then_.count() == 0) {
-      then_ = Grid<float>(l_);
-      then_band_ = BitMask(l_);
+      then_ = grid::Grid<float>(l_);
+      then_band_ = mask::BitMask(l_);
     }
     layers_.for_all_slices([&](int k) {
       layers_.for_all_words([&](int j, int w) {
@@ -171,22 +171,23 @@ class Band {
     });
   }
 
-  const Lattice l_;
-  const Grid<float>& g_;
-  Grid<float>& phi_;
+  const grid::Lattice l_;
+  const grid::Grid<float>& g_;
+  grid::Grid<float>& phi_;
   const BandParams& p_;
   const SnakeSpacing s_;
   const StepLimits limits_;
   BandLayers layers_;
   const SnakeMotion motion_;
   std::vector<Slice> slices_;
-  Grid<float> then_;  ///< phi some iterations ago, where then_band_ is set
-  BitMask then_band_;
+  grid::Grid<float> then_;  ///< phi some iterations ago, where then_band_ is set
+  mask::BitMask then_band_;
 };
 
 }  // namespace
 
-BandRun evolve_band(const Grid<float>& speed, Grid<float>& phi, const BandParams& params, const Progress& progress) {
+BandRun evolve_band(const grid::Grid<float>& speed, grid::Grid<float>& phi, const BandParams& params,
+                    const Progress& progress) {
   return Band(speed, phi, params).run(progress);
 }
 

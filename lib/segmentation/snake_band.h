@@ -34,6 +34,7 @@ struct BandRun {
 /// Where there is advection, voxels of speed -1 are walls: they pull nothing, and none moves inside.
 ///
 /// Speed finite, |speed| <= 1, on phi's lattice. The same bits whatever the thread count.
-BandRun evolve_band(const Grid<float>& speed, Grid<float>& phi, const BandParams& params, const Progress& progress);
+BandRun evolve_band(const grid::Grid<float>& speed, grid::Grid<float>& phi, const BandParams& params,
+                    const Progress& progress);
 
 }  // namespace trephine::segmentation

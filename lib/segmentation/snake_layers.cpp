@@ -16,8 +16,8 @@ struct Around {
   std::uint64_t any() const { return side[0] | side[1] | side[2] | side[3] | side[4] | side[5]; }
 };
 
-Around around(const BitMask& m, int w, int j, int k) {
-  const Lattice& l = m.lattice();
+Around around(const mask::BitMask& m, int w, int j, int k) {
+  const grid::Lattice& l = m.lattice();
   const std::uint64_t* row = m.row(j, k);
   const auto word = [&](int jj, int kk) {
     return jj >= 0 && kk >= 0 && jj < l.size[1] && kk < l.size[2] ? m.row(jj, kk)[w] : 0;
@@ -27,8 +27,8 @@ Around around(const BitMask& m, int w, int j, int k) {
 }
 
 /// The same for the voxel beyond that neighbour.
-Around beyond(const BitMask& m, int w, int j, int k) {
-  const Lattice& l = m.lattice();
+Around beyond(const mask::BitMask& m, int w, int j, int k) {
+  const grid::Lattice& l = m.lattice();
   const std::uint64_t* row = m.row(j, k);
   const auto word = [&](int jj, int kk) {
     return jj >= 0 && kk >= 0 && jj < l.size[1] && kk < l.size[2] ? m.row(jj, kk)[w] : 0;
@@ -71,7 +71,7 @@ BandLayers::Reach joined(const BandLayers::Reach& a, const BandLayers::Reach& b)
 
 }  // namespace
 
-BandLayers::BandLayers(Grid<float>& phi)
+BandLayers::BandLayers(grid::Grid<float>& phi)
     : l_(phi), phi_(phi), s_(l_), inside_(l_), layer0_(l_), layer1_(l_), layer2_(l_), next0_(l_) {
   slices_.resize(std::size_t(l_.size[2]));
   everything_ = {0, l_.size[1], 0, l_.size[2], 0, inside_.words()};
@@ -162,7 +162,7 @@ float BandLayers::first_distance(int i, int j, int k) const {
 /// The distances of the voxels `bits` of a word from their neighbours in layer `from`, whose values are known;
 /// one-sided differences of second order where the voxel behind the neighbour is known too (in `from` or layer 0), so
 /// that curvature survives.
-void BandLayers::set_from(const BitMask& from, std::uint64_t bits, int w, int j, int k) {
+void BandLayers::set_from(const mask::BitMask& from, std::uint64_t bits, int w, int j, int k) {
   const Around next = around(from, w, j, k);
   Around behind = beyond(layer0_, w, j, k);
   if (&from != &layer0_) {
@@ -270,7 +270,8 @@ void BandLayers::rebuild_outer(const Reach& cover) {
   outer(cover, layer1_, layer0_, layer2_);
 }
 
-void BandLayers::outer(const Reach& cover, const BitMask& from, const BitMask& innermost, BitMask& to) {
+void BandLayers::outer(const Reach& cover, const mask::BitMask& from, const mask::BitMask& innermost,
+                       mask::BitMask& to) {
   const int last = l_.size[0] - 1;
   for_slices(cover, [&](int k) {
     for_words(cover, [&](int j, int w) {

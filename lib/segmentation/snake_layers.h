@@ -21,7 +21,7 @@ namespace trephine::segmentation {
 class BandLayers {
  public:
   /// phi must outlive this, and is changed by it alone and by who moves the surface.
-  explicit BandLayers(Grid<float>& phi);
+  explicit BandLayers(grid::Grid<float>& phi);
 
   /// Finds the layers from the signs of phi, which may be in any unit, and makes phi a distance in them.
   void begin();
@@ -98,16 +98,16 @@ class BandLayers {
 
   std::uint64_t crossing(int w, int j, int k) const;
   float first_distance(int i, int j, int k) const;
-  void set_from(const BitMask& from, std::uint64_t bits, int w, int j, int k);
+  void set_from(const mask::BitMask& from, std::uint64_t bits, int w, int j, int k);
   void measure_layer0(const Reach& cover);
   Reach grown(const Reach& r) const;
   void rebuild_outer(const Reach& cover);
-  void outer(const Reach& cover, const BitMask& from, const BitMask& innermost, BitMask& to);
+  void outer(const Reach& cover, const mask::BitMask& from, const mask::BitMask& innermost, mask::BitMask& to);
 
-  const Lattice l_;
-  Grid<float>& phi_;
+  const grid::Lattice l_;
+  grid::Grid<float>& phi_;
   const SnakeSpacing s_;
-  BitMask inside_, layer0_, layer1_, layer2_, next0_;
+  mask::BitMask inside_, layer0_, layer1_, layer2_, next0_;
   std::vector<Slice> slices_;
   Reach everything_, reach_, before_;  ///< the lattice; layer 0, now and a step ago
   std::size_t band_count_ = 0;

@@ -13,28 +13,28 @@
 #include "segmentation/snake.h"
 #include "segmentation/snake_band.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
-constexpr double most_held = 0.1;  ///< share of a surface that limits may hold: more may be a leak
+constexpr double max_held = 0.1;  ///< share of a surface that limits may hold: more may be a leak
 
 /// The mask as a distance in mm near its surface, on the lattice.
-Grid<float> near_distance(const Field& mask, const char* name, const Lattice& lattice) {
+grid::Grid<float> near_distance(const grid::Field& mask, const char* name, const grid::Lattice& lattice) {
   for (const float f : mask.voxels)
     if (!std::isfinite(f)) throw Error(ExitCode::bad_input, "", name, "a voxel is not finite");
-  Grid<float> d = with_field(name, [&] { return fit(mask, lattice, -1.f); });
-  segmentation::BandParams none;
+  grid::Grid<float> d = with_field(name, [&] { return grid::fit(mask, lattice, -1.f); });
+  BandParams none;
   none.max_iterations_count = 0;
-  segmentation::evolve_band(d, d, none, {});
+  evolve_band(d, d, none, {});
   return d;
 }
 
 /// Calls f(index into field, distance) for every voxel; positive where the mask allows.
 template <class F>
-void for_allowed(const Field& field, const SnakeMasks& masks, F&& f) {
-  const auto each = [&](const Field* mask, const char* name, float sign) {
+void for_allowed(const grid::Field& field, const SnakeMasks& masks, F&& f) {
+  const auto each = [&](const grid::Field* mask, const char* name, float sign) {
     if (!mask) return;
-    const Grid<float> d = near_distance(*mask, name, field);
+    const grid::Grid<float> d = near_distance(*mask, name, field);
     parallel_for(0, std::int64_t(field.count()), 1 << 16, [&](std::int64_t from, std::int64_t to) {
       for (std::int64_t v = from; v < to; ++v) f(std::size_t(v), sign * d.voxels[v]);
     });
@@ -45,12 +45,13 @@ void for_allowed(const Field& field, const SnakeMasks& masks, F&& f) {
 
 /// Reports how much of the surface rests on nothing in the image: where the masks end and the speed would move it
 /// further, or, for a geodesic snake, at the wall around a speed image. `forbidden` is on the field's voxels.
-void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, SnakeMethod method, Report& report) {
+void tell_held(const grid::Field& field, const grid::Field& speed, const SnakeMasks& masks, SnakeMethod method,
+               Report& report) {
   std::vector<char> forbidden(field.count(), 0);
   for_allowed(field, masks, [&](std::size_t v, float depth) {
     if (!(depth > 0)) forbidden[v] = 1;
   });
-  const Field g = fit(speed, static_cast<const Lattice&>(field), 0.f);
+  const grid::Field g = grid::fit(speed, static_cast<const grid::Lattice&>(field), 0.f);
   const Vec3 h = field.spacing_mm;
   const double face[3] = {h.y * h.z, h.x * h.z, h.x * h.y};
   std::vector<double> all(std::size_t(field.size[2])), held(all.size());
@@ -79,16 +80,16 @@ void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, 
   }
   const double ratio = whole > 0 ? rim / whole : 0;
   report.add("held_by_limits_ratio", ratio);
-  report.add("pieces_count", segmentation::components(segmentation::positive(field, field)).list.size());
-  if (ratio > most_held)
+  report.add("pieces_count", mask::components(mask::positive(field, field)).list.size());
+  if (ratio > max_held)
     report.warn(
         fmt::format("snake: {:.0f} % of its surface rest on the limits given and not on the speed image: it may "
                     "have leaked; narrow the presegmentation, or set max_volume_ml",
                     100 * ratio));
 }
 
-Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, Report& report,
-            const Progress& progress) {
+grid::Field begin(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& p, Report& report,
+                  const Progress& progress) {
   const int ways = int(masks.start != nullptr) + int(!p.bubbles.empty()) + int(p.bubbles_count > 0);
   if (ways != 1)
     throw Error(ExitCode::usage, "", "start, bubbles, bubbles_count",
@@ -97,7 +98,7 @@ Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, R
   const bool given = !p.bubbles.empty();
   const std::vector<Bubble> bubbles =
       given ? parse_bubbles(p.bubbles) : place_bubbles(speed, p.bubbles_count, p.bubble_min_radius_mm, progress);
-  Field field = bubble_field(bubbles, speed);
+  grid::Field field = bubble_field(bubbles, speed);
   if (given && p.propagation > 0) check_bubbles(bubbles, speed);
   report.add("bubbles_count", bubbles.size());
   report.add("bubbles", to_text(bubbles));
@@ -111,27 +112,27 @@ Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, R
 
 }  // namespace
 
-Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
-            const Progress& progress) {
+grid::Field snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
+                  const Progress& progress) {
   if (!masks.within && !masks.without) {
-    Field field = evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
-                               progress.part(0.1, 1));
+    grid::Field field = evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
+                                     progress.part(0.1, 1));
     tell_held(field, speed, masks, params.method, report);
     return field;
   }
 
   // The surface is held back one layer of voxels beyond the masks, so that at the end the masks cut it between voxels.
   const float layer = 1.01f * float(std::max({speed.spacing_mm.x, speed.spacing_mm.y, speed.spacing_mm.z}));
-  Field held = speed;
+  grid::Field held = speed;
   for_allowed(speed, masks, [&](std::size_t v, float depth) {
     if (!(depth > -layer)) held.voxels[v] = std::min(held.voxels[v], -1.f);
   });
-  const Field start = begin(held, masks, params, report, progress.part(0, 0.1));
+  const grid::Field start = begin(held, masks, params, report, progress.part(0, 0.1));
   Report evolved;
-  Field field = evolve_snake(held, start, params, evolved, progress.part(0.1, 0.95));
+  grid::Field field = evolve_snake(held, start, params, evolved, progress.part(0.1, 0.95));
   for_allowed(field, masks, [&](std::size_t v, float depth) { field.voxels[v] = std::min(field.voxels[v], depth); });
 
-  const InsideBox box = inside_box(field);
+  const mask::InsideBox box = mask::inside_box(field);
   for (auto& [name, value] : evolved.figures) {
     if (name == "volume_ml") value = double(box.count) * speed.voxel_volume_mm3() / 1000;
     report.figures.emplace_back(name, value);
@@ -140,9 +141,9 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
   if (box.count == 0)
     throw refusal("within, without", "nothing of the surface lies where they allow",
                   {"give a larger `within` or a smaller `without`, or begin elsewhere with `start` or `bubbles`"});
-  field = crop(field, grown(box, 2, field));
+  field = grid::crop(field, grid::grown(box, 2, field));
   tell_held(field, speed, masks, params.method, report);
   return field;
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -17,7 +17,8 @@ constexpr float snake_wall = -1;
 class SnakeMotion {
  public:
   /// No time step is longer than longest_step (mm per unit of speed).
-  SnakeMotion(const Grid<float>& speed, const Grid<float>& phi, const BandParams& params, float longest_step)
+  SnakeMotion(const grid::Grid<float>& speed, const grid::Grid<float>& phi, const BandParams& params,
+              float longest_step)
       : l_(phi),
         g_(speed),
         phi_(phi),
@@ -43,9 +44,9 @@ class SnakeMotion {
   float driven(const int at[3], std::size_t v, const float inwards[3]) const;
   Vec3f speed_slope(const int at[3], std::size_t v) const;
 
-  const Lattice l_;
-  const Grid<float>& g_;
-  const Grid<float>& phi_;
+  const grid::Lattice l_;
+  const grid::Grid<float>& g_;
+  const grid::Grid<float>& phi_;
   const SnakeSpacing s_;
   const bool advection_;
   const float weight_[3];  ///< of propagation, curvature, advection

@@ -10,7 +10,7 @@ namespace trephine::segmentation {
 /// What the solver of a snake needs of a lattice at every voxel, worked out once: its sides in mm as floats, and how
 /// far a neighbour along an axis lies in memory.
 struct SnakeSpacing {
-  explicit SnakeSpacing(const Lattice& l) {
+  explicit SnakeSpacing(const grid::Lattice& l) {
     for (int a = 0; a < 3; ++a) {
       h[a] = float(l.spacing_mm[a]);
       inv_h[a] = 1 / h[a];

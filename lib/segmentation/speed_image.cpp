@@ -14,14 +14,12 @@
 #include "mask/hu_view.h"
 #include "segmentation/tissue_mixture.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
-
-using namespace segmentation;
 
 /// f(index of the first voxel, one beyond the last, slice) for every slice, in parallel.
 template <class F>
-void for_slices(const Lattice& l, const Progress& progress, F&& f) {
+void for_slices(const grid::Lattice& l, const Progress& progress, F&& f) {
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = int(from); k < int(to); ++k) f(l.index(0, 0, k), l.index(0, 0, k + 1), k);
@@ -34,7 +32,7 @@ struct Extent {
 };
 
 /// Of the voxels that count.
-Extent extent_of(const Grid<float>& g, const Mask& counts, const Progress& progress) {
+Extent extent_of(const grid::Grid<float>& g, const grid::Mask& counts, const Progress& progress) {
   std::vector<Extent> slices(g.size[2]);
   for_slices(g, progress, [&](std::size_t from, std::size_t to, int k) {
     Extent& e = slices[k];
@@ -59,7 +57,7 @@ Extent extent_of(const Grid<float>& g, const Mask& counts, const Progress& progr
 /// tanh, at once where it is 1 in float.
 float sigmoid(float x) { return x > 9.5f ? 1.f : x < -9.5f ? -1.f : std::tanh(x); }
 
-void regions(Grid<float>& g, const Mask& counts, const PresegmentParams& p, const Progress& progress) {
+void regions(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, const Progress& progress) {
   const bool lower = p.sides != PresegmentSides::upper, upper = p.sides != PresegmentSides::lower;
   double range = p.smooth_range_hu;
   if (range == 0 && lower && upper) range = p.upper_hu - p.lower_hu;
@@ -83,9 +81,10 @@ void regions(Grid<float>& g, const Mask& counts, const PresegmentParams& p, cons
   });
 }
 
-void edges(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Report& report, const Progress& progress) {
-  gaussian(g, p.edge_sigma_mm, progress);
-  Grid<float> steepness(static_cast<const Lattice&>(g));
+void edges(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, Report& report,
+           const Progress& progress) {
+  mask::gaussian(g, p.edge_sigma_mm, progress);
+  grid::Grid<float> steepness(static_cast<const grid::Lattice&>(g));
   const Vec3 h = g.spacing_mm;
   for_slices(g, progress, [&](std::size_t, std::size_t, int k) {
     const auto slope = [&](int a, int i, int j, double spacing) {
@@ -119,7 +118,8 @@ void edges(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Report
   });
 }
 
-void classes(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Report& report, const Progress& progress) {
+void classes(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, Report& report,
+             const Progress& progress) {
   const Extent e = extent_of(g, counts, progress);
   // One HU a bin; beyond what tissue and metal have, coarser.
   Histogram h;
@@ -151,7 +151,8 @@ void classes(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Repo
 void check_params(const PresegmentParams& p) {
   if (p.method == PresegmentMethod::regions && p.sides == PresegmentSides::both && !(p.lower_hu < p.upper_hu))
     throw Error(ExitCode::usage, "", "lower_hu, upper_hu",
-                to_text(p.lower_hu) + " and " + to_text(p.upper_hu) + ", the lower must be below the upper");
+                trephine::to_text(p.lower_hu) + " and " + trephine::to_text(p.upper_hu) +
+                    ", the lower must be below the upper");
   if (p.method == PresegmentMethod::classes && (p.first_class > p.last_class || p.last_class > p.classes_count ||
                                                 p.last_class - p.first_class + 1 == p.classes_count))
     throw Error(ExitCode::usage, "", "first_class, last_class",
@@ -161,36 +162,37 @@ void check_params(const PresegmentParams& p) {
 
 }  // namespace
 
-Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& p, Report& report,
-                 const Progress& progress) {
+grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& p,
+                       Report& report, const Progress& progress) {
   check_params(p);
-  const HuView hu(volume);
-  Box box = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  const mask::HuView hu(volume);
+  grid::Box box = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   if (masks.within) {
-    const Box in = with_field("within", [&] { return positive(*masks.within, cropped(hu.lattice(), box)); }).bounds();
+    const grid::Box in =
+        with_field("within", [&] { return mask::positive(*masks.within, grid::cropped(hu.lattice(), box)); }).bounds();
     if (in.empty())
       throw refusal("within", "0 voxels of the region lie inside",
                     {"give a `within` that meets the region, or move `roi_min_mm` and `roi_max_mm`"});
-    Box closer = box;
+    grid::Box closer = box;
     for (int a = 0; a < 3; ++a) {
       closer.begin[a] = box.begin[a] + in.begin[a];
       closer.end[a] = box.begin[a] + in.end[a];
     }
-    closer = grown(closer, 4, hu.lattice());
+    closer = grid::grown(closer, 4, hu.lattice());
     for (int a = 0; a < 3; ++a) {
       box.begin[a] = std::max(box.begin[a], closer.begin[a]);
       box.end[a] = std::min(box.end[a], closer.end[a]);
     }
   }
-  Grid<float> g = segmentation::crop(hu, box);
+  grid::Grid<float> g = mask::crop(hu, box);
   for (std::size_t v = 0; v < g.count(); ++v)
     if (!std::isfinite(g.voxels[v]))
       throw Error(ExitCode::bad_input, "", "volume", fmt::format("a voxel is {}, must be finite", g.voxels[v]));
 
-  Mask counts(g, 1);
-  const auto mask_out = [&](const Field* mask, const char* name, bool keep) {
+  grid::Mask counts(g, 1);
+  const auto mask_out = [&](const grid::Field* mask, const char* name, bool keep) {
     if (!mask) return;
-    const BitMask bits = with_field(name, [&] { return positive(*mask, g); });
+    const mask::BitMask bits = with_field(name, [&] { return mask::positive(*mask, g); });
     for (int k = 0; k < g.size[2]; ++k)
       for (int j = 0; j < g.size[1]; ++j)
         for (int i = 0; i < g.size[0]; ++i)
@@ -203,7 +205,7 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
                   {"give a larger `within` or a smaller `without`"});
   progress.report(0.2);
 
-  if (p.method != PresegmentMethod::edges) gaussian(g, p.smoothing_sigma_mm, progress);
+  if (p.method != PresegmentMethod::edges) mask::gaussian(g, p.smoothing_sigma_mm, progress);
   switch (p.method) {
     case PresegmentMethod::regions:
       regions(g, counts, p, progress);
@@ -235,4 +237,4 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
   return g;
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 enum class PresegmentMethod { regions, edges, classes };
 enum class PresegmentSides { both, lower, upper };
@@ -71,8 +71,8 @@ struct PresegmentParams {
 
 /// Fields on the volume's raster, perhaps covering only a part of it; null where not given.
 struct PresegmentMasks {
-  const Field* within = nullptr;   ///< outside it the speed is -1, and voxels do not count for ranges and classes
-  const Field* without = nullptr;  ///< the same inside it
+  const grid::Field* within = nullptr;   ///< outside it the speed is -1, and voxels do not count for ranges and classes
+  const grid::Field* without = nullptr;  ///< the same inside it
 };
 
 /// The speed image of a volume for evolve_snake(), in [-1, 1], as ITK-SNAP's presegmentation makes it [Yushkevich2006],
@@ -88,7 +88,7 @@ struct PresegmentMasks {
 /// of another raster; 64 where lower_hu is not below upper_hu or the classes contradict each other; 80 where nothing
 /// lies in the region, the image is constant where edges or classes are sought, or the speed is nowhere above 0, or
 /// nowhere below 0 with nothing else to hold a surface; Cancelled.
-Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& params, Report& report,
-                 const Progress& progress = {});
+grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& params,
+                       Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

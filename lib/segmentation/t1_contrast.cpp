@@ -14,17 +14,17 @@
 #include "mask/hu_view.h"
 #include "segmentation/tissue_mixture.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 namespace {
 
-using segmentation::BitMask;
-using segmentation::HuView;
+using mask::BitMask;
+using mask::HuView;
 
-constexpr double csf_hu = 8, tissue_hu = 30, most_hu = 40;
+constexpr double csf_hu = 8, tissue_hu = 30, max_hu = 40;
 constexpr double cell_mm = 3, rim_mm = 2, near_mm = 1.5;  ///< of the samples; from bone; their neighbours
 constexpr int rounds = 40;
-constexpr std::size_t least_samples = 2000, least_pure = 50;
-constexpr double least_grey_to_csf = 1.3, least_white_to_grey = 1.05, least_share = 0.02, most_outside = 0.02;
+constexpr std::size_t min_samples = 2000, min_pure = 50;
+constexpr double min_grey_to_csf = 1.3, min_white_to_grey = 1.05, min_share = 0.02, max_outside = 0.02;
 constexpr double outlier_density = 0.02;  ///< of vessels, dura and other things, per unit of the logarithm
 
 enum Class { csf, grey, white, classes };
@@ -32,7 +32,7 @@ enum Class { csf, grey, white, classes };
 /// The polynomial in space.
 class Bias {
  public:
-  Bias(const Lattice& lattice, const Box& box, int degree) : degree_(degree) {
+  Bias(const grid::Lattice& lattice, const grid::Box& box, int degree) : degree_(degree) {
     for (int a = 0; a < 3; ++a) {
       middle_[a] = 0.5 * (box.begin[a] + box.end[a] - 1);
       half_[a] = std::max(1.0, 0.5 * (box.end[a] - box.begin[a]));
@@ -77,7 +77,7 @@ struct Samples {
 /// One voxel of each cell that lies in the cavity and not at its rim.
 Samples samples_of(const HuView& mr, const BitMask& inner) {
   Samples s;
-  const Lattice& l = mr.lattice();
+  const grid::Lattice& l = mr.lattice();
   const auto step = [&](double spacing) { return std::max(1, static_cast<int>(std::lround(cell_mm / spacing))); };
   const int di = step(l.spacing_mm.x), dj = step(l.spacing_mm.y), dk = step(l.spacing_mm.z);
   for (int k = 0; k < l.size[2]; k += dk)
@@ -137,7 +137,7 @@ struct Model {
 Model first_guess(const std::vector<double>& values) {
   std::vector<double> sorted = values;
   std::sort(sorted.begin(), sorted.end());
-  segmentation::Histogram h;
+  Histogram h;
   const double low = sorted[sorted.size() / 200], high = sorted[sorted.size() - 1 - sorted.size() / 200];
   if (!(high > low)) throw refusal("", "the MR has one value in the whole head", {"look at the picture of `register`"});
   h.width = (high - low) / 256;
@@ -145,7 +145,7 @@ Model first_guess(const std::vector<double>& values) {
   h.counts.assign(257, 0);
   for (const double v : values)
     if (v >= low && v <= high) ++h.counts[static_cast<std::size_t>((v - low) / h.width)];
-  const auto mixture = segmentation::fit_mixture(h, classes);
+  const auto mixture = fit_mixture(h, classes);
   Model m;
   for (int c = 0; c < classes; ++c) {
     m.mean[c] = mixture.classes[c].mean;
@@ -207,7 +207,7 @@ Model fit(const Samples& s, Bias& bias, const Progress& progress) {
 /// The level of each class where nothing else is near.
 std::array<double, classes> pure_levels(const HuView& mr, const Samples& s, const Model& m, const Bias& bias) {
   std::array<std::vector<double>, classes> pure;
-  const Lattice& l = mr.lattice();
+  const grid::Lattice& l = mr.lattice();
   const auto step = [&](double spacing) { return std::max(1, static_cast<int>(std::lround(near_mm / spacing))); };
   const int d[3] = {step(l.spacing_mm.x), step(l.spacing_mm.y), step(l.spacing_mm.z)};
   for (std::size_t n = 0; n < s.at.size(); ++n) {
@@ -228,7 +228,7 @@ std::array<double, classes> pure_levels(const HuView& mr, const Samples& s, cons
   for (int c = 0; c < classes; ++c) {
     auto& all = pure[static_cast<std::size_t>(c)];
     level[c] = std::exp(m.mean[c]);
-    if (all.size() < least_pure) continue;
+    if (all.size() < min_pure) continue;
     std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
     level[c] = all[all.size() / 2];
   }
@@ -261,30 +261,30 @@ void require_t1(const Samples& s, const Model& m, const Bias& bias, const BitMas
 
 void require_in_scan(const HuView& mr, const BitMask& cavity) {
   std::size_t all = 0, out = 0;
-  const Lattice& l = mr.lattice();
+  const grid::Lattice& l = mr.lattice();
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
         if (cavity.get(i, j, k)) ++all, out += !(mr(i, j, k) > 0);
-  if (all == 0 || double(out) > most_outside * double(all))
+  if (all == 0 || double(out) > max_outside * double(all))
     refuse(fmt::format("{:.1f} % of the cranial cavity lies outside of the MR", 100.0 * double(out) / double(all)));
 }
 
 }  // namespace
 
-HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const BitMask& cavity, const T1ContrastParams& params,
-                     Report& report, const Progress& progress) {
-  if (lattice_of(mr) != lattice_of(ct) || cavity.lattice() != lattice_of(ct))
+grid::HuVolume t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct, const BitMask& cavity,
+                           const T1ContrastParams& params, Report& report, const Progress& progress) {
+  if (grid::lattice_of(mr) != grid::lattice_of(ct) || cavity.lattice() != grid::lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
-  segmentation::check_finite(mr);
-  segmentation::check_finite(ct);
+  mask::check_finite(mr);
+  mask::check_finite(ct);
   const HuView view(mr), bone(ct);
   require_in_scan(view, cavity);
-  const Samples samples = samples_of(view, eroded(cavity, rim_mm));
-  if (samples.log.size() < least_samples) refuse("the cranial cavity is too small to be judged");
+  const Samples samples = samples_of(view, mask::eroded(cavity, rim_mm));
+  if (samples.log.size() < min_samples) refuse("the cranial cavity is too small to be judged");
   Bias bias(view.lattice(), cavity.bounds(), params.bias_degree_count);
   const Model model = fit(samples, bias, progress.part(0, 0.6));
-  require_t1(samples, model, bias, eroded(cavity, 12));
+  require_t1(samples, model, bias, mask::eroded(cavity, 12));
   const auto level = pure_levels(view, samples, model, bias);
   double low = 1e9, high = -1e9;
   for (const auto& at : samples.at) {
@@ -298,14 +298,14 @@ HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const BitMask& cavi
   report.add("csf_to_grey_ratio", level[csf] / level[grey]);
   report.add("grey_to_white_ratio", level[grey] / level[white]);
   report.add("bias_ratio", std::tanh(0.5 * (high - low)));
-  if (!(level[grey] > least_grey_to_csf * level[csf]) || !(level[white] > least_white_to_grey * level[grey]))
+  if (!(level[grey] > min_grey_to_csf * level[csf]) || !(level[white] > min_white_to_grey * level[grey]))
     refuse(fmt::format("the contrast is not that of T1: CSF, grey and white matter lie at {:.0f}, {:.0f} and {:.0f}",
                        level[csf], level[grey], level[white]));
   for (const double w : model.weight)
-    if (!(w > least_share)) refuse("the contrast is not that of T1: one of three tissues is not there");
+    if (!(w > min_share)) refuse("the contrast is not that of T1: one of three tissues is not there");
 
   const double top = level[params.bright == T1Bright::grey ? grey : white];
-  Grid<float> out(view.lattice());
+  grid::Grid<float> out(view.lattice());
   parallel_for(0, out.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = static_cast<int>(from); k < to; ++k) {
       progress.part(0.6, 1).report(double(k) / out.size[2]);
@@ -318,7 +318,7 @@ HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const BitMask& cavi
           }
           const double value = double(view(n)) * std::exp(-bias.at(i, j, k));
           const double hu = csf_hu + (tissue_hu - csf_hu) * (value - level[csf]) / (top - level[csf]);
-          const double most = params.bright == T1Bright::grey ? tissue_hu : most_hu;
+          const double most = params.bright == T1Bright::grey ? tissue_hu : max_hu;
           out.voxels[n] = static_cast<float>(std::clamp(hu, csf_hu - 10, most));
         }
     }
@@ -326,4 +326,4 @@ HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const BitMask& cavi
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

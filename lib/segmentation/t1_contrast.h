@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 enum class T1Bright { grey, white };
 
@@ -38,7 +38,7 @@ struct T1ContrastParams {
 /// voxels or hold one that is not finite; 80 where more than 2 % of the cavity lies outside of the MR, and where the
 /// contrast is not that of T1 (the darkest class is not what lies around the brain, or levels are too near to each
 /// other). The same bits whatever the thread count.
-HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const segmentation::BitMask& cavity,
-                     const T1ContrastParams& params, Report& report, const Progress& progress = {});
+grid::HuVolume t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct, const mask::BitMask& cavity,
+                           const T1ContrastParams& params, Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

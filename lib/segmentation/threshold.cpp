@@ -34,7 +34,7 @@ struct Window {
   float operator()(float hu) const { return std::min(hu - lower, upper - hu); }
 };
 
-std::vector<char> chosen(const Components& c, const SegmentParams& p) {
+std::vector<char> chosen(const mask::Components& c, const SegmentParams& p) {
   const double voxel_ml = c.lattice.voxel_volume_mm3() / 1000;
   std::vector<char> keep(c.list.size());
   std::size_t best = 0;
@@ -50,7 +50,7 @@ std::vector<char> chosen(const Components& c, const SegmentParams& p) {
   return keep;
 }
 
-double span_mm(const Component& c, const Lattice& l) {
+double span_mm(const mask::Component& c, const grid::Lattice& l) {
   double span = 0;
   for (int a = 0; a < 3; ++a) span = std::max(span, (c.box.end[a] - c.box.begin[a]) * l.spacing_mm[a]);
   return span;
@@ -59,127 +59,127 @@ double span_mm(const Component& c, const Lattice& l) {
 /// Opening by pieces: pieces that fall off when bridges thinner than twice open_mm are cut are dropped, and so are thin
 /// plates that the volume cuts; other thin parts (ears, nose) stay. Parts that touch both are split at the narrowest
 /// place.
-BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progress& progress) {
-  const Lattice& l = mask.lattice();
+mask::BitMask opened_pieces(const mask::BitMask& mask, const SegmentParams& p, const Progress& progress) {
+  const grid::Lattice& l = mask.lattice();
   const double voxel_ml = l.voxel_volume_mm3() / 1000;
-  const Components cores = components(eroded(mask, p.open_mm, progress));
+  const mask::Components cores = mask::components(mask::eroded(mask, p.open_mm, progress));
   std::vector<char> keep = chosen(cores, p), drop(keep.size());
   for (std::size_t i = 0; i < keep.size(); ++i)
     drop[i] = !keep[i] && cores.list[i].voxels * voxel_ml >= rejected_piece_ml;
-  BitMask kept = dilated(select(cores, keep), p.open_mm, progress);
+  mask::BitMask kept = mask::dilated(mask::select(cores, keep), p.open_mm, progress);
   kept &= mask;
-  BitMask dropped = dilated(select(cores, drop), p.open_mm, progress);
+  mask::BitMask dropped = mask::dilated(mask::select(cores, drop), p.open_mm, progress);
   dropped &= mask;
   dropped.remove(kept);
-  BitMask thin = eroded(mask, std::min(plate_core_mm, p.open_mm / 2), progress);
+  mask::BitMask thin = mask::eroded(mask, std::min(plate_core_mm, p.open_mm / 2), progress);
   thin.remove(kept).remove(dropped);
-  const Components plates = components(thin);
+  const mask::Components plates = mask::components(thin);
   std::vector<char> is_plate;
-  for (const Component& c : plates.list) is_plate.push_back(c.faces > 0 && span_mm(c, l) >= plate_span_mm);
-  dropped |= select(plates, is_plate);
+  for (const mask::Component& c : plates.list) is_plate.push_back(c.faces > 0 && span_mm(c, l) >= plate_span_mm);
+  dropped |= mask::select(plates, is_plate);
   if (!dropped.any()) {
-    const Components all = components(mask);
-    return select(all, touching(all, kept));
+    const mask::Components all = mask::components(mask);
+    return mask::select(all, mask::touching(all, kept));
   }
 
-  BitMask rest = mask;
+  mask::BitMask rest = mask;
   rest.remove(kept);
-  const Box box = grown(rest.bounds(), 1, l);
-  rest = crop(rest, box);
-  const BitMask core = crop(kept, box), other = crop(dropped, box);
-  BitMask outside = crop(mask, box);
+  const grid::Box box = grid::grown(rest.bounds(), 1, l);
+  rest = mask::crop(rest, box);
+  const mask::BitMask core = mask::crop(kept, box), other = mask::crop(dropped, box);
+  mask::BitMask outside = mask::crop(mask, box);
   outside.invert();
-  Mask seeds(rest.lattice());
+  grid::Mask seeds(rest.lattice());
   for (int k = 0; k < seeds.size[2]; ++k)
     for (int j = 0; j < seeds.size[1]; ++j)
       for (int i = 0; i < seeds.size[0]; ++i) seeds.at(i, j, k) = core.get(i, j, k) ? 1 : other.get(i, j, k) ? 2 : 0;
   // Only the rim of the kept part takes part.
-  BitMask domain = dilated_6(rest);
+  mask::BitMask domain = mask::dilated_6(rest);
   domain &= core;
   domain |= rest;
-  const Mask labels = flood(distance_mm(outside, progress), domain, seeds, progress);
-  const BitMask mine = make_mask(labels, [&](int j, int k, std::uint8_t* row) {
+  const grid::Mask labels = mask::flood(mask::distance_mm(outside, progress), domain, seeds, progress);
+  const mask::BitMask mine = mask::make_mask(labels, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < labels.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
-  return kept |= placed(mine, l);
+  return kept |= mask::placed(mine, l);
 }
 
 }  // namespace
 
-Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
-                        const Progress& progress) {
-  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
-  const Lattice work = cropped(hu.lattice(), roi);
+grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
+                              const Progress& progress) {
+  const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  const grid::Lattice work = grid::cropped(hu.lattice(), roi);
   const bool smooth = p.smoothing_sigma_mm > 0;
   const Window window(p, hu.is_integer() && !smooth);
-  Grid<float> smoothed_hu;
+  grid::Grid<float> smoothed_hu;
   if (smooth) {
-    smoothed_hu = crop(hu, roi);
-    gaussian(smoothed_hu, p.smoothing_sigma_mm, progress);
+    smoothed_hu = mask::crop(hu, roi);
+    mask::gaussian(smoothed_hu, p.smoothing_sigma_mm, progress);
   }
   progress.report(0.1);
   const auto value = [&](int i, int j, int k) {  // of the working lattice
     return smooth ? smoothed_hu.at(i, j, k) : hu(i + roi.begin[0], j + roi.begin[1], k + roi.begin[2]);
   };
   const auto make = [&](auto&& test) {
-    return make_mask(work, [&](int j, int k, std::uint8_t* row) {
+    return mask::make_mask(work, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < work.size[0]; ++i) row[i] = test(value(i, j, k));
     });
   };
 
-  BitMask shape = make([&](float v) { return window(v) > 0; });
-  if (masks.within) shape &= positive(*masks.within, work);
-  if (masks.without) shape.remove(positive(*masks.without, work));
+  mask::BitMask shape = make([&](float v) { return window(v) > 0; });
+  if (masks.within) shape &= mask::positive(*masks.within, work);
+  if (masks.without) shape.remove(mask::positive(*masks.without, work));
   progress.report(0.2);
   if (p.seed_lower_hu > p.lower_hu) {
-    const Components pieces = components(shape, true);
-    shape = select(pieces, touching(pieces, make([&](float v) { return v >= p.seed_lower_hu; })));
+    const mask::Components pieces = mask::components(shape, true);
+    shape = mask::select(pieces, mask::touching(pieces, make([&](float v) { return v >= p.seed_lower_hu; })));
   }
   if (p.open_mm > 0) shape = opened_pieces(shape, p, progress);
   progress.report(0.4);
   if (p.components != SegmentComponents::all || p.min_component_ml > 0) {
-    const Components pieces = components(shape);
+    const mask::Components pieces = mask::components(shape);
     report.add("pieces_count", pieces.list.size());
-    shape = select(pieces, chosen(pieces, p));
+    shape = mask::select(pieces, chosen(pieces, p));
   }
-  if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
-  const FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
+  if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
+  const mask::FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
   if (p.fill != SegmentFill::none) {
-    const BitMask filled = holes(shape, rule, progress);
+    const mask::BitMask filled = mask::holes(shape, rule, progress);
     const double voxel_ml = work.voxel_volume_mm3() / 1000;
     report.add("filled_ml", double(filled.count()) * voxel_ml);
     if (p.fill_close_mm > 0) {
-      const BitMask enclosed = holes(shape, {0, rule.max_ml, rule.cut_open}, progress);
+      const mask::BitMask enclosed = mask::holes(shape, {0, rule.max_ml, rule.cut_open}, progress);
       report.add("filled_by_closing_ml", (double(filled.count()) - double(enclosed.count())) * voxel_ml);
     }
     shape |= filled;
   }
   progress.report(0.6);
-  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
 
-  Box box = shape.bounds();  // from the working lattice's indices to the volume's
+  grid::Box box = shape.bounds();  // from the working lattice's indices to the volume's
   for (int axis = 0; axis < 3; ++axis) {
     box.begin[axis] += roi.begin[axis];
     box.end[axis] += roi.begin[axis];
   }
-  box = grown(box, 3, hu.lattice());
-  shape = placed(shape, cropped(hu.lattice(), box));
-  Field field = smooth ? fit(smoothed_hu, shape.lattice(), -1e4f) : crop(hu, box);
+  box = grid::grown(box, 3, hu.lattice());
+  shape = mask::placed(shape, grid::cropped(hu.lattice(), box));
+  grid::Field field = smooth ? grid::fit(smoothed_hu, shape.lattice(), -1e4f) : mask::crop(hu, box);
   smoothed_hu = {};
   if (p.edge == SegmentEdge::half_maximum) {
     for (float& v : field.voxels) v -= window.lower;
-    apply_half_maximum(field, shape, window.lower, edge_reach_mm, brightest_bone_hu, progress);
+    mask::apply_half_maximum(field, shape, window.lower, edge_reach_mm, brightest_bone_hu, progress);
     // Removes small pieces that the moved edge left behind, and fills pores that it opened.
     SegmentParams crumbs;
     crumbs.min_component_ml = std::max(p.min_component_ml, 27 * work.voxel_volume_mm3() / 1000);
-    const Components pieces = components(shape);
-    shape = select(pieces, chosen(pieces, crumbs));
-    if (p.fill != SegmentFill::none) shape |= holes(shape, {0, p.fill_max_ml, rule.cut_open}, progress);
+    const mask::Components pieces = mask::components(shape);
+    shape = mask::select(pieces, chosen(pieces, crumbs));
+    if (p.fill != SegmentFill::none) shape |= mask::holes(shape, {0, p.fill_max_ml, rule.cut_open}, progress);
   } else {
     for (float& v : field.voxels) v = window(v);
   }
   progress.report(0.8);
-  const std::size_t cut = place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
+  const std::size_t cut = mask::place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
   report.add("cut_voxels_count", cut);
   return field;
 }

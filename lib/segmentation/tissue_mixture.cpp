@@ -26,7 +26,7 @@ void posterior(const std::vector<TissueClass>& classes, double x, std::vector<do
 }
 
 /// Means, sigmas and weights of the values nearest to each centre, until the centres stay.
-std::vector<TissueClass> cut(const Histogram& h, int k, double least_sigma) {
+std::vector<TissueClass> cut(const Histogram& h, int k, double min_sigma) {
   double total = 0;
   for (const auto n : h.counts) total += double(n);
   std::vector<TissueClass> classes(k);
@@ -55,7 +55,7 @@ std::vector<TissueClass> cut(const Histogram& h, int k, double least_sigma) {
       const double mean = n[c] > 0 ? sum[c] / n[c] : classes[c].mean;
       moved = moved || mean != classes[c].mean;
       const double variance = n[c] > 0 ? squares[c] / n[c] - mean * mean : 0;
-      classes[c] = {mean, std::max(least_sigma, std::sqrt(std::max(0.0, variance))), std::max(n[c] / total, 1e-9)};
+      classes[c] = {mean, std::max(min_sigma, std::sqrt(std::max(0.0, variance))), std::max(n[c] / total, 1e-9)};
     }
     if (!moved) break;
   }
@@ -80,11 +80,11 @@ TissueMixture fit_mixture(const Histogram& h, int classes_count) {
                               "(nearly) constant there",
                               classes_count, filled),
                   {"ask for fewer in `classes_count`, or widen `roi_min_mm` and `roi_max_mm`"});
-  const double least_sigma = 0.5 * h.width;
+  const double min_sigma = 0.5 * h.width;
   double total = 0;
   for (const auto n : h.counts) total += double(n);
   TissueMixture m;
-  m.classes = cut(h, classes_count, least_sigma);
+  m.classes = cut(h, classes_count, min_sigma);
   const std::size_t k = m.classes.size();
   std::vector<double> p(k);
   for (m.iterations = 0; m.iterations < 500; ++m.iterations) {
@@ -105,7 +105,7 @@ TissueMixture fit_mixture(const Histogram& h, int classes_count) {
       if (!(n[c] > 1e-9 * total)) continue;  // an empty class stays where it is
       TissueClass& t = m.classes[c];
       const double mean = sum[c] / n[c], shift = mean - t.mean;
-      const double sigma = std::max(least_sigma, std::sqrt(std::max(0.0, squares[c] / n[c] - shift * shift)));
+      const double sigma = std::max(min_sigma, std::sqrt(std::max(0.0, squares[c] / n[c] - shift * shift)));
       change = std::max({change, std::abs(shift), std::abs(sigma - t.sigma)});
       t = {mean, sigma, n[c] / total};
     }

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "mask/bits.h"
 
-namespace trephine {
+namespace trephine::segmentation {
 
 /// Where vessels are sought.
 enum class VesselRegion { cranial_cavity, soft_tissue };
@@ -40,7 +40,7 @@ struct VesselsParams {
 };
 
 /// Soft tissue of the CT, the region of a trunk's vessels: above -150 HU and no bone.
-segmentation::BitMask soft_tissue_around(const HuVolume& ct, const segmentation::BitMask& bone);
+mask::BitMask soft_tissue_around(const grid::HuVolume& ct, const mask::BitMask& bone);
 
 /// The opacified vessels in the cavity (or another region), as a field that is positive inside them: where an
 /// angiography is brighter than the CT by enhancement_hu. Both lie on the same voxels. `within` (may be null) is an
@@ -52,8 +52,8 @@ segmentation::BitMask soft_tissue_around(const HuVolume& ct, const segmentation:
 /// that the angiography does not show; warns where that is above 5 %. Throws Error 65 where the volumes or `within` are
 /// on other voxels; 80 where more than half of the cavity lies outside, and where no vessel is found. The same bits
 /// whatever the thread count.
-Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const segmentation::BitMask& cavity,
-                   const Field* within, const Field* without, const VesselsParams& params, Report& report,
-                   const Progress& progress = {});
+grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct, const mask::BitMask& cavity,
+                         const grid::Field* within, const grid::Field* without, const VesselsParams& params,
+                         Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::segmentation

@@ -2,7 +2,7 @@
 #include "consistency/anatomy_gate.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType anatomy_stage() {
   StageType s;
@@ -12,7 +12,7 @@ StageType anatomy_stage() {
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
   s.case_figures = "";
-  s.least_inputs = 2;
+  s.min_inputs = 2;
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
       "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "
@@ -37,19 +37,21 @@ StageType anatomy_stage() {
           .help("landmarks and the midsagittal plane"),
       port("volume", DataKind::volume).optional().help("CT volume, for its noise and a picture of what is wrong")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<AnatomyGateParams>(); };
+  s.make_params = [] { return AnyParams::make<consistency::AnatomyGateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const auto* volume = in.get<HuVolume>("volume");
-    segmentation::ScanFigures scan;
-    if (volume) scan = segmentation::measure_scan(*volume, progress);
-    const HeadFields fields{in.get<Field>("skin"), in.get<Field>("skull"), in.get<Field>("brain"),
-                            in.get<Field>("ventricles"), volume ? &scan : nullptr};
-    const AnatomyFindings findings =
-        examine_anatomy(fields, in.get<HeadLandmarks>("landmarks"), params.as<AnatomyGateParams>(), report, progress);
+    const auto* volume = in.get<grid::HuVolume>("volume");
+    mask::ScanFigures scan;
+    if (volume) scan = mask::measure_scan(*volume, progress);
+    const head::HeadFields fields{in.get<grid::Field>("skin"), in.get<grid::Field>("skull"),
+                                  in.get<grid::Field>("brain"), in.get<grid::Field>("ventricles"),
+                                  volume ? &scan : nullptr};
+    const consistency::AnatomyFindings findings =
+        consistency::examine_anatomy(fields, in.get<head::HeadLandmarks>("landmarks"),
+                                     params.as<consistency::AnatomyGateParams>(), report, progress);
     try {
-      require_anatomy(findings);
-    } catch (AnatomyError& e) {
-      if (volume) e.picture_png = anatomy_picture(*volume, fields, e.faults().front());
+      consistency::require_anatomy(findings);
+    } catch (consistency::AnatomyError& e) {
+      if (volume) e.picture_png = consistency::anatomy_picture(*volume, fields, e.faults().front());
       throw;
     }
     return {};
@@ -57,4 +59,4 @@ StageType anatomy_stage() {
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

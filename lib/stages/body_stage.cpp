@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType body_stage() {
   StageType s;
@@ -20,12 +20,12 @@ StageType body_stage() {
   s.examples = {"trephine body head.nrrd --output body.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<BodyParams>(); };
+  s.make_params = [] { return AnyParams::make<body::BodyParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const HuVolume>(
-        keep_body(*in.get<HuVolume>("volume"), params.as<BodyParams>(), report, progress));
+    return std::make_shared<const grid::HuVolume>(
+        body::keep_body(*in.get<grid::HuVolume>("volume"), params.as<body::BodyParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

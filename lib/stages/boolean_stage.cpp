@@ -3,7 +3,7 @@
 
 #include "stages/cutters_of.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType boolean_stage() {
   StageType s;
@@ -21,12 +21,13 @@ StageType boolean_stage() {
   s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("closed surface"),
              port("cutters.*", DataKind::cutters).help("what is cut away")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };
+  s.make_params = [] { return AnyParams::make<boolean::CutSurfaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const TriMesh>(
-        cut_surface(*in.get<TriMesh>("surface"), cutters_of(in), params.as<CutSurfaceParams>(), report, progress));
+    return std::make_shared<const surface::TriMesh>(
+        boolean::cut_surface(*in.get<surface::TriMesh>("surface"), cutters_of(in),
+                             params.as<boolean::CutSurfaceParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

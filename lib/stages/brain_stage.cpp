@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType brain_stage() {
   StageType s;
@@ -23,13 +23,14 @@ StageType brain_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<BrainParams>(); };
+  s.make_params = [] { return AnyParams::make<head::BrainParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const BrainMasks masks{in.get<Field>("skull"), in.get<Field>("within"), in.get<Field>("without")};
-    return std::make_shared<const Field>(
-        find_brain(*in.get<HuVolume>("volume"), masks, params.as<BrainParams>(), report, progress));
+    const head::BrainMasks masks{in.get<grid::Field>("skull"), in.get<grid::Field>("within"),
+                                 in.get<grid::Field>("without")};
+    return std::make_shared<const grid::Field>(
+        head::find_brain(*in.get<grid::HuVolume>("volume"), masks, params.as<head::BrainParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -11,39 +11,39 @@
 #include "craniometry/plausible.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 namespace {
 
 // The thickness of the scalp and an unsteady hand; a position further away is more likely a mistake.
 constexpr double far_position_mm = 15;
 
 // The landmarks with at least this confidence, by name.
-std::map<std::string, Vec3> sure(const HeadLandmarks& known, double min_confidence) {
+std::map<std::string, Vec3> sure(const head::HeadLandmarks& known, double min_confidence) {
   std::map<std::string, Vec3> out;
-  for (const CaseLandmark& l : known.landmarks)
+  for (const cases::CaseLandmark& l : known.landmarks)
     if (l.confidence >= min_confidence) out[l.name] = l.position_mm;
   return out;
 }
 
-bool were_looked_for(const HeadLandmarks* known) {
+bool were_looked_for(const head::HeadLandmarks* known) {
   return known && std::any_of(known->landmarks.begin(), known->landmarks.end(),
-                              [](const CaseLandmark& l) { return l.source != "given"; });
+                              [](const cases::CaseLandmark& l) { return l.source != "given"; });
 }
 
-[[noreturn]] void refuse_missing(const std::string& name, const HeadLandmarks* known, double min_confidence) {
-  const CaseLandmark* unsure = known ? known->find(name) : nullptr;
-  const auto text = [](double v) { return to_text(ParameterValue(std::round(v * 100) / 100)); };
+[[noreturn]] void refuse_missing(const std::string& name, const head::HeadLandmarks* known, double min_confidence) {
+  const cases::CaseLandmark* unsure = known ? known->find(name) : nullptr;
+  const auto text = [](double v) { return trephine::to_text(ParameterValue(std::round(v * 100) / 100)); };
   throw refusal("landmarks." + name,
                 unsure ? "has a confidence of " + text(unsure->confidence) + ", below " + text(min_confidence)
                 : were_looked_for(known) ? "was not found"
                                          : "is missing",
-                {how_to_give_a_landmark});
+                {boolean::how_to_give_a_landmark});
 }
 
 /// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not sure is no
 /// suture.
-void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std::map<std::string, Vec3>& landmarks,
-                  const HeadLandmarks* known, Report& report) {
+void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole& hole,
+                  const std::map<std::string, Vec3>& landmarks, const head::HeadLandmarks* known, Report& report) {
   const auto bregma = landmarks.find("bregma");
   if (bregma == landmarks.end()) {
     if (were_looked_for(known))
@@ -58,7 +58,7 @@ void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std:
   // The middle between nasion and inion; under the vertex it lies as far below the bregma.
   const Vec3 middle = (nasion + back) * 0.5;
   const Vec3 centre = inion != landmarks.end() ? middle : middle + normalized(middle - bregma->second) * 60;
-  const double before_mm = before_suture_mm(hole.position_mm, bregma->second, centre, nasion);
+  const double before_mm = craniometry::before_suture_mm(hole.position_mm, bregma->second, centre, nasion);
   report.add("before_suture_mm", before_mm);
   if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
   const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
@@ -74,13 +74,14 @@ void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std:
 }
 
 /// Refuses a trajectory that comes too near to a zone.
-void check_zones(const BurrHoleParams& params, const BurrHole& hole, const StageInputs& in, Report& report) {
-  const auto zones = in.all<TriMesh>("zone");
+void check_zones(const boolean::BurrHoleParams& params, const boolean::BurrHole& hole, const StageInputs& in,
+                 Report& report) {
+  const auto zones = in.all<surface::TriMesh>("zone");
   for (const auto& [name, said] : params.avoid) {
     const auto zone = zones.find(name);
     if (zone == zones.end())
       throw Error(ExitCode::usage, "", "avoid", name + ", no zone of that name is given: --zone " + name + "=FILE");
-    const ZoneClearance found = clearance_of(hole, hole.request.toward_mm, *zone->second);
+    const boolean::ZoneClearance found = boolean::clearance_of(hole, hole.request.toward_mm, *zone->second);
     report.add("clear_of_" + name + "_mm", found.least_mm);
     if (found.least_mm >= said.clear_mm) continue;
     throw refusal(
@@ -96,7 +97,7 @@ void check_zones(const BurrHoleParams& params, const BurrHole& hole, const Stage
 
 std::vector<std::string> avoided(const AnyParams& any) {
   std::vector<std::string> names;
-  for (const auto& zone : any.as<BurrHoleParams>().avoid) names.push_back(zone.first);
+  for (const auto& zone : any.as<boolean::BurrHoleParams>().avoid) names.push_back(zone.first);
   return names;
 }
 
@@ -130,29 +131,30 @@ StageType burrhole_stage() {
                  .help("landmarks, found and given ones"),
              port("zone.*", DataKind::mesh).of(avoided).optional().help("zones that `avoid` names")};
   s.output = DataKind::cutters;
-  s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
+  s.make_params = [] { return AnyParams::make<boolean::BurrHoleParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {
-    const auto& params = any.as<BurrHoleParams>();
-    const HeadLandmarks* known = in.get<HeadLandmarks>("landmarks");
+    const auto& params = any.as<boolean::BurrHoleParams>();
+    const head::HeadLandmarks* known = in.get<head::HeadLandmarks>("landmarks");
     const auto landmarks = known ? sure(*known, params.min_confidence) : std::map<std::string, Vec3>();
-    if (const std::string missing = missing_landmark(params, landmarks); !missing.empty())
+    if (const std::string missing = boolean::missing_landmark(params, landmarks); !missing.empty())
       refuse_missing(missing, known, params.min_confidence);
-    const BurrHoleRequest request = request_of(params, landmarks, ExitCode::bad_config);
-    const BurrHole hole =
-        place_burr_hole(request, landmarks, in.get<TriMesh>("over"), *in.get<TriMesh>("bone"), report);
-    if (request.at == BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, report);
+    const boolean::BurrHoleRequest request = boolean::request_of(params, landmarks, ExitCode::bad_config);
+    const boolean::BurrHole hole = boolean::place_burr_hole(request, landmarks, in.get<surface::TriMesh>("over"),
+                                                            *in.get<surface::TriMesh>("bone"), report);
+    if (request.at == boolean::BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, report);
     check_zones(params, hole, in, report);
-    if (request.at == BurrHoleRequest::At::position) {
+    if (request.at == boolean::BurrHoleRequest::At::position) {
       const double moved_mm = norm(hole.position_mm - request.position_mm);
       report.add("entry_from_position_mm", moved_mm);
       if (moved_mm > far_position_mm)
-        report.warn("the bone lies " + to_text(ParameterValue(std::round(moved_mm))) + " mm from position_mm");
+        report.warn("the bone lies " + trephine::to_text(ParameterValue(std::round(moved_mm))) +
+                    " mm from position_mm");
     }
     // Checks that the cutter lies no further from the frame's origin than a surface can lie.
-    with_field(params.name, [&] { check_cutter(hole.cutter, ExitCode::bad_input); });
-    return std::make_shared<const std::vector<Cutter>>(std::vector<Cutter>{hole.cutter});
+    with_field(params.name, [&] { boolean::check_cutter(hole.cutter, ExitCode::bad_input); });
+    return std::make_shared<const std::vector<boolean::Cutter>>(std::vector<boolean::Cutter>{hole.cutter});
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType canal_stage() {
   StageType s;
@@ -20,12 +20,13 @@ StageType canal_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
              port("bone", DataKind::field).help("the spine's bone, filled")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<CanalParams>(); };
+  s.make_params = [] { return AnyParams::make<trunk::CanalParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const Field>(
-        find_canal(*in.get<HuVolume>("volume"), *in.get<Field>("bone"), params.as<CanalParams>(), report, progress));
+    return std::make_shared<const grid::Field>(trunk::find_canal(*in.get<grid::HuVolume>("volume"),
+                                                                 *in.get<grid::Field>("bone"),
+                                                                 params.as<trunk::CanalParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

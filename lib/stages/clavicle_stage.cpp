@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType clavicle_stage() {
   StageType s;
@@ -22,13 +22,15 @@ StageType clavicle_stage() {
       port("bone", DataKind::field).help("all bone of the chest, filled"),
       port("without", DataKind::field).optional().help("with part rest: a vein so bright that it was taken for bone")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<ClavicleParams>(); };
+  s.make_params = [] { return AnyParams::make<trunk::ClavicleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    place_in(*in.get<Field>("bone"), lattice_of(*in.get<HuVolume>("volume")));  // refuses a field on another raster
-    return std::make_shared<const Field>(find_clavicles(*in.get<Field>("bone"), params.as<ClavicleParams>(), report,
-                                                        progress, in.get<Field>("without")));
+    grid::place_in(*in.get<grid::Field>("bone"),
+                   grid::lattice_of(*in.get<grid::HuVolume>("volume")));  // refuses a field on another raster
+    return std::make_shared<const grid::Field>(trunk::find_clavicles(*in.get<grid::Field>("bone"),
+                                                                     params.as<trunk::ClavicleParams>(), report,
+                                                                     progress, in.get<grid::Field>("without")));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType contour_stage() {
   StageType s;
@@ -19,14 +19,15 @@ StageType contour_stage() {
                 "trephine contour head.nrrd --isovalue-hu 300 --output bone.vtp"};
   s.ports = {port("field", DataKind::field).or_volume().help("field of the segment stage, or a CT volume")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<ContourParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::ContourParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const auto& p = params.as<ContourParams>();
-    const Field* field = in.get<Field>("field");
-    return std::make_shared<const TriMesh>(field ? contour(*field, p, report, progress)
-                                                 : contour(*in.get<HuVolume>("field"), p, report, progress));
+    const auto& p = params.as<meshing::ContourParams>();
+    const grid::Field* field = in.get<grid::Field>("field");
+    return std::make_shared<const surface::TriMesh>(
+        field ? meshing::contour(*field, p, report, progress)
+              : meshing::contour(*in.get<grid::HuVolume>("field"), p, report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType correct_stage() {
   StageType s;
@@ -23,15 +23,17 @@ StageType correct_stage() {
              port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::field;
   s.provenance = {"added_ml", "removed_ml", "already_ratio"};
-  s.make_params = [] { return AnyParams::make<CorrectParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::CorrectParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const auto& p = params.as<CorrectParams>();
+    const auto& p = params.as<segmentation::CorrectParams>();
     if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the correction");
-    const Lattice& volume = lattice_of(*in.get<HuVolume>("volume"));
-    return std::make_shared<const Field>(with_file(
-        p.file, [&] { return corrected(*in.get<Field>("field"), volume, read_labels(p.file), report, progress); }));
+    const grid::Lattice& volume = grid::lattice_of(*in.get<grid::HuVolume>("volume"));
+    return std::make_shared<const grid::Field>(with_file(p.file, [&] {
+      return segmentation::corrected(*in.get<grid::Field>("field"), volume, grid::read_labels(p.file), report,
+                                     progress);
+    }));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

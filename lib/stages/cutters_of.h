@@ -3,14 +3,14 @@
 #include "boolean/cutter_use.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// The cutters of the ports "cutters.*", in the order of the ports' names. A name that occurs twice gets a number.
-inline std::vector<Cutter> cutters_of(const StageInputs& inputs) {
-  std::vector<Cutter> all;
-  for (const auto& [name, cutters] : inputs.all<std::vector<Cutter>>("cutters"))
+inline std::vector<boolean::Cutter> cutters_of(const StageInputs& inputs) {
+  std::vector<boolean::Cutter> all;
+  for (const auto& [name, cutters] : inputs.all<std::vector<boolean::Cutter>>("cutters"))
     all.insert(all.end(), cutters->begin(), cutters->end());
-  return with_unique_names(std::move(all));
+  return boolean::with_unique_names(std::move(all));
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -11,7 +11,7 @@
 #include "meshio/vtp.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::stages {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -30,10 +30,10 @@ ParameterValue value_of(const Json& j) {
 
 constexpr std::uint64_t max_cutters_bytes = 64 << 20;
 
-HapticVolume foreign_haptic(const std::filesystem::path& file) {
+voxel::HapticVolume foreign_haptic(const std::filesystem::path& file) {
   return with_file(file.string(), [&] {
-    BoundedGrid nrrd = read_nrrd_bounded(file, labels_limit);
-    return haptic_of(std::move(nrrd.grid), nrrd.keys);
+    grid::BoundedGrid nrrd = grid::read_nrrd_bounded(file, grid::labels_limit);
+    return voxel::haptic_of(std::move(nrrd.grid), nrrd.keys);
   });
 }
 
@@ -62,42 +62,43 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
   const char* extension = file_extension(kind_of(data));
   if (file.extension() != extension)
     throw Error(ExitCode::usage, file.string(), "output", std::string("must end in ") + extension);
-  if (const auto* volume = std::get_if<std::shared_ptr<const HuVolume>>(&data))
-    write_nrrd(file, **volume, {{"content", "HU"}});
-  else if (const auto* field = std::get_if<std::shared_ptr<const Field>>(&data))
-    write_nrrd(file, **field, {{"content", "field"}});
-  else if (const auto* mesh = std::get_if<std::shared_ptr<const TriMesh>>(&data))
-    write_vtp(file, **mesh);
-  else if (const auto* haptic = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
-    write_haptic(file, **haptic);
-  else if (const auto* cutters = std::get_if<std::shared_ptr<const std::vector<Cutter>>>(&data))
-    write_file(file, cutters_json(**cutters));
-  else if (const auto* landmarks = std::get_if<std::shared_ptr<const HeadLandmarks>>(&data))
-    write_file(file, landmarks_json(**landmarks));
-  else if (const auto* labels = std::get_if<std::shared_ptr<const LabelFile>>(&data))
-    write_file(file, encode_labels(**labels));
+  if (const auto* volume = std::get_if<std::shared_ptr<const grid::HuVolume>>(&data))
+    grid::write_nrrd(file, **volume, {{"content", "HU"}});
+  else if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&data))
+    grid::write_nrrd(file, **field, {{"content", "field"}});
+  else if (const auto* mesh = std::get_if<std::shared_ptr<const surface::TriMesh>>(&data))
+    meshio::write_vtp(file, **mesh);
+  else if (const auto* haptic = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
+    voxel::write_haptic(file, **haptic);
+  else if (const auto* cutters = std::get_if<std::shared_ptr<const std::vector<boolean::Cutter>>>(&data))
+    write_file(file, boolean::cutters_json(**cutters));
+  else if (const auto* landmarks = std::get_if<std::shared_ptr<const head::HeadLandmarks>>(&data))
+    write_file(file, head::landmarks_json(**landmarks));
+  else if (const auto* labels = std::get_if<std::shared_ptr<const grid::LabelFile>>(&data))
+    write_file(file, grid::encode_labels(**labels));
 }
 
 StageData load_data(const std::filesystem::path& file, DataKind kind, DataOf whose) {
   const bool foreign = whose == DataOf::stranger;
   switch (kind) {
     case DataKind::volume:
-      return std::make_shared<const HuVolume>(foreign ? read_foreign_hu(file) : read_hu_nrrd(file));
+      return std::make_shared<const grid::HuVolume>(foreign ? grid::read_foreign_hu(file) : grid::read_hu_nrrd(file));
     case DataKind::field:
-      return std::make_shared<const Field>(foreign ? read_foreign_field(file) : read_field_nrrd(file));
+      return std::make_shared<const grid::Field>(foreign ? grid::read_foreign_field(file)
+                                                         : grid::read_field_nrrd(file));
     case DataKind::mesh:
-      return std::make_shared<const TriMesh>(read_vtp(file));
+      return std::make_shared<const surface::TriMesh>(meshio::read_vtp(file));
     case DataKind::haptic:
-      return std::make_shared<const HapticVolume>(foreign ? foreign_haptic(file) : read_haptic(file));
+      return std::make_shared<const voxel::HapticVolume>(foreign ? foreign_haptic(file) : voxel::read_haptic(file));
     case DataKind::cutters: {
       const std::vector<char> bytes = read_file(file, max_cutters_bytes);
-      return std::make_shared<const std::vector<Cutter>>(
-          with_file(file.string(), [&] { return parse_cutters_json(std::string(bytes.begin(), bytes.end())); }));
+      return std::make_shared<const std::vector<boolean::Cutter>>(with_file(
+          file.string(), [&] { return boolean::parse_cutters_json(std::string(bytes.begin(), bytes.end())); }));
     }
     case DataKind::landmarks:
-      return std::make_shared<const HeadLandmarks>(read_head_landmarks(file));
+      return std::make_shared<const head::HeadLandmarks>(head::read_head_landmarks(file));
     case DataKind::labels:
-      return std::make_shared<const LabelFile>(read_label_file(file));
+      return std::make_shared<const grid::LabelFile>(itk::read_label_file(file));
     case DataKind::nothing:
       break;
   }
@@ -105,11 +106,12 @@ StageData load_data(const std::filesystem::path& file, DataKind kind, DataOf who
 }
 
 StageData load_field_or_volume(const std::filesystem::path& file) {
-  BoundedGrid nrrd = with_file(file.string(), [&] { return read_nrrd_bounded(file, labels_limit); });
+  grid::BoundedGrid nrrd = with_file(file.string(), [&] { return grid::read_nrrd_bounded(file, grid::labels_limit); });
   const auto content = nrrd.keys.find("content");
-  if ((content != nrrd.keys.end() && content->second == "HU") || std::holds_alternative<Grid<std::int16_t>>(nrrd.grid))
-    return std::make_shared<const HuVolume>(to_hu(std::move(nrrd.grid)));
-  return std::make_shared<const Field>(to_field(std::move(nrrd.grid)));
+  if ((content != nrrd.keys.end() && content->second == "HU") ||
+      std::holds_alternative<grid::Grid<std::int16_t>>(nrrd.grid))
+    return std::make_shared<const grid::HuVolume>(grid::to_hu(std::move(nrrd.grid)));
+  return std::make_shared<const grid::Field>(grid::to_field(std::move(nrrd.grid)));
 }
 
 std::string report_json(const Report& report) {
@@ -124,7 +126,7 @@ std::string report_text(const Report& report) {
   for (const auto& f : report.figures) width = std::max(width, f.first.size());
   std::string text;
   for (const auto& [name, value] : report.figures)
-    text += name + std::string(width - name.size() + 2, ' ') + to_text(value) + "\n";
+    text += name + std::string(width - name.size() + 2, ' ') + trephine::to_text(value) + "\n";
   for (const std::string& w : report.warnings) text += "warning: " + w + "\n";
   return text;
 }
@@ -144,4 +146,4 @@ Report parse_report_json(const std::string& json) {
   return report;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

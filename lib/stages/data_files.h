@@ -5,7 +5,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// Stage data as files that keep every value: volumes, fields and haptic volumes as .nrrd, surfaces as .vtp with double
 /// points, cutters as .json.
@@ -29,4 +29,4 @@ std::string report_text(const Report& report);
 /// Reads the output of report_json back. Throws Error 65.
 Report parse_report_json(const std::string& json);
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType decimate_stage() {
   StageType s;
@@ -18,12 +18,12 @@ StageType decimate_stage() {
                 "trephine decimate skull.vtp --max-deviation-mm 0.2 --output fewer.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<DecimateParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::DecimateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const TriMesh>(
-        decimate(*in.get<TriMesh>("surface"), params.as<DecimateParams>(), report, progress));
+    return std::make_shared<const surface::TriMesh>(meshing::decimate(
+        *in.get<surface::TriMesh>("surface"), params.as<meshing::DecimateParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType deface_stage() {
   StageType s;
@@ -31,14 +31,16 @@ StageType deface_stage() {
                  .optional()
                  .help("the same landmarks, found without any that a person gave")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<DefaceParams>(); };
+  s.make_params = [] { return AnyParams::make<face::DefaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const auto& p = params.as<DefaceParams>();
-    const Field& skin = *in.get<Field>("skin");
-    const auto regions = face_regions(*in.get<HeadLandmarks>("landmarks"), in.get<HeadLandmarks>("found"), skin, p);
-    return std::make_shared<const HuVolume>(deface(*in.get<HuVolume>("volume"), skin, regions, p, report, progress));
+    const auto& p = params.as<face::DefaceParams>();
+    const grid::Field& skin = *in.get<grid::Field>("skin");
+    const auto regions =
+        face::face_regions(*in.get<head::HeadLandmarks>("landmarks"), in.get<head::HeadLandmarks>("found"), skin, p);
+    return std::make_shared<const grid::HuVolume>(
+        face::deface(*in.get<grid::HuVolume>("volume"), skin, regions, p, report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType denoise_stage() {
   StageType s;
@@ -20,12 +20,13 @@ StageType denoise_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
              port("within", DataKind::field).optional().help("an anatomy: only the box about it is filtered")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<DenoiseParams>(); };
+  s.make_params = [] { return AnyParams::make<itk::DenoiseParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const HuVolume>(
-        denoise(*in.get<HuVolume>("volume"), in.get<Field>("within"), params.as<DenoiseParams>(), report, progress));
+    return std::make_shared<const grid::HuVolume>(itk::denoise(*in.get<grid::HuVolume>("volume"),
+                                                               in.get<grid::Field>("within"),
+                                                               params.as<itk::DenoiseParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

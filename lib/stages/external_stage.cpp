@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType external_stage() {
   StageType s;
@@ -30,12 +30,12 @@ StageType external_stage() {
   s.output = DataKind::labels;
   s.runs_program = true;
   s.provenance = {"said_version", "program_sha256", "output_sha256"};
-  s.make_params = [] { return AnyParams::make<ExternalParams>(); };
+  s.make_params = [] { return AnyParams::make<external::ExternalParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const LabelFile>(
-        run_external(*in.get<HuVolume>("volume"), params.as<ExternalParams>(), report, progress));
+    return std::make_shared<const grid::LabelFile>(external::run_external(
+        *in.get<grid::HuVolume>("volume"), params.as<external::ExternalParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,22 +4,24 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 namespace {
 
 StageData run_gate(const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) {
-  std::vector<FaceSurface> surfaces;
-  for (const auto& [name, mesh] : in.all<TriMesh>("surface")) surfaces.push_back({name, mesh});
-  std::vector<FaceVolume> volumes;
-  if (const auto* haptic = in.get<HapticVolume>("haptic")) {
-    volumes.push_back(face_volume("the haptic volume", *haptic));
-    if (haptic->hardness.count() > 0) volumes.push_back(face_volume("the haptic volume's hardness", haptic->hardness));
+  std::vector<face::FaceSurface> surfaces;
+  for (const auto& [name, mesh] : in.all<surface::TriMesh>("surface")) surfaces.push_back({name, mesh});
+  std::vector<face::FaceVolume> volumes;
+  if (const auto* haptic = in.get<voxel::HapticVolume>("haptic")) {
+    volumes.push_back(face::face_volume("the haptic volume", *haptic));
+    if (haptic->hardness.count() > 0)
+      volumes.push_back(face::face_volume("the haptic volume's hardness", haptic->hardness));
   }
-  if (const auto* ct = in.get<HuVolume>("ct")) volumes.push_back(face_volume("the CT", *ct));
-  const Field& skin = *in.get<Field>("skin");
-  const auto regions = face_regions(*in.get<HeadLandmarks>("landmarks"), in.get<HeadLandmarks>("found"), skin,
-                                    params.as<FaceBeliefParams>());
-  check_face_removed(skin, regions, surfaces, volumes, report, progress);
+  if (const auto* ct = in.get<grid::HuVolume>("ct")) volumes.push_back(face::face_volume("the CT", *ct));
+  const grid::Field& skin = *in.get<grid::Field>("skin");
+  const auto regions =
+      face::face_regions(*in.get<head::HeadLandmarks>("landmarks"), in.get<head::HeadLandmarks>("found"), skin,
+                         params.as<face::FaceBeliefParams>());
+  face::check_face_removed(skin, regions, surfaces, volumes, report, progress);
   return {};
 }
 
@@ -51,9 +53,9 @@ StageType face_gate_stage() {
              port("haptic", DataKind::haptic).optional().help("the haptic volume that is published"),
              port("ct", DataKind::volume).from(From::published_ct).optional().help("the CT that is published")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<FaceBeliefParams>(); };
+  s.make_params = [] { return AnyParams::make<face::FaceBeliefParams>(); };
   s.run = run_gate;
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType head_region_stage() {
   StageType s;
@@ -18,12 +18,12 @@ StageType head_region_stage() {
   s.examples = {"trephine head-region neck.nrrd --output head.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<HeadRegionParams>(); };
+  s.make_params = [] { return AnyParams::make<head::HeadRegionParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const HuVolume>(
-        head_region(*in.get<HuVolume>("volume"), params.as<HeadRegionParams>(), report, progress));
+    return std::make_shared<const grid::HuVolume>(
+        head::head_region(*in.get<grid::HuVolume>("volume"), params.as<head::HeadRegionParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

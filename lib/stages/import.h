@@ -2,16 +2,16 @@
 #pragma once
 #include "dicom/import.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// The parameters of a case's import: those of `trephine import`, and the series.
-struct ImportStageParams : ImportParams {
+struct ImportStageParams : dicom::ImportParams {
   std::string input;
   template <class V>
   static void describe(V& v) {
-    v.template all_of<ImportParams>();
+    v.template all_of<dicom::ImportParams>();
     v.text(&ImportStageParams::input, "input", "Folder, ZIP archive or file with the series.").names("file");
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::stages

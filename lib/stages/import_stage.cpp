@@ -3,7 +3,7 @@
 #include "stages/import.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType import_stage() {
   StageType s;
@@ -15,15 +15,15 @@ StageType import_stage() {
   s.make_params = [] { return AnyParams::make<ImportStageParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto& params = any.as<ImportStageParams>();
-    ImportResult imported = import_series(params.input, params, progress);
+    dicom::ImportResult imported = dicom::import_series(params.input, params, progress);
     // If the series has changed, the new result must not be stored under the key of the old content.
     const auto expected = in.file_sha256.find("input");
     if (expected != in.file_sha256.end() && imported.input_sha256 != expected->second)
       throw Error(ExitCode::bad_input, "scan", "", "the series changed while it was read");
     report = std::move(imported.report);
-    return std::make_shared<const HuVolume>(std::move(imported.volume));
+    return std::make_shared<const grid::HuVolume>(std::move(imported.volume));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType landmarks_stage() {
   StageType s;
@@ -35,24 +35,24 @@ StageType landmarks_stage() {
                  .optional()
                  .help("landmarks that a person placed; they replace found ones")};
   // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
-  s.points = {{"nasion", SlicePlane::sagittal},     {"inion", SlicePlane::sagittal},
-              {"vertex", SlicePlane::sagittal},     {"bregma", SlicePlane::sagittal},
-              {"tragus_left", SlicePlane::coronal}, {"tragus_right", SlicePlane::coronal},
-              {"monro_left", SlicePlane::axial},    {"monro_right", SlicePlane::axial},
-              {"kocher_left", SlicePlane::coronal}, {"kocher_right", SlicePlane::coronal}};
+  s.points = {{"nasion", picture::SlicePlane::sagittal},     {"inion", picture::SlicePlane::sagittal},
+              {"vertex", picture::SlicePlane::sagittal},     {"bregma", picture::SlicePlane::sagittal},
+              {"tragus_left", picture::SlicePlane::coronal}, {"tragus_right", picture::SlicePlane::coronal},
+              {"monro_left", picture::SlicePlane::axial},    {"monro_right", picture::SlicePlane::axial},
+              {"kocher_left", picture::SlicePlane::coronal}, {"kocher_right", picture::SlicePlane::coronal}};
   s.output = DataKind::landmarks;
-  s.make_params = [] { return AnyParams::make<LandmarkParams>(); };
+  s.make_params = [] { return AnyParams::make<head::LandmarkParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    LandmarkInputs inputs;
-    inputs.skin = in.get<Field>("skin");
-    inputs.skull = in.get<Field>("skull");
-    inputs.brain = in.get<Field>("brain");
-    inputs.ventricles = in.get<Field>("ventricles");
-    if (const auto* given = in.get<HeadLandmarks>("given")) inputs.given = given->landmarks;
-    return std::make_shared<const HeadLandmarks>(
-        find_landmarks(*in.get<HuVolume>("volume"), inputs, params.as<LandmarkParams>(), report, progress));
+    head::LandmarkInputs inputs;
+    inputs.skin = in.get<grid::Field>("skin");
+    inputs.skull = in.get<grid::Field>("skull");
+    inputs.brain = in.get<grid::Field>("brain");
+    inputs.ventricles = in.get<grid::Field>("ventricles");
+    if (const auto* given = in.get<head::HeadLandmarks>("given")) inputs.given = given->landmarks;
+    return std::make_shared<const head::HeadLandmarks>(head::find_landmarks(
+        *in.get<grid::HuVolume>("volume"), inputs, params.as<head::LandmarkParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType measure_stage() {
   StageType s;
@@ -25,14 +25,15 @@ StageType measure_stage() {
   s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("surface to measure"),
              port("reference", DataKind::mesh).from(From::first_surface).optional().help("surface to compare with")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<MeasureParams>(); };
+  s.make_params = [] { return AnyParams::make<metrics::MeasureParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    MeasureReference reference;
-    if (const TriMesh* mesh = in.get<TriMesh>("reference")) reference = MeshReference{mesh};
-    report = measure_surface(*in.get<TriMesh>("surface"), reference, params.as<MeasureParams>(), progress);
+    metrics::MeasureReference reference;
+    if (const surface::TriMesh* mesh = in.get<surface::TriMesh>("reference")) reference = metrics::MeshReference{mesh};
+    report = metrics::measure_surface(*in.get<surface::TriMesh>("surface"), reference,
+                                      params.as<metrics::MeasureParams>(), progress);
     return {};
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -5,7 +5,7 @@
 #include "base/result.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType mismatch_stage() {
   StageType s;
@@ -21,17 +21,18 @@ StageType mismatch_stage() {
   s.ports = {port("haptic", DataKind::haptic).help("haptic volume"),
              port("surface.*", DataKind::mesh).from(From::felt_surfaces).help("displayed surfaces")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<MismatchParams>(); };
+  s.make_params = [] { return AnyParams::make<voxel::MismatchParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const HapticVolume& volume = *in.get<HapticVolume>("haptic");
-    for (const auto& [name, mesh] : in.all<TriMesh>("surface")) {
-      const HapticShape* shape = volume.find_shape(name);
+    const voxel::HapticVolume& volume = *in.get<voxel::HapticVolume>("haptic");
+    for (const auto& [name, mesh] : in.all<surface::TriMesh>("surface")) {
+      const voxel::HapticShape* shape = volume.find_shape(name);
       if (!shape) throw Error(ExitCode::usage, "", "surface", name + ", the volume has no such shape");
-      add_result(report, measure_mismatch(*mesh, volume, *shape, params.as<MismatchParams>(), progress), name + ".");
+      add_result(report, voxel::measure_mismatch(*mesh, volume, *shape, params.as<voxel::MismatchParams>(), progress),
+                 name + ".");
     }
     return {};
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType normals_stage() {
   StageType s;
@@ -16,13 +16,13 @@ StageType normals_stage() {
   s.examples = {"trephine normals smooth.vtp --output skull.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<NormalsParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::NormalsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    auto mesh = std::make_shared<TriMesh>(*in.get<TriMesh>("surface"));
-    compute_normals(*mesh, params.as<NormalsParams>(), report, progress);
-    return std::shared_ptr<const TriMesh>(mesh);
+    auto mesh = std::make_shared<surface::TriMesh>(*in.get<surface::TriMesh>("surface"));
+    meshing::compute_normals(*mesh, params.as<meshing::NormalsParams>(), report, progress);
+    return std::shared_ptr<const surface::TriMesh>(mesh);
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

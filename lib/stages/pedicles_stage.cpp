@@ -10,20 +10,20 @@
 #include "base/text.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 namespace {
 
-std::string name_of(const PedicleAxis& p) {
+std::string name_of(const trunk::PedicleAxis& p) {
   return fmt::format("pedicle_{}_{}", p.vertebra, p.left ? "left" : "right");
 }
 
 // Points that a person gave take the place of found ones; the half-width is measured anew.
-void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::vector<PedicleAxis>& all,
-                std::map<std::string, bool>& is_given, Report& report) {
-  std::map<std::string, PedicleAxis> by_name;
-  for (const PedicleAxis& p : all) by_name[name_of(p)] = p;
+void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>& given,
+                std::vector<trunk::PedicleAxis>& all, std::map<std::string, bool>& is_given, Report& report) {
+  std::map<std::string, trunk::PedicleAxis> by_name;
+  for (const trunk::PedicleAxis& p : all) by_name[name_of(p)] = p;
   std::map<std::string, int> ends;  // bit 0 the entry, bit 1 the target
-  for (const CaseLandmark& l : given) {
+  for (const cases::CaseLandmark& l : given) {
     const std::vector<std::string> words = split_at(l.name, '_');
     const bool entry = words.size() == 4 && words[3] == "entry", target = words.size() == 4 && words[3] == "target";
     const std::int64_t vertebra = words.size() == 4 ? parse_integer(words[1]).value_or(0) : 0;
@@ -34,16 +34,16 @@ void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::
     }
     if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
     const std::string name = l.name.substr(0, l.name.rfind('_'));
-    PedicleAxis& p = by_name[name];
+    trunk::PedicleAxis& p = by_name[name];
     p.vertebra = int(vertebra);
     p.left = words[2] == "left";
     (entry ? p.entry_mm : p.target_mm) = l.position_mm;
     ends[name] |= entry ? 1 : 2;
   }
   for (const auto& [name, which] : ends) {
-    PedicleAxis& p = by_name[name];
+    trunk::PedicleAxis& p = by_name[name];
     const bool was_found =
-        std::any_of(all.begin(), all.end(), [&](const PedicleAxis& f) { return name_of(f) == name; });
+        std::any_of(all.begin(), all.end(), [&](const trunk::PedicleAxis& f) { return name_of(f) == name; });
     if (which != 3 && !was_found)
       throw Error(ExitCode::bad_input, "", name, "was not found, so both its entry and its target must be given");
     const double length = norm(p.target_mm - p.entry_mm);
@@ -51,7 +51,7 @@ void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::
       throw Error(ExitCode::bad_input, "", name,
                   fmt::format("entry and target as given are {:.0f} mm apart, of a pedicle 10 to 100", length));
     p.middle_mm = p.entry_mm + (p.target_mm - p.entry_mm) * 0.4;
-    p.half_width_mm = std::max(0.0, clearance_along(bone, p.entry_mm, p.target_mm));
+    p.half_width_mm = std::max(0.0, trunk::clearance_along(bone, p.entry_mm, p.target_mm));
     if (p.half_width_mm == 0) report.warn(name + " as given leaves the bone between entry and body");
     // Of a pedicle of which one end alone was given, the other one is as sure as it was found.
     if (which & 1) is_given[name + "_entry"] = true;
@@ -62,7 +62,7 @@ void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::
   }
   all.clear();
   for (const auto& [name, p] : by_name) all.push_back(p);
-  std::sort(all.begin(), all.end(), [](const PedicleAxis& a, const PedicleAxis& b) {
+  std::sort(all.begin(), all.end(), [](const trunk::PedicleAxis& a, const trunk::PedicleAxis& b) {
     return a.vertebra != b.vertebra ? a.vertebra < b.vertebra : a.left && !b.left;
   });
 }
@@ -94,18 +94,19 @@ StageType pedicles_stage() {
                  .from(From::given_landmarks)
                  .optional()
                  .help("landmarks that a person placed; they replace found ones")};
-  s.points = {{"pedicle", SlicePlane::axial, true}};
+  s.points = {{"pedicle", picture::SlicePlane::axial, true}};
   s.output = DataKind::landmarks;
-  s.make_params = [] { return AnyParams::make<PediclesParams>(); };
+  s.make_params = [] { return AnyParams::make<trunk::PediclesParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const Field& bone = *in.get<Field>("bone");
-    place_in(bone, lattice_of(*in.get<HuVolume>("volume")));
-    std::vector<PedicleAxis> all =
-        find_pedicles(bone, *in.get<Field>("canal"), params.as<PediclesParams>(), report, progress);
+    const grid::Field& bone = *in.get<grid::Field>("bone");
+    grid::place_in(bone, grid::lattice_of(*in.get<grid::HuVolume>("volume")));
+    std::vector<trunk::PedicleAxis> all =
+        trunk::find_pedicles(bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress);
     std::map<std::string, bool> is_given;
-    if (const auto* given = in.get<HeadLandmarks>("given")) take_given(bone, given->landmarks, all, is_given, report);
-    HeadLandmarks out;
-    for (const PedicleAxis& p : all) {
+    if (const auto* given = in.get<head::HeadLandmarks>("given"))
+      take_given(bone, given->landmarks, all, is_given, report);
+    head::HeadLandmarks out;
+    for (const trunk::PedicleAxis& p : all) {
       const std::string name = name_of(p);
       const auto add = [&](const std::string& end, Vec3 at) {
         const bool given = is_given[end];
@@ -118,9 +119,9 @@ StageType pedicles_stage() {
       if (p.confidence < 0.5)
         report.warn(fmt::format("{} is doubtful (confidence {:.2f}): {}", name, p.confidence, p.doubt));
     }
-    return std::make_shared<const HeadLandmarks>(std::move(out));
+    return std::make_shared<const head::HeadLandmarks>(std::move(out));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// A landmark that a person gives.
 struct PointParams {
@@ -29,4 +29,4 @@ struct PointsParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType points_stage() {
   StageType s;
@@ -22,15 +22,15 @@ StageType points_stage() {
   s.output = DataKind::landmarks;
   s.make_params = [] { return AnyParams::make<PointsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs&, Report& report, const Progress&) -> StageData {
-    HeadLandmarks all;
+    head::HeadLandmarks all;
     if (params.as<PointsParams>().landmarks.empty())
       throw Error(ExitCode::usage, "", "landmarks", "none is given: say NAME:position_mm=X,Y,Z");
     for (const auto& [name, p] : params.as<PointsParams>().landmarks)
       all.landmarks.push_back({name, {p.position_mm[0], p.position_mm[1], p.position_mm[2]}, p.confidence, p.source});
     report.add("landmarks_count", all.landmarks.size());
-    return std::make_shared<const HeadLandmarks>(std::move(all));
+    return std::make_shared<const head::HeadLandmarks>(std::move(all));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

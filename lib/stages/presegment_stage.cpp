@@ -2,7 +2,7 @@
 #include "segmentation/speed_image.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType presegment_stage() {
   StageType s;
@@ -25,13 +25,13 @@ StageType presegment_stage() {
              port("within", DataKind::field).optional().help("an anatomy to look inside of; the speed is -1 outside"),
              port("without", DataKind::field).optional().help("an anatomy to look outside of; the speed is -1 inside")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<PresegmentParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::PresegmentParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const PresegmentMasks masks{in.get<Field>("within"), in.get<Field>("without")};
-    return std::make_shared<const Field>(
-        presegment(*in.get<HuVolume>("volume"), masks, params.as<PresegmentParams>(), report, progress));
+    const segmentation::PresegmentMasks masks{in.get<grid::Field>("within"), in.get<grid::Field>("without")};
+    return std::make_shared<const grid::Field>(segmentation::presegment(
+        *in.get<grid::HuVolume>("volume"), masks, params.as<segmentation::PresegmentParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -8,7 +8,7 @@
 #include "itk/transform_file.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType register_stage() {
   StageType s;
@@ -32,36 +32,37 @@ StageType register_stage() {
       port("moving", DataKind::volume).from(From::further_scan).help("the second scan"),
       port("within", DataKind::field).optional().help("an anatomy of the CT; places outside of it are not compared")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<RegistrationParams>(); };
+  s.make_params = [] { return AnyParams::make<itk::RegistrationParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const auto& params = any.as<RegistrationParams>();
-    std::optional<LinearMap> initial;
-    if (!params.initial.empty()) initial = read_transform(params.initial);
-    const HuVolume &fixed = *in.get<HuVolume>("volume"), &moving = *in.get<HuVolume>("moving");
-    const Registration r =
+    const auto& params = any.as<itk::RegistrationParams>();
+    std::optional<itk::LinearMap> initial;
+    if (!params.initial.empty()) initial = itk::read_transform(params.initial);
+    const grid::HuVolume &fixed = *in.get<grid::HuVolume>("volume"), &moving = *in.get<grid::HuVolume>("moving");
+    const itk::Registration r =
         params.given.empty()
-            ? register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9))
-            : given_registration(fixed, moving, read_transform(params.given), params, report);
+            ? itk::register_scans(fixed, moving, in.get<grid::Field>("within"), initial, params, report,
+                                  progress.part(0, 0.9))
+            : itk::given_registration(fixed, moving, itk::read_transform(params.given), params, report);
     // A given transform that moves nothing says that both are reconstructions of one scan: that can be checked.
-    if (!params.given.empty() && is_identity(r.map) && params.moving == MovingValues::hu) {
-      const double bone = bone_ratio(fixed, moving, progress.part(0, 0.9));
+    if (!params.given.empty() && itk::is_identity(r.map) && params.moving == itk::MovingValues::hu) {
+      const double bone = itk::bone_ratio(fixed, moving, progress.part(0, 0.9));
       report.add("bone_ratio", bone);
-      if (!(bone >= least_bone_ratio))
+      if (!(bone >= itk::min_bone_ratio))
         throw refusal(
             "given",
             fmt::format("moves nothing, and the bones of the two scans lie upon each other by {:.2f}, at least "
                         "{} of two reconstructions of one scan",
-                        bone, least_bone_ratio),
+                        bone, itk::min_bone_ratio),
             {"leave `given` out, and they are registered"});
     }
-    const bool by_bones = is_identity(r.map) && params.moving == MovingValues::hu;
+    const bool by_bones = itk::is_identity(r.map) && params.moving == itk::MovingValues::hu;
     if (!params.given.empty() && r.doubts.empty() && !by_bones) {
       // The images are registered all the same, and say how far the given transform lies from their own.
       Report ignored;
-      const Registration own =
-          register_scans(fixed, moving, in.get<Field>("within"), r.map, params, ignored, progress.part(0, 0.9));
+      const itk::Registration own = itk::register_scans(fixed, moving, in.get<grid::Field>("within"), r.map, params,
+                                                        ignored, progress.part(0, 0.9));
       if (own.doubts.empty()) {
-        const double apart = apart_mm(fixed, r.map, own.map);
+        const double apart = itk::apart_mm(fixed, r.map, own.map);
         report.add("given_apart_mm", apart);
         if (!(apart <= params.largest_given_mm))
           throw refusal("given",
@@ -80,11 +81,11 @@ StageType register_stage() {
       throw refusal("", "the registration is doubtful: " + r.doubts,
                     {"look at its picture; give an `initial` transform from another program to begin with, or `within` "
                      "an anatomy that both scans show"});
-    const float outside = params.moving == MovingValues::hu ? -1000.0f : 0.0f;
-    return std::make_shared<const HuVolume>(
-        resample_onto(moving, lattice_of(fixed), r.map, outside, progress.part(0.9, 1)));
+    const float outside = params.moving == itk::MovingValues::hu ? -1000.0f : 0.0f;
+    return std::make_shared<const grid::HuVolume>(
+        itk::resample_onto(moving, grid::lattice_of(fixed), r.map, outside, progress.part(0.9, 1)));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType remesh_stage() {
   StageType s;
@@ -17,12 +17,12 @@ StageType remesh_stage() {
   s.examples = {"trephine remesh skull.vtp --edge-mm 1.5 --output even.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<RemeshParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::RemeshParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const TriMesh>(
-        remesh(*in.get<TriMesh>("surface"), params.as<RemeshParams>(), report, progress));
+    return std::make_shared<const surface::TriMesh>(
+        meshing::remesh(*in.get<surface::TriMesh>("surface"), params.as<meshing::RemeshParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

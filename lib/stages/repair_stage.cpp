@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType repair_stage() {
   StageType s;
@@ -20,12 +20,12 @@ StageType repair_stage() {
                 "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("surface of triangles of any kind, also of a broken one")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<RepairParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::RepairParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const TriMesh>(
-        repair(*in.get<TriMesh>("surface"), params.as<RepairParams>(), report, progress));
+    return std::make_shared<const surface::TriMesh>(
+        meshing::repair(*in.get<surface::TriMesh>("surface"), params.as<meshing::RepairParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

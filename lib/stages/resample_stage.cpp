@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType resample_stage() {
   StageType s;
@@ -19,12 +19,12 @@ StageType resample_stage() {
   s.examples = {"trephine resample head.nrrd --spacing-mm 1 1 1 --output coarse.nrrd"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<ResampleParams>(); };
+  s.make_params = [] { return AnyParams::make<grid::ResampleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const HuVolume>(
-        resample(*in.get<HuVolume>("volume"), params.as<ResampleParams>(), report, progress));
+    return std::make_shared<const grid::HuVolume>(
+        grid::resample(*in.get<grid::HuVolume>("volume"), params.as<grid::ResampleParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

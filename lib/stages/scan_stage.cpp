@@ -2,7 +2,7 @@
 #include "head/scan_verdict.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType scan_stage() {
   StageType s;
@@ -20,12 +20,12 @@ StageType scan_stage() {
   s.examples = {"trephine scan head.nrrd --report scan.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<ScanLimits>(); };
+  s.make_params = [] { return AnyParams::make<head::ScanLimits>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    judge_scan(*in.get<HuVolume>("volume"), params.as<ScanLimits>(), report, progress);
+    head::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<head::ScanLimits>(), report, progress);
     return {};
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

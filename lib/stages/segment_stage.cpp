@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType segment_stage() {
   StageType s;
@@ -22,13 +22,13 @@ StageType segment_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<SegmentParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::SegmentParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const SegmentMasks masks{in.get<Field>("within"), in.get<Field>("without")};
-    return std::make_shared<const Field>(
-        segment(*in.get<HuVolume>("volume"), masks, params.as<SegmentParams>(), report, progress));
+    const segmentation::SegmentMasks masks{in.get<grid::Field>("within"), in.get<grid::Field>("without")};
+    return std::make_shared<const grid::Field>(segmentation::segment(
+        *in.get<grid::HuVolume>("volume"), masks, params.as<segmentation::SegmentParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType shape_interpolate_stage() {
   StageType s;
@@ -19,12 +19,12 @@ StageType shape_interpolate_stage() {
   s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
   s.changes_raster = true;
-  s.make_params = [] { return AnyParams::make<ShapeInterpolateParams>(); };
+  s.make_params = [] { return AnyParams::make<mask::ShapeInterpolateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const Field>(
-        shape_interpolate(*in.get<Field>("field"), params.as<ShapeInterpolateParams>(), report, progress));
+    return std::make_shared<const grid::Field>(mask::shape_interpolate(
+        *in.get<grid::Field>("field"), params.as<mask::ShapeInterpolateParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

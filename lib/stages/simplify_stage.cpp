@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType simplify_stage() {
   StageType s;
@@ -18,12 +18,12 @@ StageType simplify_stage() {
   s.examples = {"trephine simplify skull.nrrd --close-handles-mm 2 --output display.nrrd"};
   s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<SimplifyParams>(); };
+  s.make_params = [] { return AnyParams::make<mask::SimplifyParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const Field>(
-        simplify_topology(*in.get<Field>("field"), params.as<SimplifyParams>(), report, progress));
+    return std::make_shared<const grid::Field>(
+        mask::simplify_topology(*in.get<grid::Field>("field"), params.as<mask::SimplifyParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType smooth_stage() {
   StageType s;
@@ -20,12 +20,13 @@ StageType smooth_stage() {
                  .optional()
                  .help("the surface to which the total deviation is kept and measured")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<SmoothParams>(); };
+  s.make_params = [] { return AnyParams::make<meshing::SmoothParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const TriMesh>(
-        smooth(*in.get<TriMesh>("surface"), params.as<SmoothParams>(), report, progress, in.get<TriMesh>("reference")));
+    return std::make_shared<const surface::TriMesh>(meshing::smooth(*in.get<surface::TriMesh>("surface"),
+                                                                    params.as<meshing::SmoothParams>(), report,
+                                                                    progress, in.get<surface::TriMesh>("reference")));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType snake_stage() {
   StageType s;
@@ -29,13 +29,14 @@ StageType snake_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<SnakeParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::SnakeParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const SnakeMasks masks{in.get<Field>("start"), in.get<Field>("within"), in.get<Field>("without")};
-    return std::make_shared<const Field>(
-        snake(*in.get<Field>("speed"), masks, params.as<SnakeParams>(), report, progress));
+    const segmentation::SnakeMasks masks{in.get<grid::Field>("start"), in.get<grid::Field>("within"),
+                                         in.get<grid::Field>("without")};
+    return std::make_shared<const grid::Field>(segmentation::snake(
+        *in.get<grid::Field>("speed"), masks, params.as<segmentation::SnakeParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

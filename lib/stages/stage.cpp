@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 const char* to_text(DataKind kind) {
   switch (kind) {
@@ -79,11 +79,11 @@ bool StageType::finds(const std::string& landmark) const {
   return std::any_of(points.begin(), points.end(), [&](const StagePoint& p) { return p.names(landmark); });
 }
 
-SlicePlane plane_of_landmark(const std::string& name) {
+picture::SlicePlane plane_of_landmark(const std::string& name) {
   for (const StageType& t : stage_types())
     for (const StagePoint& point : t.points)
       if (point.names(name)) return point.plane;
-  return SlicePlane::coronal;
+  return picture::SlicePlane::coronal;
 }
 
 std::vector<const StageType*> stages_of(StagePlace place) {
@@ -93,4 +93,4 @@ std::vector<const StageType*> stages_of(StagePlace place) {
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

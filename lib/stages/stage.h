@@ -20,7 +20,7 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// A stage is a library function with declared parameters and named inputs, so that `run` (data in memory) and the
 /// single tools (data in files) call the same function. Each stage is declared in a file NAME_stage.cpp of this folder,
@@ -31,10 +31,11 @@ enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, labels, n
 const char* to_text(DataKind kind);
 
 /// The data that stages hand to each other. It is shared and never modified once made.
-using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
-                               std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
-                               std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>,
-                               std::shared_ptr<const LabelFile>>;
+using StageData =
+    std::variant<std::monostate, std::shared_ptr<const grid::HuVolume>, std::shared_ptr<const grid::Field>,
+                 std::shared_ptr<const surface::TriMesh>, std::shared_ptr<const voxel::HapticVolume>,
+                 std::shared_ptr<const std::vector<boolean::Cutter>>, std::shared_ptr<const head::HeadLandmarks>,
+                 std::shared_ptr<const grid::LabelFile>>;
 
 /// Where a stage is used. What a case uses it for follows from its output: of the whole scan, a volume takes the scan's
 /// place, landmarks are looked for where something needs them, and a stage that hands on nothing is a check, made where
@@ -75,7 +76,7 @@ enum class From {
 /// many as the scan shows: their names begin with this one and "_".
 struct StagePoint {
   std::string name;
-  SlicePlane plane = SlicePlane::coronal;
+  picture::SlicePlane plane = picture::SlicePlane::coronal;
   bool family = false;
   bool names(const std::string& landmark) const {
     return landmark == name || (family && landmark.rfind(name + "_", 0) == 0);
@@ -157,7 +158,7 @@ struct StageType {
   std::string serves;
   /// With this before their names, a case records the report's figures; nothing: it does not.
   std::optional<std::string> case_figures;
-  int least_inputs = 0;          ///< of a check: with fewer anatomies shown it is left out
+  int min_inputs = 0;            ///< of a check: with fewer anatomies shown it is left out
   bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
   bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
@@ -201,8 +202,8 @@ const StageType& stage_named(const std::string& name);
 /// 70 where there is none.
 const StageType& stage_with(const ParameterSet& params);
 /// The slice in which a landmark is best seen; coronal where no stage finds it.
-SlicePlane plane_of_landmark(const std::string& name);
+picture::SlicePlane plane_of_landmark(const std::string& name);
 /// The stages of a place, by name.
 std::vector<const StageType*> stages_of(StagePlace place);
 
-}  // namespace trephine
+}  // namespace trephine::stages

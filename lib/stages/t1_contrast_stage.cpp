@@ -4,7 +4,7 @@
 #include "head/cranium.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType t1_contrast_stage() {
   StageType s;
@@ -24,17 +24,17 @@ StageType t1_contrast_stage() {
                  .optional()
                  .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<T1ContrastParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::T1ContrastParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    using namespace segmentation;
-    const HuVolume& ct = *in.get<HuVolume>("ct");
-    const Field* skull = in.get<Field>("skull");
-    const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
-    const BitMask cavity = cranial_cavity(bone, report, progress.part(0, 0.4));
-    return std::make_shared<const HuVolume>(t1_contrast(*in.get<HuVolume>("volume"), ct, cavity,
-                                                        any.as<T1ContrastParams>(), report, progress.part(0.4, 1)));
+    const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
+    const grid::Field* skull = in.get<grid::Field>("skull");
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+    const mask::BitMask cavity = head::cranial_cavity(bone, report, progress.part(0, 0.4));
+    return std::make_shared<const grid::HuVolume>(
+        segmentation::t1_contrast(*in.get<grid::HuVolume>("volume"), ct, cavity,
+                                  any.as<segmentation::T1ContrastParams>(), report, progress.part(0.4, 1)));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

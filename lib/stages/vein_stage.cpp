@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType vein_stage() {
   StageType s;
@@ -23,12 +23,13 @@ StageType vein_stage() {
       port("bone", DataKind::field).help("all bone of the chest, filled"),
       port("lung", DataKind::field).optional().help("the lungs: a side that shows less than 20 ml is warned of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<VeinParams>(); };
+  s.make_params = [] { return AnyParams::make<trunk::VeinParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const Field>(find_vein(*in.get<HuVolume>("volume"), *in.get<Field>("bone"),
-                                                   params.as<VeinParams>(), report, progress, in.get<Field>("lung")));
+    return std::make_shared<const grid::Field>(
+        trunk::find_vein(*in.get<grid::HuVolume>("volume"), *in.get<grid::Field>("bone"),
+                         params.as<trunk::VeinParams>(), report, progress, in.get<grid::Field>("lung")));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

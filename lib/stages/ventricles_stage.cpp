@@ -3,7 +3,7 @@
 
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType ventricles_stage() {
   StageType s;
@@ -20,13 +20,13 @@ StageType ventricles_stage() {
              port("brain", DataKind::field).help("the brain that holds the ventricles"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<VentriclesParams>(); };
+  s.make_params = [] { return AnyParams::make<head::VentriclesParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const VentriclesMasks masks{in.get<Field>("brain"), in.get<Field>("without")};
-    return std::make_shared<const Field>(
-        find_ventricles(*in.get<HuVolume>("volume"), masks, params.as<VentriclesParams>(), report, progress));
+    const head::VentriclesMasks masks{in.get<grid::Field>("brain"), in.get<grid::Field>("without")};
+    return std::make_shared<const grid::Field>(head::find_ventricles(
+        *in.get<grid::HuVolume>("volume"), masks, params.as<head::VentriclesParams>(), report, progress));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,7 +4,7 @@
 #include "head/cranium.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType vessels_stage() {
   StageType s;
@@ -32,20 +32,20 @@ StageType vessels_stage() {
           .optional()
           .help("an anatomy to leave out, such as the vein where arteries are sought")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<VesselsParams>(); };
+  s.make_params = [] { return AnyParams::make<segmentation::VesselsParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    using namespace segmentation;
-    const HuVolume& ct = *in.get<HuVolume>("ct");
-    const Field* skull = in.get<Field>("skull");
-    const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
-    const auto& params = any.as<VesselsParams>();
-    const BitMask region = params.region == VesselRegion::soft_tissue
-                               ? soft_tissue_around(ct, bone)
-                               : cranial_cavity(bone, report, progress.part(0, 0.4));
-    return std::make_shared<const Field>(find_vessels(*in.get<HuVolume>("volume"), ct, region, in.get<Field>("within"),
-                                                      in.get<Field>("without"), params, report, progress.part(0.4, 1)));
+    const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
+    const grid::Field* skull = in.get<grid::Field>("skull");
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+    const auto& params = any.as<segmentation::VesselsParams>();
+    const mask::BitMask region = params.region == segmentation::VesselRegion::soft_tissue
+                                     ? segmentation::soft_tissue_around(ct, bone)
+                                     : head::cranial_cavity(bone, report, progress.part(0, 0.4));
+    return std::make_shared<const grid::Field>(
+        segmentation::find_vessels(*in.get<grid::HuVolume>("volume"), ct, region, in.get<grid::Field>("within"),
+                                   in.get<grid::Field>("without"), params, report, progress.part(0.4, 1)));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -5,7 +5,7 @@
 #include "base/params.h"
 #include "voxel/voxelize.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 /// What a scene says of one shape of its haptic volume.
 struct HapticShapeParams {
@@ -40,15 +40,16 @@ struct DrillParams {
 };
 
 /// Parameters of the whole haptic volume, without its shapes.
-struct HapticVolumeParams : VoxelizeParams {
-  HapticEncoding encoding = HapticEncoding::occupancy;
+struct HapticVolumeParams : voxel::VoxelizeParams {
+  voxel::HapticEncoding encoding = voxel::HapticEncoding::occupancy;
   std::string region_of;
 
   template <class V>
   static void describe(V& v) {
     using P = HapticVolumeParams;
-    v.template all_of<VoxelizeParams>();
-    v.choice(&P::encoding, "encoding", {{"occupancy", HapticEncoding::occupancy}, {"hu", HapticEncoding::hu}},
+    v.template all_of<voxel::VoxelizeParams>();
+    v.choice(&P::encoding, "encoding",
+             {{"occupancy", voxel::HapticEncoding::occupancy}, {"hu", voxel::HapticEncoding::hu}},
              "occupancy: each voxel says which shape fills it and how much of it; hu: the voxels are the scan's HU, "
              "and shapes are windows of HU.");
     v.text(&P::region_of, "region_of",
@@ -68,9 +69,9 @@ struct VoxelizeStageParams : HapticVolumeParams {
     v.template all_of<HapticVolumeParams>();
     v.map(&P::shapes, "shapes",
           "The shapes by name, in order of precedence: a part that one shape fills does not belong to later ones.")
-        .at_most(haptic_max_shapes);
+        .at_most(voxel::haptic_max_shapes);
     v.map(&P::drill, "drill", "The shapes that the cutters cut.");
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::stages

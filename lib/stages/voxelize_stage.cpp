@@ -11,13 +11,13 @@
 #include "surface/bounds.h"
 #include "voxel/cut.h"
 
-namespace trephine {
+namespace trephine::stages {
 namespace {
 
 // Air around the shapes, in which their surfaces' ramp of occupancy must fit.
 constexpr double rim_voxels = 3;
 
-Bounds grown(Bounds b, double by_mm) {
+surface::Bounds grown(surface::Bounds b, double by_mm) {
   for (int i = 0; i < 3; ++i) {
     b.min_mm[i] -= by_mm;
     b.max_mm[i] += by_mm;
@@ -25,7 +25,7 @@ Bounds grown(Bounds b, double by_mm) {
   return b;
 }
 
-void intersect(Bounds& b, const Bounds& with) {
+void intersect(surface::Bounds& b, const surface::Bounds& with) {
   for (int i = 0; i < 3; ++i) {
     b.min_mm[i] = std::max(b.min_mm[i], with.min_mm[i]);
     b.max_mm[i] = std::min(b.max_mm[i], with.max_mm[i]);
@@ -33,17 +33,17 @@ void intersect(Bounds& b, const Bounds& with) {
 }
 
 // The box that the scene asks for, but no larger than the shapes with their rim.
-Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
-  const Lattice& scan = lattice_of(*in.get<HuVolume>("volume"));
-  Bounds all;
-  for (const auto& [name, mesh] : in.all<TriMesh>("shape")) include(all, bounds_of(*mesh));
-  if (params.encoding == HapticEncoding::hu) all = bounds_of(scan, 0.5);
-  Bounds region = all;
+grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
+  const grid::Lattice& scan = grid::lattice_of(*in.get<grid::HuVolume>("volume"));
+  surface::Bounds all;
+  for (const auto& [name, mesh] : in.all<surface::TriMesh>("shape")) surface::include(all, surface::bounds_of(*mesh));
+  if (params.encoding == voxel::HapticEncoding::hu) all = surface::bounds_of(scan, 0.5);
+  surface::Bounds region = all;
   if (!params.region_of.empty()) {
-    const TriMesh* of = in.get<TriMesh>("shape." + params.region_of);
-    if (!of) of = in.get<TriMesh>("region");
+    const surface::TriMesh* of = in.get<surface::TriMesh>("shape." + params.region_of);
+    if (!of) of = in.get<surface::TriMesh>("region");
     if (!of) throw Error(ExitCode::bad_config, "", "region_of", params.region_of + ", has no surface");
-    region = bounds_of(*of);
+    region = surface::bounds_of(*of);
   }
   region = grown(region, params.margin_mm);
   const auto& [low, high] = std::tie(params.region_min_mm, params.region_max_mm);
@@ -54,50 +54,51 @@ Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& 
     if (!(region.min_mm[i] < region.max_mm[i]))
       throw refusal("region", "holds nothing of any shape",
                     {"move `region_min_mm` and `region_max_mm`, or name another `region_of`"});
-  return haptic_lattice(region, scan.direction, scan.origin_mm, params);
+  return voxel::haptic_lattice(region, scan.direction, scan.origin_mm, params);
 }
 
-HapticVolume make_volume(const VoxelizeStageParams& params, const Lattice& lattice, const StageInputs& in,
-                         Report& report, const Progress& progress) {
-  if (params.encoding == HapticEncoding::hu) {
-    std::vector<HuWindow> windows;
+voxel::HapticVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& lattice, const StageInputs& in,
+                                Report& report, const Progress& progress) {
+  if (params.encoding == voxel::HapticEncoding::hu) {
+    std::vector<voxel::HuWindow> windows;
     for (const auto& [name, s] : params.shapes)
       windows.push_back({name, static_cast<std::int16_t>(s.window_hu[0]), static_cast<std::int16_t>(s.window_hu[1])});
-    return voxelize_hu(*in.get<HuVolume>("volume"), lattice, windows, report, progress);
+    return voxel::voxelize_hu(*in.get<grid::HuVolume>("volume"), lattice, windows, report, progress);
   }
-  std::vector<VoxelizeShape> shapes;
+  std::vector<voxel::VoxelizeShape> shapes;
   for (const auto& [name, s] : params.shapes) {
-    VoxelizeShape shape;
+    voxel::VoxelizeShape shape;
     shape.name = name;
-    shape.surface = in.get<TriMesh>("shape." + name);
+    shape.surface = in.get<surface::TriMesh>("shape." + name);
     if (!shape.surface) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
     shape.shell_mm = s.shell_mm;
     if (!s.clear_of.empty()) {
-      shape.clear_of = in.get<TriMesh>("shape." + s.clear_of);
-      if (!shape.clear_of) shape.clear_of = in.get<TriMesh>("clear." + s.clear_of);
+      shape.clear_of = in.get<surface::TriMesh>("shape." + s.clear_of);
+      if (!shape.clear_of) shape.clear_of = in.get<surface::TriMesh>("clear." + s.clear_of);
       shape.clear_mm = s.clear_mm;
     }
     shapes.push_back(shape);
   }
-  return voxelize(lattice, shapes, report, progress);
+  return voxel::voxelize(lattice, shapes, report, progress);
 }
 
-void cut(HapticVolume& volume, const VoxelizeStageParams& params, const std::vector<Cutter>& cutters, Report& report,
-         const Progress& progress) {
-  for (const Cutter& cutter : cutters)
+void cut(voxel::HapticVolume& volume, const VoxelizeStageParams& params, const std::vector<boolean::Cutter>& cutters,
+         Report& report, const Progress& progress) {
+  for (const boolean::Cutter& cutter : cutters)
     for (const auto& [name, shape] : params.shapes) {
       const DrillParams* drill = find_item(params.drill, name);
       if (!drill) continue;
-      const Cutter own = widened(cutter, drill->widen_mm);
+      const boolean::Cutter own = boolean::widened(cutter, drill->widen_mm);
       Report one;
-      cut_volume(volume, distance_to(own), bounds_of(own), {volume.find_shape(name)->number}, one, progress);
-      add_of_cutter(report, cutter, one);
-      warn_of_thin(report, own, volume.voxels.spacing_mm);
+      voxel::cut_volume(volume, boolean::distance_to(own), boolean::bounds_of(own), {volume.find_shape(name)->number},
+                        one, progress);
+      boolean::add_of_cutter(report, cutter, one);
+      boolean::warn_of_thin(report, own, volume.voxels.spacing_mm);
     }
 }
 
 void check_shapes(const VoxelizeStageParams& params) {
-  const bool hu = params.encoding == HapticEncoding::hu;
+  const bool hu = params.encoding == voxel::HapticEncoding::hu;
   for (const auto& [name, s] : params.shapes) {
     if (s.clear_of == name) throw Error(ExitCode::usage, "", "shapes." + name + ".clear_of", "is the shape itself");
     if (hu && s.window_hu == HapticShapeParams().window_hu)
@@ -116,7 +117,7 @@ void check_shapes(const VoxelizeStageParams& params) {
 std::vector<std::string> surfaces_of_shapes(const AnyParams& any) {
   const auto& params = any.as<VoxelizeStageParams>();
   std::vector<std::string> names;
-  if (params.encoding == HapticEncoding::occupancy)
+  if (params.encoding == voxel::HapticEncoding::occupancy)
     for (const auto& shape : params.shapes) names.push_back(shape.first);
   return names;
 }
@@ -179,24 +180,24 @@ StageType voxelize_stage() {
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto& params = any.as<VoxelizeStageParams>();
     check_shapes(params);
-    const Lattice lattice = lattice_of_region(params, in);
-    HapticVolume volume = make_volume(params, lattice, in, report, progress.part(0, 0.9));
+    const grid::Lattice lattice = lattice_of_region(params, in);
+    voxel::HapticVolume volume = make_volume(params, lattice, in, report, progress.part(0, 0.9));
     if (params.hardness_high_hu > params.hardness_low_hu)
-      volume.hardness = haptic_hardness(*in.get<HuVolume>("volume"), lattice, params.hardness_low_hu,
-                                        params.hardness_high_hu, progress.part(0.9, 0.93));
+      volume.hardness = voxel::haptic_hardness(*in.get<grid::HuVolume>("volume"), lattice, params.hardness_low_hu,
+                                               params.hardness_high_hu, progress.part(0.9, 0.93));
     cut(volume, params, cutters_of(in), report, progress.part(0.93, 1));
     // The reported volume is the volume after the cuts.
     for (const auto& [shape, drill] : params.drill) {
-      const double left_ml = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
+      const double left_ml = voxel::shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
       if (!(left_ml > 0))
         throw refusal("drill." + shape, "the cutters leave nothing of it",
                       {"leave it out of `drill`, or make the hole smaller (`diameter_mm`)"});
       for (auto& [name, value] : report.figures)
         if (name == shape + ".volume_ml") value = left_ml;
     }
-    return std::make_shared<const HapticVolume>(std::move(volume));
+    return std::make_shared<const voxel::HapticVolume>(std::move(volume));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

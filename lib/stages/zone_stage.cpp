@@ -4,7 +4,7 @@
 #include "head/cranium.h"
 #include "stages/stage.h"
 
-namespace trephine {
+namespace trephine::stages {
 
 StageType zone_stage() {
   StageType s;
@@ -27,17 +27,17 @@ StageType zone_stage() {
                  .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU"),
              port("ventricles", DataKind::field).optional().help("the ventricles: by them the template lies better")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<ZoneParams>(); };
+  s.make_params = [] { return AnyParams::make<place::ZoneParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    using namespace segmentation;
-    const HuVolume& ct = *in.get<HuVolume>("volume");
-    const Field* skull = in.get<Field>("skull");
-    const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
-    const BitMask cavity = cranial_cavity(bone, report, progress.part(0, 0.3));
-    return std::make_shared<const Field>(
-        find_zone(cavity, {skull, in.get<Field>("ventricles")}, any.as<ZoneParams>(), report, progress.part(0.3, 1)));
+    const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
+    const grid::Field* skull = in.get<grid::Field>("skull");
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+    const mask::BitMask cavity = head::cranial_cavity(bone, report, progress.part(0, 0.3));
+    return std::make_shared<const grid::Field>(place::find_zone(cavity, {skull, in.get<grid::Field>("ventricles")},
+                                                                any.as<place::ZoneParams>(), report,
+                                                                progress.part(0.3, 1)));
   };
   return s;
 }
 
-}  // namespace trephine
+}  // namespace trephine::stages

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 constexpr double divider_mm = 2;
@@ -64,4 +64,4 @@ Arc without_ridges(const Arc& arc, Vec3 centre, double spared_mm, double width_m
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -6,7 +6,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// An outline of a body in a plane, point by point, and the number of the point from which lengths are measured.
 struct Arc {
@@ -28,4 +28,4 @@ constexpr double brow_mm = 40;  ///< from the nasion over the brow to the even f
 /// does not change.
 Arc without_ridges(const Arc& arc, Vec3 centre_mm, double spared_mm, double width_mm = 12, double least_mm = 0.7);
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace trephine {
+namespace trephine::surface {
 
 std::array<Vec3, 8> corners_of(const Bounds& b) {
   std::array<Vec3, 8> corners;
@@ -12,7 +12,7 @@ std::array<Vec3, 8> corners_of(const Bounds& b) {
   return corners;
 }
 
-std::array<Vec3, 8> corners_of(const Lattice& lattice, double beyond_voxels) {
+std::array<Vec3, 8> corners_of(const grid::Lattice& lattice, double beyond_voxels) {
   const auto last = [&](std::size_t axis) { return lattice.size[axis] - 1 + beyond_voxels; };
   const double first = 0 - beyond_voxels;
   auto corners = corners_of(Bounds{{first, first, first}, {last(0), last(1), last(2)}});
@@ -20,16 +20,16 @@ std::array<Vec3, 8> corners_of(const Lattice& lattice, double beyond_voxels) {
   return corners;
 }
 
-Bounds bounds_of(const Lattice& lattice, double beyond_voxels) {
+Bounds bounds_of(const grid::Lattice& lattice, double beyond_voxels) {
   Bounds b;
   for (const Vec3 corner : corners_of(lattice, beyond_voxels)) include(b, corner);
   return b;
 }
 
-IndexBounds index_bounds(const Lattice& lattice, const Bounds& bounds_mm) {
+IndexBounds index_bounds(const grid::Lattice& lattice, const Bounds& bounds_mm) {
   Bounds indices;
   for (const Vec3 corner : corners_of(bounds_mm)) include(indices, lattice.to_index(corner));
   return {indices.min_mm, indices.max_mm};
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

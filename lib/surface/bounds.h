@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// Grows the box to hold another. Empty bounds become the first box that they are given.
 inline void include(Bounds& all, const Bounds& more) {
@@ -21,14 +21,14 @@ inline void include(Bounds& all, Vec3 point_mm) { include(all, Bounds{point_mm, 
 std::array<Vec3, 8> corners_of(const Bounds& b);
 /// The corners of the box of the lattice's voxels, in the world: of their centres, or, with beyond_voxels = 0.5, of all
 /// that they fill; i runs fastest.
-std::array<Vec3, 8> corners_of(const Lattice& lattice, double beyond_voxels = 0);
+std::array<Vec3, 8> corners_of(const grid::Lattice& lattice, double beyond_voxels = 0);
 /// World bounds of the same.
-Bounds bounds_of(const Lattice& lattice, double beyond_voxels = 0);
+Bounds bounds_of(const grid::Lattice& lattice, double beyond_voxels = 0);
 
 /// Least and largest continuous index of a world box's corners, on the lattice and beyond it.
 struct IndexBounds {
   Vec3 low, high;
 };
-IndexBounds index_bounds(const Lattice& lattice, const Bounds& bounds_mm);
+IndexBounds index_bounds(const grid::Lattice& lattice, const Bounds& bounds_mm);
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 constexpr std::uint32_t max_leaf = 4;
@@ -307,4 +307,4 @@ ClosestPoint Bvh::nearest(Vec3 local, std::uint32_t seed, double enough_mm, std:
   return best;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -8,7 +8,7 @@
 #include "surface/point_triangle.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// Four children a node, their boxes in float about the mesh's centre, side by side so that they are tested at once.
 struct BvhNode {
@@ -38,4 +38,4 @@ class Bvh {
   std::vector<std::uint32_t> order_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::surface

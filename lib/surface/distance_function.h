@@ -4,10 +4,10 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// Distance to a surface that is known: positive outside, negative inside, at a world point. Called from several
 /// threads.
 using DistanceFunction = std::function<double(Vec3 world_mm)>;
 
-}  // namespace trephine
+}  // namespace trephine::surface

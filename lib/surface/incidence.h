@@ -6,7 +6,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// For each point the triangles that use it, in ascending order, as one flat list. Indices must be in range. A triangle
 /// with a repeated index is listed once for each corner.
@@ -76,4 +76,4 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
 int label_fan_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
 int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3);
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 // A triangle in continuous indices (x along j, y along k, z along i), with its corners in ascending order. So equal
@@ -48,7 +48,7 @@ int clamp_to(double v, int low, int high) { return v <= low ? low : v >= high ? 
 
 }  // namespace
 
-Mask voxelize_inside(const TriMesh& mesh, const Lattice& lattice, const Progress& progress) {
+grid::Mask voxelize_inside(const TriMesh& mesh, const grid::Lattice& lattice, const Progress& progress) {
   check_mesh(mesh);
   std::vector<Vec3> points(mesh.points_mm.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -56,7 +56,7 @@ Mask voxelize_inside(const TriMesh& mesh, const Lattice& lattice, const Progress
     points[i] = {ijk.y, ijk.z, ijk.x};
   }
   // Each crossing toggles the first voxel behind it; the running parity along a row is then inside or outside.
-  Mask mask(lattice);
+  grid::Mask mask(lattice);
   const int ni = lattice.size[0], nj = lattice.size[1], nk = lattice.size[2];
   std::vector<std::uint8_t> odd(std::size_t(nj) * std::size_t(nk));
   for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
@@ -89,4 +89,4 @@ Mask voxelize_inside(const TriMesh& mesh, const Lattice& lattice, const Progress
   return mask;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

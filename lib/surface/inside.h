@@ -4,7 +4,7 @@
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// A mask that is 1 where a voxel's centre lies inside the mesh, by parity: a point in an even number of nested or
 /// overlapping shells is outside. Every row of the lattice is crossed by an even number of triangles whatever the
@@ -14,6 +14,6 @@ namespace trephine {
 ///
 /// Throws Error 65 as check_mesh does, and where rows leave the mesh more often than they enter it, because then the
 /// mesh is not closed.
-Mask voxelize_inside(const TriMesh& mesh, const Lattice& lattice, const Progress& progress = {});
+grid::Mask voxelize_inside(const TriMesh& mesh, const grid::Lattice& lattice, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::surface

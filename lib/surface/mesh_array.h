@@ -7,7 +7,11 @@
 #include <utility>
 #include <vector>
 
-namespace trephine {
+namespace trephine::meshing {
+class ProofOfValidity;
+}
+
+namespace trephine::surface {
 
 /// A vector that remembers whether it is unchanged since its mesh was proven valid (TriMesh::proven_valid). It carries
 /// the number of that proof, and every function that can change an element or the size forgets it. Access through a
@@ -89,7 +93,7 @@ class MeshArray {
   std::uint64_t proof() const { return proof_.load(std::memory_order_relaxed); }
 
  private:
-  friend class ProofOfValidity;  // meshing/validity.cpp: it alone gives the number
+  friend class meshing::ProofOfValidity;  // meshing/validity.cpp: it alone gives the number
   void forget() {
     // Threads that write elements at the same time only read here, once one of them has forgotten the proof.
     if (proof() != 0) proof_.store(0, std::memory_order_relaxed);
@@ -103,4 +107,4 @@ class MeshArray {
   mutable std::atomic<std::uint64_t> proof_{0};  ///< 0: none
 };
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -12,7 +12,7 @@
 #include "surface/bvh.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 constexpr std::int64_t piece = 2048;
@@ -166,4 +166,4 @@ double PointToMesh::largest_distance_mm(const std::vector<Vec3>& world_mm, doubl
   return result;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

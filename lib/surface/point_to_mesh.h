@@ -7,7 +7,7 @@
 #include "base/progress.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// Distances from points to a surface, exact for the given triangles, however degenerate they are. The object refers to
 /// the mesh, which must outlive it unchanged.
@@ -41,4 +41,4 @@ class PointToMesh {
   std::unique_ptr<const Impl> impl_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 // The nearest point of the segment from a to a + d. The feature is the start, `edge` or the end.
@@ -44,4 +44,4 @@ ClosestPoint nearest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   return best;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

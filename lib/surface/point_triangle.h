@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// The point of a triangle that is nearest to a given point.
 struct ClosestPoint {
@@ -91,4 +91,4 @@ inline double squared_from_corner(Vec3 p, Vec3 a, Vec3 b, Vec3 c, int& across) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine::detail {
+namespace trephine::surface::detail {
 namespace {
 
 constexpr std::uint32_t unset = 0xffffffff;
@@ -117,4 +117,4 @@ std::vector<std::array<double, 2>> disc_samples(int inside, int on_rim) {
   return samples;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::surface::detail

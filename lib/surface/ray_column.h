@@ -7,7 +7,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine::detail {
+namespace trephine::surface::detail {
 
 /// A span of a ray inside the surface, in mm along the axis.
 struct Span {
@@ -40,4 +40,4 @@ class RayColumn {
 /// Points that fill the unit disc evenly (the golden angle), then points on its rim.
 std::vector<std::array<double, 2>> disc_samples(int inside, int on_rim);
 
-}  // namespace trephine::detail
+}  // namespace trephine::surface::detail

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/result.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// Typed results: the figures that a case is made of and checked against. A stage that makes one adds it to its report
 /// with add_result, and code that needs it reads it back with result_of; a missing figure is an error, never 0. Those
@@ -62,4 +62,4 @@ struct RemovedResult {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -7,7 +7,7 @@
 #include "surface/incidence.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 bool repeats(const std::array<std::uint32_t, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -191,4 +191,4 @@ Topology topology_of(const TriMesh& mesh, const Incidence& incidence) {
   return r;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

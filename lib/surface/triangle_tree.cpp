@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::surface {
 namespace {
 
 float below(double v) {
@@ -179,4 +179,4 @@ double TriangleTree::squared_distance(Vec3 p, double squared_limit, std::uint32_
   return best;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -7,7 +7,7 @@
 #include "surface/point_triangle.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// An axis-parallel box in float, rounded outwards.
 struct FloatBox {
@@ -75,4 +75,4 @@ void TriangleTree::for_each_leaf(const FloatBox& box, std::size_t first_leaf, Vi
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -11,7 +11,7 @@
 #include "surface/bounds.h"
 #include "surface/incidence.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 Bounds bounds_of(const TriMesh& mesh) {
   Bounds b;
@@ -157,4 +157,4 @@ int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3) {
   return keep_large(mesh, min_volume_mm3, component, count);
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -7,7 +7,7 @@
 #include "base/vec3.h"
 #include "surface/mesh_array.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm). The local origin
 /// keeps the doubles, and float32 on export, precise far from the frame's origin. Triangles are counter-clockwise seen
@@ -73,4 +73,4 @@ int label_components(const TriMesh& mesh, std::vector<int>& component_of_triangl
 /// Returns how many were removed.
 int keep_large_components(TriMesh& mesh, double min_volume_mm3);
 
-}  // namespace trephine
+}  // namespace trephine::surface

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/vertex_normals.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
   std::vector<Vec3> n(mesh.points_mm.size());
@@ -15,4 +15,4 @@ std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
   return n;
 }
 
-}  // namespace trephine
+}  // namespace trephine::surface

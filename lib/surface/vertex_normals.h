@@ -4,7 +4,7 @@
 
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::surface {
 
 /// A normal for each point, not normalized, from the triangles around it with the weights of [Max1999]. These are exact
 /// on a sphere. They need no arc cosine as angle weights do, whose last bit differs between C libraries, so pictures
@@ -12,4 +12,4 @@ namespace trephine {
 /// (meshing/normals.h offers other weights and handles normals that vanish.)
 std::vector<Vec3> vertex_normals(const TriMesh& mesh);
 
-}  // namespace trephine
+}  // namespace trephine::surface

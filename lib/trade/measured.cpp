@@ -12,7 +12,7 @@
 #include "base/write_file.h"
 #include "stages/data_files.h"
 
-namespace trephine {
+namespace trephine::trade {
 namespace fs = std::filesystem;
 namespace {
 
@@ -44,7 +44,7 @@ double peak_mb() {
 
 std::string to_json(const Measurement& m) {
   Json json;
-  json["report"] = report_json(m.report);
+  json["report"] = stages::report_json(m.report);
   json["seconds"] = m.seconds;
   json["peak_memory_mb"] = m.peak_memory_mb;
   json["refused"] = m.refused;
@@ -82,7 +82,7 @@ const Measurement* MeasurementStore::find(const std::string& key) {
     const std::vector<char> bytes = read_file(file, 1 << 24);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     Measurement m;
-    m.report = parse_report_json(json.at("report").get<std::string>());
+    m.report = stages::parse_report_json(json.at("report").get<std::string>());
     m.seconds = json.at("seconds").get<std::vector<double>>();
     m.peak_memory_mb = json.at("peak_memory_mb").get<double>();
     m.refused = json.at("refused").get<std::string>();
@@ -146,29 +146,29 @@ Progress TimedStages::progress_of(const std::string& node) const {
       options_.cancel);
 }
 
-StageInputs TimedStages::inputs(const Graph& graph, int node) {
-  StageInputs in;
+stages::StageInputs TimedStages::inputs(const pipeline::Graph& graph, int node) {
+  stages::StageInputs in;
   for (const auto& [port, source] : graph.nodes[static_cast<std::size_t>(node)].sources)
     in.by_port[port] = data(graph, source);
   return in;
 }
 
-StageData TimedStages::data(const Graph& graph, int node) {
-  const Node& n = graph.nodes[static_cast<std::size_t>(node)];
+stages::StageData TimedStages::data(const pipeline::Graph& graph, int node) {
+  const pipeline::Node& n = graph.nodes[static_cast<std::size_t>(node)];
   if (const auto held = held_.find(n.key); held != held_.end()) return held->second;
-  StageData data;
+  stages::StageData data;
   if (options_.cache)
     if (auto cached = options_.cache->load_data(n.key, n.output)) data = std::move(*cached);
-  if (std::holds_alternative<std::monostate>(data) && n.output != DataKind::nothing) {
+  if (std::holds_alternative<std::monostate>(data) && n.output != stages::DataKind::nothing) {
     Report ignored;
-    data = compute_node(n, inputs(graph, node), ignored, progress_of(n.name));
+    data = pipeline::compute_node(n, inputs(graph, node), ignored, progress_of(n.name));
   }
   return held_[n.key] = std::move(data);
 }
 
-std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph) {
+std::optional<TimedStages::Refusal> TimedStages::measure(const pipeline::Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    const Node& node = graph.nodes[i];
+    const pipeline::Node& node = graph.nodes[i];
     const Measurement* known = store_.find(node.key);
     if (known && options_.repeats.suffice(*known)) {
       if (!known->refused.empty()) return Refusal{node.name, known->refused};
@@ -179,16 +179,16 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph) {
     for (const auto& [port, source] : node.sources) wanted.insert(graph.nodes[static_cast<std::size_t>(source)].key);
     for (auto held = held_.begin(); held != held_.end();)
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
-    const StageInputs in = inputs(graph, static_cast<int>(i));
+    const stages::StageInputs in = inputs(graph, static_cast<int>(i));
     for (auto held = held_.begin(); held != held_.end();)
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
-    StageData made;
+    stages::StageData made;
     ++measured_;
     const Measurement measured = measure_work(options_.repeats, [&](Report& report, bool) {
       made = {};
-      made = compute_node(node, in, report, progress_of(node.name));
+      made = pipeline::compute_node(node, in, report, progress_of(node.name));
     });
-    if (measured.refused.empty() && options_.cache && node.output != DataKind::nothing)
+    if (measured.refused.empty() && options_.cache && node.output != stages::DataKind::nothing)
       options_.cache->store(node.key, node.output, made, measured.report, measured.median_s());
     held_[node.key] = std::move(made);
     const Measurement& kept = store_.keep(node.key, measured);
@@ -197,4 +197,4 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph) {
   return {};
 }
 
-}  // namespace trephine
+}  // namespace trephine::trade

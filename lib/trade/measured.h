@@ -13,7 +13,7 @@
 #include "pipeline/executor.h"
 #include "pipeline/stage_cache.h"
 
-namespace trephine {
+namespace trephine::trade {
 
 /// What one piece of work gave, and what each of its repeats took.
 struct Measurement {
@@ -60,7 +60,7 @@ class TimedStages {
  public:
   struct Options {
     Repeats repeats;
-    const StageCache* cache = nullptr;
+    const pipeline::StageCache* cache = nullptr;
     const std::atomic<bool>* cancel = nullptr;
     std::function<void(const std::string& node, double fraction)> progress;
   };
@@ -70,22 +70,22 @@ class TimedStages {
   struct Refusal {
     std::string node, why;
   };
-  std::optional<Refusal> measure(const Graph& graph);
+  std::optional<Refusal> measure(const pipeline::Graph& graph);
   /// The node's output: from memory, from the cache, or computed again.
-  StageData data(const Graph& graph, int node);
+  stages::StageData data(const pipeline::Graph& graph, int node);
   /// Drops everything that is held in memory.
   void forget() { held_.clear(); }
   /// How many stages had to be computed since the last call.
   int take_measured_count() { return std::exchange(measured_, 0); }
 
  private:
-  StageInputs inputs(const Graph& graph, int node);
+  stages::StageInputs inputs(const pipeline::Graph& graph, int node);
   Progress progress_of(const std::string& node) const;
 
   MeasurementStore& store_;
   Options options_;
-  std::map<std::string, StageData> held_;  // by key
+  std::map<std::string, stages::StageData> held_;  // by key
   int measured_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::trade

@@ -6,12 +6,12 @@
 #include "config/declared.h"
 #include "config/said.h"
 
-namespace trephine {
+namespace trephine::trade {
 namespace {
 
 /// The declaration of a plan's file (configs/trade/*.yaml).
 struct SweptValues {
-  std::vector<SaidValue> values;
+  std::vector<config::SaidValue> values;
   template <class V>
   static void describe(V& v) {
     v.list(&SweptValues::values, "", "The values that the parameter takes, each as --set takes it.").is_required();
@@ -19,7 +19,7 @@ struct SweptValues {
 };
 
 struct SweepParams {
-  Named<SaidValue> set;
+  Named<config::SaidValue> set;
   Named<SweptValues> values;
   template <class V>
   static void describe(V& v) {
@@ -31,13 +31,13 @@ struct SweepParams {
   }
 };
 
-struct TradeFileParams : VersionParams {
-  Named<SaidValue> finest;
+struct TradeFileParams : config::VersionParams {
+  Named<config::SaidValue> finest;
   Named<SweepParams> sweeps;
   template <class V>
   static void describe(V& v) {
     using P = TradeFileParams;
-    v.template all_of<VersionParams>();
+    v.template all_of<config::VersionParams>();
     v.map(&P::finest, "finest", "Parameters of the result that all others are measured against.");
     v.map(&P::sweeps, "sweeps", "The sweeps by name.").names("name").is_required();
   }
@@ -97,19 +97,20 @@ TradePlan standard_plan(bool haptic) {
 }
 
 TradePlan read_trade_plan(const std::filesystem::path& file) {
-  const YamlNode tree = read_yaml(file);
-  ConfigFaults faults;
+  const config::YamlNode tree = config::read_yaml(file);
+  config::ConfigFaults faults;
   TradeFileParams said;
-  const Places at = read_declared({file, faults, {}, {}}, tree, parameters_of<TradeFileParams>(), &said);
+  const config::Places at =
+      config::read_declared({file, faults, {}, {}}, tree, parameters_of<TradeFileParams>(), &said);
   TradePlan plan;
-  plan.finest = settings_of(said.finest);
+  plan.finest = config::settings_of(said.finest);
   for (const auto& [name, sweep] : said.sweeps) {
     const std::string where = "sweeps." + name;
     if (name == "finest") faults.add(file, at.at(where), where, "is the name of another point");
-    TradeSweep one{name, settings_of(sweep.set), {}};
+    TradeSweep one{name, config::settings_of(sweep.set), {}};
     for (const auto& [path, swept] : sweep.values) {
       SweptParameter parameter{path, {}};
-      for (const SaidValue& value : swept.values) parameter.values.push_back(value.text);
+      for (const config::SaidValue& value : swept.values) parameter.values.push_back(value.text);
       if (parameter.values.empty())
         faults.add(file, at.at(where), where + ".values." + path, "must be a list of values");
       one.values.push_back(std::move(parameter));
@@ -122,4 +123,4 @@ TradePlan read_trade_plan(const std::filesystem::path& file) {
 
 AnyParams trade_file_params() { return AnyParams::make<TradeFileParams>(); }
 
-}  // namespace trephine
+}  // namespace trephine::trade

@@ -6,7 +6,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::trade {
 
 /// A path and the values that its parameter takes, each as --set takes it ("0.3", "[1, 1, 1]").
 struct SweptParameter {
@@ -54,4 +54,4 @@ TradePlan read_trade_plan(const std::filesystem::path& file);
 /// What a plan's file may hold, for its schema.
 AnyParams trade_file_params();
 
-}  // namespace trephine
+}  // namespace trephine::trade

@@ -10,19 +10,19 @@
 #include "base/write_file.h"
 #include "trade/trade.h"
 
-namespace trephine {
+namespace trephine::trade {
 namespace fs = std::filesystem;
 namespace {
 
 struct Axis {
-  TradeCost cost;
+  config::TradeCost cost;
   const char* file;
   const char* label;
   double unit;
 };
-constexpr Axis axes[] = {{TradeCost::seconds, "error_seconds", "seconds, all stages", 1},
-                         {TradeCost::triangles, "error_triangles", "triangles, thousands", 1e3},
-                         {TradeCost::bytes, "error_bytes", "case, MB", 1e6}};
+constexpr Axis axes[] = {{config::TradeCost::seconds, "error_seconds", "seconds, all stages", 1},
+                         {config::TradeCost::triangles, "error_triangles", "triangles, thousands", 1e3},
+                         {config::TradeCost::bytes, "error_bytes", "case, MB", 1e6}};
 
 bool is_plotted(const PointTrade& p) { return p.total.refused.empty() && p.total.deviation_rms_mm > 0; }
 
@@ -56,12 +56,12 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
   };
   const auto choosable = result.choosable();
   std::vector<std::pair<double, double>> front, truth;
-  for (const std::size_t i : pareto_front(choosable, axis.cost, TradeError::rms)) {
+  for (const std::size_t i : config::pareto_front(choosable, axis.cost, config::TradeError::rms)) {
     if (choosable[i].deviation_rms_mm <= 0) continue;
-    front.emplace_back(cost_of(choosable[i], axis.cost) / axis.unit, choosable[i].deviation_rms_mm);
+    front.emplace_back(config::cost_of(choosable[i], axis.cost) / axis.unit, choosable[i].deviation_rms_mm);
     for (const PointTrade& p : result.points)
       if (p.total == choosable[i] && truth_rms_mm(p) > 0)
-        truth.emplace_back(cost_of(p.total, axis.cost) / axis.unit, truth_rms_mm(p));
+        truth.emplace_back(config::cost_of(p.total, axis.cost) / axis.unit, truth_rms_mm(p));
   }
   block("front", front, "with lines lw 2 lc rgb '#444444' title 'Pareto front'");
   block("truth", truth, "with linespoints lw 1.5 dt 2 pt 2 lc rgb '#888888' title 'front, to the truth'");
@@ -72,7 +72,7 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
     for (const PointTrade& p : result.points)
       if (is_plotted(p) && p.planned.sweep == sweeps[s])
         (p.beyond_scene.empty() ? within : beyond)
-            .emplace_back(cost_of(p.total, axis.cost) / axis.unit, p.total.deviation_rms_mm);
+            .emplace_back(config::cost_of(p.total, axis.cost) / axis.unit, p.total.deviation_rms_mm);
     const std::string n = std::to_string(s), colour = colours[s % 8];
     block("within" + n, within,
           fmt::format("with points pt {} lc rgb '{}' title '{}'", filled[s % 8], colour, sweeps[s]));
@@ -138,4 +138,4 @@ void write_trade(const TradeResult& result, const fs::path& out, const std::stri
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::trade

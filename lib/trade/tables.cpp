@@ -12,18 +12,20 @@
 #include "base/text_table.h"
 #include "trade/trade.h"
 
-namespace trephine {
+namespace trephine::trade {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr TradeCost all_costs[] = {TradeCost::seconds, TradeCost::triangles, TradeCost::bytes};
-constexpr TradeError all_errors[] = {TradeError::rms, TradeError::p99, TradeError::max};
+constexpr config::TradeCost all_costs[] = {config::TradeCost::seconds, config::TradeCost::triangles,
+                                           config::TradeCost::bytes};
+constexpr config::TradeError all_errors[] = {config::TradeError::rms, config::TradeError::p99, config::TradeError::max};
 
 // Names of the points on a front, made of the points that may be chosen.
-std::vector<std::string> front_names(const std::vector<TradePoint>& points, TradeCost cost, TradeError error) {
+std::vector<std::string> front_names(const std::vector<config::TradePoint>& points, config::TradeCost cost,
+                                     config::TradeError error) {
   std::vector<std::string> names;
-  for (const std::size_t i : pareto_front(points, cost, error)) names.push_back(points[i].name);
+  for (const std::size_t i : config::pareto_front(points, cost, error)) names.push_back(points[i].name);
   return names;
 }
 
@@ -99,7 +101,7 @@ std::string trade_csv(const TradeResult& result) {
   for (const std::string& s : steps) text += "," + s + "_s";
   text += '\n';
   const auto choosable = result.choosable();
-  const auto front = front_names(choosable, TradeCost::seconds, TradeError::rms);
+  const auto front = front_names(choosable, config::TradeCost::seconds, config::TradeError::rms);
   const auto is_on_front = [&](const std::string& name) {
     return std::find(front.begin(), front.end(), name) != front.end();
   };
@@ -116,7 +118,7 @@ std::string trade_csv(const TradeResult& result) {
     }
     double spread_s = 0;
     for (const StageTrade& s : p.stages) spread_s += s.spread_s;
-    const TradePoint& t = p.total;
+    const config::TradePoint& t = p.total;
     text += head + "case" + tail +
             fmt::format(",{},{},{},{},{},,,{},{},{},,,,,,,,,,,", number(t.seconds), number(spread_s),
                         number(t.peak_memory_mb), t.triangles_count, t.bytes, number(t.deviation_rms_mm),
@@ -161,21 +163,22 @@ std::string trade_csv(const TradeResult& result) {
 
 std::string trade_json(const TradeResult& result, const std::string& program_version) {
   Json json;
-  json["format"] = trade_format;
-  json["version"] = trade_format_version;
+  json["format"] = config::trade_format;
+  json["version"] = config::trade_format_version;
   json["program"] = "trephine " + program_version;
   json["threads_count"] = thread_count();
   const auto choosable = result.choosable();
   // Only points that may be chosen; the others stand in details alone.
-  json["points"] = Json::parse(trade_points_json(choosable));
-  for (const TradeCost cost : all_costs)
-    for (const TradeError error : all_errors)
-      json["fronts"][std::string(to_text(cost)) + "_" + to_text(error)] = front_names(choosable, cost, error);
+  json["points"] = Json::parse(config::trade_points_json(choosable));
+  for (const config::TradeCost cost : all_costs)
+    for (const config::TradeError error : all_errors)
+      json["fronts"][std::string(config::to_text(cost)) + "_" + config::to_text(error)] =
+          front_names(choosable, cost, error);
   if (!choosable.empty())
-    for (const std::string& profile : profile_names) try {
-        TradeRule rule;
+    for (const std::string& profile : config::profile_names) try {
+        config::TradeRule rule;
         rule.profile = profile;
-        json["profiles"][profile] = choose(choosable, rule).point.name;
+        json["profiles"][profile] = config::choose(choosable, rule).point.name;
       } catch (const Error&) {  // there is no point but the finest
       }
   json["details"] = Json::array();
@@ -191,12 +194,12 @@ std::string trade_table(const TradeResult& result) {
   const auto choosable = result.choosable();
   std::vector<std::vector<std::string>> rows = {
       {"point", "s", "MB peak", "triangles", "MB", "RMS mm", "p99 mm", "max mm", "truth RMS mm", "", ""}};
-  const auto front = front_names(choosable, TradeCost::seconds, TradeError::rms);
+  const auto front = front_names(choosable, config::TradeCost::seconds, config::TradeError::rms);
   std::map<std::string, std::string> profile_of;
-  for (const std::string& profile : profile_names) try {
-      TradeRule rule;
+  for (const std::string& profile : config::profile_names) try {
+      config::TradeRule rule;
       rule.profile = profile;
-      std::string& names = profile_of[choose(choosable, rule).point.name];
+      std::string& names = profile_of[config::choose(choosable, rule).point.name];
       names += (names.empty() ? "" : ", ") + profile;
     } catch (const Error&) {  // there is no point but the finest
     }
@@ -226,4 +229,4 @@ std::string trade_table(const TradeResult& result) {
   return text;
 }
 
-}  // namespace trephine
+}  // namespace trephine::trade

@@ -20,7 +20,7 @@
 #include "trade/measured.h"
 #include "voxel/mismatch.h"
 
-namespace trephine {
+namespace trephine::trade {
 namespace fs = std::filesystem;
 namespace {
 
@@ -42,9 +42,9 @@ TradeDeviation deviation_in(const Report& report) {
 // A point as it is run: without the scene's limits.
 struct Prepared {
   PlannedPoint planned;
-  CaseConfig config;
-  std::vector<SceneAnatomy> limits;
-  Graph graph;
+  config::CaseConfig config;
+  std::vector<config::SceneAnatomy> limits;
+  pipeline::Graph graph;
   std::string input_sha256;
 };
 
@@ -62,7 +62,7 @@ class Sweep {
   }
 
   TradeResult run() {
-    const CaseConfig plain = read({});
+    const config::CaseConfig plain = read({});
     const TradePlan plan = request_.plan.empty() ? standard_plan(plain.haptic.wanted) : read_trade_plan(request_.plan);
     // All points are prepared before the first is computed, so that a fault in the last one's settings is reported now.
     for (PlannedPoint& p : points_of(plan)) prepared_.push_back(prepare(std::move(p)));
@@ -91,12 +91,12 @@ class Sweep {
   }
   static void cancel_check() { Progress({}, &cancel_requested()).check(); }
 
-  CaseConfig read(const std::vector<std::string>& settings) const {
-    ConfigOverrides overrides = request_.overrides;
+  config::CaseConfig read(const std::vector<std::string>& settings) const {
+    config::ConfigOverrides overrides = request_.overrides;
     overrides.without_rule = true;
     // Settings on the command line hold for every point; a swept path wins over them.
     overrides.set.insert(overrides.set.end(), settings.begin(), settings.end());
-    CaseConfig config = read_case_config(request_.config, overrides);
+    config::CaseConfig config = config::read_case_config(request_.config, overrides);
     if (config.series.empty())
       throw Error(ExitCode::usage, request_.config.string(), "series",
                   "the configuration names none, give --series FOLDER");
@@ -107,45 +107,48 @@ class Sweep {
     Prepared p;
     p.config = with_field("point " + planned.name, [&] { return read(planned.settings); });
     p.planned = std::move(planned);
-    require_face_policy(p.config);
+    publish::require_face_policy(p.config);
     p.limits = p.config.scene;
-    for (SceneAnatomy& a : p.config.scene) a.max_deviation_mm = 0, a.max_triangles = 0;
+    for (config::SceneAnatomy& a : p.config.scene) a.max_deviation_mm = 0, a.max_triangles = 0;
     p.config.trade = {};
     if (p.config.case_token.empty()) p.config.case_token = "trade";
     p.input_sha256 = input_hash({p.config.series, p.config.import});
-    p.graph = make_graph(p.config, p.input_sha256,
-                         [this](const std::string&, const SeriesChoice& scan) { return input_hash(scan); });
-    require_allowed(p.graph, request_.params.allow_external);
+    p.graph =
+        pipeline::make_graph(p.config, p.input_sha256,
+                             [this](const std::string&, const dicom::SeriesChoice& scan) { return input_hash(scan); });
+    pipeline::require_allowed(p.graph, request_.params.allow_external);
     check_patients(p);
     return p;
   }
 
   // Names a choice of series, whatever its files hold.
-  static std::string key_of(const SeriesChoice& series) {
+  static std::string key_of(const dicom::SeriesChoice& series) {
     Sha256 hash;
     hash.text(series.folder_or_file.string());
-    const AnyParams import = AnyParams::make<ImportParams>(series.params);
+    const AnyParams import = AnyParams::make<dicom::ImportParams>(series.params);
     for (const Parameter& p : import.set->parameters) hash.text(to_text(import.get(p)));
     return hash.hex();
   }
 
-  std::string input_hash(const SeriesChoice& series) {
+  std::string input_hash(const dicom::SeriesChoice& series) {
     std::string& known = input_hashes_[key_of(series)];
     if (known.empty())
-      known = hash_of_series_input(series.folder_or_file, series.params, Progress({}, &cancel_requested()));
+      known = dicom::hash_of_series_input(series.folder_or_file, series.params, Progress({}, &cancel_requested()));
     return known;
   }
 
   // Points rarely differ in their scans, so each set of them is looked at once.
   void check_patients(const Prepared& p) {
-    const std::vector<std::string> scans = names_of_scans(p.graph);
+    const std::vector<std::string> scans = publish::names_of_scans(p.graph);
     std::string which = key_of({p.config.series, p.config.import});
     for (const std::string& name : scans) {
-      const CaseScan& s = *p.config.find_scan(name);
-      which += '\n' + name + '\n' + key_of({s.series, s.import.as<ImportParams>()}) + '\n' + s.same_patient_reason;
+      const config::CaseScan& s = *p.config.find_scan(name);
+      which +=
+          '\n' + name + '\n' + key_of({s.series, s.import.as<dicom::ImportParams>()}) + '\n' + s.same_patient_reason;
     }
     if (!patients_checked_.insert(which).second) return;
-    for (const std::string& w : require_one_patient(p.config, scans, Progress({}, &cancel_requested()))) log_warning(w);
+    for (const std::string& w : publish::require_one_patient(p.config, scans, Progress({}, &cancel_requested())))
+      log_warning(w);
   }
 
   PointTrade measure(const Prepared& p) {
@@ -160,9 +163,9 @@ class Sweep {
       out.total.refused = refusal->node + ": " + refusal->why;
       return out;
     }
-    require_modalities(p.config, p.graph,
-                       [&](int node) -> const Report& { return store_.find(key_of(p, node))->report; });
-    for (const Node& node : p.graph.nodes) add_stage(out, node.name, *store_.find(node.key));
+    publish::require_modalities(p.config, p.graph,
+                                [&](int node) -> const Report& { return store_.find(key_of(p, node))->report; });
+    for (const pipeline::Node& node : p.graph.nodes) add_stage(out, node.name, *store_.find(node.key));
     const Measurement& published = publish(p);
     if (!published.refused.empty()) {
       out.total.refused = published.refused;
@@ -172,7 +175,7 @@ class Sweep {
     out.total.bytes = static_cast<std::int64_t>(number_of(published.report, "bytes"));
     for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, published.report, out);
     if (p.config.haptic.wanted)
-      for (const SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
+      for (const config::SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
     return out;
   }
 
@@ -184,7 +187,7 @@ class Sweep {
 
   // Makes and checks the case's files without writing them.
   const Measurement& publish(const Prepared& p) {
-    const std::vector<int> wanted = wanted_nodes(p.graph, false);
+    const std::vector<int> wanted = publish::wanted_nodes(p.graph, false);
     Sha256 hash;
     hash.text("trade publish").integer(comparison_version);
     for (const int node : wanted) hash.text(p.graph.nodes[std::size_t(node)].key);
@@ -192,17 +195,17 @@ class Sweep {
     if (const Measurement* known = store_.find(key); known && repeats_.suffice(*known)) return *known;
     tell("publish", 0);
     ++measured_;
-    std::vector<NodeResult> results(p.graph.nodes.size());
+    std::vector<pipeline::NodeResult> results(p.graph.nodes.size());
     for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
     for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node);
     return store_.keep(key, measure_work(repeats_, [&](Report& report, bool) {
-                         const CaseContent content = make_case_content(
+                         const publish::CaseContent content = publish::make_case_content(
                              p.config, p.graph, results, "trephine " + request_.program_version, p.input_sha256, false,
                              Progress([this](double done) { tell("publish", done); }, &cancel_requested()));
                          std::size_t bytes = 0;
-                         for (const CaseContent::File& f : content.files) bytes += f.bytes.size();
+                         for (const publish::CaseContent::File& f : content.files) bytes += f.bytes.size();
                          report.add("bytes", bytes);
-                         for (const AnatomyResult& a : content.anatomies) {
+                         for (const publish::AnatomyResult& a : content.anatomies) {
                            report.add(a.name + ".triangles", a.triangles_after);
                            report.add(a.name + ".bytes", static_cast<std::int64_t>(a.bytes_after));
                            report.add(a.name + ".volume_ml", a.volume_ml);
@@ -226,13 +229,13 @@ class Sweep {
     return store_.keep(key, std::move(m)).report;
   }
 
-  TriMesh mesh(const Prepared& p, int node) {
-    return *std::get<std::shared_ptr<const TriMesh>>(stages_.data(p.graph, node));
+  surface::TriMesh mesh(const Prepared& p, int node) {
+    return *std::get<std::shared_ptr<const surface::TriMesh>>(stages_.data(p.graph, node));
   }
   static const std::string& key_of(const Prepared& p, int node) { return p.graph.nodes[std::size_t(node)].key; }
 
   void add_anatomy(const Prepared& p, std::size_t index, const Report& published, PointTrade& out) {
-    const Graph::Anatomy& nodes = p.graph.anatomies[index];
+    const pipeline::Graph::Anatomy& nodes = p.graph.anatomies[index];
     const Prepared& finest = prepared_[0];
     const int reference = finest.graph.anatomies[index].surface;
     AnatomyTrade a;
@@ -240,12 +243,13 @@ class Sweep {
     a.triangles_count = static_cast<std::int64_t>(number_of(published, a.name + ".triangles"));
     a.bytes = static_cast<std::int64_t>(number_of(published, a.name + ".bytes"));
     a.volume_ml = number_of(published, a.name + ".volume_ml");
-    DeviationParams params;
+    metrics::DeviationParams params;
     params.sample_count = request_.params.sample_count;
     if (key_of(p, nodes.surface) != key_of(finest, reference))
       a.to_finest = deviation_in(
           compared("deviation", {key_of(p, nodes.surface), key_of(finest, reference)}, [&](Report& report) {
-            add_deviation(report, measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
+            metrics::add_deviation(report,
+                                   metrics::measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
           }));
     if (truth_) add_truth(p, nodes, a);
     if (const int mismatch = p.graph.find("haptic.mismatch"); mismatch >= 0) {
@@ -256,7 +260,7 @@ class Sweep {
     out.total.deviation_max_mm = std::max(out.total.deviation_max_mm, a.to_finest.max_mm);
     out.total.deviation_p99_mm = std::max(out.total.deviation_p99_mm, a.to_finest.p99_mm);
     out.total.deviation_rms_mm = std::max(out.total.deviation_rms_mm, a.to_finest.rms_mm);
-    const SceneAnatomy& limit = p.limits[index];
+    const config::SceneAnatomy& limit = p.limits[index];
     if (out.beyond_scene.empty() && limit.max_triangles > 0 && a.triangles_count > limit.max_triangles)
       out.beyond_scene = a.name + ": " + std::to_string(a.triangles_count) + " triangles, the scene allows " +
                          std::to_string(limit.max_triangles);
@@ -276,46 +280,47 @@ class Sweep {
     return nullptr;
   }
 
-  void add_truth(const Prepared& p, const Graph::Anatomy& nodes, AnatomyTrade& out) {
+  void add_truth(const Prepared& p, const pipeline::Graph::Anatomy& nodes, AnatomyTrade& out) {
     const bool known = std::any_of(phantom::all_anatomies.begin(), phantom::all_anatomies.end(),
                                    [&](phantom::Anatomy a) { return out.name == phantom::name_of(a); });
     if (!known) return;
     if (truth_sha256_.empty()) truth_sha256_ = sha256_of_file(request_.truth);
-    MeasureParams params;
+    metrics::MeasureParams params;
     params.sample_count = request_.params.sample_count;
     params.validity = false;
     out.to_truth =
         deviation_in(compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&](Report& report) {
           report = phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params);
         }));
-    const Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
+    const pipeline::Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
     const int field = contour.sources.begin()->second;
-    if (p.graph.nodes[std::size_t(field)].output != DataKind::field) return;
-    out.dice_ratio = number_of(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
-                                        [&](Report& report) {
-                                          report = phantom::measure_against_truth(
-                                              *std::get<std::shared_ptr<const Field>>(stages_.data(p.graph, field)),
-                                              *truth_of(out.name), params.sample_count);
-                                        }),
-                               "dice_ratio");
+    if (p.graph.nodes[std::size_t(field)].output != stages::DataKind::field) return;
+    out.dice_ratio =
+        number_of(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
+                           [&](Report& report) {
+                             report = phantom::measure_against_truth(
+                                 *std::get<std::shared_ptr<const grid::Field>>(stages_.data(p.graph, field)),
+                                 *truth_of(out.name), params.sample_count);
+                           }),
+                  "dice_ratio");
   }
 
   void add_shape(const Prepared& p, const std::string& name, PointTrade& out) {
     const Prepared& finest = prepared_[0];
-    const int haptic = p.graph.result(DataKind::haptic);
-    const auto& sources = finest.graph.nodes[std::size_t(finest.graph.result(DataKind::haptic))].sources;
+    const int haptic = p.graph.result(stages::DataKind::haptic);
+    const auto& sources = finest.graph.nodes[std::size_t(finest.graph.result(stages::DataKind::haptic))].sources;
     const auto contour = sources.find("shape." + name);
     if (contour == sources.end()) return;  // the volume holds raw HU
     const Report& report =
         compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
-          const auto felt_in = std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, haptic));
-          const TriMesh surface = mesh(finest, contour->second);
-          for (const FeltSurface felt : {FeltSurface::sub_voxel, FeltSurface::nearest}) {
-            MismatchParams params;
+          const auto felt_in = std::get<std::shared_ptr<const voxel::HapticVolume>>(stages_.data(p.graph, haptic));
+          const surface::TriMesh surface = mesh(finest, contour->second);
+          for (const voxel::FeltSurface felt : {voxel::FeltSurface::sub_voxel, voxel::FeltSurface::nearest}) {
+            voxel::MismatchParams params;
             params.sample_count = request_.params.sample_count;
             params.felt = felt;
-            const Mismatch m = measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
-            const std::string prefix = felt == FeltSurface::nearest ? "nearest_" : "sub_voxel_";
+            const voxel::Mismatch m = voxel::measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
+            const std::string prefix = felt == voxel::FeltSurface::nearest ? "nearest_" : "sub_voxel_";
             r.add(prefix + "rms_mm", m.rms_mm);
             r.add(prefix + "p99_mm", m.p99_mm);
             r.add(prefix + "missed_ratio", m.missed_ratio);
@@ -335,7 +340,7 @@ class Sweep {
   const TradeRequest& request_;
   const TradeObserver& observer_;
   MeasurementStore store_;
-  StageCache cache_;
+  pipeline::StageCache cache_;
   Repeats repeats_;
   TimedStages stages_;
   std::optional<phantom::Truth> truth_;
@@ -350,8 +355,8 @@ class Sweep {
 
 }  // namespace
 
-std::vector<TradePoint> TradeResult::choosable() const {
-  std::vector<TradePoint> all;
+std::vector<config::TradePoint> TradeResult::choosable() const {
+  std::vector<config::TradePoint> all;
   for (const PointTrade& p : points)
     if (p.total.refused.empty() && p.beyond_scene.empty()) all.push_back(p.total);
   return all;
@@ -363,4 +368,4 @@ TradeResult measure_trade(const TradeRequest& request, const TradeObserver& obse
   return Sweep(request, observer).run();
 }
 
-}  // namespace trephine
+}  // namespace trephine::trade

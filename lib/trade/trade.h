@@ -12,7 +12,7 @@
 #include "config/trade_front.h"
 #include "trade/plan.h"
 
-namespace trephine {
+namespace trephine::trade {
 
 struct TradeParams {
   int repeats_count = 3;
@@ -42,7 +42,7 @@ struct TradeRequest {
   std::filesystem::path plan;   ///< empty: standard_plan
   std::filesystem::path out;    ///< folder of the results, and in .trade/ of what a stopped sweep needs to continue
   std::filesystem::path truth;  ///< truth.json of a phantom; empty: there is none
-  ConfigOverrides overrides;
+  config::ConfigOverrides overrides;
   TradeParams params;
   std::string program_version;
 };
@@ -79,7 +79,7 @@ struct StageTrade {
 
 struct PointTrade {
   PlannedPoint planned;
-  TradePoint total;
+  config::TradePoint total;
   std::string beyond_scene;  ///< the limit of the scene that it exceeds; such a point is measured but never chosen
   std::vector<StageTrade> stages;
   std::vector<AnatomyTrade> anatomies;
@@ -91,7 +91,7 @@ struct TradeResult {
   bool has_truth = false;
   int measured_count = 0;  ///< stages, files and comparisons that were not known yet
   /// The points that may be chosen: neither refused nor beyond the scene's limits.
-  std::vector<TradePoint> choosable() const;
+  std::vector<config::TradePoint> choosable() const;
 };
 
 /// Called with the point and the count of points, the current work and how far it is.
@@ -121,4 +121,4 @@ std::string trade_table(const TradeResult& result);
 /// cannot be run they are left out with a warning. Files that would not change are left as they are.
 void write_trade(const TradeResult& result, const std::filesystem::path& out, const std::string& program_version);
 
-}  // namespace trephine
+}  // namespace trephine::trade

@@ -13,13 +13,12 @@
 #include "mask/hu_view.h"
 #include "trunk/canal_parts.h"
 
-namespace trephine {
-namespace segmentation {
+namespace trephine::trunk {
 namespace {
 
 /// The box around the canal's slices, in the bone's indices: one slice more at ends that lie inside.
-Box box_of(const CanalCourse& course, const CanalWall& wall, const Lattice& l) {
-  Box box;
+grid::Box box_of(const CanalCourse& course, const CanalWall& wall, const grid::Lattice& l) {
+  grid::Box box;
   box.begin = {l.size[0], l.size[1], course.first_slice};
   box.end = {0, 0, course.first_slice + int(course.points.size())};
   for (std::size_t s = 0; s < course.points.size(); ++s) {
@@ -31,12 +30,13 @@ Box box_of(const CanalCourse& course, const CanalWall& wall, const Lattice& l) {
       box.end[a] = std::max(box.end[a], int(centre[a] + most / l.spacing_mm[a]) + 2);
     }
   }
-  return grown(box, 2, l);
+  return grid::grown(box, 2, l);
 }
 
 /// The wall's distance minus the point's, in its slice; beyond the ends negative, so that it is closed half a slice on.
-Field inside_wall(const CanalCourse& course, const CanalWall& wall, const Lattice& l, const Box& box) {
-  Field field(cropped(l, box));
+grid::Field inside_wall(const CanalCourse& course, const CanalWall& wall, const grid::Lattice& l,
+                        const grid::Box& box) {
+  grid::Field field(grid::cropped(l, box));
   const int slices = int(course.points.size());
   parallel_for(0, field.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k) {
@@ -56,11 +56,11 @@ Field inside_wall(const CanalCourse& course, const CanalWall& wall, const Lattic
   return field;
 }
 
-void report_figures(const HuView& hu, const Box& place, const Field& field, const CanalCourse& course,
+void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::Field& field, const CanalCourse& course,
                     const CanalWall& wall, Report& report) {
   const std::size_t slices = course.points.size();
   std::vector<float> areas, content;
-  double least = 0, least_z = 0, walled = 0;
+  double least = 0, min_z = 0, walled = 0;
   for (std::size_t s = 0; s < slices; ++s) {
     const double area = wall.area_mm2(s);
     areas.push_back(float(area));
@@ -68,17 +68,17 @@ void report_figures(const HuView& hu, const Box& place, const Field& field, cons
     if (wall.walled_ratio(s) < 0.5 || (least > 0 && area >= least)) continue;
     least = area;
     const double k = double(s) + course.first_slice + place.begin[2];
-    least_z = hu.lattice().to_world_mm({course.points[s].i + place.begin[0], course.points[s].j + place.begin[1], k}).z;
+    min_z = hu.lattice().to_world_mm({course.points[s].i + place.begin[0], course.points[s].j + place.begin[1], k}).z;
   }
-  const Box at = place_in(field, hu.lattice());
+  const grid::Box at = grid::place_in(field, hu.lattice());
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i)
         if (field.at(i, j, k) > 2) content.push_back(hu(i + at.begin[0], j + at.begin[1], k + at.begin[2]));
-  const double middle = median(areas, 0), tissue = median(content, 0);
+  const double middle = mask::median(areas, 0), tissue = mask::median(content, 0);
   report.add("area_median_mm2", middle);
   report.add("area_least_mm2", least);
-  report.add("area_least_z_mm", least_z);
+  report.add("area_least_z_mm", min_z);
   report.add("walled_ratio", walled);
   report.add("tissue_hu", tissue);
   if (middle < 80 || middle > 700)
@@ -88,20 +88,18 @@ void report_figures(const HuView& hu, const Box& place, const Field& field, cons
 }
 
 }  // namespace
-}  // namespace segmentation
 
-Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& params, Report& report,
-                 const Progress& progress) {
-  using namespace segmentation;
-  const HuView hu(volume);
-  const Lattice& l = bone;
+grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, const CanalParams& params, Report& report,
+                       const Progress& progress) {
+  const mask::HuView hu(volume);
+  const grid::Lattice& l = bone;
   if (std::abs(l.direction.column[2].z) < 0.7)
     throw refusal("canal", "the volume's slices are not axial", {"take the axial series (`import --list` shows all)"});
-  const Box place = place_in(bone, hu.lattice());
+  const grid::Box place = grid::place_in(bone, hu.lattice());
   for (int a = 0; a < 3; ++a)
     if (place.begin[a] < 0 || place.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "bone", "the field reaches beyond the volume");
-  const BitMask mask = positive(bone, bone);
+  const mask::BitMask mask = mask::positive(bone, bone);
   if (!mask.any())
     throw refusal("bone", fmt::format("the mask is empty: 0 of {} voxels", l.count()),
                   {"lower `lower_hu` of its `segment`"});
@@ -126,24 +124,24 @@ Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& p
         {"lower `lower_hu` of the bone's `segment`, or lower `min_walled_ratio`"});
   progress.report(0.7);
 
-  const Box box = box_of(course, wall, l);
-  Field field = inside_wall(course, wall, l, box);
-  const Field inside_bone = signed_distance_mm(crop(bone, box), progress);
+  const grid::Box box = box_of(course, wall, l);
+  grid::Field field = inside_wall(course, wall, l, box);
+  const grid::Field inside_bone = mask::signed_distance_mm(grid::crop(bone, box), progress);
   for (std::size_t v = 0; v < field.count(); ++v) {
     float& f = field.voxels[v];
     f = std::min(f, -inside_bone.voxels[v] - float(params.gap_mm));
     if (std::abs(f) < 1e-3f) f = f > 0 ? 1e-3f : -1e-3f;
   }
-  const BitMask whole = positive(field, field), kept = largest(components(whole));
+  const mask::BitMask whole = mask::positive(field, field), kept = mask::largest(mask::components(whole));
   for (int k = 0; k < field.size[2]; ++k)
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i)
         if (whole.get(i, j, k) && !kept.get(i, j, k)) field.at(i, j, k) = -1e-3f;
   report.add("length_mm", length_mm);
-  check_mask(kept, hu.lattice().count(), report);
+  mask::check_mask(kept, hu.lattice().count(), report);
   report_figures(hu, place, field, course, wall, report);
   progress.report(1);
-  return crop(field, grown(kept.bounds(), 2, field));
+  return grid::crop(field, grid::grown(kept.bounds(), 2, field));
 }
 
-}  // namespace trephine
+}  // namespace trephine::trunk

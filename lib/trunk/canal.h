@@ -5,7 +5,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::trunk {
 
 struct CanalParams {
   double max_radius_mm = 18;
@@ -50,7 +50,7 @@ struct CanalParams {
 /// half of the wall is bone; 0 where there are none), walled_ratio, tissue_hu. Warns where area or content are not
 /// those of a canal. The result has the same bits whatever the thread count. Throws Error 65 where a raster differs; 80
 /// where the bone is empty, no such space is found, or it is shorter or less walled than required; Cancelled.
-Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& params, Report& report,
-                 const Progress& progress = {});
+grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, const CanalParams& params, Report& report,
+                       const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::trunk

@@ -8,13 +8,13 @@
 #include "mask/filters.h"
 #include "trunk/canal_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double coarse_mm = 1.5;
-constexpr double least_clearance_mm = 2.5;  ///< from bone, at the canal's middle
-constexpr double steepest = 1.5;            ///< how many mm the course may go sidewards for each mm along the canal
-constexpr double sideward_cost = 0.05;      ///< in enclosure times mm, for each mm that it goes sidewards
+constexpr double min_clearance_mm = 2.5;  ///< from bone, at the canal's middle
+constexpr double steepest = 1.5;          ///< how many mm the course may go sidewards for each mm along the canal
+constexpr double sideward_cost = 0.05;    ///< in enclosure times mm, for each mm that it goes sidewards
 constexpr int rays = 24;
 
 struct Ray {
@@ -28,10 +28,10 @@ std::array<Ray, rays> directions() {
 }
 
 /// The share of directions in the slice in which bone stands within reach_mm. Steps as far as bone is away.
-double enclosure(const BitMask& bone, const Grid<float>& to_bone, int i, int j, int k, double reach_mm,
+double enclosure(const mask::BitMask& bone, const grid::Grid<float>& to_bone, int i, int j, int k, double reach_mm,
                  const std::array<Ray, rays>& direction) {
   const Vec3 sp = to_bone.spacing_mm;
-  const double least_step = 0.7 * std::min(sp.x, sp.y);
+  const double min_step = 0.7 * std::min(sp.x, sp.y);
   int met = 0;
   for (const Ray& d : direction) {
     double t = to_bone.at(i, j, k);
@@ -42,7 +42,7 @@ double enclosure(const BitMask& bone, const Grid<float>& to_bone, int i, int j, 
         ++met;
         break;
       }
-      t += std::max(least_step, double(to_bone.at(x, y, k)) - least_step);
+      t += std::max(min_step, double(to_bone.at(x, y, k)) - min_step);
     }
   }
   return double(met) / rays;
@@ -51,9 +51,9 @@ double enclosure(const BitMask& bone, const Grid<float>& to_bone, int i, int j, 
 constexpr float forbidden = -1;
 
 /// The enclosure of each cell's middle; `forbidden` within bone, close to it, and far from any bone.
-Grid<float> enclosures(const BitMask& bone, const CanalParams& p, const Progress& progress) {
-  const Grid<float> to_bone = distance_mm(bone, progress);
-  Grid<float> out(bone.lattice(), forbidden);
+grid::Grid<float> enclosures(const mask::BitMask& bone, const CanalParams& p, const Progress& progress) {
+  const grid::Grid<float> to_bone = mask::distance_mm(bone, progress);
+  grid::Grid<float> out(bone.lattice(), forbidden);
   const auto direction = directions();
   parallel_for(0, out.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -61,7 +61,7 @@ Grid<float> enclosures(const BitMask& bone, const CanalParams& p, const Progress
       for (int j = 0; j < out.size[1]; ++j)
         for (int i = 0; i < out.size[0]; ++i) {
           const float d = to_bone.at(i, j, k);
-          if (d < least_clearance_mm || d > p.max_radius_mm) continue;
+          if (d < min_clearance_mm || d > p.max_radius_mm) continue;
           out.at(i, j, k) = float(enclosure(bone, to_bone, i, j, k, p.max_radius_mm, direction));
         }
   });
@@ -74,7 +74,7 @@ struct Step {
 };
 
 /// The chain of cells with the largest sum of (enclosure - least) times mm.
-std::vector<std::array<int, 3>> best_chain(const Grid<float>& enclosed, double least, const Progress& progress) {
+std::vector<std::array<int, 3>> best_chain(const grid::Grid<float>& enclosed, double least, const Progress& progress) {
   const int nx = enclosed.size[0], ny = enclosed.size[1], nz = enclosed.size[2];
   const Vec3 sp = enclosed.spacing_mm;
   const int wi = int(steepest * sp.z / sp.x + 0.999), wj = int(steepest * sp.z / sp.y + 0.999);
@@ -126,9 +126,9 @@ std::vector<std::array<int, 3>> best_chain(const Grid<float>& enclosed, double l
 
 }  // namespace
 
-CanalCourse canal_course(const BitMask& bone, const CanalParams& params, const Progress& progress) {
-  const CoarseRaster c = coarse_raster(bone.lattice(), coarse_mm);
-  const Grid<float> enclosed = enclosures(coarse_mask(bone, c, 0), params, progress);
+CanalCourse canal_course(const mask::BitMask& bone, const CanalParams& params, const Progress& progress) {
+  const mask::CoarseRaster c = mask::coarse_raster(bone.lattice(), coarse_mm);
+  const grid::Grid<float> enclosed = enclosures(mask::coarse_mask(bone, c, 0), params, progress);
   const auto chain = best_chain(enclosed, params.min_enclosure_ratio, progress);
   CanalCourse course;
   if (chain.empty()) return course;
@@ -149,4 +149,4 @@ CanalCourse canal_course(const BitMask& bone, const CanalParams& params, const P
   return course;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -7,7 +7,7 @@
 #include "mask/bits.h"
 #include "trunk/canal.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 
 /// The middle of the canal in one slice, in continuous indices of the bone's lattice.
 struct CanalPoint {
@@ -19,7 +19,7 @@ struct CanalCourse {
   int first_slice = 0;
   std::vector<CanalPoint> points;
 };
-CanalCourse canal_course(const BitMask& bone, const CanalParams& params, const Progress& progress);
+CanalCourse canal_course(const mask::BitMask& bone, const CanalParams& params, const Progress& progress);
 
 /// The wall as the distance from the course's point, in the slice, for each slice and `directions` angles.
 struct CanalWall {
@@ -32,6 +32,6 @@ struct CanalWall {
   double at(std::size_t slice, double angle) const;
 };
 /// Finds the wall and moves the course into its middle.
-CanalWall canal_wall(const Field& bone, CanalCourse& course, const CanalParams& params, const Progress& progress);
+CanalWall canal_wall(const grid::Field& bone, CanalCourse& course, const CanalParams& params, const Progress& progress);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -7,7 +7,7 @@
 #include "mask/filters.h"
 #include "trunk/canal_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr int n = CanalWall::directions;
@@ -33,7 +33,7 @@ const std::array<Direction, n>& directions() {
 }
 
 /// The distance at which the ray enters bone; `none` where it does not within reach.
-float hit_mm(const Field& bone, int k, CanalPoint from, Direction d, double reach_mm) {
+float hit_mm(const grid::Field& bone, int k, CanalPoint from, Direction d, double reach_mm) {
   const Vec3 sp = bone.spacing_mm;
   const double step = 0.5 * std::min(sp.x, sp.y);
   const auto value = [&](double t, float& v) {
@@ -60,7 +60,7 @@ float hit_mm(const Field& bone, int k, CanalPoint from, Direction d, double reac
 /// The median of those of `radii` that are known.
 float middle(std::vector<float> radii, float otherwise) {
   radii.erase(std::remove(radii.begin(), radii.end(), none), radii.end());
-  return median(radii, otherwise);
+  return mask::median(radii, otherwise);
 }
 
 /// The membrane through the hits: minimal sum of squared slopes, in mm over mm, and of distances to the hits that are
@@ -91,7 +91,7 @@ bool beside_gap(const std::vector<char>& near, std::size_t v, double dz_mm) {
   return false;
 }
 
-CanalWall wall_of(const Field& bone, const CanalCourse& course, const CanalParams& p, const Progress& progress) {
+CanalWall wall_of(const grid::Field& bone, const CanalCourse& course, const CanalParams& p, const Progress& progress) {
   const int slices = int(course.points.size());
   std::vector<float> hits(std::size_t(slices) * n);
   parallel_for(0, slices, 4, [&](std::int64_t from, std::int64_t to) {
@@ -131,7 +131,7 @@ CanalWall wall_of(const Field& bone, const CanalCourse& course, const CanalParam
 }
 
 /// The points moved to the middle of their cross-sections, and smoothed along the canal.
-void centre(CanalCourse& course, const CanalWall& wall, const Lattice& l) {
+void centre(CanalCourse& course, const CanalWall& wall, const grid::Lattice& l) {
   const int slices = int(course.points.size());
   std::vector<CanalPoint> moved = course.points;
   for (int s = 0; s < slices; ++s) {
@@ -184,9 +184,10 @@ double CanalWall::at(std::size_t slice, double angle) const {
   return from + (a - low) * (to - from);
 }
 
-CanalWall canal_wall(const Field& bone, CanalCourse& course, const CanalParams& params, const Progress& progress) {
+CanalWall canal_wall(const grid::Field& bone, CanalCourse& course, const CanalParams& params,
+                     const Progress& progress) {
   for (int round = 0; round < rounds; ++round) centre(course, wall_of(bone, course, params, progress), bone);
   return wall_of(bone, course, params, progress);
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -13,19 +13,18 @@
 #include "mask/surface_field.h"
 #include "trunk/clavicle_parts.h"
 
-namespace trephine {
-namespace segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double joint_reach_mm = 20;  ///< beyond a chain's ends its bone may go on so far
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 100;
 
-BitMask bone_mask(const Field& bone) {
+mask::BitMask bone_mask(const grid::Field& bone) {
   if (std::abs(bone.direction.column[0].x) < 0.7 || std::abs(bone.direction.column[2].z) < 0.7)
     throw refusal("clavicle", "the volume's slices are not axial",
                   {"take the axial series (`import --list` shows all)"});
-  BitMask mask = positive(bone, bone);
+  mask::BitMask mask = mask::positive(bone, bone);
   if (!mask.any())
     throw refusal("bone", fmt::format("the mask is empty: 0 of {} voxels", bone.count()),
                   {"lower `lower_hu` of its `segment`"});
@@ -36,15 +35,15 @@ const char* name_of(BodySide side) { return side == BodySide::right ? "right" : 
 
 bool wanted(BodySide side, BodySide found) { return side == BodySide::both || side == found; }
 
-std::vector<BlobChain> chains_of(const BitMask& bone, const ClavicleParams& p, const Progress& progress) {
-  const BitMask core = p.core_mm > 0 ? eroded(bone, p.core_mm, progress) : bone;
+std::vector<BlobChain> chains_of(const mask::BitMask& bone, const ClavicleParams& p, const Progress& progress) {
+  const mask::BitMask core = p.core_mm > 0 ? mask::eroded(bone, p.core_mm, progress) : bone;
   return clavicle_chains(core, p, progress);
 }
 
 /// 1 in the chain's blobs; 2 in all other bone that is not just beyond its ends, where the joints are.
-Mask seeds_of(const BitMask& bone, const BlobChain& chain) {
-  const Lattice& l = bone.lattice();
-  Mask seeds(l);
+grid::Mask seeds_of(const mask::BitMask& bone, const BlobChain& chain) {
+  const grid::Lattice& l = bone.lattice();
+  grid::Mask seeds(l);
   const int reach = int(std::lround(joint_reach_mm / l.spacing_mm.x));
   const int from = chain.blobs.front().i, to = chain.blobs.back().i;
   for (int k = 0; k < l.size[2]; ++k)
@@ -58,14 +57,15 @@ Mask seeds_of(const BitMask& bone, const BlobChain& chain) {
 }
 
 /// Also 2 in what lies beside the chain in its planes, and in what lies beyond them and joins it only by a narrow neck.
-void add_others(Mask& seeds, const BitMask& bone, const BlobChain& chain, double core_mm, const Progress& progress) {
-  const BitMask mine = make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
+void add_others(grid::Mask& seeds, const mask::BitMask& bone, const BlobChain& chain, double core_mm,
+                const Progress& progress) {
+  const mask::BitMask mine = mask::make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;
   });
   for (int step = 0; step <= 3; ++step) {
-    const BitMask core = step == 0 ? bone : eroded(bone, step * core_mm, progress);
-    const Components pieces = components(core);
-    const BitMask hanging = select(pieces, touching(pieces, mine));
+    const mask::BitMask core = step == 0 ? bone : mask::eroded(bone, step * core_mm, progress);
+    const mask::Components pieces = mask::components(core);
+    const mask::BitMask hanging = mask::select(pieces, mask::touching(pieces, mine));
     const bool in_planes = step == (core_mm > 0 ? 1 : 0);
     for (int k = 0; k < seeds.size[2]; ++k)
       for (int j = 0; j < seeds.size[1]; ++j)
@@ -79,14 +79,14 @@ void add_others(Mask& seeds, const BitMask& bone, const BlobChain& chain, double
 }
 
 struct Parted {
-  BitMask mask;
+  mask::BitMask mask;
   double joint_mm2 = 0;
 };
 
-Parted parted(const BitMask& bone, const BlobChain& chain, const ClavicleParams& p, const Progress& progress) {
-  const Lattice& whole = bone.lattice();
+Parted parted(const mask::BitMask& bone, const BlobChain& chain, const ClavicleParams& p, const Progress& progress) {
+  const grid::Lattice& whole = bone.lattice();
   // Only the bone around the chain takes part.
-  Box box;
+  grid::Box box;
   box.begin = {whole.size[0], whole.size[1], whole.size[2]};
   for (const Blob& b : chain.blobs)
     for (const Blob::Run& r : b.runs) {
@@ -98,22 +98,22 @@ Parted parted(const BitMask& bone, const BlobChain& chain, const ClavicleParams&
     box.begin[a] = std::max(0, box.begin[a] - margin);
     box.end[a] = std::min(whole.size[a], box.end[a] + margin);
   }
-  const BitMask here = crop(bone, box);
-  const Lattice& l = here.lattice();
+  const mask::BitMask here = mask::crop(bone, box);
+  const grid::Lattice& l = here.lattice();
   BlobChain moved = chain;
   for (Blob& b : moved.blobs) {
     b.i -= box.begin[0];
     for (Blob::Run& r : b.runs) r.k -= box.begin[2], r.begin -= box.begin[1], r.end -= box.begin[1];
   }
-  Mask seeds = seeds_of(here, moved);
+  grid::Mask seeds = seeds_of(here, moved);
   add_others(seeds, here, moved, p.core_mm, progress);
-  BitMask air = here;
+  mask::BitMask air = here;
   air.invert();
-  const Mask labels = flood(distance_mm(air, progress), here, seeds, progress);
-  BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  const grid::Mask labels = mask::flood(mask::distance_mm(air, progress), here, seeds, progress);
+  mask::BitMask mine = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
-  mine = largest(components(mine));
+  mine = mask::largest(mask::components(mine));
   Parted out;
   const double face[3] = {l.spacing_mm.y * l.spacing_mm.z, l.spacing_mm.x * l.spacing_mm.z,
                           l.spacing_mm.x * l.spacing_mm.y};
@@ -130,16 +130,14 @@ Parted parted(const BitMask& bone, const BlobChain& chain, const ClavicleParams&
           }
       }
   out.joint_mm2 = std::sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
-  out.mask = placed(mine, whole);
+  out.mask = mask::placed(mine, whole);
   return out;
 }
 
 }  // namespace
-}  // namespace segmentation
 
-std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClavicleParams& params,
+std::vector<ClavicleCourse> clavicle_courses(const grid::Field& bone, const ClavicleParams& params,
                                              const Progress& progress) {
-  using namespace segmentation;
   std::vector<ClavicleCourse> courses;
   for (const BlobChain& chain : chains_of(bone_mask(bone), params, progress)) {
     if (!wanted(params.side, chain.side)) continue;
@@ -173,13 +171,12 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
   return courses;
 }
 
-Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress,
-                     const Field* without) {
-  using namespace segmentation;
-  const BitMask whole = bone_mask(bone);
+grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params, Report& report,
+                           const Progress& progress, const grid::Field* without) {
+  const mask::BitMask whole = bone_mask(bone);
   const auto chains = chains_of(whole, params, progress);
   progress.report(0.3);
-  BitMask all(bone);
+  mask::BitMask all(bone);
   double found[2] = {0, 0};
   for (const BlobChain& chain : chains) {
     if (!wanted(params.side, chain.side)) continue;
@@ -216,16 +213,17 @@ Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& re
     }
   progress.report(0.8);
   if (params.part == ClaviclePart::rest) {
-    BitMask rest = whole;
+    mask::BitMask rest = whole;
     all = rest.remove(all);
-    if (without) all.remove(positive(*without, whole.lattice()));
+    if (without) all.remove(mask::positive(*without, whole.lattice()));
   }
-  check_mask(all, whole.lattice().count(), report);
-  const Box box = grown(all.bounds(), 2, bone);
-  Field field = trephine::crop(bone, box);
-  report.add("cut_voxels_count", place_surface(field, crop(all, box), cut_sigma_mm, cut_scale_hu, progress));
+  mask::check_mask(all, whole.lattice().count(), report);
+  const grid::Box box = grid::grown(all.bounds(), 2, bone);
+  grid::Field field = trephine::grid::crop(bone, box);
+  report.add("cut_voxels_count",
+             mask::place_surface(field, mask::crop(all, box), cut_sigma_mm, cut_scale_hu, progress));
   progress.report(1);
   return field;
 }
 
-}  // namespace trephine
+}  // namespace trephine::trunk

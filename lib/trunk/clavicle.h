@@ -7,7 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::trunk {
 
 enum class BodySide { both, left, right };
 enum class ClaviclePart { clavicle, rest };
@@ -43,7 +43,7 @@ struct ClavicleCourse {
 };
 
 /// The middle lines of the clavicles, the right one first; empty where nothing looks like one. `bone` is as below.
-std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClavicleParams& params,
+std::vector<ClavicleCourse> clavicle_courses(const grid::Field& bone, const ClavicleParams& params,
                                              const Progress& progress = {});
 
 /// Separates the clavicles from the other bone of a chest or shoulders. `bone` is a filled field, positive inside, that
@@ -60,7 +60,7 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
 ///
 /// The result has the same bits whatever the thread count. Throws Error 80 where the bone is empty, or no clavicle of
 /// the requested side is found; Cancelled.
-Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress = {},
-                     const Field* without = nullptr);
+grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params, Report& report,
+                           const Progress& progress = {}, const grid::Field* without = nullptr);
 
-}  // namespace trephine
+}  // namespace trephine::trunk

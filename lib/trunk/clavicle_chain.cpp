@@ -6,22 +6,22 @@
 #include "base/parallel.h"
 #include "trunk/clavicle_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
-constexpr double least_area_mm2 = 12, most_area_mm2 = 650;
-constexpr double most_elongation = 3.2, most_width_mm = 34;
-constexpr double least_overlap = 0.3;  ///< of the smaller blob's area, from plane to plane
+constexpr double min_area_mm2 = 12, max_area_mm2 = 650;
+constexpr double max_elongation = 3.2, max_width_mm = 34;
+constexpr double min_overlap = 0.3;  ///< of the smaller blob's area, from plane to plane
 constexpr double usual_front = 0.5;  ///< more free ways to the front than this share speak for a blob, fewer against it
 constexpr double front_reach_mm = 200;
 constexpr double longest_mm = 200;
-constexpr double most_mean_area_mm2 = 330;  ///< a raised humerus is thicker
+constexpr double max_mean_area_mm2 = 330;  ///< a raised humerus is thicker
 constexpr int front_rays = 5;
 constexpr double front_fan_deg = 40;
 
 /// The connected pieces (face neighbours) of the plane.
-std::vector<Blob> blobs_of(const BitMask& mask, int i) {
-  const Lattice& l = mask.lattice();
+std::vector<Blob> blobs_of(const mask::BitMask& mask, int i) {
+  const grid::Lattice& l = mask.lattice();
   const int ny = l.size[1], nz = l.size[2];
   std::vector<Blob::Run> runs;
   std::vector<std::size_t> row_start;
@@ -54,7 +54,7 @@ std::vector<Blob> blobs_of(const BitMask& mask, int i) {
   return blobs;
 }
 
-void measure(Blob& b, const Lattice& l) {
+void measure(Blob& b, const grid::Lattice& l) {
   const double dy = l.spacing_mm.y, dz = l.spacing_mm.z;
   double n = 0, y = 0, z = 0, yy = 0, yz = 0, zz = 0;
   for (const Blob::Run& r : b.runs)
@@ -72,13 +72,13 @@ void measure(Blob& b, const Lattice& l) {
 }
 
 bool is_round(const Blob& b) {
-  return b.area_mm2 >= least_area_mm2 && b.area_mm2 <= most_area_mm2 && b.width_mm <= most_width_mm &&
-         b.width_mm <= most_elongation * b.thickness_mm;
+  return b.area_mm2 >= min_area_mm2 && b.area_mm2 <= max_area_mm2 && b.width_mm <= max_width_mm &&
+         b.width_mm <= max_elongation * b.thickness_mm;
 }
 
 /// The share of ways to the front, in the plane, on which no other bone stands.
-double front_of(const BitMask& mask, const Blob& b) {
-  const Lattice& l = mask.lattice();
+double front_of(const mask::BitMask& mask, const Blob& b) {
+  const grid::Lattice& l = mask.lattice();
   const int sign = l.direction.column[1].y > 0 ? -1 : 1;
   int free = 0;
   for (int r = 0; r < front_rays; ++r) {
@@ -101,7 +101,7 @@ double front_of(const BitMask& mask, const Blob& b) {
   return double(free) / front_rays;
 }
 
-double overlap_mm2(const Blob& a, const Blob& b, const Lattice& l) {
+double overlap_mm2(const Blob& a, const Blob& b, const grid::Lattice& l) {
   int n = 0;
   std::size_t x = 0, y = 0;
   while (x < a.runs.size() && y < b.runs.size()) {
@@ -123,7 +123,7 @@ struct Node {
 };
 
 /// The sternal end lies in front of the other one.
-BodySide side_of(const BlobChain& chain, const Lattice& l) {
+BodySide side_of(const BlobChain& chain, const grid::Lattice& l) {
   const auto world = [&](const Blob& b) { return l.to_world_mm(b.middle); };
   const Vec3 a = world(chain.blobs.front()), b = world(chain.blobs.back());
   const Vec3 sternal = a.y < b.y ? a : b, shoulder = a.y < b.y ? b : a;
@@ -132,8 +132,9 @@ BodySide side_of(const BlobChain& chain, const Lattice& l) {
 
 }  // namespace
 
-std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams& params, const Progress& progress) {
-  const Lattice& l = core.lattice();
+std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const ClavicleParams& params,
+                                       const Progress& progress) {
+  const grid::Lattice& l = core.lattice();
   std::vector<std::vector<Blob>> planes(l.size[0]);
   std::vector<std::vector<Node>> nodes(l.size[0]);
   parallel_for(0, l.size[0], 4, [&](std::int64_t from, std::int64_t to) {
@@ -165,7 +166,7 @@ std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams
           const Node& other = nodes[i - 1][m];
           if (other.used || other.sum <= 0 || other.sum + node.weight <= node.sum || other.length >= longest) continue;
           const Blob& there = planes[i - 1][m];
-          if (overlap_mm2(here, there, l) < least_overlap * std::min(here.area_mm2, there.area_mm2)) continue;
+          if (overlap_mm2(here, there, l) < min_overlap * std::min(here.area_mm2, there.area_mm2)) continue;
           node.sum = other.sum + node.weight;
           node.before = int(m);
           node.length = other.length + 1;
@@ -182,7 +183,7 @@ std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams
       if (nodes[i][n].before < 0) break;
     }
     std::reverse(chain.blobs.begin(), chain.blobs.end());
-    if (chain.span_mm(l) < params.min_length_mm || area / double(chain.blobs.size()) > most_mean_area_mm2) continue;
+    if (chain.span_mm(l) < params.min_length_mm || area / double(chain.blobs.size()) > max_mean_area_mm2) continue;
     chain.side = side_of(chain, l);
     if (!found.empty() && found[0].side == chain.side) continue;
     found.push_back(std::move(chain));
@@ -191,4 +192,4 @@ std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams
   return found;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

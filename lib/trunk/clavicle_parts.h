@@ -5,7 +5,7 @@
 #include "mask/bits.h"
 #include "trunk/clavicle.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 
 /// A connected piece of bone in one sagittal plane (index i): runs along the rows (j) of that plane.
 struct Blob {
@@ -23,10 +23,11 @@ struct Blob {
 struct BlobChain {
   BodySide side = BodySide::left;
   std::vector<Blob> blobs;  ///< by rising i
-  double span_mm(const Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
+  double span_mm(const grid::Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
 };
 
 /// At most one chain for each side, the right one first. `core` is the bone without thin bridges.
-std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams& params, const Progress& progress);
+std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const ClavicleParams& params,
+                                       const Progress& progress);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

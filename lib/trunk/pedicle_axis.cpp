@@ -6,16 +6,16 @@
 #include "mask/filters.h"
 #include "trunk/pedicle_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double half_mm = 6;                       // of the line over which clearance counts
 constexpr double body_mm = 20, wider_ratio = 1.15;  // beyond it, within the body
 constexpr int rays = 36;
-constexpr double most_ray_mm = 12;
+constexpr double max_ray_mm = 12;
 constexpr double equal_mm = 0.3;  // clearances that differ by less are equal: no wall is known better than that
 
-double sampled(const Grid<float>& g, Vec3 world_mm, double outside) {
+double sampled(const grid::Grid<float>& g, Vec3 world_mm, double outside) {
   const Vec3 p = g.to_index(world_mm);
   const double fi = std::floor(p.x), fj = std::floor(p.y), fk = std::floor(p.z);
   if (!(fi >= 0 && fj >= 0 && fk >= 0 && fi + 1 < g.size[0] && fj + 1 < g.size[1] && fk + 1 < g.size[2]))
@@ -106,19 +106,19 @@ bool through_middles(const BoneDistance& bone, AxisLine& line) {
 
 }  // namespace
 
-BoneDistance::BoneDistance(const Field& bone, const Lattice& raster, const Progress& progress) {
-  Field field(raster);
+BoneDistance::BoneDistance(const grid::Field& bone, const grid::Lattice& raster, const Progress& progress) {
+  grid::Field field(raster);
   for (int k = 0; k < raster.size[2]; ++k)
     for (int j = 0; j < raster.size[1]; ++j)
       for (int i = 0; i < raster.size[0]; ++i) {
         const double f = sampled(bone, raster.to_world_mm({double(i), double(j), double(k)}), -1e3);
         field.at(i, j, k) = std::abs(f) < 1e-3 ? 1e-3f : float(f);
       }
-  grid_ = signed_distance_mm(field, progress);
+  grid_ = mask::signed_distance_mm(field, progress);
 }
 
 double BoneDistance::operator()(Vec3 p) const { return sampled(grid_, p, -1e3); }
-double field_at(const Field& field, Vec3 p, double outside) { return sampled(field, p, outside); }
+double field_at(const grid::Field& field, Vec3 p, double outside) { return sampled(field, p, outside); }
 
 double half_width_mm(const BoneDistance& bone, const AxisLine& line) {
   double least = 1e9;
@@ -137,7 +137,7 @@ CrossSection cross_section(const BoneDistance& bone, Vec3 at, Vec3 normal) {
   const Vec3 across = normalized(cross(normal, std::abs(normal.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
   const Vec3 up = cross(across, normal);
   CrossSection s;
-  s.least_mm = most_ray_mm;
+  s.least_mm = max_ray_mm;
   s.middle_mm = at;
   std::array<double, rays> length{};
   for (int n = 0; n < rays; ++n) {
@@ -145,14 +145,14 @@ CrossSection cross_section(const BoneDistance& bone, Vec3 at, Vec3 normal) {
     const Vec3 way = across * std::cos(a) + up * std::sin(a);
     double before = bone(at), t = 0;
     // Each step is as long as the wall is far away; where the wall lies is interpolated between the last two samples.
-    while (t < most_ray_mm && before > 0) {
+    while (t < max_ray_mm && before > 0) {
       const double step = std::clamp(0.7 * before, 0.15, 2.0), now = bone(at + way * (t + step));
       t += now > 0 ? step : step * before / (before - now);
       if (!(now > 0)) break;
       before = now;
     }
-    length[std::size_t(n)] = std::min(t, most_ray_mm);
-    s.closed_ratio += (t < most_ray_mm) / double(rays);
+    length[std::size_t(n)] = std::min(t, max_ray_mm);
+    s.closed_ratio += (t < max_ray_mm) / double(rays);
     s.least_mm = std::min(s.least_mm, t);
   }
   double twice = 0, x = 0, y = 0;
@@ -205,4 +205,4 @@ AxisLine find_axis(const BoneDistance& bone, const PediclePlace& place) {
   return clearest;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

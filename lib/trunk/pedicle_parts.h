@@ -4,20 +4,20 @@
 
 #include "trunk/pedicles.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 
 /// Signed distance to the bone's surface (positive inside) on a cubic raster along the world's axes.
 class BoneDistance {
  public:
-  BoneDistance(const Field& bone, const Lattice& raster, const Progress& progress = {});
+  BoneDistance(const grid::Field& bone, const grid::Lattice& raster, const Progress& progress = {});
   double operator()(Vec3 world_mm) const;  ///< well outside of it: -1e3
-  const Lattice& raster() const { return grid_; }
+  const grid::Lattice& raster() const { return grid_; }
 
  private:
-  Grid<float> grid_;
+  grid::Grid<float> grid_;
 };
 /// The field at that point; `outside` beyond its lattice.
-double field_at(const Field& field, Vec3 world_mm, double outside);
+double field_at(const grid::Field& field, Vec3 world_mm, double outside);
 
 /// A straight line, from behind forwards.
 struct AxisLine {
@@ -48,7 +48,8 @@ struct PediclePlace {
   Vec3 across() const { return normalized(Vec3{1, 0, 0} - up * up.x); }
   Vec3 forwards() const { return cross(across(), up); }
 };
-std::vector<PediclePlace> pedicle_places(const Field& bone, const Field& canal, const PediclesParams& params);
+std::vector<PediclePlace> pedicle_places(const grid::Field& bone, const grid::Field& canal,
+                                         const PediclesParams& params);
 
 /// The axis through the pedicle about that place.
 AxisLine find_axis(const BoneDistance& bone, const PediclePlace& place);
@@ -56,4 +57,4 @@ AxisLine find_axis(const BoneDistance& bone, const PediclePlace& place);
 double lean_deg(const PediclePlace& place, Vec3 forwards);
 double rise_deg(const PediclePlace& place, Vec3 forwards);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -4,14 +4,14 @@
 
 #include "trunk/pedicle_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double step_mm = 0.5;        // along rays and in height
 constexpr double behind_front = 0.35;  // share of the canal's depth at which its sides are looked at
-constexpr double most_gap_mm = 4;      // from the canal's side to the bone
-constexpr double least_chord_mm = 2.5, most_chord_mm = 14;
-constexpr double most_hole_mm = 1.6;  // of height, without bone: a vessel or noise
+constexpr double max_gap_mm = 4;       // from the canal's side to the bone
+constexpr double min_chord_mm = 2.5, max_chord_mm = 14;
+constexpr double max_hole_mm = 1.6;  // of height, without bone: a vessel or noise
 
 // The canal in a slice, in world coordinates.
 struct Level {
@@ -19,7 +19,7 @@ struct Level {
   bool known = false;
 };
 
-std::vector<Level> levels_of(const Field& canal) {
+std::vector<Level> levels_of(const grid::Field& canal) {
   std::vector<Level> all;
   for (int k = 0; k < canal.size[2]; ++k) {
     Level level;
@@ -68,24 +68,25 @@ Vec3 along(const std::vector<Level>& levels, double z) {
 }
 
 // The middle of the bone beside the canal; false where there is none near.
-bool chord(const Field& bone, const Field& canal, const Level& at, double side, double& middle_x) {
+bool chord(const grid::Field& bone, const grid::Field& canal, const Level& at, double side, double& middle_x) {
   double x = at.x;
   const auto point = [&] { return Vec3{x, at.y, at.z}; };
   double walked = 0;
   while (walked < 25 && field_at(canal, point(), -1) > 0) x += side * step_mm, walked += step_mm;
   double gap = 0;
-  while (gap <= most_gap_mm && !(field_at(bone, point(), -1) > 0)) x += side * step_mm, gap += step_mm;
-  if (gap > most_gap_mm) return false;
+  while (gap <= max_gap_mm && !(field_at(bone, point(), -1) > 0)) x += side * step_mm, gap += step_mm;
+  if (gap > max_gap_mm) return false;
   const double begin = x;
-  while (std::abs(x - begin) < most_chord_mm && field_at(bone, point(), -1) > 0) x += side * step_mm;
-  if (std::abs(x - begin) < least_chord_mm) return false;
+  while (std::abs(x - begin) < max_chord_mm && field_at(bone, point(), -1) > 0) x += side * step_mm;
+  if (std::abs(x - begin) < min_chord_mm) return false;
   middle_x = 0.5 * (begin + x);
   return true;
 }
 
 }  // namespace
 
-std::vector<PediclePlace> pedicle_places(const Field& bone, const Field& canal, const PediclesParams& params) {
+std::vector<PediclePlace> pedicle_places(const grid::Field& bone, const grid::Field& canal,
+                                         const PediclesParams& params) {
   const std::vector<Level> levels = levels_of(canal);
   std::vector<PediclePlace> all;
   if (levels.size() < 2) return all;
@@ -98,7 +99,7 @@ std::vector<PediclePlace> pedicle_places(const Field& bone, const Field& canal, 
     for (const Level& level : levels) {
       double x = 0;
       if (!chord(bone, canal, level, left ? 1 : -1, x)) continue;
-      if (runs.empty() || level.z - runs.back().last > most_hole_mm + step_mm) runs.push_back({level.z, level.z, {}});
+      if (runs.empty() || level.z - runs.back().last > max_hole_mm + step_mm) runs.push_back({level.z, level.z, {}});
       runs.back().last = level.z;
       runs.back().middles.push_back({x, level.y, level.z});
     }
@@ -117,4 +118,4 @@ std::vector<PediclePlace> pedicle_places(const Field& bone, const Field& canal, 
   return all;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -11,8 +11,7 @@
 #include "mask/filters.h"
 #include "trunk/pedicle_parts.h"
 
-namespace trephine {
-namespace segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double raster_mm = 0.6;
@@ -20,9 +19,9 @@ constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // how far from
 constexpr double walk_mm = 0.25;
 
 // The part of the bone that lies beside the canal.
-Lattice raster_about(const Field& bone, const Field& canal) {
+grid::Lattice raster_about(const grid::Field& bone, const grid::Field& canal) {
   Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
-  const auto grow = [](const Lattice& l, Vec3& a, Vec3& b) {
+  const auto grow = [](const grid::Lattice& l, Vec3& a, Vec3& b) {
     for (int n = 0; n < 8; ++n) {
       const Vec3 p =
           l.to_world_mm({n & 1 ? l.size[0] - 1.0 : 0, n & 2 ? l.size[1] - 1.0 : 0, n & 4 ? l.size[2] - 1.0 : 0});
@@ -34,7 +33,7 @@ Lattice raster_about(const Field& bone, const Field& canal) {
   grow(bone, bone_low, bone_high);
   low = low - Vec3{aside_mm, before_mm, 20};
   high = high + Vec3{aside_mm, behind_mm, 20};
-  Lattice l;
+  grid::Lattice l;
   l.spacing_mm = {raster_mm, raster_mm, raster_mm};
   for (int c = 0; c < 3; ++c) {
     l.origin_mm[c] = std::max(low[c], bone_low[c] - 2);
@@ -61,7 +60,7 @@ Vec3 leaves_bone(const BoneDistance& bone, Vec3 from, Vec3 way, double gap_mm) {
 }
 
 // The distance from that point to the end of the scan, beyond which nothing is known.
-double to_scan_end_mm(const Field& bone, Vec3 p) {
+double to_scan_end_mm(const grid::Field& bone, Vec3 p) {
   const Vec3 i = bone.to_index(p);
   return std::min(i.z, bone.size[2] - 1 - i.z) * bone.spacing_mm.z;
 }
@@ -85,7 +84,7 @@ void doubt(PedicleAxis& p, double share, const std::string& why) {
   if (share < 0.7) p.doubt += (p.doubt.empty() ? "" : "; ") + why;
 }
 
-PedicleAxis axis_of(const BoneDistance& bone, const Field& scan, const PediclePlace& place,
+PedicleAxis axis_of(const BoneDistance& bone, const grid::Field& scan, const PediclePlace& place,
                     const PediclesParams& params) {
   const AxisLine line = find_axis(bone, place);
   PedicleAxis p;
@@ -111,25 +110,27 @@ PedicleAxis axis_of(const BoneDistance& bone, const Field& scan, const PediclePl
 
   p.confidence = 1;
   const double least = params.min_half_width_mm;
-  doubt(p, ramp(p.half_width_mm, 0.5 * least, least + 0.5 * least),
+  doubt(p, mask::ramp(p.half_width_mm, 0.5 * least, least + 0.5 * least),
         fmt::format("only {:.1f} mm of bone are about its axis", p.half_width_mm));
-  doubt(p, ramp(narrowest.closed_ratio, 0.6, 0.95),
+  doubt(p, mask::ramp(narrowest.closed_ratio, 0.6, 0.95),
         fmt::format("its narrowest cross-section is closed over {:.0f} % alone", 100 * narrowest.closed_ratio));
   const double lean = lean_deg(place, line.forwards), rise = rise_deg(place, line.forwards);
-  doubt(p, std::min(ramp(lean, -30, -18), ramp(lean, 60, 50)),
+  doubt(p, std::min(mask::ramp(lean, -30, -18), mask::ramp(lean, 60, 50)),
         fmt::format("it leans to the middle by {:.0f} degrees", lean));
-  doubt(p, std::min(ramp(rise, -30, -22), ramp(rise, 30, 22)), fmt::format("it rises by {:.0f} degrees", rise));
+  doubt(p, std::min(mask::ramp(rise, -30, -22), mask::ramp(rise, 30, 22)),
+        fmt::format("it rises by {:.0f} degrees", rise));
   const double length = norm(front - p.entry_mm);
-  doubt(p, std::min(ramp(length, 15, 28), ramp(length, 90, 75)),
+  doubt(p, std::min(mask::ramp(length, 15, 28), mask::ramp(length, 90, 75)),
         fmt::format("it would be {:.0f} mm long, from behind to the body's front", length));
-  doubt(p, ramp(place.height_mm, 30, 22), fmt::format("the bone beside the canal is {:.0f} mm high", place.height_mm));
-  doubt(p, ramp(std::min(to_scan_end_mm(scan, p.entry_mm), to_scan_end_mm(scan, p.target_mm)), 0, 3),
+  doubt(p, mask::ramp(place.height_mm, 30, 22),
+        fmt::format("the bone beside the canal is {:.0f} mm high", place.height_mm));
+  doubt(p, mask::ramp(std::min(to_scan_end_mm(scan, p.entry_mm), to_scan_end_mm(scan, p.target_mm)), 0, 3),
         "the scan ends there");
   // Bone close behind the entry: a joint, or a graft.
   double behind = 12;
   for (double t = 1; t < behind; t += walk_mm)
     if (bone(p.entry_mm - line.forwards * t) > 0.3) behind = t;
-  doubt(p, ramp(behind, -1, 4), fmt::format("there is other bone {:.1f} mm behind its entry", behind));
+  doubt(p, mask::ramp(behind, -1, 4), fmt::format("there is other bone {:.1f} mm behind its entry", behind));
   return p;
 }
 
@@ -142,8 +143,8 @@ void judge_pair(Found& left, Found& right) {
   const double converging = 0.5 * (l + r), turned = 0.5 * std::abs(l - r);
   const double rise = std::abs(rise_deg(left.place, forwards(left)) - rise_deg(right.place, forwards(right)));
   const double higher = std::abs(dot(left.axis.middle_mm - right.axis.middle_mm, left.place.up));
-  const double share = std::min({ramp(converging, -12, -4), ramp(converging, 45, 38), ramp(turned, 22, 14),
-                                 ramp(rise, 25, 14), ramp(higher, 12, 6)});
+  const double share = std::min({mask::ramp(converging, -12, -4), mask::ramp(converging, 45, 38),
+                                 mask::ramp(turned, 22, 14), mask::ramp(rise, 25, 14), mask::ramp(higher, 12, 6)});
   for (PedicleAxis* p : {&left.axis, &right.axis})
     doubt(*p, share,
           fmt::format(
@@ -152,7 +153,7 @@ void judge_pair(Found& left, Found& right) {
               converging, turned, rise, higher));
   PedicleAxis& narrow = left.axis.half_width_mm < right.axis.half_width_mm ? left.axis : right.axis;
   const double wide_mm = std::max(left.axis.half_width_mm, right.axis.half_width_mm);
-  doubt(narrow, ramp(narrow.half_width_mm / std::max(wide_mm, 1e-3), 0.35, 0.75),
+  doubt(narrow, mask::ramp(narrow.half_width_mm / std::max(wide_mm, 1e-3), 0.35, 0.75),
         fmt::format("{:.1f} mm of bone are about its axis, about the other side's {:.1f}", narrow.half_width_mm,
                     wide_mm));
 }
@@ -167,7 +168,7 @@ void judge_rises(std::vector<Found>& all) {
   const std::size_t half = sorted.size() / 2;
   const double usual = sorted.size() % 2 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
   for (std::size_t n = 0; n < all.size(); ++n)
-    doubt(all[n].axis, ramp(std::abs(rises[n] - usual), 20, 10),
+    doubt(all[n].axis, mask::ramp(std::abs(rises[n] - usual), 20, 10),
           fmt::format("it rises by {} degrees along the canal, the others by about {}", std::lround(rises[n]),
                       std::lround(usual)));
 }
@@ -195,12 +196,10 @@ void pair_up(std::vector<Found>& all) {
 }
 
 }  // namespace
-}  // namespace segmentation
 
-std::vector<PedicleAxis> find_pedicles(const Field& bone, const Field& canal, const PediclesParams& params,
+std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
                                        Report& report, const Progress& progress) {
-  using namespace segmentation;
-  place_in(canal, bone);  // the same raster
+  grid::place_in(canal, bone);  // the same raster
   const std::vector<PediclePlace> places = pedicle_places(bone, canal, params);
   progress.report(0.1);
   const BoneDistance distance(bone, raster_about(bone, canal), progress.part(0.1, 0.5));
@@ -228,11 +227,10 @@ std::vector<PedicleAxis> find_pedicles(const Field& bone, const Field& canal, co
   return kept;
 }
 
-double clearance_along(const Field& bone, Vec3 entry, Vec3 target) {
-  using namespace segmentation;
+double clearance_along(const grid::Field& bone, Vec3 entry, Vec3 target) {
   const Vec3 low{std::min(entry.x, target.x), std::min(entry.y, target.y), std::min(entry.z, target.z)};
   const Vec3 high{std::max(entry.x, target.x), std::max(entry.y, target.y), std::max(entry.z, target.z)};
-  Lattice l;
+  grid::Lattice l;
   l.spacing_mm = {raster_mm, raster_mm, raster_mm};
   l.origin_mm = low - Vec3{15, 15, 15};
   for (int c = 0; c < 3; ++c) l.size[std::size_t(c)] = int((high[c] - low[c] + 30) / raster_mm) + 1;
@@ -243,4 +241,4 @@ double clearance_along(const Field& bone, Vec3 entry, Vec3 target) {
   return least;
 }
 
-}  // namespace trephine
+}  // namespace trephine::trunk

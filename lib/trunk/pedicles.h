@@ -8,7 +8,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::trunk {
 
 struct PediclesParams {
   double depth_ratio = 0.75;
@@ -57,11 +57,11 @@ struct PedicleAxis {
 ///
 /// Report: vertebrae_count and pedicles_count; a warning for each doubtful one. The same bits whatever the thread
 /// count. Throws Error 65 where the rasters differ; 80 where no pedicle is found; Cancelled.
-std::vector<PedicleAxis> find_pedicles(const Field& bone, const Field& canal, const PediclesParams& params,
+std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
                                        Report& report, const Progress& progress = {});
 
 /// How much bone is about the line from entry to target in its narrowest place within the middle half: the half-width
 /// of an axis that a person gave. Negative where the line leaves the bone there.
-double clearance_along(const Field& bone, Vec3 entry_mm, Vec3 target_mm);
+double clearance_along(const grid::Field& bone, Vec3 entry_mm, Vec3 target_mm);
 
-}  // namespace trephine
+}  // namespace trephine::trunk

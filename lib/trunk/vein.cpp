@@ -11,24 +11,23 @@
 #include "mask/filters.h"
 #include "trunk/vein_parts.h"
 
-namespace trephine {
-namespace segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double film_mm = 0.5;  ///< an estimated vein keeps this from bone and lung
 
 /// A tube of that radius, positive inside, in mm, that leaves bone and lung alone.
-Field tube(const VeinCourse& course, const HuView& hu, const Field& bone, const Box& box, double radius_mm,
-           const Progress& progress) {
-  Field field = distance_to(course, cropped(hu.lattice(), box), radius_mm + 3);
-  const Lattice& l = field;
-  const Grid<float> room = room_around(hu, bone, box, progress);
+grid::Field tube(const VeinCourse& course, const mask::HuView& hu, const grid::Field& bone, const grid::Box& box,
+                 double radius_mm, const Progress& progress) {
+  grid::Field field = distance_to(course, grid::cropped(hu.lattice(), box), radius_mm + 3);
+  const grid::Lattice& l = field;
+  const grid::Grid<float> room = room_around(hu, bone, box, progress);
   for (std::size_t v = 0; v < field.count(); ++v) {
     float& f = field.voxels[v];
     f = std::min(float(radius_mm) - f, room.voxels[v] - float(film_mm));
     if (std::abs(f) < 1e-3f) f = f > 0 ? 1e-3f : -1e-3f;
   }
-  const BitMask whole = positive(field, field), kept = largest(components(whole));
+  const mask::BitMask whole = mask::positive(field, field), kept = mask::largest(mask::components(whole));
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -37,36 +36,38 @@ Field tube(const VeinCourse& course, const HuView& hu, const Field& bone, const 
 }
 
 struct Vein {
-  Field field;
-  Box box;  ///< in the volume's indices
+  grid::Field field;
+  grid::Box box;  ///< in the volume's indices
 };
 
-Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_bone, const VeinParams& p,
+Vein vein_of(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid::Field& all_bone, const VeinParams& p,
              Report& report, const Progress& progress) {
   const std::string name = clavicle.side == BodySide::right ? "right" : "left";
-  const Field bone = p.source == VeinSource::automatic ? without_dense_vein(all_bone, clavicle, p, progress) : all_bone;
+  const grid::Field bone =
+      p.source == VeinSource::automatic ? without_dense_vein(all_bone, clavicle, p, progress) : all_bone;
   const VeinCourse course = estimated_course(clavicle, hu, bone, p, progress);
   Vein vein;
   EnhancedVein enhanced;
-  if (p.source == VeinSource::automatic) enhanced = enhanced_vein(hu, positive(bone, bone), course, p, progress);
+  if (p.source == VeinSource::automatic) enhanced = enhanced_vein(hu, mask::positive(bone, bone), course, p, progress);
   if (enhanced.found) {
     vein.field = std::move(enhanced.field);
   } else {
     enhanced.length_mm = course.length_mm();
     enhanced.radius_mm = p.radius_mm;
-    const Box box = box_around(course, hu.lattice(), p.radius_mm + 3);
+    const grid::Box box = box_around(course, hu.lattice(), p.radius_mm + 3);
     if (box.empty())
       throw refusal("vein", "its course lies outside the volume: 0 voxels",
                     {"choose the other `side`, or take the vein out of the scene (configs/ct_chest_bone.yaml shows "
                      "`segment` of bone alone)"});
     vein.field = tube(course, hu, bone, box, p.radius_mm, progress);
   }
-  vein.box = place_in(vein.field, hu.lattice());
+  vein.box = grid::place_in(vein.field, hu.lattice());
   report.add(name + "_source", enhanced.found ? "contrast" : "estimated");
   report.add(name + "_contrast_hu", enhanced.contrast_hu);
   report.add(name + "_length_mm", enhanced.length_mm);
   report.add(name + "_radius_mm", enhanced.radius_mm);
-  report.add(name + "_ml", double(positive(vein.field, vein.field).count()) * hu.lattice().voxel_volume_mm3() / 1000);
+  report.add(name + "_ml",
+             double(mask::positive(vein.field, vein.field).count()) * hu.lattice().voxel_volume_mm3() / 1000);
   report.add(name + "_clearance_mm", course.clearance_mm);
   if (!enhanced.found) {
     report.warn(
@@ -81,10 +82,10 @@ Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_
   return vein;
 }
 
-constexpr double least_lung_ml = 20;
+constexpr double min_lung_ml = 20;
 
 // How much lung lies on each clavicle's side of the body's middle.
-void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const Field& lung, Report& report) {
+void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const grid::Field& lung, Report& report) {
   for (const ClavicleCourse& c : clavicles) {
     const bool right = c.side == BodySide::right;
     const double medial_x = c.points_mm.front().x;
@@ -99,22 +100,20 @@ void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const Field& lun
     const std::string name = right ? "right" : "left";
     const double ml = count * lung.voxel_volume_mm3() / 1000;
     report.add(name + "_lung_ml", ml);
-    if (ml < least_lung_ml)
+    if (ml < min_lung_ml)
       report.warn(
           fmt::format("the scan shows {:.0f} ml of the {} lung, less than {:.0f}: a needle to the {} vein is not "
                       "judged for lung and pleura",
-                      ml, name, least_lung_ml, name));
+                      ml, name, min_lung_ml, name));
   }
 }
 
 }  // namespace
-}  // namespace segmentation
 
-Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
-                const Progress& progress, const Field* lung) {
-  using namespace segmentation;
-  const HuView hu(volume);
-  const Box place = place_in(bone, hu.lattice());
+grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, const VeinParams& params, Report& report,
+                      const Progress& progress, const grid::Field* lung) {
+  const mask::HuView hu(volume);
+  const grid::Box place = grid::place_in(bone, hu.lattice());
   for (int a = 0; a < 3; ++a)
     if (place.begin[a] < 0 || place.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "bone", "the field reaches beyond the volume");
@@ -125,7 +124,7 @@ Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& par
     throw refusal("vein", "no clavicle of that side is found that tells where it runs",
                   {"choose the other `side`, or take a series that holds the shoulders"});
   if (lung) {
-    place_in(*lung, hu.lattice());
+    grid::place_in(*lung, hu.lattice());
     look_at_lung(clavicles, *lung, report);
   }
   progress.report(0.3);
@@ -134,22 +133,22 @@ Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& par
     veins.push_back(vein_of(c, hu, bone, params, report, progress));
     progress.report(0.3 + 0.6 * double(veins.size()) / double(clavicles.size()));
   }
-  Box all = veins[0].box;
+  grid::Box all = veins[0].box;
   for (const Vein& v : veins)
     for (int a = 0; a < 3; ++a) {
       all.begin[a] = std::min(all.begin[a], v.box.begin[a]);
       all.end[a] = std::max(all.end[a], v.box.end[a]);
     }
-  const Lattice lattice = cropped(hu.lattice(), all);
-  Field field(lattice, -3.f);
+  const grid::Lattice lattice = grid::cropped(hu.lattice(), all);
+  grid::Field field(lattice, -3.f);
   for (const Vein& v : veins) {
-    const Field placed = fit(v.field, lattice, -3.f);
+    const grid::Field placed = grid::fit(v.field, lattice, -3.f);
     for (std::size_t n = 0; n < field.count(); ++n) field.voxels[n] = std::max(field.voxels[n], placed.voxels[n]);
   }
-  const BitMask mask = positive(field, field);
-  check_mask(mask, hu.lattice().count(), report);
+  const mask::BitMask mask = mask::positive(field, field);
+  mask::check_mask(mask, hu.lattice().count(), report);
   progress.report(1);
-  return crop(field, grown(mask.bounds(), 2, field));
+  return grid::crop(field, grid::grown(mask.bounds(), 2, field));
 }
 
-}  // namespace trephine
+}  // namespace trephine::trunk

@@ -2,7 +2,7 @@
 #pragma once
 #include "trunk/clavicle.h"
 
-namespace trephine {
+namespace trephine::trunk {
 
 enum class VeinSource { automatic, estimated };
 
@@ -55,7 +55,7 @@ struct VeinParams {
 ///
 /// With the lungs (positive inside), the report has lung_ml of each side too, and warns where there is less than 20 ml:
 /// a needle that goes to that vein meets neither lung nor pleura, and a lesson cannot judge whether it did.
-Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
-                const Progress& progress = {}, const Field* lung = nullptr);
+grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, const VeinParams& params, Report& report,
+                      const Progress& progress = {}, const grid::Field* lung = nullptr);
 
-}  // namespace trephine
+}  // namespace trephine::trunk

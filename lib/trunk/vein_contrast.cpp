@@ -6,15 +6,15 @@
 #include "mask/surface_field.h"
 #include "trunk/vein_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 
-double followed(const BitMask& mask, const VeinCourse& course, double reach_mm) {
-  const Lattice& l = mask.lattice();
+double followed(const mask::BitMask& mask, const VeinCourse& course, double reach_mm) {
+  const grid::Lattice& l = mask.lattice();
   std::size_t beside = 0;
   for (const Vec3& p : course.points_mm) {
     VeinCourse point;
     point.points_mm = {p};
-    const Box box = box_around(point, l, reach_mm);
+    const grid::Box box = box_around(point, l, reach_mm);
     bool met = false;
     for (int k = box.begin[2]; k < box.end[2] && !met; ++k)
       for (int j = box.begin[1]; j < box.end[1] && !met; ++j)
@@ -33,15 +33,15 @@ constexpr double bone_blur_mm = 1.5;                 ///< HU this near to bone a
 constexpr float soft_from_hu = 0, soft_to_hu = 120;  ///< tissue without contrast medium
 constexpr float known_from_hu = -150;                ///< neither air nor lung
 constexpr double open_mm = 1.0;                      ///< bridges to other vessels and specks of noise
-constexpr double least_follow = 0.6;                 ///< share of the course along which the vein must be found
-constexpr double least_radius_mm = 1.5, most_radius_mm = 11;
+constexpr double min_follow = 0.6;                   ///< share of the course along which the vein must be found
+constexpr double min_radius_mm = 1.5, max_radius_mm = 11;
 constexpr double cut_sigma_mm = 1.0;
 
 /// The piece of the mask that follows the largest part of the course; of equal ones the largest piece.
-BitMask best_piece(const BitMask& mask, const VeinCourse& course, double reach_mm, double& share) {
-  const Components pieces = components(mask);
+mask::BitMask best_piece(const mask::BitMask& mask, const VeinCourse& course, double reach_mm, double& share) {
+  const mask::Components pieces = mask::components(mask);
   share = 0;
-  BitMask best(mask.lattice());
+  mask::BitMask best(mask.lattice());
   std::vector<std::size_t> order;
   for (std::size_t c = 0; c < pieces.list.size(); ++c)
     if (double(pieces.list[c].voxels) * mask.lattice().voxel_volume_mm3() >= 200) order.push_back(c);
@@ -50,7 +50,7 @@ BitMask best_piece(const BitMask& mask, const VeinCourse& course, double reach_m
   for (std::size_t c : order) {
     std::vector<char> keep(pieces.list.size());
     keep[c] = 1;
-    BitMask piece = select(pieces, keep);
+    mask::BitMask piece = mask::select(pieces, keep);
     const double s = followed(piece, course, reach_mm);
     if (s > share) share = s, best = std::move(piece);
   }
@@ -65,19 +65,19 @@ float percentile(std::vector<float>& v, double share) {
 
 }  // namespace
 
-EnhancedVein enhanced_vein(const HuView& hu, const BitMask& bone, const VeinCourse& course, const VeinParams& p,
-                           const Progress& progress) {
+EnhancedVein enhanced_vein(const mask::HuView& hu, const mask::BitMask& bone, const VeinCourse& course,
+                           const VeinParams& p, const Progress& progress) {
   EnhancedVein vein;
-  const Box box = box_around(course, hu.lattice(), p.search_mm + 3);
-  const Grid<float> raw = crop(hu, box);
-  const Lattice& l = raw;
-  BitMask known = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  const grid::Box box = box_around(course, hu.lattice(), p.search_mm + 3);
+  const grid::Grid<float> raw = mask::crop(hu, box);
+  const grid::Lattice& l = raw;
+  mask::BitMask known = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > known_from_hu;
   });
-  known.remove(dilated(placed(bone, l), bone_blur_mm, progress));
-  Field soft = masked_gaussian(raw, known, sigma_mm, -1000, 0.1, progress);
-  const Grid<float> away = distance_to(course, l, p.search_mm);
-  BitMask region = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  known.remove(mask::dilated(mask::placed(bone, l), bone_blur_mm, progress));
+  grid::Field soft = mask::masked_gaussian(raw, known, sigma_mm, -1000, 0.1, progress);
+  const grid::Grid<float> away = distance_to(course, l, p.search_mm);
+  mask::BitMask region = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = away.at(i, j, k) < float(p.search_mm);
   });
   region &= known;
@@ -87,21 +87,21 @@ EnhancedVein enhanced_vein(const HuView& hu, const BitMask& bone, const VeinCour
       for (int i = 0; i < l.size[0]; ++i)
         if (region.get(i, j, k) && soft.at(i, j, k) > soft_from_hu && soft.at(i, j, k) < soft_to_hu)
           tissue.push_back(soft.at(i, j, k));
-  const float usual = median(tissue, 40);
+  const float usual = mask::median(tissue, 40);
   for (float& v : tissue) v = std::abs(v - usual);
-  const float least = std::max(float(p.min_contrast_hu), float(clear_of_noise * 1.48) * median(tissue, 0));
+  const float least = std::max(float(p.min_contrast_hu), float(clear_of_noise * 1.48) * mask::median(tissue, 0));
   const auto above = [&](float threshold) {
-    BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    mask::BitMask mask = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > threshold;
     });
     return mask &= region;
   };
-  const auto opened = [&](const BitMask& mask) {
-    BitMask open = dilated(eroded(mask, open_mm, progress), open_mm, progress);
+  const auto opened = [&](const mask::BitMask& mask) {
+    mask::BitMask open = mask::dilated(mask::eroded(mask, open_mm, progress), open_mm, progress);
     return open &= mask;
   };
   double share = 0;
-  BitMask piece = best_piece(opened(above(usual + 0.5f * least)), course, p.search_mm * 0.75, share);
+  mask::BitMask piece = best_piece(opened(above(usual + 0.5f * least)), course, p.search_mm * 0.75, share);
   if (!piece.any()) return vein;
   std::vector<float> inside;
   for (int k = 0; k < l.size[2]; ++k)
@@ -112,22 +112,22 @@ EnhancedVein enhanced_vein(const HuView& hu, const BitMask& bone, const VeinCour
   vein.contrast_hu = bright - usual;
   if (vein.contrast_hu < least) return vein;
   const float threshold = 0.5f * (bright + usual);
-  const BitMask material = above(threshold);
-  BitMask open = opened(material);
-  BitMask shape = best_piece(open, course, p.search_mm * 0.75, share);
-  if (share < least_follow) return vein;
+  const mask::BitMask material = above(threshold);
+  mask::BitMask open = opened(material);
+  mask::BitMask shape = best_piece(open, course, p.search_mm * 0.75, share);
+  if (share < min_follow) return vein;
   // Gives back what the opening took from its corners.
-  shape = grown_within(shape, material, 2 * open_mm, progress);
+  shape = mask::grown_within(shape, material, 2 * open_mm, progress);
   const double volume_mm3 = double(shape.count()) * l.voxel_volume_mm3();
   vein.length_mm = share * course.length_mm();
   vein.radius_mm = std::sqrt(volume_mm3 / vein.length_mm / M_PI);
-  if (vein.radius_mm < least_radius_mm || vein.radius_mm > most_radius_mm) return vein;
+  if (vein.radius_mm < min_radius_mm || vein.radius_mm > max_radius_mm) return vein;
   const float scale = float(sigma_mm * 2 / vein.contrast_hu);  // about mm: the blurred edge's slope
   for (float& v : soft.voxels) v = (v - threshold) * scale;
-  place_surface(soft, shape, cut_sigma_mm, 1, progress);
+  mask::place_surface(soft, shape, cut_sigma_mm, 1, progress);
   vein.field = std::move(soft);
   vein.found = true;
   return vein;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

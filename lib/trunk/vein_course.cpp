@@ -8,7 +8,7 @@
 #include "surface/bounds.h"
 #include "trunk/vein_parts.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 namespace {
 
 constexpr double step_mm = 2;
@@ -71,7 +71,7 @@ std::vector<Vec3> first_guess(const ClavicleCourse& c, const VeinParams& p) {
   return smoothed(resampled(all), 4);
 }
 
-float sample(const Grid<float>& g, Vec3 index) {
+float sample(const grid::Grid<float>& g, Vec3 index) {
   int low[3];
   double part[3];
   for (int a = 0; a < 3; ++a) {
@@ -101,11 +101,11 @@ double VeinCourse::length_mm() const {
   return sum;
 }
 
-Box box_around(const VeinCourse& course, const Lattice& l, double margin_mm) {
-  Bounds indices;
-  for (const Vec3& p : course.points_mm) include(indices, l.to_index(p));
+grid::Box box_around(const VeinCourse& course, const grid::Lattice& l, double margin_mm) {
+  surface::Bounds indices;
+  for (const Vec3& p : course.points_mm) surface::include(indices, l.to_index(p));
   const auto [least, most] = indices;
-  Box box;
+  grid::Box box;
   for (int a = 0; a < 3; ++a) {
     const double margin = margin_mm / l.spacing_mm[a];
     box.begin[a] = int(std::clamp(std::floor(least[a] - margin), 0.0, double(l.size[a])));
@@ -114,13 +114,13 @@ Box box_around(const VeinCourse& course, const Lattice& l, double margin_mm) {
   return box;
 }
 
-Grid<float> distance_to(const VeinCourse& course, const Lattice& l, double reach_mm) {
-  Grid<float> out(l, float(reach_mm));
+grid::Grid<float> distance_to(const VeinCourse& course, const grid::Lattice& l, double reach_mm) {
+  grid::Grid<float> out(l, float(reach_mm));
   for (std::size_t n = 0; n < course.points_mm.size(); ++n) {
     const Vec3 a = course.points_mm[n], b = course.points_mm[std::min(n + 1, course.points_mm.size() - 1)];
     VeinCourse piece;
     piece.points_mm = {a, b};
-    const Box box = box_around(piece, l, reach_mm);
+    const grid::Box box = box_around(piece, l, reach_mm);
     const Vec3 way = b - a;
     const double length2 = std::max(dot(way, way), 1e-12);
     for (int k = box.begin[2]; k < box.end[2]; ++k)
@@ -135,15 +135,16 @@ Grid<float> distance_to(const VeinCourse& course, const Lattice& l, double reach
   return out;
 }
 
-Grid<float> room_around(const HuView& hu, const Field& bone, const Box& box, const Progress& progress) {
-  Grid<float> here = crop(hu, box);
-  gaussian(here, 1, progress);
-  BitMask obstacles = make_mask(here, [&](int j, int k, std::uint8_t* row) {
+grid::Grid<float> room_around(const mask::HuView& hu, const grid::Field& bone, const grid::Box& box,
+                              const Progress& progress) {
+  grid::Grid<float> here = mask::crop(hu, box);
+  mask::gaussian(here, 1, progress);
+  mask::BitMask obstacles = mask::make_mask(here, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < here.size[0]; ++i) row[i] = here.at(i, j, k) < air_below_hu;
   });
-  obstacles |= positive(bone, here);
-  Grid<float> room = distance_mm(obstacles, progress);
-  const Grid<float> depth = distance_mm(obstacles.invert(), progress);
+  obstacles |= mask::positive(bone, here);
+  grid::Grid<float> room = mask::distance_mm(obstacles, progress);
+  const grid::Grid<float> depth = mask::distance_mm(obstacles.invert(), progress);
   for (std::size_t v = 0; v < room.count(); ++v) room.voxels[v] -= depth.voxels[v];
   return room;
 }
@@ -151,7 +152,7 @@ Grid<float> room_around(const HuView& hu, const Field& bone, const Box& box, con
 namespace {
 
 /// The line near `first` with the most room: every point may move across it, by about as much as its neighbours.
-std::vector<Vec3> with_room(const std::vector<Vec3>& first, const Grid<float>& room, double wanted_mm) {
+std::vector<Vec3> with_room(const std::vector<Vec3>& first, const grid::Grid<float>& room, double wanted_mm) {
   struct Move {
     double a, b;
   };
@@ -193,30 +194,30 @@ std::vector<Vec3> with_room(const std::vector<Vec3>& first, const Grid<float>& r
 
 }  // namespace
 
-Field without_dense_vein(const Field& bone, const ClavicleCourse& clavicle, const VeinParams& p,
-                         const Progress& progress) {
+grid::Field without_dense_vein(const grid::Field& bone, const ClavicleCourse& clavicle, const VeinParams& p,
+                               const Progress& progress) {
   VeinCourse course;
   course.points_mm = first_guess(clavicle, p);
-  const Box box = box_around(course, bone, p.search_mm + 5);
+  const grid::Box box = box_around(course, bone, p.search_mm + 5);
   if (box.empty()) return bone;
-  const BitMask here = crop(positive(bone, bone), box);
-  const Components pieces = components(eroded(here, bridge_mm, progress));
+  const mask::BitMask here = mask::crop(mask::positive(bone, bone), box);
+  const mask::Components pieces = mask::components(mask::eroded(here, bridge_mm, progress));
   std::vector<char> is_vein(pieces.list.size());
   for (std::size_t c = 0; c < is_vein.size(); ++c) {
     if (double(pieces.list[c].voxels) * bone.voxel_volume_mm3() < dense_least_mm3) continue;
     std::vector<char> one(is_vein.size());
     one[c] = 1;
-    const BitMask piece = select(pieces, one);
+    const mask::BitMask piece = mask::select(pieces, one);
     is_vein[c] = followed(piece, course, 0.75 * p.search_mm) >= dense_follow;
     for (const Vec3& q : clavicle.points_mm) {
       const Vec3 at = piece.lattice().to_index(q);
       if (piece.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z)))) is_vein[c] = 0;
     }
   }
-  const BitMask core = select(pieces, is_vein);
+  const mask::BitMask core = mask::select(pieces, is_vein);
   if (!core.any()) return bone;
-  const BitMask vein = grown_within(core, here, 2 * bridge_mm, progress);
-  Field out = bone;
+  const mask::BitMask vein = mask::grown_within(core, here, 2 * bridge_mm, progress);
+  grid::Field out = bone;
   for (int k = 0; k < vein.lattice().size[2]; ++k)
     for (int j = 0; j < vein.lattice().size[1]; ++j)
       for (int i = 0; i < vein.lattice().size[0]; ++i)
@@ -227,17 +228,17 @@ Field without_dense_vein(const Field& bone, const ClavicleCourse& clavicle, cons
   return out;
 }
 
-VeinCourse estimated_course(const ClavicleCourse& clavicle, const HuView& hu, const Field& bone, const VeinParams& p,
-                            const Progress& progress) {
+VeinCourse estimated_course(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid::Field& bone,
+                            const VeinParams& p, const Progress& progress) {
   VeinCourse course;
   const std::vector<Vec3> first = first_guess(clavicle, p);
   course.points_mm = first;
-  const Box box = box_around(course, hu.lattice(), room_mm + 2 * p.radius_mm);
+  const grid::Box box = box_around(course, hu.lattice(), room_mm + 2 * p.radius_mm);
   if (box.empty())
     throw refusal("vein", "its course lies outside the volume: 0 voxels",
                   {"choose the other `side`, or take the vein out of the scene (configs/ct_chest_bone.yaml shows "
                    "`segment` of bone alone)"});
-  const Grid<float> room = room_around(hu, bone, box, progress);
+  const grid::Grid<float> room = room_around(hu, bone, box, progress);
   progress.check();
   course.points_mm = resampled(smoothed(with_room(first, room, p.radius_mm + film_mm), 4));
   course.clearance_mm = 1e9;
@@ -246,4 +247,4 @@ VeinCourse estimated_course(const ClavicleCourse& clavicle, const HuView& hu, co
   return course;
 }
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -5,7 +5,7 @@
 #include "mask/hu_view.h"
 #include "trunk/vein.h"
 
-namespace trephine::segmentation {
+namespace trephine::trunk {
 
 /// Where a vein usually runs.
 struct VeinCourse {
@@ -13,33 +13,34 @@ struct VeinCourse {
   double clearance_mm = 0;      ///< least distance to bone and air
   double length_mm() const;
 };
-VeinCourse estimated_course(const ClavicleCourse& clavicle, const HuView& hu, const Field& bone,
+VeinCourse estimated_course(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid::Field& bone,
                             const VeinParams& params, const Progress& progress);
 
 /// Distance in mm to the surface of bone and air, negative inside them, in that box of the volume.
-Grid<float> room_around(const HuView& hu, const Field& bone, const Box& box, const Progress& progress);
+grid::Grid<float> room_around(const mask::HuView& hu, const grid::Field& bone, const grid::Box& box,
+                              const Progress& progress);
 
 /// The volume's box within margin_mm of the course.
-Box box_around(const VeinCourse& course, const Lattice& lattice, double margin_mm);
+grid::Box box_around(const VeinCourse& course, const grid::Lattice& lattice, double margin_mm);
 /// Distance in mm to the course of each voxel of the lattice that is nearer than reach_mm; reach_mm elsewhere.
-Grid<float> distance_to(const VeinCourse& course, const Lattice& lattice, double reach_mm);
+grid::Grid<float> distance_to(const VeinCourse& course, const grid::Lattice& lattice, double reach_mm);
 
 /// Dense contrast medium is as bright as bone and may have been taken for it. The result is the bone without the pieces
 /// that follow the course first estimated from the clavicle, as no rib does, and that are not the clavicle.
-Field without_dense_vein(const Field& bone, const ClavicleCourse& clavicle, const VeinParams& params,
-                         const Progress& progress);
+grid::Field without_dense_vein(const grid::Field& bone, const ClavicleCourse& clavicle, const VeinParams& params,
+                               const Progress& progress);
 
 /// The share of the course that has a voxel of the mask within reach_mm.
-double followed(const BitMask& mask, const VeinCourse& course, double reach_mm);
+double followed(const mask::BitMask& mask, const VeinCourse& course, double reach_mm);
 
 /// The enhanced vein along the course; `found` is false where there is none (contrast_hu then says which contrast there
 /// is).
 struct EnhancedVein {
   bool found = false;
   double contrast_hu = 0, length_mm = 0, radius_mm = 0;
-  Field field;  ///< about mm, on the lattice of box_around(course, volume, search_mm)
+  grid::Field field;  ///< about mm, on the lattice of box_around(course, volume, search_mm)
 };
-EnhancedVein enhanced_vein(const HuView& hu, const BitMask& bone, const VeinCourse& course, const VeinParams& params,
-                           const Progress& progress);
+EnhancedVein enhanced_vein(const mask::HuView& hu, const mask::BitMask& bone, const VeinCourse& course,
+                           const VeinParams& params, const Progress& progress);
 
-}  // namespace trephine::segmentation
+}  // namespace trephine::trunk

@@ -12,7 +12,7 @@
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 using detail::RawVoxel;
@@ -26,7 +26,7 @@ using Sums = std::array<std::int64_t, haptic_max_shapes + 1>;
 int counted(int share) { return std::clamp(haptic_full + 2 * (2 * share - haptic_full), 0, volume_unit); }
 
 // In units of 1 / volume_unit of a voxel.
-Sums filled_by_shape(const HapticVolume& volume, const Grid<std::int16_t>& voxels) {
+Sums filled_by_shape(const HapticVolume& volume, const grid::Grid<std::int16_t>& voxels) {
   std::vector<Sums> by_slice(std::size_t(std::max(0, voxels.size[2])), Sums{});
   parallel_for(0, voxels.size[2], 1, [&](std::int64_t from, std::int64_t) {
     const int k = int(from);
@@ -70,15 +70,15 @@ std::array<bool, haptic_max_shapes + 1> cut_shapes(const HapticVolume& volume, c
 struct Cut {
   HapticVolume& volume;
   const SolidOnLattice& solid;
-  Box box;     ///< of the volume's voxels that may change
-  Box around;  ///< what `before` holds: box and two voxels more
-  const Grid<std::int16_t>& before;
+  grid::Box box;     ///< of the volume's voxels that may change
+  grid::Box around;  ///< what `before` holds: box and two voxels more
+  const grid::Grid<std::int16_t>& before;
   std::array<bool, haptic_max_shapes + 1> cut;
   bool all = false;
 };
 
 template <class Each>
-void for_each_voxel(const Box& box, const Progress& progress, const Each& each) {
+void for_each_voxel(const grid::Box& box, const Progress& progress, const Each& each) {
   parallel_for(box.begin[2], box.end[2], 1, [&](std::int64_t from, std::int64_t) {
     progress.check();
     for (int j = box.begin[1]; j < box.end[1]; ++j)
@@ -113,7 +113,7 @@ void cut_occupancy(const Cut& c, const Progress& progress) {
     });
   });
   // The neighbours decide to which shape the rest of a voxel belongs. Where that has changed, the rest becomes EMPTY.
-  const Box beside = grown(c.box, 1, c.volume.voxels);
+  const grid::Box beside = grid::grown(c.box, 1, c.volume.voxels);
   for_each_voxel(beside, progress, [&](int i, int j, int k) {
     std::int16_t& raw = c.volume.voxels.at(i, j, k);
     const RawVoxel v = detail::split(detail::load_voxel(raw));
@@ -180,19 +180,19 @@ double shape_volume_mm3(const HapticVolume& volume, int number) {
   return double(filled[std::size_t(number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
 }
 
-void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bounds& solid_bounds_mm,
+void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
                 const std::vector<int>& shape_numbers, Report& report, const Progress& progress) {
   const auto cut = cut_shapes(volume, shape_numbers);
   Vec3 margin;
   for (int a = 0; a < 3; ++a)
     margin[a] = 0.5 * (1 + detail::largest_ramp_mm(volume.voxels) / volume.voxels.spacing_mm[a]) + 1e-6;
-  const Box box = detail::box_of(volume.voxels, solid_bounds_mm, margin);
+  const grid::Box box = detail::box_of(volume.voxels, solid_bounds_mm, margin);
   const auto is_cut = [&](const HapticShape& s) { return cut[std::size_t(s.number)]; };
   Sums removed{};
   std::size_t changed = 0;
   if (!box.empty()) {
-    const Box around = grown(box, 2, volume.voxels);
-    const Grid<std::int16_t> before = detail::copy_voxels(volume.voxels, around);
+    const grid::Box around = grid::grown(box, 2, volume.voxels);
+    const grid::Grid<std::int16_t> before = detail::copy_voxels(volume.voxels, around);
     const SolidOnLattice on_lattice(volume.voxels, solid);
     const Cut c{
         volume, on_lattice, box, around, before, cut, std::all_of(volume.shapes.begin(), volume.shapes.end(), is_cut)};
@@ -200,7 +200,7 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
       cut_occupancy(c, progress);
     else
       cut_hu_windows(c, progress);
-    const Grid<std::int16_t> after = detail::copy_voxels(volume.voxels, around);
+    const grid::Grid<std::int16_t> after = detail::copy_voxels(volume.voxels, around);
     const Sums had = filled_by_shape(volume, before), has = filled_by_shape(volume, after);
     for (std::size_t n = 1; n < had.size(); ++n) removed[n] = had[n] - has[n];
     for (std::size_t i = 0; i < after.voxels.size(); ++i) changed += after.voxels[i] != before.voxels[i];
@@ -212,11 +212,11 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
     any = any || removed[std::size_t(s.number)] != 0;
     names += (names.empty() ? "" : ", ") + s.name;
     const double removed_mm3 = double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
-    add_result(report, RemovedResult{removed_mm3}, s.name + ".");
+    add_result(report, surface::RemovedResult{removed_mm3}, s.name + ".");
   }
   report.add("voxels_count", changed);
   if (!any) report.warn("removes nothing of " + (names.empty() ? "the haptic volume" : names));
   progress.report(1);
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

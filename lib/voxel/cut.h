@@ -8,7 +8,7 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// Cuts a solid, given by its signed distance (positive outside) and bounds, out of the shapes with these numbers (of
 /// all shapes where empty). Their occupancy is lowered to what the solid leaves, with the same sub-voxel surface as in
@@ -27,7 +27,7 @@ namespace trephine {
 ///
 /// The report: "<name>.removed_mm3" (by shape_volume_mm3) of the shapes that are cut, and the voxels_count that
 /// changed; a warning where nothing is removed from any of them.
-void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bounds& solid_bounds_mm,
+void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
                 const std::vector<int>& shape_numbers, Report& report, const Progress& progress = {});
 
 /// The volume that a shape fills, with its shares of voxels of two shapes. A voxel with occupancy o counts as clamp(1/2
@@ -39,7 +39,7 @@ double shape_volume_mm3(const HapticVolume& volume, int number);
 /// the field's own unit near its surface (the median length of its gradient there), up to three voxels from the solid.
 /// The result is positive inside the rest and finite everywhere. The report: the voxels_count that changed,
 /// unit_per_mm; a warning where no voxel inside is lowered.
-void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_bounds_mm, Report& report,
-               const Progress& progress = {});
+void cut_field(grid::Field& field, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
+               Report& report, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -7,14 +7,14 @@
 #include "voxel/cut.h"
 #include "voxel/cut_solid.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 constexpr double margin_voxels = 3;
 constexpr const char* nothing = "removes nothing of the field";
 
 // Length of the field's gradient, per mm, at the voxels of the box that the surface passes; by central differences.
-std::vector<double> slopes_at_surface(const Field& field, const Box& box) {
+std::vector<double> slopes_at_surface(const grid::Field& field, const grid::Box& box) {
   std::vector<double> slopes;
   const auto at = [&](std::array<int, 3> v) { return double(field.at(v[0], v[1], v[2])); };
   for (int k = box.begin[2]; k < box.end[2]; ++k)
@@ -39,9 +39,9 @@ std::vector<double> slopes_at_surface(const Field& field, const Box& box) {
 }
 
 // The field's slope per mm: near the solid; where it has no surface there, on all of its surface; else 1.
-double unit_per_mm(const Field& field, const Box& box) {
+double unit_per_mm(const grid::Field& field, const grid::Box& box) {
   std::vector<double> slopes = slopes_at_surface(field, box);
-  if (slopes.empty()) slopes = slopes_at_surface(field, whole_box(field));
+  if (slopes.empty()) slopes = slopes_at_surface(field, grid::whole_box(field));
   if (slopes.empty()) return 1;
   const auto middle = slopes.begin() + std::ptrdiff_t(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
@@ -50,9 +50,9 @@ double unit_per_mm(const Field& field, const Box& box) {
 
 }  // namespace
 
-void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_bounds_mm, Report& report,
-               const Progress& progress) {
-  const Box box = detail::box_of(field, solid_bounds_mm, {margin_voxels, margin_voxels, margin_voxels});
+void cut_field(grid::Field& field, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
+               Report& report, const Progress& progress) {
+  const grid::Box box = detail::box_of(field, solid_bounds_mm, {margin_voxels, margin_voxels, margin_voxels});
   if (box.empty()) {
     report.add("voxels_count", 0);
     report.warn(nothing);
@@ -83,4 +83,4 @@ void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_
   progress.report(1);
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

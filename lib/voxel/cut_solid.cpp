@@ -7,11 +7,11 @@
 
 #include "voxel/shape_occupancy.h"
 
-namespace trephine::detail {
+namespace trephine::voxel::detail {
 
-Box box_of(const Lattice& lattice, const Bounds& bounds_mm, Vec3 margin_voxels) {
-  const auto [low, high] = index_bounds(lattice, bounds_mm);
-  Box box;
+grid::Box box_of(const grid::Lattice& lattice, const surface::Bounds& bounds_mm, Vec3 margin_voxels) {
+  const auto [low, high] = surface::index_bounds(lattice, bounds_mm);
+  grid::Box box;
   for (int a = 0; a < 3; ++a) {
     if (!(bounds_mm.min_mm[a] <= bounds_mm.max_mm[a])) return {};
     const double size = lattice.size[std::size_t(a)];
@@ -42,4 +42,4 @@ SolidOnLattice::Sample SolidOnLattice::at(int i, int j, int k) const {
   return {d, ramp, 255 - share_at(d, ramp)};
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::voxel::detail

@@ -6,15 +6,16 @@
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
-namespace trephine::detail {
+namespace trephine::voxel::detail {
 
 /// The voxels within `margin_voxels` of the solid's bounds, on the lattice.
-Box box_of(const Lattice& lattice, const Bounds& bounds_mm, Vec3 margin_voxels);
+grid::Box box_of(const grid::Lattice& lattice, const surface::Bounds& bounds_mm, Vec3 margin_voxels);
 
 /// A solid seen from the lattice's voxels.
 class SolidOnLattice {
  public:
-  SolidOnLattice(const Lattice& lattice, const DistanceFunction& solid) : lattice_(lattice), solid_(solid) {}
+  SolidOnLattice(const grid::Lattice& lattice, const surface::DistanceFunction& solid)
+      : lattice_(lattice), solid_(solid) {}
 
   struct Sample {
     double distance_mm;  ///< positive outside; infinite where the function gives none
@@ -24,8 +25,8 @@ class SolidOnLattice {
   Sample at(int i, int j, int k) const;
 
  private:
-  const Lattice& lattice_;
-  const DistanceFunction& solid_;
+  const grid::Lattice& lattice_;
+  const surface::DistanceFunction& solid_;
 };
 
-}  // namespace trephine::detail
+}  // namespace trephine::voxel::detail

@@ -6,7 +6,7 @@
 
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 constexpr int air_hu = -1000;
@@ -18,7 +18,7 @@ double hu_occupancy(double hu, int low) {
 }
 
 // The cell whose corner is the voxel below the point, and where in it; false where no voxel of the lattice is near.
-bool find_cell(const Lattice& lattice, Vec3 index, int* begin, double* fraction) {
+bool find_cell(const grid::Lattice& lattice, Vec3 index, int* begin, double* fraction) {
   for (int a = 0; a < 3; ++a) {
     const double x = index[a];
     if (!(x > -1 && x < lattice.size[std::size_t(a)])) return false;  // false for NaN, too
@@ -31,7 +31,7 @@ bool find_cell(const Lattice& lattice, Vec3 index, int* begin, double* fraction)
 
 // Calls each(weight, i, j, k) for the corners of the cell that lie on the lattice and have weight.
 template <class Each>
-void for_each_corner(const Lattice& lattice, const int* begin, const double* f, const Each& each) {
+void for_each_corner(const grid::Lattice& lattice, const int* begin, const double* f, const Each& each) {
   for (int c = 0; c < 8; ++c) {
     const int i = begin[0] + (c & 1), j = begin[1] + (c >> 1 & 1), k = begin[2] + (c >> 2);
     const double w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
@@ -132,4 +132,4 @@ Vec3 HapticDecoder::gradient(int number, Vec3 world_mm) const {
   return is_finite(along) ? volume_.voxels.direction * along : Vec3{};
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -5,7 +5,7 @@
 #include "base/vec3.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// Occupancy of one shape, 0 to 1, of a haptic volume: the values that contact, drilling and the mesher read. Only the
 /// constructor allocates, locks or throws; positions that are not finite, and numbers of no shape, give 0. The decoder
@@ -52,4 +52,4 @@ class HapticDecoder {
   int window_count_ = 0, lowest_ = 0;  ///< lowest_: the lowest low end of all windows
 };
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -8,7 +8,7 @@
 #include "base/write_file.h"
 #include "grid/nrrd.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 constexpr int format_version = 1;
@@ -81,15 +81,15 @@ void read_shapes(const std::string& json_text, HapticVolume& volume) {
 }  // namespace
 
 std::string encode_haptic(const HapticVolume& volume) {
-  return encode_nrrd(volume.voxels, {{haptic_file_key, shapes_json(volume)}});
+  return grid::encode_nrrd(volume.voxels, {{haptic_file_key, shapes_json(volume)}});
 }
 
-std::string encode_hardness(const HapticVolume& volume) { return encode_nrrd(volume.hardness); }
+std::string encode_hardness(const HapticVolume& volume) { return grid::encode_nrrd(volume.hardness); }
 
 namespace {
 
-HapticVolume unchecked(AnyGrid grid, const NrrdKeys& keys) {
-  auto* voxels = std::get_if<Grid<std::int16_t>>(&grid);
+HapticVolume unchecked(grid::AnyGrid grid, const grid::NrrdKeys& keys) {
+  auto* voxels = std::get_if<grid::Grid<std::int16_t>>(&grid);
   if (!voxels) refuse("type", "a haptic volume is int16");
   const auto key = keys.find(haptic_file_key);
   if (key == keys.end()) refuse(haptic_file_key, "missing: not a haptic volume");
@@ -101,19 +101,19 @@ HapticVolume unchecked(AnyGrid grid, const NrrdKeys& keys) {
 
 }  // namespace
 
-HapticVolume haptic_of(AnyGrid voxels, const NrrdKeys& keys) {
+HapticVolume haptic_of(grid::AnyGrid voxels, const grid::NrrdKeys& keys) {
   HapticVolume volume = unchecked(std::move(voxels), keys);
   check_haptic_volume(volume);
   return volume;
 }
 
 HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness) {
-  Nrrd nrrd = decode_nrrd(bytes);
+  grid::Nrrd nrrd = grid::decode_nrrd(bytes);
   HapticVolume volume = unchecked(std::move(nrrd.grid), nrrd.keys);
   if (!hardness.empty())
     with_field("hardness", [&] {
-      Nrrd h = decode_nrrd(hardness);
-      auto* mask = std::get_if<Mask>(&h.grid);
+      grid::Nrrd h = grid::decode_nrrd(hardness);
+      auto* mask = std::get_if<grid::Mask>(&h.grid);
       if (!mask) refuse("type", "hardness is uint8");
       volume.hardness = std::move(*mask);
     });
@@ -132,4 +132,4 @@ HapticVolume read_haptic(const std::filesystem::path& file) {
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

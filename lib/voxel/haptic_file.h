@@ -7,7 +7,7 @@
 #include "grid/nrrd.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// The key by which the NRRD of a haptic volume is recognized.
 constexpr const char* haptic_file_key = "trephine-haptic";
@@ -23,10 +23,10 @@ std::string encode_hardness(const HapticVolume& volume);
 HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness = {});
 
 /// The same for a NRRD that was read already.
-HapticVolume haptic_of(AnyGrid voxels, const NrrdKeys& keys);
+HapticVolume haptic_of(grid::AnyGrid voxels, const grid::NrrdKeys& keys);
 
 /// The same for files. Writing throws Error 73 and 74; reading throws 66 and 65.
 void write_haptic(const std::filesystem::path& file, const HapticVolume& volume);
 HapticVolume read_haptic(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::voxel

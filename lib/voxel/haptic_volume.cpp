@@ -11,14 +11,14 @@
 #include "base/parallel.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
 }
 
-void check_lattice(const Lattice& l, std::size_t voxels) {
+void check_lattice(const grid::Lattice& l, std::size_t voxels) {
   std::size_t count = 1;
   for (const int n : l.size) {
     if (n < 1) refuse("sizes", std::to_string(n) + ", must be at least 1");
@@ -116,11 +116,11 @@ void check_haptic_volume(const HapticVolume& volume) {
   check_lattice(volume.voxels, volume.voxels.voxels.size());
   check_shapes(volume);
   if (!volume.hardness.voxels.empty() || volume.hardness.count() > 0) {
-    const Lattice &hard = volume.hardness, &soft = volume.voxels;
+    const grid::Lattice &hard = volume.hardness, &soft = volume.voxels;
     if (hard != soft || volume.hardness.voxels.size() != volume.voxels.voxels.size())
       refuse("hardness", "does not lie on the lattice of the volume");
   }
   if (volume.encoding == HapticEncoding::occupancy) check_voxels(volume);
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

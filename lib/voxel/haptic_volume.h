@@ -6,7 +6,7 @@
 
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// The haptic volume: what the hand feels. One int16 for each voxel says which shape fills it and how much of it, so
 /// that one lookup serves any number of shapes [Rizzi, chapter 3]. Voxels outside of the lattice are EMPTY (`hu`: -1024
@@ -41,9 +41,9 @@ struct HapticShape {
 
 struct HapticVolume {
   HapticEncoding encoding = HapticEncoding::occupancy;
-  Grid<std::int16_t> voxels;
+  grid::Grid<std::int16_t> voxels;
   std::vector<HapticShape> shapes;  ///< by ascending number
-  Mask hardness;  ///< empty, or on the same lattice: 0 softest to 255 hardest, of whatever shape fills the voxel
+  grid::Mask hardness;  ///< empty, or on the same lattice: 0 softest to 255 hardest, of whatever shape fills the voxel
 
   const HapticShape* find_shape(const std::string& name) const;
 };
@@ -58,4 +58,4 @@ HapticShape occupancy_shape(const std::string& name, int number);
 /// `occupancy` is EMPTY or has a value of a declared shape, spacing is positive and finite, and hardness fits.
 void check_haptic_volume(const HapticVolume& volume);
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -11,7 +11,7 @@
 #include "base/parallel.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 struct SurfaceSample {
@@ -63,7 +63,7 @@ double nearest_fall(const FeltShape& shape, const SurfaceSample& s, double step,
   return none;
 }
 
-bool well_within(const Lattice& l, Vec3 world) {
+bool well_within(const grid::Lattice& l, Vec3 world) {
   const Vec3 i = l.to_index(world);
   for (int a = 0; a < 3; ++a)
     if (!(i[a] >= 1 && i[a] <= l.size[std::size_t(a)] - 2)) return false;
@@ -71,10 +71,10 @@ bool well_within(const Lattice& l, Vec3 world) {
 }
 
 // One point in each of `count` stretches of equal area, in the order of the triangles.
-std::vector<SurfaceSample> samples_on(const TriMesh& mesh, std::int64_t count) {
+std::vector<SurfaceSample> samples_on(const surface::TriMesh& mesh, std::int64_t count) {
   std::vector<SurfaceSample> samples;
   double total = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(triangle_normal(mesh, t)) / 2;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(surface::triangle_normal(mesh, t)) / 2;
   if (!(total > 0) || !std::isfinite(total) || count < 1) return samples;
   samples.reserve(std::size_t(count));
   // The fractional parts of multiples of 1/g, 1/g^2, 1/g^3 (g^4 = g + 1) fill a cube evenly.
@@ -82,12 +82,12 @@ std::vector<SurfaceSample> samples_on(const TriMesh& mesh, std::int64_t count) {
   const auto fraction = [](double x) { return x - std::floor(x); };
   double passed = 0;
   std::size_t t = 0;
-  double area = norm(triangle_normal(mesh, 0)) / 2;
+  double area = norm(surface::triangle_normal(mesh, 0)) / 2;
   for (std::int64_t n = 0; n < count; ++n) {
     const double wanted = total * (double(n) + fraction(0.5 + double(n) * g1)) / double(count);
     while (t + 1 < mesh.triangles.size() && (passed + area < wanted || area == 0)) {
       passed += area;
-      area = norm(triangle_normal(mesh, ++t)) / 2;
+      area = norm(surface::triangle_normal(mesh, ++t)) / 2;
     }
     if (area == 0) continue;
     double u = fraction(0.5 + double(n) * g2), v = fraction(0.5 + double(n) * g3);
@@ -95,16 +95,16 @@ std::vector<SurfaceSample> samples_on(const TriMesh& mesh, std::int64_t count) {
     const auto& c = mesh.triangles[t];
     const Vec3 a = mesh.points_mm[c[0]];
     const Vec3 p = a + (mesh.points_mm[c[1]] - a) * u + (mesh.points_mm[c[2]] - a) * v;
-    samples.push_back({mesh.origin_mm + p, normalized(triangle_normal(mesh, t))});
+    samples.push_back({mesh.origin_mm + p, normalized(surface::triangle_normal(mesh, t))});
   }
   return samples;
 }
 
 }  // namespace
 
-Mismatch measure_mismatch(const TriMesh& mesh, const HapticVolume& volume, const HapticShape& shape,
+Mismatch measure_mismatch(const surface::TriMesh& mesh, const HapticVolume& volume, const HapticShape& shape,
                           const MismatchParams& params, const Progress& progress) {
-  check_mesh(mesh);
+  surface::check_mesh(mesh);
   const std::vector<SurfaceSample> displayed = samples_on(mesh, params.sample_count);
   const HapticDecoder decoder(volume);
   const FeltShape felt{decoder, shape.number, params.felt};
@@ -142,4 +142,4 @@ Mismatch measure_mismatch(const TriMesh& mesh, const HapticVolume& volume, const
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

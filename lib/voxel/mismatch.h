@@ -7,7 +7,7 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// Where a contact with the volume lies: where the shape's trilinear occupancy is 1/2, or at the faces of the voxels of
 /// which the shape has at least half.
@@ -51,7 +51,7 @@ struct Mismatch {
 /// `felt` defines it. Only a crossing outwards counts, so the far side of a thin wall, or the boundary to a shape
 /// within, is not taken for the displayed surface. Where another shape of the volume took a part of this one, nothing
 /// is felt there: the sample is missed, or counts with its offset. Throws Error 65 as check_mesh does.
-Mismatch measure_mismatch(const TriMesh& displayed, const HapticVolume& volume, const HapticShape& shape,
+Mismatch measure_mismatch(const surface::TriMesh& displayed, const HapticVolume& volume, const HapticShape& shape,
                           const MismatchParams& params = {}, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -8,7 +8,7 @@
 #include "grid/grid.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine::detail {
+namespace trephine::voxel::detail {
 
 /// Reads a voxel's raw value in a way that is safe while another thread drills.
 inline std::int16_t load_voxel(const std::int16_t& voxel) { return __atomic_load_n(&voxel, __ATOMIC_RELAXED); }
@@ -25,8 +25,8 @@ void change_voxel(std::int16_t& voxel, const Change& change) {
 }
 
 /// A copy of the box, voxel by voxel, while another thread drills.
-inline Grid<std::int16_t> copy_voxels(const Grid<std::int16_t>& voxels, const Box& box) {
-  Grid<std::int16_t> out(cropped(voxels, box));
+inline grid::Grid<std::int16_t> copy_voxels(const grid::Grid<std::int16_t>& voxels, const grid::Box& box) {
+  grid::Grid<std::int16_t> out(grid::cropped(voxels, box));
   std::int16_t* to = out.voxels.data();
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j) {
@@ -58,7 +58,7 @@ inline std::int16_t join(int number, int share, bool bare) {
 /// Calls look(RawVoxel) for the 26 neighbours that are of another shape than `own` and not empty, until it returns
 /// true; returns whether it did.
 template <class Look>
-bool any_other_neighbour(const Grid<std::int16_t>& voxels, int own, int i, int j, int k, const Look& look) {
+bool any_other_neighbour(const grid::Grid<std::int16_t>& voxels, int own, int i, int j, int k, const Look& look) {
   const int own_base = haptic_base_step * own;
   const int i0 = std::max(0, i - 1), i1 = std::min(voxels.size[0] - 1, i + 1);
   const int j0 = std::max(0, j - 1), j1 = std::min(voxels.size[1] - 1, j + 1);
@@ -78,7 +78,7 @@ bool any_other_neighbour(const Grid<std::int16_t>& voxels, int own, int i, int j
 
 /// The shape to which the rest of a voxel of shape `own` belongs: another shape, whose voxels among the 26 neighbours
 /// add up to the largest occupancy (of equals the lower number); 0 where there is none.
-inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
+inline int other_shape(const grid::Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
   // In most places one other shape or none is near; the table serves the others.
   int only = 0, sum_of_only = 0;
   std::array<int, haptic_max_shapes + 1> sums;
@@ -102,12 +102,12 @@ inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, 
 }
 
 /// Whether other_shape is not 0, which is sooner known than what it is.
-inline bool beside_other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
+inline bool beside_other_shape(const grid::Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
   return any_other_neighbour(voxels, own, i, j, k, [](const RawVoxel&) { return true; });
 }
 
 /// The share (of 255) of shape `number` in the voxel.
-inline int share_of(const Grid<std::int16_t>& voxels, int number, int i, int j, int k) {
+inline int share_of(const grid::Grid<std::int16_t>& voxels, int number, int i, int j, int k) {
   const RawVoxel v = split(load_voxel(voxels.voxels[voxels.index(i, j, k)]));
   if (v.number == 0) return 0;
   if (v.number == number) return v.share;
@@ -115,4 +115,4 @@ inline int share_of(const Grid<std::int16_t>& voxels, int number, int i, int j, 
   return other_shape(voxels, v.number, i, j, k) == number ? haptic_full - v.share : 0;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::voxel::detail

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bore& bore) {
   const HapticDecoder decoder(volume);
@@ -29,9 +29,9 @@ bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bo
   return true;
 }
 
-Field shape_field(const HapticVolume& volume, int number, const Progress& progress) {
+grid::Field shape_field(const HapticVolume& volume, int number, const Progress& progress) {
   const HapticDecoder decoder(volume);
-  Field field(static_cast<const Lattice&>(volume.voxels));
+  grid::Field field(static_cast<const grid::Lattice&>(volume.voxels));
   parallel_for(0, field.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (int k = static_cast<int>(from); k < static_cast<int>(to); ++k)
@@ -42,4 +42,4 @@ Field shape_field(const HapticVolume& volume, int number, const Progress& progre
   return field;
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// A cylinder that something must pass: from position - above * direction to position + depth * direction.
 struct Bore {
@@ -20,6 +20,6 @@ constexpr double hole_play_mm = 0.5;
 bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bore& bore);
 
 /// A shape's trilinear occupancy minus 1/2, on the volume's voxels: its contour at 0 is the felt surface.
-Field shape_field(const HapticVolume& volume, int number, const Progress& progress = {});
+grid::Field shape_field(const HapticVolume& volume, int number, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -10,25 +10,25 @@
 #include "surface/inside.h"
 #include "surface/point_triangle.h"
 
-namespace trephine::detail {
+namespace trephine::voxel::detail {
 namespace {
 
 constexpr std::int64_t rows_a_piece = 16;
 constexpr int slices_a_slab = 8;
 constexpr int cell_voxels = 2;
 
-void check_size(const TriMesh& mesh) {
+void check_size(const surface::TriMesh& mesh) {
   if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
-  const Bounds b = bounds_of(mesh);
+  const surface::Bounds b = surface::bounds_of(mesh);
   for (int a = 0; a < 3; ++a)
     if (!(std::max(std::abs(b.min_mm[a]), std::abs(b.max_mm[a])) <= 1e9))
       throw Error(ExitCode::bad_input, "", "surface", "has points beyond 1e9 mm");
 }
 
 // Unit direction from the surface to the point, or the triangle's where the point lies on it.
-Vec3 direction_from(const TriMesh& mesh, std::uint32_t triangle, Vec3 to_point) {
+Vec3 direction_from(const surface::TriMesh& mesh, std::uint32_t triangle, Vec3 to_point) {
   const double d = norm(to_point);
-  return d > 1e-9 ? to_point / d : normalized(triangle_normal(mesh, triangle));
+  return d > 1e-9 ? to_point / d : normalized(surface::triangle_normal(mesh, triangle));
 }
 
 int whole(double v, int size) { return int(std::clamp(v, 0.0, double(size))); }
@@ -36,12 +36,12 @@ int whole(double v, int size) { return int(std::clamp(v, 0.0, double(size))); }
 // The triangles, seen from a lattice: corners in continuous indices, and how far beyond its box along each axis voxels
 // on a triangle's ramp may lie: n_a ramp(n) is at most (h_a + |h|) / 2 over all unit vectors n.
 struct OnLattice {
-  const TriMesh& mesh;
-  const Lattice& lattice;
+  const surface::TriMesh& mesh;
+  const grid::Lattice& lattice;
   std::vector<Vec3> points;
   Vec3 reach;
 
-  OnLattice(const TriMesh& m, const Lattice& l) : mesh(m), lattice(l), points(m.points_mm.size()) {
+  OnLattice(const surface::TriMesh& m, const grid::Lattice& l) : mesh(m), lattice(l), points(m.points_mm.size()) {
     for (int a = 0; a < 3; ++a) reach[a] = 0.5 * (1 + largest_ramp_mm(l) / l.spacing_mm[a]) + 1e-6;
     parallel_for(0, std::int64_t(points.size()), 1 << 14, [&](std::int64_t from, std::int64_t to) {
       for (std::int64_t p = from; p < to; ++p) points[std::size_t(p)] = l.to_index(m.world_mm(std::size_t(p)));
@@ -76,7 +76,7 @@ class Slab {
   void visit(std::uint32_t t) {
     const auto& v = on_.mesh.triangles[t];
     const Vec3 a = on_.mesh.points_mm[v[0]], b = on_.mesh.points_mm[v[1]], c = on_.mesh.points_mm[v[2]];
-    const Vec3 normal = normalized(triangle_normal(on_.mesh, t));
+    const Vec3 normal = normalized(surface::triangle_normal(on_.mesh, t));
     const double widest = largest_ramp_mm(lattice_), rise = dot(normal, step_[0]);
     int begin[3], end[3];
     for (int axis = 0; axis < 3; ++axis) on_.range(t, axis, begin[axis], end[axis]);
@@ -95,7 +95,7 @@ class Slab {
         for (int i = first; i < last; ++i) {
           const double h = height + rise * i;
           if (h * h * (1 - 1e-9) >= squared_[row + std::size_t(i)]) continue;
-          const ClosestPoint n = nearest_on_triangle(start + step_[0] * i, a, b, c);
+          const surface::ClosestPoint n = surface::nearest_on_triangle(start + step_[0] * i, a, b, c);
           if (n.squared_mm2 >= squared_[row + std::size_t(i)]) continue;
           squared_[row + std::size_t(i)] = n.squared_mm2;
           triangle_[row + std::size_t(i)] = t;
@@ -104,7 +104,7 @@ class Slab {
   }
 
   // Writes the ramp over 0 and 255 of outside and inside.
-  void write(Grid<std::uint8_t>& occupancy) const {
+  void write(grid::Grid<std::uint8_t>& occupancy) const {
     for (int k = k_begin_; k < k_end_; ++k)
       for (int j = 0; j < lattice_.size[1]; ++j)
         for (int i = 0; i < lattice_.size[0]; ++i) {
@@ -112,8 +112,8 @@ class Slab {
           if (t == none) continue;
           const auto& v = on_.mesh.triangles[t];
           const Vec3 p = local(i, j, k);
-          const ClosestPoint n =
-              nearest_on_triangle(p, on_.mesh.points_mm[v[0]], on_.mesh.points_mm[v[1]], on_.mesh.points_mm[v[2]]);
+          const surface::ClosestPoint n = surface::nearest_on_triangle(
+              p, on_.mesh.points_mm[v[0]], on_.mesh.points_mm[v[1]], on_.mesh.points_mm[v[2]]);
           const double d = std::sqrt(n.squared_mm2);
           const double ramp = ramp_mm(lattice_, direction_from(on_.mesh, t, p - n.point));
           std::uint8_t& o = occupancy.voxels[lattice_.index(i, j, k)];
@@ -131,7 +131,7 @@ class Slab {
   Vec3 local(int i, int j, int k) const { return origin_ + step_[0] * i + step_[1] * j + step_[2] * k; }
 
   const OnLattice& on_;
-  const Lattice& lattice_;
+  const grid::Lattice& lattice_;
   int k_begin_, k_end_;
   std::size_t rows_;
   std::vector<double> squared_;
@@ -140,10 +140,10 @@ class Slab {
 };
 
 // Cells of cell_voxels^3 voxels; 1 where one of the cell's voxels may lie within reach_mm of the surface.
-Mask cells_near(const TriMesh& mesh, const Lattice& lattice, double reach_mm) {
-  Lattice cells;
+grid::Mask cells_near(const surface::TriMesh& mesh, const grid::Lattice& lattice, double reach_mm) {
+  grid::Lattice cells;
   for (std::size_t a = 0; a < 3; ++a) cells.size[a] = (lattice.size[a] + cell_voxels - 1) / cell_voxels;
-  Mask near(cells, 0);
+  grid::Mask near(cells, 0);
   // The cells that a triangle's box grown by the reach touches: first its own, with a margin of the cells around ...
   int margin[3];
   for (int a = 0; a < 3; ++a) {
@@ -171,7 +171,7 @@ Mask cells_near(const TriMesh& mesh, const Lattice& lattice, double reach_mm) {
   }
   // ... then that margin, axis by axis.
   for (int a = 0; a < 3; ++a) {
-    const Mask before = near;
+    const grid::Mask before = near;
     const std::ptrdiff_t stride = a == 0 ? 1 : a == 1 ? cells.size[0] : std::ptrdiff_t(cells.size[0]) * cells.size[1];
     const int size = cells.size[std::size_t(a)];
     for (std::size_t at = 0; at < before.voxels.size(); ++at) {
@@ -193,7 +193,7 @@ struct RowState {
 
 // Calls each(i, j, k, state) for the voxels with a value in `which`, row by row in parallel.
 template <class Each>
-void for_each_voxel(const Grid<std::uint8_t>& which, const Progress& progress, const Each& each) {
+void for_each_voxel(const grid::Grid<std::uint8_t>& which, const Progress& progress, const Each& each) {
   const std::int64_t rows = std::int64_t(which.size[1]) * which.size[2];
   parallel_for(0, rows, rows_a_piece, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -209,10 +209,11 @@ void for_each_voxel(const Grid<std::uint8_t>& which, const Progress& progress, c
 
 }  // namespace
 
-Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, const Progress& progress) {
-  check_mesh(mesh);
+grid::Grid<std::uint8_t> solid_occupancy(const surface::TriMesh& mesh, const grid::Lattice& lattice,
+                                         const Progress& progress) {
+  surface::check_mesh(mesh);
   check_size(mesh);
-  Grid<std::uint8_t> occupancy = voxelize_inside(mesh, lattice, progress.part(0, 0.2));
+  grid::Grid<std::uint8_t> occupancy = surface::voxelize_inside(mesh, lattice, progress.part(0, 0.2));
   for (std::uint8_t& v : occupancy.voxels) v = v ? 255 : 0;
   const OnLattice on(mesh, lattice);
   const int slabs = (lattice.size[2] + slices_a_slab - 1) / slices_a_slab;
@@ -238,11 +239,12 @@ Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, 
   return occupancy;
 }
 
-void keep_shell(const TriMesh& mesh, double shell_mm, Grid<std::uint8_t>& solid, const Progress& progress) {
+void keep_shell(const surface::TriMesh& mesh, double shell_mm, grid::Grid<std::uint8_t>& solid,
+                const Progress& progress) {
   const double reach = largest_ramp_mm(solid), enough = shell_mm + reach;
-  const Mask near = cells_near(mesh, solid, enough);
-  const Bvh tree(mesh, progress);
-  const Grid<std::uint8_t> whole = solid;  // a voxel's side of the surface is told by what it was
+  const grid::Mask near = cells_near(mesh, solid, enough);
+  const surface::Bvh tree(mesh, progress);
+  const grid::Grid<std::uint8_t> whole = solid;  // a voxel's side of the surface is told by what it was
   for_each_voxel(whole, progress, [&](int i, int j, int k, RowState& state) {
     std::uint8_t& share = solid.at(i, j, k);
     if (!near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels)) {
@@ -254,7 +256,7 @@ void keep_shell(const TriMesh& mesh, double shell_mm, Grid<std::uint8_t>& solid,
       return;
     }
     const Vec3 local = solid.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
-    const ClosestPoint c = tree.nearest(local, state.seed, 0, state.seed);
+    const surface::ClosestPoint c = tree.nearest(local, state.seed, 0, state.seed);
     const double d = std::sqrt(c.squared_mm2), depth = whole.at(i, j, k) > 127 ? d : -d;
     const double ramp = ramp_mm(solid, direction_from(mesh, state.seed, local - c.point));
     share = std::min(share, std::uint8_t(share_at(depth - shell_mm, ramp > 0 ? ramp : 1e-9)));
@@ -263,16 +265,16 @@ void keep_shell(const TriMesh& mesh, double shell_mm, Grid<std::uint8_t>& solid,
   });
 }
 
-Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
+Clearance clear_occupancy(const surface::TriMesh& mesh, double clear_mm, const grid::Grid<std::uint8_t>& wanted,
                           const Progress& progress) {
-  check_mesh(mesh);
+  surface::check_mesh(mesh);
   check_size(mesh);
-  Mask inside = voxelize_inside(mesh, wanted, progress.part(0, 0.2));
+  grid::Mask inside = surface::voxelize_inside(mesh, wanted, progress.part(0, 0.2));
   const double reach = largest_ramp_mm(wanted), enough = std::max(0.0, clear_mm - reach);
-  const Mask near = cells_near(mesh, wanted, clear_mm + reach);
-  const Bvh tree(mesh, progress);
+  const grid::Mask near = cells_near(mesh, wanted, clear_mm + reach);
+  const surface::Bvh tree(mesh, progress);
   progress.report(0.4);
-  Grid<std::uint8_t> clear(wanted, 255);
+  grid::Grid<std::uint8_t> clear(wanted, 255);
   for_each_voxel(wanted, progress, [&](int i, int j, int k, RowState& state) {
     const std::size_t at = wanted.index(i, j, k);
     std::uint8_t& out = clear.voxels[at];
@@ -286,7 +288,7 @@ Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::
       return;
     }
     const Vec3 local = wanted.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
-    const ClosestPoint c = tree.nearest(local, state.seed, enough, state.seed);
+    const surface::ClosestPoint c = tree.nearest(local, state.seed, enough, state.seed);
     const double d = within ? -std::sqrt(c.squared_mm2) : std::sqrt(c.squared_mm2);  // or d is an upper bound <= enough
     const double ramp = ramp_mm(wanted, direction_from(mesh, state.seed, local - c.point));
     out = d <= enough && enough > 0 ? 0 : std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
@@ -301,4 +303,4 @@ Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::
   return {std::move(clear), std::move(inside)};
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::voxel::detail

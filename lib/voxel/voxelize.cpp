@@ -13,7 +13,7 @@
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 constexpr std::int64_t voxels_a_piece = 1 << 16;
@@ -53,7 +53,7 @@ void for_each_piece(std::size_t count, const Progress& progress, const Each& eac
 }
 
 // Adds a shape to the shares, after those before it; returns the sum of what they had taken already, of 255 each.
-std::int64_t add_shape(std::vector<Shares>& shares, int number, bool shell, const Grid<std::uint8_t>& occupancy,
+std::int64_t add_shape(std::vector<Shares>& shares, int number, bool shell, const grid::Grid<std::uint8_t>& occupancy,
                        const Progress& progress) {
   std::vector<std::int64_t> taken((shares.size() + voxels_a_piece - 1) / voxels_a_piece, 0);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t piece) {
@@ -70,7 +70,7 @@ std::int64_t add_shape(std::vector<Shares>& shares, int number, bool shell, cons
 
 // Calls each(index) for the neighbours of a voxel: 6, or 26.
 template <class Each>
-void for_each_neighbour(const Lattice& l, std::size_t at, bool corners, const Each& each) {
+void for_each_neighbour(const grid::Lattice& l, std::size_t at, bool corners, const Each& each) {
   const int i = int(at % std::size_t(l.size[0])), j = int(at / std::size_t(l.size[0]) % std::size_t(l.size[1])),
             k = int(at / std::size_t(l.size[0]) / std::size_t(l.size[1]));
   for (int z = -1; z <= 1; ++z)
@@ -83,12 +83,12 @@ void for_each_neighbour(const Lattice& l, std::size_t at, bool corners, const Ea
 // Undoes the clearing behind a wall: what cannot be reached from the solid through cleared voxels that earlier shapes
 // fill to less than half stays (the scalp outside a thin temporal bone). Walls are cleared on the side that was
 // reached. A membrane is no wall: what lies between dura and bone is no scalp.
-void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wanted, const std::vector<Shares>& shares,
-                       const Progress& progress) {
+void keep_behind_walls(detail::Clearance& clear, const grid::Grid<std::uint8_t>& wanted,
+                       const std::vector<Shares>& shares, const Progress& progress) {
   const auto open = [&](std::size_t at) {
     return wanted.voxels[at] && clear.left.voxels[at] < haptic_full && shares[at].solid <= haptic_full / 2;
   };
-  Grid<std::uint8_t> reached(wanted, 0);
+  grid::Grid<std::uint8_t> reached(wanted, 0);
   std::vector<std::size_t> front;
   const auto reach = [&](std::size_t at) {
     if (reached.voxels[at] || !open(at)) return;
@@ -119,15 +119,15 @@ void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wante
 }
 
 // The share that the shape claims. `largest`: its largest share of a voxel before its clearance and other shapes.
-Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& lattice, const std::vector<Shares>& shares,
-                                int& largest, const Progress& progress) {
+grid::Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const grid::Lattice& lattice,
+                                      const std::vector<Shares>& shares, int& largest, const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
-  Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
+  grid::Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
   if (shape.shell_mm > 0) detail::keep_shell(*shape.surface, shape.shell_mm, own, progress);
   largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;
   // The distance to the other surface is needed only where the shape would get something.
-  Grid<std::uint8_t> wanted(lattice, 0);
+  grid::Grid<std::uint8_t> wanted(lattice, 0);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
     for (std::size_t i = from; i < to; ++i) wanted.voxels[i] = own.voxels[i] > 0 && shares[i].sum < haptic_full;
   });
@@ -142,8 +142,9 @@ Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& latti
 
 // The raw values. The form (plain or bare) of a voxel does not change what its neighbours read, so that the second pass
 // may run over them in any order.
-Grid<std::int16_t> encode(const Lattice& lattice, const std::vector<Shares>& shares, const Progress& progress) {
-  Grid<std::int16_t> voxels(lattice, haptic_empty);
+grid::Grid<std::int16_t> encode(const grid::Lattice& lattice, const std::vector<Shares>& shares,
+                                const Progress& progress) {
+  grid::Grid<std::int16_t> voxels(lattice, haptic_empty);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
     for (std::size_t i = from; i < to; ++i) {
       const Shares& s = shares[i];
@@ -170,7 +171,7 @@ Grid<std::int16_t> encode(const Lattice& lattice, const std::vector<Shares>& sha
   return voxels;
 }
 
-void check_shapes(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes) {
+void check_shapes(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes) {
   for (const int n : lattice.size)
     if (n < 1) throw Error(ExitCode::bad_input, "", "haptic", "the region holds no voxel");
   if (shapes.empty() || shapes.size() > std::size_t(haptic_max_shapes))
@@ -195,7 +196,7 @@ bool is_half(int share) { return 2 * share >= haptic_full; }
 
 }  // namespace
 
-HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
+HapticVolume voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
                       const Progress& progress) {
   check_shapes(lattice, shapes);
   HapticVolume volume;
@@ -208,7 +209,7 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
       const Progress part =
           progress.part(0.9 * double(n) / double(shapes.size()), 0.9 * double(n + 1) / double(shapes.size()));
       with_field("haptic." + shapes[n].name, [&] {
-        const Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, largest[n], part);
+        const grid::Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, largest[n], part);
         overlap_ml.push_back(double(add_shape(shares, int(n + 1), shapes[n].shell_mm > 0, occupancy, part)) /
                              haptic_full * ml);
       });
@@ -226,7 +227,7 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
-    add_result(report, ShapeVolumeResult{shape_volume_mm3(volume, int(n + 1)) / 1000}, name + ".");
+    add_result(report, surface::ShapeVolumeResult{shape_volume_mm3(volume, int(n + 1)) / 1000}, name + ".");
     report.add(name + ".voxels_count", voxels[n + 1]);
     report.add(name + ".overlap_ml", overlap_ml[n]);
   }
@@ -234,4 +235,4 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
   return volume;
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

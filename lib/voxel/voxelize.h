@@ -11,16 +11,16 @@
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::voxel {
 
 /// One shape of the volume to be made. Earlier shapes of a list have precedence: a part that one fills does not belong
 /// to later ones.
 struct VoxelizeShape {
   std::string name;
-  const TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
+  const surface::TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
   /// Nothing of this shape lies within clear_mm of the solid `clear_of`, except behind or within an earlier solid: the
   /// fluid between brain and skull does not become scalp, and the scalp outside a thin bone stays. Null: no such rule.
-  const TriMesh* clear_of = nullptr;
+  const surface::TriMesh* clear_of = nullptr;
   double clear_mm = 0;
   /// Above 0, only what lies at most so deep below the surface belongs to the shape: a membrane around what is within.
   double shell_mm = 0;
@@ -53,7 +53,8 @@ struct VoxelizeParams {
 /// The lattice along `direction` (the scan's) whose voxels cover the box `region_mm` (world bounds). Voxel centres lie
 /// at whole multiples of the spacing from `anchor_mm`, so that a larger region has the same voxels. Throws Error 78
 /// (field haptic.spacing_mm) where it would exceed max_voxels_millions.
-Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm, const VoxelizeParams& params);
+grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm,
+                             const VoxelizeParams& params);
 
 /// Makes the haptic volume of the shapes, numbered from 1 in the given order. The occupancy of a voxel is 1/2 - d / (2
 /// r), limited to 0 and 1, where d is the signed distance of its centre to the surface and r is the reach of its
@@ -69,7 +70,7 @@ Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anch
 /// the same bytes whatever the thread count. Throws Error 65 where a surface is not closed; 80 where a shape has at
 /// least half of no voxel of the region (it could not be felt), because it is too thin, or because earlier shapes or
 /// its clearance took it; Cancelled.
-HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
+HapticVolume voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
                       const Progress& progress = {});
 
 /// A shape as a window of HU, both ends included.
@@ -80,12 +81,12 @@ struct HuWindow {
 /// Makes a haptic volume of a raw CT: the HU resampled onto the lattice (trilinear; -1024 outside of the scan), rounded
 /// and clamped to int16 (the report counts these). Throws Error 78 where windows overlap, are empty or begin at -1024
 /// or below.
-HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const std::vector<HuWindow>& windows,
-                         Report& report, const Progress& progress = {});
+HapticVolume voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
+                         const std::vector<HuWindow>& windows, Report& report, const Progress& progress = {});
 
 /// The hardness volume from the HU at each voxel: 0 at low_hu and below, 255 at high_hu and above (cancellous to
 /// cortical bone).
-Mask haptic_hardness(const HuVolume& volume, const Lattice& lattice, double low_hu, double high_hu,
-                     const Progress& progress = {});
+grid::Mask haptic_hardness(const grid::HuVolume& volume, const grid::Lattice& lattice, double low_hu, double high_hu,
+                           const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::voxel

@@ -12,14 +12,14 @@
 #include "voxel/cut_solid.h"
 #include "voxel/voxelize.h"
 
-namespace trephine {
+namespace trephine::voxel {
 namespace {
 
 // Trilinear; within half a voxel beyond the last centres the nearest samples, farther away haptic_beyond_hu.
 template <class T>
 class Sampler {
  public:
-  explicit Sampler(const Grid<T>& grid) : grid_(grid) {}
+  explicit Sampler(const grid::Grid<T>& grid) : grid_(grid) {}
 
   double at(Vec3 index) const {
     int begin[3], step[3];
@@ -45,12 +45,12 @@ class Sampler {
 
  private:
   static constexpr double slack = 1e-6;
-  const Grid<T>& grid_;
+  const grid::Grid<T>& grid_;
 };
 
 // Calls each(voxel, HU, k) for every voxel of the lattice, slices in parallel.
 template <class Each>
-void sample(const HuVolume& volume, const Lattice& lattice, const Progress& progress, const Each& each) {
+void sample(const grid::HuVolume& volume, const grid::Lattice& lattice, const Progress& progress, const Each& each) {
   std::visit(
       [&](const auto& grid) {
         using T = typename std::decay_t<decltype(grid)>::Sample;
@@ -75,14 +75,15 @@ void sample(const HuVolume& volume, const Lattice& lattice, const Progress& prog
 
 }  // namespace
 
-Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm, const VoxelizeParams& params) {
+grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm,
+                             const VoxelizeParams& params) {
   constexpr double slack = 1e-6;  // of a voxel: what rounding may add to a region of whole voxels
   const auto refuse = [](const std::string& what) { throw Error(ExitCode::bad_config, "", "haptic.spacing_mm", what); };
-  Lattice lattice;
+  grid::Lattice lattice;
   lattice.direction = direction;
   for (int a = 0; a < 3; ++a) lattice.spacing_mm[a] = params.spacing_mm[std::size_t(a)];
   lattice.origin_mm = anchor_mm;
-  const auto [low, high] = index_bounds(lattice, region_mm);
+  const auto [low, high] = surface::index_bounds(lattice, region_mm);
   Vec3 first;
   double voxels = 1;
   double size[3];
@@ -102,8 +103,8 @@ Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anch
   return lattice;
 }
 
-HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const std::vector<HuWindow>& windows,
-                         Report& report, const Progress& progress) {
+HapticVolume voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
+                         const std::vector<HuWindow>& windows, Report& report, const Progress& progress) {
   if (windows.empty() || windows.size() > std::size_t(haptic_max_shapes))
     throw Error(ExitCode::bad_config, "", "haptic.windows",
                 std::to_string(windows.size()) + ", must be 1 to " + std::to_string(haptic_max_shapes));
@@ -119,7 +120,7 @@ HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const s
       if (w.low_hu <= s.window_high && s.window_low <= w.high_hu) refuse_window(w.name, "overlaps that of " + s.name);
     out.shapes.push_back({w.name, int(out.shapes.size() + 1), w.low_hu, w.high_hu});
   }
-  out.voxels = Grid<std::int16_t>(lattice);
+  out.voxels = grid::Grid<std::int16_t>(lattice);
   std::vector<std::size_t> clamped(std::size_t(std::max(0, lattice.size[2])), 0);
   std::vector<std::array<std::size_t, haptic_max_shapes>> counts(clamped.size(), {{}});
   sample(volume, lattice, progress, [&](std::size_t at, double hu, int k) {
@@ -136,19 +137,20 @@ HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const s
   for (std::size_t n = 0; n < out.shapes.size(); ++n) {
     std::size_t count = 0;
     for (const auto& c : counts) count += c[n];
-    add_result(report, ShapeVolumeResult{double(count) * lattice.voxel_volume_mm3() / 1000}, out.shapes[n].name + ".");
+    add_result(report, surface::ShapeVolumeResult{double(count) * lattice.voxel_volume_mm3() / 1000},
+               out.shapes[n].name + ".");
     report.add(out.shapes[n].name + ".voxels_count", count);
   }
   report.add("clamped_voxels_count", std::accumulate(clamped.begin(), clamped.end(), std::size_t{0}));
   return out;
 }
 
-Mask haptic_hardness(const HuVolume& volume, const Lattice& lattice, double low_hu, double high_hu,
-                     const Progress& progress) {
+grid::Mask haptic_hardness(const grid::HuVolume& volume, const grid::Lattice& lattice, double low_hu, double high_hu,
+                           const Progress& progress) {
   if (!(low_hu < high_hu))
     throw Error(ExitCode::bad_config, "", "haptic.hardness",
                 to_text(low_hu) + " to " + to_text(high_hu) + " HU: the first must be the lower");
-  Mask hardness(lattice);
+  grid::Mask hardness(lattice);
   sample(volume, lattice, progress, [&](std::size_t at, double hu, int) {
     const double share = std::clamp((hu - low_hu) / (high_hu - low_hu), 0.0, 1.0);
     hardness.voxels[at] = std::uint8_t(std::floor(255 * share + 0.5));
@@ -156,4 +158,4 @@ Mask haptic_hardness(const HuVolume& volume, const Lattice& lattice, double low_
   return hardness;
 }
 
-}  // namespace trephine
+}  // namespace trephine::voxel

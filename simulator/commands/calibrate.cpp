@@ -13,16 +13,16 @@
 #include "session/calibration.h"
 #include "session/session.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 // The stiffest face of the case that can be touched.
-double stiffest(const FeltCase& felt) {
+double stiffest(const session::FeltCase& felt) {
   double most = 0;
-  for (const ShapeFeel& f : felt.feels)
-    for (const CaseFace* face : {&f.front, &f.back})
+  for (const haptics::ShapeFeel& f : felt.feels)
+    for (const cases::CaseFace* face : {&f.front, &f.back})
       if (face->touchable) most = std::max(most, face->stiffness_n_per_mm);
   return most;
 }
@@ -30,28 +30,28 @@ double stiffest(const FeltCase& felt) {
 Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // The device's middle is put to the case's; its workspace is not made larger or smaller.
-Json settings_of(const Calibration& c, const SessionOptions& o, Vec3 centre_mm) {
+Json settings_of(const session::Calibration& c, const session::SessionOptions& o, Vec3 centre_mm) {
   const Vec3 middle = (c.workspace.min_mm + c.workspace.max_mm) / 2;
   return {{"rate_hz", o.servo.rate_hz}, {"workspace_scale", 1}, {"workspace_offset_mm", list_of(centre_mm - middle)}};
 }
 
-ExitCode run_calibrate(const ParsedCommand& given) {
-  const ParsedCommand parsed = with_settings(given);
-  const SessionOptions o = session_options_of(parsed);
-  const CalibrationParams& params = parsed.params<CalibrationParams>();
+ExitCode run_calibrate(const cli::ParsedCommand& given) {
+  const cli::ParsedCommand parsed = with_settings(given);
+  const session::SessionOptions o = session_options_of(parsed);
+  const session::CalibrationParams& params = parsed.params<session::CalibrationParams>();
   const auto say = [](const std::string& line) { std::cout << line << "\n" << std::flush; };
-  Patient patient(o.case_folder, o.shape, o.contact);
-  const DeviceScene scene{patient.contact,
-                          touchable_of(patient.felt.feels),
-                          params.in_real_time,
-                          false,
-                          [&](const Note& note) { say(text_of(note, Language::english)); },
-                          Progress({}, &cancel_requested()),
-                          0,
-                          0,
-                          {}};
-  const std::unique_ptr<Device> device = make_device(o.device, scene);
-  const Calibration c = calibrate(*device, params, cancel_requested(), say);
+  session::Patient patient(o.case_folder, o.shape, o.contact);
+  const device::DeviceScene scene{patient.contact,
+                                  haptics::touchable_of(patient.felt.feels),
+                                  params.in_real_time,
+                                  false,
+                                  [&](const texts::Note& note) { say(texts::text_of(note, texts::Language::english)); },
+                                  Progress({}, &cancel_requested()),
+                                  0,
+                                  0,
+                                  {}};
+  const std::unique_ptr<device::Device> device = device::make_device(o.device, scene);
+  const session::Calibration c = session::calibrate(*device, params, cancel_requested(), say);
   const double case_n_per_mm = stiffest(patient.felt);
   const Vec3 size = c.workspace.max_mm - c.workspace.min_mm;
   std::cout << fmt::format("poses {:.0f} a second, 99 of 100 within {:.1f} ms\n", c.poses_hz, c.gap_p99_ms);
@@ -87,8 +87,8 @@ ExitCode run_calibrate(const ParsedCommand& given) {
 
 }  // namespace
 
-Command calibrate_command() {
-  Command c;
+cli::Command calibrate_command() {
+  cli::Command c;
   c.name = "calibrate";
   c.summary = "measures a device: rate, latency, workspace, and the stiffest wall on which it stays calm";
   c.description =
@@ -97,17 +97,18 @@ Command calibrate_command() {
       "the device was at rest at its end. The result is compared with the case's stiffest face. --write-settings "
       "writes a file for "
       "`trephine-sim play --settings`, which puts the middle of the device's workspace to the middle of the case.";
-  std::vector<Argument> arguments = session_arguments(DeviceChoice().name);
-  for (const Argument& a : arguments)
+  std::vector<cli::Argument> arguments = session_arguments(device::DeviceChoice().name);
+  for (const cli::Argument& a : arguments)
     if (a.name != "record") c.arguments.push_back(a);
-  c.arguments.push_back(argument("json", Argument::Kind::out_file, "Write what was measured to this file."));
-  c.arguments.push_back(argument("write_settings", Argument::Kind::out_file, "Write settings for play to this file."));
+  c.arguments.push_back(cli::argument("json", cli::Argument::Kind::out_file, "Write what was measured to this file."));
+  c.arguments.push_back(
+      cli::argument("write_settings", cli::Argument::Kind::out_file, "Write settings for play to this file."));
   c.groups = session_groups();
-  c.groups.insert(c.groups.begin(), ParameterGroup::of<CalibrationParams>("Calibration"));
+  c.groups.insert(c.groups.begin(), cli::ParameterGroup::of<session::CalibrationParams>("Calibration"));
   c.examples = {"trephine-sim calibrate library/sample --device udp --write-settings device.json",
                 "trephine-sim calibrate library/sample --no-in-real-time"};
   c.run = run_calibrate;
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

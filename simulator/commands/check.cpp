@@ -14,7 +14,7 @@
 #include "commands/session_options.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -30,22 +30,22 @@ struct CheckParams {
 
 std::string point_text(Vec3 p) { return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x, p.y, p.z); }
 
-Bounds bounds_of_all(const LoadedCase& c) {
-  Bounds all;
-  for (const TriMesh& mesh : c.surfaces) include(all, bounds_of(mesh));
+surface::Bounds bounds_of_all(const cases::LoadedCase& c) {
+  surface::Bounds all;
+  for (const surface::TriMesh& mesh : c.surfaces) surface::include(all, surface::bounds_of(mesh));
   return all;
 }
 
-std::size_t triangles_of(const LoadedCase& c) {
+std::size_t triangles_of(const cases::LoadedCase& c) {
   std::size_t n = 0;
-  for (const TriMesh& mesh : c.surfaces) n += mesh.triangles.size();
+  for (const surface::TriMesh& mesh : c.surfaces) n += mesh.triangles.size();
   return n;
 }
 
-void print_anatomies(const LoadedCase& c) {
-  const CaseManifest& m = c.manifest;
+void print_anatomies(const cases::LoadedCase& c) {
+  const cases::CaseManifest& m = c.manifest;
   std::cout << fmt::format("{} anatomies, {} triangles\n", m.anatomies.size(), grouped_text(triangles_of(c)));
-  for (const CaseAnatomy& a : m.anatomies) {
+  for (const cases::CaseAnatomy& a : m.anatomies) {
     if (a.file.empty())
       std::cout << fmt::format("  {:<16} no surface\n", printable(a.name));
     else
@@ -67,17 +67,17 @@ std::string values_text(const std::vector<ParameterLeaf>& leaves, const std::str
   return text.empty() ? "nothing" : text;
 }
 
-void print_shape(const CaseShape& s) {
+void print_shape(const cases::CaseShape& s) {
   std::cout << fmt::format("  {} {:<14} values {} to {}, {:.1f} ml, shown from the {}{}\n", s.number, printable(s.name),
                            s.window_low, s.window_high, s.volume_ml,
                            s.displayed == "haptic" ? "haptic volume" : "surface", s.cuttable ? ", cuttable" : "");
-  const AnyParams material = AnyParams::make(static_cast<const MaterialParams&>(s.material));
+  const AnyParams material = AnyParams::make(static_cast<const cases::MaterialParams&>(s.material));
   const std::vector<ParameterLeaf> values = leaves_of(material);
   std::cout << fmt::format("      material {}: {}\n      front: {}\n      back: {}\n", printable(s.material.name),
                            values_text(values, ""),
                            s.material.front.touchable ? values_text(values, "front.") : "not touchable",
                            s.material.back.touchable ? values_text(values, "back.") : "not touchable");
-  const CaseMismatch& d = s.mismatch;
+  const cases::CaseMismatch& d = s.mismatch;
   if (d.samples > 0)
     std::cout << fmt::format(
         "      felt against seen: bias {:.3f}, RMS {:.3f}, p99 {:.3f}, max {:.3f} mm, missed {:.2f} %, "
@@ -85,8 +85,8 @@ void print_shape(const CaseShape& s) {
         d.bias_mm, d.rms_mm, d.p99_mm, d.max_mm, 100 * d.missed_ratio, grouped_text(d.samples));
 }
 
-void print_haptic(const LoadedCase& c) {
-  const CaseHaptic& h = c.manifest.haptic;
+void print_haptic(const cases::LoadedCase& c) {
+  const cases::CaseHaptic& h = c.manifest.haptic;
   if (!c.has_haptic()) {
     std::cout << "no haptic volume\n";
     return;
@@ -94,7 +94,7 @@ void print_haptic(const LoadedCase& c) {
   std::cout << fmt::format("haptic volume, {}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm{}, {} shapes\n", h.encoding,
                            h.size[0], h.size[1], h.size[2], h.spacing_mm.x, h.spacing_mm.y, h.spacing_mm.z,
                            h.hardness_file.empty() ? "" : ", with hardness", h.shapes.size());
-  for (const CaseShape& s : h.shapes) print_shape(s);
+  for (const cases::CaseShape& s : h.shapes) print_shape(s);
 }
 
 std::string figure_text(const ParameterValue& value) {
@@ -103,14 +103,14 @@ std::string figure_text(const ParameterValue& value) {
   return to_text(value);
 }
 
-void print_places(const CaseManifest& m) {
-  for (const CaseLandmark& l : m.landmarks)
+void print_places(const cases::CaseManifest& m) {
+  for (const cases::CaseLandmark& l : m.landmarks)
     std::cout << fmt::format("landmark {:<16} {} mm, {}, confidence {:.2f}\n", printable(l.name),
                              point_text(l.position_mm), printable(l.source), l.confidence);
-  for (const CaseTarget& t : m.targets)
+  for (const cases::CaseTarget& t : m.targets)
     std::cout << fmt::format("target {:<16} {} mm{}, confidence {:.2f}\n", printable(t.name), point_text(t.position_mm),
                              t.anatomy.empty() ? "" : ", in " + printable(t.anatomy), t.confidence);
-  for (const CaseBurrHole& b : m.burr_holes) {
+  for (const cases::CaseBurrHole& b : m.burr_holes) {
     std::string cut;
     for (const std::string& name : b.cut) cut += (cut.empty() ? "" : ", ") + printable(name);
     std::cout << fmt::format("burr hole {:<16} {} mm, diameter {:g} mm, {}\n", printable(b.name),
@@ -120,13 +120,13 @@ void print_places(const CaseManifest& m) {
   }
 }
 
-void print_text(const LoadedCase& c, double seconds) {
-  const CaseManifest& m = c.manifest;
+void print_text(const cases::LoadedCase& c, double seconds) {
+  const cases::CaseManifest& m = c.manifest;
   std::cout << fmt::format("case {}, format {}.{}, made by {}\n", m.case_token, m.version_major, m.version_minor,
                            printable(m.program_version));
   std::cout << fmt::format("frame LPS, mm, centre {}", point_text(m.center_mm));
   if (triangles_of(c) > 0) {
-    const Bounds b = bounds_of_all(c);
+    const surface::Bounds b = bounds_of_all(c);
     std::cout << fmt::format("; surfaces from {} to {}", point_text(b.min_mm), point_text(b.max_mm));
   }
   std::cout << fmt::format("\nface: {}\n", printable(m.face_policy));
@@ -140,8 +140,8 @@ void print_text(const LoadedCase& c, double seconds) {
 Json list_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
 // What was loaded, and no copy of case.json: that is JSON already.
-void print_json(const LoadedCase& c, double seconds) {
-  const CaseManifest& m = c.manifest;
+void print_json(const cases::LoadedCase& c, double seconds) {
+  const cases::CaseManifest& m = c.manifest;
   Json out = {{"case", m.case_token},
               {"format", fmt::format("{}.{}", m.version_major, m.version_minor)},
               {"program", m.program_version},
@@ -158,10 +158,10 @@ void print_json(const LoadedCase& c, double seconds) {
               {"bytes", c.bytes},
               {"seconds", seconds}};
   for (std::size_t i = 0; i < m.anatomies.size(); ++i) {
-    const TriMesh& mesh = c.surfaces[i];
+    const surface::TriMesh& mesh = c.surfaces[i];
     Json a = {{"name", m.anatomies[i].name}, {"triangles", mesh.triangles.size()}, {"points", mesh.points_mm.size()}};
     if (!mesh.triangles.empty()) {
-      const Bounds b = bounds_of(mesh);
+      const surface::Bounds b = surface::bounds_of(mesh);
       a["min_mm"] = list_of(b.min_mm);
       a["max_mm"] = list_of(b.max_mm);
     }
@@ -169,7 +169,7 @@ void print_json(const LoadedCase& c, double seconds) {
   }
   if (c.has_haptic()) {
     Json shapes = Json::array();
-    for (const CaseShape& s : m.haptic.shapes) {
+    for (const cases::CaseShape& s : m.haptic.shapes) {
       Json shape = {{"name", s.name},
                     {"number", s.number},
                     {"window", {s.window_low, s.window_high}},
@@ -190,8 +190,8 @@ void print_json(const LoadedCase& c, double seconds) {
 
 }  // namespace
 
-Command check_command() {
-  Command c;
+cli::Command check_command() {
+  cli::Command c;
   c.name = "check";
   c.summary = "loads a case as the simulator does, verifies all of it and prints what is in it";
   c.description =
@@ -201,19 +201,20 @@ Command check_command() {
       "With --after the recording of a session in which the tool cut is run again, and the case as it was at its end "
       "is "
       "written to --out, with the drilled haptic volume; then that case is checked and printed.";
-  Argument folder;
+  cli::Argument folder;
   folder.name = "case";
-  folder.kind = Argument::Kind::in_folder;
+  folder.kind = cli::Argument::Kind::in_folder;
   folder.help = "Folder of the case.";
   folder.positional = folder.required = true;
-  Argument after = argument("after", Argument::Kind::in_file,
-                            "A recording in which the tool cut: write the case as it was at its end to --out.");
-  Argument out = argument("out", Argument::Kind::out_folder, "Folder of the case that --after writes.");
+  cli::Argument after =
+      cli::argument("after", cli::Argument::Kind::in_file,
+                    "A recording in which the tool cut: write the case as it was at its end to --out.");
+  cli::Argument out = cli::argument("out", cli::Argument::Kind::out_folder, "Folder of the case that --after writes.");
   c.arguments = {folder, after, before_argument(), out};
-  c.groups = {ParameterGroup::of<CheckParams>("Parameters")};
+  c.groups = {cli::ParameterGroup::of<CheckParams>("Parameters")};
   c.examples = {"trephine-sim check library/sample", "trephine-sim check library/sample --json",
                 "trephine-sim check library/sample --after hole.servo --out library/sample-drilled"};
-  c.run = [](const ParsedCommand& parsed) {
+  c.run = [](const cli::ParsedCommand& parsed) {
     const auto begin = std::chrono::steady_clock::now();
     if (parsed.has("after") != parsed.has("out"))
       throw Error(ExitCode::usage, "", "--after, --out", "are given together or not at all");
@@ -221,7 +222,7 @@ Command check_command() {
     const std::vector<std::string> named = parsed.all("before");
     if (drilled)
       write_drilled_case(parsed.path("case"), parsed.path("after"), parsed.path("out"), {named.begin(), named.end()});
-    const LoadedCase loaded = load_case(parsed.path(drilled ? "out" : "case"), whole_case);
+    const cases::LoadedCase loaded = cases::load_case(parsed.path(drilled ? "out" : "case"), cases::whole_case);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (parsed.params<CheckParams>().json)
       print_json(loaded, seconds);
@@ -232,4 +233,4 @@ Command check_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

@@ -2,19 +2,19 @@
 #pragma once
 #include "cli/command.h"
 
-namespace trephine {
+namespace trephine::commands {
 
 /// The commands of trephine-sim. Each has its own source in this folder; main.cpp lists them.
-Command check_command();
-Command servo_command();
-Command replay_command();
-Command lesson_command();
-Command score_command();
-Command fluoro_command();
-Command exercise_command();
-Command calibrate_command();
+cli::Command check_command();
+cli::Command servo_command();
+cli::Command replay_command();
+cli::Command lesson_command();
+cli::Command score_command();
+cli::Command fluoro_command();
+cli::Command exercise_command();
+cli::Command calibrate_command();
 /// Not in a build with TREPHINE_HEADLESS.
-Command render_command();
-Command play_command();
+cli::Command render_command();
+cli::Command play_command();
 
-}  // namespace trephine
+}  // namespace trephine::commands

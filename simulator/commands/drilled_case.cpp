@@ -14,36 +14,39 @@
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 // "meshes/skull-0123456789abcdef.glb" is "meshes/skull" and ".glb".
-CaseFile copy_file(const std::filesystem::path& from, const CaseFile& file, const std::filesystem::path& out) {
+cases::CaseFile copy_file(const std::filesystem::path& from, const cases::CaseFile& file,
+                          const std::filesystem::path& out) {
   const std::size_t dash = file.name.rfind('-'), dot = file.name.rfind('.');
   if (dash == std::string::npos || dot == std::string::npos || dot < dash)
     throw Error(ExitCode::bad_input, from.string(), file.name, "is no name of a case's file");
-  return write_case_file(out, file.name.substr(0, dash), file.name.substr(dot), read_case_file(from, file));
+  return cases::write_case_file(out, file.name.substr(0, dash), file.name.substr(dot),
+                                cases::read_case_file(from, file));
 }
 
 // The way out of the bone, as the tool was held while it cut.
-Vec3 held_axis(const std::vector<ServoFrame>& frames) {
+Vec3 held_axis(const std::vector<haptics::ServoFrame>& frames) {
   Vec3 sum;
-  for (const ServoFrame& f : frames)
-    if (f.buttons & Drilling::pedal) sum += {f.axis[0], f.axis[1], f.axis[2]};
+  for (const haptics::ServoFrame& f : frames)
+    if (f.buttons & haptics::Drilling::pedal) sum += {f.axis[0], f.axis[1], f.axis[2]};
   return sum;
 }
 
 // What was drilled through, so that whoever uses the case knows of it: a lesson does not score such a hole.
-void add_hole(const HapticVolume& before, const HapticVolume& now, const CaseShape& shape, Vec3 out, CaseManifest& m) {
+void add_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now, const cases::CaseShape& shape,
+              Vec3 out, cases::CaseManifest& m) {
   if (!(norm(out) > 0)) return;
-  HoleSearch search;
+  lessons::HoleSearch search;
   search.bone = shape.number;
   search.out = out;
-  const std::optional<BoneHole> found = find_drilled_hole(before, now, search);
+  const std::optional<lessons::BoneHole> found = lessons::find_drilled_hole(before, now, search);
   if (!found || !found->through) return;
   const double thick_mm = norm(found->outer_mm - found->inner_mm);
   if (!(thick_mm > 0)) return;
-  CaseBurrHole hole;
+  cases::CaseBurrHole hole;
   const auto taken = [&](const std::string& name) {
     return std::any_of(m.burr_holes.begin(), m.burr_holes.end(), [&](const auto& b) { return b.name == name; });
   };
@@ -69,43 +72,44 @@ struct Removed {
 
 std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& file,
                                const std::filesystem::path& out, const std::vector<std::filesystem::path>& before) {
-  const Recording recording = read_recording(file);
-  const RecordingHeader& h = recording.header;
+  const haptics::Recording recording = haptics::read_recording(file);
+  const haptics::RecordingHeader& h = recording.header;
   if (!h.drilling.drill) throw Error(ExitCode::bad_input, file.string(), "drilling", "nothing was cut in this session");
-  const std::shared_ptr<Patient> patient = patient_again(case_folder, file, h, h.contact, before);
-  FeltCase& felt = patient->felt;
-  const HapticVolume before_it = copy_without_hardness(felt.loaded.haptic);
-  Rerun(felt, patient->contact, file.string(), h).run(recording.frames);
-  const HapticVolume& volume = felt.loaded.haptic;
-  if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
+  const std::shared_ptr<session::Patient> patient = session::patient_again(case_folder, file, h, h.contact, before);
+  session::FeltCase& felt = patient->felt;
+  const voxel::HapticVolume before_it = voxel::copy_without_hardness(felt.loaded.haptic);
+  session::Rerun(felt, patient->contact, file.string(), h).run(recording.frames);
+  const voxel::HapticVolume& volume = felt.loaded.haptic;
+  if (h.outcome && haptics::volume_digest(volume) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when replayed",
                   {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
         .in_file(file.string());
 
-  const bool is_new = is_free_for_case(out);
-  const std::filesystem::path made_in = is_new ? new_case_folder(out) : out;
+  const bool is_new = cases::is_free_for_case(out);
+  const std::filesystem::path made_in = is_new ? cases::new_case_folder(out) : out;
   const Removed removed{is_new ? made_in : std::filesystem::path()};
   if (is_new) std::filesystem::remove_all(made_in);
-  CaseManifest m = felt.loaded.manifest;
+  cases::CaseManifest m = felt.loaded.manifest;
   const std::string whole = m.haptic.file;
   m.case_token = m.case_token.substr(0, 56) + "-drilled";
-  for (CaseFile& f : m.files) {
+  for (cases::CaseFile& f : m.files) {
     if (f.name != whole) {
       f = copy_file(case_folder, f, made_in);
       continue;
     }
-    f = write_case_file(made_in, "haptic", ".nrrd", encode_haptic(volume));
+    f = cases::write_case_file(made_in, "haptic", ".nrrd", voxel::encode_haptic(volume));
     m.haptic.file = f.name;
   }
-  std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
-  for (CaseShape& s : m.haptic.shapes) s.volume_ml = shape_volume_mm3(volume, s.number) / 1000;
-  const std::uint64_t drilled = drilled_shapes(m.haptic);
-  for (const CaseShape& s : m.haptic.shapes)
+  std::sort(m.files.begin(), m.files.end(),
+            [](const cases::CaseFile& a, const cases::CaseFile& b) { return a.name < b.name; });
+  for (cases::CaseShape& s : m.haptic.shapes) s.volume_ml = voxel::shape_volume_mm3(volume, s.number) / 1000;
+  const std::uint64_t drilled = haptics::drilled_shapes(m.haptic);
+  for (const cases::CaseShape& s : m.haptic.shapes)
     if (drilled >> s.number & 1) add_hole(before_it, volume, s, held_axis(recording.frames), m);
   m.parameters.emplace_back("drilled.recording_sha256", sha256_of_file(file));
-  publish_case(made_in, m);
-  if (is_new) let_case_appear(made_in, out);
+  cases::publish_case(made_in, m);
+  if (is_new) cases::let_case_appear(made_in, out);
   return m.case_token;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

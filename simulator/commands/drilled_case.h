@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::commands {
 
 /// Runs a recording through the case again, after those `before` it, and publishes the case as it is at the recording's
 /// end in the folder `out`: the same files, but the haptic volume, and the name with "-drilled". Returns that name.
@@ -13,4 +13,4 @@ namespace trephine {
 std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& recording,
                                const std::filesystem::path& out, const std::vector<std::filesystem::path>& before = {});
 
-}  // namespace trephine
+}  // namespace trephine::commands

@@ -17,7 +17,7 @@
 #include "lessons/lesson_run.h"
 #include "lessons/score_recording.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ struct ExerciseParams {
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
-    v.word(&P::module, "module", lesson_names(), "Which lesson.");
+    v.word(&P::module, "module", lessons::lesson_names(), "Which lesson.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
     v.flag(&P::play, "play", "Open a window in which the next case that is to be done is done by hand.");
@@ -51,7 +51,7 @@ struct PlannedCase {
 struct PlanFile {
   int trephine_exercise = 1;
   std::string participant, module;
-  CurriculumParams curriculum;
+  lessons::CurriculumParams curriculum;
   std::vector<PlannedCase> cases;
   template <class V>
   static void describe(V& v) {
@@ -64,17 +64,19 @@ struct PlanFile {
   }
 };
 
-std::string text_of(const CurriculumParams& p) { return to_text(AnyParams::make<CurriculumParams>(p)); }
+std::string text_of(const lessons::CurriculumParams& p) {
+  return to_text(AnyParams::make<lessons::CurriculumParams>(p));
+}
 
 class Exercise {
  public:
-  explicit Exercise(const ParsedCommand& parsed)
+  explicit Exercise(const cli::ParsedCommand& parsed)
       : parsed_(parsed),
         params_(parsed.params<ExerciseParams>()),
         out_(parsed.path("out")),
-        module_(lesson_type(params_.module)),
+        module_(lessons::lesson_type(params_.module)),
         log_(out_ / ("attempts-" + params_.module + ".csv")) {
-    validate_token(params_.participant, "--participant");
+    lesson::validate_token(params_.participant, "--participant");
     if ((parsed.has("script") || params_.play) != parsed.has("rubric"))
       throw Error(ExitCode::usage, "", "--rubric", "is given with --script or --play, and only with one of them");
     if (parsed.has("script") && params_.play)
@@ -84,7 +86,7 @@ class Exercise {
   }
 
   ExitCode run() {
-    cases_ = cases_for_lessons(parsed_.path("library"), module_);
+    cases_ = lessons::cases_for_lessons(parsed_.path("library"), module_);
     make_output_folder(out_);
     take_plan();
     if (parsed_.has("rubric")) do_cases();
@@ -101,16 +103,17 @@ class Exercise {
   // The plan that is there, or a new one.
   void take_plan() {
     const fs::path file = file_of(".plan.json");
-    const CurriculumParams& asked = parsed_.params<CurriculumParams>();
+    const lessons::CurriculumParams& asked = parsed_.params<lessons::CurriculumParams>();
     if (fs::exists(file)) {
       with_file(file.string(), [&] {
         const std::vector<char> bytes = read_file(file, 1 << 20);
-        read_declared_json({bytes.data(), bytes.size()}, parameters_of<PlanFile>(), &plan_);
+        json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<PlanFile>(), &plan_);
         // They become parts of file names.
-        for (const PlannedCase& c : plan_.cases) validate_case_token(c.token, ExitCode::bad_input);
+        for (const PlannedCase& c : plan_.cases) cases::validate_case_token(c.token, ExitCode::bad_input);
       });
       bool other = false;
-      for (const Parameter& p : parameters_of<CurriculumParams>().parameters) other |= parsed_.given.count(p.name) > 0;
+      for (const Parameter& p : parameters_of<lessons::CurriculumParams>().parameters)
+        other |= parsed_.given.count(p.name) > 0;
       if (other && text_of(asked) != text_of(plan_.curriculum))
         throw Error(ExitCode::usage, file.string(), "curriculum",
                     "the participant has a plan by other parameters; leave them out to go on with it");
@@ -120,33 +123,35 @@ class Exercise {
     plan_.participant = params_.participant;
     plan_.module = params_.module;
     plan_.curriculum = asked;
-    CurriculumParams assigned = asked;  // a script that names its task can do no other
-    if (assigned.task.empty() && parsed_.has("script")) assigned.task = read_lesson_script(parsed_.path("script")).task;
-    for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked, module_))
-      plan_.cases.push_back({c.token, c.patient_class, assigned_task(c, assigned), c.difficulty_level});
+    lessons::CurriculumParams assigned = asked;  // a script that names its task can do no other
+    if (assigned.task.empty() && parsed_.has("script"))
+      assigned.task = lessons::read_lesson_script(parsed_.path("script")).task;
+    for (const lessons::CurriculumCase& c : lessons::plan_curriculum(cases_.approved, asked, module_))
+      plan_.cases.push_back({c.token, c.patient_class, lessons::assigned_task(c, assigned), c.difficulty_level});
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
     if (plan_.cases.empty())
       throw Error(ExitCode::no_input, parsed_.text("library"), "",
                   "holds no approved case of these classes and difficulties: trephine library approve CASE --by TOKEN");
-    write_file(file, declared_json(AnyParams::make<PlanFile>(plan_)) + "\n");
+    write_file(file, json::declared_json(AnyParams::make<PlanFile>(plan_)) + "\n");
   }
 
-  const CurriculumCase* find(const std::string& token) const {
-    for (const CurriculumCase& c : cases_.approved)
+  const lessons::CurriculumCase* find(const std::string& token) const {
+    for (const lessons::CurriculumCase& c : cases_.approved)
       if (c.token == token) return &c;
     return nullptr;
   }
 
   void do_cases() {
-    const LessonScript script = params_.play ? LessonScript() : read_lesson_script(parsed_.path("script"));
+    const lessons::LessonScript script =
+        params_.play ? lessons::LessonScript() : lessons::read_lesson_script(parsed_.path("script"));
     if (!params_.play && script.module != module_.name)
       throw Error(ExitCode::usage, parsed_.text("script"), "module",
                   script.module + ", but --module is " + module_.name);
-    const CompiledRubric rubric = read_rubric_file(parsed_.path("rubric"));
+    const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed_.path("rubric"));
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
       const fs::path recording = file_of(n, ".lesson"), report = file_of(n, ".json");
       if (fs::exists(report)) continue;
-      const CurriculumCase* c = find(plan_.cases[n].token);
+      const lessons::CurriculumCase* c = find(plan_.cases[n].token);
       if (!c) {
         std::cout << fmt::format("{}: is no longer in the library, or no longer approved: left out\n",
                                  plan_.cases[n].token);
@@ -159,40 +164,41 @@ class Exercise {
           return;
       }
       // The report is last: what is there is done.
-      const ScoredLesson scored = score_recording(recording, c->folder, rubric);
-      write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
-      write_report(scored, c->folder, {report, {}, {}});
+      const lessons::ScoredLesson scored = lessons::score_recording(recording, c->folder, rubric);
+      lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
+      lessons::write_report(scored, c->folder, {report, {}, {}});
       if (!params_.all) return;
     }
   }
 
   // In a window, which judges and reports it as well. A lesson that never began leaves no recording: it is still to do.
-  void play_case(const CurriculumCase& c, const std::string& task, const fs::path& recording) {
+  void play_case(const lessons::CurriculumCase& c, const std::string& task, const fs::path& recording) {
 #ifdef TREPHINE_WITH_DISPLAY
-    const Command play = play_command();
+    const cli::Command play = play_command();
     std::vector<std::string> words = {c.folder.string(),      "--lesson",          params_.module,
                                       "--participant",        params_.participant, "--rubric",
                                       parsed_.text("rubric"), "--record",          recording.string()};
     if (!task.empty()) words.insert(words.end(), {"--task", task});
     if (parsed_.has("settings")) words.insert(words.end(), {"--settings", parsed_.text("settings")});
-    play.run(parse_command(play, words));
+    play.run(cli::parse_command(play, words));
 #else
     (void)c, (void)task, (void)recording;
     throw Error(ExitCode::usage, "", "--play", "this build has no window");
 #endif
   }
 
-  void do_case(const CurriculumCase& c, const std::string& task, const LessonScript& script,
+  void do_case(const lessons::CurriculumCase& c, const std::string& task, const lessons::LessonScript& script,
                const fs::path& recording) {
-    LessonOptions o;
+    lessons::LessonOptions o;
     o.script = script;
     o.participant = params_.participant;
     o.task = task;
-    o.hand = parsed_.params<HandParams>();
-    o.aim = parsed_.params<ScriptAim>();
-    FeltCase felt(c.folder, "");
-    const LessonResult r = with_file(c.token, [&] { return run_lesson(felt, o, cancel_requested()); });
-    RecordingWriter writer(recording, r.recording.header);
+    o.hand = parsed_.params<device::HandParams>();
+    o.aim = parsed_.params<lessons::ScriptAim>();
+    session::FeltCase felt(c.folder, "");
+    const lessons::LessonResult r =
+        with_file(c.token, [&] { return lessons::run_lesson(felt, o, cancel_requested()); });
+    haptics::RecordingWriter writer(recording, r.recording.header);
     writer.add(r.recording.frames);
     writer.finish(r.recording.header.outcome);
   }
@@ -226,20 +232,20 @@ class Exercise {
     return result;
   }
 
-  const ParsedCommand& parsed_;
+  const cli::ParsedCommand& parsed_;
   const ExerciseParams& params_;
   const fs::path out_;
-  const LessonType& module_;
+  const lessons::LessonType& module_;
   const fs::path log_;
-  LibraryCases cases_;
+  lessons::LibraryCases cases_;
   PlanFile plan_;
 };
 
 }  // namespace
 
-Command exercise_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command exercise_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "exercise";
   c.summary = "leads a participant through a library's approved cases, and goes on where that ended";
   c.description =
@@ -250,22 +256,23 @@ Command exercise_command() {
       "is done, scored and reported; what was done before is not done again. With --play the next case is done by hand "
       "in "
       "a window (`trephine-sim play`). Without either it says what is to be done.";
-  const Argument library = positional_argument("library", Kind::in_folder, "The library's folder.");
-  const Argument out =
-      required_argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
-  c.arguments = {library, out, argument("script", Kind::in_file, "What the simulated hand does (.json)."),
-                 argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
-                 argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
-  c.groups = {
-      ParameterGroup::of<ExerciseParams>("Parameters"), ParameterGroup::of<CurriculumParams>("The choice of cases"),
-      ParameterGroup::of<ScriptAim>("How well the hand aims"), ParameterGroup::of<HandParams>("Simulated hand")};
+  const cli::Argument library = cli::positional_argument("library", Kind::in_folder, "The library's folder.");
+  const cli::Argument out =
+      cli::required_argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
+  c.arguments = {library, out, cli::argument("script", Kind::in_file, "What the simulated hand does (.json)."),
+                 cli::argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
+                 cli::argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
+  c.groups = {cli::ParameterGroup::of<ExerciseParams>("Parameters"),
+              cli::ParameterGroup::of<lessons::CurriculumParams>("The choice of cases"),
+              cli::ParameterGroup::of<lessons::ScriptAim>("How well the hand aims"),
+              cli::ParameterGroup::of<device::HandParams>("Simulated hand")};
   c.examples = {"trephine-sim exercise library --participant r-01 --out results",
                 "trephine-sim exercise library --participant r-01 --out results --script "
                 "examples/lessons/ventriculostomy.json --rubric ventriculostomy.rubric.json",
                 "trephine-sim exercise library --participant r-01 --out results --play --rubric "
                 "ventriculostomy.rubric.json"};
-  c.run = [](const ParsedCommand& parsed) { return Exercise(parsed).run(); };
+  c.run = [](const cli::ParsedCommand& parsed) { return Exercise(parsed).run(); };
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

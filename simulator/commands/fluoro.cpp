@@ -11,7 +11,7 @@
 #include "commands/commands.h"
 #include "fluoro/fluoroscope.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 struct PictureParams {
@@ -28,28 +28,28 @@ struct PictureParams {
   }
 };
 
-ExitCode run_fluoro(const ParsedCommand& parsed) {
+ExitCode run_fluoro(const cli::ParsedCommand& parsed) {
   const PictureParams& p = parsed.params<PictureParams>();
-  const LoadedCase loaded = load_case(parsed.path("case"), LoadParts{true});
-  CArmParams arm = parsed.params<CArmParams>();
-  Fluoroscope scope = with_file(parsed.text("case"), [&] { return Fluoroscope(loaded.ct); });
+  const cases::LoadedCase loaded = cases::load_case(parsed.path("case"), cases::LoadParts{true});
+  fluoro::CArmParams arm = parsed.params<fluoro::CArmParams>();
+  fluoro::Fluoroscope scope = with_file(parsed.text("case"), [&] { return fluoro::Fluoroscope(loaded.ct); });
   if (!parsed.given.count("centre_mm")) {
     const Vec3 c = scope.volume().centre_mm();
     arm.centre_mm = {c.x, c.y, c.z};
   }
-  std::vector<MetalRod> metal;
+  std::vector<fluoro::MetalRod> metal;
   if (p.needle_tip_mm != p.needle_tail_mm)
     metal.push_back({{p.needle_tip_mm[0], p.needle_tip_mm[1], p.needle_tip_mm[2]},
                      {p.needle_tail_mm[0], p.needle_tail_mm[1], p.needle_tail_mm[2]},
                      p.needle_diameter_mm});
   const auto begin = std::chrono::steady_clock::now();
-  const FluoroPicture picture = scope.picture(arm, p.size_px, metal);
+  const fluoro::FluoroPicture picture = scope.picture(arm, p.size_px, metal);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  write_file(parsed.path("output"), grey_png(picture.size, picture.size, picture.grey));
+  write_file(parsed.path("output"), fluoro::grey_png(picture.size, picture.size, picture.grey));
   std::cout << fmt::format("{}: {} x {} pixels in {:.3f} s\n", parsed.text("output"), picture.size, picture.size,
                            seconds);
   if (!metal.empty()) {
-    const auto at = CArm(arm, p.size_px).project(metal[0].tip_mm);
+    const auto at = fluoro::CArm(arm, p.size_px).project(metal[0].tip_mm);
     std::cout << fmt::format("the needle's tip is at pixel {:.2f}, {:.2f}\n", at[0], at[1]);
   }
   return ExitCode::ok;
@@ -57,19 +57,20 @@ ExitCode run_fluoro(const ParsedCommand& parsed) {
 
 }  // namespace
 
-Command fluoro_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command fluoro_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "fluoro";
   c.summary = "makes a fluoroscopic picture of a case's CT, with a needle in it";
   c.description =
       "Follows X-rays through the CT that the case holds (a scene asks for it by `ct: {}`), for any place of a C-arm, "
       "and adds a needle by the length of each ray in it. Bone and metal are bright. docs/lessons.md says how good the "
       "pictures are.";
-  const Argument folder = positional_argument("case", Kind::in_folder, "Folder of the case.");
-  const Argument output = required_argument("output", Kind::out_file, "Write the picture (.png) here.");
+  const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "Folder of the case.");
+  const cli::Argument output = cli::required_argument("output", Kind::out_file, "Write the picture (.png) here.");
   c.arguments = {folder, output};
-  c.groups = {ParameterGroup::of<CArmParams>("The C-arm"), ParameterGroup::of<PictureParams>("The picture")};
+  c.groups = {cli::ParameterGroup::of<fluoro::CArmParams>("The C-arm"),
+              cli::ParameterGroup::of<PictureParams>("The picture")};
   c.examples = {"trephine-sim fluoro library/sample --view lateral --output lateral.png",
                 "trephine-sim fluoro library/spine --view free --orbit-deg 30 --needle-tip-mm 0,10,20 --needle-tail-mm "
                 "0,100,20 --output needle.png"};
@@ -77,4 +78,4 @@ Command fluoro_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

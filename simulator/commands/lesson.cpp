@@ -10,7 +10,7 @@
 #include "lesson/approval.h"
 #include "lessons/lesson_run.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 struct LessonParams {
@@ -19,7 +19,7 @@ struct LessonParams {
   template <class V>
   static void describe(V& v) {
     using P = LessonParams;
-    v.word(&P::module, "module", lesson_names(), "Which lesson; by default the script's.");
+    v.word(&P::module, "module", lessons::lesson_names(), "Which lesson; by default the script's.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.text(&P::task, "task",
            "What is asked for, as `right` or `pedicle_2_left`; by default the script's, else the usual.");
@@ -28,50 +28,52 @@ struct LessonParams {
   }
 };
 
-void write_recording(const std::filesystem::path& file, const Recording& recording) {
-  RecordingWriter writer(file, recording.header);
+void write_recording(const std::filesystem::path& file, const haptics::Recording& recording) {
+  haptics::RecordingWriter writer(file, recording.header);
   writer.add(recording.frames);
   writer.finish(recording.header.outcome);
 }
 
-ExitCode run_lesson_command(const ParsedCommand& parsed) {
+ExitCode run_lesson_command(const cli::ParsedCommand& parsed) {
   const LessonParams& p = parsed.params<LessonParams>();
-  LessonOptions o;
+  lessons::LessonOptions o;
   o.participant = p.participant;
   o.task = p.task;
   o.most_s = p.most_s;
   o.servo.rate_hz = p.rate_hz;
-  validate_token(o.participant, "--participant");
-  o.script = read_lesson_script(parsed.path("script"));
+  lesson::validate_token(o.participant, "--participant");
+  o.script = lessons::read_lesson_script(parsed.path("script"));
   if (!p.module.empty() && o.script.module != p.module)
     throw Error(ExitCode::usage, parsed.text("script"), "module", o.script.module + ", but --module is " + p.module);
-  o.hand = parsed.params<HandParams>();
-  o.aim = parsed.params<ScriptAim>();
-  o.contact = parsed.params<ContactParams>();
-  o.force = parsed.params<ForceParams>();
-  FeltCase felt(parsed.path("case"), "");
-  const LessonResult r = with_file(parsed.text("script"), [&] { return run_lesson(felt, o, cancel_requested()); });
+  o.hand = parsed.params<device::HandParams>();
+  o.aim = parsed.params<lessons::ScriptAim>();
+  o.contact = parsed.params<contact::ContactParams>();
+  o.force = parsed.params<haptics::ForceParams>();
+  session::FeltCase felt(parsed.path("case"), "");
+  const lessons::LessonResult r =
+      with_file(parsed.text("script"), [&] { return lessons::run_lesson(felt, o, cancel_requested()); });
   write_recording(parsed.path("record"), r.recording);
 
   if (const std::string& task = r.recording.header.task; !task.empty())
-    std::cout << "task " << task << ": " << task_of(lesson_type(o.script.module), felt.loaded.manifest, task).aim
-              << "\n";
-  const ServoStatistics& s = r.statistics;
+    std::cout << "task " << task << ": "
+              << lessons::task_of(lessons::lesson_type(o.script.module), felt.loaded.manifest, task).aim << "\n";
+  const haptics::ServoStatistics& s = r.statistics;
   std::cout << fmt::format("{} in case {}: {} ticks, {:.1f} s, done in {:.1f} s\n", o.script.module,
                            r.recording.header.case_token, s.ticks, double(s.ticks) / p.rate_hz, r.wall_s);
   std::cout << fmt::format("force at most {:.2f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
   if (r.recording.header.outcome)
     for (const auto& [name, mm3] : r.recording.header.outcome->removed_mm3)
       std::cout << fmt::format("removed {} {:.1f} mm3\n", name, mm3);
-  if (s.faults != 0) std::cout << "faults: " << fault_names(s.faults) << "; what was done until then is recorded\n";
+  if (s.faults != 0)
+    std::cout << "faults: " << haptics::fault_names(s.faults) << "; what was done until then is recorded\n";
   return ExitCode::ok;
 }
 
 }  // namespace
 
-Command lesson_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command lesson_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "lesson";
   c.summary = "does a lesson in a case by a script, through the haptic loop, and records it";
   c.description =
@@ -79,19 +81,21 @@ Command lesson_command() {
       "catheter, with all forces and all tissue of the case, as fast as it goes. Every tick is recorded, with the tool "
       "in hand, the pedal and the commands, so `trephine-sim replay` runs it again bit for bit, and `trephine-sim "
       "score` judges it.";
-  Argument folder = argument("case", Kind::in_folder, "Folder of the case.");
+  cli::Argument folder = cli::argument("case", Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument script = argument("script", Kind::in_file, "What the hand does (.json).");
-  Argument record = argument("record", Kind::out_file, "Write the recording to this file.");
+  cli::Argument script = cli::argument("script", Kind::in_file, "What the hand does (.json).");
+  cli::Argument record = cli::argument("record", Kind::out_file, "Write the recording to this file.");
   script.required = record.required = true;
   c.arguments = {folder, script, record};
-  c.groups = {ParameterGroup::of<LessonParams>("Parameters"), ParameterGroup::of<ScriptAim>("How well it aims"),
-              ParameterGroup::of<HandParams>("Simulated hand"), ParameterGroup::of<ContactParams>("Contact"),
-              ParameterGroup::of<ForceParams>("Force")};
+  c.groups = {cli::ParameterGroup::of<LessonParams>("Parameters"),
+              cli::ParameterGroup::of<lessons::ScriptAim>("How well it aims"),
+              cli::ParameterGroup::of<device::HandParams>("Simulated hand"),
+              cli::ParameterGroup::of<contact::ContactParams>("Contact"),
+              cli::ParameterGroup::of<haptics::ForceParams>("Force")};
   c.examples = {
       "trephine-sim lesson library/sample --script examples/lessons/ventriculostomy.json --record one.lesson"};
   c.run = run_lesson_command;
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

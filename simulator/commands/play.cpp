@@ -17,7 +17,7 @@
 #include "lesson/approval.h"
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 constexpr const char* screen = "mouse";
@@ -39,11 +39,11 @@ struct PlayParams {
 };
 
 // Recording and report of a lesson: beside --record, or in --out under the first number that is free.
-LessonPlay lesson_of(const ParsedCommand& parsed) {
-  LessonPlay l;
+window::LessonPlay lesson_of(const cli::ParsedCommand& parsed) {
+  window::LessonPlay l;
   l.module = parsed.text("lesson");
   if (parsed.has("participant")) l.participant = parsed.text("participant");
-  validate_token(l.participant, "--participant");
+  lesson::validate_token(l.participant, "--participant");
   l.task = parsed.text("task");
   for (const char* other : {"playback", "before", "shape"})
     if (parsed.has(other)) throw Error(ExitCode::usage, "", std::string("--lesson, --") + other, "do not go together");
@@ -58,7 +58,7 @@ LessonPlay lesson_of(const ParsedCommand& parsed) {
     const std::filesystem::path manifest = parsed.path("case") / "case.json";
     const std::string token = with_file(manifest.string(), [&] {
       const std::vector<char> bytes = read_file(manifest, 1 << 26);
-      return parse_case_json({bytes.data(), bytes.size()}).case_token;
+      return cases::parse_case_json({bytes.data(), bytes.size()}).case_token;
     });
     int n = 0;
     do l.recording = out / fmt::format("{}-{}-{:02}-{}.lesson", l.participant, l.module, ++n, token);
@@ -71,12 +71,12 @@ LessonPlay lesson_of(const ParsedCommand& parsed) {
   return l;
 }
 
-ExitCode run_play(const ParsedCommand& given) {
-  const ParsedCommand parsed = with_settings(given);
+ExitCode run_play(const cli::ParsedCommand& given) {
+  const cli::ParsedCommand parsed = with_settings(given);
   write_settings(parsed);
   const auto begun = std::chrono::steady_clock::now();
   const PlayParams& params = parsed.params<PlayParams>();
-  PlayOptions o;
+  window::PlayOptions o;
   o.session = session_options_of(parsed);
   if (!parsed.has("device") || parsed.text("device") == screen) o.session.device.name.clear();
   o.session.seconds = params.seconds > 0 ? params.seconds : 86400;
@@ -93,19 +93,20 @@ ExitCode run_play(const ParsedCommand& given) {
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");
   o.head_port = params.head_port;
-  o.hand = parsed.params<ScreenHandParams>();
-  o.view = parsed.params<ViewParams>();
-  const bool two_panes =
-      o.view.stereo == ViewParams::Stereo::side_by_side || o.view.stereo == ViewParams::Stereo::top_bottom;
-  if (o.lesson && two_panes && lesson_type(o.lesson->module).needs_pictures)
+  o.hand = parsed.params<window::ScreenHandParams>();
+  o.view = parsed.params<scene::ViewParams>();
+  const bool two_panes = o.view.stereo == scene::ViewParams::Stereo::side_by_side ||
+                         o.view.stereo == scene::ViewParams::Stereo::top_bottom;
+  if (o.lesson && two_panes && lessons::lesson_type(o.lesson->module).needs_pictures)
     throw Error(ExitCode::usage, "", "--stereo", "hides the fluoroscopic pictures that the lesson needs");
   if (parsed.has("shots")) {
     o.shots = parsed.path("shots");
     make_output_folder(o.shots);
   }
-  const PlayOutcome r = play(o, parsed.params<WindowParams>(), params.remote, begun, cancel_requested(),
-                             [](const std::string& line) { std::cout << line << "\n"
-                                                                     << std::flush; });
+  const window::PlayOutcome r =
+      window::play(o, parsed.params<window::WindowParams>(), params.remote, begun, cancel_requested(),
+                   [](const std::string& line) { std::cout << line << "\n"
+                                                           << std::flush; });
   std::cout << r.score;
   if (!r.score.empty()) std::cout << "report " << o.lesson->report.page.string() << "\n";
   std::cout << fmt::format(
@@ -114,14 +115,14 @@ ExitCode run_play(const ParsedCommand& given) {
       r.pictures, r.seconds, r.picture_ms, r.longest_ms, r.graphics_mb);
   Progress({}, &cancel_requested()).check();
   if (r.faults != 0)
-    throw Error(ExitCode::io, "", "device", fault_names(r.faults) + ": the force was zero from then on");
+    throw Error(ExitCode::io, "", "device", haptics::fault_names(r.faults) + ": the force was zero from then on");
   return ExitCode::ok;
 }
 
 }  // namespace
 
-Command play_command() {
-  Command c;
+cli::Command play_command() {
+  cli::Command c;
   c.name = "play";
   c.summary = "opens a window in which a case is seen, felt and cut";
   c.description =
@@ -136,29 +137,34 @@ Command play_command() {
       "74 says that there is no display, no OpenGL 4.3, or that the driver lost its context; what was recorded until "
       "then is kept.";
   c.arguments = session_arguments(screen);
-  c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
+  c.arguments.push_back(cli::argument("playback", cli::Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
-  Argument lesson = argument("lesson", Argument::Kind::choice, "Do this lesson: its tools, steps, score and report.");
-  lesson.choices = lesson_names();
+  cli::Argument lesson =
+      cli::argument("lesson", cli::Argument::Kind::choice, "Do this lesson: its tools, steps, score and report.");
+  lesson.choices = lessons::lesson_names();
   c.arguments.push_back(lesson);
-  c.arguments.push_back(argument("rubric", Argument::Kind::in_file, "By what the lesson is judged, compiled (.json)."));
   c.arguments.push_back(
-      argument("task", Argument::Kind::text,
-               "What is asked for in the lesson, as `right` or `pedicle_2_left`; by default the usual."));
-  c.arguments.push_back(argument("participant", Argument::Kind::text,
-                                 "Anonymous token of who does the lesson: a-z, 0-9, _ and -; never a name."));
+      cli::argument("rubric", cli::Argument::Kind::in_file, "By what the lesson is judged, compiled (.json)."));
   c.arguments.push_back(
-      argument("out", Argument::Kind::out_folder,
-               "Folder of the lesson's recording, report and log; or --record FILE, and the report is "
-               "beside it."));
+      cli::argument("task", cli::Argument::Kind::text,
+                    "What is asked for in the lesson, as `right` or `pedicle_2_left`; by default the usual."));
+  c.arguments.push_back(cli::argument("participant", cli::Argument::Kind::text,
+                                      "Anonymous token of who does the lesson: a-z, 0-9, _ and -; never a name."));
   c.arguments.push_back(
-      argument("ghost", Argument::Kind::in_file, "A recording whose way is shown as green dots, such as an expert's."));
-  c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
-                                 "Folder for the pictures that F12 takes; the current folder where it is not given."));
-  for (const Argument& a : settings_arguments()) c.arguments.push_back(a);
-  c.groups = {ParameterGroup::of<PlayParams>("Parameters"), ParameterGroup::of<WindowParams>("Window"),
-              ParameterGroup::of<ViewParams>("View"), ParameterGroup::of<ScreenHandParams>("Mouse and keyboard")};
-  const std::vector<ParameterGroup> session = session_groups();
+      cli::argument("out", cli::Argument::Kind::out_folder,
+                    "Folder of the lesson's recording, report and log; or --record FILE, and the report is "
+                    "beside it."));
+  c.arguments.push_back(cli::argument("ghost", cli::Argument::Kind::in_file,
+                                      "A recording whose way is shown as green dots, such as an expert's."));
+  c.arguments.push_back(
+      cli::argument("shots", cli::Argument::Kind::out_folder,
+                    "Folder for the pictures that F12 takes; the current folder where it is not given."));
+  for (const cli::Argument& a : settings_arguments()) c.arguments.push_back(a);
+  c.groups = {cli::ParameterGroup::of<PlayParams>("Parameters"),
+              cli::ParameterGroup::of<window::WindowParams>("Window"),
+              cli::ParameterGroup::of<scene::ViewParams>("View"),
+              cli::ParameterGroup::of<window::ScreenHandParams>("Mouse and keyboard")};
+  const std::vector<cli::ParameterGroup> session = session_groups();
   c.groups.insert(c.groups.end(), session.begin(), session.end());
   c.examples = {"trephine-sim play library/sample",
                 "trephine-sim play library/sample --tool catheter --record way.servo",
@@ -170,4 +176,4 @@ Command play_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

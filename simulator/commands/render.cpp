@@ -13,7 +13,7 @@
 #include "commands/settings.h"
 #include "render/stage.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 struct PictureParams {
@@ -32,11 +32,12 @@ struct PictureParams {
 
 class Pictures {
  public:
-  Pictures(const ParsedCommand& parsed, const LoadedCase& loaded, const Grid<std::int16_t>* uncut = nullptr)
+  Pictures(const cli::ParsedCommand& parsed, const cases::LoadedCase& loaded,
+           const grid::Grid<std::int16_t>* uncut = nullptr)
       : params_(parsed.params<PictureParams>()),
         out_(parsed.path("out")),
-        stage_(loaded, parsed.params<ViewParams>(), uncut),
-        camera_(camera_of(parsed.params<ViewParams>(), loaded.manifest, stage_.scene())),
+        stage_(loaded, parsed.params<scene::ViewParams>(), uncut),
+        camera_(scene::camera_of(parsed.params<scene::ViewParams>(), loaded.manifest, stage_.scene())),
         target_(params_.width, params_.height) {
     make_output_folder(out_);
     std::cout << fmt::format("drawn by {}\n", stage_.driver().renderer);
@@ -44,15 +45,15 @@ class Pictures {
       std::cout << fmt::format("surfaces that are cut are made by {}\n", stage_.surfaces_by());
     tell_notes();
   }
-  Stage& stage() { return stage_; }
+  render::Stage& stage() { return stage_; }
   const PictureParams& params() const { return params_; }
 
   void write() {
     const auto begin = std::chrono::steady_clock::now();
-    stage_.draw(camera_, params_.width, params_.height, [this](Eye) { target_.bind(); });
-    const Picture picture = target_.read();
+    stage_.draw(camera_, params_.width, params_.height, [this](render::Eye) { target_.bind(); });
+    const scene::Picture picture = target_.read();
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    write_file(out_ / fmt::format("frame-{:05}.png", ++count_), png_of(picture));
+    write_file(out_ / fmt::format("frame-{:05}.png", ++count_), scene::png_of(picture));
   }
   void print() {
     tell_notes();
@@ -68,23 +69,24 @@ class Pictures {
   // There may be more of them after each picture.
   void tell_notes() {
     for (; told_notes_ < stage_.notes().size(); ++told_notes_)
-      std::cout << text_of(stage_.notes()[told_notes_], Language::english) << "\n";
+      std::cout << texts::text_of(stage_.notes()[told_notes_], texts::Language::english) << "\n";
   }
 
   const PictureParams params_;
   std::filesystem::path out_;
-  Stage stage_;
+  render::Stage stage_;
   std::size_t told_notes_ = 0;
-  OrbitCamera camera_;
-  OffscreenPicture target_;
+  scene::OrbitCamera camera_;
+  render::OffscreenPicture target_;
   int count_ = 0;
   double seconds_ = 0;
 };
 
-void render_recording(const ParsedCommand& parsed) {
+void render_recording(const cli::ParsedCommand& parsed) {
   const Progress progress({}, &cancel_requested());
   const std::vector<std::string> named = parsed.all("before");
-  Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true}, progress);
+  session::Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true},
+                             progress);
   Pictures pictures(parsed, playback.loaded(), playback.patient()->uncut.get());
   std::string tool;  // in hand in the picture before
   const PictureParams& p = pictures.params();
@@ -103,7 +105,7 @@ void render_recording(const ParsedCommand& parsed) {
     }
     pictures.stage().follow(playback.marks());
     std::size_t incisions = 0;
-    for (const IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();
+    for (const session::IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();
     pictures.stage().show_incisions(playback.incisions(), incisions);
     pictures.stage().show_frame(playback.frame());
     pictures.write();
@@ -111,19 +113,19 @@ void render_recording(const ParsedCommand& parsed) {
   pictures.print();
 }
 
-ExitCode run_render(const ParsedCommand& given) {
-  const ParsedCommand parsed = with_settings(given);
+ExitCode run_render(const cli::ParsedCommand& given) {
+  const cli::ParsedCommand parsed = with_settings(given);
   write_settings(parsed);
-  if (parsed.params<ViewParams>().stereo == ViewParams::Stereo::quad_buffer)
+  if (parsed.params<scene::ViewParams>().stereo == scene::ViewParams::Stereo::quad_buffer)
     throw Error(ExitCode::usage, "", "--stereo",
                 "quad_buffer is of a window; a picture has side_by_side or top_bottom");
-  const OffscreenContext context;
-  driver_facts();
+  const render::OffscreenContext context;
+  render::driver_facts();
   if (parsed.has("recording")) {
     render_recording(parsed);
     return ExitCode::ok;
   }
-  const LoadedCase loaded = load_case(parsed.path("case"), {true});
+  const cases::LoadedCase loaded = cases::load_case(parsed.path("case"), {true});
   Pictures pictures(parsed, loaded);
   pictures.write();
   pictures.print();
@@ -132,8 +134,8 @@ ExitCode run_render(const ParsedCommand& given) {
 
 }  // namespace
 
-Command render_command() {
-  Command c;
+cli::Command render_command() {
+  cli::Command c;
   c.name = "render";
   c.summary = "draws a case, or a recording of a session with it, as PNG pictures without a display";
   c.description =
@@ -142,15 +144,16 @@ Command render_command() {
       "incisions. The pictures are frame-00001.png and so on. It needs OpenGL 4.3 through EGL; Mesa draws on the "
       "processor where there is no graphics card. Exit code 74 says that there is no OpenGL, 80 that the recording "
       "gives another volume when it is run again.";
-  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
+  cli::Argument folder = cli::argument("case", cli::Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument recording = argument("recording", Argument::Kind::in_file, "A recording of a session with that case.");
+  cli::Argument recording =
+      cli::argument("recording", cli::Argument::Kind::in_file, "A recording of a session with that case.");
   recording.positional = true;
-  Argument out = argument("out", Argument::Kind::out_folder, "Folder for the pictures.");
+  cli::Argument out = cli::argument("out", cli::Argument::Kind::out_folder, "Folder for the pictures.");
   out.required = true;
   c.arguments = {folder, recording, before_argument(), out};
-  for (const Argument& a : settings_arguments()) c.arguments.push_back(a);
-  c.groups = {ParameterGroup::of<PictureParams>("Pictures"), ParameterGroup::of<ViewParams>("View")};
+  for (const cli::Argument& a : settings_arguments()) c.arguments.push_back(a);
+  c.groups = {cli::ParameterGroup::of<PictureParams>("Pictures"), cli::ParameterGroup::of<scene::ViewParams>("View")};
   c.examples = {"trephine-sim render library/sample --out pictures",
                 "trephine-sim render library/sample --out pictures --cut sagittal --opacity skin=0.3",
                 "trephine-sim render library/sample hole.servo --out pictures --frames-per-s 25 --stereo side_by_side"};
@@ -158,4 +161,4 @@ Command render_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

@@ -13,7 +13,7 @@
 #include "haptics/recording.h"
 #include "session/playback.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 const Remedy not_this_program{
@@ -22,20 +22,20 @@ const Remedy not_this_program{
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const ForceFigures& f) {
+Json json_of(const haptics::ForceFigures& f) {
   return {{"frames", f.frames},
           {"touching", f.touching},
           {"anomaly_ratio", f.anomaly_ratio},
           {"zero_force_ratio", f.zero_force_ratio},
-          {"most_step_n", f.most_step_n},
+          {"most_step_n", f.max_step_n},
           {"sigma_n_per_s", f.sigma_n_per_s},
           {"mean_force_n", f.mean_force_n},
           {"most_force_n", f.most_force_n},
           {"mean_lag_mm", f.mean_lag_mm},
-          {"most_lag_mm", f.most_lag_mm}};
+          {"most_lag_mm", f.max_lag_mm}};
 }
 
-void print(const char* what, const ForceFigures& f) {
+void print(const char* what, const haptics::ForceFigures& f) {
   if (f.frames == 0) {
     std::cout << what << ": no contact to judge forces by\n";
     return;
@@ -43,15 +43,15 @@ void print(const char* what, const ForceFigures& f) {
   std::cout << fmt::format(
       "{}: in contact {:.1f} %, anomaly coefficient {:.6f}, zero force {:.6f}, largest step {:.4f} N, sigma {:.3f} "
       "N/s, force {:.3f} N (at most {:.3f}), lag {:.3f} mm (at most {:.3f})\n",
-      what, 100.0 * double(f.touching) / double(f.frames), f.anomaly_ratio, f.zero_force_ratio, f.most_step_n,
-      f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.most_lag_mm);
+      what, 100.0 * double(f.touching) / double(f.frames), f.anomaly_ratio, f.zero_force_ratio, f.max_step_n,
+      f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.max_lag_mm);
 }
 
-ExitCode run_replay(const ParsedCommand& parsed) {
-  const Recording recording = read_recording(parsed.path("recording"));
-  const RecordingHeader& h = recording.header;
-  ContactParams contact_params = h.contact;
-  const ContactParams& asked = parsed.params<ContactParams>();
+ExitCode run_replay(const cli::ParsedCommand& parsed) {
+  const haptics::Recording recording = haptics::read_recording(parsed.path("recording"));
+  const haptics::RecordingHeader& h = recording.header;
+  contact::ContactParams contact_params = h.contact;
+  const contact::ContactParams& asked = parsed.params<contact::ContactParams>();
   if (parsed.given.count("walk")) contact_params.walk = asked.walk;
   if (parsed.given.count("surface")) contact_params.surface = asked.surface;
   if (parsed.given.count("step_ratio")) contact_params.step_ratio = asked.step_ratio;
@@ -59,23 +59,24 @@ ExitCode run_replay(const ParsedCommand& parsed) {
                      contact_params.step_ratio != h.contact.step_ratio;
 
   const std::vector<std::string> named = parsed.all("before");
-  const std::shared_ptr<Patient> patient =
-      patient_again(parsed.path("case"), parsed.path("recording"), h, contact_params, {named.begin(), named.end()});
-  FeltCase& felt = patient->felt;
-  ContactVolume& contact = patient->contact;
-  Rerun rerun(felt, contact, parsed.text("recording"), h);
-  const Drilling* drilling = rerun.drilling();
-  const std::vector<ServoFrame> replayed = rerun.run(recording.frames);
+  const std::shared_ptr<session::Patient> patient = session::patient_again(
+      parsed.path("case"), parsed.path("recording"), h, contact_params, {named.begin(), named.end()});
+  session::FeltCase& felt = patient->felt;
+  contact::ContactVolume& contact = patient->contact;
+  session::Rerun rerun(felt, contact, parsed.text("recording"), h);
+  const haptics::Drilling* drilling = rerun.drilling();
+  const std::vector<haptics::ServoFrame> replayed = rerun.run(recording.frames);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
-    if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
+    if (!haptics::same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
 
   std::cout << fmt::format("{} frames at {:g} Hz of device {}, {}, case {}\n", replayed.size(), h.rate_hz, h.device,
                            h.lesson.empty() ? "tool " + h.tool.tool : "tools of the lesson " + h.lesson, h.case_token);
-  const std::uint64_t missing = missing_frames(recording.frames);
+  const std::uint64_t missing = haptics::missing_frames(recording.frames);
   if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
-  const ForceWindow window = force_window(recording.frames);
-  const ForceFigures was = force_figures(recording.frames, window), is = force_figures(replayed, window);
+  const haptics::ForceWindow window = haptics::force_window(recording.frames);
+  const haptics::ForceFigures was = haptics::force_figures(recording.frames, window),
+                              is = haptics::force_figures(replayed, window);
   print("recorded", was);
   if (other) print("replayed", is);
   if (parsed.has("json")) {
@@ -90,7 +91,7 @@ ExitCode run_replay(const ParsedCommand& parsed) {
                   not_this_program)
         .in_file(parsed.text("recording"));
   if (h.outcome && drilling) {
-    const RecordingHeader::Outcome again = outcome_of(felt.loaded.haptic, drilling->outcome());
+    const haptics::RecordingHeader::Outcome again = haptics::outcome_of(felt.loaded.haptic, drilling->outcome());
     if (again.volume_sha256 != h.outcome->volume_sha256)
       throw refusal("volume_sha256", "the volume differs when replayed", not_this_program)
           .in_file(parsed.text("recording"));
@@ -102,8 +103,8 @@ ExitCode run_replay(const ParsedCommand& parsed) {
 
 }  // namespace
 
-Command replay_command() {
-  Command c;
+cli::Command replay_command() {
+  cli::Command c;
   c.name = "replay";
   c.summary = "runs a recorded session again, and compares it bit for bit or with another contact method";
   c.description =
@@ -111,18 +112,18 @@ Command replay_command() {
       "80 says that some bit of the proxy's answers differs. With another walk or surface, the two runs are compared "
       "by figures of their forces instead: the force anomaly coefficient [Rizzi, chapter 4], and figures for what it "
       "leaves out.";
-  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
+  cli::Argument folder = cli::argument("case", cli::Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument recording =
-      argument("recording", Argument::Kind::in_file, "The file that `trephine-sim servo --record` wrote.");
+  cli::Argument recording =
+      cli::argument("recording", cli::Argument::Kind::in_file, "The file that `trephine-sim servo --record` wrote.");
   recording.positional = recording.required = true;
-  Argument json = argument("json", Argument::Kind::out_file, "Write the figures to this file.");
+  cli::Argument json = cli::argument("json", cli::Argument::Kind::out_file, "Write the figures to this file.");
   c.arguments = {folder, recording, before_argument(), json};
-  c.groups = {ParameterGroup::of<ContactParams>("Contact, where it is to be another than recorded")};
+  c.groups = {cli::ParameterGroup::of<contact::ContactParams>("Contact, where it is to be another than recorded")};
   c.examples = {"trephine-sim replay library/sample skull.servo",
                 "trephine-sim replay library/sample skull.servo --surface nearest --walk stepped"};
   c.run = run_replay;
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

@@ -5,22 +5,22 @@
 #include "commands/commands.h"
 #include "lessons/score_recording.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
-ExitCode run_score(const ParsedCommand& parsed) {
-  const CompiledRubric rubric = read_rubric_file(parsed.path("rubric"));
-  const ScoredLesson lesson = score_recording(parsed.path("recording"), parsed.path("case"), rubric);
-  write_report(lesson, parsed.path("case"), {parsed.path("json"), parsed.path("page"), parsed.path("log")});
-  std::cout << score_text(lesson.head, *lesson.facts, lesson.score);
+ExitCode run_score(const cli::ParsedCommand& parsed) {
+  const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
+  const lessons::ScoredLesson lesson = lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric);
+  lessons::write_report(lesson, parsed.path("case"), {parsed.path("json"), parsed.path("page"), parsed.path("log")});
+  std::cout << lessons::score_text(lesson.head, *lesson.facts, lesson.score);
   return ExitCode::ok;
 }
 
 }  // namespace
 
-Command score_command() {
-  using Kind = Argument::Kind;
-  Command c;
+cli::Command score_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
   c.name = "score";
   c.summary = "judges a recorded lesson by a rubric";
   c.description =
@@ -31,17 +31,18 @@ Command score_command() {
       "dissertation's or ours, and the moment at which it was decided. What the case leaves doubtful is not judged. "
       "The same recording, case and rubric give the same bytes, so a session can be judged again years later, by "
       "another rubric as well. docs/lessons.md says what each row measures.";
-  Argument recording = argument("recording", Kind::in_file, "The recording of a lesson.");
+  cli::Argument recording = cli::argument("recording", Kind::in_file, "The recording of a lesson.");
   recording.positional = recording.required = true;
-  Argument folder = argument("case", Kind::in_folder, "Folder of the case in which it was done.");
-  Argument rubric = argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json).");
+  cli::Argument folder = cli::argument("case", Kind::in_folder, "Folder of the case in which it was done.");
+  cli::Argument rubric =
+      cli::argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json).");
   folder.required = rubric.required = true;
   c.arguments = {recording,
                  folder,
                  rubric,
-                 argument("json", Kind::out_file, "Write the report to this file."),
-                 argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
-                 argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
+                 cli::argument("json", Kind::out_file, "Write the report to this file."),
+                 cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
+                 cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
   c.examples = {
       "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json "
       "--page one.html --log attempts.csv"};
@@ -49,4 +50,4 @@ Command score_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

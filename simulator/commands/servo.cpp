@@ -15,7 +15,7 @@
 #include "commands/commands.h"
 #include "commands/session_options.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -28,7 +28,7 @@ struct RunParams {
   }
 };
 
-Json times_of(const Histogram& h) {
+Json times_of(const haptics::Histogram& h) {
   const auto us = [](double ns) { return std::round(ns) / 1000; };
   return {{"mean_us", us(h.mean_ns())},
           {"p50_us", us(h.quantile_ns(0.5))},
@@ -38,21 +38,21 @@ Json times_of(const Histogram& h) {
 }
 
 // By the shapes of the case that were touched.
-std::map<std::string, double> most_forces(const SessionResult& r) {
+std::map<std::string, double> max_forces(const session::SessionResult& r) {
   std::map<std::string, double> out;
   for (const auto& [number, name] : r.shapes)
     if (const double force = r.drilled->most_force_n[std::size_t(number)]; force > 0) out[name] = force;
   return out;
 }
 
-Json drilled_json(const SessionResult& r) {
-  const DrillingOutcome& d = *r.drilled;
+Json drilled_json(const session::SessionResult& r) {
+  const haptics::DrillingOutcome& d = *r.drilled;
   Json j = {{"seconds", d.drilled_s},
             {"stalled_s", d.stalled_s},
             {"energy_j", d.energy_j},
             {"incisions", d.incisions},
             {"removed_mm3", r.outcome->removed_mm3},
-            {"most_force_n", most_forces(r)},
+            {"most_force_n", max_forces(r)},
             {"breached", d.breached},
             {"volume_sha256", r.outcome->volume_sha256}};
   if (d.breached) {
@@ -62,17 +62,17 @@ Json drilled_json(const SessionResult& r) {
   return j;
 }
 
-Json json_of(const SessionResult& r) {
-  const ServoStatistics& s = r.statistics;
+Json json_of(const session::SessionResult& r) {
+  const haptics::ServoStatistics& s = r.statistics;
   Json counts = Json::object();
   for (const auto& [name, count] : r.device_counts) counts[name] = count;
   Json events = Json::object();
-  for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
+  for (int n = 0; n < haptics::haptic_event::count; ++n) events[haptics::haptic_event::names[n]] = s.events[n];
   Json out = {{"case", r.header.case_token},
               {"shape", r.header.felt_shape},
               {"tool", r.header.tool.tool},
-              {"walk", choice_name(r.header.contact, "walk")},
-              {"surface", choice_name(r.header.contact, "surface")},
+              {"walk", haptics::choice_name(r.header.contact, "walk")},
+              {"surface", haptics::choice_name(r.header.contact, "surface")},
               {"rate_hz", r.header.rate_hz},
               {"device", r.header.device},
               {"device_counts", counts},
@@ -82,7 +82,7 @@ Json json_of(const SessionResult& r) {
               {"overruns", s.overruns},
               {"frames_lost", r.frames_lost},
               {"faults", s.faults},
-              {"fault_names", fault_names(s.faults)},
+              {"fault_names", haptics::fault_names(s.faults)},
               {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
               {"events", events},
               {"most_force_n", s.most_force_n},
@@ -94,15 +94,16 @@ Json json_of(const SessionResult& r) {
   return out;
 }
 
-std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
+std::string grant_text(const haptics::ServoParams& params, const haptics::RealtimeGrant& g) {
   if (!params.paced) return "as fast as it goes, in the device's own time";
   if (!params.realtime) return "normal scheduling, no promise of lateness";
   return fmt::format("{}, {}", g.fifo ? "SCHED_FIFO" : "no SCHED_FIFO (" + g.fifo_fault + "): no promise of lateness",
                      g.locked ? "memory locked" : "memory not locked (" + g.lock_fault + ")");
 }
 
-void print_start(const Session& session, const ServoParams& params, const RealtimeGrant& grant) {
-  const RecordingHeader& is = session.header();
+void print_start(const session::Session& session, const haptics::ServoParams& params,
+                 const haptics::RealtimeGrant& grant) {
+  const haptics::RecordingHeader& is = session.header();
   std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", is.rate_hz, is.device, grant_text(params, grant));
   if (session.tool_points() > 0)
     std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", is.tool.tool,
@@ -111,28 +112,28 @@ void print_start(const Session& session, const ServoParams& params, const Realti
 }
 
 // Until the loop's end: says a fault when it happens, and writes what is recorded.
-void follow(Session& session) {
+void follow(session::Session& session) {
   std::uint32_t told = 0;
   while (session.running()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (const std::uint32_t faults = session.faults(); faults != told) {
       told = faults;
       std::cout << fmt::format("fault after {:.2f} s: {}; the force stays zero\n", session.time_s(),
-                               fault_names(faults))
+                               haptics::fault_names(faults))
                 << std::flush;
     }
     session.write_frames();
   }
 }
 
-void print_times(const char* what, const Histogram& h) {
+void print_times(const char* what, const haptics::Histogram& h) {
   std::cout << fmt::format("{:<10} mean {:.2f}, p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, max {:.2f} us\n", what,
                            h.mean_ns() / 1e3, h.quantile_ns(0.5) / 1e3, h.quantile_ns(0.99) / 1e3,
                            h.quantile_ns(0.999) / 1e3, h.max_ns() / 1e3);
 }
 
-void print_drilled(const SessionResult& r) {
-  const DrillingOutcome& d = *r.drilled;
+void print_drilled(const session::SessionResult& r) {
+  const haptics::DrillingOutcome& d = *r.drilled;
   std::string removed;
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
     removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
@@ -142,19 +143,19 @@ void print_drilled(const SessionResult& r) {
     std::cout << fmt::format("through at {:.3f} s, at {:.2f}, {:.2f}, {:.2f} mm\n", d.breach_time_s, d.breach_mm.x,
                              d.breach_mm.y, d.breach_mm.z);
   std::string forces;
-  for (const auto& [name, force] : most_forces(r))
+  for (const auto& [name, force] : max_forces(r))
     forces += fmt::format("{}{} {:.2f} N", forces.empty() ? "" : ", ", name, force);
   std::cout << "largest force while touching: " << (forces.empty() ? "none" : forces) << "\n";
 }
 
-void print_result(const SessionResult& r, bool paced) {
-  const ServoStatistics& s = r.statistics;
+void print_result(const session::SessionResult& r, bool paced) {
+  const haptics::ServoStatistics& s = r.statistics;
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
-                           s.faults == 0 ? "none" : fault_names(s.faults));
+                           s.faults == 0 ? "none" : haptics::fault_names(s.faults));
   std::string events, counts;
-  for (int n = 0; n < haptic_event::count; ++n)
-    events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptic_event::names[n], s.events[n]);
+  for (int n = 0; n < haptics::haptic_event::count; ++n)
+    events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptics::haptic_event::names[n], s.events[n]);
   std::cout << "events:" << events << "\n";
   std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
   std::cout << fmt::format("CPU time   mean {:.2f} us a tick{}\n", r.cpu_us_a_tick(), paced ? ", with its sleep" : "");
@@ -167,47 +168,47 @@ void print_result(const SessionResult& r, bool paced) {
   if (!counts.empty()) std::cout << r.header.device << ":" << counts << "\n";
 }
 
-void refuse_one_file_twice(const ParsedCommand& parsed) {
+void refuse_one_file_twice(const cli::ParsedCommand& parsed) {
   if (parsed.has("record") && parsed.has("json") &&
       std::filesystem::weakly_canonical(parsed.path("record")) ==
           std::filesystem::weakly_canonical(parsed.path("json")))
     throw Error(ExitCode::usage, parsed.text("json"), "--record, --json", "are the same file");
 }
 
-ExitCode run_servo(const ParsedCommand& parsed) {
+ExitCode run_servo(const cli::ParsedCommand& parsed) {
   refuse_one_file_twice(parsed);
-  SessionOptions options = session_options_of(parsed);
+  session::SessionOptions options = session_options_of(parsed);
   options.seconds = parsed.params<RunParams>().seconds;
-  Session session(options, cancel_requested(), [](const Note& note) {
-    std::cout << text_of(note, Language::english) << "\n" << std::flush;
+  session::Session session(options, cancel_requested(), [](const texts::Note& note) {
+    std::cout << texts::text_of(note, texts::Language::english) << "\n" << std::flush;
   });
   print_start(session, options.servo, session.start());
   follow(session);
-  const SessionResult result = session.finish();
+  const session::SessionResult result = session.finish();
   print_result(result, options.servo.paced);
   nlohmann::ordered_json json = json_of(result);
   // Whether the machine wakes anything in time is not the servo's doing: the two are told side by side.
   if (options.servo.paced && options.servo.realtime && !cancel_requested()) {
-    const Histogram bare = bare_loop_lateness(options.servo.rate_hz, 1, true);
+    const haptics::Histogram bare = haptics::bare_loop_lateness(options.servo.rate_hz, 1, true);
     print_times("bare sleep", bare);
     json["bare_sleep"] = times_of(bare);
   }
   if (parsed.has("json")) write_file(parsed.path("json"), json.dump(1) + "\n");
   Progress({}, &cancel_requested()).check();
   if (const std::uint32_t faults = result.statistics.faults; faults != 0)
-    throw Error(ExitCode::io, "", "device", fault_names(faults) + ": the force was zero from then on");
+    throw Error(ExitCode::io, "", "device", haptics::fault_names(faults) + ": the force was zero from then on");
   return ExitCode::ok;
 }
 
-std::vector<Argument> servo_arguments() {
-  std::vector<Argument> all = session_arguments(DeviceChoice().name);
-  all.push_back(argument("json", Argument::Kind::out_file, "Write the statistics to this file."));
+std::vector<cli::Argument> servo_arguments() {
+  std::vector<cli::Argument> all = session_arguments(device::DeviceChoice().name);
+  all.push_back(cli::argument("json", cli::Argument::Kind::out_file, "Write the statistics to this file."));
   return all;
 }
 
-std::vector<ParameterGroup> servo_groups() {
-  std::vector<ParameterGroup> all = session_groups();
-  all.insert(all.begin(), ParameterGroup::of<RunParams>("Parameters"));
+std::vector<cli::ParameterGroup> servo_groups() {
+  std::vector<cli::ParameterGroup> all = session_groups();
+  all.insert(all.begin(), cli::ParameterGroup::of<RunParams>("Parameters"));
   return all;
 }
 
@@ -218,15 +219,15 @@ std::vector<std::string> servo_examples() {
       "trephine-sim servo library/sample --tool burr --seconds 5",
       "trephine-sim servo library/sample --tool ball --tool-diameter-mm 7 --drill --no-paced --seconds 60 --record "
       "hole.servo"};
-  for (const DeviceType& type : device_types())
+  for (const device::DeviceType& type : device::device_types())
     if (!type.example.empty()) all.push_back("trephine-sim servo library/sample " + type.example);
   return all;
 }
 
 }  // namespace
 
-Command servo_command() {
-  Command c;
+cli::Command servo_command() {
+  cli::Command c;
   c.name = "servo";
   c.summary = "runs the haptic loop on a case, without a window, and prints its statistics";
   c.description =
@@ -245,4 +246,4 @@ Command servo_command() {
   return c;
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

@@ -6,17 +6,17 @@
 #include "cli/command.h"
 #include "session/session.h"
 
-namespace trephine {
+namespace trephine::commands {
 
 /// What the commands that hold a tool in a case have in common. `own` is the kind of device where none is given; where
 /// it is none of device_types(), it is a further choice.
-std::vector<Argument> session_arguments(const std::string& own);
-std::vector<ParameterGroup> session_groups();
+std::vector<cli::Argument> session_arguments(const std::string& own);
+std::vector<cli::ParameterGroup> session_groups();
 /// --before: recordings that came before the one that is run again. parsed.all("before") gives their paths.
-Argument before_argument();
+cli::Argument before_argument();
 /// Without the duration.
-SessionOptions session_options_of(const ParsedCommand& parsed);
+session::SessionOptions session_options_of(const cli::ParsedCommand& parsed);
 /// "a, b, or c": the kinds of devices as they say it themselves.
 std::string devices_text();
 
-}  // namespace trephine
+}  // namespace trephine::commands

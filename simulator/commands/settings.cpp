@@ -8,16 +8,16 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 
-namespace trephine {
+namespace trephine::commands {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr std::uint64_t most_bytes = 1 << 20;
+constexpr std::uint64_t max_bytes = 1 << 20;
 
 std::string text_of(const Json& v) { return v.is_string() ? v.get<std::string>() : v.dump(); }
 
 Json read_object(const std::string& file) {
-  const std::vector<char> bytes = read_file(file, most_bytes);
+  const std::vector<char> bytes = read_file(file, max_bytes);
   std::set<std::string> keys;
   std::string twice;
   const auto look = [&](int depth, Json::parse_event_t event, Json& key) {
@@ -36,7 +36,7 @@ Json read_object(const std::string& file) {
 }
 
 // Sets the parameter of that name, and returns whether a group has one.
-bool set_parameter(ParsedCommand& parsed, const std::string& file, const std::string& key, const Json& value) {
+bool set_parameter(cli::ParsedCommand& parsed, const std::string& file, const std::string& key, const Json& value) {
   for (AnyParams& group : parsed.groups) {
     const Parameter* p = group.set->find(key);
     if (!p || !p->is_value()) continue;
@@ -57,17 +57,17 @@ bool set_parameter(ParsedCommand& parsed, const std::string& file, const std::st
 
 }  // namespace
 
-std::vector<Argument> settings_arguments() {
-  return {
-      argument("settings", Argument::Kind::in_file,
-               "A JSON object of parameters by their names, such as {\"letters\": 1.5, \"wheel_mm\": 0.2}; what the "
-               "command line gives comes first."),
-      argument("write_settings", Argument::Kind::out_file,
-               "Write the values of all parameters to this file, which --settings reads.")};
+std::vector<cli::Argument> settings_arguments() {
+  return {cli::argument(
+              "settings", cli::Argument::Kind::in_file,
+              "A JSON object of parameters by their names, such as {\"letters\": 1.5, \"wheel_mm\": 0.2}; what the "
+              "command line gives comes first."),
+          cli::argument("write_settings", cli::Argument::Kind::out_file,
+                        "Write the values of all parameters to this file, which --settings reads.")};
 }
 
-ParsedCommand with_settings(const ParsedCommand& given) {
-  ParsedCommand parsed = given;
+cli::ParsedCommand with_settings(const cli::ParsedCommand& given) {
+  cli::ParsedCommand parsed = given;
   const std::string file = parsed.text("settings");
   const Json settings = file.empty() ? Json::object() : read_object(file);
   for (const auto& [key, value] : settings.items())
@@ -80,7 +80,7 @@ ParsedCommand with_settings(const ParsedCommand& given) {
   return parsed;
 }
 
-void write_settings(const ParsedCommand& parsed) {
+void write_settings(const cli::ParsedCommand& parsed) {
   if (!parsed.has("write_settings")) return;
   Json out = Json::object();
   for (const AnyParams& group : parsed.groups)
@@ -89,4 +89,4 @@ void write_settings(const ParsedCommand& parsed) {
   write_file(parsed.path("write_settings"), out.dump(1) + "\n");
 }
 
-}  // namespace trephine
+}  // namespace trephine::commands

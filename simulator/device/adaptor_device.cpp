@@ -15,7 +15,7 @@
 #include "device/device_type.h"
 #include "device/mailbox.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 std::int64_t now_ns() {
@@ -220,17 +220,17 @@ DeviceType adaptor_device() {
   type.name = "adaptor";
   type.help = "a vendor's device behind a shared library";
   type.example = "--device adaptor --adaptor ./libvendor.so --seconds 60";
-  type.files = {argument("adaptor", Argument::Kind::in_file,
-                         "Shared library with the ten functions of simulator/device/adaptor.h.")};
-  type.groups = {ParameterGroup::of<AdaptorParams>("Device behind a library")};
+  type.files = {cli::argument("adaptor", cli::Argument::Kind::in_file,
+                              "Shared library with the ten functions of simulator/device/adaptor.h.")};
+  type.groups = {cli::ParameterGroup::of<AdaptorParams>("Device behind a library")};
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<AdaptorDevice>(choice.files.at("adaptor"), choice.of<AdaptorParams>());
-    scene.say({NoteId::holding, {device->name()}});
+    scene.say({texts::NoteId::holding, {device->name()}});
     device->wait(scene.progress);
     return device;
   };
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::device {
 
 struct DeviceReading {
   Vec3 tip_mm;
@@ -56,4 +56,4 @@ struct ForceHold {
   double share(double age_s) const;
 };
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 const DeviceType& type_of(const std::string& name) {
@@ -14,7 +14,7 @@ const DeviceType& type_of(const std::string& name) {
   throw Error(ExitCode::usage, "", "--device", name + ": there is no such kind of device");
 }
 
-std::string flag_of(const Argument& file) {
+std::string flag_of(const cli::Argument& file) {
   std::string flag = "--" + file.name;
   std::replace(flag.begin(), flag.end(), '_', '-');
   return flag;
@@ -22,7 +22,7 @@ std::string flag_of(const Argument& file) {
 
 void check_files(const DeviceChoice& choice) {
   for (const DeviceType& type : device_types())
-    for (const Argument& file : type.files) {
+    for (const cli::Argument& file : type.files) {
       const bool chosen = type.name == choice.name, given = choice.files.count(file.name) > 0;
       if (chosen && !given) throw Error(ExitCode::usage, "", flag_of(file), "is needed with --device " + type.name);
       if (given && !chosen) throw Error(ExitCode::usage, "", flag_of(file), "needs --device " + type.name);
@@ -39,4 +39,4 @@ std::unique_ptr<Device> make_device(const DeviceChoice& choice, const DeviceScen
   return type.make(choice, scene);
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

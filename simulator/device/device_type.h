@@ -15,7 +15,7 @@
 #include "device/mailbox.h"
 #include "texts/note.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// The chosen kind of device, by its name, and the values of its options.
 struct DeviceChoice {
@@ -35,7 +35,7 @@ struct DeviceChoice {
 /// How the picture lies in the case, unit: what a device that is pushed means by right and up.
 struct ViewAxes {
   Vec3 right{1, 0, 0}, up{0, 0, 1};
-  double least_most_n = 0;  ///< a hand that is led may pull as hard as that: what the tool needs to pierce
+  double min_most_n = 0;  ///< a hand that is led may pull as hard as that: what the tool needs to pierce
 };
 /// Where a tool is held at first.
 struct HandBegin {
@@ -44,10 +44,10 @@ struct HandBegin {
 
 /// What a device is made for: the volume over which it moves, how the loop runs, and how to report a wait.
 struct DeviceScene {
-  const ContactVolume& contact;
-  TouchableFaces faces;
+  const contact::ContactVolume& contact;
+  contact::TouchableFaces faces;
   bool paced = true, realtime = false;  ///< as in ServoParams
-  std::function<void(const Note&)> say;
+  std::function<void(const texts::Note&)> say;
   Progress progress;          ///< ends a wait
   std::uint64_t drilled = 0;  ///< the shapes that the tool drills, bit n for shape n; 0: it does not
   double tool_radius_mm = 0;
@@ -62,12 +62,12 @@ struct DeviceScene {
 /// Each source of this folder whose name ends in _device.cpp defines one kind: NAME_device.cpp has `DeviceType
 /// NAME_device()`, and CMake lists them all in a generated source. No other place names a kind of device.
 struct DeviceType {
-  std::string name;                    ///< its value for --device, also used in recordings
-  std::string help;                    ///< ends the sentence "The device is ..."
-  std::string example;                 ///< the flags of a call, for the command's examples; empty: no example
-  std::vector<Argument> files;         ///< of kind in_file: required with this kind, refused with others
-  std::vector<ParameterGroup> groups;  ///< its options
-  bool lives = false;                  ///< it runs in real time, so the loop must keep to the clock
+  std::string name;                         ///< its value for --device, also used in recordings
+  std::string help;                         ///< ends the sentence "The device is ..."
+  std::string example;                      ///< the flags of a call, for the command's examples; empty: no example
+  std::vector<cli::Argument> files;         ///< of kind in_file: required with this kind, refused with others
+  std::vector<cli::ParameterGroup> groups;  ///< its options
+  bool lives = false;                       ///< it runs in real time, so the loop must keep to the clock
   /// Makes the device, ready to be read. It may wait for a client, and then says so.
   std::function<std::unique_ptr<Device>(const DeviceChoice&, const DeviceScene&)> make;
 };
@@ -79,4 +79,4 @@ const std::vector<DeviceType>& device_types();
 /// that runs in real time is used without a clock; else what its kind throws.
 std::unique_ptr<Device> make_device(const DeviceChoice& choice, const DeviceScene& scene);
 
-}  // namespace trephine
+}  // namespace trephine::device

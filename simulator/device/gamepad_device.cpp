@@ -18,7 +18,7 @@
 #include "device/pad_state.h"
 #include "device/rate_hand.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 struct GamepadParams {
@@ -129,8 +129,8 @@ DeviceType gamepad_device() {
   type.name = "gamepad";
   type.help = "a gamepad, whose sticks and triggers move and tilt the tool";
   type.example = "--device gamepad --seconds 60";
-  type.groups = {ParameterGroup::of<GamepadParams>("Gamepad"),
-                 ParameterGroup::of<RateHandParams>("Gamepad and 3D mouse")};
+  type.groups = {cli::ParameterGroup::of<GamepadParams>("Gamepad"),
+                 cli::ParameterGroup::of<RateHandParams>("Gamepad and 3D mouse")};
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) -> std::unique_ptr<Device> {
     const std::string file = choice.of<GamepadParams>().gamepad;
@@ -141,10 +141,10 @@ DeviceType gamepad_device() {
       pad = std::make_unique<Pad>(file);
       if (!pad->fault().empty()) throw Error(ExitCode::no_input, file, "--gamepad", pad->fault());
     }
-    scene.say({NoteId::holding, {pad->name()}});
+    scene.say({texts::NoteId::holding, {pad->name()}});
     return std::make_unique<Gamepad>(std::move(pad), choice.of<RateHandParams>(), scene);
   };
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

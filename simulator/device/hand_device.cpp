@@ -4,7 +4,7 @@
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 std::unique_ptr<Device> make_hand(const DeviceChoice& choice, const DeviceScene& scene) {
@@ -30,10 +30,10 @@ DeviceType hand_device() {
   type.help =
       "a simulated hand, which presses on the first surface that it meets and moves over it in a circle, or drills a "
       "hole";
-  type.groups = {ParameterGroup::of<HandParams>("Simulated hand"),
-                 ParameterGroup::of<HandPathParams>("The hand's task")};
+  type.groups = {cli::ParameterGroup::of<HandParams>("Simulated hand"),
+                 cli::ParameterGroup::of<HandPathParams>("The hand's task")};
   type.make = make_hand;
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -7,12 +7,13 @@
 #include "base/error.h"
 #include "haptics/tool.h"
 
-namespace trephine {
+namespace trephine::device {
 
-HandPath path_over(const ContactVolume& contact, const TouchableFaces& faces, const HandPathParams& params) {
+HandPath path_over(const contact::ContactVolume& contact, const contact::TouchableFaces& faces,
+                   const HandPathParams& params) {
   const Vec3 back = normalized(Vec3{params.from[0], params.from[1], params.from[2]});
   if (back == Vec3{}) throw Error(ExitCode::bad_config, "", "from", "must have a length");
-  const Lattice& l = contact.volume().voxels;
+  const grid::Lattice& l = contact.volume().voxels;
   const Vec3 size{double(l.size[0]), double(l.size[1]), double(l.size[2])};
   const Vec3 middle = l.to_world_mm((size - Vec3{1, 1, 1}) * 0.5);
   const double reach = norm({size.x * l.spacing_mm.x, size.y * l.spacing_mm.y, size.z * l.spacing_mm.z});
@@ -24,7 +25,7 @@ HandPath path_over(const ContactVolume& contact, const TouchableFaces& faces, co
   for (int n = 0; n <= turns; ++n) {
     const double a = 2 * M_PI * (n % turns) / turns;
     const Vec3 at = middle + (across * std::cos(a) + other * std::sin(a)) * params.radius_mm;
-    const Contact c = contact.intersect(at + back * reach, at - back * reach, 0, faces);
+    const contact::Contact c = contact.intersect(at + back * reach, at - back * reach, 0, faces);
     if (!c.hit) continue;
     if (path.points_mm.empty()) {
       path.shape = c.shape;
@@ -38,7 +39,7 @@ HandPath path_over(const ContactVolume& contact, const TouchableFaces& faces, co
   return path;
 }
 
-HandPath drill_path(const ContactVolume& contact, std::uint64_t drilled,
+HandPath drill_path(const contact::ContactVolume& contact, std::uint64_t drilled,
                     const std::vector<std::pair<std::string, Vec3>>& sites, double tool_radius_mm,
                     const HandPathParams& params) {
   const auto site = std::find_if(sites.begin(), sites.end(), [&](const auto& s) { return s.first == params.site; });
@@ -47,32 +48,33 @@ HandPath drill_path(const ContactVolume& contact, std::uint64_t drilled,
     for (const auto& s : sites) names += (names.empty() ? "" : ", ") + s.first;
     throw Error(ExitCode::usage, "", "--site", params.site + ": the case has no such place, but " + names);
   }
-  const Lattice& l = contact.volume().voxels;
+  const grid::Lattice& l = contact.volume().voxels;
   const Vec3 middle = l.to_world_mm(Vec3{double(l.size[0]), double(l.size[1]), double(l.size[2])} * 0.5);
   Vec3 out = normalized(site->second - middle);
-  const TouchableFaces outer{drilled, 0}, inner{0, drilled};
+  const contact::TouchableFaces outer{drilled, 0}, inner{0, drilled};
   const auto from_above = [&](Vec3 at) { return contact.intersect(at + out * 25, at - out * 25, outer); };
-  const Contact first = from_above(site->second);
+  const contact::Contact first = from_above(site->second);
   if (!first.hit) throw Error(ExitCode::bad_input, "", params.site, "nothing that can be drilled lies there");
   // Across the surface: the mean normal of a disc as wide as the hole.
   const double hole = 0.5 * params.hole_diameter_mm;
   const auto ring = [&](const Mat3& frame, double radius, int n) {
     return (frame.column[0] * std::cos(0.25 * M_PI * n) + frame.column[1] * std::sin(0.25 * M_PI * n)) * radius;
   };
-  Mat3 frame = frame_along(out);
+  Mat3 frame = haptics::frame_along(out);
   Vec3 mean = first.normal;
   for (int n = 0; n < 8; ++n)
-    if (const Contact c = from_above(first.point_mm + ring(frame, hole, n)); c.hit) mean += c.normal;
+    if (const contact::Contact c = from_above(first.point_mm + ring(frame, hole, n)); c.hit) mean += c.normal;
   out = normalized(mean);
-  frame = frame_along(out);
+  frame = haptics::frame_along(out);
   // Outer and inner table along the axis.
   double top = 0, bottom = 0;
   for (int n = 0; n < 17; ++n) {
     const Vec3 at = first.point_mm + ring(frame, n == 0 ? 0 : n < 9 ? hole : 0.5 * hole, n);
-    const Contact above = from_above(at);
+    const contact::Contact above = from_above(at);
     if (!above.hit) continue;
     top = std::max(top, dot(above.point_mm - first.point_mm, out));
-    const Contact below = contact.intersect(above.point_mm - out * 0.01, above.point_mm - out * 40, above.into, inner);
+    const contact::Contact below =
+        contact.intersect(above.point_mm - out * 0.01, above.point_mm - out * 40, above.into, inner);
     if (below.hit) bottom = std::min(bottom, dot(below.point_mm - first.point_mm, out));
   }
   if (!(bottom < 0)) throw Error(ExitCode::bad_input, "", params.site, "what lies there is thicker than 40 mm");
@@ -102,4 +104,4 @@ HandPath drill_path(const ContactVolume& contact, std::uint64_t drilled,
   return path;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

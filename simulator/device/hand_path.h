@@ -8,7 +8,7 @@
 #include "base/params.h"
 #include "contact/contact.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// The task of a simulated hand: it comes from one side, presses on the first surface that it meets there, and moves
 /// over it in a circle.
@@ -47,11 +47,12 @@ struct HandPath {
 /// A hole through what is drilled (bit n: shape n): the tip goes in layers, each a spiral out or back, down to past_mm
 /// behind the inner table. The tool stands across the outer surface. The hand first marks an incision above it.
 /// Throws Error 64 where there is no such site, 65 where nothing to drill lies there.
-HandPath drill_path(const ContactVolume& contact, std::uint64_t drilled,
+HandPath drill_path(const contact::ContactVolume& contact, std::uint64_t drilled,
                     const std::vector<std::pair<std::string, Vec3>>& sites, double tool_radius_mm,
                     const HandPathParams& params);
 
 /// Throws Error 78 where the direction is zero, or no touchable surface lies that way.
-HandPath path_over(const ContactVolume& contact, const TouchableFaces& faces, const HandPathParams& params);
+HandPath path_over(const contact::ContactVolume& contact, const contact::TouchableFaces& faces,
+                   const HandPathParams& params);
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -3,7 +3,7 @@
 #include <array>
 #include <atomic>
 
-namespace trephine {
+namespace trephine::device {
 
 /// The newest value that one thread writes, for one other thread. Three slots change hands, so that neither thread ever
 /// waits, allocates or makes a system call, and no value is read half written.
@@ -29,4 +29,4 @@ class Mailbox {
   unsigned back_ = 0, front_ = 2;  // the writer's, the reader's
 };
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 constexpr int axes[] = {ABS_X, ABS_Y, ABS_Z, ABS_RX, ABS_RY, ABS_RZ, ABS_GAS, ABS_BRAKE};
@@ -72,4 +72,4 @@ Push PadState::push() const {
   return p;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -8,7 +8,7 @@
 
 #include "device/rate_hand.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// One bit a key or button, as the kernel gives them.
 using PadKeys = std::array<std::uint8_t, KEY_MAX / 8 + 1>;
@@ -48,4 +48,4 @@ class PadState {
   bool dropped_ = false;  ///< until the next report
 };
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -10,7 +10,7 @@
 #include "device/led_hand.h"
 #include "device/mailbox.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// How a device moves the tool that is pushed out of its middle and springs back: gamepad and 3D mouse.
 struct RateHandParams {
@@ -68,4 +68,4 @@ class RateHand : public Device {
 /// Where a hand begins: where the scene says, else above the middle of the volume, pointing down.
 HandBegin begin_of(const DeviceScene& scene);
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::device {
 
 double ForceHold::share(double age_s) const {
   if (age_s <= hold_s) return 1;
@@ -21,8 +21,8 @@ void add_tremor(const HandParams& params, double time_s, Vec3& p) {
 void HandBody::pull(const HandParams& params, const ForceHold& hold, Vec3 to, double part_s) {
   const double damping_n_s_per_mm = params.arm_damping_n_s_per_mm + params.device_damping_n_s_per_mm;
   // An explicit step diverges where damping would turn the velocity of a light hand round.
-  const double most_step_s = std::min(2e-5, 0.2 * params.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
-  const int steps = std::max(32, int(std::ceil(part_s / most_step_s)));
+  const double max_step_s = std::min(2e-5, 0.2 * params.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
+  const int steps = std::max(32, int(std::ceil(part_s / max_step_s)));
   const double h = part_s / steps;
   for (int n = 0; n < steps; ++n) {
     force_age_s += h;
@@ -78,4 +78,4 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
 
 void SimulatedHand::send(Vec3 force_n) { body_.feel(force_n); }
 
-}  // namespace trephine
+}  // namespace trephine::device

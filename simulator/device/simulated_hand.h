@@ -5,7 +5,7 @@
 #include "base/params.h"
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// Arm, grip and device as one mass, which a spring and a damper pull along a path with a person's delay and tremor.
 /// The loop is closed: the force that the servo sends moves the hand that the servo reads, so stability is tested for
@@ -66,4 +66,4 @@ class SimulatedHand : public Device {
   double time_s_ = 0, path_s_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -10,7 +10,7 @@
 #include "device/rate_hand.h"
 #include "device/spnav_abi.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 constexpr double full_push = 350;  // what a 3D mouse says at its end, at spacenavd's usual sensitivity
@@ -101,10 +101,10 @@ DeviceType spacemouse_device() {
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) -> std::unique_ptr<Device> {
     auto device = std::make_unique<Spacemouse>(choice.of<RateHandParams>(), scene);
-    scene.say(NoteId::holding_mouse_3d);
+    scene.say(texts::NoteId::holding_mouse_3d);
     return device;
   };
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -12,7 +12,7 @@
 #include "cli/argument.h"
 #include "device/device_type.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 // The numbers of a line; false where something else is in it.
@@ -86,13 +86,13 @@ DeviceType trajectory_device() {
   type.name = "trajectory";
   type.help = "a trajectory from a file";
   type.example = "--device trajectory --trajectory path.txt --seconds 2";
-  type.files = {
-      argument("trajectory", Argument::Kind::in_file,
-               "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.")};
+  type.files = {cli::argument(
+      "trajectory", cli::Argument::Kind::in_file,
+      "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.")};
   type.make = [](const DeviceChoice& choice, const DeviceScene&) {
     return std::make_unique<Trajectory>(read_trajectory(choice.files.at("trajectory")));
   };
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

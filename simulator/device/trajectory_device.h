@@ -5,7 +5,7 @@
 
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// A pose in time; between two poses the tool moves straight.
 struct TrajectoryPoint {
@@ -33,4 +33,4 @@ class Trajectory : public Device {
 /// do not ascend, an axis of no length.
 std::vector<TrajectoryPoint> read_trajectory(const std::filesystem::path& file);
 
-}  // namespace trephine
+}  // namespace trephine::device

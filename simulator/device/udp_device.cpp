@@ -18,7 +18,7 @@
 #include "base/error.h"
 #include "device/device_type.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 constexpr long answer_poll_ns = 100000, idle_poll_ns = 20000000;
@@ -223,15 +223,15 @@ DeviceType udp_device() {
   type.name = "udp";
   type.help = "one that sends its poses by UDP";
   type.example = "--device udp --port 20517 --seconds 60";
-  type.groups = {ParameterGroup::of<UdpParams>("Device by UDP")};
+  type.groups = {cli::ParameterGroup::of<UdpParams>("Device by UDP")};
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<UdpDevice>(choice.of<UdpParams>(), scene.realtime);
-    scene.say({NoteId::waiting_for_device, {device->endpoint()}});
+    scene.say({texts::NoteId::waiting_for_device, {device->endpoint()}});
     device->wait(scene.progress);
     return device;
   };
   return type;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -10,7 +10,7 @@
 #include "device/mailbox.h"
 #include "device/udp_packet.h"
 
-namespace trephine {
+namespace trephine::device {
 
 struct UdpParams {
   std::string address = "127.0.0.1";
@@ -85,4 +85,4 @@ class UdpDevice : public Device {
   std::thread thread_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -8,7 +8,7 @@
 #include "haptics/proxy.h"
 #include "haptics/tool_belt.h"
 
-namespace trephine {
+namespace trephine::device {
 namespace {
 
 constexpr char pose_magic[5] = "TRPP", force_magic[5] = "TRPF";
@@ -24,7 +24,7 @@ struct Quaternion {
 
 Quaternion quaternion_of(Vec3 axis, Vec3 across) {
   if (!is_finite(axis) || !is_finite(across)) return {NAN, NAN, NAN, NAN};
-  const Mat3 m = frame_of(axis, across);
+  const Mat3 m = haptics::frame_of(axis, across);
   const auto at = [&](int r, int c) { return m.column[std::size_t(c)][r]; };
   // The largest of the four first [Shepperd 1978].
   const double trace = at(0, 0) + at(1, 1) + at(2, 2);
@@ -188,16 +188,20 @@ bool decode_pose(const std::uint8_t* bytes, std::size_t count, UdpPose& out) {
   out.pedals = r.get<std::uint32_t>();
   out.tool = r.get<std::uint16_t>();
   out.command = r.get<std::uint16_t>();
-  if (!usable || (flags & ~lifted_bit) != 0 || (out.pedals & ~(Drilling::pedal | Drilling::mark)) != 0 ||
-      out.tool > int(belt_button::tool_mask) || out.command >= belt_command::count)
+  if (!usable || (flags & ~lifted_bit) != 0 ||
+      (out.pedals & ~(haptics::Drilling::pedal | haptics::Drilling::mark)) != 0 ||
+      out.tool > int(haptics::belt_button::tool_mask) || out.command >= haptics::belt_command::count)
     return false;
   out.lifted = (flags & lifted_bit) != 0;
   // The fields' own bits of the buttons are theirs alone.
-  constexpr std::uint32_t own = Drilling::pedal | Drilling::mark | belt_button::tool_mask << belt_button::tool_shift |
-                                belt_button::command_mask << belt_button::command_shift | haptic_button::lifted;
-  out.reading.buttons = (out.reading.buttons & ~own) | out.pedals | std::uint32_t(out.tool) << belt_button::tool_shift |
-                        std::uint32_t(out.command) << belt_button::command_shift |
-                        (out.lifted ? haptic_button::lifted : 0);
+  constexpr std::uint32_t own = haptics::Drilling::pedal | haptics::Drilling::mark |
+                                haptics::belt_button::tool_mask << haptics::belt_button::tool_shift |
+                                haptics::belt_button::command_mask << haptics::belt_button::command_shift |
+                                haptics::haptic_button::lifted;
+  out.reading.buttons = (out.reading.buttons & ~own) | out.pedals |
+                        std::uint32_t(out.tool) << haptics::belt_button::tool_shift |
+                        std::uint32_t(out.command) << haptics::belt_button::command_shift |
+                        (out.lifted ? haptics::haptic_button::lifted : 0);
   if (!q.is_known()) {
     out.reading.axis = {NAN, NAN, NAN};  // for the servo to latch
     return true;
@@ -236,4 +240,4 @@ bool decode_force(const std::uint8_t* bytes, std::size_t count, UdpForce& out) {
   return true;
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -6,7 +6,7 @@
 
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// The two packets of the UDP device, versions 1 and 2, little endian, without gaps (docs/haptics.md): a pose to the
 /// servo, and the force that answers it. A pose is answered in its own version.
@@ -52,4 +52,4 @@ UdpBytes encode_force(const UdpForce& force);
 bool decode_pose(const std::uint8_t* bytes, std::size_t count, UdpPose& out);
 bool decode_force(const std::uint8_t* bytes, std::size_t count, UdpForce& out);
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -3,7 +3,7 @@
 
 #include "haptics/drilling.h"
 
-namespace trephine {
+namespace trephine::device {
 
 WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params)
     : device_(std::move(device)),
@@ -29,7 +29,7 @@ bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
     offset_mm_ = rests_.tip_mm - scaled;
     const std::uint32_t buttons = out.buttons;
     out = rests_;
-    out.buttons = buttons & ~(clutch | Drilling::pedal);
+    out.buttons = buttons & ~(clutch | haptics::Drilling::pedal);
     return true;
   }
   out.tip_mm = scaled + offset_mm_;
@@ -59,4 +59,4 @@ std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const Works
   return std::make_unique<WorkspaceDevice>(std::move(device), params);
 }
 
-}  // namespace trephine
+}  // namespace trephine::device

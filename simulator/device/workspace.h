@@ -7,7 +7,7 @@
 #include "base/params.h"
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::device {
 
 /// How a device's workspace lies in the case's space.
 struct WorkspaceParams {
@@ -52,4 +52,4 @@ class WorkspaceDevice : public Device {
 /// The device itself where the parameters change nothing.
 std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const WorkspaceParams& params);
 
-}  // namespace trephine
+}  // namespace trephine::device

@@ -8,7 +8,7 @@
 
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::drill {
 
 /// A lattice in bricks of 8 x 8 x 8 cells, for the surface that follows while voxels are cut. Cells lie between voxel
 /// centres; with the EMPTY voxels around the lattice there is one layer of cells on each side, so that a surface is
@@ -17,7 +17,7 @@ struct BrickLayout {
   static constexpr int side = 8;
   std::array<int, 3> cells{0, 0, 0}, bricks{0, 0, 0};
   BrickLayout() = default;
-  explicit BrickLayout(const Lattice& lattice) {
+  explicit BrickLayout(const grid::Lattice& lattice) {
     for (std::size_t a = 0; a < 3; ++a) {
       cells[a] = lattice.size[a] + 1;
       bricks[a] = (cells[a] + side - 1) / side;
@@ -43,7 +43,7 @@ struct BrickLayout {
 /// No lock, no allocation after the constructor. A mark that comes while marks are taken is taken the next time.
 class DirtyBricks {
  public:
-  explicit DirtyBricks(const Lattice& lattice) : layout_(lattice), words_((layout_.count() + 63) / 64) {
+  explicit DirtyBricks(const grid::Lattice& lattice) : layout_(lattice), words_((layout_.count() + 63) / 64) {
     for (auto& w : words_) w.store(0, std::memory_order_relaxed);
   }
   const BrickLayout& layout() const { return layout_; }
@@ -78,4 +78,4 @@ class DirtyBricks {
   std::vector<std::atomic<std::uint64_t>> words_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::drill

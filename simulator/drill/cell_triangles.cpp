@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "drill/cell_triangles.h"
 
-namespace trephine::detail {
+namespace trephine::drill::detail {
 namespace {
 
 // The edge between two corners that differ in one axis.
@@ -60,4 +60,4 @@ const std::array<CellTriangles, 256>& cell_triangles() {
   return all;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::drill::detail

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace trephine::detail {
+namespace trephine::drill::detail {
 
 /// The triangles of a cell by which of its corners are solid. Corner n has x = n & 1, y = n >> 1 & 1, z = n >> 2. Edge
 /// 4 a + m of axis a is the m-th of those along it: its low corner has the bits of m at the two other axes, ascending.
@@ -22,4 +22,4 @@ constexpr int low_corner(int edge) {
   return axis == 0 ? m << 1 : axis == 1 ? (m & 1) | (m & 2) << 1 : m;
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::drill::detail

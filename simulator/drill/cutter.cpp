@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::drill {
 
 CutterSweep::CutterSweep(const Cutter& c, const ToolPose& from, Vec3 to_tip_mm)
     : way_(to_tip_mm - from.tip_mm), frame_(from.frame), cylinder_(c.kind == Cutter::Kind::cylinder) {
@@ -64,4 +64,4 @@ double CutterSweep::dose(Vec3 point_mm) const {
   return std::max(0.0, w);
 }
 
-}  // namespace trephine
+}  // namespace trephine::drill

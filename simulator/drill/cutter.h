@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::drill {
 
 /// What a rotating tool cuts with [Rizzi, chapter 6]. A ball (a burr, Table VII) touches the tip with its foremost
 /// point. A cylinder (a craniotome, Table VIII; a burr, where a = b) reaches from the tip `height_mm` along the axis,
@@ -44,4 +44,4 @@ class CutterSweep {
   double reach_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::drill

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::drill {
 
-CutterBody::CutterBody(const Cutter& c, const ToolPose& from, Vec3 to_tip_mm, double wider_mm, const Lattice& l)
+CutterBody::CutterBody(const Cutter& c, const ToolPose& from, Vec3 to_tip_mm, double wider_mm, const grid::Lattice& l)
     : spacing_(l.spacing_mm), wider_(wider_mm), cylinder_(c.kind == Cutter::Kind::cylinder) {
   const auto along_lattice = [&](Vec3 v) { return transpose_times(l.direction, v); };
   const Vec3 axis = along_lattice(from.frame.column[2]);
@@ -30,7 +30,7 @@ CutterBody::CutterBody(const Cutter& c, const ToolPose& from, Vec3 to_tip_mm, do
   middle_ = begin_ + axis * (0.5 * height_) + way_ * 0.5;
   reach_ = std::hypot(0.5 * height_ + wider_ + ramp_, std::max(semi_a_, semi_b_) + ramp_) + 0.5 * length;
   const double step = 0.5 * std::min({spacing_.x, spacing_.y, spacing_.z});
-  places_ = 1 + std::clamp(int(std::ceil(length / step)), 0, most_places - 1);
+  places_ = 1 + std::clamp(int(std::ceil(length / step)), 0, max_places - 1);
 }
 
 double CutterBody::voxel_across(Vec3 n) const {
@@ -74,4 +74,4 @@ CutterBody::At CutterBody::cylinder_at(Vec3 p) const {
   return best;
 }
 
-}  // namespace trephine
+}  // namespace trephine::drill

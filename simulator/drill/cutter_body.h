@@ -2,17 +2,17 @@
 #pragma once
 #include <array>
 
-#include "grid/grid.h"
 #include "drill/cutter.h"
+#include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::drill {
 
 /// The solid that a cutter fills on a short straight way, as a surface to a fraction of a voxel and not by the voxels'
 /// middles. All positions are in mm along the lattice's own axes, counted from its first voxel's middle.
 class CutterBody {
  public:
   /// `wider_mm` is added on all sides.
-  CutterBody(const Cutter& cutter, const ToolPose& from, Vec3 to_tip_mm, double wider_mm, const Lattice& lattice);
+  CutterBody(const Cutter& cutter, const ToolPose& from, Vec3 to_tip_mm, double wider_mm, const grid::Lattice& lattice);
 
   /// What may stay of a voxel, 0 to 1, so that the surface of half occupancy is that of the solid: a ramp of one voxel
   /// to each side. And the weight of the law of removal there [Rizzi, chapter 6], counted to the ramp's end.
@@ -29,7 +29,7 @@ class CutterBody {
   At cylinder_at(Vec3 p) const;
   double voxel_across(Vec3 unit) const;
 
-  static constexpr int most_places = 17;
+  static constexpr int max_places = 17;
   Vec3 begin_, way_, middle_, spacing_;
   Mat3 frame_;  // of a cylinder, along the lattice's axes
   double radius_ = 0, way_squared_ = 0, semi_a_ = 0, semi_b_ = 0, height_ = 0, reach_ = 0, ramp_ = 0, outer_ = 0,
@@ -38,4 +38,4 @@ class CutterBody {
   bool cylinder_ = false;
 };
 
-}  // namespace trephine
+}  // namespace trephine::drill

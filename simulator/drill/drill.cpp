@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::drill {
 namespace {
 
 double size_of(const Cutter& c) {
@@ -20,22 +20,22 @@ bool positive(const Cutter& c) {
 
 }  // namespace
 
-Drill::Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
+Drill::Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
              DirtyBricks* marks)
     : volume_(volume), shapes_(shapes), cutter_(cutter), params_(params), marks_(marks) {
-  if (volume.encoding != HapticEncoding::occupancy)
+  if (volume.encoding != voxel::HapticEncoding::occupancy)
     throw Error(ExitCode::bad_input, "", "encoding", "must be occupancy: a volume of HU cannot be drilled");
   if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
     throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
-  const Lattice& l = volume.voxels;
+  const grid::Lattice& l = volume.voxels;
   voxel_mm3_ = l.voxel_volume_mm3();
   fraction_.assign(l.count(), 0);
   kind_.assign(65536, 0);
-  for (const HapticShape& s : volume.shapes)
+  for (const voxel::HapticShape& s : volume.shapes)
     for (int raw = s.window_low; raw <= s.window_high; ++raw) {
-      const detail::RawVoxel v = detail::split(std::int16_t(raw));
+      const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
       if (v.number != s.number) continue;
-      const bool rest = !v.bare && v.share < haptic_full;
+      const bool rest = !v.bare && v.share < voxel::haptic_full;
       kind_[std::uint16_t(raw)] = std::uint8_t((removes(s.number, false) ? drilled : 0) |
                                                (removes(s.number, true) ? incised : 0) | (rest ? shared : 0));
     }
@@ -45,9 +45,9 @@ Drill::Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutt
   const double reach = 0.5 * std::sqrt(2.0) * size_of(cutter);
   for (int a = 0; a < 3; ++a) {
     voxels *= 2 * std::min(reach, 0.5 * size_of(cutter)) / l.spacing_mm[a] + 2;
-    grown *= (2 * reach + most_way_mm) / l.spacing_mm[a] + 4;
+    grown *= (2 * reach + max_way_mm) / l.spacing_mm[a] + 4;
   }
-  slices_ = std::clamp(int(std::ceil(voxels / most_voxels)), 1, most_slices);
+  slices_ = std::clamp(int(std::ceil(voxels / max_voxels)), 1, max_slices);
   const std::size_t most = std::size_t(std::min({grown, double(l.count()), 4e6}));
   entries_.reserve(most + incision_voxels);
   changes_.reserve(2 * most + 2 * incision_voxels);
@@ -55,10 +55,10 @@ Drill::Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutt
   brick_marked_.assign(marks ? marks->layout().count() : 0, 0);
 }
 
-Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {
-  const Lattice& l = volume_.voxels;
+grid::Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {
+  const grid::Lattice& l = volume_.voxels;
   const Vec3 m = l.to_index(middle_mm);
-  Box box;
+  grid::Box box;
   for (std::size_t a = 0; a < 3; ++a) {
     const double reach = reach_mm / l.spacing_mm[int(a)];
     box.begin[a] = int(std::clamp(std::ceil(m[int(a)] - reach), 0.0, double(l.size[a])));
@@ -86,7 +86,7 @@ const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio)
   for (std::uint64_t n = 0; n < back; ++n) time_s += past_[(calls_ - 1 - n) % ring].dt_s;
   const ToolPose& from = past_[(calls_ - 1 - back) % ring].pose;
   const Vec3 way = pose.tip_mm - from.tip_mm;
-  if (!(norm(way) <= most_way_mm) || !(time_s > 0)) return out_;
+  if (!(norm(way) <= max_way_mm) || !(time_s > 0)) return out_;
   // A cylinder turns in steps of 0.02 rad at most; the turn of a ball has no effect.
   int steps = 1;
   if (cutter_.kind == Cutter::Kind::cylinder) {
@@ -110,7 +110,7 @@ const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio)
     collect(CutterSweep(cutter_, part, to), time_s / steps, slice, slices_);
     const double budget_j = params_.power_w * std::clamp(power_ratio, 0.0, 1.0) * time_s / (slices_ * steps);
     const double rate = rate_for(budget_j);
-    apply(rate * haptic_full * fine, false);
+    apply(rate * voxel::haptic_full * fine, false);
   }
   out_.power_w = out_.energy_j / dt_s;
   return out_;
@@ -124,10 +124,10 @@ double Drill::rate_for(double budget_j) {
     double work_j = 0, ended_j = 0;  // work_j: at a rate of 1 per second
     for (Entry& e : entries_) {
       if (pass == 0) {
-        const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
-        const double share = removes(v.number, false) ? v.share : haptic_full - v.share;
+        const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(volume_.voxels.voxels[e.at]));
+        const double share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
         e.energy = float(voxel_mm3_ * energy_of(removes(v.number, false) ? v.number : 0, e.at));
-        e.left = float(std::max(0.0, share - e.stays - fraction_[e.at] / double(fine)) / haptic_full);
+        e.left = float(std::max(0.0, share - e.stays - fraction_[e.at] / double(fine)) / voxel::haptic_full);
       }
       const double dose = double(e.dose);
       if (pass > 0 && dose * rate >= double(e.left))
@@ -145,8 +145,8 @@ double Drill::rate_for(double budget_j) {
 
 // The voxels of every m-th slice that the cutter passes and that something may be removed of, with their doses in s.
 void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slices) {
-  const Lattice& l = volume_.voxels;
-  const Box box = box_around(sweep.middle_mm(), sweep.reach_mm());
+  const grid::Lattice& l = volume_.voxels;
+  const grid::Box box = box_around(sweep.middle_mm(), sweep.reach_mm());
   const Vec3 m = l.to_index(sweep.middle_mm()), s = l.spacing_mm;
   const double reach = sweep.reach_mm() * sweep.reach_mm();
   const Vec3 step = l.direction.column[0] * s.x;
@@ -160,7 +160,7 @@ void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slic
       const std::int16_t* row = volume_.voxels.voxels.data() + l.index(0, j, k);
       const Vec3 begin = l.to_world_mm({0, double(j), double(k)});
       for (int i = first; i <= last; ++i) {
-        const std::uint8_t kind = kind_[std::uint16_t(detail::load_voxel(row[i]))];
+        const std::uint8_t kind = kind_[std::uint16_t(voxel::detail::load_voxel(row[i]))];
         if ((kind & (drilled | shared)) == 0) continue;
         const double dose = sweep.dose(begin + step * i) * time_s;
         if (!(dose > 0) || entries_.size() == entries_.capacity()) continue;
@@ -178,8 +178,8 @@ void Drill::apply(double units_per_dose, bool incision) {
     if (!incision) {
       std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
       if (e.stays > 0)  // left is what remains above that
-        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * haptic_full * fine));
-      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, haptic_full));
+        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * voxel::haptic_full * fine));
+      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, voxel::haptic_full));
       fraction_[e.at] = std::uint8_t(fall % fine);
     }
     if (e.fall > 0) lower(e, incision);
@@ -197,26 +197,26 @@ bool Drill::keeps_own(int own, int share, int other, int rest, bool incision) co
 
 // Notes the voxel's new value, in which every part that may be removed is lower.
 void Drill::lower(const Entry& e, bool incision) {
-  const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
+  const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(volume_.voxels.voxels[e.at]));
   if (v.number == 0) return;
-  const bool has_rest = !v.bare && v.share < haptic_full;
-  const int other = has_rest ? detail::other_shape(volume_.voxels, v.number, e.i, e.j, e.k) : 0;
-  const int rest = other != 0 ? haptic_full - v.share : 0;
+  const bool has_rest = !v.bare && v.share < voxel::haptic_full;
+  const int other = has_rest ? voxel::detail::other_shape(volume_.voxels, v.number, e.i, e.j, e.k) : 0;
+  const int rest = other != 0 ? voxel::haptic_full - v.share : 0;
   const int own = removes(v.number, incision) ? std::max(0, v.share - e.fall) : v.share;
   const int others = removes(other, incision) ? std::max(0, rest - e.fall) : rest;
   if (own == v.share && others == rest) return;
   const bool first = keeps_own(v.number, own, other, others, incision);
   const int kept = first ? own : others;
-  const std::int16_t raw = kept == 0 ? haptic_empty : detail::join(first ? v.number : other, kept, true);
+  const std::int16_t raw = kept == 0 ? voxel::haptic_empty : voxel::detail::join(first ? v.number : other, kept, true);
   const int gone = v.share - (first ? own : 0), gone_too = rest - (first ? 0 : others);
   out_.units[std::size_t(v.number)] += gone;
   out_.units[std::size_t(other)] += gone_too;
   if (!incision)
-    out_.energy_j += voxel_mm3_ / haptic_full *
+    out_.energy_j += voxel_mm3_ / voxel::haptic_full *
                      ((removes(v.number, false) ? gone * energy_of(v.number, e.at) : 0) +
                       (removes(other, false) ? gone_too * energy_of(other, e.at) : 0));
   changes_.push_back({e.at, e.i, e.j, e.k, raw});
-  Box& box = changing_;
+  grid::Box& box = changing_;
   const int at[3] = {e.i, e.j, e.k};
   for (std::size_t a = 0; a < 3; ++a) {
     box.begin[a] = changes_.size() == 1 ? at[a] : std::min(box.begin[a], at[a]);
@@ -226,16 +226,16 @@ void Drill::lower(const Entry& e, bool incision) {
 
 // The voxels of two shapes around the change, with the shape to which their rest has belonged so far.
 void Drill::keep_shared() {
-  const Box box = grown(changing_, 1, volume_.voxels);
+  const grid::Box box = grid::grown(changing_, 1, volume_.voxels);
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j) {
       const std::int16_t* row = volume_.voxels.voxels.data() + volume_.voxels.index(0, j, k);
       for (int i = box.begin[0]; i < box.end[0]; ++i) {
-        const std::int16_t raw = detail::load_voxel(row[i]);
+        const std::int16_t raw = voxel::detail::load_voxel(row[i]);
         if (!(kind_[std::uint16_t(raw)] & shared) || shared_.size() == shared_.capacity()) continue;
-        const int own = detail::split(raw).number;
+        const int own = voxel::detail::split(raw).number;
         shared_.push_back({std::uint32_t(volume_.voxels.index(i, j, k)), std::int16_t(i), std::int16_t(j),
-                           std::int16_t(k), std::int16_t(detail::other_shape(volume_.voxels, own, i, j, k))});
+                           std::int16_t(k), std::int16_t(voxel::detail::other_shape(volume_.voxels, own, i, j, k))});
       }
     }
 }
@@ -245,18 +245,18 @@ void Drill::store(bool incision) {
   for (const Change& c : changes_) __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
   const std::size_t lowered = changes_.size();
   for (const Shared& s : shared_) {
-    const detail::RawVoxel v = detail::split(detail::load_voxel(voxels[s.at]));
-    if (v.number == 0 || v.bare || v.share == haptic_full) continue;
-    if (detail::other_shape(volume_.voxels, v.number, s.i, s.j, s.k) == s.other) continue;
-    const int rest = s.other != 0 ? haptic_full - v.share : 0;
+    const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(voxels[s.at]));
+    if (v.number == 0 || v.bare || v.share == voxel::haptic_full) continue;
+    if (voxel::detail::other_shape(volume_.voxels, v.number, s.i, s.j, s.k) == s.other) continue;
+    const int rest = s.other != 0 ? voxel::haptic_full - v.share : 0;
     const bool own = keeps_own(v.number, v.share, s.other, rest, incision);
     out_.units[std::size_t(own ? s.other : v.number)] += own ? rest : v.share;
-    changes_.push_back(
-        {s.at, s.i, s.j, s.k, own ? detail::join(v.number, v.share, true) : detail::join(s.other, rest, true)});
+    changes_.push_back({s.at, s.i, s.j, s.k,
+                        own ? voxel::detail::join(v.number, v.share, true) : voxel::detail::join(s.other, rest, true)});
   }
   for (std::size_t n = lowered; n < changes_.size(); ++n)
     __atomic_store_n(&voxels[changes_[n].at], changes_[n].raw, __ATOMIC_RELAXED);
-  if (changes_.size() > lowered) changing_ = grown(changing_, 1, volume_.voxels);
+  if (changes_.size() > lowered) changing_ = grid::grown(changing_, 1, volume_.voxels);
   for (std::size_t a = 0; a < 3; ++a) {
     const bool first = out_.changed.begin[a] >= out_.changed.end[a];
     out_.changed.begin[a] = first ? changing_.begin[a] : std::min(out_.changed.begin[a], changing_.begin[a]);
@@ -294,7 +294,7 @@ void Drill::store(bool incision) {
 void Drill::incise(Vec3 point_mm, double radius_mm) {
   incision_mm_ = point_mm;
   incision_radius_mm_ = std::clamp(radius_mm, 0.0, 30.0);
-  incision_ = is_finite(point_mm) ? box_around(point_mm, incision_radius_mm_) : Box{};
+  incision_ = is_finite(point_mm) ? box_around(point_mm, incision_radius_mm_) : grid::Box{};
   if (incision_.empty()) incision_ = {};
   next_ = incision_.begin[2];
   next_row_ = incision_.begin[1];
@@ -303,7 +303,7 @@ void Drill::incise(Vec3 point_mm, double radius_mm) {
 const Removal& Drill::go_on() {
   out_ = {};
   entries_.clear();
-  const Lattice& l = volume_.voxels;
+  const grid::Lattice& l = volume_.voxels;
   int looked = 0;
   for (; next_ < incision_.end[2]; ++next_, next_row_ = incision_.begin[1])
     for (; next_row_ < incision_.end[1]; ++next_row_) {
@@ -312,16 +312,16 @@ const Removal& Drill::go_on() {
       if (looked > 8 * incision_voxels) return out_;  // nothing to remove was found so far
       for (int i = incision_.begin[0]; i < incision_.end[0]; ++i) {
         const std::uint32_t at = std::uint32_t(l.index(i, next_row_, next_));
-        const std::uint8_t kind = kind_[std::uint16_t(detail::load_voxel(volume_.voxels.voxels[at]))];
+        const std::uint8_t kind = kind_[std::uint16_t(voxel::detail::load_voxel(volume_.voxels.voxels[at]))];
         if ((kind & (incised | shared)) == 0) continue;
         const Vec3 d = l.to_world_mm({double(i), double(next_row_), double(next_)}) - incision_mm_;
         if (dot(d, d) > incision_radius_mm_ * incision_radius_mm_) continue;
         entries_.push_back(
-            {at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), haptic_full, 0, 0, 0, 0});
+            {at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), voxel::haptic_full, 0, 0, 0, 0});
       }
     }
   apply(0, true);
   return out_;
 }
 
-}  // namespace trephine
+}  // namespace trephine::drill

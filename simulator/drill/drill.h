@@ -9,7 +9,7 @@
 #include "drill/cutter.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::drill {
 
 /// The law of removal.
 struct DrillParams {
@@ -30,16 +30,16 @@ struct DrillShape {
   bool cuttable = false;
   double energy_j_per_mm3 = 0;
 };
-using DrillShapes = std::array<DrillShape, haptic_max_shapes + 1>;
+using DrillShapes = std::array<DrillShape, voxel::haptic_max_shapes + 1>;
 
 class CutterBody;
 
 /// What one call removed. A voxel counts by its occupancy.
 struct Removal {
-  std::array<std::int64_t, haptic_max_shapes + 1> units{};  ///< by shape; 255 are a voxel
+  std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};  ///< by shape; 255 are a voxel
   double energy_j = 0;
   double power_w = 0;  ///< over the call's time
-  Box changed;         ///< voxels that may have another value than before; empty where there are none
+  grid::Box changed;   ///< voxels that may have another value than before; empty where there are none
 };
 
 /// Removes material from a haptic volume of encoding `occupancy`, in its servo loop [Rizzi, chapter 6, Tables VII and
@@ -62,7 +62,7 @@ class Drill {
  public:
   /// `volume` and `marks` (may be null) must outlive it. Throws Error 65 where the encoding is not `occupancy`, or the
   /// cutter is larger than 40 mm or has a size that is not positive.
-  Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
+  Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
         DirtyBricks* marks = nullptr);
 
   /// The tool runs, and came to this pose in dt_s. The first call after the start or after rest() only notes the pose.
@@ -104,7 +104,7 @@ class Drill {
     ToolPose pose;
     double dt_s;
   };
-  Box box_around(Vec3 middle_mm, double reach_mm) const;
+  grid::Box box_around(Vec3 middle_mm, double reach_mm) const;
   void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
   void collect_to(const CutterBody& body, double time_s, int slice);
   double rate_for(double budget_j);
@@ -119,7 +119,7 @@ class Drill {
     return shape != 0 && s.cuttable && (s.energy_j_per_mm3 > 0) != incision;
   }
 
-  HapticVolume& volume_;
+  voxel::HapticVolume& volume_;
   DrillShapes shapes_;
   Cutter cutter_;
   DrillParams params_;
@@ -135,17 +135,17 @@ class Drill {
 
   static constexpr int fine = 256;  ///< steps of a unit of occupancy
   static constexpr std::uint8_t drilled = 1, incised = 2, shared = 4;
-  static constexpr double most_way_mm = 10, largest_mm = 40;
+  static constexpr double max_way_mm = 10, largest_mm = 40;
   int slices_ = 1;
-  static constexpr int most_slices = 16, most_voxels = 8000, incision_voxels = 4000;
-  std::array<Past, most_slices + 1> past_{};
+  static constexpr int max_slices = 16, max_voxels = 8000, incision_voxels = 4000;
+  std::array<Past, max_slices + 1> past_{};
   std::uint64_t calls_ = 0;
   Vec3 incision_mm_;
   double incision_radius_mm_ = 0;
-  Box incision_;
+  grid::Box incision_;
   int next_ = 0, next_row_ = 0;
-  Box changing_;
+  grid::Box changing_;
   Removal out_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::drill

@@ -8,28 +8,28 @@
 #include "drill/cell_triangles.h"
 #include "voxel/raw_voxel.h"
 
-namespace trephine {
+namespace trephine::drill {
 namespace {
 
 constexpr int side = BrickLayout::side, corners = side + 1;
-constexpr float level = 0.5f * haptic_full;  // no value is equal to it, so no vertex lies in a corner
+constexpr float level = 0.5f * voxel::haptic_full;  // no value is equal to it, so no vertex lies in a corner
 
 // The value of the brick's first corner: the corner (x, y, z) of its cells is voxel side * place + (x, y, z) - 1.
 const std::uint8_t* first_corner(const ShadowVolume& shadow, const std::array<int, 3>& place) {
   return shadow.data() + shadow.index(side * place[0] - 1, side * place[1] - 1, side * place[2] - 1);
 }
 
-constexpr std::uint16_t neighbours_say = haptic_full + 1;
+constexpr std::uint16_t neighbours_say = voxel::haptic_full + 1;
 
 // By raw value, the share of a shape in a voxel where the value alone says it.
 std::vector<std::uint16_t> known_shares(int number) {
   std::vector<std::uint16_t> known(65536, 0);
-  for (int raw = haptic_base_step; raw <= 32767; ++raw) {
-    const detail::RawVoxel v = detail::split(std::int16_t(raw));
+  for (int raw = voxel::haptic_base_step; raw <= 32767; ++raw) {
+    const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
     if (v.number == 0) continue;
     if (v.number == number)
       known[std::size_t(raw)] = std::uint16_t(v.share);
-    else if (!v.bare && v.share < haptic_full)
+    else if (!v.bare && v.share < voxel::haptic_full)
       known[std::size_t(raw)] = neighbours_say;
   }
   return known;
@@ -37,12 +37,12 @@ std::vector<std::uint16_t> known_shares(int number) {
 
 }  // namespace
 
-ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
+ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
     : volume_(volume), number_(number), layout_(volume.voxels) {
   for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
   values_.assign(size_[0] * size_[1] * size_[2], 0);
   reads_it_.assign(layout_.count(), 0);
-  const Grid<std::int16_t>& v = volume.voxels;
+  const grid::Grid<std::int16_t>& v = volume.voxels;
   const std::vector<std::uint16_t> known = known_shares(number);
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -50,8 +50,9 @@ ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
         const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
         std::uint8_t* out = values_.data() + index(0, j, k);
         for (int i = 0; i < v.size[0]; ++i) {
-          const std::uint16_t share = known[std::uint16_t(detail::load_voxel(row[i]))];
-          out[i] = std::uint8_t(share <= haptic_full ? int(share) : detail::share_of(v, number_, i, j, k));
+          const std::uint16_t share = known[std::uint16_t(voxel::detail::load_voxel(row[i]))];
+          out[i] =
+              std::uint8_t(share <= voxel::haptic_full ? int(share) : voxel::detail::share_of(v, number_, i, j, k));
         }
       }
   });
@@ -59,7 +60,7 @@ ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
 
 bool ShadowVolume::copy(std::size_t brick) {
   bool changed = false;
-  const Grid<std::int16_t>& v = volume_.voxels;
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
   const std::array<int, 3> at = layout_.place(brick);
   int low[3], high[3];
   for (std::size_t a = 0; a < 3; ++a) {
@@ -70,7 +71,7 @@ bool ShadowVolume::copy(std::size_t brick) {
     for (int j = low[1]; j <= high[1]; ++j) {
       std::uint8_t* row = values_.data() + index(0, j, k);
       for (int i = low[0]; i <= high[0]; ++i) {
-        const std::uint8_t now = std::uint8_t(detail::share_of(v, number_, i, j, k));
+        const std::uint8_t now = std::uint8_t(voxel::detail::share_of(v, number_, i, j, k));
         if (row[i] == now) continue;
         row[i] = now;
         changed = true;
@@ -111,12 +112,12 @@ const std::vector<std::size_t>& ShadowVolume::follow(const std::vector<std::size
 
 bool has_triangles(const ShadowVolume& shadow, std::size_t brick) {
   const std::uint8_t* const first = first_corner(shadow, shadow.layout().place(brick));
-  const bool solid = *first > haptic_full / 2;
+  const bool solid = *first > voxel::haptic_full / 2;
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
       const std::uint8_t* from = first + std::size_t(z) * shadow.slice() + std::size_t(y) * shadow.row();
       for (int x = 0; x < corners; ++x)
-        if ((from[x] > haptic_full / 2) != solid) return true;
+        if ((from[x] > voxel::haptic_full / 2) != solid) return true;
     }
   return false;
 }
@@ -134,7 +135,7 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
     for (int y = 0; y < corners; ++y) {
       const std::uint8_t* from = first + std::size_t(z) * slice + std::size_t(y) * row;
       for (int x = 0; x < corners; ++x) {
-        const bool in = from[x] > haptic_full / 2;
+        const bool in = from[x] > voxel::haptic_full / 2;
         solid[z][y][x] = in;
         some = some || in;
         all = all && in;
@@ -187,7 +188,7 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
       }
 }
 
-LiveSurface::LiveSurface(const HapticVolume& volume, int number)
+LiveSurface::LiveSurface(const voxel::HapticVolume& volume, int number)
     : shadow_(volume, number), bricks_(shadow_.layout().count()) {
   parallel_for(0, std::int64_t(bricks_.size()), 64, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t b = from; b < to; ++b) mesh_brick(shadow_, std::size_t(b), bricks_[std::size_t(b)]);
@@ -210,4 +211,4 @@ std::size_t LiveSurface::triangles() const {
   return n;
 }
 
-}  // namespace trephine
+}  // namespace trephine::drill

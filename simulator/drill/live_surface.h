@@ -6,7 +6,7 @@
 #include "drill/bricks.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::drill {
 
 /// A vertex as a renderer takes it: mm along the lattice's own axes, from the centre of voxel (0, 0, 0); the world's
 /// are origin_mm + direction * position. The normal points out of the shape, in the same axes.
@@ -23,7 +23,7 @@ struct BrickMesh {
 /// between them.
 class ShadowVolume {
  public:
-  ShadowVolume(const HapticVolume& volume, int number);
+  ShadowVolume(const voxel::HapticVolume& volume, int number);
   const BrickLayout& layout() const { return layout_; }
   Vec3 spacing_mm() const { return volume_.voxels.spacing_mm; }
   int number() const { return number_; }
@@ -48,7 +48,7 @@ class ShadowVolume {
  private:
   bool copy(std::size_t brick);
 
-  const HapticVolume& volume_;
+  const voxel::HapticVolume& volume_;
   int number_;
   BrickLayout layout_;
   std::size_t size_[3];
@@ -70,7 +70,7 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out);
 class LiveSurface {
  public:
   /// Makes the whole surface, on all threads. `volume` must outlive it.
-  LiveSurface(const HapticVolume& volume, int number);
+  LiveSurface(const voxel::HapticVolume& volume, int number);
 
   /// Looks at the marked bricks (DirtyBricks::take, of the same lattice), and makes those anew that read a changed
   /// voxel. Returns them, ascending; valid until the next call.
@@ -88,4 +88,4 @@ class LiveSurface {
   std::vector<BrickMesh> bricks_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::drill

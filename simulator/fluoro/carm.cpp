@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::fluoro {
 namespace {
 
 constexpr double far_mm = 2000;  // before the centre: where parallel beams begin
@@ -70,4 +70,4 @@ double chord_mm(const MetalRod& rod, const CArm::Ray& ray) {
   return std::max(0.0, high - low);
 }
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -6,7 +6,7 @@
 #include "base/params.h"
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 
 /// Where a C-arm stands, and what its detector sees.
 ///
@@ -71,4 +71,4 @@ struct MetalRod {
 /// How much of the ray lies within the rod, a cylinder with flat ends; mm.
 double chord_mm(const MetalRod& rod, const CArm::Ray& ray);
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace trephine {
+namespace trephine::fluoro {
 
 bool same_arm(const CArmParams& a, const CArmParams& b) {
   return a.view == b.view && a.orbit_deg == b.orbit_deg && a.tilt_deg == b.tilt_deg && a.centre_mm == b.centre_mm &&
@@ -25,7 +25,7 @@ const KeptFluoro& FluoroMemory::keep(KeptFluoro picture) {
   kept_.remove_if(
       [&](const KeptFluoro& k) { return k.integrals.size <= picture.integrals.size && same_arm(k.arm, picture.arm); });
   kept_.push_front(std::move(picture));
-  while (kept_.size() > 1 && (kept_.size() > most_places_ || bytes() > most_bytes_)) kept_.pop_back();
+  while (kept_.size() > 1 && (kept_.size() > max_places_ || bytes() > max_bytes_)) kept_.pop_back();
   return kept_.front();
 }
 
@@ -35,4 +35,4 @@ std::size_t FluoroMemory::bytes() const {
   return sum;
 }
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -6,7 +6,7 @@
 
 #include "fluoro/carm.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 
 /// A picture of attenuation: line integrals of the linear attenuation coefficient, without a unit.
 struct FluoroIntegrals {
@@ -28,8 +28,8 @@ bool same_arm(const CArmParams& a, const CArmParams& b);
 /// stays. Of one place the larger picture takes the place of the smaller.
 class FluoroMemory {
  public:
-  explicit FluoroMemory(std::size_t most_places = 32, std::size_t most_bytes = std::size_t{64} << 20)
-      : most_places_(most_places), most_bytes_(most_bytes) {}
+  explicit FluoroMemory(std::size_t max_places = 32, std::size_t max_bytes = std::size_t{64} << 20)
+      : max_places_(max_places), max_bytes_(max_bytes) {}
   /// Null where there is none of that size. What is returned stays until the next call of keep().
   const KeptFluoro* find(const CArmParams& arm, int size);
   const KeptFluoro& keep(KeptFluoro picture);
@@ -37,8 +37,8 @@ class FluoroMemory {
   std::size_t bytes() const;
 
  private:
-  std::size_t most_places_, most_bytes_;
+  std::size_t max_places_, max_bytes_;
   std::list<KeptFluoro> kept_;  ///< what was asked for last comes first
 };
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -12,17 +12,17 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 namespace {
 
 constexpr int band_rows = 8;  // between two looks at what is asked for
-constexpr int most_threads = 8, nice_by = 5;
+constexpr int max_threads = 8, nice_by = 5;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 }  // namespace
 
-FluoroThread::FluoroThread(const Grid<std::int16_t>& ct, int size) : ct_(ct), size_(size) {
+FluoroThread::FluoroThread(const grid::Grid<std::int16_t>& ct, int size) : ct_(ct), size_(size) {
   require_ct(ct);
   thread_ = std::thread([this] { run(); });
 }
@@ -143,7 +143,7 @@ bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool pr
   {
     Others others{{}, stop};
     try {
-      for (int n = 1; n < std::min(thread_count(), most_threads); ++n)
+      for (int n = 1; n < std::min(thread_count(), max_threads); ++n)
         others.threads.emplace_back([&] {
           while (!stop && band()) {
           }
@@ -182,4 +182,4 @@ void FluoroThread::publish(const KeptFluoro& patient, const Ask* asked) {
   made_ = std::move(made);
 }
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -12,7 +12,7 @@
 #include "fluoro/fluoro_memory.h"
 #include "fluoro/fluoroscope.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 
 /// A picture that a FluoroThread made.
 struct MadeFluoro {
@@ -42,7 +42,7 @@ class FluoroThread {
  public:
   /// `ct` must stay as it is, and must outlive the object. Throws Error 65 where it has no voxels. `size`: pixels of a
   /// whole picture's side, even.
-  FluoroThread(const Grid<std::int16_t>& ct, int size);
+  FluoroThread(const grid::Grid<std::int16_t>& ct, int size);
   ~FluoroThread();
   FluoroThread(const FluoroThread&) = delete;
   FluoroThread& operator=(const FluoroThread&) = delete;
@@ -70,7 +70,7 @@ class FluoroThread {
   void publish(const KeptFluoro& patient, const Ask* asked = nullptr);
   bool goes_on(const Ask& ask, bool prepares, bool coarse);
 
-  const Grid<std::int16_t>& ct_;
+  const grid::Grid<std::int16_t>& ct_;
   const int size_;
   std::mutex mutex_;  // guards what follows, and is never held while a picture is made
   std::condition_variable asked_;
@@ -86,4 +86,4 @@ class FluoroThread {
   std::thread thread_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -7,10 +7,10 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 namespace {
 
-constexpr float least_of_patient = 0.05f;  // less is air
+constexpr float min_of_patient = 0.05f;  // less is air
 constexpr double bright_quantile = 0.995;
 constexpr double bright_grey = 200;  // of that share of the patient: metal must stand out before dense bone
 
@@ -22,7 +22,7 @@ struct PixelBox {
 
 // About the corners of a box about the rod; everything where one of them is not well before the source.
 PixelBox box_of(const MetalRod& rod, const CArm& arm) {
-  constexpr double least_before_mm = 20;
+  constexpr double min_before_mm = 20;
   PixelBox box{1e9, -1e9, 1e9, -1e9};
   const Vec3 axis = normalized(rod.tail_mm - rod.tip_mm);
   const Vec3 across = normalized(cross(axis, std::abs(axis.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
@@ -31,7 +31,7 @@ PixelBox box_of(const MetalRod& rod, const CArm& arm) {
     for (const double a : {-0.5, 0.5})
       for (const double b : {-0.5, 0.5}) {
         const Vec3 corner = end + (across * a + up * b) * rod.diameter_mm;
-        if (!(arm.before_source_mm(corner) > least_before_mm)) return {};
+        if (!(arm.before_source_mm(corner) > min_before_mm)) return {};
         const auto at = arm.project(corner);
         box.left = std::min(box.left, at[0] - 1.5);
         box.right = std::max(box.right, at[0] + 0.5);
@@ -43,12 +43,12 @@ PixelBox box_of(const MetalRod& rod, const CArm& arm) {
 
 }  // namespace
 
-void require_ct(const Grid<std::int16_t>& ct) {
+void require_ct(const grid::Grid<std::int16_t>& ct) {
   if (ct.voxels.empty())
     throw Error(ExitCode::bad_input, "", "ct", "the case has no CT: its scene must ask for it (ct: {})");
 }
 
-FluoroVolume::FluoroVolume(const Grid<std::int16_t>& ct) : lattice_(ct), water_(ct.voxels.size()) {
+FluoroVolume::FluoroVolume(const grid::Grid<std::int16_t>& ct) : lattice_(ct), water_(ct.voxels.size()) {
   require_ct(ct);
   for (std::size_t n = 0; n < water_.size(); ++n) water_[n] = std::uint16_t(std::max(0, int(ct.voxels[n]) + 1000));
 }
@@ -119,7 +119,7 @@ void FluoroVolume::integrate(const CArm& arm, int first_row, int end_row, Fluoro
 double bright_of(const FluoroIntegrals& patient) {
   std::vector<float> body;
   for (const float v : patient.integral)
-    if (v > least_of_patient) body.push_back(v);
+    if (v > min_of_patient) body.push_back(v);
   if (body.empty()) return 1;
   const auto at = body.begin() + std::ptrdiff_t(bright_quantile * double(body.size() - 1));
   std::nth_element(body.begin(), at, body.end());
@@ -156,4 +156,4 @@ FluoroPicture Fluoroscope::picture(const CArmParams& params, int size, const std
   return picture_of(k.integrals, k.bright, CArm(params, size), metal);
 }
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

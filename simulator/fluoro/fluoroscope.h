@@ -8,7 +8,7 @@
 #include "fluoro/fluoro_memory.h"
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 
 struct FluoroPicture {
   int size = 0;
@@ -20,14 +20,14 @@ constexpr double water_per_mm = 0.0206;  ///< 0.206 / cm
 constexpr double metal_per_mm = 0.95;    ///< steel: 1.2 cm^2/g at 7.9 g/cm^3
 
 /// Throws Error 65 where a case has none.
-void require_ct(const Grid<std::int16_t>& ct);
+void require_ct(const grid::Grid<std::int16_t>& ct);
 
 /// A CT as X-rays see it: mu = mu_water (1 + HU / 1000), at least 0. Each ray is followed slice by slice along the axis
 /// that it follows most, with bilinear interpolation in each [Joseph1982]. Rows are computed in parallel; the result
 /// does not depend on the number of threads.
 class FluoroVolume {
  public:
-  explicit FluoroVolume(const Grid<std::int16_t>& ct);
+  explicit FluoroVolume(const grid::Grid<std::int16_t>& ct);
   FluoroIntegrals integrals(const CArm& arm) const;
   /// Some rows of them, into a picture that has its size.
   void integrate(const CArm& arm, int first_row, int end_row, FluoroIntegrals& out) const;
@@ -35,7 +35,7 @@ class FluoroVolume {
   Vec3 centre_mm() const;
 
  private:
-  Lattice lattice_;
+  grid::Lattice lattice_;
   std::vector<std::uint16_t> water_;  ///< HU + 1000, at least 0: thousandths of water
 };
 
@@ -49,7 +49,7 @@ FluoroPicture picture_of(const FluoroIntegrals& patient, double bright, const CA
 /// While the arm stands still only the needle moves: the patient's integrals are remembered (FluoroMemory).
 class Fluoroscope {
  public:
-  explicit Fluoroscope(const Grid<std::int16_t>& ct) : volume_(ct) {}
+  explicit Fluoroscope(const grid::Grid<std::int16_t>& ct) : volume_(ct) {}
   FluoroPicture picture(const CArmParams& arm, int size, const std::vector<MetalRod>& metal);
   const FluoroVolume& volume() const { return volume_; }
 
@@ -62,4 +62,4 @@ class Fluoroscope {
 /// A grey PNG.
 std::string grey_png(int width, int height, const std::vector<std::uint8_t>& grey);
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -4,7 +4,7 @@
 #include "fluoro/fluoroscope.h"
 #include "grid/nrrd_header.h"
 
-namespace trephine {
+namespace trephine::fluoro {
 namespace {
 
 std::uint32_t crc_of(const std::string& bytes) {
@@ -30,7 +30,7 @@ std::string chunk(const std::string& name, const std::string& data) {
 
 // zlib's form of what gzip's form holds.
 std::string zlib_of(const std::string& bytes) {
-  std::string gzip = detail::gzip_compress(bytes, 6);
+  std::string gzip = grid::detail::gzip_compress(bytes, 6);
   std::uint32_t a = 1, b = 0;
   for (const char c : bytes) {
     a = (a + std::uint8_t(c)) % 65521;
@@ -52,4 +52,4 @@ std::string grey_png(int width, int height, const std::vector<std::uint8_t>& gre
   return std::string("\x89PNG\r\n\x1a\n", 8) + chunk("IHDR", head) + chunk("IDAT", zlib_of(rows)) + chunk("IEND", "");
 }
 
-}  // namespace trephine
+}  // namespace trephine::fluoro

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 constexpr double tolerance_mm = 1e-9;
@@ -63,4 +63,4 @@ bool nearest_before(const Plane* planes, int count, Vec3 target, Nearest& out) {
   return false;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

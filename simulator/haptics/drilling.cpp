@@ -6,18 +6,18 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 constexpr double slowness_s = 0.005;    // time constant of the filters on velocity and power
 constexpr double half_speed_mm_s = 20;  // of the tool, at which half of the reaction is felt
-constexpr double least_depth_mm = 1;    // of a way through bone that counts as a breach
+constexpr double min_depth_mm = 1;      // of a way through bone that counts as a breach
 
 // Of a bite in a tick; of what a cutter may be wider than its tool; how fast it becomes wider where it uses less than
 // that share of its power, and how much slower it becomes narrower again.
-constexpr double most_bite_voxels = 0.4, most_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
+constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
                  idle_ratio = 0.6;
-constexpr double least_felt_ratio = 0.3;  // of the diameter
+constexpr double min_felt_ratio = 0.3;  // of the diameter
 
 // "a, b or c".
 std::string kinds_that_cut() {
@@ -34,16 +34,16 @@ double smooth(double value, double to, double dt_s) { return value + (to - value
 
 }  // namespace
 
-DrillShapes drill_shapes_of(const CaseHaptic& haptic) {
-  DrillShapes out;
-  for (const CaseShape& s : haptic.shapes)
-    if (s.number >= 1 && s.number <= haptic_max_shapes)
+drill::DrillShapes drill_shapes_of(const cases::CaseHaptic& haptic) {
+  drill::DrillShapes out;
+  for (const cases::CaseShape& s : haptic.shapes)
+    if (s.number >= 1 && s.number <= voxel::haptic_max_shapes)
       out[std::size_t(s.number)] = {s.cuttable, s.material.removal_energy_j_per_mm3};
   return out;
 }
 
-std::uint64_t drilled_shapes(const CaseHaptic& haptic) {
-  const DrillShapes shapes = drill_shapes_of(haptic);
+std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic) {
+  const drill::DrillShapes shapes = drill_shapes_of(haptic);
   std::uint64_t bits = 0;
   for (std::size_t n = 1; n < shapes.size(); ++n)
     if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
@@ -54,12 +54,12 @@ ToolParams felt_tool(const DrillingParams& params, const ToolParams& tool, Vec3 
   ToolParams felt = tool;
   if (!params.drill || !tool_kind(tool.tool).rotates()) return felt;
   const double clearance_mm = params.clearance_voxels * std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
-  felt.tool_diameter_mm = std::max(tool.tool_diameter_mm - clearance_mm, least_felt_ratio * tool.tool_diameter_mm);
+  felt.tool_diameter_mm = std::max(tool.tool_diameter_mm - clearance_mm, min_felt_ratio * tool.tool_diameter_mm);
   return felt;
 }
 
-Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
-  Cutter c;
+drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
+  drill::Cutter c;
   const ToolKind& kind = tool_kind(tool.tool);
   if (kind.cut == ToolKind::Cut::incision) {  // it only incises: FeltCase::drilling_of gives it no shape to drill
     c.radius_mm = 0.5;
@@ -69,27 +69,28 @@ Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
     throw Error(ExitCode::usage, "", "--drill", "needs --tool " + kinds_that_cut() + ", not " + tool.tool);
   const bool ball = params.cutter == DrillingParams::Cutter::own ? kind.cut == ToolKind::Cut::ball
                                                                  : params.cutter == DrillingParams::Cutter::ball;
-  c.kind = ball ? Cutter::Kind::ball : Cutter::Kind::cylinder;
+  c.kind = ball ? drill::Cutter::Kind::ball : drill::Cutter::Kind::cylinder;
   c.radius_mm = c.semi_a_mm = 0.5 * tool.tool_diameter_mm;
   c.semi_b_mm = c.semi_a_mm * params.cutter_width_ratio;
   c.height_mm = params.cutter_height_mm;
   return c;
 }
 
-Drilling::Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShapes& shapes,
-                   const DrillingParams& params, const DrillParams& law, const Cutter& cutter, DirtyBricks* marks)
+Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
+                   const DrillingParams& params, const drill::DrillParams& law, const drill::Cutter& cutter,
+                   drill::DirtyBricks* marks)
     : contact_(contact),
       params_(params),
       power_w_(law.power_w),
       shapes_(shapes),
-      before_(copy_without_hardness(volume)),
+      before_(voxel::copy_without_hardness(volume)),
       before_decoder_(before_),
       drill_(volume, shapes, cutter, law, marks) {
-  const double radius_mm = cutter.kind == Cutter::Kind::ball ? cutter.radius_mm : cutter.semi_a_mm;
+  const double radius_mm = cutter.kind == drill::Cutter::Kind::ball ? cutter.radius_mm : cutter.semi_a_mm;
   rim_m_per_s_ = params.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
 }
 
-void Drilling::count(const Removal& r) {
+void Drilling::count(const drill::Removal& r) {
   if (r.changed.empty()) return;
   contact_.loosen(r.changed);
   outcome_.energy_j += r.energy_j;
@@ -99,8 +100,8 @@ void Drilling::count(const Removal& r) {
   }
 }
 
-ToolPose Drilling::turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const {
-  ToolPose pose;
+drill::ToolPose Drilling::turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const {
+  drill::ToolPose pose;
   pose.tip_mm = tip_mm;
   pose.frame = frame_of(axis, usable_across(across, axis));
   if (params_.cutter_turn_deg == 0) return pose;
@@ -114,7 +115,7 @@ ToolPose Drilling::turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const {
 // The cutter at the device, ahead of what the hand feels. Returns the power in W.
 double Drilling::cut_ahead(const HapticInput& in, double force) {
   const double left = std::clamp(2 - 2 * force / params_.stall_force_n, 0.0, 1.0);
-  const Removal& r = drill_.cut(turned_pose(in.tip_mm, in.axis, in.across), in.dt_s, left);
+  const drill::Removal& r = drill_.cut(turned_pose(in.tip_mm, in.axis, in.across), in.dt_s, left);
   if (left == 0) outcome_.stalled_s += in.dt_s;
   count(r);
   return r.power_w;
@@ -133,17 +134,15 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
     outcome_.stalled_s += in.dt_s;
     return 0;
   }
-  double most_w = power_w_;
-  if (pressed && params_.reaction_ratio > 0)
-    most_w = std::min(most_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
+  double max_w = power_w_;
+  if (pressed && params_.reaction_ratio > 0) max_w = std::min(max_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
   Vec3 bite = in.tip_mm - state.proxy_mm;
-  if (const double length = norm(bite), most = most_bite_voxels * voxel_mm; length > most)
-    bite = bite * (most / length);
-  const Removal& r = drill_.cut_to(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
-                                   wider_voxels_ * voxel_mm, in.dt_s, most_w / power_w_);
-  const bool idle = pressed && r.power_w < idle_ratio * most_w;
+  if (const double length = norm(bite), most = max_bite_voxels * voxel_mm; length > most) bite = bite * (most / length);
+  const drill::Removal& r = drill_.cut_to(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
+                                          wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
+  const bool idle = pressed && r.power_w < idle_ratio * max_w;
   wider_voxels_ =
-      std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, most_wider_voxels);
+      std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, max_wider_voxels);
   count(r);
   return r.power_w;
 }
@@ -193,8 +192,8 @@ void Drilling::incise_at(Vec3 point_mm) {
 }
 
 bool Drilling::was_bone(Vec3 at) const {
-  for (const HapticShape& s : before_.shapes) {
-    const DrillShape& d = shapes_[std::size_t(s.number)];
+  for (const voxel::HapticShape& s : before_.shapes) {
+    const drill::DrillShape& d = shapes_[std::size_t(s.number)];
     if (d.cuttable && d.energy_j_per_mm3 > 0 && before_decoder_.trilinear(s.number, at) >= 0.5) return true;
   }
   return false;
@@ -204,7 +203,7 @@ void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   if (outcome_.breached || !(in.buttons & pedal)) return;
   const bool is = was_bone(tip);
   if (is && !in_bone_) entry_mm_ = tip;
-  if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > least_depth_mm) {
+  if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
     outcome_.breached = true;
     outcome_.breach_time_s = time_s_;
     outcome_.breach_mm = tip;
@@ -212,4 +211,4 @@ void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   in_bone_ = is;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -10,7 +10,7 @@
 #include "haptics/proxy.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// How a session cuts. Button 1 of the device is the drill's pedal; button 2, when it goes down, marks the tip as the
 /// middle of an incision.
@@ -57,8 +57,8 @@ struct DrillingParams {
 
 /// What a session removed, and what happened on the way.
 struct DrillingOutcome {
-  std::array<std::int64_t, haptic_max_shapes + 1> units{};   ///< by shape, of 1/255 voxel
-  std::array<double, haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
+  std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};   ///< by shape, of 1/255 voxel
+  std::array<double, voxel::haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
   double energy_j = 0, drilled_s = 0, stalled_s = 0;
   int incisions = 0;
   bool breached = false;  ///< the tip left drilled bone on the other side than it came in
@@ -67,22 +67,23 @@ struct DrillingOutcome {
 };
 
 /// How each shape of the case is removed.
-DrillShapes drill_shapes_of(const CaseHaptic& haptic);
+drill::DrillShapes drill_shapes_of(const cases::CaseHaptic& haptic);
 /// The shapes that a drill removes, bit n for shape n.
-std::uint64_t drilled_shapes(const CaseHaptic& haptic);
+std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic);
 /// The tool as it is felt while it cuts: narrower by the clearance in voxels of that spacing, but no less than 0.3 of
 /// its diameter wide, with its foremost point where it is. Whatever does not rotate stays as it is.
 ToolParams felt_tool(const DrillingParams& params, const ToolParams& own_tool, Vec3 spacing_mm);
 /// The tool's cutter. Throws Error 64 where the tool cuts nothing.
-Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
+drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
 
 /// Removal within the tick of the servo loop, after the proxy: the tool cuts at the device, and its force is felt in
 /// the next tick. Only the constructor allocates; nothing locks or makes a system call; equal ticks give equal bits.
 class Drilling {
  public:
   /// All must outlive it; `marks` may be null.
-  Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShapes& shapes, const DrillingParams& params,
-           const DrillParams& law, const Cutter& cutter, DirtyBricks* marks = nullptr);
+  Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
+           const DrillingParams& params, const drill::DrillParams& law, const drill::Cutter& cutter,
+           drill::DirtyBricks* marks = nullptr);
 
   /// The force on the hand since the last tick: against the motion, and a vibration across the tool. But for the
   /// vibration it never gives energy to a device at rest.
@@ -98,20 +99,20 @@ class Drilling {
   static constexpr std::uint32_t pedal = 1, mark = 2;
 
  private:
-  void count(const Removal& removal);
+  void count(const drill::Removal& removal);
   double cut(const HapticInput& in, const HapticState& state);
   double cut_ahead(const HapticInput& in, double force_n);
-  ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
+  drill::ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
   void watch_breach(const HapticInput& in, Vec3 tip_mm);
   bool was_bone(Vec3 at_mm) const;
 
-  ContactVolume& contact_;
+  contact::ContactVolume& contact_;
   const DrillingParams params_;
   const double power_w_;
-  DrillShapes shapes_;
-  HapticVolume before_;  ///< as it was at the start
-  HapticDecoder before_decoder_;
-  Drill drill_;
+  drill::DrillShapes shapes_;
+  voxel::HapticVolume before_;  ///< as it was at the start
+  voxel::HapticDecoder before_decoder_;
+  drill::Drill drill_;
   Vec3 force_, last_mm_, velocity_;
   double power_ = 0, time_s_ = 0, rim_m_per_s_ = 1;
   std::uint32_t buttons_ = 0;
@@ -119,7 +120,7 @@ class Drilling {
   bool begun_ = false, in_bone_ = false;
   Vec3 entry_mm_;
   DrillingOutcome outcome_;
-  std::array<std::atomic<std::int64_t>, haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads
+  std::array<std::atomic<std::int64_t>, voxel::haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -6,22 +6,22 @@
 #include "cases/case.h"
 #include "contact/contact.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// How every shape of a case feels, by its number. Shapes that the case does not name cannot be touched.
-using ShapeFeel = MaterialParams;
-using Feels = std::array<ShapeFeel, haptic_max_shapes + 1>;
+using ShapeFeel = cases::MaterialParams;
+using Feels = std::array<ShapeFeel, voxel::haptic_max_shapes + 1>;
 
-inline Feels feels_of(const CaseHaptic& haptic) {
+inline Feels feels_of(const cases::CaseHaptic& haptic) {
   Feels feels;
   for (ShapeFeel& f : feels) f.front.touchable = f.back.touchable = false;
-  for (const CaseShape& s : haptic.shapes)
-    if (s.number >= 1 && s.number <= haptic_max_shapes) feels[std::size_t(s.number)] = s.material;
+  for (const cases::CaseShape& s : haptic.shapes)
+    if (s.number >= 1 && s.number <= voxel::haptic_max_shapes) feels[std::size_t(s.number)] = s.material;
   return feels;
 }
 
-inline TouchableFaces touchable_of(const Feels& feels) {
-  TouchableFaces faces{0, 0};
+inline contact::TouchableFaces touchable_of(const Feels& feels) {
+  contact::TouchableFaces faces{0, 0};
   for (std::size_t n = 1; n < feels.size(); ++n) {
     if (feels[n].front.touchable) faces.front |= std::uint64_t{1} << n;
     if (feels[n].back.touchable) faces.back |= std::uint64_t{1} << n;
@@ -77,4 +77,4 @@ struct ShaftParams {
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

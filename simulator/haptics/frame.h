@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// One tick of the servo loop as it is recorded, little endian, without gaps (docs/haptics.md): 200 bytes where the
 /// device knows how the tool is turned about its axis, else without the last 24.
@@ -22,4 +22,4 @@ constexpr std::size_t short_frame_bytes = 176;
 static_assert(sizeof(ServoFrame) == 200 && offsetof(ServoFrame, across) == short_frame_bytes &&
               std::is_trivially_copyable_v<ServoFrame>);
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// Durations in bins of 3 %, from 1 ns to 100 s. A servo loop may call add().
 class Histogram {
@@ -37,4 +37,4 @@ class Histogram {
   double sum_ = 0, max_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -6,10 +6,10 @@
 
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
-constexpr int most_passes = 6;
+constexpr int max_passes = 6;
 constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
 constexpr double turned_back = 0.6;     // of the dynamic cone: roughness alone does not make a way that short
 constexpr double rested_s = 0.05;       // without motion, until static friction holds a tool that slid
@@ -26,16 +26,16 @@ std::string fault_names(std::uint32_t faults) {
   return out;
 }
 
-Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
-             const Tool& tool)
+Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
+             const ShaftParams& shaft, const Tool& tool)
     : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
   if (!tool.round.empty()) round_.emplace(contact, tool.round);
   if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
-  const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
-  stepped_ = contact.params().walk == ContactParams::Walk::stepped;
+  const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;
+  stepped_ = contact.params().walk == contact::ContactParams::Walk::stepped;
   for (const ShapeFeel& f : feels_)
     stiffest_n_per_mm_ = std::max({stiffest_n_per_mm_, f.front.stiffness_n_per_mm, f.back.stiffness_n_per_mm});
   step_mm_ = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * contact.smallest_side_mm();
@@ -127,7 +127,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
 Vec3 Proxy::limited(Vec3 force, Vec3 sent, const HapticInput& in) const {
   const double period = in.period_s > 0 ? std::min(in.period_s, in.dt_s) : in.dt_s;
   const bool stalled = in.dt_s > 1.5 * period;
-  const Vec3 holds = stalled ? sent * ForceHold().share(in.dt_s) : sent, step = force - holds;
+  const Vec3 holds = stalled ? sent * device::ForceHold().share(in.dt_s) : sent, step = force - holds;
   const double change = norm(step), most = force_.max_force_rate_n_per_s * period;
   return change <= most ? force : holds + step * (most / change);
 }
@@ -152,7 +152,8 @@ void Proxy::set_torque(const HapticInput& in, Vec3 before) {
   const double size = norm(torque), most = force_.max_torque_n_mm;
   if (!(size <= most)) torque = std::isfinite(size) ? torque * (most / size) : Vec3{};
   const double period = in.period_s > 0 ? std::min(in.period_s, in.dt_s) : in.dt_s;
-  const Vec3 holds = in.dt_s > 1.5 * period ? before * ForceHold().share(in.dt_s) : before, step = torque - holds;
+  const Vec3 holds = in.dt_s > 1.5 * period ? before * device::ForceHold().share(in.dt_s) : before,
+             step = torque - holds;
   const double change = norm(step), allowed = most * force_.max_force_rate_n_per_s / force_.max_force_n * period;
   state_.torque_n_mm = change <= allowed ? torque : holds + step * (allowed / change);
 }
@@ -168,14 +169,14 @@ void Proxy::begin(const HapticInput& in) {
   std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
   if (body_) return begin_tool(in);
   if (round_) return begin_round(in);
-  const CaseFace& front = feels_[std::size_t(state_.inside)].front;
+  const cases::CaseFace& front = feels_[std::size_t(state_.inside)].front;
   if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
   double nearest = farthest_exit_mm;
-  const TouchableFaces ways_out{0, std::uint64_t{1} << state_.inside};
+  const contact::TouchableFaces ways_out{0, std::uint64_t{1} << state_.inside};
   const int inside = state_.inside;
   for (int n = 0; n < exit_ways; ++n) {
     const Vec3 way = exit_way(n);
-    const Contact c = contact_.cross(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
+    const contact::Contact c = contact_.cross(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
     if (!c.hit) continue;
     const Vec3 outside = c.point_mm + way * margin_mm_;
     if (contact_.shape_at(outside) == inside) continue;
@@ -187,21 +188,21 @@ void Proxy::begin(const HapticInput& in) {
 
 Vec3 Proxy::exit_way(int n) { return normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)}); }
 
-Proxy::Held Proxy::held(const Contact& c) const {
+Proxy::Held Proxy::held(const contact::Contact& c) const {
   const ShapeFeel& shape = feels_[std::size_t(c.shape)];
-  const bool front = c.face == ContactFace::front;
+  const bool front = c.face == contact::ContactFace::front;
   return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back, {}};
 }
 
 // Moves the proxy to just before the contact, a margin off its surface. A proxy that is already there stays, or it
 // would creep along although friction holds it.
-void Proxy::approach(const Contact& c) {
+void Proxy::approach(const contact::Contact& c) {
   const Vec3 way = c.point_mm - state_.proxy_mm;
   const double length = norm(way);
   state_.inside = c.from;
   if (length <= 4 * margin_mm_) return;
   const Vec3 before = state_.proxy_mm + way * (1 - margin_mm_ / length);
-  const Contact off = contact_.cross(before, c.point_mm + c.normal * margin_mm_, c.from, faces_);
+  const contact::Contact off = contact_.cross(before, c.point_mm + c.normal * margin_mm_, c.from, faces_);
   state_.proxy_mm = off.hit ? before : off.point_mm;
   if (!off.hit) state_.inside = off.into;
 }
@@ -210,8 +211,8 @@ void Proxy::follow(Vec3 device) {
   count_ = 0;
   solved_ = false;
   Vec3 goal = device;
-  for (int pass = 0; pass < most_passes; ++pass) {
-    const Contact c = contact_.intersect(state_.proxy_mm, goal, state_.inside, faces_);
+  for (int pass = 0; pass < max_passes; ++pass) {
+    const contact::Contact c = contact_.intersect(state_.proxy_mm, goal, state_.inside, faces_);
     if (!c.hit) {
       state_.proxy_mm = goal;
       state_.inside = c.into;
@@ -224,7 +225,7 @@ void Proxy::follow(Vec3 device) {
 
 // Takes a contact in: pops through it, or adds its plane and sets the next goal. False where the proxy stays for this
 // frame.
-bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
+bool Proxy::meet(const contact::Contact& c, Vec3 device, Vec3& goal, int pass) {
   const Vec3 before = state_.proxy_mm;
   approach(c);
   int at = count_;
@@ -248,7 +249,7 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
   solved_ = nearest_before(planes_, count_, device, nearest_);
   if (!solved_) return false;
 
-  const CaseFace& feel = held_[at].feel;
+  const cases::CaseFace& feel = held_[at].feel;
   if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
     const Vec3 in = c.point_mm - c.normal * margin_mm_;
     const int inside = contact_.shape_at(in);
@@ -272,7 +273,7 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
 // Whether the proxy moves along a surface: `length` is the way that is left, and the device is `depth` behind the
 // surface. A proxy that slides goes on sliding: on an uneven surface the way may be a little shorter than the dynamic
 // cone for a tick, which does not bring the static limit back. Only a device that turns back or rests does.
-bool Proxy::slides(const CaseFace& feel, double length, double depth) {
+bool Proxy::slides(const cases::CaseFace& feel, double length, double depth) {
   const double limit = feel.dynamic_friction_ratio * depth;
   if (!sliding_) {
     sliding_ = length > feel.static_friction_ratio * depth;
@@ -288,17 +289,17 @@ bool Proxy::slides(const CaseFace& feel, double length, double depth) {
 }
 
 // Goes up by a step, along, and down towards the device; false where that is barred as well.
-bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
+bool Proxy::step_over(const contact::Contact& c, Vec3 device, Vec3 goal) {
   const Vec3 up = c.normal * step_mm_;
   const Vec3 top = state_.proxy_mm + up;
-  const Contact rise = contact_.cross(state_.proxy_mm, top, state_.inside, faces_);
+  const contact::Contact rise = contact_.cross(state_.proxy_mm, top, state_.inside, faces_);
   if (rise.hit) return false;
-  const Contact across = contact_.cross(top, goal + up, rise.into, faces_);
+  const contact::Contact across = contact_.cross(top, goal + up, rise.into, faces_);
   if (across.hit && across.along < 0.5) return false;
   const double share = across.hit ? std::max(0.0, across.along - 0.01) : 1;
   state_.proxy_mm = top + (goal + up - top) * share;
   state_.inside = across.hit ? across.from : across.into;
-  const Contact down = contact_.intersect(state_.proxy_mm, device, state_.inside, faces_);
+  const contact::Contact down = contact_.intersect(state_.proxy_mm, device, state_.inside, faces_);
   if (down.hit) {
     approach(down);
   } else {
@@ -338,7 +339,7 @@ Vec3 Proxy::surface_force(Vec3 device) {
   Vec3 force, arm;
   double most = -1, pressure = 0, spring = 0;
   for (int n = 0; n < count_; ++n) {
-    const CaseFace& feel = held_[n].feel;
+    const cases::CaseFace& feel = held_[n].feel;
     const double mm = nearest_.pressure_mm[n], push = feel.stiffness_n_per_mm * mm;
     if (!(mm > 0)) continue;
     ++state_.held_by;
@@ -395,4 +396,4 @@ void Proxy::note_events(const HapticState& before) {
   if (before.inside != 0 && before.inside != state_.inside) state_.events |= haptic_event::left;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -13,7 +13,7 @@
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// The pose of a device in one frame.
 struct HapticInput {
@@ -92,8 +92,8 @@ struct HapticState {
 class Proxy {
  public:
   /// `contact` must outlive it.
-  Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft = {},
-        const Tool& tool = {});
+  Proxy(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
+        const ShaftParams& shaft = {}, const Tool& tool = {});
 
   /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly
   /// 0 from then on, until reset().
@@ -111,15 +111,15 @@ class Proxy {
  private:
   struct Held {
     int shape, face, into;
-    CaseFace feel;
+    cases::CaseFace feel;
     Vec3 arm_mm;  // from the tip to where it presses
   };
   void begin(const HapticInput& in);
   void follow(Vec3 device_mm);
-  bool meet(const Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
-  bool step_over(const Contact& c, Vec3 device_mm, Vec3 goal_mm);
-  void approach(const Contact& c);
-  bool slides(const CaseFace& feel, double length, double depth);
+  bool meet(const contact::Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
+  bool step_over(const contact::Contact& c, Vec3 device_mm, Vec3 goal_mm);
+  void approach(const contact::Contact& c);
+  bool slides(const cases::CaseFace& feel, double length, double depth);
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
@@ -139,7 +139,7 @@ class Proxy {
   int find_walls(const ToolBody::Meeting& m, Wall* walls) const;
   bool knows(Vec3 normal) const;
   Plane tip_plane(int point, Vec3 normal) const;
-  int put_plane(const Plane& plane, const Contact& contact);
+  int put_plane(const Plane& plane, const contact::Contact& contact);
   void approach_tool(const ToolBody::Meeting& m);
   bool step_over_tool(Vec3 normal, Vec3 device_mm, Vec3 goal_mm);
   bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
@@ -149,7 +149,7 @@ class Proxy {
   void try_unlock(Vec3 axis);
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();
-  TouchableFaces closed_faces() const;
+  contact::TouchableFaces closed_faces() const;
 
   // The functions of proxy_round.cpp: the same for a round tool.
   void begin_round(const HapticInput& in);
@@ -166,13 +166,13 @@ class Proxy {
   static constexpr int exit_ways =
       27;                       // directions out of bone in which the tool starts: to a cube's faces, edges and corners
   static Vec3 exit_way(int n);  // unit; zero for the one in the middle
-  Held held(const Contact& contact) const;
+  Held held(const contact::Contact& contact) const;
 
-  const ContactVolume& contact_;
+  const contact::ContactVolume& contact_;
   Feels feels_;
   ForceParams force_;
   ShaftParams shaft_;
-  TouchableFaces faces_;
+  contact::TouchableFaces faces_;
   double margin_mm_, step_mm_;
   bool stepped_;  // the walk
 
@@ -198,7 +198,7 @@ class Proxy {
   std::optional<ToolBody> body_;
   std::optional<RoundBody> round_;
   Vec3 centre_mm_;  // its
-  TouchableFaces open_{0, 0},
+  contact::TouchableFaces open_{0, 0},
       crossed_{0, 0};  // faces that were popped through, and those of them found along the axis in this round
   double exit_mm_ = nearest_exit_mm;  // the distance and direction to be examined next; -1: along the axis
   int next_exit_ = -1;
@@ -214,4 +214,4 @@ class Proxy {
   bool any_collided_ = false;
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

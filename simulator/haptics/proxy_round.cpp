@@ -7,13 +7,13 @@
 
 #include "haptics/proxy.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
-constexpr int most_passes = 8, most_steps = 256;
-constexpr int most_turn_steps = 16, give_passes = 4;
+constexpr int max_passes = 8, max_steps = 256;
+constexpr int max_turn_steps = 16, give_passes = 4;
 constexpr double turn_step_ratio = 0.25;  // of the smallest radius or voxel side: how far a turn's step moves the tail
-constexpr double most_looks = 4000;       // places that are tried in a frame, on the way out of bone
+constexpr double max_looks = 4000;        // places that are tried in a frame, on the way out of bone
 
 std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
 
@@ -39,7 +39,7 @@ void Proxy::begin_round(const HapticInput& in) {
   Vec3 at = centre;
   begun_ = round_is_free(at, in.axis);
   // A few places are tried in each frame, each time a little further away.
-  const int looks = std::clamp(int(most_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
+  const int looks = std::clamp(int(max_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
   for (int n = 0; !begun_ && exit_mm_ < farthest_exit_mm && n < looks; ++n) {
     const Vec3 way = next_exit_ < 0 ? in.axis : exit_way(next_exit_);
     at = centre + way * exit_mm_;
@@ -62,11 +62,11 @@ void Proxy::begin_round(const HapticInput& in) {
 RoundBody::Touch Proxy::move_round(Vec3 goal) {
   const Vec3 begin = centre_mm_, way = goal - begin;
   const double length = norm(way), step = 0.5 * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
-  const int steps = std::clamp(int(std::ceil(length / step)), 1, most_steps);
-  const double share = std::min(1.0, most_steps * step / std::max(length, 1e-12));
+  const int steps = std::clamp(int(std::ceil(length / step)), 1, max_steps);
+  const double share = std::min(1.0, max_steps * step / std::max(length, 1e-12));
   for (int n = 1; n <= steps; ++n) {
     const Vec3 next = begin + way * (share * n / steps);
-    const Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
+    const contact::Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
     const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
     if (touch.hit) return second_law() ? close_to(next, touch) : touch;
@@ -88,7 +88,7 @@ RoundBody::Touch Proxy::close_to(Vec3 next, RoundBody::Touch touch) {
       touch = there;
       continue;
     }
-    const Contact through = contact_.cross(centre_mm_, middle, state_.inside, closed_faces());
+    const contact::Contact through = contact_.cross(centre_mm_, middle, state_.inside, closed_faces());
     if (through.hit || through.into != state_.inside) return touch;
     centre_mm_ = middle;
   }
@@ -100,7 +100,7 @@ RoundBody::Touch Proxy::close_to(Vec3 next, RoundBody::Touch touch) {
 void Proxy::turn_round(Vec3 axis) {
   const double reach = round_->length_mm() + round_->centre_mm();
   const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
-  for (int n = 0; n < most_turn_steps && !(state_.axis == axis); ++n) {
+  for (int n = 0; n < max_turn_steps && !(state_.axis == axis); ++n) {
     const bool last = norm(axis - state_.axis) <= step / reach;
     const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
     const Vec3 begin = centre_mm_ + (next - state_.axis) * round_->centre_mm();
@@ -112,7 +112,7 @@ void Proxy::turn_round(Vec3 axis) {
       touch = round_->deepest(to, next, state_.inside, closed_faces());
     }
     if (touch.hit) return;
-    const Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
+    const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
     if (through.hit) return;
     centre_mm_ = to;
     state_.axis = next;
@@ -132,7 +132,7 @@ void Proxy::follow_round(const HapticInput& in) {
   count_ = 0;
   solved_ = false;
   Vec3 goal = device;
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     const RoundBody::Touch touch = move_round(goal);
     if (!touch.hit || !meet_round(touch, device, goal)) break;
   }
@@ -141,7 +141,7 @@ void Proxy::follow_round(const HapticInput& in) {
 
 // As meet(), for a round tool.
 bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
-  const Contact& c = touch.contact;
+  const contact::Contact& c = touch.contact;
   const bool alone = round_->is_ball();
   Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
   int at = count_;
@@ -157,7 +157,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   count_ = std::max(count_, at + 1);
   solved_ = nearest_before(planes_, count_, device, nearest_);
   if (!solved_) return false;
-  const CaseFace& feel = held_[at].feel;
+  const cases::CaseFace& feel = held_[at].feel;
   if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
     // Both faces open, because halfway through, the tool lies on both sides of the surface. A shape that nothing enters
     // stays closed, even where the soft tissue that was popped through lies against it.
@@ -177,7 +177,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const double off = dot(planes_[at].normal, centre_mm_ - planes_[at].point_mm);
   if (off < 0 || off > 2 * margin_mm_) {
     const Vec3 to = centre_mm_ - planes_[at].normal * off;
-    const Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
+    const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
     const RoundBody::Touch there = through.hit || (alone && off < 0)
                                        ? RoundBody::Touch{}
                                        : round_->deepest(to, state_.axis, through.into, closed_faces());
@@ -193,4 +193,4 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   return true;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

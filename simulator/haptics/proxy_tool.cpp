@@ -6,17 +6,17 @@
 
 #include "haptics/proxy.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
-constexpr int most_passes = 10, turning_passes = 3;
-constexpr double cancels = 0.2;        // two normals whose sum is shorter than this share of their lengths cancel
-constexpr double most_turn_rad = 0.5;  // in a frame
+constexpr int max_passes = 10, turning_passes = 3;
+constexpr double cancels = 0.2;       // two normals whose sum is shorter than this share of their lengths cancel
+constexpr double max_turn_rad = 0.5;  // in a frame
 constexpr int unlock_frames = 8;
 constexpr double drawn_out_mm = 0.3;
 constexpr int drawn_frames = 5, out_tries = 4, released_frames = 50;
 constexpr int slices = 16;
-constexpr std::uint64_t most_looks = 4000;  // points that are tried in a frame, on the way out of bone
+constexpr std::uint64_t max_looks = 4000;  // points that are tried in a frame, on the way out of bone
 
 std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
 
@@ -31,7 +31,7 @@ void Proxy::begin_tool(const HapticInput& in) {
   for (std::size_t n = 1; n < feels_.size(); ++n)
     if (feels_[n].front.touchable && !(feels_[n].front.pop_through_n > 0)) solid |= bit(int(n));
   const Mat3 frame = in.axis == Vec3{} ? frame_along({0, 0, 1}) : frame_of(in.axis, in.across);
-  const std::uint64_t until = body_->looked_at() + most_looks;
+  const std::uint64_t until = body_->looked_at() + max_looks;
   bool free = body_->place(in.tip_mm, frame, solid);
   while (!free && exit_mm_ < farthest_exit_mm && body_->looked_at() < until) {
     const Vec3 way = next_exit_ < 0 ? frame.column[2] : exit_way(next_exit_);
@@ -47,7 +47,7 @@ void Proxy::begin_tool(const HapticInput& in) {
   state_.inside = body_->shape(0);
 }
 
-TouchableFaces Proxy::closed_faces() const { return {faces_.front & ~open_.front, faces_.back & ~open_.back}; }
+contact::TouchableFaces Proxy::closed_faces() const { return {faces_.front & ~open_.front, faces_.back & ~open_.back}; }
 
 void Proxy::follow_tool(const HapticInput& in) {
   ToolBody& b = *body_;
@@ -58,10 +58,10 @@ void Proxy::follow_tool(const HapticInput& in) {
   open_behind();
   try_unlock(normalized(axis));
   Mat3 aim = state_.locked         ? b.frame()
-             : in.across == Vec3{} ? turned(b.frame(), axis, most_turn_rad)
-                                   : turned_to(b.frame(), frame_of(axis, in.across), most_turn_rad);
+             : in.across == Vec3{} ? turned(b.frame(), axis, max_turn_rad)
+                                   : turned_to(b.frame(), frame_of(axis, in.across), max_turn_rad);
   Vec3 goal = in.tip_mm;
-  for (int pass = 0; pass < most_passes; ++pass) {
+  for (int pass = 0; pass < max_passes; ++pass) {
     const ToolBody::Meeting m = b.sweep(goal, aim, closed_faces());
     if (!m.hit) {
       b.arrive();
@@ -117,7 +117,7 @@ bool Proxy::knows(Vec3 normal) const {
 }
 
 // Puts the plane among the three, in place of one that does not press; -1 where all three press.
-int Proxy::put_plane(const Plane& plane, const Contact& contact) {
+int Proxy::put_plane(const Plane& plane, const contact::Contact& contact) {
   int at = count_ < 3 ? count_ : -1;
   for (int n = 0; n < count_ && count_ == 3; ++n)
     if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
@@ -161,7 +161,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   const bool lock = should_lock(m, turn);
   const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point),
              arms[2] = {arm, b.arm(walls[walls_met - 1].point)};
-  const Contact contacts[2] = {b.met(walls[0].point), b.met(walls[walls_met - 1].point)};
+  const contact::Contact contacts[2] = {b.met(walls[0].point), b.met(walls[walls_met - 1].point)};
   approach_tool(m);
   if (lock) {
     hold_turn(device, goal, aim);
@@ -184,7 +184,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   }
   for (int n = 0; n < walls_met; ++n) {
     if (put[n] < 0) continue;
-    const CaseFace& feel = held_[put[n]].feel;
+    const cases::CaseFace& feel = held_[put[n]].feel;
     if (!(feel.pop_through_n > 0) || feel.stiffness_n_per_mm * nearest_.pressure_mm[put[n]] <= feel.pop_through_n)
       continue;
     open_.front |= bit(contacts[n].into);
@@ -199,7 +199,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     return true;
   }
   // Friction acts along the walls. For a turn, the tip may first have to give way.
-  const CaseFace& feel = held_[put[0]].feel;
+  const cases::CaseFace& feel = held_[put[0]].feel;
   Nearest here;
   Vec3 from = b.tip_mm();
   const bool gives = nearest_before(planes_, count_, from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
@@ -218,7 +218,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
 bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
   ToolBody& b = *body_;
   const Mat3 frame = b.frame();
-  const TouchableFaces faces = closed_faces();
+  const contact::TouchableFaces faces = closed_faces();
   const Vec3 up = normal * step_mm_, before = b.tip_mm();
   if (b.sweep(before + up, frame, faces).hit) return false;
   b.arrive();
@@ -314,7 +314,7 @@ void Proxy::try_unlock(Vec3 axis) {
   ToolBody& b = *body_;
   if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) && !(second_law() && draws_out()) &&
       (++locked_for_ % unlock_frames != 0 ||
-       b.sweep(b.tip_mm(), turned(b.frame(), axis, most_turn_rad), closed_faces()).hit))
+       b.sweep(b.tip_mm(), turned(b.frame(), axis, max_turn_rad), closed_faces()).hit))
     return;
   state_.locked = false;
   state_.events |= haptic_event::unlocked;
@@ -332,7 +332,7 @@ void Proxy::open_behind() {
   int shape = contact_.shape_at(at);
   found |= bit(shape);
   for (int n = 0; n < 8; ++n) {
-    const Contact c = contact_.cross(at, end, shape, {open, open});
+    const contact::Contact c = contact_.cross(at, end, shape, {open, open});
     if (!c.hit) break;
     found |= bit(c.from) | bit(c.into);
     at = c.point_mm;
@@ -347,4 +347,4 @@ void Proxy::open_behind() {
   crossed_ = {0, 0};
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -13,7 +13,7 @@
 #include "base/write_file.h"
 #include "json/declared_json.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 // 8 bytes, then the version and the header's length, 4 bytes each; the header's JSON, filled up with blanks.
@@ -44,7 +44,7 @@ struct HeaderFile : RecordingHeader {
 std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
   HeaderFile file{h, frame_bytes(h)};
   if (frames) file.frames = std::int64_t(*frames);
-  std::string text = declared_json(parameters_of<HeaderFile>(), &file, h.tools.empty() ? 1 : 0);
+  std::string text = json::declared_json(parameters_of<HeaderFile>(), &file, h.tools.empty() ? 1 : 0);
   const std::size_t left_for_frames = frames ? 0 : 2400;  // with the outcome, known only when all is recorded
   if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
@@ -57,12 +57,11 @@ HeaderFile read_header(std::string_view text, int version) {
   h.drilling.clearance_voxels = 0;
   h.drilling.cut_at = DrillingParams::At::device;
   h.force.force_law = ForceParams::Law::first;
-  JsonRules rules;
+  json::JsonRules rules;
   rules.version = version;
-  read_declared_json(text, parameters_of<HeaderFile>(), &h, rules);
+  json::read_declared_json(text, parameters_of<HeaderFile>(), &h, rules);
   if (!h.drilling.drill) h.drilling = {};
-  h.knows_across =
-      version == across_version || (version > across_version && h.frame_bytes == sizeof(ServoFrame));
+  h.knows_across = version == across_version || (version > across_version && h.frame_bytes == sizeof(ServoFrame));
   return h;
 }
 
@@ -172,17 +171,17 @@ std::string feel_digest(const Feels& feels) {
   return sha256_of_bytes(text);
 }
 
-std::string volume_digest(const HapticVolume& volume) {
+std::string volume_digest(const voxel::HapticVolume& volume) {
   const std::vector<std::int16_t>& v = volume.voxels.voxels;
   return sha256_of_bytes({reinterpret_cast<const char*>(v.data()), v.size() * sizeof v[0]});
 }
 
-RecordingHeader::Outcome outcome_of(const HapticVolume& volume, const DrillingOutcome& outcome) {
+RecordingHeader::Outcome outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome) {
   RecordingHeader::Outcome o;
   o.volume_sha256 = volume_digest(volume);
-  for (const HapticShape& s : volume.shapes)
+  for (const voxel::HapticShape& s : volume.shapes)
     if (const std::int64_t units = outcome.units[std::size_t(s.number)]; units > 0)
-      o.removed_mm3[s.name] = double(units) / haptic_full * volume.voxels.voxel_volume_mm3();
+      o.removed_mm3[s.name] = double(units) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
   o.breached = outcome.breached;
   o.breach_time_s = outcome.breach_time_s;
   o.breach_mm = outcome.breach_mm;
@@ -209,13 +208,13 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
     f.zero_force_ratio += force == Vec3{};
     f.mean_force_n += size.back();
     f.most_force_n = std::max(f.most_force_n, size.back());
-    if (n > first) f.most_step_n = std::max(f.most_step_n, norm(force - vec(frames[n - 1].force_n)));
+    if (n > first) f.max_step_n = std::max(f.max_step_n, norm(force - vec(frames[n - 1].force_n)));
     if (a.touched == 0) continue;
     ++f.touching;
     const Vec3 behind = vec(a.proxy_mm) - vec(a.tip_mm), normal = vec(a.normal);
     const double along = norm(behind - normal * dot(normal, behind));
     lag += along;
-    f.most_lag_mm = std::max(f.most_lag_mm, along);
+    f.max_lag_mm = std::max(f.max_lag_mm, along);
   }
   f.frames = size.size();
   f.zero_force_ratio /= double(f.frames);
@@ -315,4 +314,4 @@ bool same_frame(const ServoFrame& a, const ServoFrame& b) {
   return std::memcmp(&c, &b, sizeof c) == 0;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

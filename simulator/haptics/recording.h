@@ -12,7 +12,7 @@
 #include "haptics/proxy.h"
 #include "haptics/tool_belt.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// Version 5 is written where a law holds that older programs do not know: ForceParams::Law::second, or a drill that
 /// cuts at the tool. Its frames are those of version 4 where the device knows `across`, else of 2. Version 4 is written
@@ -31,12 +31,12 @@ struct RecordingHeader {
   double rate_hz = 1000;
   bool knows_across = false;  ///< Device::knows_across(); before version 4 no recording has it
   std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
-  ContactParams contact;
+  contact::ContactParams contact;
   ForceParams force;
   ShaftParams shaft;
   ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
   DrillingParams drilling;  ///< since version 2; before, no tool cut
-  DrillParams law;
+  drill::DrillParams law;
   std::vector<BeltToolParams> tools;  ///< since version 3: of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
   bool in_open = false;               ///< tools are changed in the open alone (ToolBelt); older recordings did not
@@ -92,8 +92,8 @@ struct RecordingHeader {
 };
 
 /// SHA-256 of a volume's raw voxels, little endian.
-std::string volume_digest(const HapticVolume& volume);
-RecordingHeader::Outcome outcome_of(const HapticVolume& volume, const DrillingOutcome& outcome);
+std::string volume_digest(const voxel::HapticVolume& volume);
+RecordingHeader::Outcome outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome);
 
 /// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74; add() 65 for a
 /// frame whose time is not finite, which nobody could read.
@@ -129,9 +129,9 @@ struct ForceFigures {
   std::uint64_t frames = 0, touching = 0;
   double anomaly_ratio = 0;     ///< share of d|F|/dt (central differences) outside mean +- 10 sigma
   double zero_force_ratio = 0;  ///< frames without force
-  double most_step_n = 0, sigma_n_per_s = 0, mean_force_n = 0, most_force_n = 0;
+  double max_step_n = 0, sigma_n_per_s = 0, mean_force_n = 0, most_force_n = 0;
   double mean_lag_mm = 0,
-         most_lag_mm = 0;  ///< while touching: distance of the proxy behind the device, along the surface
+         max_lag_mm = 0;  ///< while touching: distance of the proxy behind the device, along the surface
 };
 /// The frames by which forces are judged, [begin, end): from `settle_s` after the first contact, when the tool has
 /// struck the surface, to the end, because a contact that is lost for good counts most. Empty where there is no
@@ -159,4 +159,4 @@ void put_answer(const HapticState& state, ServoFrame& frame);
 /// Whether two frames are equal bit for bit, except for their lateness.
 bool same_frame(const ServoFrame& a, const ServoFrame& b);
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 constexpr int frames_known = 16;    // after which it looks again, for another thread may have cut
@@ -49,7 +49,7 @@ double nearest_on_line(const Disc& disc, Vec3 begin, Vec3 axis, double lo, doubl
 
 }  // namespace
 
-RoundBody::RoundBody(const ContactVolume& contact, std::vector<RoundPart> parts)
+RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts)
     : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
@@ -86,12 +86,12 @@ void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
   known_ = true;
 }
 
-RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const TouchableFaces& faces) {
+RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
   look(centre_mm, axis);
   Touch t;
   const bool alone = is_ball();
   for (int n = 0; n < count_; ++n) {
-    SurfaceSample& s = samples_[std::size_t(n)];
+    contact::SurfaceSample& s = samples_[std::size_t(n)];
     near_[std::size_t(n)].depth_mm = -1;
     for (const RoundPart& p : parts_) {
       const bool rod = p.to_mm > p.from_mm;
@@ -130,7 +130,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       t.contact.normal = normal;
       t.contact.from = from;
       t.contact.into = into;
-      t.contact.face = front ? ContactFace::front : ContactFace::back;
+      t.contact.face = front ? contact::ContactFace::front : contact::ContactFace::back;
       t.contact.shape = front ? into : from;
     }
   }
@@ -151,7 +151,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
 bool RoundBody::reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes) {
   look(centre_mm, axis);
   for (int n = 0; n < count_; ++n) {
-    const SurfaceSample& s = samples_[std::size_t(n)];
+    const contact::SurfaceSample& s = samples_[std::size_t(n)];
     if (((shapes >> s.low | shapes >> s.high) & 1) == 0) continue;
     for (const RoundPart& p : parts_) {
       const double at = std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm);
@@ -161,4 +161,4 @@ bool RoundBody::reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes) {
   return false;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -5,7 +5,7 @@
 #include "contact/contact.h"
 #include "haptics/tool.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// Exactly round parts about one axis in a haptic volume: a ball, a rod with round ends, a burr's ball on its neck.
 /// Surfaces near them are discs: one at each place where the surface crosses an edge between voxel centres, with the
@@ -19,7 +19,7 @@ namespace trephine {
 class RoundBody {
  public:
   /// `parts`: at least one.
-  RoundBody(const ContactVolume& contact, std::vector<RoundPart> parts);
+  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts);
   /// From the tip to the centre.
   double centre_mm() const { return centre_mm_; }
   /// A ball alone: it may turn as it likes.
@@ -39,9 +39,9 @@ class RoundBody {
     double radius_mm = 0;   ///< of the part
     double along_mm = 0;    ///< where on the middle line, from the centre
     double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep: a rod may lie on a surface
-    Contact contact;
+    contact::Contact contact;
   };
-  Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const TouchableFaces& faces);
+  Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
   /// Whether it reaches any surface of one of these shapes (bit n: shape n).
   bool reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes);
 
@@ -51,10 +51,10 @@ class RoundBody {
     Vec3 normal;
   };
   void look(Vec3 centre_mm, Vec3 axis);
-  const ContactVolume& contact_;
+  const contact::ContactVolume& contact_;
   std::vector<RoundPart> parts_;
   double centre_mm_, length_mm_ = 0, smallest_radius_mm_, largest_radius_mm_, disc_mm_, margin_mm_;
-  std::vector<SurfaceSample> samples_;
+  std::vector<contact::SurfaceSample> samples_;
   std::vector<Near> near_;
   int count_ = 0;
   Vec3 looked_mm_, looked_end_mm_;
@@ -63,4 +63,4 @@ class RoundBody {
   bool known_ = false;
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

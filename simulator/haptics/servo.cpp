@@ -14,7 +14,7 @@
 
 #include "haptics/recording.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 constexpr std::int64_t second_ns = 1000000000;
@@ -93,7 +93,7 @@ void FrameQueue::drain(std::vector<ServoFrame>& out) {
 }
 
 void Servo::tick(double dt_s, double late_ns) {
-  DeviceReading reading;
+  device::DeviceReading reading;
   const bool there = device_.read(frame_.tick == 0 ? 0 : dt_s, reading);
   HapticInput in;
   in.tip_mm = reading.tip_mm;
@@ -160,4 +160,4 @@ void Servo::run(std::uint64_t ticks, const std::atomic<bool>& stop) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -13,7 +13,7 @@
 #include "haptics/proxy.h"
 #include "haptics/tool_belt.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 struct ServoParams {
   double rate_hz = 1000;
@@ -71,10 +71,11 @@ struct ServoStatistics {
 /// after the loop has returned.
 class Servo {
  public:
-  Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue, Drilling* drilling = nullptr)
+  Servo(Proxy& proxy, device::Device& device, const ServoParams& params, FrameQueue* queue,
+        Drilling* drilling = nullptr)
       : proxy_(&proxy), device_(device), params_(params), queue_(queue), drilling_(drilling) {}
   /// The same with several tools, and the drill that they have.
-  Servo(ToolBelt& belt, Device& device, const ServoParams& params, FrameQueue* queue)
+  Servo(ToolBelt& belt, device::Device& device, const ServoParams& params, FrameQueue* queue)
       : belt_(&belt), device_(device), params_(params), queue_(queue) {}
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   const ServoStatistics& statistics() const { return statistics_; }
@@ -86,7 +87,7 @@ class Servo {
   void tick(double dt_s, double late_ns);
   Proxy* proxy_ = nullptr;    // either this
   ToolBelt* belt_ = nullptr;  // or this
-  Device& device_;
+  device::Device& device_;
   ServoParams params_;
   FrameQueue* queue_;
   Drilling* drilling_ = nullptr;
@@ -97,4 +98,4 @@ class Servo {
   std::atomic<std::uint32_t> faults_{0};
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -10,14 +10,14 @@
 #include "base/write_file.h"
 #include "haptics/turned_about.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 using Tip = ToolParams::Tip;
 
 constexpr double cone_lengths = 2;  // length of a cone, in diameters
 constexpr double neck_ratio = 0.5;  // diameter of the shaft behind a ball, by that of the ball
-constexpr int least_around = 4;
+constexpr int min_around = 4;
 
 // The outline from the tip to the tail: distance along the axis and from it, each `spacing` of its length.
 struct Outline {
@@ -38,10 +38,10 @@ struct Outline {
 };
 
 constexpr double farthest_point_mm = 400;
-constexpr std::uint64_t most_point_bytes = 1 << 20;
+constexpr std::uint64_t max_point_bytes = 1 << 20;
 
 std::string points_text(const std::string& file) {
-  const std::vector<char> bytes = read_file(file, most_point_bytes);
+  const std::vector<char> bytes = read_file(file, max_point_bytes);
   return {bytes.begin(), bytes.end()};
 }
 
@@ -79,9 +79,9 @@ std::vector<Vec3> points_of(const ToolParams& p) {
       const std::optional<Vec3> at = point_of(line, ++number);
       if (!at || *at == Vec3{}) continue;
       points.push_back(*at);
-      if (points.size() > std::size_t(most_tool_points))
+      if (points.size() > std::size_t(max_tool_points))
         throw Error(ExitCode::bad_input, "", "line " + std::to_string(number),
-                    "gives more than " + std::to_string(most_tool_points) + " points, with the tip");
+                    "gives more than " + std::to_string(max_tool_points) + " points, with the tip");
     }
     if (points.size() == 1) throw Error(ExitCode::bad_input, "", "", "holds no point besides the tip");
     std::stable_sort(points.begin() + 1, points.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; });
@@ -141,10 +141,10 @@ Tool make_tool(const ToolParams& params) {
   const double length = p.tool_length_mm;
   Outline o;
   // More than that along the outline or around it is refused anyway, so it is not even laid out.
-  if ((length + 4 * radius) / p.tool_spacing_mm > most_tool_points ||
-      2 * M_PI * radius / p.tool_spacing_mm > most_tool_points)
+  if ((length + 4 * radius) / p.tool_spacing_mm > max_tool_points ||
+      2 * M_PI * radius / p.tool_spacing_mm > max_tool_points)
     throw Error(ExitCode::bad_config, "", "tool_spacing_mm",
-                "gives more than " + std::to_string(most_tool_points) + " points");
+                "gives more than " + std::to_string(max_tool_points) + " points");
   o.spacing = p.tool_spacing_mm;
   switch (p.tool_tip) {
     case Tip::own:
@@ -169,15 +169,15 @@ Tool make_tool(const ToolParams& params) {
   int ring = 0;
   for (const Vec3& at : o.at) {
     const int around =
-        at.x < 1e-9 ? 1 : std::max(least_around, int(std::ceil(2 * M_PI * at.x / p.tool_spacing_mm - 1e-9)));
+        at.x < 1e-9 ? 1 : std::max(min_around, int(std::ceil(2 * M_PI * at.x / p.tool_spacing_mm - 1e-9)));
     const double half = ring++ % 2 == 0 ? 0 : 0.5;
     for (int n = 0; n < around; ++n) {
       const double a = 2 * M_PI * (n + half) / around;
       tool.points_mm.push_back({at.x * std::cos(a), at.x * std::sin(a), at.z});
     }
-    if (tool.points_mm.size() > std::size_t(most_tool_points))
+    if (tool.points_mm.size() > std::size_t(max_tool_points))
       throw Error(ExitCode::bad_config, "", "tool_spacing_mm",
-                  "gives more than " + std::to_string(most_tool_points) + " points");
+                  "gives more than " + std::to_string(max_tool_points) + " points");
   }
   return tool;
 }
@@ -221,15 +221,15 @@ Vec3 rotation_between(const Mat3& from, const Mat3& to) {
   return normalized(about) * M_PI;
 }
 
-Mat3 turned_to(const Mat3& frame, const Mat3& aim, double most_rad) {
+Mat3 turned_to(const Mat3& frame, const Mat3& aim, double max_rad) {
   const Vec3 rotation = rotation_between(frame, aim);
   const double angle = norm(rotation);
-  if (angle <= most_rad) return aim;
-  return frame_of(turned_about(frame.column[2], rotation / angle, most_rad),
-                  turned_about(frame.column[0], rotation / angle, most_rad));
+  if (angle <= max_rad) return aim;
+  return frame_of(turned_about(frame.column[2], rotation / angle, max_rad),
+                  turned_about(frame.column[0], rotation / angle, max_rad));
 }
 
-Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
+Mat3 turned(const Mat3& frame, Vec3 axis, double max_rad) {
   const Vec3 w = frame.column[2];
   Vec3 to = normalized(axis);
   if (to == Vec3{} || to == w) return frame;
@@ -247,13 +247,13 @@ Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
   } else {
     about = about / sine;
   }
-  const double angle = std::min(most_rad, std::atan2(sine, cosine));
+  const double angle = std::min(max_rad, std::atan2(sine, cosine));
   Mat3 f;
-  f.column[2] = angle < most_rad ? to : normalized(turned_about(w, about, angle));
+  f.column[2] = angle < max_rad ? to : normalized(turned_about(w, about, angle));
   const Vec3 u = turned_about(frame.column[0], about, angle);
   f.column[0] = normalized(u - f.column[2] * dot(u, f.column[2]));
   f.column[1] = cross(f.column[2], f.column[0]);
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -7,7 +7,7 @@
 #include "base/params.h"
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// The values of --tool and their help, from all_tool_kinds().
 std::vector<std::string> tool_names();
@@ -121,9 +121,9 @@ struct Tool {
   ToolParams::Search search = ToolParams::Search::both;
   double lock_distance_mm = 3;
 };
-constexpr int most_tool_points = 2048;
+constexpr int max_tool_points = 2048;
 
-/// Throws Error 78 where the tool would have more points than most_tool_points, or is shorter than its tip; for points
+/// Throws Error 78 where the tool would have more points than max_tool_points, or is shorter than its tip; for points
 /// of a file as own_tool() does, 65 naming the line where it is no list of points, or is not the file of the hash.
 Tool make_tool(const ToolParams& params);
 
@@ -137,9 +137,9 @@ Vec3 usable_across(Vec3 across, Vec3 axis);
 Mat3 frame_of(Vec3 axis, Vec3 across);
 /// The rotation that takes one frame to another, as its axis by its angle in radians, at most pi.
 Vec3 rotation_between(const Mat3& from, const Mat3& to);
-/// The frame turned towards another, by at most `most_rad`.
-Mat3 turned_to(const Mat3& frame, const Mat3& aim, double most_rad);
-/// The frame turned by the smallest rotation that takes its third column towards the axis, by at most `most_rad`.
-Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad = 4);
+/// The frame turned towards another, by at most `max_rad`.
+Mat3 turned_to(const Mat3& frame, const Mat3& aim, double max_rad);
+/// The frame turned by the smallest rotation that takes its third column towards the axis, by at most `max_rad`.
+Mat3 turned(const Mat3& frame, Vec3 axis, double max_rad = 4);
 
-}  // namespace trephine
+}  // namespace trephine::haptics

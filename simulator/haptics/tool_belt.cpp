@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::haptics {
 namespace {
 
 // How a needle feels within what it pierced; the values are ours. It moves against drag, and stays when it is let go.
@@ -27,8 +27,8 @@ Feels felt_by(const BeltToolParams& tool, Feels feels) {
 
 }  // namespace
 
-ToolBelt::ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
-                   std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open)
+ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
+                   const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open)
     : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), in_open_(in_open) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
@@ -145,4 +145,4 @@ void ToolBelt::follow(const HapticInput& in, const HapticState& state) {
   after(in, state);
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -8,7 +8,7 @@
 #include "haptics/drilling.h"
 #include "haptics/proxy.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// What the buttons of a device mean in a session with several tools. Bit 0 is the pedal; four bits are the number of
 /// the tool in hand; eight bits are a command, which acts in the first tick that has it.
@@ -75,8 +75,8 @@ inline ToolParams whole_tool(const BeltToolParams& tool) {
 class ToolBelt {
  public:
   /// `contact` and `drilling` (may be null) must outlive it. Throws as make_tool does; 64 for no tool, or more than 16.
-  ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
-           std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open);
+  ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
+           const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open);
   ~ToolBelt();
 
   const HapticState& update(const HapticInput& given);
@@ -106,7 +106,7 @@ class ToolBelt {
   int new_command(std::uint32_t buttons) const;
   void settle_force(const HapticInput& in, Vec3 sent);
 
-  const ContactVolume& contact_;
+  const contact::ContactVolume& contact_;
   const ForceParams force_;
   const std::vector<BeltToolParams> tools_;
   std::vector<std::unique_ptr<Proxy>> proxies_;
@@ -122,4 +122,4 @@ class ToolBelt {
   Vec3 mark_mm_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -5,9 +5,9 @@
 
 #include "haptics/tool.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
-ToolBody::ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm)
+ToolBody::ToolBody(const contact::ContactVolume& contact, std::vector<Vec3> points_mm)
     : contact_(contact), points_mm_(std::move(points_mm)) {
   const std::size_t n = points_mm_.size();
   at_.resize(n);
@@ -18,11 +18,11 @@ ToolBody::ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm)
   tried_shape_.resize(n);
   met_.resize(n);
   known_.resize(n);
-  const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
+  const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;
   together_mm_ = (boxes ? 1 : 0.1) * contact.smallest_side_mm();
 }
 
-void ToolBody::begin_frame() { std::fill(known_.begin(), known_.end(), ContactBox{}); }
+void ToolBody::begin_frame() { std::fill(known_.begin(), known_.end(), contact::ContactBox{}); }
 
 bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
   const auto barred = [&](Vec3 at, int* shape) {
@@ -48,7 +48,7 @@ bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
   return true;
 }
 
-ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces) {
+ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces) {
   to_mm_ = tip_mm;
   to_frame_ = frame;
   double longest = 0;
@@ -63,7 +63,7 @@ ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const Touchabl
   Meeting m;
   double until = 1;  // contacts beyond this share of the way do not matter
   const auto walk_point = [&](std::size_t i) {
-    Contact& c = met_[i];
+    contact::Contact& c = met_[i];
     c = walk(i, until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], faces);
     if (!c.hit) return;
     c.along *= until;
@@ -100,12 +100,12 @@ void ToolBody::enter(std::size_t point, int shape) {
 }
 
 // Moves to the pose if no point meets anything. Without `all`, only points that met or passed a face are looked at.
-bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all) {
+bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces, bool all) {
   for (std::size_t i = 0; i < at_.size(); ++i) {
     tried_[i] = tip_mm + frame * points_mm_[i];
     tried_shape_[i] = shape_[i];
     if (!all && !met_[i].hit && !met_[i].passed) continue;
-    const Contact c = walk(i, tried_[i], faces);
+    const contact::Contact c = walk(i, tried_[i], faces);
     if (c.hit) return false;
     tried_shape_[i] = std::uint8_t(c.into);
   }
@@ -116,7 +116,7 @@ bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& fa
   return true;
 }
 
-bool ToolBody::advance(double share, const TouchableFaces& faces) {
+bool ToolBody::advance(double share, const contact::TouchableFaces& faces) {
   const bool turning = !(to_frame_ == frame_);
   if (!(share > 0)) return false;
   for (int n = 0; n < (turning ? 3 : 1); ++n, share *= 0.5) {
@@ -130,4 +130,4 @@ bool ToolBody::advance(double share, const TouchableFaces& faces) {
   return false;
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

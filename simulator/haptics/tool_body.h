@@ -6,7 +6,7 @@
 #include "base/vec3.h"
 #include "contact/contact.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// A rigid set of points in a haptic volume, each of which knows the shape in which it is. It moves only along ways
 /// that were walked point by point, so no point crosses a face that was touchable, whatever the rounding. The space
@@ -16,7 +16,7 @@ namespace trephine {
 class ToolBody {
  public:
   /// `points_mm`: at least one, from the tip to the tail.
-  ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm);
+  ToolBody(const contact::ContactVolume& contact, std::vector<Vec3> points_mm);
 
   int count() const { return int(points_mm_.size()); }
   Vec3 tip_mm() const { return tip_mm_; }
@@ -43,8 +43,8 @@ class ToolBody {
     int nearest = 0, from_tip = 0, from_tail = 0;
   };
   /// Walks every point's straight way to that pose, without moving the body.
-  Meeting sweep(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces);
-  const Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without a normal
+  Meeting sweep(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces);
+  const contact::Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without a normal
   Vec3 way(int point) const { return end_[std::size_t(point)] - at_[std::size_t(point)]; }
   Vec3 arm(int point) const {
     return arm_[std::size_t(point)];
@@ -54,26 +54,26 @@ class ToolBody {
   void arrive();
   /// Moves along that share of the last sweep's way, which met nothing so far. A turn leaves the straight ways, so its
   /// result is walked again and shortened where it meets something. Returns false where the body did not move.
-  bool advance(double share, const TouchableFaces& faces);
+  bool advance(double share, const contact::TouchableFaces& faces);
 
  private:
-  Contact walk(std::size_t point, Vec3 end_mm, const TouchableFaces& faces) {
+  contact::Contact walk(std::size_t point, Vec3 end_mm, const contact::TouchableFaces& faces) {
     return contact_.cross(at_[point], end_mm, shape_[point], faces, &known_[point]);
   }
   void enter(std::size_t point, int shape);
-  bool try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all);
-  const ContactVolume& contact_;
+  bool try_pose(Vec3 tip_mm, const Mat3& frame, const contact::TouchableFaces& faces, bool all);
+  const contact::ContactVolume& contact_;
   std::vector<Vec3> points_mm_;
   Vec3 tip_mm_, to_mm_;
   Mat3 frame_, to_frame_;
   std::vector<Vec3> at_, end_, arm_, tried_;
   std::vector<std::uint8_t> shape_, tried_shape_;
-  std::vector<Contact> met_;
-  std::vector<ContactBox> known_;
+  std::vector<contact::Contact> met_;
+  std::vector<contact::ContactBox> known_;
   double together_mm_;
   std::size_t barred_ = 0;  // the point that place() found last
   std::uint64_t looked_at_ = 0;
   int first_ = 0;  // the point that collided last: it is walked first, and other points only as far as its contact
 };
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "haptics/tool.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 ToolKind& ToolKind::shaped(ToolParams::Tip its_tip, double diameter, double length, double spacing) {
   tip = its_tip;
@@ -100,4 +100,4 @@ const char* tool_help() {
   return help.c_str();
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -4,7 +4,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::haptics {
 
 /// The vector turned about a unit axis, right-handed (Rodrigues' formula).
 inline Vec3 turned_about(Vec3 v, Vec3 unit, double rad) {
@@ -12,4 +12,4 @@ inline Vec3 turned_about(Vec3 v, Vec3 unit, double rad) {
   return v * c + cross(unit, v) * std::sin(rad) + unit * (dot(unit, v) * (1 - c));
 }
 
-}  // namespace trephine
+}  // namespace trephine::haptics

@@ -14,7 +14,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr std::size_t participant_at = 0, module_at = 1, recording_at = 4, rubric_at = 5;
@@ -165,4 +165,4 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
   return attempt;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,7 +8,7 @@
 #include "lessons/lesson_type.h"
 #include "lessons/score_report.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The columns of a log of attempts with one line of help each, in their order (docs/lessons.md): those of every
 /// lesson, the rows, and the module's own. A name ends in its unit; what was not judged or never happened is empty.
@@ -24,4 +24,4 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
 int log_attempt(const std::filesystem::path& file, const ReportHead& head, const LessonFacts& facts,
                 const LessonScore& score);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

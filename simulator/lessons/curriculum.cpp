@@ -10,7 +10,7 @@
 #include "cases/case.h"
 #include "lesson/approval.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,11 +36,11 @@ std::string chance_of(const CurriculumCase& c, const CurriculumParams& params) {
 }
 
 std::string why_left_out(const fs::path& folder, const LessonType& module, CurriculumCase& out) {
-  const std::optional<CaseApproval> approval = read_approval(folder);
+  const std::optional<lesson::CaseApproval> approval = lesson::read_approval(folder);
   if (!approval) return "not approved";
   if (!approval->holds) return "changed since " + approval->by + " approved it";
   const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
-  const CaseManifest m = parse_case_json({bytes.data(), bytes.size()});
+  const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
   for (const auto& [name, value] : m.figures)
     if (const std::string* text = std::get_if<std::string>(&value); text && name == "class") out.patient_class = *text;
   module.require(m);
@@ -130,4 +130,4 @@ std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& c
   return plan;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

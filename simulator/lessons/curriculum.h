@@ -8,7 +8,7 @@
 #include "base/params.h"
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// Which cases of a library a participant exercises on, and in what order.
 struct CurriculumParams {
@@ -64,4 +64,4 @@ std::string assigned_task(const CurriculumCase& one, const CurriculumParams& par
 std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,
                                             const LessonType& module);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <vector>
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
-constexpr std::size_t least_voxels = 4;  // of a hole: fewer are a scratch
-constexpr double beside_mm = 2;          // of the axis: where the tables are looked for
+constexpr std::size_t min_voxels = 4;  // of a hole: fewer are a scratch
+constexpr double beside_mm = 2;        // of the axis: where the tables are looked for
 
 using Voxel = std::array<int, 3>;
 
 // A box of flags.
 struct Flags {
-  explicit Flags(const Box& b) : box(b) {
+  explicit Flags(const grid::Box& b) : box(b) {
     std::size_t n = 1;
     for (std::size_t a = 0; a < 3; ++a) n *= std::size_t(std::max(0, b.end[a] - b.begin[a]));
     on.assign(n, 0);
@@ -30,18 +30,20 @@ struct Flags {
     return on[(std::size_t(v[2] - box.begin[2]) * ny + std::size_t(v[1] - box.begin[1])) * nx +
               std::size_t(v[0] - box.begin[0])];
   }
-  Box box;
+  grid::Box box;
   std::vector<std::uint8_t> on;
 };
 
 template <class F>
-void for_each(const Box& box, F f) {
+void for_each(const grid::Box& box, F f) {
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
       for (int i = box.begin[0]; i < box.end[0]; ++i) f(Voxel{i, j, k});
 }
 
-Vec3 centre_of(const Lattice& l, const Voxel& v) { return l.to_world_mm({double(v[0]), double(v[1]), double(v[2])}); }
+Vec3 centre_of(const grid::Lattice& l, const Voxel& v) {
+  return l.to_world_mm({double(v[0]), double(v[1]), double(v[2])});
+}
 
 // Groups of removed voxels that touch.
 std::vector<std::vector<Voxel>> groups_of(Flags& removed) {
@@ -57,20 +59,20 @@ std::vector<std::vector<Voxel>> groups_of(Flags& removed) {
         removed.at(v) = 2;
         group.push_back(v);
       }
-    if (group.size() >= least_voxels) all.push_back(std::move(group));
+    if (group.size() >= min_voxels) all.push_back(std::move(group));
   });
   return all;
 }
 
 // Whether the ball's middle gets from above `top` to below `bottom` along the hole's axis.
-bool passes(const HapticVolume& now, const HapticDecoder& decoder, const std::vector<Voxel>& hole,
+bool passes(const voxel::HapticVolume& now, const voxel::HapticDecoder& decoder, const std::vector<Voxel>& hole,
             const BoneHole& found, const HoleSearch& search) {
-  const Lattice& l = now.voxels;
+  const grid::Lattice& l = now.voxels;
   const double radius = 0.5 * search.ball_mm;
   const double side = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   const int margin = int(std::ceil(2 * radius / side)) + 2;
   double wide = 0;
-  Box box;
+  grid::Box box;
   box.begin = box.end = hole[0];
   for (const Voxel& v : hole) {
     const Vec3 d = centre_of(l, v) - found.outer_mm;
@@ -80,7 +82,7 @@ bool passes(const HapticVolume& now, const HapticDecoder& decoder, const std::ve
       box.end[a] = std::max(box.end[a], v[a] + 1);
     }
   }
-  box = grown(box, margin, l);
+  box = grid::grown(box, margin, l);
   const double top = 0.5 * side, bottom = dot(found.inner_mm - found.outer_mm, found.out) - 0.5 * side;
   Flags shut(box);
   std::vector<Voxel> near;
@@ -91,7 +93,7 @@ bool passes(const HapticVolume& now, const HapticDecoder& decoder, const std::ve
     const Vec3 mm{v[0] * l.spacing_mm.x, v[1] * l.spacing_mm.y, v[2] * l.spacing_mm.z};
     if (norm(mm) < radius) near.push_back(v);
   }
-  for_each(grown(box, reach, l), [&](const Voxel& v) {
+  for_each(grid::grown(box, reach, l), [&](const Voxel& v) {
     if (decoder.occupancy(search.bone, v[0], v[1], v[2]) < 0.5) return;
     for (const Voxel& d : near)
       if (const Voxel to{v[0] + d[0], v[1] + d[1], v[2] + d[2]}; shut.holds(to)) shut.at(to) = 1;
@@ -121,11 +123,11 @@ bool passes(const HapticVolume& now, const HapticDecoder& decoder, const std::ve
 
 }  // namespace
 
-std::optional<BoneHole> find_drilled_hole(const HapticVolume& before, const HapticVolume& now,
+std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
                                           const HoleSearch& search) {
-  const Lattice& l = before.voxels;
-  const HapticDecoder was(before), is(now);
-  Flags removed(search.box.empty() ? whole_box(l) : grown(search.box, 0, l));
+  const grid::Lattice& l = before.voxels;
+  const voxel::HapticDecoder was(before), is(now);
+  Flags removed(search.box.empty() ? grid::whole_box(l) : grid::grown(search.box, 0, l));
   for_each(removed.box, [&](const Voxel& v) {
     const std::size_t at = l.index(v[0], v[1], v[2]);
     if (before.voxels.voxels[at] == __atomic_load_n(&now.voxels.voxels[at], __ATOMIC_RELAXED)) return;
@@ -172,9 +174,9 @@ std::optional<BoneHole> find_drilled_hole(const HapticVolume& before, const Hapt
   return hole;
 }
 
-std::optional<BoneHole> find_case_hole(const CaseManifest& manifest, const std::optional<Vec3>& near_mm) {
-  const CaseBurrHole* best = nullptr;
-  for (const CaseBurrHole& b : manifest.burr_holes)
+std::optional<BoneHole> find_case_hole(const cases::CaseManifest& manifest, const std::optional<Vec3>& near_mm) {
+  const cases::CaseBurrHole* best = nullptr;
+  for (const cases::CaseBurrHole& b : manifest.burr_holes)
     if (!best || (near_mm && norm(b.position_mm - *near_mm) < norm(best->position_mm - *near_mm))) best = &b;
   if (!best) return {};
   BoneHole hole;
@@ -188,4 +190,4 @@ std::optional<BoneHole> find_case_hole(const CaseManifest& manifest, const std::
   return hole;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 #include "voxel/decode.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A hole in the bone, LPS, mm.
 struct BoneHole {
@@ -20,7 +20,7 @@ struct BoneHole {
 struct HoleSearch {
   int bone = 0;                 ///< the shape that was drilled
   double ball_mm = 2.5;         ///< diameter of what must pass
-  Box box;                      ///< where something may have been removed; all of the volume where it is empty
+  grid::Box box;                ///< where something may have been removed; all of the volume where it is empty
   Vec3 out{0, 0, 1};            ///< about the direction out of the head
   std::optional<Vec3> near_mm;  ///< of several holes the nearest to this; else the largest
 };
@@ -31,10 +31,10 @@ struct HoleSearch {
 /// A ball passes where its middle gets from above the outer table to below the inner one over voxel centres that are at
 /// least its radius from every voxel of bone: a hole that is up to a voxel wider than the ball may be called shut, none
 /// that is narrower is called open.
-std::optional<BoneHole> find_drilled_hole(const HapticVolume& before, const HapticVolume& now,
+std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
                                           const HoleSearch& search);
 
 /// The case's burr hole, drilled beforehand, that is nearest to the point.
-std::optional<BoneHole> find_case_hole(const CaseManifest& manifest, const std::optional<Vec3>& near_mm);
+std::optional<BoneHole> find_case_hole(const cases::CaseManifest& manifest, const std::optional<Vec3>& near_mm);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,18 +5,18 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
-[[noreturn]] void refuse(const ServoFrame& f, const std::string& what) {
+[[noreturn]] void refuse(const haptics::ServoFrame& f, const std::string& what) {
   throw Error(ExitCode::bad_input, "", "frames", fmt::format("tick {}, {:.2f} s: {}", f.tick, f.time_s, what));
 }
 
 }  // namespace
 
-void HandLimits::look(const ServoFrame& f, const ToolBelt& belt) {
+void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
-  if (belt.paused() || (f.buttons & haptic_button::lifted)) {
+  if (belt.paused() || (f.buttons & haptics::haptic_button::lifted)) {
     away_ = true;
     moments_.clear();
     return;
@@ -37,7 +37,7 @@ void HandLimits::look(const ServoFrame& f, const ToolBelt& belt) {
   look_at_speed(f);
 }
 
-void HandLimits::look_at_speed(const ServoFrame& f) {
+void HandLimits::look_at_speed(const haptics::ServoFrame& f) {
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
   moments_.push_back({f.time_s, tip});
   while (moments_.size() > 3 && moments_[1].time_s <= f.time_s - 2 * hand_window_s) moments_.pop_front();
@@ -58,4 +58,4 @@ void HandLimits::look_at_speed(const ServoFrame& f) {
                           max_hand_m_per_s2));
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

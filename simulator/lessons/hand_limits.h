@@ -7,7 +7,7 @@
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// What a hand can do with a tool, by its mean over hand_window_s: a fast reach has about 2 m/s and 50 m/s2. A move
 /// that is above is no hand's: the lesson is not judged.
@@ -18,20 +18,20 @@ constexpr double max_hand_m_per_s = 4, max_hand_m_per_s2 = 150, hand_window_s = 
 class HandLimits {
  public:
   /// `contact` as it is cut while the frames are followed; it must outlive this.
-  explicit HandLimits(const ContactVolume& contact) : contact_(contact) {}
+  explicit HandLimits(const contact::ContactVolume& contact) : contact_(contact) {}
   /// Before the belt follows the frame, and after: `belt` as it then is. Throws Error 65 with the field `frames`.
-  void look(const ServoFrame& frame, const ToolBelt& belt);
+  void look(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
 
  private:
-  void look_at_speed(const ServoFrame& f);
+  void look_at_speed(const haptics::ServoFrame& f);
   struct Moment {
     double time_s;
     Vec3 tip_mm;
   };
-  const ContactVolume& contact_;
+  const contact::ContactVolume& contact_;
   std::deque<Moment> moments_;  // of two windows
   bool away_ = true;            // not begun, lifted or paused
   int tool_ = -1, inside_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 const char* name_of(LessonEnd end) {
   return end == LessonEnd::finished ? "finished" : end == LessonEnd::device_lost ? "device lost" : "not finished";
@@ -14,7 +14,7 @@ const char* name_of(LessonEnd end) {
 
 double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
-void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
+void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
   LessonFacts& facts = noted();
   if (facts.end != LessonEnd::running) return;
   if (!begun_) {
@@ -23,8 +23,8 @@ void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
     begin(f, belt);
   }
   facts.end_s = f.time_s;
-  const int now = belt_button::command(f.buttons);
-  const bool fresh = now != belt_button::command(buttons_);
+  const int now = haptics::belt_button::command(f.buttons);
+  const bool fresh = now != haptics::belt_button::command(buttons_);
   buttons_ = f.buttons;
   facts.most_force_n = std::max(facts.most_force_n, norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]}));
   if (f.faults != 0) {
@@ -36,9 +36,9 @@ void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
     facts.paused_s += f.dt_s;
   }
   was_paused_ = belt.paused();
-  tick(f, belt, !belt.paused() && (f.buttons & belt_button::pedal));
+  tick(f, belt, !belt.paused() && (f.buttons & haptics::belt_button::pedal));
   if (!fresh) return;
-  if (now != belt_command::finish) {
+  if (now != haptics::belt_command::finish) {
     if (!belt.paused()) command(now, f, belt);
     return;
   }
@@ -46,4 +46,4 @@ void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
   close();
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 enum class LessonEnd { running, finished, device_lost };
 const char* name_of(LessonEnd end);
@@ -30,7 +30,7 @@ class Lesson {
   /// What was asked for: LessonTask::name.
   void set_task(const std::string& task) { noted().task = task; }
   /// After each tick, with the tools as they are then.
-  void watch(const ServoFrame& frame, const ToolBelt& belt);
+  void watch(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
   /// At the end of the frames: closes what is open. Nothing is watched afterwards.
   virtual void close() = 0;
   virtual const LessonFacts& facts() const = 0;
@@ -39,15 +39,15 @@ class Lesson {
  protected:
   virtual LessonFacts& noted() = 0;
   /// The first tick, before anything else of it.
-  virtual void begin(const ServoFrame&, const ToolBelt&) {}
+  virtual void begin(const haptics::ServoFrame&, const haptics::ToolBelt&) {}
   /// A tick that the lesson's clock counts or, while paused, does not; `pedal` is never down while paused.
-  virtual void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) = 0;
+  virtual void tick(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, bool pedal) = 0;
   /// A command in the tick in which it is new, after that tick(); not while paused, and not `finish`.
-  virtual void command(int, const ServoFrame&, const ToolBelt&) {}
+  virtual void command(int, const haptics::ServoFrame&, const haptics::ToolBelt&) {}
 
  private:
   bool begun_ = false, was_paused_ = false;
   std::uint32_t buttons_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

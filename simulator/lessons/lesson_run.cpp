@@ -11,13 +11,13 @@
 #include "lesson/approval.h"
 #include "lessons/hand_limits.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr std::uint64_t ticks_at_once = 4096;
 
-RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
-  RecordingHeader h = felt.header();
+haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOptions& o) {
+  haptics::RecordingHeader h = felt.header();
   h.device = "script";
   h.rate_hz = o.servo.rate_hz;
   h.contact = o.contact;
@@ -25,7 +25,8 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   h.shaft = o.shaft;
   h.drilling = o.drilling;
   h.law = o.law;
-  set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant, felt.loaded.manifest.haptic);
+  session::set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant,
+                      felt.loaded.manifest.haptic);
   h.task = o.task.empty() ? o.script.task : o.task;
   const LessonType& type = lesson_type(o.script.module);
   if (!h.task.empty())
@@ -36,9 +37,9 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
 }
 
 /// A frame is followed, not felt anew, so what it says must be possible.
-void require_followable(const ServoFrame& f, const std::string& file) {
+void require_followable(const haptics::ServoFrame& f, const std::string& file) {
   const auto finite = [](const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
-  const auto is_shape = [](std::int32_t n) { return n >= 0 && n <= haptic_max_shapes; };
+  const auto is_shape = [](std::int32_t n) { return n >= 0 && n <= voxel::haptic_max_shapes; };
   if (!finite(f.tip_mm) || !finite(f.axis) || !finite(f.proxy_mm) || !finite(f.force_n) || !std::isfinite(f.time_s) ||
       !(f.dt_s > 0 && f.dt_s < 1e6) || !is_shape(f.touched) || !is_shape(f.inside))
     throw Error(ExitCode::bad_input, file, "frames", "tick " + std::to_string(f.tick) + " holds what no session makes");
@@ -46,23 +47,24 @@ void require_followable(const ServoFrame& f, const std::string& file) {
 
 }  // namespace
 
-LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
-  validate_token(o.participant, "--participant");
-  const CaseManifest& manifest = felt.loaded.manifest;
+LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
+  lesson::validate_token(o.participant, "--participant");
+  const cases::CaseManifest& manifest = felt.loaded.manifest;
   const LessonType& module = lesson_type(o.script.module);
   module.require(manifest);  // refused here rather than by the scorer
   LessonResult result;
-  RecordingHeader& header = result.recording.header;
+  haptics::RecordingHeader& header = result.recording.header;
   header = header_of(felt, o);
-  ContactVolume contact(felt.loaded.haptic, o.contact);
-  const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
-  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get(), header.in_open);
-  ScriptedHand hand(o.hand,
-                    module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest.haptic)}, o.aim));
-  FrameQueue queue(ticks_at_once);
-  ServoParams params = o.servo;
+  contact::ContactVolume contact(felt.loaded.haptic, o.contact);
+  const std::unique_ptr<haptics::Drilling> drilling = felt.drilling_of(header, contact);
+  haptics::ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get(), header.in_open);
+  ScriptedHand hand(
+      o.hand,
+      module.plan(o.script, {manifest, contact, header.tools, haptics::drilled_shapes(manifest.haptic)}, o.aim));
+  haptics::FrameQueue queue(ticks_at_once);
+  haptics::ServoParams params = o.servo;
   params.paced = params.realtime = false;
-  Servo servo(belt, hand, params, &queue);
+  haptics::Servo servo(belt, hand, params, &queue);
   const auto begin = std::chrono::steady_clock::now();
   const auto most = std::uint64_t(std::max(1.0, std::round(o.most_s * o.servo.rate_hz)));
   while (!hand.done() && servo.statistics().ticks < most) {
@@ -70,42 +72,42 @@ LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomi
     servo.run(std::min(ticks_at_once, most - servo.statistics().ticks), hand.done());
     queue.drain(result.recording.frames);
   }
-  if (drilling) header.outcome = outcome_of(felt.loaded.haptic, drilling->outcome());
+  if (drilling) header.outcome = haptics::outcome_of(felt.loaded.haptic, drilling->outcome());
   result.statistics = servo.statistics();
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
 
-std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
-                                                      const Recording& recording) {
-  const RecordingHeader& h = recording.header;
+std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, const std::string& file,
+                                                      const haptics::Recording& recording) {
+  const haptics::RecordingHeader& h = recording.header;
   if (h.lesson.empty()) throw Error(ExitCode::bad_input, file, "lesson", "is missing: this is no lesson's recording");
   const LessonType& module = *with_file(file, [&] { return &lesson_type(h.lesson); });
-  if (const std::uint64_t missing = missing_frames(recording.frames); missing > 0 || recording.frames.empty())
+  if (const std::uint64_t missing = haptics::missing_frames(recording.frames); missing > 0 || recording.frames.empty())
     throw Error(ExitCode::bad_input, file, "frames",
                 recording.frames.empty() ? "there are none"
                                          : std::to_string(missing) + " were not recorded: it cannot be judged");
   if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
   if (!h.task.empty()) with_file(file, [&] { task_of(module, felt.loaded.manifest, h.task); });
-  for (const ServoFrame& f : recording.frames) require_followable(f, file);
-  const HapticVolume before = copy_without_hardness(felt.loaded.haptic);
-  ContactVolume contact(felt.loaded.haptic, h.contact);
-  Rerun rerun(felt, contact, file, h);
-  ToolBelt& belt = *rerun.belt();
+  for (const haptics::ServoFrame& f : recording.frames) require_followable(f, file);
+  const voxel::HapticVolume before = voxel::copy_without_hardness(felt.loaded.haptic);
+  contact::ContactVolume contact(felt.loaded.haptic, h.contact);
+  session::Rerun rerun(felt, contact, file, h);
+  haptics::ToolBelt& belt = *rerun.belt();
   const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
   lesson->set_task(h.task);
   HandLimits limits(contact);
-  for (const ServoFrame& f : recording.frames) {
-    belt.follow(input_of(f, h.rate_hz), state_of(f));
+  for (const haptics::ServoFrame& f : recording.frames) {
+    belt.follow(haptics::input_of(f, h.rate_hz), haptics::state_of(f));
     with_file(file, [&] { limits.look(f, belt); });
     lesson->watch(f, belt);
   }
   lesson->close();
-  if (h.outcome && rerun.drilling() && volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
+  if (h.outcome && rerun.drilling() && haptics::volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when the session is followed",
                   {"follow it with the version of the program that recorded it, or do the `lesson` anew"})
         .in_file(file);
   return lesson->copy_of_facts();
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

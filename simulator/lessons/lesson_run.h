@@ -9,38 +9,38 @@
 #include "lessons/lesson_type.h"
 #include "session/felt_case.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 struct LessonOptions {
   LessonScript script;
-  HandParams hand;
+  device::HandParams hand;
   ScriptAim aim;
-  ServoParams servo;  ///< paced and realtime are ignored: a scripted hand has a time of its own
-  ContactParams contact;
-  ForceParams force;
-  ShaftParams shaft;
-  DrillingParams drilling;  ///< `drill` is set where the case has bone to be drilled
-  DrillParams law;
+  haptics::ServoParams servo;  ///< paced and realtime are ignored: a scripted hand has a time of its own
+  contact::ContactParams contact;
+  haptics::ForceParams force;
+  haptics::ShaftParams shaft;
+  haptics::DrillingParams drilling;  ///< `drill` is set where the case has bone to be drilled
+  drill::DrillParams law;
   std::string participant = "anonymous";
   std::string task;      ///< what is asked for; empty: what the script says, else what is usual in the case
   double most_s = 7200;  ///< of the lesson's time; then it ends unfinished
 };
 
 struct LessonResult {
-  Recording recording;
-  ServoStatistics statistics;
+  haptics::Recording recording;
+  haptics::ServoStatistics statistics;
   double wall_s = 0;
 };
 
 /// Does the script in the case, through the servo loop as fast as it goes, and returns the recording as it would be
 /// read from a file. The case's haptic volume is drilled. Throws as the module does, and ToolBelt;
 /// Cancelled through `stop`: what was done until then is lost.
-LessonResult run_lesson(FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
+LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
 
 /// What happened in a recorded lesson: the recorded answers are followed, and what the tools cut is cut again. `felt`
 /// must be as loaded; its volume is drilled. Throws Error 65 where the recording is no lesson, or one that is not
 /// known, 80 where it leaves another volume than it says.
-std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
-                                                      const Recording& recording);
+std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, const std::string& file,
+                                                      const haptics::Recording& recording);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,7 +8,7 @@
 #include "json/declared_json.h"
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own) {
   std::vector<StepChoice> all = {script_step<TakeStep>("take", "Changes the tool.")};
@@ -35,7 +35,7 @@ std::vector<StepChoice> LessonScript::steps_of_all() {
 
 LessonScript parse_lesson_script(const std::string& json) {
   LessonScript script;
-  read_declared_json(json, parameters_of<LessonScript>(), &script);
+  json::read_declared_json(json, parameters_of<LessonScript>(), &script);
   const LessonType& module = lesson_type(script.module);
   for (std::size_t n = 0; n < script.steps.size(); ++n) {
     const std::string& name = script.steps[n].first;
@@ -53,4 +53,4 @@ LessonScript read_lesson_script(const std::filesystem::path& file) {
   });
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

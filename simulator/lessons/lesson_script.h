@@ -6,7 +6,7 @@
 
 #include "base/params.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A lesson as a simulated hand is to do it: a JSON file of steps (docs/lessons.md).
 
@@ -94,4 +94,4 @@ std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own);
 LessonScript read_lesson_script(const std::filesystem::path& file);
 LessonScript parse_lesson_script(const std::string& json);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

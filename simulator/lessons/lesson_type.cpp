@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/text.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 const LessonType& lesson_type(const std::string& name) {
   for (const LessonType& m : lesson_types())
@@ -12,7 +12,7 @@ const LessonType& lesson_type(const std::string& name) {
   throw Error(ExitCode::bad_input, "", "lesson", printable(name) + " is not known");
 }
 
-LessonTask task_of(const LessonType& type, const CaseManifest& manifest, const std::string& name) {
+LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name) {
   std::string known;
   for (const LessonTask& t : type.tasks(manifest)) {
     if (t.name == name) return t;
@@ -29,4 +29,4 @@ std::vector<std::string> lesson_names() {
   return names;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

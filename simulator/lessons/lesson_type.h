@@ -11,7 +11,7 @@
 #include "lessons/lesson.h"
 #include "lessons/scripted_hand.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 struct LessonScore;
 struct ReportHead;
@@ -51,21 +51,21 @@ struct LessonXray {
   struct Pose {
     std::string view;
     double orbit_deg = 0, tilt_deg = 0;
-    CArmParams arm;
+    fluoro::CArmParams arm;
   };
   Pose now;
   bool on = false;
   double exposure_s = 0;
   std::size_t shots_count = 0;
   Pose seen;  ///< as the last picture was taken, and the metal in it; where there was a shot
-  std::vector<MetalRod> metal;
+  std::vector<fluoro::MetalRod> metal;
 };
 
 /// X-rays that were on without a break, as its review shows them: what was seen at their end.
 struct LessonShot {
   double begin_s = 0, end_s = 0;
   LessonXray::Pose seen;
-  std::vector<MetalRod> metal;
+  std::vector<fluoro::MetalRod> metal;
 };
 
 /// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
@@ -82,18 +82,21 @@ struct LessonType {
   std::vector<std::string> classes;
 
   /// Throws Error 65 where the case holds no such lesson.
-  std::function<void(const CaseManifest&)> require;
-  std::function<std::vector<BeltToolParams>()> tools;
+  std::function<void(const cases::CaseManifest&)> require;
+  std::function<std::vector<haptics::BeltToolParams>()> tools;
   /// What may be asked for in this case; the first is the usual one. None: the case holds no task.
-  std::function<std::vector<LessonTask>(const CaseManifest&)> tasks;
+  std::function<std::vector<LessonTask>(const cases::CaseManifest&)> tasks;
   /// What a script asks of the hand; throws Error 65 naming the step.
   std::function<std::vector<HandMove>(const LessonScript&, const ScriptScene&, const ScriptAim&)> plan;
   /// `before` is the volume as the lesson began; all three must outlive the lesson.
-  std::function<std::unique_ptr<Lesson>(const CaseManifest&, const HapticVolume& before, const HapticVolume& now)>
+  std::function<std::unique_ptr<Lesson>(const cases::CaseManifest&, const voxel::HapticVolume& before,
+                                        const voxel::HapticVolume& now)>
       begin;
   /// Pure: the same facts, case, volume as the lesson began, and rubric give the same rows. (The haptic volume of the
   /// case itself may have been cut since.)
-  std::function<LessonScore(const LessonFacts&, const LoadedCase&, const HapticVolume& before, const AnyParams&)> score;
+  std::function<LessonScore(const LessonFacts&, const cases::LoadedCase&, const voxel::HapticVolume& before,
+                            const AnyParams&)>
+      score;
 
   /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
   /// what a marker drew and nobody erased. Each may be empty.
@@ -102,9 +105,9 @@ struct LessonType {
   std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
   /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
-  std::function<LessonXray(const Lesson&, const CaseManifest&)> xray;
+  std::function<LessonXray(const Lesson&, const cases::CaseManifest&)> xray;
   /// And all that was seen, in the order of time.
-  std::function<std::vector<LessonShot>(const LessonFacts&, const CaseManifest&)> shots;
+  std::function<std::vector<LessonShot>(const LessonFacts&, const cases::CaseManifest&)> shots;
   /// 1: the tool is shown in green, as it succeeded; -1: in red, as it failed; 0: neither. By the lesson's rubric.
   std::function<int(const LessonFacts&, const AnyParams& rubric)> verdict;
 
@@ -112,7 +115,7 @@ struct LessonType {
   /// and the page's pictures as HTML.
   std::function<nlohmann::ordered_json(const LessonFacts&)> facts_json;
   std::function<std::string(const LessonFacts&, const LessonScore&)> outcome, headline;
-  std::function<std::string(const LessonFacts&, const LoadedCase&)> pictures;
+  std::function<std::string(const LessonFacts&, const cases::LoadedCase&)> pictures;
 };
 
 /// All of them, by name of their source.
@@ -120,8 +123,8 @@ const std::vector<LessonType>& lesson_types();
 /// Throws Error 65 with the field `lesson` where there is none of that name.
 const LessonType& lesson_type(const std::string& name);
 /// The task of that name; throws Error 65 with the field `task` where the case holds no such task.
-LessonTask task_of(const LessonType& type, const CaseManifest& manifest, const std::string& name);
+LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name);
 /// The values of --module.
 std::vector<std::string> lesson_names();
 
-}  // namespace trephine
+}  // namespace trephine::lessons

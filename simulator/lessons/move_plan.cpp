@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/splitmix64.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double air_speed = 250;  // mm/s
@@ -25,12 +25,12 @@ Vec3 AimMiss::operator()(Vec3 p) {
   return p;
 }
 
-std::optional<Vec3> find_case_place(const CaseManifest& manifest, const std::string& name, std::string& known) {
-  for (const CaseTarget& t : manifest.targets)
+std::optional<Vec3> find_case_place(const cases::CaseManifest& manifest, const std::string& name, std::string& known) {
+  for (const cases::CaseTarget& t : manifest.targets)
     if (t.name == name) return t.position_mm;
-  for (const CaseBurrHole& b : manifest.burr_holes)
+  for (const cases::CaseBurrHole& b : manifest.burr_holes)
     if (b.name == name) return b.position_mm;
-  for (const CaseLandmark& l : manifest.landmarks) {
+  for (const cases::CaseLandmark& l : manifest.landmarks) {
     if (l.name == name) return l.position_mm;
     known += (known.empty() ? "" : ", ") + l.name;
   }
@@ -94,8 +94,8 @@ void MovePlan::step(const std::string& name, const AnyParams& params) {
     m.lost = true;
     return add(m);
   }
-  for (m.command = 1; m.command < belt_command::count; ++m.command)
-    if (name == belt_command::names[m.command]) return add(m);
+  for (m.command = 1; m.command < haptics::belt_command::count; ++m.command)
+    if (name == haptics::belt_command::names[m.command]) return add(m);
   throw Error(ExitCode::internal, "", name, "is a step that nobody plans");
 }
 
@@ -114,4 +114,4 @@ std::vector<HandMove> plan_steps(const LessonScript& script, MovePlan& plan) {
   return std::move(plan).moves();
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 
 #include "lessons/scripted_hand.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// How a hand errs: each place is missed by a normal distance along each axis.
 class AimMiss {
@@ -20,7 +20,7 @@ class AimMiss {
 };
 
 /// The case's target, burr hole or landmark of that name; nothing, and all names in `known`, where it has none.
-std::optional<Vec3> find_case_place(const CaseManifest& manifest, const std::string& name, std::string& known);
+std::optional<Vec3> find_case_place(const cases::CaseManifest& manifest, const std::string& name, std::string& known);
 
 /// The movements of a script, step by step, of which every lesson has some: take, withdraw, wait, commands, and the
 /// loss of the device. A module's planner derives from it.
@@ -52,4 +52,4 @@ class MovePlan {
 /// Lets the plan do the steps of the script. Throws Error 65, naming the step.
 std::vector<HandMove> plan_steps(const LessonScript& script, MovePlan& plan);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

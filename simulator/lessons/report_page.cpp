@@ -10,7 +10,7 @@
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 using detail::escaped;
@@ -51,7 +51,7 @@ std::string rows_html(const LessonScore& score) {
     for (const auto& [name, l] : row.limits)
       limits +=
           fmt::format("<span title=\"{}\">{} {:g} {} <b>{}</b></span><br>", escaped(l.why), escaped(title_of(name)),
-                      l.limit, unit_of(name), l.from == RubricLimit::From::thesis ? "thesis" : "ours");
+                      l.limit, unit_of(name), l.from == lesson::RubricLimit::From::thesis ? "thesis" : "ours");
     out +=
         fmt::format("<tr><td><b>{}</b><br>{}<td class=\"score\">{}<td>{}<td class=\"faint\">{}<td>{}</tr>\n",
                     escaped(row.title), escaped(row.why), row.score ? fmt::format("{} / 5", *row.score) : "not judged",
@@ -61,9 +61,9 @@ std::string rows_html(const LessonScore& score) {
 }
 
 // The size of the force, the largest of each piece of time, with the tool in hand behind it.
-std::string forces_html(const LessonScore& score, const Recording& recording) {
+std::string forces_html(const LessonScore& score, const haptics::Recording& recording) {
   constexpr double width = 900, height = 160, left = 30;
-  const std::vector<ServoFrame>& frames = recording.frames;
+  const std::vector<haptics::ServoFrame>& frames = recording.frames;
   const double begin = frames.front().time_s, length = std::max(1e-9, frames.back().time_s - begin);
   const double most = recording.header.force.max_force_n;
   const auto x = [&](double time_s) { return left + (width - left) * (time_s - begin) / length; };
@@ -74,7 +74,7 @@ std::string forces_html(const LessonScore& score, const Recording& recording) {
   double piece = 0;
   std::size_t last = 0, from = 0;
   for (std::size_t n = 0; n < frames.size(); ++n) {
-    const ServoFrame& f = frames[n];
+    const haptics::ServoFrame& f = frames[n];
     piece = std::max(
         piece, std::sqrt(f.force_n[0] * f.force_n[0] + f.force_n[1] * f.force_n[1] + f.force_n[2] * f.force_n[2]));
     if (x(f.time_s) - x(frames[last].time_s) >= 0.75 || n + 1 == frames.size()) {
@@ -82,9 +82,9 @@ std::string forces_html(const LessonScore& score, const Recording& recording) {
       piece = 0;
       last = n;
     }
-    const bool other = belt_button::tool(f.buttons) != belt_button::tool(frames[from].buttons);
+    const bool other = haptics::belt_button::tool(f.buttons) != haptics::belt_button::tool(frames[from].buttons);
     if (other || n + 1 == frames.size()) {
-      const int tool = belt_button::tool(frames[from].buttons);
+      const int tool = haptics::belt_button::tool(frames[from].buttons);
       const std::string name =
           std::size_t(tool) < recording.header.tools.size() ? recording.header.tools[std::size_t(tool)].name : "";
       out += fmt::format(
@@ -112,7 +112,7 @@ std::string forces_html(const LessonScore& score, const Recording& recording) {
 }  // namespace
 
 std::string report_page(const ReportHead& head, const LessonFacts& facts, const LessonScore& score,
-                        const Recording& recording, const LoadedCase& loaded) {
+                        const haptics::Recording& recording, const cases::LoadedCase& loaded) {
   const LessonType& module = lesson_type(head.module);
   const ScoreSum sum = sum_of(score);
   std::string out = fmt::format(
@@ -140,4 +140,4 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

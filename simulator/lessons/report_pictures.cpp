@@ -10,7 +10,7 @@
 #include "base/base64.h"
 #include "fluoro/fluoroscope.h"
 
-namespace trephine::detail {
+namespace trephine::lessons::detail {
 namespace {
 
 constexpr int pixels = 160;  // of a mm
@@ -23,7 +23,7 @@ struct Plane {
 const std::array<Plane, 3> planes{
     {{"axial", {1, 0, 0}, {0, 1, 0}}, {"coronal", {1, 0, 0}, {0, 0, -1}}, {"sagittal", {0, 1, 0}, {0, 0, -1}}}};
 
-double hu_at(const Grid<std::int16_t>& ct, Vec3 world_mm) {
+double hu_at(const grid::Grid<std::int16_t>& ct, Vec3 world_mm) {
   const Vec3 p = ct.to_index(world_mm);
   const int i = int(std::floor(p.x)), j = int(std::floor(p.y)), k = int(std::floor(p.z));
   if (!ct.contains(i, j, k) || !ct.contains(i + 1, j + 1, k + 1)) return -1000;
@@ -36,7 +36,7 @@ double hu_at(const Grid<std::int16_t>& ct, Vec3 world_mm) {
   return sum;
 }
 
-std::string picture_of(const Grid<std::int16_t>& ct, Vec3 middle, const Plane& plane, const PictureWindow& w) {
+std::string picture_of(const grid::Grid<std::int16_t>& ct, Vec3 middle, const Plane& plane, const PictureWindow& w) {
   std::vector<std::uint8_t> grey(std::size_t(pixels) * pixels);
   for (int y = 0; y < pixels; ++y)
     for (int x = 0; x < pixels; ++x) {
@@ -44,7 +44,7 @@ std::string picture_of(const Grid<std::int16_t>& ct, Vec3 middle, const Plane& p
       const double share = (hu_at(ct, p) - w.low_hu) / (w.high_hu - w.low_hu);
       grey[std::size_t(y * pixels + x)] = std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0)));
     }
-  return "data:image/png;base64," + base64(grey_png(pixels, pixels, grey));
+  return "data:image/png;base64," + base64(fluoro::grey_png(pixels, pixels, grey));
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
+std::string slices_html(const cases::LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
                         const PictureWindow& window) {
   std::string out = "<div class=\"slices\">\n";
   for (const Plane& plane : planes) {
@@ -98,4 +98,4 @@ std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vecto
   return out + "</div>\n";
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::lessons::detail

@@ -5,7 +5,7 @@
 
 #include "cases/load_case.h"
 
-namespace trephine::detail {
+namespace trephine::lessons::detail {
 
 /// A way, a ring or a dot in a picture.
 struct PictureMark {
@@ -18,10 +18,10 @@ struct PictureWindow {
   double low_hu = -20, high_hu = 120;
 };
 /// Three slices of the CT through the point, 160 mm wide, with the marks projected onto them, as HTML.
-std::string slices_html(const LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks,
+std::string slices_html(const cases::LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks,
                         const PictureWindow& window = {});
 
 /// Text without what HTML takes for its own.
 std::string escaped(const std::string& text);
 
-}  // namespace trephine::detail
+}  // namespace trephine::lessons::detail

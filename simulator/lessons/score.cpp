@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 const char* name_of(LessonOutcome outcome) {
   constexpr const char* names[] = {"not completed", "completed", "failed"};
@@ -31,8 +31,8 @@ void CriticalErrors::above(const std::string& error, double figure, const std::s
                            std::optional<double> at_s) {
   for (const CriticalError& e : score_.critical)
     if (e.rule.error == error) return;
-  for (const CriticalRule& rule : rules_)
+  for (const lesson::CriticalRule& rule : rules_)
     if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s});
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,15 +8,15 @@
 
 #include "lesson/rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// One row of a rubric's table.
 struct ScoreRow {
   std::string name, title;
-  std::optional<int> score;                                 ///< 1 to 5; none: not judged
-  std::string why;                                          ///< what of the table applies, or why it is not judged
-  std::vector<std::pair<std::string, double>> measured;     ///< by names that end in the unit
-  std::vector<std::pair<std::string, RubricLimit>> limits;  ///< those by which it was decided
+  std::optional<int> score;                              ///< 1 to 5; none: not judged
+  std::string why;                                       ///< what of the table applies, or why it is not judged
+  std::vector<std::pair<std::string, double>> measured;  ///< by names that end in the unit
+  std::vector<std::pair<std::string, lesson::RubricLimit>> limits;  ///< those by which it was decided
   std::optional<double> decided_s;  ///< when in the recording; none: nothing ever happened that could decide it
   bool beside = false;              ///< ours, beside the rows of a printed table
 };
@@ -30,7 +30,7 @@ struct LessonFigure {
 /// A critical error that happened.
 struct CriticalError {
   std::string what;  ///< "the needle came through the front of the vertebra"
-  CriticalRule rule;
+  lesson::CriticalRule rule;
   std::optional<double> at_s;
 };
 
@@ -60,15 +60,15 @@ struct LessonScore {
 /// Notes critical errors in a score, each once, where the rubric lists them.
 class CriticalErrors {
  public:
-  CriticalErrors(const std::vector<CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
+  CriticalErrors(const std::vector<lesson::CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
   /// It happened, at that moment of the recording.
   void happened(const std::string& error, const std::string& what, std::optional<double> at_s);
   /// It happened where the figure is above the rule's limit.
   void above(const std::string& error, double figure, const std::string& what, std::optional<double> at_s);
 
  private:
-  const std::vector<CriticalRule>& rules_;
+  const std::vector<lesson::CriticalRule>& rules_;
   LessonScore& score_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -10,31 +10,31 @@
 #include "lessons/report_page.h"
 #include "lessons/rubric_types.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-CompiledRubric read_rubric_file(const std::filesystem::path& file) {
+lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file) {
   return with_file(file.string(), [&] {
     const std::vector<char> bytes = read_file(file, 1 << 20);
-    return read_rubric({bytes.data(), bytes.size()}, rubric_types());
+    return lesson::read_rubric({bytes.data(), bytes.size()}, rubric_types());
   });
 }
 
 ScoredLesson score_recording(const std::filesystem::path& file, const std::filesystem::path& case_folder,
-                             const CompiledRubric& rubric) {
+                             const lesson::CompiledRubric& rubric) {
   ScoredLesson s;
-  s.recording = read_recording(file);
-  const RecordingHeader& h = s.recording.header;
-  FeltCase felt = felt_again(case_folder, file.string(), h);
+  s.recording = haptics::read_recording(file);
+  const haptics::RecordingHeader& h = s.recording.header;
+  session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
   with_file(file.string(), [&] {
     try {
-      if (!h.lesson.empty()) validate_token(h.participant, "participant");
+      if (!h.lesson.empty()) lesson::validate_token(h.participant, "participant");
     } catch (const Error& e) {
       throw Error(ExitCode::bad_input, "", "participant", e.what());
     }
     if (h.case_token != felt.loaded.manifest.case_token)
       throw Error(ExitCode::bad_input, "", "case", "is not the name of the given case");
   });
-  const HapticVolume before = felt.loaded.haptic;
+  const voxel::HapticVolume before = felt.loaded.haptic;
   s.facts = facts_of_recording(felt, file.string(), s.recording);
   if (rubric.module != h.lesson)
     throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
@@ -46,9 +46,9 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
 void write_report(const ScoredLesson& s, const std::filesystem::path& case_folder, const ReportFiles& files) {
   if (!files.json.empty()) write_file(files.json, score_json(s.head, *s.facts, s.score));
   if (!files.page.empty())
-    write_file(files.page,
-               report_page(s.head, *s.facts, s.score, s.recording, load_case(case_folder, LoadParts{true})));
+    write_file(files.page, report_page(s.head, *s.facts, s.score, s.recording,
+                                       cases::load_case(case_folder, cases::LoadParts{true})));
   if (!files.log.empty()) log_attempt(files.log, s.head, *s.facts, s.score);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

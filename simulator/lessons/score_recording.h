@@ -7,23 +7,23 @@
 #include "lesson/rubric.h"
 #include "lessons/score_report.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A recorded lesson with its score.
 struct ScoredLesson {
-  Recording recording;
+  haptics::Recording recording;
   std::shared_ptr<const LessonFacts> facts;
   LessonScore score;
   ReportHead head;
 };
 
 /// Throws Error 65, 66; as read_rubric does, naming the file.
-CompiledRubric read_rubric_file(const std::filesystem::path& file);
+lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file);
 
 /// Reads and scores the recording in its case. Throws as read_recording, felt_again, facts_of_recording and
 /// the module do; Error 65 where the rubric is of another lesson.
 ScoredLesson score_recording(const std::filesystem::path& recording, const std::filesystem::path& case_folder,
-                             const CompiledRubric& rubric);
+                             const lesson::CompiledRubric& rubric);
 
 /// Writes the parts of the report whose paths are not empty: JSON, a page, a line of the log.
 struct ReportFiles {
@@ -31,4 +31,4 @@ struct ReportFiles {
 };
 void write_report(const ScoredLesson& lesson, const std::filesystem::path& case_folder, const ReportFiles& files);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

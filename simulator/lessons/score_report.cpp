@@ -7,7 +7,7 @@
 
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -17,7 +17,7 @@ Json json_of(const ScoreRow& row) {
   for (const auto& [name, value] : row.measured) measured[name] = value;
   for (const auto& [name, l] : row.limits)
     limits[name] = {
-        {"limit", l.limit}, {"from", l.from == RubricLimit::From::thesis ? "thesis" : "ours"}, {"why", l.why}};
+        {"limit", l.limit}, {"from", l.from == lesson::RubricLimit::From::thesis ? "thesis" : "ours"}, {"why", l.why}};
   return {
       {"name", row.name}, {"title", row.title},   {"score", row.score ? Json(*row.score) : Json("not judged")},
       {"why", row.why},   {"measured", measured}, {"decided_s", row.decided_s ? Json(*row.decided_s) : Json(nullptr)},
@@ -29,7 +29,7 @@ Json json_of(const CriticalError& e) {
           {"what", e.what},
           {"at_s", e.at_s ? Json(*e.at_s) : Json(nullptr)},
           {"limit", e.rule.limit},
-          {"from", e.rule.from == RubricLimit::From::thesis ? "thesis" : "ours"},
+          {"from", e.rule.from == lesson::RubricLimit::From::thesis ? "thesis" : "ours"},
           {"why", e.rule.why}};
 }
 
@@ -51,7 +51,7 @@ ScoreSum sum_of(const LessonScore& score) {
       sum.points += *row.score;
       sum.most += 5;
       sum.of_table += row.beside ? 0 : *row.score;
-      sum.most_of_table += row.beside ? 0 : 5;
+      sum.max_of_table += row.beside ? 0 : 5;
       sum.beside = sum.beside || row.beside;
     }
   return sum;
@@ -92,7 +92,7 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
                     {"points", sum.points},
                     {"most_points", sum.most},
                     {"table_points", sum.of_table},
-                    {"most_table_points", sum.most_of_table},
+                    {"most_table_points", sum.max_of_table},
                     {"rows", rows},
                     {"figures", figures},
                     {"facts", json_of(lesson_type(head.module), facts)}};
@@ -115,9 +115,9 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
     text += fmt::format("CRITICAL: {}{}\n", e.what, e.at_s ? fmt::format(", at {:.1f} s", *e.at_s) : "");
   text += headline_of(score) + "\n";
   text += fmt::format("{} of {} points{}; {}, {}\n", sum.points, sum.most,
-                      sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.most_of_table) : "",
+                      sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.max_of_table) : "",
                       name_of(facts.end), lesson_type(head.module).outcome(facts, score));
   return text;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 #include "lessons/lesson.h"
 #include "lessons/score.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// What a report says beside the scores.
 struct ReportHead {
@@ -27,9 +27,9 @@ std::string headline_of(const LessonScore& score);
 /// Sum of the rows that were judged, and of the most that they could have been.
 struct ScoreSum {
   int points = 0, most = 0;
-  int of_table = 0, most_of_table = 0;  ///< without the rows that stand beside a printed table
-  bool beside = false;                  ///< there are such rows
+  int of_table = 0, max_of_table = 0;  ///< without the rows that stand beside a printed table
+  bool beside = false;                 ///< there are such rows
 };
 ScoreSum sum_of(const LessonScore& score);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

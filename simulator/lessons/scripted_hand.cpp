@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double arrived_mm = 0.3,
@@ -15,7 +15,7 @@ constexpr double give_up_s = 20;     // of a movement that is held up for so lon
 
 }  // namespace
 
-ScriptedHand::ScriptedHand(const HandParams& params, std::vector<HandMove> moves)
+ScriptedHand::ScriptedHand(const device::HandParams& params, std::vector<HandMove> moves)
     : params_(params), moves_(std::move(moves)) {
   for (const HandMove& m : moves_)
     if (!m.path_mm.empty()) {
@@ -59,7 +59,7 @@ bool ScriptedHand::advance(double part_s) {
   return m.on_time || norm(aim_mm_ - body_.position_mm) < arrived_mm || waited_s_ >= m.wait_s + arrive_at_most_s;
 }
 
-bool ScriptedHand::read(double dt_s, DeviceReading& out) {
+bool ScriptedHand::read(double dt_s, device::DeviceReading& out) {
   bool over = false;
   for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
     const double part = std::min(left, 0.001);
@@ -72,7 +72,7 @@ bool ScriptedHand::read(double dt_s, DeviceReading& out) {
       continue;
     }
     Vec3 to = aim_mm_;
-    add_tremor(params_, time_s_, to);
+    device::add_tremor(params_, time_s_, to);
     body_.pull(params_, hold_, to, part);
   }
   if (over) {
@@ -83,9 +83,9 @@ bool ScriptedHand::read(double dt_s, DeviceReading& out) {
   out = {};
   out.tip_mm = body_.position_mm;
   out.axis = m.axis;
-  out.buttons = (m.pedal ? belt_button::pedal : 0) | std::uint32_t(m.tool) << belt_button::tool_shift;
-  if (ticks_of_move_++ == 0 && !done_) out.buttons |= std::uint32_t(m.command) << belt_button::command_shift;
+  out.buttons = (m.pedal ? haptics::belt_button::pedal : 0) | std::uint32_t(m.tool) << haptics::belt_button::tool_shift;
+  if (ticks_of_move_++ == 0 && !done_) out.buttons |= std::uint32_t(m.command) << haptics::belt_button::command_shift;
   return is_finite(body_.position_mm) && !m.lost;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -10,7 +10,7 @@
 #include "haptics/tool_belt.h"
 #include "lessons/lesson_script.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// One movement of a scripted hand: along a path, or staying where it is.
 struct HandMove {
@@ -18,7 +18,7 @@ struct HandMove {
   Vec3 axis{0, 0, 1};         ///< of the tool, from its tip to its tail
   int tool = 0;
   bool pedal = false;
-  int command = belt_command::none;  ///< in the first tick of the movement
+  int command = haptics::belt_command::none;  ///< in the first tick of the movement
   double speed_mm_per_s = 100;
   double feed_force_n = 0;  ///< while the arm pulls more than that it waits on its path; 0: never
   double wait_s = 0;        ///< after the path's end
@@ -40,18 +40,18 @@ struct ScriptAim {
 };
 
 struct ScriptScene {
-  const CaseManifest& manifest;
-  const ContactVolume& contact;
-  std::vector<BeltToolParams> tools;
+  const cases::CaseManifest& manifest;
+  const contact::ContactVolume& contact;
+  std::vector<haptics::BeltToolParams> tools;
   std::uint64_t drilled = 0;  ///< the shapes that can be drilled, bit n for shape n
 };
 
 /// A simulated hand that does one movement after the other; the loop is closed as with SimulatedHand.
-class ScriptedHand : public Device {
+class ScriptedHand : public device::Device {
  public:
-  ScriptedHand(const HandParams& params, std::vector<HandMove> moves);
+  ScriptedHand(const device::HandParams& params, std::vector<HandMove> moves);
   double damping_n_s_per_mm() const override { return params_.device_damping_n_s_per_mm; }
-  bool read(double dt_s, DeviceReading& out) override;
+  bool read(double dt_s, device::DeviceReading& out) override;
   void send(Vec3 force_n) override { body_.feel(force_n); }
   /// Set when all is done; ends the servo loop.
   const std::atomic<bool>& done() const { return done_; }
@@ -59,10 +59,10 @@ class ScriptedHand : public Device {
  private:
   void begin_move();
   bool advance(double part_s);
-  const HandParams params_;
+  const device::HandParams params_;
   const std::vector<HandMove> moves_;
-  const ForceHold hold_;
-  HandBody body_;
+  const device::ForceHold hold_;
+  device::HandBody body_;
   Vec3 aim_mm_;
   std::size_t move_ = 0, corner_ = 0;
   double waited_s_ = 0, held_s_ = 0, time_s_ = 0;
@@ -70,4 +70,4 @@ class ScriptedHand : public Device {
   std::atomic<bool> done_{false};
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

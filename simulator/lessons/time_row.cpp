@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/time_row.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-ScoreRow time_row(const LessonFacts& facts, const TimeRubric& r, const std::string& unfinished) {
+ScoreRow time_row(const LessonFacts& facts, const lesson::TimeRubric& r, const std::string& unfinished) {
   const double time = facts.procedure_s();
   ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, facts.end_s};
   if (facts.paused_s > 0) row.measured.emplace_back("paused_s", facts.paused_s);
@@ -22,4 +22,4 @@ ScoreRow time_row(const LessonFacts& facts, const TimeRubric& r, const std::stri
   return row;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

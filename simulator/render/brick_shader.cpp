@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/shaders.h"
 
-namespace trephine::shaders {
+namespace trephine::render::shaders {
 
 const char* const brick_head = "#version 430 core\n";
 
@@ -135,4 +135,4 @@ void main() {
 }
 )";
 
-}  // namespace trephine::shaders
+}  // namespace trephine::render::shaders

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-namespace trephine {
+namespace trephine::render {
 
-Sight sight_of(const EyeView& eye, const SceneState& state, Vec3 centre_mm) {
+Sight sight_of(const scene::EyeView& eye, const scene::SceneState& state, Vec3 centre_mm) {
   Sight s;
   s.eye = eye.eye_mm - centre_mm;
   // A point at the distance z before the eye is within the frustum where left <= x / z <= right, and so on.
@@ -66,4 +66,4 @@ bool may_face(const Chunk& chunk, const Chunk::Range& range, const Sight& sight)
   return along < range.sine * norm(middle) + reach;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// What is looked at from where, in the coordinates of one surface's vertices.
 struct Sight {
@@ -24,7 +24,7 @@ struct Sight {
   double fine_mm = 0;
 };
 /// Of the whole picture, relative to centre_mm.
-Sight sight_of(const EyeView& eye, const SceneState& state, Vec3 centre_mm);
+Sight sight_of(const scene::EyeView& eye, const scene::SceneState& state, Vec3 centre_mm);
 /// The same in coordinates q where p = axes * q + offset_mm, and axes are orthonormal.
 Sight sight_in(const Sight& sight, const Mat3& axes, Vec3 offset_mm);
 
@@ -101,4 +101,4 @@ std::vector<Chunk> make_chunks(std::vector<std::uint32_t>& indices, const std::v
   return chunks;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

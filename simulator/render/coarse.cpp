@@ -8,7 +8,7 @@
 
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffff;
@@ -20,7 +20,7 @@ struct Cell {
   double away = 0;
 };
 
-double away_from_mean(const SceneVertex& v, const Cell& c) {
+double away_from_mean(const scene::SceneVertex& v, const Cell& c) {
   double sum = 0;
   for (int a = 0; a < 3; ++a) {
     const double d = v.position_mm[a] - c.sum[a] / c.count;
@@ -29,12 +29,12 @@ double away_from_mean(const SceneVertex& v, const Cell& c) {
   return sum;
 }
 
-Vec3 place_of(const SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
+Vec3 place_of(const scene::SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
 
-CoarseFacts facts_of(const std::vector<SceneVertex>& places, std::size_t whole_triangles,
-                     const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
+CoarseFacts facts_of(const std::vector<scene::SceneVertex>& places, std::size_t whole_triangles,
+                     const std::vector<scene::SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
                      const Progress& progress) {
-  TriMesh coarse;
+  surface::TriMesh coarse;
   std::vector<std::uint32_t> number(vertices.size(), none);
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
     std::array<std::uint32_t, 3> corners;
@@ -50,15 +50,16 @@ CoarseFacts facts_of(const std::vector<SceneVertex>& places, std::size_t whole_t
   }
   std::vector<Vec3> all;
   all.reserve(places.size());
-  for (const SceneVertex& v : places) all.push_back(place_of(v));
-  const double worst_mm = PointToMesh(coarse, progress).largest_distance_mm(all, 0, progress);
+  for (const scene::SceneVertex& v : places) all.push_back(place_of(v));
+  const double worst_mm = surface::PointToMesh(coarse, progress).largest_distance_mm(all, 0, progress);
   return {whole_triangles, indices.size() / 3, places.size(), worst_mm, 0};
 }
 
 }  // namespace
 
-CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
-                                 double within_mm, const Progress& progress) {
+CoarseTriangles coarse_triangles(const std::vector<scene::SceneVertex>& vertices,
+                                 const std::vector<std::uint32_t>& indices, double within_mm,
+                                 const Progress& progress) {
   const double side = within_mm / std::sqrt(3.0);  // two places in a cell are no further apart than within_mm
   std::unordered_map<std::uint64_t, std::uint32_t> numbers;
   numbers.reserve(vertices.size() / 4);
@@ -95,10 +96,10 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
   return out;
 }
 
-SceneSurface coarse_surface(const SceneSurface& whole, double within_mm, const Progress& progress) {
+scene::SceneSurface coarse_surface(const scene::SceneSurface& whole, double within_mm, const Progress& progress) {
   const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm, progress);
   if (coarse.indices.empty()) return whole;
-  SceneSurface out{whole.name, whole.colour_rgb, whole.opacity, whole.shape, whole.live, whole.incised, {}, {}};
+  scene::SceneSurface out{whole.name, whole.colour_rgb, whole.opacity, whole.shape, whole.live, whole.incised, {}, {}};
   std::vector<std::uint32_t> number(whole.vertices.size(), none);
   for (const std::uint32_t v : coarse.indices) {
     if (number[v] == none) {
@@ -110,11 +111,12 @@ SceneSurface coarse_surface(const SceneSurface& whole, double within_mm, const P
   return out;
 }
 
-CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse, const Progress& progress) {
+CoarseFacts coarse_facts(const scene::SceneSurface& whole, const scene::SceneSurface& coarse,
+                         const Progress& progress) {
   return facts_of(whole.vertices, whole.indices.size() / 3, coarse.vertices, coarse.indices, progress);
 }
 
-CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
+CoarseFacts coarse_facts(const std::vector<scene::SceneVertex>& vertices, std::size_t whole_triangles,
                          const std::vector<std::uint32_t>& coarse_indices, const Progress& progress) {
   CoarseFacts facts = facts_of(vertices, whole_triangles, vertices, coarse_indices, progress);
   facts.bytes = coarse_indices.size() * sizeof(std::uint32_t);
@@ -125,4 +127,4 @@ std::vector<std::string> CoarseFacts::values(const std::string& name) const {
   return {name, std::to_string(left), std::to_string(whole), std::to_string(places), fmt::format("{:.2f}", worst_mm)};
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// How coarse surfaces may become, one size after the other, where the program chooses.
 constexpr double coarse_sizes_mm[] = {0.5, 1, 1.5, 2.5};
@@ -28,10 +28,11 @@ struct CoarseTriangles {
 /// one that lies nearest to their mean, so none goes further than `within_mm`; triangles that lose their area vanish. A
 /// closed surface stays closed, vertices at the same place count as one. It may fold over itself and lose thin parts:
 /// it is to be looked at, and nothing else. Throws Cancelled, as all that takes a Progress here does.
-CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
-                                 double within_mm, const Progress& progress = {});
+CoarseTriangles coarse_triangles(const std::vector<scene::SceneVertex>& vertices,
+                                 const std::vector<std::uint32_t>& indices, double within_mm,
+                                 const Progress& progress = {});
 /// The surface of such triangles, with the vertices that they use; the whole one where no triangle would be left.
-SceneSurface coarse_surface(const SceneSurface& whole, double within_mm, const Progress& progress = {});
+scene::SceneSurface coarse_surface(const scene::SceneSurface& whole, double within_mm, const Progress& progress = {});
 
 /// Coarser triangles are worth what they are off where at most this share of the triangles is left.
 constexpr double worth_ratio = 2.0 / 3;
@@ -48,8 +49,9 @@ struct CoarseFacts {
 };
 /// Measures every vertex of the whole surface, exactly; a thin part that vanished counts as far as it is then off. The
 /// coarser one has a triangle at least.
-CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse, const Progress& progress = {});
-CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
+CoarseFacts coarse_facts(const scene::SceneSurface& whole, const scene::SceneSurface& coarse,
+                         const Progress& progress = {});
+CoarseFacts coarse_facts(const std::vector<scene::SceneVertex>& vertices, std::size_t whole_triangles,
                          const std::vector<std::uint32_t>& coarse_indices, const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -10,14 +10,14 @@
 #include "base/error.h"
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr int nice_by = 5;
 
 // A coarser surface in place of the whole one, where that is worth it.
-void make_instead(const SceneSurface& whole, double within_mm, const Progress& progress, CoarseMade& made) {
-  const SceneSurface less = coarse_surface(whole, within_mm, progress);
+void make_instead(const scene::SceneSurface& whole, double within_mm, const Progress& progress, CoarseMade& made) {
+  const scene::SceneSurface less = coarse_surface(whole, within_mm, progress);
   if (!is_worth_it(less.indices.size(), whole.indices.size())) return;
   on_one_thread([&] { made.facts = coarse_facts(whole, less, progress); });
   made.instead = std::make_shared<const SurfaceParts>(parts_of(less));
@@ -26,8 +26,8 @@ void make_instead(const SceneSurface& whole, double within_mm, const Progress& p
 }  // namespace
 
 struct CoarseWorker::Job {
-  Job(double mm, std::size_t most_bytes, std::vector<CoarseAsk> all)
-      : within_mm(mm), room(most_bytes), asks(std::move(all)) {}
+  Job(double mm, std::size_t max_bytes, std::vector<CoarseAsk> all)
+      : within_mm(mm), room(max_bytes), asks(std::move(all)) {}
   const double within_mm;
   std::size_t room;
   const std::vector<CoarseAsk> asks;
@@ -50,12 +50,12 @@ CoarseWorker::~CoarseWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
-void CoarseWorker::begin(double within_mm, std::size_t most_bytes, std::vector<CoarseAsk> asks) {
+void CoarseWorker::begin(double within_mm, std::size_t max_bytes, std::vector<CoarseAsk> asks) {
   cancel();
   if (asks.empty()) return;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    job_ = next_ = std::make_shared<Job>(within_mm, most_bytes, std::move(asks));
+    job_ = next_ = std::make_shared<Job>(within_mm, max_bytes, std::move(asks));
   }
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   asked_.notify_one();
@@ -137,4 +137,4 @@ void CoarseWorker::make(Job& job) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -13,7 +13,7 @@
 
 #include "render/surface_parts.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// What coarser triangles are to be made of.
 struct CoarseAsk {
@@ -21,7 +21,7 @@ struct CoarseAsk {
   std::shared_ptr<const SurfaceParts> whole;  ///< they are to stand beside these; null: they cannot
   /// Where there are none beside them, a coarser surface is to stand in place of this one; null: none is. It must stay
   /// as it is until the worker has ended, or takes another order.
-  const SceneSurface* instead = nullptr;
+  const scene::SceneSurface* instead = nullptr;
 };
 
 /// What was made. Neither `beside` nor `instead`: the surface stays whole.
@@ -47,7 +47,7 @@ class CoarseWorker {
 
   /// Begins to make them all, one after the other; together they take at most so many bytes beside the whole ones.
   /// What was asked for before is dropped.
-  void begin(double within_mm, std::size_t most_bytes, std::vector<CoarseAsk> asks);
+  void begin(double within_mm, std::size_t max_bytes, std::vector<CoarseAsk> asks);
   void cancel();
   /// The next that was made, in the order in which they were asked for. Throws what making it threw, such as bad_alloc;
   /// the rest is then dropped.
@@ -69,4 +69,4 @@ class CoarseWorker {
   std::thread thread_;  // begins with the first order
 };
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -13,12 +13,12 @@
 #include "render/shaders.h"
 #include "render/surface_maker.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
-constexpr int side = BrickLayout::side;
+constexpr int side = drill::BrickLayout::side;
 constexpr int chunk_bricks = 4;
-constexpr std::size_t most_vertices = 3 * side * (side + 1) * (side + 1), most_indices = 15 * side * side * side;
+constexpr std::size_t max_vertices = 3 * side * (side + 1) * (side + 1), max_indices = 15 * side * side * side;
 constexpr GLuint groups_a_row = 32768;
 constexpr std::uint32_t no_slot = 0xffffffff;
 
@@ -64,7 +64,7 @@ GLint limit(GLenum what) {
 
 class ComputeSurface : public SurfaceMaker {
  public:
-  ComputeSurface(const HapticVolume& volume, int shape, Vec3 centre_mm, const ComputeRoom& room)
+  ComputeSurface(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm, const ComputeRoom& room)
       : shadow_(volume, shape),
         room_(room),
         placed_(volume.voxels.direction, volume.voxels.origin_mm - centre_mm),
@@ -85,21 +85,21 @@ class ComputeSurface : public SurfaceMaker {
   }
 
   const PlacedChunks& placed() const override { return placed_; }
-  const ShadowVolume& shadow() const override { return shadow_; }
+  const drill::ShadowVolume& shadow() const override { return shadow_; }
   std::size_t bytes() const override {
-    return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t) +
+    return vertex_room_ * sizeof(scene::SceneVertex) + index_room_ * sizeof(std::uint32_t) +
            slot_room_ * (sizeof(Place) + sizeof(DrawCommand)) + shadow_.slice() * shadow_.size(2);
   }
 
   std::size_t update(const std::vector<std::size_t>& marked) override {
     const std::vector<std::size_t>& stale = shadow_.follow(marked);
-    const BrickLayout& layout = shadow_.layout();
+    const drill::BrickLayout& layout = shadow_.layout();
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_3D, values_);
     for (const std::size_t b : shadow_.copied()) {
       const std::array<int, 3> at = layout.place(b);
       upload_box({side * at[0], side * at[1], side * at[2]},
-                 {ShadowVolume::read_side, ShadowVolume::read_side, ShadowVolume::read_side});
+                 {drill::ShadowVolume::read_side, drill::ShadowVolume::read_side, drill::ShadowVolume::read_side});
     }
     make(stale);
     return stale.size();
@@ -107,7 +107,7 @@ class ComputeSurface : public SurfaceMaker {
 
   void make(const std::vector<std::size_t>& bricks) override {
     std::size_t new_slots = 0;
-    for (const std::size_t b : bricks) new_slots += slot_of_[b] == no_slot && has_triangles(shadow_, b);
+    for (const std::size_t b : bricks) new_slots += slot_of_[b] == no_slot && drill::has_triangles(shadow_, b);
     if (!has_room_for(bricks.size()) || slots_ + new_slots > slot_room_) {
       make_whole();  // with these bricks
       return;
@@ -115,7 +115,7 @@ class ComputeSurface : public SurfaceMaker {
     items_.clear();
     for (const std::size_t b : bricks) {
       if (slot_of_[b] == no_slot) {
-        if (!has_triangles(shadow_, b)) continue;
+        if (!drill::has_triangles(shadow_, b)) continue;
         slot_of_[b] = std::uint32_t(slots_++);
       }
       items_.push_back({std::uint32_t(b), slot_of_[b]});
@@ -158,7 +158,7 @@ class ComputeSurface : public SurfaceMaker {
     const std::uint32_t last = *std::max_element(out.indices.begin(), out.indices.end());
     if (last >= p.vertex_room || c.count > p.index_room || c.base_vertex != p.first_vertex)
       throw Error(ExitCode::io, "", "OpenGL", "a brick lies outside of its place");
-    out.vertices = fetch<SceneVertex>(vertices_, c.base_vertex, last + 1);
+    out.vertices = fetch<scene::SceneVertex>(vertices_, c.base_vertex, last + 1);
     return out;
   }
 
@@ -167,7 +167,7 @@ class ComputeSurface : public SurfaceMaker {
   void upload_cells() {
     std::array<std::array<std::uint8_t, 16>, 256> packed_cells{};
     for (std::size_t set = 0; set < 256; ++set) {
-      const detail::CellTriangles& t = detail::cell_triangles()[set];
+      const drill::detail::CellTriangles& t = drill::detail::cell_triangles()[set];
       packed_cells[set][0] = std::uint8_t(t.count);  // at most 5
       for (std::size_t n = 0; n < std::size_t(3 * t.count); ++n) packed_cells[set][n + 1] = t.edge[n];
     }
@@ -204,7 +204,7 @@ class ComputeSurface : public SurfaceMaker {
 
   // Of as many bricks at their largest; the host knows no better without asking the card.
   bool has_room_for(std::size_t bricks) {
-    const std::size_t vertices = bricks * with_room(most_vertices), indices = bricks * with_room(most_indices);
+    const std::size_t vertices = bricks * with_room(max_vertices), indices = bricks * with_room(max_indices);
     if (vertex_bound_ + vertices > vertex_room_ || index_bound_ + indices > index_room_) {
       const std::vector<std::uint32_t> end = fetch<std::uint32_t>(heap_, 0, 2);
       vertex_bound_ = end[0];
@@ -217,10 +217,10 @@ class ComputeSurface : public SurfaceMaker {
 
   // All bricks, chunk by chunk: counted first, so that each has just the place that it needs.
   void make_whole() {
-    const BrickLayout& layout = shadow_.layout();
+    const drill::BrickLayout& layout = shadow_.layout();
     std::vector<std::uint8_t> any(layout.count());
     parallel_for(0, std::int64_t(any.size()), 256, [&](std::int64_t from, std::int64_t to) {
-      for (std::int64_t b = from; b < to; ++b) any[std::size_t(b)] = has_triangles(shadow_, std::size_t(b));
+      for (std::int64_t b = from; b < to; ++b) any[std::size_t(b)] = drill::has_triangles(shadow_, std::size_t(b));
     });
     int boxes[3];
     for (std::size_t a = 0; a < 3; ++a) boxes[a] = (layout.bricks[a] + chunk_bricks - 1) / chunk_bricks;
@@ -240,7 +240,7 @@ class ComputeSurface : public SurfaceMaker {
   }
 
   void add_chunk(std::array<int, 3> box, const std::vector<std::uint8_t>& any) {
-    const BrickLayout& layout = shadow_.layout();
+    const drill::BrickLayout& layout = shadow_.layout();
     Chunk chunk;
     chunk.range[0].first = std::uint32_t(items_.size());
     int begin[3], end[3];
@@ -277,13 +277,13 @@ class ComputeSurface : public SurfaceMaker {
     }
     vertex_bound_ = vertices;
     index_bound_ = indices;
-    vertex_room_ = vertices + room_.bricks * with_room(most_vertices);
-    index_room_ = indices + room_.bricks * with_room(most_indices);
+    vertex_room_ = vertices + room_.bricks * with_room(max_vertices);
+    index_room_ = indices + room_.bricks * with_room(max_indices);
     const std::size_t most = std::size_t(limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE));
-    if (vertex_room_ * sizeof(SceneVertex) > most || index_room_ * sizeof(std::uint32_t) > most)
+    if (vertex_room_ * sizeof(scene::SceneVertex) > most || index_room_ * sizeof(std::uint32_t) > most)
       refuse("a storage buffer of this driver has at most " + std::to_string(most >> 20) + " MB, the surface needs " +
-             std::to_string(std::max(vertex_room_ * sizeof(SceneVertex), index_room_ * 4) >> 20));
-    store(vertices_, vertex_room_ * sizeof(SceneVertex), nullptr, GL_DYNAMIC_COPY);
+             std::to_string(std::max(vertex_room_ * sizeof(scene::SceneVertex), index_room_ * 4) >> 20));
+    store(vertices_, vertex_room_ * sizeof(scene::SceneVertex), nullptr, GL_DYNAMIC_COPY);
     store(indices_, index_room_ * sizeof(std::uint32_t), nullptr, GL_DYNAMIC_COPY);
     store(commands_, slot_room_ * sizeof(DrawCommand), nullptr, GL_DYNAMIC_COPY);
     const std::uint32_t end[2] = {vertices, indices};
@@ -294,10 +294,10 @@ class ComputeSurface : public SurfaceMaker {
     glBindBuffer(GL_ARRAY_BUFFER, vertices_);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
     glEnableVertexAttribArray(0);
-    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(SceneVertex), nullptr);
+    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(scene::SceneVertex), nullptr);
     glEnableVertexAttribArray(1);
-    glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(SceneVertex),
-                          reinterpret_cast<const void*>(offsetof(SceneVertex, normal)));
+    glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(scene::SceneVertex),
+                          reinterpret_cast<const void*>(offsetof(scene::SceneVertex, normal)));
     check_gl("a surface of the graphics card");
   }
 
@@ -306,7 +306,7 @@ class ComputeSurface : public SurfaceMaker {
     if (items_.empty()) return;
     store(work_, items_.size() * sizeof(Work), items_.data(), GL_STREAM_DRAW);
     program.use();
-    const BrickLayout& layout = shadow_.layout();
+    const drill::BrickLayout& layout = shadow_.layout();
     const Vec3 s = shadow_.spacing_mm();
     program.set("values", 0);
     program.set_whole("bricks", layout.bricks[0], layout.bricks[1], layout.bricks[2]);
@@ -325,7 +325,7 @@ class ComputeSurface : public SurfaceMaker {
     check_gl("the surface's shader");
   }
 
-  ShadowVolume shadow_;
+  drill::ShadowVolume shadow_;
   ComputeRoom room_;
   PlacedChunks placed_;
   GlProgram counting_, making_;
@@ -339,9 +339,9 @@ class ComputeSurface : public SurfaceMaker {
 
 }  // namespace
 
-std::unique_ptr<SurfaceMaker> compute_maker(const HapticVolume& volume, int shape, Vec3 centre_mm,
+std::unique_ptr<SurfaceMaker> compute_maker(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm,
                                             const ComputeRoom& room) {
   return std::make_unique<ComputeSurface>(volume, shape, centre_mm, room);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::io, "", "OpenGL", what); }
@@ -77,10 +77,10 @@ DriverFacts driver_facts() {
     f.software = f.software || f.renderer.find(name) != std::string::npos;
   GLint samples = 1;
   glGetIntegerv(GL_MAX_SAMPLES, &samples);
-  f.most_samples = samples;
+  f.max_samples = samples;
   return f;
 }
 
 void wait_for_driver() { glFinish(); }
 
-}  // namespace trephine
+}  // namespace trephine::render

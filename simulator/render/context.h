@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-namespace trephine {
+namespace trephine::render {
 
 /// An OpenGL context without a window or display (EGL's surfaceless platform), current in the thread that made it.
 class OffscreenContext {
@@ -23,11 +23,11 @@ class OffscreenContext {
 struct DriverFacts {
   std::string renderer, version;
   bool software = false;  ///< on the processor: llvmpipe, softpipe, SwiftShader
-  int most_samples = 1;
+  int max_samples = 1;
 };
 /// Throws Error 74, naming both versions, where the current context is older than OpenGL 4.3.
 DriverFacts driver_facts();
 /// Until all that was asked of the driver is done: for measuring.
 void wait_for_driver();
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -10,7 +10,7 @@
 #include "scene/mat4.h"
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// What one call draws of a surface: ranges of its indices, or of its commands where the graphics card wrote these; and
 /// of the indices of its coarser triangles.
@@ -36,7 +36,7 @@ class DrawList {
 
 /// Where a surface lies, relative to the scene's centre, and its parts.
 struct PlacedChunks {
-  Mat4 model;
+  scene::Mat4 model;
   Mat3 axes;
   Vec3 offset_mm;
   bool mirrored = false;  ///< the axes are left-handed
@@ -44,7 +44,7 @@ struct PlacedChunks {
 
   PlacedChunks() = default;
   PlacedChunks(const Mat3& axes_of, Vec3 offset)
-      : model(affine(axes_of, offset)), axes(axes_of), offset_mm(offset), mirrored(determinant(axes_of) < 0) {}
+      : model(scene::affine(axes_of, offset)), axes(axes_of), offset_mm(offset), mirrored(determinant(axes_of) < 0) {}
   Sight sight(const Sight& scene) const { return sight_in(scene, axes, offset_mm); }
 };
 
@@ -63,13 +63,13 @@ class DrawnSurface {
   /// Draws these where Sight::coarse says so, as soon as upload_coarse() has uploaded all of them; those before stay
   /// until then, or go at once. They are of parts(); what was cut since stays whole. None: all stays whole.
   virtual void set_coarse(std::optional<CoarseParts> /*coarse*/, bool /*keep_those_before*/) {}
-  /// Uploads no more than so many bytes of them, and takes what it did from `most_bytes`. Returns whether some are
+  /// Uploads no more than so many bytes of them, and takes what it did from `max_bytes`. Returns whether some are
   /// left.
-  virtual bool upload_coarse(std::size_t& /*most_bytes*/) { return false; }
+  virtual bool upload_coarse(std::size_t& /*max_bytes*/) { return false; }
   virtual std::size_t coarse_bytes() const { return 0; }  ///< of bytes()
   /// That the list draws. May wait for the graphics card.
   virtual std::size_t triangles(const DrawList& list) const = 0;
   virtual std::size_t bytes() const = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::render

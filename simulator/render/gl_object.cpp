@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::io, "", "OpenGL", what); }
@@ -79,4 +79,4 @@ void check_gl(const char* what) {
   refuse(std::string(what) + ": error " + std::to_string(error));
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

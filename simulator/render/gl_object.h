@@ -8,7 +8,7 @@
 
 #include "scene/mat4.h"
 
-namespace trephine {
+namespace trephine::render {
 
 // Objects of OpenGL that end with their owner, in the thread whose context made them. Only sources of this folder
 // include this header.
@@ -48,7 +48,7 @@ class GlProgram {
   GlProgram(const char* vertex, const char* fragment);
   explicit GlProgram(const char* compute);
   void use() const { glUseProgram(id_); }
-  void set(const char* name, const Mat4& m) const { glUniformMatrix4fv(at(name), 1, GL_FALSE, m.m.data()); }
+  void set(const char* name, const scene::Mat4& m) const { glUniformMatrix4fv(at(name), 1, GL_FALSE, m.m.data()); }
   void set(const char* name, float x) const { glUniform1f(at(name), x); }
   void set(const char* name, int n) const { glUniform1i(at(name), n); }
   void set_whole(const char* name, int x, int y, int z) const { glUniform3i(at(name), x, y, z); }
@@ -66,4 +66,4 @@ class GlProgram {
 /// Throws Error 74 where OpenGL has noted an error since the last call; `what` says at what.
 void check_gl(const char* what);
 
-}  // namespace trephine
+}  // namespace trephine::render

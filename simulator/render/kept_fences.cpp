@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/kept_fences.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 void drop(std::vector<GLsync>& fences) {
@@ -33,4 +33,4 @@ void KeptFences::new_picture() {
   of_last_.swap(of_this_);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -4,7 +4,7 @@
 
 #include "render/gl_object.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// Keeps Mesa's llvmpipe from freeing a fence that its own thread has not let go of yet.
 ///
@@ -30,4 +30,4 @@ class KeptFences {
   std::vector<GLsync> of_this_, of_last_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::render

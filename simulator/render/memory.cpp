@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::render {
 
-std::size_t bytes_of(const SceneSurface& s) {
-  return s.vertices.size() * sizeof(SceneVertex) + s.indices.size() * sizeof(std::uint32_t);
+std::size_t bytes_of(const scene::SceneSurface& s) {
+  return s.vertices.size() * sizeof(scene::SceneVertex) + s.indices.size() * sizeof(std::uint32_t);
 }
 
 std::size_t picture_bytes(int width, int height, int samples) {
@@ -14,9 +14,9 @@ std::size_t picture_bytes(int width, int height, int samples) {
   return pixels * 8 + pixels / 2 + (samples > 1 ? pixels * 8 * std::size_t(samples) : 0);
 }
 
-Grid<std::int16_t> halved(const Grid<std::int16_t>& grid) {
-  Grid<std::int16_t> out;
-  static_cast<Lattice&>(out) = grid;
+grid::Grid<std::int16_t> halved(const grid::Grid<std::int16_t>& grid) {
+  grid::Grid<std::int16_t> out;
+  static_cast<grid::Lattice&>(out) = grid;
   Vec3 first;  // of the new lattice, in voxels of the old one
   for (std::size_t a = 0; a < 3; ++a) {
     out.size[a] = (grid.size[a] + 1) / 2;
@@ -38,4 +38,4 @@ Grid<std::int16_t> halved(const Grid<std::int16_t>& grid) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -6,14 +6,14 @@
 #include "grid/grid.h"
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// What is counted of the graphics memory: vertices and triangles, textures, and the renderer's pictures. What a driver
 /// keeps beside them is not known.
-std::size_t bytes_of(const SceneSurface& surface);
+std::size_t bytes_of(const scene::SceneSurface& surface);
 /// Of a picture with its depth, the one of several samples that it is made of, and the darkening.
 std::size_t picture_bytes(int width, int height, int samples);
 /// Every 2 x 2 x 2 voxels as one, their mean: an eighth of the bytes, at the same place.
-Grid<std::int16_t> halved(const Grid<std::int16_t>& grid);
+grid::Grid<std::int16_t> halved(const grid::Grid<std::int16_t>& grid);
 
-}  // namespace trephine
+}  // namespace trephine::render

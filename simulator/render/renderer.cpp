@@ -10,7 +10,7 @@
 #include "render/memory.h"
 #include "render/renderer_impl.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 void filter(GLenum target, GLint how, GLint wrap) {
@@ -27,8 +27,8 @@ void check_framebuffer() {
 
 }  // namespace
 
-Mat4 to_texture(const Lattice& lattice, Vec3 centre_mm) {
-  Mat4 m;
+scene::Mat4 to_texture(const grid::Lattice& lattice, Vec3 centre_mm) {
+  scene::Mat4 m;
   for (int r = 0; r < 3; ++r) {
     const Vec3 axis = lattice.direction.column[std::size_t(r)];
     const double scale = 1 / (lattice.spacing_mm[r] * lattice.size[std::size_t(r)]);
@@ -38,7 +38,7 @@ Mat4 to_texture(const Lattice& lattice, Vec3 centre_mm) {
   return m;
 }
 
-Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
+Renderer::Impl::Impl(const scene::SceneData& scene, const RenderQuality& q)
     : centre_mm(scene.centre_mm),
       quality(q),
       plane(shaders::plane_vertex, shaders::plane_fragment),
@@ -49,17 +49,17 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
       presenting(shaders::screen_vertex, shaders::present_fragment),
       shadow(shaders::shadow_vertex, shaders::box_fragment),
       kept(driver_facts().software) {
-  const Bounds& b = scene.bounds;
+  const surface::Bounds& b = scene.bounds;
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
-  samples = std::clamp(q.samples, 1, driver_facts().most_samples);
-  for (const SceneSurface& s : scene.surfaces) {
+  samples = std::clamp(q.samples, 1, driver_facts().max_samples);
+  for (const scene::SceneSurface& s : scene.surfaces) {
     Item item{
         {float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}, {}};
     if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(std::make_shared<const SurfaceParts>(parts_of(s)));
     items.push_back(std::move(item));
   }
-  ball = SolidBuffer(ball_solid(1, {1, 1, 1}, 16), false);
-  dot_solid = SolidBuffer(ball_solid(1, {1, 1, 1}, 3), false);
+  ball = SolidBuffer(scene::ball_solid(1, {1, 1, 1}, 16), false);
+  dot_solid = SolidBuffer(scene::ball_solid(1, {1, 1, 1}, 3), false);
   plane_array = make_vertex_array();
   plane_corners = make_buffer();
   const float corners[] = {-1, -1, 1, -1, -1, 1, 1, 1};
@@ -92,7 +92,7 @@ void Renderer::Impl::make_noise() {
   filter(GL_TEXTURE_3D, GL_LINEAR, GL_REPEAT);
 }
 
-void Renderer::Impl::upload_ct(const Grid<std::int16_t>& grid) {
+void Renderer::Impl::upload_ct(const grid::Grid<std::int16_t>& grid) {
   ct = make_texture();
   glBindTexture(GL_TEXTURE_3D, ct);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -149,12 +149,12 @@ void Renderer::Impl::make_targets(int w, int h) {
   check_gl("the picture");
 }
 
-Renderer::Renderer(const SceneData& scene, const RenderQuality& quality) : impl_(new Impl(scene, quality)) {}
+Renderer::Renderer(const scene::SceneData& scene, const RenderQuality& quality) : impl_(new Impl(scene, quality)) {}
 Renderer::~Renderer() = default;
 
 void Renderer::set_quality(const RenderQuality& quality) {
   impl_->quality = quality;
-  const int samples = std::clamp(quality.samples, 1, driver_facts().most_samples);
+  const int samples = std::clamp(quality.samples, 1, driver_facts().max_samples);
   if (samples != impl_->samples) impl_->width = 0;
   impl_->samples = samples;
 }
@@ -173,9 +173,9 @@ void Renderer::set_coarse(int n, std::optional<CoarseParts> coarse, bool keep_th
     buffer->set_coarse(std::move(coarse), keep_those_before);
 }
 
-bool Renderer::upload_coarse(std::size_t most_bytes) {
+bool Renderer::upload_coarse(std::size_t max_bytes) {
   for (const Impl::Item& item : impl_->items)
-    if (item.buffer && item.buffer->upload_coarse(most_bytes)) return true;
+    if (item.buffer && item.buffer->upload_coarse(max_bytes)) return true;
   return false;
 }
 
@@ -185,7 +185,7 @@ std::size_t Renderer::coarse_bytes() const {
   return n;
 }
 
-std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by) {
+std::string Renderer::set_live(int n, const voxel::HapticVolume& volume, int shape, scene::ViewParams::SurfaceBy by) {
   MakerChoice choice;
   auto maker = wanted_maker(by, driver_facts().software, volume, shape, impl_->centre_mm, choice);
   Impl::Item& item = impl_->items[std::size_t(n)];
@@ -199,10 +199,10 @@ std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
     if (item.maker) made += item.maker->update(marked);
   return made;
 }
-void Renderer::set_tool(const Solid& solid) {
+void Renderer::set_tool(const scene::Solid& solid) {
   impl_->tool = SolidBuffer(solid, true);
   double radius = 0, low = 0, high = 0;
-  for (const SolidVertex& v : solid.vertices) {
+  for (const scene::SolidVertex& v : solid.vertices) {
     radius = std::max(radius, double(std::hypot(v.position_mm[0], v.position_mm[1])));
     low = std::min(low, double(v.position_mm[2]));
     high = std::max(high, double(v.position_mm[2]));
@@ -211,10 +211,10 @@ void Renderer::set_tool(const Solid& solid) {
   impl_->tool_low_mm = low;
   impl_->tool_high_mm = high;
 }
-void Renderer::set_ct(const Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
+void Renderer::set_ct(const grid::Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }
 
-int Renderer::most_ct_side() {
+int Renderer::max_ct_side() {
   GLint most = 0;
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
   return most;
@@ -227,7 +227,7 @@ void Renderer::drop_oldest_incision() {
 }
 
 void Renderer::add_incision(const IncisionWall& w) {
-  if (impl_->walls.size() == most_incisions) impl_->walls.erase(impl_->walls.begin());
+  if (impl_->walls.size() == max_incisions) impl_->walls.erase(impl_->walls.begin());
   Impl::Wall wall{w.ball, w.surface, make_texture(), to_texture(w.lattice, impl_->centre_mm), w.occupancy.size()};
   glBindTexture(GL_TEXTURE_3D, wall.occupancy);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -238,7 +238,7 @@ void Renderer::add_incision(const IncisionWall& w) {
   check_gl("an incision");
 }
 
-void Renderer::draw(const EyeView& eye, const SceneState& state, int width, int height) {
+void Renderer::draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height) {
   impl_->kept.new_picture();
   impl_->make_targets(width, height);
   impl_->draw(eye, state, width, height);
@@ -327,7 +327,7 @@ OffscreenPicture::OffscreenPicture(int width, int height)
 }
 OffscreenPicture::~OffscreenPicture() = default;
 void OffscreenPicture::bind() { glBindFramebuffer(GL_FRAMEBUFFER, impl_->frame); }
-Picture OffscreenPicture::read() {
+scene::Picture OffscreenPicture::read() {
   bind();
   return read_picture(impl_->width, impl_->height);
 }
@@ -337,8 +337,8 @@ void bind_screen(Eye eye) {
   glDrawBuffer(eye == Eye::left ? GL_BACK_LEFT : eye == Eye::right ? GL_BACK_RIGHT : GL_BACK);
 }
 
-Picture read_picture(int width, int height) {
-  Picture p{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height) * 3)};
+scene::Picture read_picture(int width, int height) {
+  scene::Picture p{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height) * 3)};
   std::vector<std::uint8_t> upside_down(p.rgb.size());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upside_down.data());
@@ -349,4 +349,4 @@ Picture read_picture(int width, int height) {
   return p;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

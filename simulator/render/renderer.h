@@ -15,7 +15,7 @@
 #include "scene/view_params.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// How much is spent on a picture.
 struct RenderQuality {
@@ -32,9 +32,9 @@ struct RenderQuality {
 
 /// The wall of an incision: what is seen of the surface's own thickness where a ball was taken out of it.
 struct IncisionWall {
-  CutBall ball;
+  scene::CutBall ball;
   int surface = 0;                      ///< in SceneData::surfaces
-  Lattice lattice;                      ///< around the ball
+  grid::Lattice lattice;                ///< around the ball
   std::vector<std::uint8_t> occupancy;  ///< of the surface's shape before the cut, 0 to 255
 };
 
@@ -48,7 +48,7 @@ struct IncisionWall {
 class Renderer {
  public:
   /// Throws Error 74 where the graphics memory does not suffice, or a shader does not compile.
-  Renderer(const SceneData& scene, const RenderQuality& quality);
+  Renderer(const scene::SceneData& scene, const RenderQuality& quality);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -61,27 +61,27 @@ class Renderer {
   std::shared_ptr<const SurfaceParts> parts(int surface) const;
   void set_coarse(int surface, std::optional<CoarseParts> coarse, bool keep_those_before = false);
   /// Uploads at most so many bytes of them; returns whether some are left.
-  bool upload_coarse(std::size_t most_bytes);
+  bool upload_coarse(std::size_t max_bytes);
   std::size_t coarse_bytes() const;  ///< of scene_bytes()
   /// Draws a live surface as the shape of the volume, which must outlive the renderer. Throws Error 74 where the
   /// graphics card is to make it (SurfaceBy::graphics) and cannot. Returns who makes it.
-  std::string set_live(int surface, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by);
+  std::string set_live(int surface, const voxel::HapticVolume& volume, int shape, scene::ViewParams::SurfaceBy by);
   /// Makes live surfaces follow the marked bricks; returns how many bricks were made anew.
   std::size_t follow(const std::vector<std::size_t>& marked);
-  void set_tool(const Solid& solid);
-  /// Its sides must be at most most_ct_side().
-  void set_ct(const Grid<std::int16_t>& ct);
-  static int most_ct_side();
-  /// Of more than most_incisions the oldest are no longer drawn.
+  void set_tool(const scene::Solid& solid);
+  /// Its sides must be at most max_ct_side().
+  void set_ct(const grid::Grid<std::int16_t>& ct);
+  static int max_ct_side();
+  /// Of more than max_incisions the oldest are no longer drawn.
   void add_incision(const IncisionWall& wall);
   void clear_incisions();
   void drop_oldest_incision();
   std::size_t incisions() const;
-  static constexpr std::size_t most_incisions = 48;
+  static constexpr std::size_t max_incisions = 48;
   void set_background(std::array<float, 3> linear_rgb);
 
   /// Draws into the renderer's own picture.
-  void draw(const EyeView& eye, const SceneState& state, int width, int height);
+  void draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
   /// Copies that picture into a rectangle (from the lower left corner) of the framebuffer that is bound; only the
   /// channels of the mask (1 red, 2 green, 4 blue).
   void present(int x, int y, int width, int height, int mask = 7);
@@ -89,7 +89,7 @@ class Renderer {
   /// Draws a slice of the CT, if there is one, into a square of the framebuffer that is bound (from its lower left
   /// corner): `half_mm` around the plane's point, which a cross marks. As radiologists look at it: the patient's left
   /// is on the right, front or head up; a sagittal slice is seen from the left.
-  void draw_inset(const CtPlane& plane, const SceneState& state, int x, int y, int size, double half_mm);
+  void draw_inset(const scene::CtPlane& plane, const scene::SceneState& state, int x, int y, int size, double half_mm);
 
   /// In the last picture, once each for all its passes. May wait for the graphics card.
   std::size_t drawn_triangles() const;
@@ -107,7 +107,7 @@ class OffscreenPicture {
   OffscreenPicture(int width, int height);
   ~OffscreenPicture();
   void bind();
-  Picture read();
+  scene::Picture read();
 
  private:
   struct Impl;
@@ -119,6 +119,6 @@ enum class Eye { both, left, right };
 /// Binds the window's own framebuffer again, for present(): of one eye, where the window has a buffer for each.
 void bind_screen(Eye eye = Eye::both);
 /// What a window's framebuffer shows, from its lower left corner: of the one that is bound for reading.
-Picture read_picture(int width, int height);
+scene::Picture read_picture(int width, int height);
 
-}  // namespace trephine
+}  // namespace trephine::render

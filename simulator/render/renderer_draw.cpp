@@ -7,7 +7,7 @@
 #include "haptics/tool.h"
 #include "render/renderer_impl.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr float grain_of_surface = 0.35f;
@@ -28,14 +28,14 @@ void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
   const int count = any ? int(walls.size()) : 0;
   program.set("balls", count);
   for (int n = 0; n < count; ++n) {
-    const CutBall& b = walls[std::size_t(n)].ball;
+    const scene::CutBall& b = walls[std::size_t(n)].ball;
     const Vec3 p = relative(b.centre_mm);
     const std::string name = "ball[" + std::to_string(n) + "]";
     program.set(name.c_str(), float(p.x), float(p.y), float(p.z), float(b.radius_mm));
   }
 }
 
-void Renderer::Impl::begin_surface(const EyeView& eye, const SceneState& state, bool cut) {
+void Renderer::Impl::begin_surface(const scene::EyeView& eye, const scene::SceneState& state, bool cut) {
   begun = 0;
   surface_eye = &eye;
   surface_state = &state;
@@ -65,7 +65,7 @@ void Renderer::Impl::surface_with(int parts) {
   if (begun >> parts & 1) return;
   begun |= 1u << parts;
   // What is the same for all that this program draws in this picture.
-  const SceneState& state = *surface_state;
+  const scene::SceneState& state = *surface_state;
   p.set("to_camera", surface_eye->to_camera(centre_mm));
   p.set("projection", surface_eye->projection());
   if (surface_cut) {
@@ -96,7 +96,7 @@ void Renderer::Impl::draw_surface(std::size_t n, Sight::Faces faces, const std::
 }
 
 // Which chunks of a surface are hidden behind what was drawn: the driver tests their boxes against the depth.
-void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
+void Renderer::Impl::ask_hidden(std::size_t n, const scene::EyeView& eye) {
   Item& item = items[n];
   if (!item.buffer) return;
   const std::vector<Chunk>& chunks = item.buffer->placed().chunks;
@@ -143,18 +143,18 @@ void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double opacity) {
+void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, double opacity) {
   using namespace shaders;
   const Item& item = items[n];
   surface_with((item.incised && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
                (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0));
-  surface->set("model", item.buffer ? item.buffer->placed().model : Mat4());
+  surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
   if (item.incised && !walls.empty()) set_balls(*surface, true);
   set_colour(item.colour_rgb);
 }
 
-void Renderer::Impl::draw_opaque(const EyeView& eye, const SceneState& state) {
+void Renderer::Impl::draw_opaque(const scene::EyeView& eye, const scene::SceneState& state) {
   bool first = true;
   for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
     if (state.opacity[n] < 1) continue;
@@ -174,7 +174,7 @@ void Renderer::Impl::draw_opaque(const EyeView& eye, const SceneState& state) {
   glDisable(GL_CULL_FACE);
 }
 
-void Renderer::Impl::draw_walls(const SceneState& state) {
+void Renderer::Impl::draw_walls(const scene::SceneState& state) {
   glEnable(GL_CULL_FACE);
   glCullFace(GL_FRONT);
   for (std::size_t n = 0; n < walls.size(); ++n) {
@@ -183,7 +183,7 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
     surface_with(shaders::wall_part | shaders::balls_part | (quality.grain ? shaders::grain_part : 0) |
                  (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0));
-    surface->set("model", affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
+    surface->set("model", scene::affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface->set("opacity", 1.f);
     surface->set("wall_ball", int(n));
     surface->set("to_occupancy", wall.to_occupancy);
@@ -200,19 +200,19 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
 
 void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
   surface_with(0);  // nor does the tool receive its own shadow
-  surface->set("model", affine(axes, relative(place_mm)));
+  surface->set("model", scene::affine(axes, relative(place_mm)));
   surface->set("opacity", float(opacity));
   solid.draw();
 }
 
-void Renderer::Impl::draw_markers(const SceneState& state, double opacity) {
-  for (const Marker& m : state.markers) {
+void Renderer::Impl::draw_markers(const scene::SceneState& state, double opacity) {
+  for (const scene::Marker& m : state.markers) {
     set_colour(m.colour_rgb);
     draw_solid_at(ball, m.position_mm, scaled(m.radius_mm), opacity);
   }
 }
 
-void Renderer::Impl::draw_solids(const SceneState& state) {
+void Renderer::Impl::draw_solids(const scene::SceneState& state) {
   glEnable(GL_CULL_FACE);
   draw_markers(state, 1);
   const auto dots = [&](const std::vector<Vec3>& places, const std::array<float, 3>& colour, double radius_mm = 0.35) {
@@ -222,12 +222,12 @@ void Renderer::Impl::draw_solids(const SceneState& state) {
   dots(state.trace_mm, {0.95f, 0.35f, 0.1f});
   dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
   dots(state.ink_mm, {0.12f, 0.25f, 0.85f}, 0.9);
-  if (state.tool_shown) draw_solid_at(tool, state.tip_mm, frame_along(state.axis), 1);
+  if (state.tool_shown) draw_solid_at(tool, state.tip_mm, haptics::frame_along(state.axis), 1);
   glDisable(GL_CULL_FACE);
 }
 
 // What lies behind surfaces shines through faintly: markers, and where the hand is while a surface holds the tool.
-void Renderer::Impl::draw_ghost(const SceneState& state) {
+void Renderer::Impl::draw_ghost(const scene::SceneState& state) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
@@ -246,7 +246,7 @@ void Renderer::Impl::draw_ghost(const SceneState& state) {
   glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::draw_transparent(const SceneState& state) {
+void Renderer::Impl::draw_transparent(const scene::SceneState& state) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
@@ -265,7 +265,7 @@ void Renderer::Impl::draw_transparent(const SceneState& state) {
   glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::darken(const EyeView& eye) {
+void Renderer::Impl::darken(const scene::EyeView& eye) {
   kept.after_pass();
   if (samples > 1) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
@@ -310,7 +310,7 @@ void Renderer::Impl::darken(const EyeView& eye) {
   glEnable(GL_DEPTH_TEST);
 }
 
-void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, int h) {
+void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& state, int w, int h) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
@@ -365,4 +365,4 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   glDisable(GL_FRAMEBUFFER_SRGB);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -8,44 +8,44 @@
 #include "render/surface_buffer.h"
 #include "render/surface_maker.h"
 
-namespace trephine {
+namespace trephine::render {
 
 // Shared by the sources of the renderer alone.
 struct Renderer::Impl {
-  Impl(const SceneData& scene, const RenderQuality& quality);
+  Impl(const scene::SceneData& scene, const RenderQuality& quality);
 
   // renderer.cpp
   static bool copies_bytes();
   void make_targets(int width, int height);
   void make_noise();
-  void upload_ct(const Grid<std::int16_t>& ct);
+  void upload_ct(const grid::Grid<std::int16_t>& ct);
 
   // renderer_shadow.cpp
   void make_shadow_map();
-  void cast_shadow(const EyeView& eye, const SceneState& state);
+  void cast_shadow(const scene::EyeView& eye, const scene::SceneState& state);
   void receive_shadow(const GlProgram& program) const;
 
   // renderer_draw.cpp
-  void draw(const EyeView& eye, const SceneState& state, int width, int height);
+  void draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
   /// What is drawn from now on, until it is called again, is seen by that eye; `cut` away, or not.
-  void begin_surface(const EyeView& eye, const SceneState& state, bool cut = true);
+  void begin_surface(const scene::EyeView& eye, const scene::SceneState& state, bool cut = true);
   /// Uses the program with these parts (shaders::SurfacePart), which `surface` is then.
   void surface_with(int parts);
   void draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen = nullptr);
-  void ask_hidden(std::size_t n, const EyeView& eye);
+  void ask_hidden(std::size_t n, const scene::EyeView& eye);
   ~Impl();
-  void use_surface(std::size_t n, const SceneState& state, double opacity);
-  void draw_opaque(const EyeView& eye, const SceneState& state);
-  void draw_walls(const SceneState& state);
-  void draw_caps(const EyeView& eye, const SceneState& state);
-  void draw_ct_planes(const EyeView& eye, const SceneState& state);
-  void draw_solids(const SceneState& state);
-  void draw_markers(const SceneState& state, double opacity);
-  void draw_ghost(const SceneState& state);
-  void draw_transparent(const SceneState& state);
-  void darken(const EyeView& eye);
+  void use_surface(std::size_t n, const scene::SceneState& state, double opacity);
+  void draw_opaque(const scene::EyeView& eye, const scene::SceneState& state);
+  void draw_walls(const scene::SceneState& state);
+  void draw_caps(const scene::EyeView& eye, const scene::SceneState& state);
+  void draw_ct_planes(const scene::EyeView& eye, const scene::SceneState& state);
+  void draw_solids(const scene::SceneState& state);
+  void draw_markers(const scene::SceneState& state, double opacity);
+  void draw_ghost(const scene::SceneState& state);
+  void draw_transparent(const scene::SceneState& state);
+  void darken(const scene::EyeView& eye);
   void set_balls(const GlProgram& program, bool any) const;
-  void set_plane(const EyeView& eye) const;
+  void set_plane(const scene::EyeView& eye) const;
   void draw_plane(Vec3 middle, Vec3 across, Vec3 along) const;
   void draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity);
   Vec3 relative(Vec3 world_mm) const { return world_mm - centre_mm; }
@@ -67,19 +67,19 @@ struct Renderer::Impl {
   GlProgram surfaces[shaders::all_parts + 1];  ///< made where they are first needed
   std::uint32_t made = 0, begun = 0;           ///< bit n: of surfaces[n]
   const GlProgram* surface = nullptr;          ///< in use
-  const EyeView* surface_eye = nullptr;
-  const SceneState* surface_state = nullptr;
+  const scene::EyeView* surface_eye = nullptr;
+  const scene::SceneState* surface_state = nullptr;
   bool surface_cut = false;
   GlProgram plane, box, openness, smoothing, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
-  Mat4 to_ct;
-  Lattice ct_lattice;
+  scene::Mat4 to_ct;
+  grid::Lattice ct_lattice;
   struct Wall {
-    CutBall ball;
+    scene::CutBall ball;
     int surface;
     GlObject occupancy;
-    Mat4 to_occupancy;
+    scene::Mat4 to_occupancy;
     std::size_t bytes;
   };
   std::vector<Wall> walls;
@@ -89,7 +89,7 @@ struct Renderer::Impl {
   GlObject shadow_frame, shadow_map;
   double tool_radius_mm = 0, tool_low_mm = 0, tool_high_mm = 0;  ///< a cylinder about its axis that holds the tool
   bool casts = false;                                            ///< in this picture
-  Mat4 to_shadow;
+  scene::Mat4 to_shadow;
   float shadow_step[2] = {0, 0};
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};
 
@@ -106,6 +106,6 @@ struct Renderer::Impl {
 };
 
 /// From mm about the scene's centre to coordinates of a texture on that lattice.
-Mat4 to_texture(const Lattice& lattice, Vec3 centre_mm);
+scene::Mat4 to_texture(const grid::Lattice& lattice, Vec3 centre_mm);
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -6,9 +6,9 @@
 #include "haptics/tool.h"
 #include "render/renderer_impl.h"
 
-namespace trephine {
+namespace trephine::render {
 
-void Renderer::Impl::set_plane(const EyeView& eye) const {
+void Renderer::Impl::set_plane(const scene::EyeView& eye) const {
   plane.use();
   plane.set("to_camera", eye.to_camera(centre_mm));
   plane.set("projection", eye.projection());
@@ -29,8 +29,8 @@ void Renderer::Impl::draw_plane(Vec3 middle, Vec3 across, Vec3 along) const {
 
 // Where more back than front faces are passed on the way to the eye, the plane lies within the solid. Shapes within
 // others come later, at the same depth.
-void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
-  const Mat3 frame = frame_along(normalized(state.cut->normal));
+void Renderer::Impl::draw_caps(const scene::EyeView& eye, const scene::SceneState& state) {
+  const Mat3 frame = haptics::frame_along(normalized(state.cut->normal));
   const Vec3 normal = frame.column[2], at = relative(state.cut->point_mm);
   const Vec3 middle = normal * dot(normal, at), across = frame.column[0] * radius_mm,
              along = frame.column[1] * radius_mm;
@@ -71,7 +71,7 @@ void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
   glDisable(GL_STENCIL_TEST);
 }
 
-void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state) {
+void Renderer::Impl::draw_ct_planes(const scene::EyeView& eye, const scene::SceneState& state) {
   if (!has_ct || state.ct_planes.empty()) return;
   set_plane(eye);
   plane.set("tint", 0.f, 0.f, 0.f);
@@ -82,19 +82,20 @@ void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state)
   plane.set("high", float(state.ct_high_hu));
   set_balls(plane, false);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const CtPlane& p : state.ct_planes) {
+  for (const scene::CtPlane& p : state.ct_planes) {
     const Vec3 normal = axes[p.axis];
     draw_plane(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
                axes[(p.axis + 2) % 3] * radius_mm);
   }
 }
 
-void Renderer::draw_inset(const CtPlane& at, const SceneState& state, int x, int y, int size, double half_mm) {
+void Renderer::draw_inset(const scene::CtPlane& at, const scene::SceneState& state, int x, int y, int size,
+                          double half_mm) {
   Impl& r = *impl_;
   if (!r.has_ct || size < 8) return;
   const Vec3 left{1, 0, 0}, back{0, 1, 0}, head{0, 0, 1};
   const Vec3 right = at.axis == 0 ? -back : left, up = at.axis == 2 ? -back : head, middle = r.relative(at.point_mm);
-  Mat4 flat;
+  scene::Mat4 flat;
   flat.m.fill(0);
   for (int c = 0; c < 3; ++c) {
     flat.at(0, c) = float(right[c] / half_mm);
@@ -113,9 +114,9 @@ void Renderer::draw_inset(const CtPlane& at, const SceneState& state, int x, int
   };
   fill(x, y, size, size, 0, 0, 0);
   glViewport(x, y, size, size);
-  r.set_plane(EyeView());
+  r.set_plane(scene::EyeView());
   r.plane.set("to_camera", flat);
-  r.plane.set("projection", Mat4());
+  r.plane.set("projection", scene::Mat4());
   r.plane.set("tint", 0.f, 0.f, 0.f);
   r.plane.set("ct_share", 1.f);
   r.plane.set("only_ct", 0);
@@ -131,4 +132,4 @@ void Renderer::draw_inset(const CtPlane& at, const SceneState& state, int x, int
   check_gl("a slice");
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -7,7 +7,7 @@
 #include "haptics/tool.h"
 #include "render/renderer_impl.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr int map_across = 128, map_along = 1024;
@@ -34,14 +34,14 @@ void Renderer::Impl::make_shadow_map() {
 }
 
 // Draws the map, and leaves its framebuffer bound.
-void Renderer::Impl::cast_shadow(const EyeView& eye, const SceneState& state) {
+void Renderer::Impl::cast_shadow(const scene::EyeView& eye, const scene::SceneState& state) {
   casts = state.tool_shown && quality.shadow_taps > 0 && tool_high_mm > tool_low_mm;
   if (!casts) return;
   const std::array<float, 3>& key = shaders::key_light;
   const Vec3 light = normalized(eye.right * key[0] + eye.up * key[1] + eye.toward * key[2]);
   const Vec3 axis = normalized(state.axis), tip = relative(state.tip_mm);
   Vec3 along = axis - light * dot(axis, light);
-  along = norm(along) > 1e-3 ? normalized(along) : frame_along(light).column[0];
+  along = norm(along) > 1e-3 ? normalized(along) : haptics::frame_along(light).column[0];
   const Vec3 across = cross(along, light);
   // The box of the tool's cylinder along these three.
   const auto reach = [&](Vec3 direction, double& low, double& high) {
@@ -50,8 +50,8 @@ void Renderer::Impl::cast_shadow(const EyeView& eye, const SceneState& state) {
     high = std::max(a, b) + tool_radius_mm + margin_mm;
   };
   const Vec3 rows[3] = {across, along, -light};
-  Mat4 to_light;
-  to_shadow = Mat4();
+  scene::Mat4 to_light;
+  to_shadow = scene::Mat4();
   double size[3];
   for (int r = 0; r < 3; ++r) {
     double low = 0, high = 1;
@@ -80,7 +80,7 @@ void Renderer::Impl::cast_shadow(const EyeView& eye, const SceneState& state) {
   glClear(GL_DEPTH_BUFFER_BIT);
   glDisable(GL_CULL_FACE);
   shadow.use();
-  shadow.set("model", affine(frame_along(state.axis), tip));
+  shadow.set("model", scene::affine(haptics::frame_along(state.axis), tip));
   shadow.set("to_light", to_light);
   tool.draw();
 }
@@ -95,4 +95,4 @@ void Renderer::Impl::receive_shadow(const GlProgram& p) const {
   glActiveTexture(GL_TEXTURE0);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

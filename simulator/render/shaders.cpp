@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/shaders.h"
 
-namespace trephine::shaders {
+namespace trephine::render::shaders {
 
 const char* const surface_vertex = R"(
 layout(location = 0) in vec3 position;
@@ -259,4 +259,4 @@ void main() {
 }
 )";
 
-}  // namespace trephine::shaders
+}  // namespace trephine::render::shaders

@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-namespace trephine::shaders {
+namespace trephine::render::shaders {
 
 /// Where the key light comes from, in the viewer's axes; the fragment shader gets it as KEY_LIGHT.
 constexpr std::array<float, 3> key_light{-0.45f, 0.62f, 0.64f};
@@ -24,4 +24,4 @@ extern const char* const present_fragment;
 /// Makes the triangles of bricks: the head, then definitions (COUNT: only counts them), then the rest.
 extern const char *const brick_head, *const brick_compute;
 
-}  // namespace trephine::shaders
+}  // namespace trephine::render::shaders

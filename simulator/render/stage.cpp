@@ -7,7 +7,7 @@
 
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr double inset_mm = 60;    // half of what an inset shows
@@ -16,76 +16,76 @@ constexpr double full_glow_n = 2;  // force at which the contact is lit most
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 // The triangles come when it is known how many the graphics memory holds.
-SceneData without_triangles(const SceneData& scene) {
-  SceneData out{scene.centre_mm, scene.bounds, {}};
-  for (const SceneSurface& s : scene.surfaces)
+scene::SceneData without_triangles(const scene::SceneData& scene) {
+  scene::SceneData out{scene.centre_mm, scene.bounds, {}};
+  for (const scene::SceneSurface& s : scene.surfaces)
     out.surfaces.push_back({s.name, s.colour_rgb, s.opacity, s.shape, s.live, s.incised, {}, {}});
   return out;
 }
 
 }  // namespace
 
-Stage::Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std::int16_t>* uncut)
+Stage::Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params, const grid::Grid<std::int16_t>* uncut)
     : loaded_(loaded),
       budget_bytes_(std::size_t(params.graphics_budget_mb * 1e6)),
       params_(params),
       driver_(driver_facts()),
-      scene_(scene_of(loaded)) {
+      scene_(scene::scene_of(loaded)) {
   renderer_ = std::make_unique<Renderer>(without_triangles(scene_), quality_of(params));
   bool incised = false;
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
-    const SceneSurface& s = scene_.surfaces[n];
+    const scene::SceneSurface& s = scene_.surfaces[n];
     incised = incised || s.incised;
     if (!s.live) continue;
     surfaces_by_ = renderer_->set_live(int(n), loaded.haptic, s.shape, params.surface_by);
   }
   fit_memory();
-  if (incised && loaded.haptic.encoding == HapticEncoding::occupancy) {
+  if (incised && loaded.haptic.encoding == voxel::HapticEncoding::occupancy) {
     before_.voxels = uncut ? *uncut : loaded.haptic.voxels;
     before_.shapes = loaded.haptic.shapes;
   }
-  state.opacity = opacities_of(scene_, params.opacity);
+  state.opacity = scene::opacities_of(scene_, params.opacity);
   set_view(params);
 }
 
-RenderQuality Stage::quality_of(const ViewParams& p) const {
+RenderQuality Stage::quality_of(const scene::ViewParams& p) const {
   return {samples_of(p), p.occlusion,      p.occlusion_mm,
           p.grain,       driver_.software, !p.shadow ? 0 : driver_.software ? 1 : 5,
           coarse_};
 }
 
-void Stage::set_view(const ViewParams& params) {
+void Stage::set_view(const scene::ViewParams& params) {
   params_ = params;
   samples_ = samples_of(params);
   renderer_->set_quality(quality_of(params));
-  state.cut = cut_of(params, scene_);
+  state.cut = scene::cut_of(params, scene_);
   state.insets = params.insets;
   state.cut_shows_ct = params.cut_ct;
   state.ct_low_hu = params.ct_low_hu;
   state.ct_high_hu = params.ct_high_hu;
-  state.markers = params.places ? places_of(loaded_.manifest) : std::vector<Marker>();
+  state.markers = params.places ? scene::places_of(loaded_.manifest) : std::vector<scene::Marker>();
 }
 
-void Stage::set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb) {
-  Solid solid = solid_of(own_tool);
+void Stage::set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb) {
+  scene::Solid solid = scene::solid_of(own_tool);
   if (colour_rgb)
-    for (SolidVertex& v : solid.vertices) std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
+    for (scene::SolidVertex& v : solid.vertices) std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
   renderer_->set_tool(solid);
 }
 
-std::size_t Stage::follow(DirtyBricks& marks) {
+std::size_t Stage::follow(drill::DirtyBricks& marks) {
   marked_.clear();
   marks.take(marked_);
   return marked_.empty() ? 0 : renderer_->follow(marked_);
 }
 
-void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t count) {
+void Stage::show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count) {
   if (count == shown_incisions_ || before_.voxels.voxels.empty()) return;
   if (count < shown_incisions_) {
     renderer_->clear_incisions();
     shown_incisions_ = 0;
   }
-  const HapticDecoder decoder(before_);
+  const voxel::HapticDecoder decoder(before_);
   for (; shown_incisions_ < count; ++shown_incisions_) {
     std::size_t walls = 0;
     for (std::size_t n = 0; n < scene_.surfaces.size(); ++n)
@@ -97,11 +97,11 @@ void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t cou
   }
 }
 
-IncisionWall Stage::wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const {
+IncisionWall Stage::wall_of(const session::IncisionMark& mark, int surface, const voxel::HapticDecoder& decoder) const {
   IncisionWall wall;
   wall.ball = {mark.point_mm, mark.radius_mm};
   wall.surface = surface;
-  Box box;
+  grid::Box box;
   for (std::size_t a = 0; a < 3; ++a) {
     const double at = before_.voxels.to_index(mark.point_mm)[int(a)],
                  reach = mark.radius_mm / before_.voxels.spacing_mm[int(a)] + 2;
@@ -109,7 +109,7 @@ IncisionWall Stage::wall_of(const IncisionMark& mark, int surface, const HapticD
     box.begin[a] = int(std::clamp(std::floor(at - reach), 0.0, size - 1));
     box.end[a] = int(std::clamp(std::ceil(at + reach) + 1, box.begin[a] + 1.0, size));
   }
-  wall.lattice = cropped(before_.voxels, box);
+  wall.lattice = grid::cropped(before_.voxels, box);
   wall.occupancy.reserve(wall.lattice.count());
   const int shape = scene_.surfaces[std::size_t(surface)].shape;
   for (int k = box.begin[2]; k < box.end[2]; ++k)
@@ -119,7 +119,7 @@ IncisionWall Stage::wall_of(const IncisionMark& mark, int surface, const HapticD
   return wall;
 }
 
-void Stage::show_frame(const ServoFrame& f) {
+void Stage::show_frame(const haptics::ServoFrame& f) {
   state.tool_shown = true;
   state.tip_mm = vec(f.proxy_mm);
   state.axis = normalized(vec(f.axis));
@@ -130,7 +130,7 @@ void Stage::show_frame(const ServoFrame& f) {
 }
 
 // The picture as a window at `screen_mm` before the camera, seen by an eye that is beside the camera.
-EyeView Stage::beside(EyeView e, double screen_mm, Vec3 by_mm) {
+scene::EyeView Stage::beside(scene::EyeView e, double screen_mm, Vec3 by_mm) {
   e.eye_mm += e.right * by_mm.x + e.up * by_mm.y + e.toward * by_mm.z;
   const double k = 1 / std::max(1.0, screen_mm + by_mm.z);
   e.left = (e.left * screen_mm - by_mm.x) * k;
@@ -142,10 +142,11 @@ EyeView Stage::beside(EyeView e, double screen_mm, Vec3 by_mm) {
   return e;
 }
 
-void Stage::draw(const OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind, Vec3 head_mm) {
+void Stage::draw(const scene::OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind,
+                 Vec3 head_mm) {
   const double screen_mm = params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm;
   const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask, Eye which = Eye::both) {
-    const EyeView eye = beside(camera.eye(w, h, scene_.bounds), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
+    const scene::EyeView eye = beside(camera.eye(w, h, scene_.bounds), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
     const double scale = picture_scale(w, h);
     renderer_->draw(eye, state, std::max(1, int(w * scale)), std::max(1, int(h * scale)));
     bind(which);
@@ -153,23 +154,23 @@ void Stage::draw(const OrbitCamera& camera, int width, int height, const std::fu
   };
   const double half = 0.5 * params_.eye_distance_mm;
   switch (params_.stereo) {
-    case ViewParams::Stereo::none:
+    case scene::ViewParams::Stereo::none:
       one(0, 0, width, height, 0, 7);
       draw_insets(width, height);
       break;
-    case ViewParams::Stereo::side_by_side:
+    case scene::ViewParams::Stereo::side_by_side:
       one(0, 0, width / 2, height, -half, 7);
       one(width / 2, 0, width - width / 2, height, half, 7);
       break;
-    case ViewParams::Stereo::top_bottom:
+    case scene::ViewParams::Stereo::top_bottom:
       one(0, height / 2, width, height - height / 2, -half, 7);
       one(0, 0, width, height / 2, half, 7);
       break;
-    case ViewParams::Stereo::anaglyph:
+    case scene::ViewParams::Stereo::anaglyph:
       one(0, 0, width, height, -half, 1);
       one(0, 0, width, height, half, 6);
       break;
-    case ViewParams::Stereo::quad_buffer:
+    case scene::ViewParams::Stereo::quad_buffer:
       one(0, 0, width, height, -half, 7, Eye::left);
       one(0, 0, width, height, half, 7, Eye::right);
       bind(Eye::both);
@@ -185,4 +186,4 @@ void Stage::draw_insets(int width, int height) {
     renderer_->draw_inset({axis, state.tip_mm}, state, width - (axis + 1) * (size + gap), gap, size, inset_mm);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

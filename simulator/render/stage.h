@@ -13,7 +13,7 @@
 #include "texts/note.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// A case on stage: the scene, its live surfaces and the renderer, as a window and the pictures of a recording use
 /// them. In the thread of the current context.
@@ -21,15 +21,16 @@ class Stage {
  public:
   /// `loaded` must outlive it; where voxels are cut meanwhile, they are not yet when it is made. Where some were cut
   /// before, `uncut` has them as the case has them, for the walls of incisions; it is copied.
-  Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std::int16_t>* uncut = nullptr);
+  Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params,
+        const grid::Grid<std::int16_t>* uncut = nullptr);
 
   /// The parameters of pictures from now on; not those of the camera, nor who makes surfaces.
-  void set_view(const ViewParams& params);
-  const ViewParams& view() const { return params_; }
+  void set_view(const scene::ViewParams& params);
+  const scene::ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
   /// Coarser triangles are made in a thread of their own; until follow_coarse() has taken them, surfaces are drawn as
   /// they were.
-  void set_quality(const ViewParams& params, double scale, const Coarseness& coarse = {});
+  void set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse = {});
   /// Takes what was made of coarser triangles, and uploads a part that holds no picture up. The notes say of each
   /// surface that becomes coarser by how much. Throws what making them threw. To be called for each picture.
   void follow_coarse();
@@ -38,34 +39,35 @@ class Stage {
   /// Until all of them are there.
   void wait_for_coarse();
   /// `colour_rgb`: of all of it, in place of its own.
-  void set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
+  void set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
-  std::size_t follow(DirtyBricks& marks);
-  /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::most_incisions the oldest
+  std::size_t follow(drill::DirtyBricks& marks);
+  /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest
   /// look closed.
-  void show_incisions(const std::vector<IncisionMark>& all, std::size_t count);
+  void show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count);
   /// Tool, hand and contact as they are in that frame.
-  void show_frame(const ServoFrame& frame);
+  void show_frame(const haptics::ServoFrame& frame);
 
   /// Draws, and copies the picture into the framebuffer that `bind` binds, from its lower left corner; with two eyes
   /// as the parameters say. `bind` is asked for one eye alone where each has a framebuffer (quad_buffer). `head_mm`
   /// moves the eyes from where the camera stands (right, up, towards the viewer).
-  void draw(const OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind, Vec3 head_mm = {});
+  void draw(const scene::OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind,
+            Vec3 head_mm = {});
 
-  SceneState state;
-  const SceneData& scene() const { return scene_; }
-  const LoadedCase& loaded() const { return loaded_; }
+  scene::SceneState state;
+  const scene::SceneData& scene() const { return scene_; }
+  const cases::LoadedCase& loaded() const { return loaded_; }
   Renderer& renderer() { return *renderer_; }
   const Renderer& renderer() const { return *renderer_; }
   const DriverFacts& driver() const { return driver_; }
   /// What was left out, for want of graphics memory or because pictures took too long; may grow.
-  const std::vector<Note>& notes() const { return notes_; }
+  const std::vector<texts::Note>& notes() const { return notes_; }
   /// Who makes the surfaces that are cut; empty where none is.
   const std::string& surfaces_by() const { return surfaces_by_; }
 
   /// What an eye sees that is beside (right, up, towards the viewer) the one given, through the same window at that
   /// distance.
-  static EyeView beside(EyeView eye, double screen_mm, Vec3 by_mm);
+  static scene::EyeView beside(scene::EyeView eye, double screen_mm, Vec3 by_mm);
 
  private:
   void draw_insets(int width, int height);
@@ -79,20 +81,20 @@ class Stage {
   void fit_incisions(std::size_t of_newest);
   double picture_scale(int width, int height);
   std::size_t room() const;  ///< for a picture
-  int samples_of(const ViewParams& params) const;
+  int samples_of(const scene::ViewParams& params) const;
   bool fits(std::size_t bytes) const;
-  RenderQuality quality_of(const ViewParams& params) const;
-  IncisionWall wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const;
+  RenderQuality quality_of(const scene::ViewParams& params) const;
+  IncisionWall wall_of(const session::IncisionMark& mark, int surface, const voxel::HapticDecoder& decoder) const;
 
-  const LoadedCase& loaded_;
+  const cases::LoadedCase& loaded_;
   std::size_t budget_bytes_ = 0;  ///< 0: any
-  int most_samples_ = 64;
-  std::vector<Note> notes_;
-  ViewParams params_;
+  int max_samples_ = 64;
+  std::vector<texts::Note> notes_;
+  scene::ViewParams params_;
   DriverFacts driver_;
-  SceneData scene_;
+  scene::SceneData scene_;
   std::string surfaces_by_;
-  HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
+  voxel::HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
   std::size_t shown_incisions_ = 0;
@@ -106,8 +108,8 @@ class Stage {
   int samples_ = 1;  ///< of the pictures that are drawn now
   Coarseness coarse_;
   bool uploading_ = false;
-  std::map<std::string, Note> told_coarse_;  ///< by surface the last note of it
-  CoarseWorker worker_;                      // reads scene_: it ends first
+  std::map<std::string, texts::Note> told_coarse_;  ///< by surface the last note of it
+  CoarseWorker worker_;                             // reads scene_: it ends first
 };
 
-}  // namespace trephine
+}  // namespace trephine::render

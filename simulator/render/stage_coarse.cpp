@@ -7,14 +7,14 @@
 
 #include "render/stage.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr std::size_t slice_bytes = 1 << 20;  // that are uploaded between two pictures
 
 }  // namespace
 
-void Stage::set_quality(const ViewParams& params, double scale, const Coarseness& coarse) {
+void Stage::set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse) {
   const bool other = coarse.within_mm != coarse_.within_mm;
   coarse_ = coarse;
   scale_ = scale;
@@ -36,17 +36,17 @@ void Stage::begin_coarse() {
   }
   std::vector<CoarseAsk> asks;  // the outermost surfaces come first: they are seen
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
-    const SceneSurface& s = scene_.surfaces[n];
+    const scene::SceneSurface& s = scene_.surfaces[n];
     given_[n] = renderer_->parts(int(n));
     asks.push_back(
         {int(n), shown_mm_[n] > 0 ? nullptr : given_[n], !s.live && coarse_.within_mm > shown_mm_[n] ? &s : nullptr});
   }
-  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
+  std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   if (budget_bytes_ > 0) {
     const std::size_t used = renderer_->scene_bytes() - renderer_->coarse_bytes() + room();
-    most_bytes = budget_bytes_ > used ? budget_bytes_ - used : 0;
+    max_bytes = budget_bytes_ > used ? budget_bytes_ - used : 0;
   }
-  worker_.begin(coarse_.within_mm, most_bytes, std::move(asks));
+  worker_.begin(coarse_.within_mm, max_bytes, std::move(asks));
 }
 
 // Surfaces that are coarse everywhere because pictures took too long: as the memory lets them be.
@@ -81,7 +81,7 @@ void Stage::wait_for_coarse() {
 void Stage::show_coarse(CoarseMade made) {
   const std::size_t n = std::size_t(made.surface);
   const std::string& name = scene_.surfaces[n].name;
-  const auto tell = [&](const Note& note) {
+  const auto tell = [&](const texts::Note& note) {
     if (told_coarse_.count(name) && told_coarse_.at(name) == note) return;
     told_coarse_.insert_or_assign(name, note);
     notes_.push_back(note);
@@ -89,17 +89,17 @@ void Stage::show_coarse(CoarseMade made) {
   if (made.instead) {
     shown_mm_[n] = coarse_.within_mm;
     renderer_->set_surface(made.surface, std::move(made.instead));
-    tell({NoteId::coarse, made.facts.values(name)});
+    tell({texts::NoteId::coarse, made.facts.values(name)});
     return;
   }
   if (made.beside) {
     uploading_ = true;
     std::vector<std::string> values = made.facts.values(name);
     values.insert(values.begin(), fmt::format("{:.0f}", coarse_.fine_mm));
-    tell({NoteId::coarse_beyond, values});
+    tell({texts::NoteId::coarse_beyond, values});
   }
   const bool fits_beside = fits(renderer_->scene_bytes() + room() + made.facts.bytes);
   renderer_->set_coarse(made.surface, std::move(made.beside), fits_beside);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -10,10 +10,10 @@
 #include "render/memory.h"
 #include "render/stage.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
-constexpr int most_halvings = 2;  // of the CT; after them there is none
+constexpr int max_halvings = 2;  // of the CT; after them there is none
 
 // Of the picture that a screen shows.
 std::size_t room_for_picture(int samples) { return picture_bytes(1920, 1080, samples); }
@@ -31,8 +31,8 @@ std::size_t ct_bytes(const std::array<int, 3>& size) {
 // What several coarsenings of a surface are, each made once.
 class CoarseSurfaces {
  public:
-  explicit CoarseSurfaces(const SceneData& scene) : scene_(scene) {}
-  const SceneSurface& of(std::size_t n, double mm) {
+  explicit CoarseSurfaces(const scene::SceneData& scene) : scene_(scene) {}
+  const scene::SceneSurface& of(std::size_t n, double mm) {
     if (!(mm > 0)) return scene_.surfaces[n];
     const auto found = made_.find({n, mm});
     if (found != made_.end()) return found->second;
@@ -40,13 +40,13 @@ class CoarseSurfaces {
   }
 
  private:
-  const SceneData& scene_;
-  std::map<std::pair<std::size_t, double>, SceneSurface> made_;
+  const scene::SceneData& scene_;
+  std::map<std::pair<std::size_t, double>, scene::SceneSurface> made_;
 };
 
 // How coarse each surface must be, so that all of them take no more than `room`: the largest first, and none much
 // coarser than another. Returns what they then take, which may be more.
-std::size_t fit_surfaces(const SceneData& scene, const std::vector<double>& sizes_mm, std::size_t room,
+std::size_t fit_surfaces(const scene::SceneData& scene, const std::vector<double>& sizes_mm, std::size_t room,
                          CoarseSurfaces& coarse, std::vector<double>& shown_mm) {
   shown_mm.assign(scene.surfaces.size(), 0);
   std::vector<std::size_t> order;
@@ -74,8 +74,8 @@ std::size_t fit_surfaces(const SceneData& scene, const std::vector<double>& size
 
 std::size_t Stage::room() const { return room_for_picture(samples_of(params_)); }
 
-int Stage::samples_of(const ViewParams& p) const {
-  return std::min(most_samples_, p.samples > 0 ? p.samples : driver_.software ? 1 : 4);
+int Stage::samples_of(const scene::ViewParams& p) const {
+  return std::min(max_samples_, p.samples > 0 ? p.samples : driver_.software ? 1 : 4);
 }
 
 bool Stage::fits(std::size_t bytes) const { return budget_bytes_ == 0 || bytes <= budget_bytes_; }
@@ -90,7 +90,7 @@ void Stage::fit_memory() {
   std::size_t needed = 0;
   const auto try_it = [&](int halvings, bool may_be_coarse) {
     const std::size_t ct =
-        loaded_.has_ct() && halvings <= most_halvings ? ct_bytes(halved_size(loaded_.ct.size, halvings)) : 0;
+        loaded_.has_ct() && halvings <= max_halvings ? ct_bytes(halved_size(loaded_.ct.size, halvings)) : 0;
     const std::size_t rest = live + room() + ct;
     const std::size_t left = budget_bytes_ == 0     ? std::numeric_limits<std::size_t>::max()
                              : budget_bytes_ > rest ? budget_bytes_ - rest
@@ -101,16 +101,16 @@ void Stage::fit_memory() {
   int halvings = 0;
   const auto too_large = [&](int h) {
     const std::array<int, 3> size = halved_size(loaded_.ct.size, h);
-    return *std::max_element(size.begin(), size.end()) > Renderer::most_ct_side();
+    return *std::max_element(size.begin(), size.end()) > Renderer::max_ct_side();
   };
-  while (loaded_.has_ct() && halvings <= most_halvings && too_large(halvings)) ++halvings;
+  while (loaded_.has_ct() && halvings <= max_halvings && too_large(halvings)) ++halvings;
   if (!try_it(halvings, false)) {
     if (samples_of(params_) > 1) {
-      most_samples_ = 1;
-      notes_.push_back(NoteId::memory_edges);
+      max_samples_ = 1;
+      notes_.push_back(texts::NoteId::memory_edges);
     }
     while (!try_it(halvings, true)) {
-      if (!loaded_.has_ct() || halvings > most_halvings)
+      if (!loaded_.has_ct() || halvings > max_halvings)
         throw Error(ExitCode::io, "", "graphics_budget_mb",
                     fmt::format("{:g} is too little: surfaces and pictures need {:.0f}", params_.graphics_budget_mb,
                                 std::ceil(1e-6 * double(needed))));
@@ -121,12 +121,12 @@ void Stage::fit_memory() {
   needed_.assign(scene_.surfaces.size(), nullptr);
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
     if (scene_.surfaces[n].live) continue;
-    const SceneSurface& shown = coarse.of(n, shown_mm_[n]);
+    const scene::SceneSurface& shown = coarse.of(n, shown_mm_[n]);
     needed_[n] = std::make_shared<const SurfaceParts>(parts_of(shown));
     renderer_->set_surface(int(n), needed_[n]);
     if (shown_mm_[n] > 0)
       notes_.push_back(
-          {NoteId::memory_coarse, coarse_facts(scene_.surfaces[n], shown).values(scene_.surfaces[n].name)});
+          {texts::NoteId::memory_coarse, coarse_facts(scene_.surfaces[n], shown).values(scene_.surfaces[n].name)});
   }
   show_ct(halvings);
 }
@@ -137,13 +137,13 @@ void Stage::show_ct(int halvings) {
     renderer_->set_ct(loaded_.ct);
     return;
   }
-  if (halvings > most_halvings) {
-    notes_.push_back(NoteId::memory_no_ct);
+  if (halvings > max_halvings) {
+    notes_.push_back(texts::NoteId::memory_no_ct);
     return;
   }
-  Grid<std::int16_t> less = halved(loaded_.ct);
+  grid::Grid<std::int16_t> less = halved(loaded_.ct);
   for (int n = 1; n < halvings; ++n) less = halved(less);
-  notes_.push_back({NoteId::memory_ct, {fmt::format("{:.1f}", less.spacing_mm.x)}});
+  notes_.push_back({texts::NoteId::memory_ct, {fmt::format("{:.1f}", less.spacing_mm.x)}});
   renderer_->set_ct(less);
 }
 
@@ -155,9 +155,9 @@ void Stage::fit_incisions(std::size_t of_newest) {
     renderer_->drop_oldest_incision();
     dropped = true;
   }
-  if (dropped && !std::exchange(told_incisions_, true)) notes_.push_back(NoteId::memory_old_incisions);
+  if (dropped && !std::exchange(told_incisions_, true)) notes_.push_back(texts::NoteId::memory_old_incisions);
   if (over() && !std::exchange(told_over_, true))
-    notes_.push_back({NoteId::memory_new_incision,
+    notes_.push_back({texts::NoteId::memory_new_incision,
                       {fmt::format("{:.2f}", 1e-6 * double(renderer_->scene_bytes() + room() - budget_bytes_))}});
 }
 
@@ -176,10 +176,10 @@ double Stage::picture_scale(int width, int height) {
   double scale = std::min(scale_, std::sqrt(double(left) / double(bytes(1))));
   while (bytes(scale) > left && scale > 0.01) scale *= 0.99;
   if (std::exchange(told_picture_, {width, height}) != std::pair(width, height))
-    notes_.push_back({NoteId::memory_pictures,
+    notes_.push_back({texts::NoteId::memory_pictures,
                       {std::to_string(sized(scale).first), std::to_string(sized(scale).second), std::to_string(width),
                        std::to_string(height)}});
   return scale;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

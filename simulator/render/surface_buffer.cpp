@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
@@ -33,15 +33,15 @@ void DrawList::add_to(std::vector<Range>& ranges, std::uint32_t first, std::uint
     ranges.push_back({first, count});
 }
 
-SolidBuffer::SolidBuffer(const Solid& s, bool coloured)
+SolidBuffer::SolidBuffer(const scene::Solid& s, bool coloured)
     : array_(make_vertex_array()),
       vertices_(make_buffer()),
       indices_(make_buffer()),
       count_(GLsizei(s.indices.size())) {
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-  std::vector<SolidVertex> vertices = s.vertices;
-  for (SolidVertex& v : vertices)
+  std::vector<scene::SolidVertex> vertices = s.vertices;
+  for (scene::SolidVertex& v : vertices)
     for (float& part : v.colour_rgb) part = linear_of(part);
   glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size() * sizeof vertices[0]), vertices.data(), GL_STATIC_DRAW);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
@@ -49,7 +49,7 @@ SolidBuffer::SolidBuffer(const Solid& s, bool coloured)
                GL_STATIC_DRAW);
   for (GLuint n = 0; n < (coloured ? 3u : 2u); ++n) {
     glEnableVertexAttribArray(n);
-    glVertexAttribPointer(n, 3, GL_FLOAT, GL_FALSE, sizeof(SolidVertex), offset(n * 3 * sizeof(float)));
+    glVertexAttribPointer(n, 3, GL_FLOAT, GL_FALSE, sizeof(scene::SolidVertex), offset(n * 3 * sizeof(float)));
   }
   check_gl("a tool");
 }
@@ -62,7 +62,8 @@ void SolidBuffer::draw() const {
 
 SurfaceBuffer::SurfaceBuffer(std::shared_ptr<const SurfaceParts> parts) : parts_(std::move(parts)) { upload(0, 0); }
 
-SurfaceBuffer::SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm) : placed_(axes, offset_mm) {
+SurfaceBuffer::SurfaceBuffer(const drill::LiveSurface& surface, const Mat3& axes, Vec3 offset_mm)
+    : placed_(axes, offset_mm) {
   upload_bricks(surface);
 }
 
@@ -73,9 +74,10 @@ GlObject SurfaceBuffer::make_array(const GlObject& indices) const {
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
   glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(SceneVertex), offset(0));
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(scene::SceneVertex), offset(0));
   glEnableVertexAttribArray(1);
-  glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(SceneVertex), offset(offsetof(SceneVertex, normal)));
+  glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(scene::SceneVertex),
+                        offset(offsetof(scene::SceneVertex, normal)));
   return array;
 }
 
@@ -93,14 +95,14 @@ void SurfaceBuffer::upload(std::size_t spare_vertices, std::size_t spare_indices
   indices_ = make_buffer();
   array_ = make_array(indices_);
   const GLenum use = spare_indices > 0 ? GL_DYNAMIC_DRAW : GL_STATIC_DRAW;
-  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertex_room_ * sizeof(SceneVertex)), nullptr, use);
-  glBufferSubData(GL_ARRAY_BUFFER, 0, GLsizeiptr(vertex_end_ * sizeof(SceneVertex)), parts_->vertices.data());
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertex_room_ * sizeof(scene::SceneVertex)), nullptr, use);
+  glBufferSubData(GL_ARRAY_BUFFER, 0, GLsizeiptr(vertex_end_ * sizeof(scene::SceneVertex)), parts_->vertices.data());
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(index_room_ * sizeof(std::uint32_t)), nullptr, use);
   glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, GLsizeiptr(index_end_ * sizeof(std::uint32_t)), parts_->indices.data());
   check_gl("a surface");
 }
 
-void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
+void SurfaceBuffer::upload_bricks(const drill::LiveSurface& surface) {
   places_.assign(surface.layout().count(), {});
   parts_ = std::make_shared<const SurfaceParts>(parts_of(surface, placed_.mirrored, bricks_));
   upload(parts_->vertices.size() / 4 + 65536, parts_->indices.size() / 4 + 6 * 65536);
@@ -118,16 +120,16 @@ void SurfaceBuffer::set_coarse(std::optional<CoarseParts> coarse, bool keep_thos
   check_gl("coarser triangles");
 }
 
-bool SurfaceBuffer::upload_coarse(std::size_t& most_bytes) {
+bool SurfaceBuffer::upload_coarse(std::size_t& max_bytes) {
   if (!coming_) return false;
   Coming& c = *coming_;
-  const std::size_t now = std::min(most_bytes, c.made.bytes - c.uploaded);
+  const std::size_t now = std::min(max_bytes, c.made.bytes - c.uploaded);
   glBindVertexArray(c.made.array);
   glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, GLintptr(c.uploaded), GLsizeiptr(now),
                   reinterpret_cast<const char*>(c.parts.indices.data()) + c.uploaded);
   check_gl("coarser triangles");
   c.uploaded += now;
-  most_bytes -= now;
+  max_bytes -= now;
   if (c.uploaded < c.made.bytes) return true;
   c.made.chunks = std::move(c.parts.chunks);
   show_coarse(std::move(c.made));
@@ -164,24 +166,24 @@ void SurfaceBuffer::leave_chunk(std::size_t b) {
   }
 }
 
-void SurfaceBuffer::put(const BrickMesh& mesh, const Place& p) {
+void SurfaceBuffer::put(const drill::BrickMesh& mesh, const Place& p) {
   vertex_work_.clear();
   index_work_.clear();
   append(mesh, placed_.mirrored, p.first_vertex, vertex_work_, index_work_);
   index_work_.resize(p.index_room, p.first_vertex);
   if (!vertex_work_.empty())
-    glBufferSubData(GL_ARRAY_BUFFER, GLintptr(p.first_vertex * sizeof(SceneVertex)),
-                    GLsizeiptr(vertex_work_.size() * sizeof(SceneVertex)), vertex_work_.data());
+    glBufferSubData(GL_ARRAY_BUFFER, GLintptr(p.first_vertex * sizeof(scene::SceneVertex)),
+                    GLsizeiptr(vertex_work_.size() * sizeof(scene::SceneVertex)), vertex_work_.data());
   if (!index_work_.empty())
     glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, GLintptr(p.first_index * sizeof(std::uint32_t)),
                     GLsizeiptr(index_work_.size() * sizeof(std::uint32_t)), index_work_.data());
 }
 
-void SurfaceBuffer::update(const LiveSurface& surface, const std::vector<std::size_t>& bricks) {
+void SurfaceBuffer::update(const drill::LiveSurface& surface, const std::vector<std::size_t>& bricks) {
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
   for (const std::size_t b : bricks) {
-    const BrickMesh& mesh = surface.brick(b);
+    const drill::BrickMesh& mesh = surface.brick(b);
     Place& p = places_[b];
     if (p.index_room == 0) leave_chunk(b);
     if (mesh.vertices.size() > p.vertex_room || mesh.indices.size() > p.index_room) {
@@ -262,4 +264,4 @@ std::size_t SurfaceBuffer::triangles(const DrawList& list) const {
   return indices / 3;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -11,14 +11,14 @@
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// A solid in the graphics memory.
 class SolidBuffer {
  public:
   SolidBuffer() = default;
   /// With the colours of its vertices, or in one that is set before it is drawn.
-  SolidBuffer(const Solid& solid, bool coloured);
+  SolidBuffer(const scene::Solid& solid, bool coloured);
   void draw() const;
 
  private:
@@ -33,19 +33,19 @@ class SurfaceBuffer : public DrawnSurface {
   /// The bricks of a live surface, along the lattice's axes; its first voxel lies at `offset_mm` from the scene's
   /// centre. A brick that is made anew leaves its chunk (its triangles there lose their area) and goes to a place
   /// behind all chunks, which it keeps.
-  SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm);
+  SurfaceBuffer(const drill::LiveSurface& surface, const Mat3& axes, Vec3 offset_mm);
   /// Writes the bricks anew: what LiveSurface::update returned.
-  void update(const LiveSurface& surface, const std::vector<std::size_t>& bricks);
+  void update(const drill::LiveSurface& surface, const std::vector<std::size_t>& bricks);
 
   const PlacedChunks& placed() const override { return placed_; }
   void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override;
   void draw(const DrawList& list) const override;
   std::shared_ptr<const SurfaceParts> parts() const override { return parts_; }
   void set_coarse(std::optional<CoarseParts> coarse, bool keep_those_before) override;
-  bool upload_coarse(std::size_t& most_bytes) override;
+  bool upload_coarse(std::size_t& max_bytes) override;
   std::size_t triangles(const DrawList& list) const override;
   std::size_t bytes() const override {
-    return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t) + coarse_bytes();
+    return vertex_room_ * sizeof(scene::SceneVertex) + index_room_ * sizeof(std::uint32_t) + coarse_bytes();
   }
   std::size_t coarse_bytes() const override;
 
@@ -65,12 +65,12 @@ class SurfaceBuffer : public DrawnSurface {
     Coarse made;
     std::size_t uploaded = 0;
   };
-  void upload_bricks(const LiveSurface& surface);
+  void upload_bricks(const drill::LiveSurface& surface);
   void upload(std::size_t spare_vertices, std::size_t spare_indices);
   GlObject make_array(const GlObject& indices) const;
   void show_coarse(Coarse coarse);
   void leave_chunk(std::size_t brick);
-  void put(const BrickMesh& mesh, const Place& place);
+  void put(const drill::BrickMesh& mesh, const Place& place);
   void draw_ranges(const GlObject& array, const std::vector<DrawList::Range>& ranges) const;
 
   GlObject array_, vertices_, indices_;
@@ -82,7 +82,7 @@ class SurfaceBuffer : public DrawnSurface {
   BrickPlaces bricks_;
   std::vector<Place> places_;  ///< by brick, behind the chunks; without room: it is in its chunk
   std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
-  std::vector<SceneVertex> vertex_work_;
+  std::vector<scene::SceneVertex> vertex_work_;
   std::vector<std::uint32_t> index_work_;
   mutable std::vector<GLsizei> count_work_;  ///< of draw()
   mutable std::vector<const void*> first_work_;
@@ -91,4 +91,4 @@ class SurfaceBuffer : public DrawnSurface {
 /// Of a colour's part, as the shaders take it.
 float linear_of(float srgb);
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -10,12 +10,12 @@
 #include "render/context.h"
 #include "render/surface_buffer.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 class ProcessorSurface : public SurfaceMaker {
  public:
-  ProcessorSurface(const HapticVolume& volume, int shape, Vec3 centre_mm)
+  ProcessorSurface(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm)
       : live_(volume, shape), buffer_(live_, volume.voxels.direction, volume.voxels.origin_mm - centre_mm) {}
 
   std::size_t update(const std::vector<std::size_t>& marked) override {
@@ -29,13 +29,13 @@ class ProcessorSurface : public SurfaceMaker {
   }
   DrawnBrick read(std::size_t brick) const override {
     DrawnBrick out;
-    for (const LiveVertex& v : live_.brick(brick).vertices) out.vertices.push_back(packed(v));
+    for (const drill::LiveVertex& v : live_.brick(brick).vertices) out.vertices.push_back(packed(v));
     out.indices.assign(live_.brick(brick).indices.begin(), live_.brick(brick).indices.end());
     if (placed().mirrored)
       for (std::size_t n = 0; n + 2 < out.indices.size(); n += 3) std::swap(out.indices[n + 1], out.indices[n + 2]);
     return out;
   }
-  const ShadowVolume& shadow() const override { return live_.shadow(); }
+  const drill::ShadowVolume& shadow() const override { return live_.shadow(); }
   const PlacedChunks& placed() const override { return buffer_.placed(); }
   void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override {
     buffer_.list(scene, seen, out);
@@ -45,22 +45,22 @@ class ProcessorSurface : public SurfaceMaker {
   void set_coarse(std::optional<CoarseParts> coarse, bool keep_those_before) override {
     buffer_.set_coarse(std::move(coarse), keep_those_before);
   }
-  bool upload_coarse(std::size_t& most_bytes) override { return buffer_.upload_coarse(most_bytes); }
+  bool upload_coarse(std::size_t& max_bytes) override { return buffer_.upload_coarse(max_bytes); }
   std::size_t coarse_bytes() const override { return buffer_.coarse_bytes(); }
   std::size_t triangles(const DrawList& list) const override { return buffer_.triangles(list); }
   std::size_t bytes() const override { return buffer_.bytes(); }
 
  private:
-  LiveSurface live_;
+  drill::LiveSurface live_;
   SurfaceBuffer buffer_;
 };
 
 // Bricks of the surface that lie together, as many as a burr of 7 mm changes in a frame at 0.8 mm a voxel.
-std::vector<std::size_t> some_bricks(const ShadowVolume& shadow) {
+std::vector<std::size_t> some_bricks(const drill::ShadowVolume& shadow) {
   const std::size_t count = shadow.layout().count();
   std::vector<std::size_t> out;
   for (std::size_t n = 0; n < count && out.size() < 8; ++n)
-    if (const std::size_t b = (count / 2 + n) % count; has_triangles(shadow, b)) out.push_back(b);
+    if (const std::size_t b = (count / 2 + n) % count; drill::has_triangles(shadow, b)) out.push_back(b);
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -81,7 +81,7 @@ double best_ms(SurfaceMaker& maker) {
 
 }  // namespace
 
-std::unique_ptr<SurfaceMaker> processor_maker(const HapticVolume& volume, int shape, Vec3 centre_mm) {
+std::unique_ptr<SurfaceMaker> processor_maker(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm) {
   return std::make_unique<ProcessorSurface>(volume, shape, centre_mm);
 }
 
@@ -92,9 +92,10 @@ std::string MakerChoice::text() const {
                      graphics_ms);
 }
 
-std::unique_ptr<SurfaceMaker> wanted_maker(ViewParams::SurfaceBy by, bool software, const HapticVolume& volume,
-                                           int shape, Vec3 centre_mm, MakerChoice& choice) {
-  using By = ViewParams::SurfaceBy;
+std::unique_ptr<SurfaceMaker> wanted_maker(scene::ViewParams::SurfaceBy by, bool software,
+                                           const voxel::HapticVolume& volume, int shape, Vec3 centre_mm,
+                                           MakerChoice& choice) {
+  using By = scene::ViewParams::SurfaceBy;
   choice = {by == By::graphics, 0, 0};
   if (by == By::graphics) return compute_maker(volume, shape, centre_mm);
   auto processor = processor_maker(volume, shape, centre_mm);
@@ -111,4 +112,4 @@ std::unique_ptr<SurfaceMaker> wanted_maker(ViewParams::SurfaceBy by, bool softwa
   return choice.graphics ? std::move(graphics) : std::move(processor);
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -8,11 +8,11 @@
 #include "render/drawn_surface.h"
 #include "scene/view_params.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// What is drawn of a brick, as it lies in the graphics memory. Positions and normals are along the lattice's axes.
 struct DrawnBrick {
-  std::vector<SceneVertex> vertices;
+  std::vector<scene::SceneVertex> vertices;
   std::vector<std::uint32_t> indices;
 };
 
@@ -26,12 +26,12 @@ class SurfaceMaker : public DrawnSurface {
   virtual void make(const std::vector<std::size_t>& bricks) = 0;
   /// For tests: waits for the driver.
   virtual DrawnBrick read(std::size_t brick) const = 0;
-  virtual const ShadowVolume& shadow() const = 0;
+  virtual const drill::ShadowVolume& shadow() const = 0;
 };
 
 /// The processor makes the triangles, and they are uploaded. `volume` must outlive it; its first voxel lies at
 /// origin_mm - centre_mm.
-std::unique_ptr<SurfaceMaker> processor_maker(const HapticVolume& volume, int shape, Vec3 centre_mm);
+std::unique_ptr<SurfaceMaker> processor_maker(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm);
 
 /// Room that a compute_maker() keeps for bricks that are made anew, before it makes the whole surface again.
 struct ComputeRoom {
@@ -41,7 +41,7 @@ struct ComputeRoom {
 /// of a compute shader makes a brick, straight into the buffers that indirect draws read; nothing is read back but,
 /// once in some 256 bricks, how full they are. Throws Error 74 where the volume is too large for a texture, or the
 /// surface for a storage buffer.
-std::unique_ptr<SurfaceMaker> compute_maker(const HapticVolume& volume, int shape, Vec3 centre_mm,
+std::unique_ptr<SurfaceMaker> compute_maker(const voxel::HapticVolume& volume, int shape, Vec3 centre_mm,
                                             const ComputeRoom& room = {});
 
 /// Which was taken, and where both were measured, how long each took for the bricks of a burr (ms, the best of five).
@@ -52,7 +52,8 @@ struct MakerChoice {
 };
 /// The maker that is wanted; for SurfaceBy::measured the faster one, measured here and now, except that where the
 /// processor draws (`software`) it makes the triangles as well.
-std::unique_ptr<SurfaceMaker> wanted_maker(ViewParams::SurfaceBy by, bool software, const HapticVolume& volume,
-                                           int shape, Vec3 centre_mm, MakerChoice& choice);
+std::unique_ptr<SurfaceMaker> wanted_maker(scene::ViewParams::SurfaceBy by, bool software,
+                                           const voxel::HapticVolume& volume, int shape, Vec3 centre_mm,
+                                           MakerChoice& choice);
 
-}  // namespace trephine
+}  // namespace trephine::render

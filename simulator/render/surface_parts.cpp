@@ -7,7 +7,7 @@
 
 #include "base/parallel.h"
 
-namespace trephine {
+namespace trephine::render {
 namespace {
 
 constexpr double chunk_mm = 25;
@@ -22,7 +22,7 @@ void turn_axes(std::vector<Chunk>& chunks) {
 
 }  // namespace
 
-SurfaceParts parts_of(const SceneSurface& s) {
+SurfaceParts parts_of(const scene::SceneSurface& s) {
   SurfaceParts out;
   out.vertices = s.vertices;
   out.indices = s.indices;
@@ -40,8 +40,8 @@ SurfaceParts parts_of(const SceneSurface& s) {
   return out;
 }
 
-SceneVertex packed(const LiveVertex& v) {
-  SceneVertex out;
+scene::SceneVertex packed(const drill::LiveVertex& v) {
+  scene::SceneVertex out;
   for (int a = 0; a < 3; ++a) {
     out.position_mm[a] = v.position_mm[a];
     out.normal[a] = std::int8_t(std::lrint(127 * std::clamp(v.normal[a], -1.f, 1.f)));
@@ -50,17 +50,17 @@ SceneVertex packed(const LiveVertex& v) {
   return out;
 }
 
-void append(const BrickMesh& mesh, bool mirrored, std::uint32_t first_vertex, std::vector<SceneVertex>& vertices,
-            std::vector<std::uint32_t>& indices) {
-  for (const LiveVertex& v : mesh.vertices) vertices.push_back(packed(v));
+void append(const drill::BrickMesh& mesh, bool mirrored, std::uint32_t first_vertex,
+            std::vector<scene::SceneVertex>& vertices, std::vector<std::uint32_t>& indices) {
+  for (const drill::LiveVertex& v : mesh.vertices) vertices.push_back(packed(v));
   const std::size_t begin = indices.size();
   for (const std::uint16_t i : mesh.indices) indices.push_back(first_vertex + i);
   if (mirrored)
     for (std::size_t n = begin; n + 2 < indices.size(); n += 3) std::swap(indices[n + 1], indices[n + 2]);
 }
 
-SurfaceParts parts_of(const LiveSurface& surface, bool mirrored, BrickPlaces& places) {
-  const BrickLayout& layout = surface.layout();
+SurfaceParts parts_of(const drill::LiveSurface& surface, bool mirrored, BrickPlaces& places) {
+  const drill::BrickLayout& layout = surface.layout();
   const std::size_t count = layout.count();
   int boxes[3];
   for (std::size_t a = 0; a < 3; ++a) boxes[a] = (layout.bricks[a] + chunk_bricks - 1) / chunk_bricks;
@@ -92,11 +92,11 @@ SurfaceParts parts_of(const LiveSurface& surface, bool mirrored, BrickPlaces& pl
   return out;
 }
 
-std::optional<CoarseParts> coarse_parts(const SurfaceParts& whole, double within_mm, std::size_t most_bytes,
+std::optional<CoarseParts> coarse_parts(const SurfaceParts& whole, double within_mm, std::size_t max_bytes,
                                         const Progress& progress) {
   CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm, progress);
   if (coarse.indices.empty() || !is_worth_it(coarse.indices.size(), whole.indices.size()) ||
-      coarse.indices.size() * sizeof(std::uint32_t) > most_bytes)
+      coarse.indices.size() * sizeof(std::uint32_t) > max_bytes)
     return std::nullopt;
   CoarseParts out;
   on_one_thread([&] { out.facts = coarse_facts(whole.vertices, whole.indices.size() / 3, coarse.indices, progress); });
@@ -116,4 +116,4 @@ std::optional<CoarseParts> coarse_parts(const SurfaceParts& whole, double within
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -11,17 +11,17 @@
 #include "render/coarse.h"
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::render {
 
 /// A surface as it is drawn: its vertices, and its triangles chunk by chunk. Plain data that nobody changes once it is
 /// made, so that any thread may read it.
 struct SurfaceParts {
-  std::vector<SceneVertex> vertices;
+  std::vector<scene::SceneVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<Chunk> chunks;
   bool mirrored = false;  ///< its axes are left-handed, so its chunks know the normals as the world sees them
 };
-SurfaceParts parts_of(const SceneSurface& surface);
+SurfaceParts parts_of(const scene::SceneSurface& surface);
 
 /// Where the bricks of a live surface are in its parts.
 struct BrickPlaces {
@@ -30,13 +30,13 @@ struct BrickPlaces {
   std::vector<std::uint32_t> where;     ///< by triangle the place of its indices
 };
 /// Of the bricks as they are, along the lattice's axes.
-SurfaceParts parts_of(const LiveSurface& surface, bool mirrored, BrickPlaces& places);
+SurfaceParts parts_of(const drill::LiveSurface& surface, bool mirrored, BrickPlaces& places);
 /// Appends a brick's vertices, and its triangles with so much added to their indices; in a left-handed lattice a
 /// triangle that is counter-clockwise along its axes is turned, because it is clockwise in the world.
-void append(const BrickMesh& mesh, bool mirrored, std::uint32_t first_vertex, std::vector<SceneVertex>& vertices,
-            std::vector<std::uint32_t>& indices);
+void append(const drill::BrickMesh& mesh, bool mirrored, std::uint32_t first_vertex,
+            std::vector<scene::SceneVertex>& vertices, std::vector<std::uint32_t>& indices);
 /// A vertex as it is drawn: its normal in steps of 1/127.
-SceneVertex packed(const LiveVertex& vertex);
+scene::SceneVertex packed(const drill::LiveVertex& vertex);
 
 /// Coarser triangles of a surface's own vertices, in its own chunks.
 struct CoarseParts {
@@ -46,7 +46,7 @@ struct CoarseParts {
 };
 /// None where they would take more bytes than that, or are too many to be worth it (is_worth_it), or none are left. In
 /// this thread alone. Throws Cancelled.
-std::optional<CoarseParts> coarse_parts(const SurfaceParts& whole, double within_mm, std::size_t most_bytes,
+std::optional<CoarseParts> coarse_parts(const SurfaceParts& whole, double within_mm, std::size_t max_bytes,
                                         const Progress& progress = {});
 
-}  // namespace trephine
+}  // namespace trephine::render

@@ -7,7 +7,7 @@
 #include "haptics/turned_about.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::scene {
 namespace {
 
 constexpr Vec3 superior{0, 0, 1}, anterior{0, -1, 0}, patient_left{1, 0, 0};
@@ -68,7 +68,7 @@ const std::vector<std::pair<std::string, ViewPreset>>& view_presets() {
   return all;
 }
 
-void OrbitCamera::look(ViewPreset preset, const Bounds& b, const std::optional<Vec3>& site_mm, Vec3 approach) {
+void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::optional<Vec3>& site_mm, Vec3 approach) {
   if (preset == ViewPreset::surgeon && !site_mm) preset = ViewPreset::oblique;
   switch (preset) {
     case ViewPreset::front:
@@ -103,7 +103,7 @@ void OrbitCamera::look(ViewPreset preset, const Bounds& b, const std::optional<V
   target_mm = (b.min_mm + b.max_mm) / 2;
   // Each corner shall lie within the frustum's height and width (of a square picture).
   distance_mm = 1;
-  for (const Vec3 corner : corners_of(b)) {
+  for (const Vec3 corner : surface::corners_of(b)) {
     const Vec3 v = corner - target_mm;
     const double across = std::max(std::abs(dot(v, up)), std::abs(dot(v, right())));
     distance_mm = std::max(distance_mm, across / half + dot(v, toward));
@@ -114,10 +114,10 @@ void OrbitCamera::look(ViewPreset preset, const Bounds& b, const std::optional<V
 void OrbitCamera::orbit(double right_rad, double up_rad) {
   // Where the view is from straight above or below, the turn is about the picture's own upward axis.
   const Vec3 pole = std::abs(dot(toward, superior)) < 0.999 && dot(up, superior) > 0 ? superior : up;
-  toward = normalized(turned_about(toward, pole, -right_rad));
-  up = turned_about(up, pole, -right_rad);
+  toward = normalized(haptics::turned_about(toward, pole, -right_rad));
+  up = haptics::turned_about(up, pole, -right_rad);
   const Vec3 side = right();
-  const Vec3 next = normalized(turned_about(toward, side, -up_rad));
+  const Vec3 next = normalized(haptics::turned_about(toward, side, -up_rad));
   if (std::abs(dot(next, superior)) < 0.9995) {
     toward = next;
     up = upright(toward, dot(up, superior) < -0.2 ? -superior : superior);
@@ -135,7 +135,8 @@ double OrbitCamera::mm_per_px(int height) const {
   return 2 * distance_mm * std::tan(0.5 * field_of_view_deg * radians) / std::max(1, height);
 }
 
-EyeView OrbitCamera::eye(int width, int height, const Bounds& scene, double offset_mm, double convergence_mm) const {
+EyeView OrbitCamera::eye(int width, int height, const surface::Bounds& scene, double offset_mm,
+                         double convergence_mm) const {
   EyeView e;
   e.toward = toward;
   e.up = up;
@@ -151,7 +152,7 @@ EyeView OrbitCamera::eye(int width, int height, const Bounds& scene, double offs
   e.left += shift;
   e.right_edge += shift;
   double nearest = 1e300, farthest = 1;
-  for (const Vec3 corner : corners_of(scene)) {
+  for (const Vec3 corner : surface::corners_of(scene)) {
     const double d = -dot(corner - e.eye_mm, toward);
     nearest = std::min(nearest, d);
     farthest = std::max(farthest, d);
@@ -161,4 +162,4 @@ EyeView OrbitCamera::eye(int width, int height, const Bounds& scene, double offs
   return e;
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

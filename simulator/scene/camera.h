@@ -8,7 +8,7 @@
 #include "scene/mat4.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 /// What one eye sees: its place, three unit axes (right-handed; `toward` points from the scene to the viewer), and the
 /// frustum as tangents of its edges, which need not be symmetric. Positions in mm, LPS.
@@ -39,7 +39,7 @@ class OrbitCamera {
 
   /// Shows the whole box from there. `surgeon` looks along `approach` (unit, into the patient) at the box's part around
   /// `site_mm`; without a site it is `oblique`.
-  void look(ViewPreset preset, const Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach);
+  void look(ViewPreset preset, const surface::Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach);
   /// Turns by angles to the right and upwards; the superior direction stays upright, except next to it.
   void orbit(double right_rad, double up_rad);
   /// Moves the target by parts of the picture's height.
@@ -54,7 +54,8 @@ class OrbitCamera {
   /// `offset_mm` shifts the eye to the right and keeps what lies in the plane at `convergence_mm` before the eye where
   /// it is in the picture (0: the target's): the frustum is sheared, the axes stay parallel. `scene` gives near and
   /// far.
-  EyeView eye(int width, int height, const Bounds& scene, double offset_mm = 0, double convergence_mm = 0) const;
+  EyeView eye(int width, int height, const surface::Bounds& scene, double offset_mm = 0,
+              double convergence_mm = 0) const;
 };
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -4,7 +4,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 /// A 4 x 4 matrix as OpenGL takes it: column by column, float.
 struct Mat4 {
@@ -34,4 +34,4 @@ inline Mat4 affine(const Mat3& axes, Vec3 offset) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

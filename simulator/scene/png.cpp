@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::scene {
 namespace {
 
 void put_u32(std::string& out, std::uint32_t v) {
@@ -49,4 +49,4 @@ std::string png_of(const Picture& picture) {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

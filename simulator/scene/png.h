@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace trephine {
+namespace trephine::scene {
 
 /// A picture of the renderer: 8-bit sRGB, row by row from the top, three bytes a pixel.
 struct Picture {
@@ -15,4 +15,4 @@ struct Picture {
 /// The picture as PNG, without time, text or any chunk beyond what the pixels need.
 std::string png_of(const Picture& picture);
 
-}  // namespace trephine
+}  // namespace trephine::scene

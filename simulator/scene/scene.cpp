@@ -7,11 +7,11 @@
 #include "surface/bounds.h"
 #include "surface/vertex_normals.h"
 
-namespace trephine {
+namespace trephine::scene {
 namespace {
 
-void put_mesh(const TriMesh& mesh, Vec3 centre_mm, SceneSurface& out) {
-  const std::vector<Vec3> own = mesh.normals.empty() ? vertex_normals(mesh) : std::vector<Vec3>();
+void put_mesh(const surface::TriMesh& mesh, Vec3 centre_mm, SceneSurface& out) {
+  const std::vector<Vec3> own = mesh.normals.empty() ? surface::vertex_normals(mesh) : std::vector<Vec3>();
   const std::vector<Vec3>& normals = mesh.normals.empty() ? own : mesh.normals;
   out.vertices.resize(mesh.points_mm.size());
   for (std::size_t n = 0; n < out.vertices.size(); ++n) {
@@ -29,16 +29,16 @@ void put_mesh(const TriMesh& mesh, Vec3 centre_mm, SceneSurface& out) {
     for (const std::uint32_t corner : mesh.triangles[n]) out.indices.push_back(corner);
 }
 
-double size_of(const Bounds& b) {
+double size_of(const surface::Bounds& b) {
   const Vec3 d = b.max_mm - b.min_mm;
   return std::max(0.0, d.x) * std::max(0.0, d.y) * std::max(0.0, d.z);
 }
 
 // The box of the voxels that have a value of the shape; every second voxel of each axis is looked at.
-Bounds bounds_of_shape(const HapticVolume& v, const HapticShape& s) {
-  Bounds b;
-  const Grid<std::int16_t>& g = v.voxels;
-  Box box{{g.size[0], g.size[1], g.size[2]}, {-1, -1, -1}};
+surface::Bounds bounds_of_shape(const voxel::HapticVolume& v, const voxel::HapticShape& s) {
+  surface::Bounds b;
+  const grid::Grid<std::int16_t>& g = v.voxels;
+  grid::Box box{{g.size[0], g.size[1], g.size[2]}, {-1, -1, -1}};
   for (int k = 0; k < g.size[2]; k += 2)
     for (int j = 0; j < g.size[1]; j += 2) {
       const std::int16_t* row = &g.at(0, j, k);
@@ -60,7 +60,7 @@ Bounds bounds_of_shape(const HapticVolume& v, const HapticShape& s) {
     Vec3 index;
     for (int a = 0; a < 3; ++a)
       index[a] = corner >> a & 1 ? box.end[std::size_t(a)] + 1.5 : box.begin[std::size_t(a)] - 1.5;
-    include(b, g.to_world_mm(index));
+    surface::include(b, g.to_world_mm(index));
   }
   return b;
 }
@@ -78,47 +78,47 @@ int SceneData::find(const std::string& name) const {
   return -1;
 }
 
-SceneData scene_of(const LoadedCase& loaded) {
+SceneData scene_of(const cases::LoadedCase& loaded) {
   SceneData scene;
-  const CaseManifest& m = loaded.manifest;
+  const cases::CaseManifest& m = loaded.manifest;
   scene.centre_mm = m.center_mm;
   std::vector<std::pair<double, SceneSurface>> found;
   for (std::size_t n = 0; n < m.anatomies.size(); ++n) {
-    const CaseAnatomy& a = m.anatomies[n];
+    const cases::CaseAnatomy& a = m.anatomies[n];
     SceneSurface s;
     s.name = a.name;
     s.colour_rgb = a.colour_rgb;
     s.opacity = a.opacity;
-    for (const CaseShape& shape : m.haptic.shapes) {
+    for (const cases::CaseShape& shape : m.haptic.shapes) {
       if (shape.name != a.name) continue;
       s.shape = shape.number;
       s.live = shape.displayed == "haptic" && loaded.has_haptic();
       s.incised = !s.live && shape.cuttable && !(shape.material.removal_energy_j_per_mm3 > 0);
       if (s.live) s.colour_rgb = shape.material.colour_rgb;
     }
-    Bounds b;
+    surface::Bounds b;
     if (s.live) {
       b = bounds_of_shape(loaded.haptic, *loaded.haptic.find_shape(a.name));
     } else {
       if (loaded.surfaces[n].triangles.empty()) continue;
-      b = bounds_of(loaded.surfaces[n]);
+      b = surface::bounds_of(loaded.surfaces[n]);
       put_mesh(loaded.surfaces[n], scene.centre_mm, s);
     }
     if (b.min_mm.x > b.max_mm.x) continue;  // a shape without a voxel
-    include(scene.bounds, b);
+    surface::include(scene.bounds, b);
     found.emplace_back(size_of(b), std::move(s));
   }
   // Shapes that are felt and no anatomy of the case.
-  for (const CaseShape& shape : m.haptic.shapes) {
+  for (const cases::CaseShape& shape : m.haptic.shapes) {
     if (m.find_anatomy(shape.name) || shape.displayed != "haptic" || !loaded.has_haptic()) continue;
     SceneSurface s;
     s.name = shape.name;
     s.colour_rgb = shape.material.colour_rgb;
     s.shape = shape.number;
     s.live = true;
-    const Bounds b = bounds_of_shape(loaded.haptic, *loaded.haptic.find_shape(shape.name));
+    const surface::Bounds b = bounds_of_shape(loaded.haptic, *loaded.haptic.find_shape(shape.name));
     if (b.min_mm.x > b.max_mm.x) continue;
-    include(scene.bounds, b);
+    surface::include(scene.bounds, b);
     found.emplace_back(size_of(b), std::move(s));
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -127,15 +127,15 @@ SceneData scene_of(const LoadedCase& loaded) {
   return scene;
 }
 
-std::optional<Approach> approach_of(const CaseManifest& m, const SceneData& scene, const std::string& site) {
-  for (const CaseBurrHole& b : m.burr_holes)
+std::optional<Approach> approach_of(const cases::CaseManifest& m, const SceneData& scene, const std::string& site) {
+  for (const cases::CaseBurrHole& b : m.burr_holes)
     if (b.name == site) return Approach{b.position_mm, normalized(b.direction)};
-  for (const CaseLandmark& l : m.landmarks) {
+  for (const cases::CaseLandmark& l : m.landmarks) {
     if (l.name != site) continue;
     Vec3 to = scene.centre_mm;
     const std::string side = last_word(site);
     double best = 1e300;
-    for (const CaseTarget& t : m.targets) {
+    for (const cases::CaseTarget& t : m.targets) {
       const double away = norm(t.position_mm - l.position_mm) + (last_word(t.name) == side ? 0 : 1e6);
       if (away >= best) continue;
       best = away;
@@ -146,4 +146,4 @@ std::optional<Approach> approach_of(const CaseManifest& m, const SceneData& scen
   return std::nullopt;
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -9,7 +9,7 @@
 #include "cases/load_case.h"
 #include "scene/camera.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 /// A vertex of a surface: mm from the scene's centre, and a unit normal of 1/127.
 struct SceneVertex {
@@ -33,12 +33,12 @@ struct SceneSurface {
 /// What is drawn of a case, as plain data: outermost surfaces first, by the volume of their boxes.
 struct SceneData {
   Vec3 centre_mm;
-  Bounds bounds;  ///< world, of all that is drawn
+  surface::Bounds bounds;  ///< world, of all that is drawn
   std::vector<SceneSurface> surfaces;
   int find(const std::string& name) const;  ///< -1 where there is none
 };
 
-SceneData scene_of(const LoadedCase& loaded);
+SceneData scene_of(const cases::LoadedCase& loaded);
 
 /// A place of the case at which a procedure begins, and the unit direction into the patient there: of the burr hole or
 /// landmark of that name. A landmark's direction leads to the target of the same side where there is one (the target
@@ -46,7 +46,8 @@ SceneData scene_of(const LoadedCase& loaded);
 struct Approach {
   Vec3 site_mm, direction;
 };
-std::optional<Approach> approach_of(const CaseManifest& manifest, const SceneData& scene, const std::string& site);
+std::optional<Approach> approach_of(const cases::CaseManifest& manifest, const SceneData& scene,
+                                    const std::string& site);
 
 /// Removes everything where dot(normal, p - point) > 0.
 struct CutPlane {
@@ -86,4 +87,4 @@ struct SceneState {
   double ct_low_hu = -160, ct_high_hu = 240;
 };
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::scene {
 namespace {
 
 using Colour = std::array<float, 3>;
-using Tip = ToolParams::Tip;
+using Tip = haptics::ToolParams::Tip;
 constexpr Colour steel{0.78f, 0.80f, 0.83f}, dark_steel{0.45f, 0.47f, 0.51f}, grip{0.16f, 0.24f, 0.36f},
     silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f}, blue{0.16f, 0.30f, 0.75f};
 constexpr double pi = 3.14159265358979323846;
@@ -116,18 +116,18 @@ Solid scalpel() {
 
 }  // namespace
 
-Solid solid_of(const ToolParams& tool) {
+Solid solid_of(const haptics::ToolParams& tool) {
   const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
-  const ToolKind& kind = tool_kind(tool.tool);
-  if (kind.look == ToolKind::Look::pen) return pen();
-  if (kind.look == ToolKind::Look::blade) return scalpel();
+  const haptics::ToolKind& kind = haptics::tool_kind(tool.tool);
+  if (kind.look == haptics::ToolKind::Look::pen) return pen();
+  if (kind.look == haptics::ToolKind::Look::blade) return scalpel();
   if (!(length > 0) || !(r > 0)) {  // a point: a stylus whose very tip is felt
     Turned t(24);
     t.part({{0, 0, steel}, {6, 1, steel}, {40, 1, steel}}, false);
     handle(t, 40, 1, 70, 3.5);
     return t.take();
   }
-  const bool tube = kind.look == ToolKind::Look::tube, ball = !kind.has_neck || tool.tool_tip == Tip::ball;
+  const bool tube = kind.look == haptics::ToolKind::Look::tube, ball = !kind.has_neck || tool.tool_tip == Tip::ball;
   const Colour colour = tube ? silicone : steel;
   Turned t(32);
   double z = 0, neck = r;
@@ -164,4 +164,4 @@ Solid ball_solid(double radius_mm, std::array<float, 3> colour_rgb, int rings) {
   return t.take();
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -6,7 +6,7 @@
 
 #include "haptics/tool.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 /// A vertex as the renderer takes it: mm, a unit normal, and the surface's colour (sRGB).
 struct SolidVertex {
@@ -20,8 +20,8 @@ struct Solid {
 /// The tool as it is shown: the part that is felt as it is felt, and behind it a handle. In the tool's coordinates: the
 /// tip at 0, the tail towards +z. A catheter has a mark at every cm from its tip, longer ones at 5 and 10 cm. Closed
 /// and outwards.
-Solid solid_of(const ToolParams& own_tool);
+Solid solid_of(const haptics::ToolParams& own_tool);
 /// A ball about 0.
 Solid ball_solid(double radius_mm, std::array<float, 3> colour_rgb, int rings = 12);
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 std::vector<double> opacities_of(const SceneData& scene, const std::string& text) {
   std::vector<double> all;
@@ -53,15 +53,15 @@ std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene)
   return CutPlane{middle + normal * params.cut_mm, normal};
 }
 
-std::vector<Marker> places_of(const CaseManifest& m) {
+std::vector<Marker> places_of(const cases::CaseManifest& m) {
   std::vector<Marker> all;
-  for (const CaseLandmark& l : m.landmarks) all.push_back({l.position_mm, 1.3, {0.98f, 0.72f, 0.10f}});
-  for (const CaseBurrHole& b : m.burr_holes) all.push_back({b.position_mm, 1.3, {0.20f, 0.75f, 0.45f}});
-  for (const CaseTarget& t : m.targets) all.push_back({t.position_mm, 2, {0.20f, 0.55f, 0.95f}});
+  for (const cases::CaseLandmark& l : m.landmarks) all.push_back({l.position_mm, 1.3, {0.98f, 0.72f, 0.10f}});
+  for (const cases::CaseBurrHole& b : m.burr_holes) all.push_back({b.position_mm, 1.3, {0.20f, 0.75f, 0.45f}});
+  for (const cases::CaseTarget& t : m.targets) all.push_back({t.position_mm, 2, {0.20f, 0.55f, 0.95f}});
   return all;
 }
 
-OrbitCamera camera_of(const ViewParams& params, const CaseManifest& manifest, const SceneData& scene) {
+OrbitCamera camera_of(const ViewParams& params, const cases::CaseManifest& manifest, const SceneData& scene) {
   OrbitCamera camera;
   camera.field_of_view_deg = params.field_of_view_deg;
   const std::optional<Approach> a = approach_of(manifest, scene, params.view_site);
@@ -69,4 +69,4 @@ OrbitCamera camera_of(const ViewParams& params, const CaseManifest& manifest, co
   return camera;
 }
 
-}  // namespace trephine
+}  // namespace trephine::scene

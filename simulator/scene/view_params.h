@@ -6,7 +6,7 @@
 #include "base/params.h"
 #include "scene/scene.h"
 
-namespace trephine {
+namespace trephine::scene {
 
 /// How a case is looked at: the declared settings of a window and of pictures.
 struct ViewParams {
@@ -85,7 +85,7 @@ std::vector<double> opacities_of(const SceneData& scene, const std::string& text
 /// The plane of the parameters; none where they want none.
 std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene);
 /// Landmarks (amber), burr holes (green) and targets (blue).
-std::vector<Marker> places_of(const CaseManifest& manifest);
-OrbitCamera camera_of(const ViewParams& params, const CaseManifest& manifest, const SceneData& scene);
+std::vector<Marker> places_of(const cases::CaseManifest& manifest);
+OrbitCamera camera_of(const ViewParams& params, const cases::CaseManifest& manifest, const SceneData& scene);
 
-}  // namespace trephine
+}  // namespace trephine::scene

@@ -6,7 +6,7 @@
 
 #include "device/device.h"
 
-namespace trephine {
+namespace trephine::session {
 
 /// Buttons that are pressed elsewhere than on the device, such as on a keyboard: pedal, tool and command of a session
 /// with several tools, as haptics/tool_belt.h says. One thread writes them, and the servo's thread reads them.
@@ -17,6 +17,7 @@ struct ButtonBoard {
 /// The device with the board's buttons: the pedal is down where either has it, a command is the device's or else the
 /// board's, and the tool is that of the two which changed last, so that a device with buttons of its own may change it
 /// too. The device itself where the board is null.
-std::unique_ptr<Device> with_board(std::unique_ptr<Device> device, std::shared_ptr<const ButtonBoard> board);
+std::unique_ptr<device::Device> with_board(std::unique_ptr<device::Device> device,
+                                           std::shared_ptr<const ButtonBoard> board);
 
-}  // namespace trephine
+}  // namespace trephine::session

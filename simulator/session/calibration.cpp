@@ -10,19 +10,19 @@
 #include "base/error.h"
 #include "surface/bounds.h"
 
-namespace trephine {
+namespace trephine::session {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 constexpr double near_mm = 0.05, far_mm = 0.2;  // ways of a pulse: four times the way takes twice the time
-constexpr double most_pulse_s = 0.06, rest_s = 0.4;
+constexpr double max_pulse_s = 0.06, rest_s = 0.4;
 constexpr double bite_mm = 0.3;         // how far within the wall the hand is at its begin
 constexpr double at_rest_mm_per_s = 3;  // RMS over the last third of a wall
 constexpr double given_j = 2e-4;        // energy that noise may seem to give
 constexpr int pulses = 9;
-constexpr double least_pressed = 0.2;  // share of a wall's time; a wall that was touched for less was not pressed
-constexpr int most_tries = 3;          // of a wall that nobody presses
+constexpr double min_pressed = 0.2;  // share of a wall's time; a wall that was touched for less was not pressed
+constexpr int max_tries = 3;         // of a wall that nobody presses
 
 double median(std::vector<double> v) {
   std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
@@ -31,7 +31,7 @@ double median(std::vector<double> v) {
 
 class Hand {
  public:
-  Hand(Device& device, const CalibrationParams& p, const std::atomic<bool>& stop)
+  Hand(device::Device& device, const CalibrationParams& p, const std::atomic<bool>& stop)
       : device_(device), p_(p), stop_(stop), due_(Clock::now()), dt_s_(1 / p.calibration_hz) {}
 
   double dt_s() const { return dt_s_; }
@@ -49,7 +49,7 @@ class Hand {
       if (Clock::now() > due_ + std::chrono::milliseconds(5)) due_ = Clock::now();  // a stall is not made up for
       std::this_thread::sleep_until(due_);
     }
-    DeviceReading r;
+    device::DeviceReading r;
     const bool there = device_.read(begun_ ? dt_s_ : 0, r);
     begun_ = true;
     if (!there || !is_finite(r.tip_mm)) {
@@ -57,7 +57,7 @@ class Hand {
       throw Error(ExitCode::io, "", "device", "is lost");
     }
     at_ = r.tip_mm;
-    DeviceNews news;
+    device::DeviceNews news;
     news.time_s = time_s_ += dt_s_;
     news.proxy_mm = at_;
     device_.tell(news);
@@ -68,7 +68,7 @@ class Hand {
   }
 
  private:
-  Device& device_;
+  device::Device& device_;
   const CalibrationParams& p_;
   const std::atomic<bool>& stop_;
   Clock::time_point due_;
@@ -84,7 +84,7 @@ void measure_workspace(Hand& hand, double seconds, Calibration& out) {
   for (double t = 0; t < seconds; t += hand.dt_s()) {
     hand.tick([](Vec3) { return Vec3(); });
     since_ms += 1000 * hand.dt_s();
-    include(out.workspace, hand.at_mm());
+    surface::include(out.workspace, hand.at_mm());
     if (hand.at_mm() == last) continue;
     if (last.x < 1e300) gaps_ms.push_back(since_ms);
     last = hand.at_mm();
@@ -104,7 +104,7 @@ double measure_latency(Hand& hand, double pulse_n) {
     hand.rest(rest_s);
     const Vec3 begin = hand.at_mm(), force{0, 0, n % 2 == 0 ? pulse_n : -pulse_n};
     double near_ms = -1, far_ms = -1, t_ms = 0, before_mm = 0;
-    while (t_ms < 1000 * most_pulse_s && far_ms < 0) {
+    while (t_ms < 1000 * max_pulse_s && far_ms < 0) {
       hand.tick([&](Vec3) { return force; });
       const double way_mm = dot(hand.at_mm() - begin, force) / pulse_n;
       // Between two ticks the way is taken as straight.
@@ -148,13 +148,13 @@ Wall press_wall(Hand& hand, const CalibrationParams& p, double stiffness, double
   // The spring held energy at the begin, which it gives back, and holds energy at the end, which the hand gave it.
   const double stored_j = pressed_n * pressed_n / (2000 * stiffness);
   if (work_j > given_j + held_j - stored_j) return Wall::unstable;
-  if (counted == 0 || pressed < least_pressed * ticks) return Wall::unpressed;
+  if (counted == 0 || pressed < min_pressed * ticks) return Wall::unpressed;
   return std::sqrt(sum / counted) < at_rest_mm_per_s ? Wall::stable : Wall::unstable;
 }
 
 }  // namespace
 
-Calibration calibrate(Device& device, const CalibrationParams& p, const std::atomic<bool>& stop,
+Calibration calibrate(device::Device& device, const CalibrationParams& p, const std::atomic<bool>& stop,
                       const std::function<void(const std::string&)>& say) {
   Calibration out;
   Hand hand(device, p, stop);
@@ -165,7 +165,7 @@ Calibration calibrate(Device& device, const CalibrationParams& p, const std::ato
   say("press it gently and steadily down: walls become stiffer until it trembles");
   for (double k = p.first_stiffness_n_per_mm; k <= p.last_stiffness_n_per_mm * (1 + 1e-9); k *= 1.125) {
     Wall wall = Wall::unpressed;
-    for (int n = 0; n < most_tries && wall == Wall::unpressed; ++n) {
+    for (int n = 0; n < max_tries && wall == Wall::unpressed; ++n) {
       if (n > 0) say("the wall was not pressed: press it down, gently and steadily");
       hand.rest(rest_s);
       wall = press_wall(hand, p, k, hand.at_mm().z + bite_mm);
@@ -181,4 +181,4 @@ Calibration calibrate(Device& device, const CalibrationParams& p, const std::ato
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::session

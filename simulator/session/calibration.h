@@ -8,7 +8,7 @@
 #include "device/device.h"
 #include "surface/trimesh.h"
 
-namespace trephine {
+namespace trephine::session {
 
 struct CalibrationParams {
   double calibration_hz = 1000, workspace_s = 8, pulse_n = 1, wall_s = 1.5;
@@ -39,7 +39,7 @@ struct Calibration {
   double poses_hz = 0;             ///< how often its pose changed while it moved
   double gap_p99_ms = 0;           ///< between two poses
   double latency_ms = -1;          ///< from a force to the motion that it makes, without the time that the mass takes
-  Bounds workspace;                ///< mm, in the device's own frame
+  surface::Bounds workspace;       ///< mm, in the device's own frame
   double stable_n_per_mm = -1;     ///< the stiffest wall on which it came to rest
   double unstable_n_per_mm = -1;   ///< the first on which it did not
   double unpressed_n_per_mm = -1;  ///< the first that nobody pressed, which ended the walls
@@ -50,7 +50,7 @@ struct Calibration {
 /// as stable where it was pressed, gave the hand no energy on the whole, and the device was at rest at its end; one
 /// that is not pressed is tried again twice. `say` tells the hand what to do. Throws Error 74 where the device is lost,
 /// Cancelled.
-Calibration calibrate(Device& device, const CalibrationParams& params, const std::atomic<bool>& stop,
+Calibration calibrate(device::Device& device, const CalibrationParams& params, const std::atomic<bool>& stop,
                       const std::function<void(const std::string&)>& say);
 
-}  // namespace trephine
+}  // namespace trephine::session

@@ -7,64 +7,65 @@
 #include "base/error.h"
 #include "base/refusal.h"
 
-namespace trephine {
+namespace trephine::session {
 namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
-const BeltToolParams& tool_of(const std::vector<BeltToolParams>& tools, const ServoFrame& f) {
-  return tools[std::min(std::size_t(belt_button::tool(f.buttons)), tools.size() - 1)];
+const haptics::BeltToolParams& tool_of(const std::vector<haptics::BeltToolParams>& tools,
+                                       const haptics::ServoFrame& f) {
+  return tools[std::min(std::size_t(haptics::belt_button::tool(f.buttons)), tools.size() - 1)];
 }
 
 }  // namespace
 
-void IncisionWatch::look(const ServoFrame& f, std::vector<IncisionMark>& out) {
+void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>& out) {
   const std::uint32_t before = std::exchange(buttons_, f.buttons);
   if (!drilling_.drill || f.faults != 0) return;
   if (tools_.empty()) {
-    if ((f.buttons & Drilling::mark) && !(before & Drilling::mark))
+    if ((f.buttons & haptics::Drilling::mark) && !(before & haptics::Drilling::mark))
       out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
     return;
   }
-  if (tool_of(tools_, f).marks && (f.buttons & belt_button::pedal) && f.touched != 0) {
+  if (tool_of(tools_, f).marks && (f.buttons & haptics::belt_button::pedal) && f.touched != 0) {
     has_mark_ = true;
     mark_mm_ = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   }
-  const int command = belt_button::command(f.buttons);
-  if (command == belt_command::incise && command != belt_button::command(before) && has_mark_)
+  const int command = haptics::belt_button::command(f.buttons);
+  if (command == haptics::belt_command::incise && command != haptics::belt_button::command(before) && has_mark_)
     out.push_back({f.time_s, mark_mm_, drilling_.incision_radius_mm});
 }
 
-ToolParams Playback::tool() const {
-  const RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : whole_tool(tool_of(h.tools, frame()));
+haptics::ToolParams Playback::tool() const {
+  const haptics::RecordingHeader& h = recording_.header;
+  return h.tools.empty() ? h.tool : haptics::whole_tool(tool_of(h.tools, frame()));
 }
 
 std::string Playback::tool_name() const {
-  const RecordingHeader& h = recording_.header;
+  const haptics::RecordingHeader& h = recording_.header;
   return h.tools.empty() ? h.tool.tool : tool_of(h.tools, frame()).name;
 }
 
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
-                                       const RecordingHeader& header, const ContactParams& contact,
-                                       const std::vector<std::filesystem::path>& before, LoadParts parts,
+                                       const haptics::RecordingHeader& header, const contact::ContactParams& contact,
+                                       const std::vector<std::filesystem::path>& before, cases::LoadParts parts,
                                        const Progress& progress) {
   FeltCase felt = felt_again(folder, file.string(), header, parts, !before.empty());
-  HapticVolume& volume = felt.loaded.haptic;
-  const auto must_begin = [&](const RecordingHeader& h, const std::filesystem::path& name) {
-    if (!h.begins_sha256.empty() && volume_digest(volume) != h.begins_sha256)
+  voxel::HapticVolume& volume = felt.loaded.haptic;
+  const auto must_begin = [&](const haptics::RecordingHeader& h, const std::filesystem::path& name) {
+    if (!h.begins_sha256.empty() && haptics::volume_digest(volume) != h.begins_sha256)
       throw Error(ExitCode::bad_input, name.string(), "begins_sha256",
                   "the recordings given before it lead to another volume than it begins with");
   };
-  std::shared_ptr<const Grid<std::int16_t>> uncut;
-  if (!before.empty()) uncut = std::make_shared<const Grid<std::int16_t>>(volume.voxels);
-  const Feels feels = felt.feels;
+  std::shared_ptr<const grid::Grid<std::int16_t>> uncut;
+  if (!before.empty()) uncut = std::make_shared<const grid::Grid<std::int16_t>>(volume.voxels);
+  const haptics::Feels feels = felt.feels;
   for (const std::filesystem::path& earlier : before) {
     // Each recording is felt with the parameters of its own time, because what is cut depends on the force.
-    const Recording r = read_recording(earlier);
+    const haptics::Recording r = haptics::read_recording(earlier);
     felt.feels = felt_again(folder, earlier.string(), r.header, {}, true).feels;
     must_begin(r.header, earlier);
-    ContactVolume as_then(volume, r.header.contact);
+    contact::ContactVolume as_then(volume, r.header.contact);
     Rerun rerun(felt, as_then, earlier.string(), r.header);
     for (std::size_t first = 0; first < r.frames.size() && rerun.drilling();) {
       progress.check();
@@ -81,28 +82,28 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
 }
 
 Playback::Playback(const std::filesystem::path& folder, const std::filesystem::path& file,
-                   const std::vector<std::filesystem::path>& before, LoadParts parts, const Progress& progress)
-    : recording_(read_recording(file)) {
-  const RecordingHeader& h = recording_.header;
+                   const std::vector<std::filesystem::path>& before, cases::LoadParts parts, const Progress& progress)
+    : recording_(haptics::read_recording(file)) {
+  const haptics::RecordingHeader& h = recording_.header;
   if (recording_.frames.empty()) throw Error(ExitCode::bad_input, file.string(), "frames", "there are none to show");
   patient_ = patient_again(folder, file, h, h.contact, before, parts, progress);
   for (const std::filesystem::path& earlier : before) {
-    const Recording r = read_recording(earlier);
+    const haptics::Recording r = haptics::read_recording(earlier);
     IncisionWatch watch(r.header);
-    for (const ServoFrame& f : r.frames) watch.look(f, incisions_);
+    for (const haptics::ServoFrame& f : r.frames) watch.look(f, incisions_);
   }
   for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // earlier ones are there from the begin
   IncisionWatch watch(h);
-  for (const ServoFrame& f : recording_.frames) watch.look(f, incisions_);
+  for (const haptics::ServoFrame& f : recording_.frames) watch.look(f, incisions_);
   if (h.drilling.drill) run_through(file, progress);
   go_to(begin_s());
 }
 
 void Playback::run_through(const std::filesystem::path& file, const Progress& progress) {
-  const RecordingHeader& h = recording_.header;
-  const std::vector<ServoFrame>& frames = recording_.frames;
+  const haptics::RecordingHeader& h = recording_.header;
+  const std::vector<haptics::ServoFrame>& frames = recording_.frames;
 
-  HapticVolume& volume = patient_->felt.loaded.haptic;
+  voxel::HapticVolume& volume = patient_->felt.loaded.haptic;
   std::vector<std::int16_t> mirror = volume.voxels.voxels;
   Rerun rerun(patient_->felt, patient_->contact, file.string(), h, &patient_->marks);
   double next_s = frames.front().time_s + step_s;
@@ -115,7 +116,7 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
     next_s += step_s;
     progress.report(double(first) / double(frames.size()));
   }
-  if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
+  if (h.outcome && haptics::volume_digest(volume) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when replayed",
                   {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
         .in_file(file.string());
@@ -130,15 +131,15 @@ void Playback::note_changes(double time_s, std::vector<std::int16_t>& mirror) {
   taken_.clear();
   patient_->marks.take(taken_);
   if (taken_.empty()) return;
-  const Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
-  const BrickLayout& layout = patient_->marks.layout();
+  const grid::Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
+  const drill::BrickLayout& layout = patient_->marks.layout();
   const std::size_t first = changes_.size();
   for (const std::size_t b : taken_) {
     const std::array<int, 3> at = layout.place(b);
     int low[3], high[3];
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::max(0, BrickLayout::side * at[a] - 1);
-      high[a] = std::min(g.size[a], BrickLayout::side * (at[a] + 1));
+      low[a] = std::max(0, drill::BrickLayout::side * at[a] - 1);
+      high[a] = std::min(g.size[a], drill::BrickLayout::side * (at[a] + 1));
     }
     for (int k = low[2]; k < high[2]; ++k)
       for (int j = low[1]; j < high[1]; ++j)
@@ -154,17 +155,17 @@ void Playback::note_changes(double time_s, std::vector<std::int16_t>& mirror) {
 
 void Playback::apply(std::size_t n, bool forwards) {
   const Change& c = changes_[n];
-  Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
+  grid::Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
   g.voxels[c.at] = forwards ? c.after : c.before;
   const std::size_t row = std::size_t(g.size[0]), rest = c.at / row;
   patient_->marks.mark_voxel(int(c.at % row), int(rest % std::size_t(g.size[1])), int(rest / std::size_t(g.size[1])));
 }
 
 void Playback::go_to(double time_s) {
-  const std::vector<ServoFrame>& frames = recording_.frames;
+  const std::vector<haptics::ServoFrame>& frames = recording_.frames;
   time_s_ = std::clamp(time_s, begin_s(), end_s());
   const auto after = std::upper_bound(frames.begin(), frames.end(), time_s_,
-                                      [](double t, const ServoFrame& f) { return t < f.time_s; });
+                                      [](double t, const haptics::ServoFrame& f) { return t < f.time_s; });
   frame_ = after == frames.begin() ? 0 : std::size_t(after - frames.begin()) - 1;
   while (shown_steps_ < steps_.size() && steps_[shown_steps_].end_s <= time_s_) {
     for (std::size_t n = steps_[shown_steps_].first; n < steps_[shown_steps_].last; ++n) apply(n, true);
@@ -176,4 +177,4 @@ void Playback::go_to(double time_s) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::session

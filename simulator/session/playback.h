@@ -9,7 +9,7 @@
 #include "haptics/recording.h"
 #include "session/session.h"
 
-namespace trephine {
+namespace trephine::session {
 
 /// An incision of a recording, or of a session that runs.
 struct IncisionMark {
@@ -21,13 +21,13 @@ struct IncisionMark {
 /// several tools, at the marker's last point when the command is given (tool_belt.h).
 class IncisionWatch {
  public:
-  explicit IncisionWatch(const DrillingParams& drilling) : drilling_(drilling) {}
-  explicit IncisionWatch(const RecordingHeader& header) : drilling_(header.drilling), tools_(header.tools) {}
-  void look(const ServoFrame& frame, std::vector<IncisionMark>& out);
+  explicit IncisionWatch(const haptics::DrillingParams& drilling) : drilling_(drilling) {}
+  explicit IncisionWatch(const haptics::RecordingHeader& header) : drilling_(header.drilling), tools_(header.tools) {}
+  void look(const haptics::ServoFrame& frame, std::vector<IncisionMark>& out);
 
  private:
-  DrillingParams drilling_;
-  std::vector<BeltToolParams> tools_;
+  haptics::DrillingParams drilling_;
+  std::vector<haptics::BeltToolParams> tools_;
   std::uint32_t buttons_ = 0;
   bool has_mark_ = false;
   Vec3 mark_mm_;
@@ -37,8 +37,8 @@ class IncisionWatch {
 /// order. `contact`: how the recording itself is felt. Throws as read_recording and felt_again do; 65 where the volume
 /// is not the one with which the recording begins.
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& case_folder, const std::filesystem::path& file,
-                                       const RecordingHeader& header, const ContactParams& contact,
-                                       const std::vector<std::filesystem::path>& before, LoadParts parts = {},
+                                       const haptics::RecordingHeader& header, const contact::ContactParams& contact,
+                                       const std::vector<std::filesystem::path>& before, cases::LoadParts parts = {},
                                        const Progress& progress = {});
 
 /// A recording that can be shown at any of its times, with the voxels as they were then. The constructor runs it once;
@@ -48,12 +48,12 @@ class Playback {
   /// `before`: the recordings that it follows. Throws as patient_again does; 80 where the replay gives other voxels
   /// than the recording says; Cancelled.
   Playback(const std::filesystem::path& case_folder, const std::filesystem::path& recording,
-           const std::vector<std::filesystem::path>& before, LoadParts parts, const Progress& progress = {});
+           const std::vector<std::filesystem::path>& before, cases::LoadParts parts, const Progress& progress = {});
 
   const std::shared_ptr<Patient>& patient() const { return patient_; }
-  const LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()
-  const RecordingHeader& header() const { return recording_.header; }
-  const std::vector<ServoFrame>& frames() const { return recording_.frames; }
+  const cases::LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()
+  const haptics::RecordingHeader& header() const { return recording_.header; }
+  const std::vector<haptics::ServoFrame>& frames() const { return recording_.frames; }
   double begin_s() const;
   double end_s() const;
   const std::vector<IncisionMark>& incisions() const { return incisions_; }
@@ -61,12 +61,12 @@ class Playback {
   /// Shows that time; times beyond the recording are its ends.
   void go_to(double time_s);
   double time_s() const { return time_s_; }
-  const ServoFrame& frame() const { return recording_.frames[frame_]; }
+  const haptics::ServoFrame& frame() const { return recording_.frames[frame_]; }
   /// The tool in hand at that time, and its name.
-  ToolParams tool() const;
+  haptics::ToolParams tool() const;
   std::string tool_name() const;
   /// What changed since marks were last taken.
-  DirtyBricks& marks() { return patient_->marks; }
+  drill::DirtyBricks& marks() { return patient_->marks; }
 
  private:
   struct Change {
@@ -81,7 +81,7 @@ class Playback {
   void note_changes(double time_s, std::vector<std::int16_t>& mirror);
   void apply(std::size_t change, bool forwards);
 
-  Recording recording_;
+  haptics::Recording recording_;
   std::shared_ptr<Patient> patient_;
   std::vector<Change> changes_;
   std::vector<Step> steps_;
@@ -91,4 +91,4 @@ class Playback {
   double time_s_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::session

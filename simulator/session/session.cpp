@@ -10,11 +10,11 @@
 #include "base/error.h"
 #include "device/rate_hand.h"
 
-namespace trephine {
+namespace trephine::session {
 namespace {
 
 // A session without a clock would outrun any disk, so its frames are kept until its end, up to this number.
-constexpr double most_kept_ticks = 2e7;
+constexpr double max_kept_ticks = 2e7;
 
 double thread_cpu_s() {
   timespec t{};
@@ -22,13 +22,14 @@ double thread_cpu_s() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-std::unique_ptr<RecordingWriter> recording_of(const SessionOptions& options, const RecordingHeader& header) {
-  return options.record.empty() ? nullptr : std::make_unique<RecordingWriter>(options.record, header);
+std::unique_ptr<haptics::RecordingWriter> recording_of(const SessionOptions& options,
+                                                       const haptics::RecordingHeader& header) {
+  return options.record.empty() ? nullptr : std::make_unique<haptics::RecordingWriter>(options.record, header);
 }
 
 std::uint64_t ticks_of(const SessionOptions& options) {
   const double ticks = std::max(1.0, std::round(options.seconds * options.servo.rate_hz));
-  if (!options.servo.paced && ticks > most_kept_ticks)
+  if (!options.servo.paced && ticks > max_kept_ticks)
     throw Error(ExitCode::usage, "", "--seconds", "is too long without --paced");
   return std::uint64_t(ticks);
 }
@@ -40,29 +41,30 @@ double SessionResult::cpu_us_a_tick() const {
 }
 
 Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
-                 const std::function<void(const Note&)>& say, std::shared_ptr<Patient> patient)
+                 const std::function<void(const texts::Note&)>& say, std::shared_ptr<Patient> patient)
     : options_(options),
       stop_(stop),
       patient_(patient ? std::move(patient)
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
-      device_(with_board(in_workspace(options.own_device ? options.own_device(scene_of(options, say))
-                                                         : make_device(options.device, scene_of(options, say)),
-                                      options.workspace),
-                         options.board)),
+      device_(with_board(
+          device::in_workspace(options.own_device ? options.own_device(scene_of(options, say))
+                                                  : device::make_device(options.device, scene_of(options, say)),
+                               options.workspace),
+          options.board)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()) {
-  FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
-  const Feels& feels = patient_->felt.feels;
+  haptics::FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
+  const haptics::Feels& feels = patient_->felt.feels;
   if (header_.tools.empty()) {
-    proxy_ = std::make_unique<Proxy>(patient_->contact, feels, options.force, options.shaft,
-                                     make_tool(patient_->felt.felt_tool_of(header_)));
+    proxy_ = std::make_unique<haptics::Proxy>(patient_->contact, feels, options.force, options.shaft,
+                                              haptics::make_tool(patient_->felt.felt_tool_of(header_)));
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
-    belt_ = std::make_unique<ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
-                                       drilling_.get(), header_.in_open);
+    belt_ = std::make_unique<haptics::ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
+                                                drilling_.get(), header_.in_open);
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
 }
@@ -71,42 +73,43 @@ Session::~Session() {
   if (thread_.joinable()) thread_.join();
 }
 
-DeviceScene Session::scene_of(const SessionOptions& options, const std::function<void(const Note&)>& say) {
-  DeviceScene scene{patient_->contact,
-                    touchable_of(patient_->felt.feels),
-                    options.servo.paced,
-                    options.servo.realtime,
-                    say,
-                    Progress({}, &stop_),
-                    0,
-                    0,
-                    {},
-                    options.view,
-                    options.begin};
+device::DeviceScene Session::scene_of(const SessionOptions& options,
+                                      const std::function<void(const texts::Note&)>& say) {
+  device::DeviceScene scene{patient_->contact,
+                            haptics::touchable_of(patient_->felt.feels),
+                            options.servo.paced,
+                            options.servo.realtime,
+                            say,
+                            Progress({}, &stop_),
+                            0,
+                            0,
+                            {},
+                            options.view,
+                            options.begin};
   // The workspace moves and scales what a device says: it begins where the tool is to begin.
-  const WorkspaceParams& w = options.workspace;
-  HandBegin begin = begin_of(scene);
+  const device::WorkspaceParams& w = options.workspace;
+  device::HandBegin begin = device::begin_of(scene);
   begin.tip_mm = (begin.tip_mm - Vec3{w.workspace_offset_mm[0], w.workspace_offset_mm[1], w.workspace_offset_mm[2]}) /
                  w.workspace_scale;
   scene.begin = begin;
-  const CaseManifest& m = patient_->felt.loaded.manifest;
+  const cases::CaseManifest& m = patient_->felt.loaded.manifest;
   if (!options.drilling.drill) return scene;
-  scene.drilled = drilled_shapes(m.haptic);
-  scene.tool_radius_mm = 0.5 * own_tool(options.tool).tool_diameter_mm;
-  for (const CaseLandmark& l : m.landmarks) scene.sites.emplace_back(l.name, l.position_mm);
-  for (const CaseBurrHole& b : m.burr_holes) scene.sites.emplace_back(b.name, b.position_mm);
+  scene.drilled = haptics::drilled_shapes(m.haptic);
+  scene.tool_radius_mm = 0.5 * haptics::own_tool(options.tool).tool_diameter_mm;
+  for (const cases::CaseLandmark& l : m.landmarks) scene.sites.emplace_back(l.name, l.position_mm);
+  for (const cases::CaseBurrHole& b : m.burr_holes) scene.sites.emplace_back(b.name, b.position_mm);
   return scene;
 }
 
-RecordingHeader Session::header_of(const SessionOptions& options) const {
-  RecordingHeader header = patient_->felt.header();
+haptics::RecordingHeader Session::header_of(const SessionOptions& options) const {
+  haptics::RecordingHeader header = patient_->felt.header();
   header.device = options.device.name;
   header.knows_across = device_->knows_across();
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
   header.force = options.force;
   header.shaft = options.shaft;
-  header.tool = own_tool(options.tool);
+  header.tool = haptics::own_tool(options.tool);
   header.drilling = options.drilling;
   header.law = options.law;
   header.begins_sha256 = options.begins_sha256;
@@ -131,12 +134,12 @@ void Session::run() {
   done_ = true;
 }
 
-const RealtimeGrant& Session::start() {
-  std::promise<RealtimeGrant> promise;
-  std::future<RealtimeGrant> granted = promise.get_future();
+const haptics::RealtimeGrant& Session::start() {
+  std::promise<haptics::RealtimeGrant> promise;
+  std::future<haptics::RealtimeGrant> granted = promise.get_future();
   const bool realtime = options_.servo.paced && options_.servo.realtime;
   thread_ = std::thread([this, realtime, promise = std::move(promise)]() mutable {
-    promise.set_value(realtime ? claim_realtime() : RealtimeGrant{});
+    promise.set_value(realtime ? haptics::claim_realtime() : haptics::RealtimeGrant{});
     run();
   });
   grant_ = granted.get();
@@ -149,7 +152,7 @@ void Session::drain() {
   if (recording_) recording_->add(frames_);
 }
 
-const std::vector<ServoFrame>& Session::take_frames() {
+const std::vector<haptics::ServoFrame>& Session::take_frames() {
   drain();
   return frames_;
 }
@@ -161,14 +164,14 @@ void Session::write_frames() {
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
   SessionResult result{header_, {}, grant_, servo_->statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
-  for (const CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
+  for (const cases::CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
   if (drilling_) {
     result.drilled = drilling_->outcome();
-    result.outcome = outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());
+    result.outcome = haptics::outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());
   }
   if (recording_ || options_.watched) drain();
   if (recording_) recording_->finish(result.outcome);
   return result;
 }
 
-}  // namespace trephine
+}  // namespace trephine::session

@@ -18,19 +18,19 @@
 #include "session/button_board.h"
 #include "session/felt_case.h"
 
-namespace trephine {
+namespace trephine::session {
 
 /// What is felt, and stays where one tool is put away and another taken.
 struct Patient {
   FeltCase felt;
-  ContactVolume contact;
-  DirtyBricks marks;  ///< of what was cut, for who shows it
+  contact::ContactVolume contact;
+  drill::DirtyBricks marks;  ///< of what was cut, for who shows it
   /// The voxels as the case has them, where earlier recordings had cut some (patient_again); else null.
-  std::shared_ptr<const Grid<std::int16_t>> uncut;
-  Patient(FeltCase case_, const ContactParams& params)
+  std::shared_ptr<const grid::Grid<std::int16_t>> uncut;
+  Patient(FeltCase case_, const contact::ContactParams& params)
       : felt(std::move(case_)), contact(felt.loaded.haptic, params), marks(felt.loaded.haptic.voxels) {}
-  Patient(const std::filesystem::path& folder, const std::string& shape, const ContactParams& params,
-          LoadParts parts = {})
+  Patient(const std::filesystem::path& folder, const std::string& shape, const contact::ContactParams& params,
+          cases::LoadParts parts = {})
       : Patient(FeltCase(folder, shape, parts), params) {}
 };
 
@@ -38,25 +38,25 @@ struct Patient {
 struct SessionOptions {
   std::filesystem::path case_folder;
   std::string shape;  ///< the only shape that is felt; empty: all of the case
-  DeviceChoice device;
+  device::DeviceChoice device;
   /// Makes the device instead, where it is given: a window is its own.
-  std::function<std::unique_ptr<Device>(const DeviceScene&)> own_device;
-  std::shared_ptr<Mailbox<ViewAxes>> view;  ///< of a window, for a device that is pushed; may be null
-  std::optional<HandBegin> begin;           ///< where a hand that is led begins, in the case
+  std::function<std::unique_ptr<device::Device>(const device::DeviceScene&)> own_device;
+  std::shared_ptr<device::Mailbox<device::ViewAxes>> view;  ///< of a window, for a device that is pushed; may be null
+  std::optional<device::HandBegin> begin;                   ///< where a hand that is led begins, in the case
   std::string begins_sha256;  ///< of the voxels of the patient that is given, where it was cut before; else empty
   bool watched = false;       ///< take_frames() gives every frame, also without a recording
-  WorkspaceParams workspace;
+  device::WorkspaceParams workspace;
   double seconds = 10;
-  ServoParams servo;
-  ContactParams contact;
-  ForceParams force;
-  ToolParams tool;
-  DrillingParams drilling;
-  DrillParams law;
-  ShaftParams shaft;
+  haptics::ServoParams servo;
+  contact::ContactParams contact;
+  haptics::ForceParams force;
+  haptics::ToolParams tool;
+  haptics::DrillingParams drilling;
+  drill::DrillParams law;
+  haptics::ShaftParams shaft;
   /// Of a lesson: the hand holds one of them at a time (haptics/tool_belt.h), and `tool` is ignored. What drills does
   /// so where the case can be drilled. Empty: `tool` alone.
-  std::vector<BeltToolParams> tools;
+  std::vector<haptics::BeltToolParams> tools;
   std::string lesson, participant, task;     ///< the module, an anonymous token, and what is asked for; for the header
   std::shared_ptr<const ButtonBoard> board;  ///< buttons beside the device's own; may be null
   std::filesystem::path record;              ///< every tick is written to this file; empty: no recording
@@ -64,15 +64,15 @@ struct SessionOptions {
 
 /// The results of a session.
 struct SessionResult {
-  RecordingHeader header;             ///< case, shape, device, and the parameters
+  haptics::RecordingHeader header;    ///< case, shape, device, and the parameters
   std::map<int, std::string> shapes;  ///< of the case, by number
-  RealtimeGrant grant;
-  ServoStatistics statistics;
+  haptics::RealtimeGrant grant;
+  haptics::ServoStatistics statistics;
   std::vector<std::pair<std::string, std::uint64_t>> device_counts;
   std::uint64_t frames_lost = 0;                    ///< frames that were not recorded, because the disk was too slow
-  std::optional<DrillingOutcome> drilled;           ///< where the tool cuts
-  std::optional<RecordingHeader::Outcome> outcome;  ///< the same in mm, with the volume's hash
-  double cpu_s = 0;                                 ///< of the servo thread, including the system calls of its sleeps
+  std::optional<haptics::DrillingOutcome> drilled;  ///< where the tool cuts
+  std::optional<haptics::RecordingHeader::Outcome> outcome;  ///< the same in mm, with the volume's hash
+  double cpu_s = 0;  ///< of the servo thread, including the system calls of its sleeps
   double cpu_us_a_tick() const;
 };
 
@@ -87,37 +87,37 @@ class Session {
   ///
   /// `stop` ends a wait and the loop, and must outlive the session. A patient that is given is not loaded, and only
   /// one session at a time may run on it; what was cut of it stays cut.
-  Session(const SessionOptions& options, const std::atomic<bool>& stop, const std::function<void(const Note&)>& say,
-          std::shared_ptr<Patient> patient = nullptr);
+  Session(const SessionOptions& options, const std::atomic<bool>& stop,
+          const std::function<void(const texts::Note&)>& say, std::shared_ptr<Patient> patient = nullptr);
   /// Waits for the loop's end. Without finish() the recording is lost.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
   /// Starts the loop, and returns when it is known what the system grants.
-  const RealtimeGrant& start();
+  const haptics::RealtimeGrant& start();
   bool running() const { return thread_.joinable() && !done_; }
   /// Writes the frames that were recorded since the last call. Throws Error 74. Without a clock it does nothing,
   /// because all frames wait for finish().
   void write_frames();
   /// The same, and the frames themselves, valid until the next call; for a session that is watched.
-  const std::vector<ServoFrame>& take_frames();
+  const std::vector<haptics::ServoFrame>& take_frames();
   /// Waits for the loop's end, and completes the recording. A session that was stopped is only shorter; its recording
   /// is kept. Throws Error 74.
   SessionResult finish();
   /// The frames that finish() took, for a session that is watched.
-  const std::vector<ServoFrame>& last_frames() const { return frames_; }
+  const std::vector<haptics::ServoFrame>& last_frames() const { return frames_; }
 
-  const RecordingHeader& header() const { return header_; }
-  int tool_points() const;                                      ///< 0: a point at the tip alone
-  const Drilling* drilling() const { return drilling_.get(); }  ///< null where nothing cuts
+  const haptics::RecordingHeader& header() const { return header_; }
+  int tool_points() const;                                               ///< 0: a point at the tip alone
+  const haptics::Drilling* drilling() const { return drilling_.get(); }  ///< null where nothing cuts
   /// May be called while it runs: the faults latched so far, and how long it has run.
   std::uint32_t faults() const { return servo_->faults(); }
   double time_s() const { return double(servo_->ticks_done()) / options_.servo.rate_hz; }
 
  private:
-  RecordingHeader header_of(const SessionOptions& options) const;
-  DeviceScene scene_of(const SessionOptions& options, const std::function<void(const Note&)>& say);
+  haptics::RecordingHeader header_of(const SessionOptions& options) const;
+  device::DeviceScene scene_of(const SessionOptions& options, const std::function<void(const texts::Note&)>& say);
   std::size_t queue_size() const;
   void drain();
   void run();
@@ -125,20 +125,20 @@ class Session {
   const SessionOptions options_;
   const std::atomic<bool>& stop_;
   std::shared_ptr<Patient> patient_;
-  std::unique_ptr<Device> device_;
-  RecordingHeader header_;
-  std::unique_ptr<Drilling> drilling_;
-  std::unique_ptr<Proxy> proxy_;    // or
-  std::unique_ptr<ToolBelt> belt_;  // of the two one
-  std::unique_ptr<RecordingWriter> recording_;
+  std::unique_ptr<device::Device> device_;
+  haptics::RecordingHeader header_;
+  std::unique_ptr<haptics::Drilling> drilling_;
+  std::unique_ptr<haptics::Proxy> proxy_;    // or
+  std::unique_ptr<haptics::ToolBelt> belt_;  // of the two one
+  std::unique_ptr<haptics::RecordingWriter> recording_;
   std::uint64_t ticks_;
-  FrameQueue queue_;
-  std::optional<Servo> servo_;
-  std::vector<ServoFrame> frames_;  // on their way from the queue to the disk
-  RealtimeGrant grant_;
+  haptics::FrameQueue queue_;
+  std::optional<haptics::Servo> servo_;
+  std::vector<haptics::ServoFrame> frames_;  // on their way from the queue to the disk
+  haptics::RealtimeGrant grant_;
   double cpu_s_ = 0;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::session

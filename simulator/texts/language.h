@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-namespace trephine {
+namespace trephine::texts {
 
 /// The languages in which the simulator speaks to its user. A further one is a further column of each Wording.
 enum class Language { english, german };
@@ -14,4 +14,4 @@ struct Wording {
   constexpr const char* of(Language language) const { return in[std::size_t(language)]; }
 };
 
-}  // namespace trephine
+}  // namespace trephine::texts

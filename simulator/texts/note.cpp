@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "texts/note.h"
 
-namespace trephine {
+namespace trephine::texts {
 namespace {
 
 struct Row {
@@ -125,4 +125,4 @@ std::string text_of(const Note& note, Language language) {
   return text;
 }
 
-}  // namespace trephine
+}  // namespace trephine::texts

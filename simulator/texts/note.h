@@ -7,7 +7,7 @@
 
 #include "texts/language.h"
 
-namespace trephine {
+namespace trephine::texts {
 
 /// What can be told to a user. note.cpp has a wording for each, in the same order.
 enum class NoteId {
@@ -85,4 +85,4 @@ const Wording& wording_of(NoteId id);
 bool is_for_log(NoteId id);
 std::string text_of(const Note& note, Language language);
 
-}  // namespace trephine
+}  // namespace trephine::texts

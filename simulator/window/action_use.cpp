@@ -9,12 +9,12 @@
 #include "base/error.h"
 #include "window/actions.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 struct KeyWord {
   int key;
-  Wording name;
+  texts::Wording name;
 };
 constexpr KeyWord key_words[] = {
     {mouse::left, {{"left button", "linke Taste"}}},
@@ -42,7 +42,7 @@ constexpr KeyWord key_words[] = {
     {GLFW_KEY_KP_SUBTRACT, {{"", ""}}},
     {GLFW_KEY_KP_ENTER, {{"", ""}}},
 };
-constexpr Wording to_word{{" to ", " bis "}}, twice_word{{"twice", "zweimal"}};
+constexpr texts::Wording to_word{{" to ", " bis "}}, twice_word{{"twice", "zweimal"}};
 
 std::string in_table(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
@@ -83,7 +83,7 @@ bool Words::on(bool now) {
 }
 
 Reply act(const Action& action, Player& player, Screen& screen, const std::string& words) {
-  if (Answer why = action.why_not(player)) return why;
+  if (texts::Answer why = action.why_not(player)) return why;
   Words given(action.name, words);
   return action.run(player, screen, given);
 }
@@ -95,13 +95,13 @@ std::string answer_line(const std::string& line, Player& player, Screen& screen)
       if (a.name != words.verb() || a.name.empty()) continue;
       Reply reply = a.why_not(player);
       if (!reply.fault) reply = a.run(player, screen, words);
-      if (reply.fault) return "error: " + text_of(*reply.fault, Language::english);
+      if (reply.fault) return "error: " + texts::text_of(*reply.fault, texts::Language::english);
       return reply.told.empty() ? "ok" : reply.told;
     }
   } catch (const Error& e) {
     return "error: " + (e.field().empty() ? "" : e.field() + ": ") + e.what();
   }
-  return "error: " + text_of({NoteId::no_command, {words.verb()}}, Language::english);
+  return "error: " + texts::text_of({texts::NoteId::no_command, {words.verb()}}, texts::Language::english);
 }
 
 const Action& action_of(const std::string& name) {
@@ -112,14 +112,14 @@ const Action& action_of(const std::string& name) {
 
 int last_numbered(int first) { return first == GLFW_KEY_1 ? GLFW_KEY_9 : GLFW_KEY_F8; }
 
-std::string key_name(int key, Language language) {
+std::string key_name(int key, texts::Language language) {
   for (const KeyWord& w : key_words)
     if (w.key == key) return w.name.of(language);
   if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25) return "F" + std::to_string(key - GLFW_KEY_F1 + 1);
   return std::string(1, char(key));  // GLFW's letters, figures and signs are those of ASCII
 }
 
-std::string keys_text(const Action& action, Language language) {
+std::string keys_text(const Action& action, texts::Language language) {
   std::string text;
   for (const KeyUse& use : action.keys) {
     std::string name = key_name(use.key, language);
@@ -131,7 +131,7 @@ std::string keys_text(const Action& action, Language language) {
   return text;
 }
 
-std::string keys_help(const Player& player, Language language) {
+std::string keys_help(const Player& player, texts::Language language) {
   std::string text;
   for (const Action& a : all_actions())
     if (const std::string keys = keys_text(a, language); !keys.empty() && !a.why_not(player))
@@ -143,7 +143,7 @@ std::string keys_table(Action::Group group) {
   std::string table = "| | |\n|---|---|\n";
   for (const Action& a : all_actions())
     if (a.group == group && !a.keys.empty())
-      table += "| " + keys_text(a, Language::english) + " | " + a.what.of(Language::english) + " |\n";
+      table += "| " + keys_text(a, texts::Language::english) + " | " + a.what.of(texts::Language::english) + " |\n";
   return table;
 }
 
@@ -152,8 +152,8 @@ std::string remote_table() {
   for (const Action& a : all_actions())
     if (!a.name.empty())
       table += "| `" + in_table(a.name + (a.arguments.empty() ? "" : " " + a.arguments)) + "` | " +
-               in_table(a.what.of(Language::english)) + " |\n";
+               in_table(a.what.of(texts::Language::english)) + " |\n";
   return table;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "window/texts.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 using How = KeyUse::How;
@@ -22,21 +22,25 @@ constexpr std::size_t answered_notes = 8;
 
 double rad(double deg) { return deg * M_PI / 180; }
 
-Answer without_recording(const Player& p) {
-  if (p.shown()) return NoteId::recording_shown;
-  return p.lesson() && !(p.live() && p.live()->begun()) ? Answer(NoteId::not_now) : Answer();
+texts::Answer without_recording(const Player& p) {
+  if (p.shown()) return texts::NoteId::recording_shown;
+  return p.lesson() && !(p.live() && p.live()->begun()) ? texts::Answer(texts::NoteId::not_now) : texts::Answer();
 }
-Answer outside_lesson(const Player& p) { return p.in_lesson() ? Answer(NoteId::after_lesson) : Answer(); }
-Answer of_lesson(const Player& p) {
-  if (!p.lesson()) return NoteId::no_lesson;
-  return p.live() && p.live()->begun() ? Answer() : Answer(NoteId::not_now);
+texts::Answer outside_lesson(const Player& p) {
+  return p.in_lesson() ? texts::Answer(texts::NoteId::after_lesson) : texts::Answer();
 }
-Answer of_arm(const Player& p) {
-  if (!p.lesson()) return NoteId::no_lesson;
-  if (!p.lesson()->has_arm()) return NoteId::no_arm;
-  return p.xrays() ? of_lesson(p) : Answer(NoteId::no_ct);
+texts::Answer of_lesson(const Player& p) {
+  if (!p.lesson()) return texts::NoteId::no_lesson;
+  return p.live() && p.live()->begun() ? texts::Answer() : texts::Answer(texts::NoteId::not_now);
 }
-Answer with_marker(const Player& p) { return p.live() && p.live()->draws() ? Answer() : Answer(NoteId::nothing_there); }
+texts::Answer of_arm(const Player& p) {
+  if (!p.lesson()) return texts::NoteId::no_lesson;
+  if (!p.lesson()->has_arm()) return texts::NoteId::no_arm;
+  return p.xrays() ? of_lesson(p) : texts::Answer(texts::NoteId::no_ct);
+}
+texts::Answer with_marker(const Player& p) {
+  return p.live() && p.live()->draws() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
+}
 
 // A command of the lesson that has the action's own name.
 Reply command(Player& p, Words& w) { return p.lesson()->give(w.verb()); }
@@ -47,7 +51,7 @@ Reply move_arm(Player& p, Words& w) {
     if (how == view) return p.lesson()->give("view_" + how);
   for (const char* turn : {"orbit_more", "orbit_less", "tilt_more", "tilt_less"})
     if (how == turn) return p.lesson()->give(how);
-  return Answer(Note{NoteId::no_arm_place, {how}});
+  return texts::Answer(texts::Note{texts::NoteId::no_arm_place, {how}});
 }
 
 Reply pause(Player& p, Words& w) {
@@ -81,7 +85,7 @@ Reply notes(Player& p, Screen& s, Words& w) {
 // As far as the cursor went, at the tool's depth.
 void follow_cursor(Player& p, const Screen& s, const Gesture& g) {
   if (!p.live() || !p.live()->hand.by_screen()) return;
-  const EyeView eye = p.view().eye(s.cursor);
+  const scene::EyeView eye = p.view().eye(s.cursor);
   const double* at = p.view().frame().tip_mm;
   const double depth = -dot(Vec3{at[0], at[1], at[2]} - eye.eye_mm, eye.toward);
   if (depth > 1)
@@ -110,13 +114,13 @@ std::function<Reply(Player&, Screen&, Words&)> does(F what) {
     }
   };
 }
-std::function<Reply(Player&, Screen&, Words&)> hand_does(Answer (*what)(Hand&, Screen&, Words&)) {
+std::function<Reply(Player&, Screen&, Words&)> hand_does(texts::Answer (*what)(Hand&, Screen&, Words&)) {
   return [what](Player& p, Screen& s, Words& w) { return p.live() ? Reply(what(p.live()->hand, s, w)) : Reply(); };
 }
 
 std::vector<std::string> view_names(const Player&) {
   std::vector<std::string> names;
-  for (const auto& [name, value] : view_presets()) names.push_back(name);
+  for (const auto& [name, value] : scene::view_presets()) names.push_back(name);
   return names;
 }
 
@@ -124,7 +128,7 @@ std::vector<std::string> view_names(const Player&) {
 class Entries {
  public:
   Entries(std::vector<Action>& all, Group group) : all_(all), group_(group) {}
-  void add(const char* name, const char* arguments, Wording what, Answer (*enabled)(const Player&) = {}) {
+  void add(const char* name, const char* arguments, texts::Wording what, texts::Answer (*enabled)(const Player&) = {}) {
     Action& a = all_.emplace_back();
     a.name = name;
     a.arguments = arguments;
@@ -145,7 +149,8 @@ void hand_actions(Entries e) {
           "bewegt das Instrument in der Bildebene"}});
   e->keys = {{mouse::move, How::drag}};
   e->during = follow_cursor;
-  e->run = hand_does([](Hand& hand, Screen&, Words& w) -> Answer { return hand.move(w.point()), Answer(); });
+  e->run =
+      hand_does([](Hand& hand, Screen&, Words& w) -> texts::Answer { return hand.move(w.point()), texts::Answer(); });
   e.add("", "", {{"along the tool, forwards and back", "längs des Instruments, vor und zurück"}});
   e->keys = {{mouse::wheel, How::drag}, {GLFW_KEY_W, How::held, "", "", 0, 1}, {GLFW_KEY_S, How::held, "", "", 0, -1}};
   e->during = advance;
@@ -191,7 +196,8 @@ void hand_actions(Entries e) {
   e->during = tilt;
   e.add("ahead", "", {{"points the tool away from you", "richtet das Instrument vom Betrachter weg"}});
   e->keys = {{GLFW_KEY_HOME}};
-  e->run = hand_does([](Hand& hand, Screen&, Words&) -> Answer { return hand.aim_at_viewer(), Answer(); });
+  e->run =
+      hand_does([](Hand& hand, Screen&, Words&) -> texts::Answer { return hand.aim_at_viewer(), texts::Answer(); });
   e.add("aim", "", {{"aims the tool at the nearest target", "richtet das Instrument auf das nächste Ziel"}},
         outside_lesson);
   e->keys = {{GLFW_KEY_T}};
@@ -207,7 +213,9 @@ void hand_actions(Entries e) {
         "Inzision an der Spitze; in einer Lektion am letzten Punkt des Stifts"}});
   e->label = {{"Incise", "Schnitt"}};
   e->keys = {{GLFW_KEY_M}};
-  e->run = does([](Player& p, Words&) { return p.live() ? p.live()->incise() : p.lesson() ? of_lesson(p) : Answer(); });
+  e->run = does([](Player& p, Words&) {
+    return p.live() ? p.live()->incise() : p.lesson() ? of_lesson(p) : texts::Answer();
+  });
 }
 
 void view_actions(Entries e) {
@@ -324,9 +332,9 @@ void arm_actions(Entries e) {
 
 void program_actions(Entries e) {
   e.add("place", "X Y Z [AX AY AZ]", {{"takes the tool away and to that place, with that axis", nullptr}});
-  e->run = hand_does([](Hand& hand, Screen&, Words& w) -> Answer {
+  e->run = hand_does([](Hand& hand, Screen&, Words& w) -> texts::Answer {
     const Vec3 tip = w.point();
-    return hand.place(tip, w.more() ? std::optional<Vec3>(w.point()) : std::nullopt), Answer();
+    return hand.place(tip, w.more() ? std::optional<Vec3>(w.point()) : std::nullopt), texts::Answer();
   });
   for (const char* name : {"opacity", "show", "hide"}) {
     e.add(name, name == std::string("opacity") ? "ANATOMY VALUE" : "ANATOMY",
@@ -369,4 +377,4 @@ const std::vector<Action>& all_actions() {
   return all;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

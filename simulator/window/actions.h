@@ -6,15 +6,15 @@
 
 #include "window/player.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// The window's own state, as actions find and change it.
 struct Screen {
   Cursor cursor;
   bool panels_shown = true;
-  Language language = Language::english;
+  texts::Language language = texts::Language::english;
   ScreenHandParams hand;
-  Answer answer;  ///< to the last key or button
+  texts::Answer answer;  ///< to the last key or button
 };
 
 /// What follows an action's name in a line of the remote, or stands with a key. Throws Error 64 where it is not what is
@@ -38,11 +38,11 @@ class Words {
 
 /// What an action says: nothing, why it cannot be done, or what was asked for.
 struct Reply {
-  Answer fault;
+  texts::Answer fault;
   std::string told;
   Reply() = default;
-  Reply(NoteId id) : fault(id) {}
-  Reply(Answer answer) : fault(std::move(answer)) {}
+  Reply(texts::NoteId id) : fault(id) {}
+  Reply(texts::Answer answer) : fault(std::move(answer)) {}
   Reply(std::string what) : told(std::move(what)) {}
 };
 
@@ -80,14 +80,14 @@ struct Action {
   enum class Group { work, lesson, arm };
   std::string name, arguments;  ///< of the remote's line; an action without a name has none
   Group group = Group::work;
-  Wording label, what;  ///< of its button; what it does. One for programs alone is said in English alone
+  texts::Wording label, what;  ///< of its button; what it does. One for programs alone is said in English alone
   std::vector<KeyUse> keys;
-  Answer (*enabled)(const Player&) = nullptr;                      ///< why it cannot be done now; null: it always can
+  texts::Answer (*enabled)(const Player&) = nullptr;               ///< why it cannot be done now; null: it always can
   std::function<std::vector<std::string>(const Player&)> choices;  ///< a button for each, and its words
   std::function<Reply(Player&, Screen&, Words&)> run;
   void (*during)(Player&, const Screen&, const Gesture&) = nullptr;
 
-  Answer why_not(const Player& player) const { return enabled ? enabled(player) : Answer(); }
+  texts::Answer why_not(const Player& player) const { return enabled ? enabled(player) : texts::Answer(); }
 };
 const std::vector<Action>& all_actions();
 const Action& action_of(const std::string& name);  ///< there must be one
@@ -100,11 +100,11 @@ std::string answer_line(const std::string& line, Player& player, Screen& screen)
 /// The last key of those that stand for choices, from this one.
 int last_numbered(int first);
 /// "W", "left button", "Pos1".
-std::string key_name(int key, Language language);
+std::string key_name(int key, texts::Language language);
 /// All keys of an action: "F, L, O", "1 to 9", "Enter, twice".
-std::string keys_text(const Action& action, Language language);
+std::string keys_text(const Action& action, texts::Language language);
 /// What keys do that do something now, a line each.
-std::string keys_help(const Player& player, Language language);
+std::string keys_help(const Player& player, texts::Language language);
 /// The tables of docs/play.md: by key, of a group; and the remote's lines.
 std::string keys_table(Action::Group group);
 std::string remote_table();
@@ -114,4 +114,4 @@ std::string state_text(const Player& player);
 std::string lesson_text(const Player& player);
 std::string xray_text(const Player& player);
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -5,7 +5,7 @@
 
 #include "window/ways.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr double beyond_mm = 150;  // so far outside the depth of the tip is measured from
@@ -17,32 +17,32 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-CaseView::CaseView(std::shared_ptr<Patient> patient, const ViewParams& params)
+CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params)
     : patient_(std::move(patient)), stage_(patient_->felt.loaded, params, patient_->uncut.get()) {
-  camera = camera_of(params, manifest(), stage_.scene());
-  for (const CaseShape& s : manifest().haptic.shapes) shapes_[s.number] = s.name;
+  camera = scene::camera_of(params, manifest(), stage_.scene());
+  for (const cases::CaseShape& s : manifest().haptic.shapes) shapes_[s.number] = s.name;
 }
 
-Answer CaseView::set_view(const std::string& preset) {
-  for (const auto& [name, value] : view_presets())
+texts::Answer CaseView::set_view(const std::string& preset) {
+  for (const auto& [name, value] : scene::view_presets())
     if (name == preset) {
-      ViewParams v = stage_.view();
+      scene::ViewParams v = stage_.view();
       v.view = value;
-      camera = camera_of(v, manifest(), stage_.scene());
+      camera = scene::camera_of(v, manifest(), stage_.scene());
       return {};
     }
-  return Note{NoteId::no_view, {preset}};
+  return texts::Note{texts::NoteId::no_view, {preset}};
 }
 
-Answer CaseView::set_opacity(const std::string& anatomy, double opacity) {
+texts::Answer CaseView::set_opacity(const std::string& anatomy, double opacity) {
   const int n = stage_.scene().find(anatomy);
-  if (n < 0) return Note{NoteId::no_anatomy, {anatomy}};
-  if (!(opacity >= 0 && opacity <= 1)) return NoteId::no_opacity;
+  if (n < 0) return texts::Note{texts::NoteId::no_anatomy, {anatomy}};
+  if (!(opacity >= 0 && opacity <= 1)) return texts::NoteId::no_opacity;
   stage_.state.opacity[std::size_t(n)] = opacity;
   return {};
 }
 
-Answer CaseView::cut(const std::string& how) {
+texts::Answer CaseView::cut(const std::string& how) {
   if (how == "none") {
     stage_.state.cut.reset();
     return {};
@@ -50,8 +50,8 @@ Answer CaseView::cut(const std::string& how) {
   const std::map<std::string, Vec3> normals{
       {"tool", normalized(vec(frame_.axis))}, {"axial", {0, 0, 1}}, {"coronal", {0, -1, 0}}, {"sagittal", {1, 0, 0}}};
   const auto found = normals.find(how);
-  if (found == normals.end()) return Note{NoteId::no_cut, {how}};
-  stage_.state.cut = CutPlane{vec(frame_.proxy_mm), found->second};
+  if (found == normals.end()) return texts::Note{texts::NoteId::no_cut, {how}};
+  stage_.state.cut = scene::CutPlane{vec(frame_.proxy_mm), found->second};
   return {};
 }
 
@@ -59,7 +59,9 @@ void CaseView::move_cut(double mm) {
   if (stage_.state.cut) stage_.state.cut->point_mm += normalized(stage_.state.cut->normal) * mm;
 }
 
-void CaseView::show_places(bool shown) { stage_.state.markers = shown ? places_of(manifest()) : std::vector<Marker>(); }
+void CaseView::show_places(bool shown) {
+  stage_.state.markers = shown ? scene::places_of(manifest()) : std::vector<scene::Marker>();
+}
 
 void CaseView::show_slices(bool shown) {
   stage_.state.ct_planes.clear();
@@ -75,7 +77,7 @@ void CaseView::trace(bool on) {
   trace_apart_mm_ = 1;
 }
 
-void CaseView::look_at(const ServoFrame& frame) {
+void CaseView::look_at(const haptics::ServoFrame& frame) {
   frame_ = frame;
   stage_.show_frame(frame);
 }
@@ -84,20 +86,20 @@ void CaseView::follow() {
   stage_.follow(patient_->marks);
   stage_.follow_coarse();
   const Vec3 tip = vec(frame_.proxy_mm), axis = normalized(vec(frame_.axis));
-  for (CtPlane& plane : stage_.state.ct_planes) plane.point_mm = tip;
+  for (scene::CtPlane& plane : stage_.state.ct_planes) plane.point_mm = tip;
   forces_.push_back(float(norm(vec(frame_.force_n))));
   if (forces_.size() > max_forces) forces_.pop_front();
-  const TouchableFaces faces = visible_faces();
-  const Contact first = patient_->contact.intersect(tip + axis * beyond_mm, tip, faces);
+  const contact::TouchableFaces faces = visible_faces();
+  const contact::Contact first = patient_->contact.intersect(tip + axis * beyond_mm, tip, faces);
   depth_mm_ = first.hit ? norm(first.point_mm - tip) : 0;
   if (!stage_.state.contact_mm) {
-    const Contact below = patient_->contact.intersect(tip, tip - axis * drop_mm, faces);
+    const contact::Contact below = patient_->contact.intersect(tip, tip - axis * drop_mm, faces);
     if (below.hit) {
       stage_.state.contact_mm = below.point_mm;
       stage_.state.contact_strength = 0;
     }
   }
-  const CaseTarget* target = nearest_target(tip);
+  const cases::CaseTarget* target = nearest_target(tip);
   target_mm_ = target ? norm(target->position_mm - tip) : -1;
   if (!traces_) return;
   std::vector<Vec3>& way = stage_.state.trace_mm;
@@ -106,30 +108,30 @@ void CaseView::follow() {
   add_dot(way, tip, trace_apart_mm_);
 }
 
-const CaseTarget* CaseView::nearest_target(Vec3 to) const {
-  const CaseTarget* nearest = nullptr;
-  for (const CaseTarget& t : manifest().targets)
+const cases::CaseTarget* CaseView::nearest_target(Vec3 to) const {
+  const cases::CaseTarget* nearest = nullptr;
+  for (const cases::CaseTarget& t : manifest().targets)
     if (!nearest || norm(t.position_mm - to) < norm(nearest->position_mm - to)) nearest = &t;
   return nearest;
 }
 
-TouchableFaces CaseView::visible_faces() const {
-  TouchableFaces faces{0, 0};
+contact::TouchableFaces CaseView::visible_faces() const {
+  contact::TouchableFaces faces{0, 0};
   for (std::size_t n = 0; n < stage_.scene().surfaces.size(); ++n)
     if (const int shape = stage_.scene().surfaces[n].shape; shape > 0 && stage_.state.opacity[n] >= 0.5)
       faces.front |= std::uint64_t{1} << shape;
   return faces;
 }
 
-Contact CaseView::seen(const Cursor& at) const {
-  const Bounds& b = stage_.scene().bounds;
-  const EyeView view = eye(at);
+contact::Contact CaseView::seen(const Cursor& at) const {
+  const surface::Bounds& b = stage_.scene().bounds;
+  const scene::EyeView view = eye(at);
   const Vec3 ray = view.ray(at.x, at.y, at.width, at.height);
   Vec3 from = view.eye_mm;
   const Vec3 to = from + ray * (view.far_mm + norm(b.max_mm - b.min_mm));
   if (stage_.state.cut) {
     // The half that is cut away is not seen: the line of sight begins where it leaves that half.
-    const CutPlane& c = *stage_.state.cut;
+    const scene::CutPlane& c = *stage_.state.cut;
     const double before = dot(c.normal, from - c.point_mm), slope = dot(c.normal, ray);
     if (before > 0) {
       if (slope >= 0) return {};
@@ -138,7 +140,7 @@ Contact CaseView::seen(const Cursor& at) const {
     // The cut itself is seen where it lies within a shape.
     const int shape = patient_->contact.shape_at(from);
     if (before > 0 && shape != 0 && (visible_faces().front >> shape & 1)) {
-      Contact on_cut;
+      contact::Contact on_cut;
       on_cut.hit = true;
       on_cut.point_mm = from;
       on_cut.normal = c.normal;
@@ -150,7 +152,7 @@ Contact CaseView::seen(const Cursor& at) const {
 }
 
 std::string CaseView::under(const Cursor& cursor) const {
-  const Contact c = seen(cursor);
+  const contact::Contact c = seen(cursor);
   if (!c.hit) return "";
   return fmt::format("{}, {:.1f} {:.1f} {:.1f} mm", shape_name(c.shape), c.point_mm.x, c.point_mm.y, c.point_mm.z);
 }
@@ -161,4 +163,4 @@ const std::string& CaseView::shape_name(int number) const {
   return found != shapes_.end() ? found->second : none;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

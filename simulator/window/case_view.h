@@ -10,7 +10,7 @@
 #include "session/session.h"
 #include "texts/note.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Where the cursor is, and how large the picture, in pixels from the upper left corner.
 struct Cursor {
@@ -23,11 +23,11 @@ struct Cursor {
 class CaseView {
  public:
   /// Makes the scene in the current context; throws as Stage does.
-  CaseView(std::shared_ptr<Patient> patient, const ViewParams& params);
+  CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params);
 
-  Answer set_view(const std::string& preset);
-  Answer set_opacity(const std::string& anatomy, double opacity);
-  Answer cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal: at the tip
+  texts::Answer set_view(const std::string& preset);
+  texts::Answer set_opacity(const std::string& anatomy, double opacity);
+  texts::Answer cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal: at the tip
   void move_cut(double mm);
   void show_places(bool shown);
   void show_slices(bool shown);
@@ -35,38 +35,40 @@ class CaseView {
   bool traces() const { return traces_; }
 
   /// Tool, hand and contact as they are in that frame.
-  void look_at(const ServoFrame& frame);
+  void look_at(const haptics::ServoFrame& frame);
   /// Makes the scene follow what was cut, and measures at the tool.
   void follow();
-  const ServoFrame& frame() const { return frame_; }
+  const haptics::ServoFrame& frame() const { return frame_; }
 
-  EyeView eye(const Cursor& cursor) const { return camera.eye(cursor.width, cursor.height, stage_.scene().bounds); }
-  Contact seen(const Cursor& cursor) const;
+  scene::EyeView eye(const Cursor& cursor) const {
+    return camera.eye(cursor.width, cursor.height, stage_.scene().bounds);
+  }
+  contact::Contact seen(const Cursor& cursor) const;
   std::string under(const Cursor& cursor) const;  ///< "skull, 12.3 ...", or an empty text
 
-  OrbitCamera camera;
-  Stage& stage() { return stage_; }
-  const Stage& stage() const { return stage_; }
-  const Patient& patient() const { return *patient_; }
-  const CaseManifest& manifest() const { return patient_->felt.loaded.manifest; }
+  scene::OrbitCamera camera;
+  render::Stage& stage() { return stage_; }
+  const render::Stage& stage() const { return stage_; }
+  const session::Patient& patient() const { return *patient_; }
+  const cases::CaseManifest& manifest() const { return patient_->felt.loaded.manifest; }
   const std::string& shape_name(int number) const;
-  const CaseTarget* nearest_target(Vec3 to_mm) const;  ///< null where the case has none
-  double depth_mm() const { return depth_mm_; }        ///< of the tip behind the first surface along the tool; 0 in air
-  double target_mm() const { return target_mm_; }      ///< to the nearest target; negative where there is none
+  const cases::CaseTarget* nearest_target(Vec3 to_mm) const;  ///< null where the case has none
+  double depth_mm() const { return depth_mm_; }    ///< of the tip behind the first surface along the tool; 0 in air
+  double target_mm() const { return target_mm_; }  ///< to the nearest target; negative where there is none
   double trace_mm() const { return trace_mm_; }
   const std::deque<float>& forces() const { return forces_; }  ///< N, one a picture
 
  private:
-  TouchableFaces visible_faces() const;
+  contact::TouchableFaces visible_faces() const;
 
-  std::shared_ptr<Patient> patient_;
-  Stage stage_;
+  std::shared_ptr<session::Patient> patient_;
+  render::Stage stage_;
   std::map<int, std::string> shapes_;
-  ServoFrame frame_{};
+  haptics::ServoFrame frame_{};
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1;
   bool traces_ = false;
   Vec3 last_trace_mm_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -4,7 +4,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 using How = KeyUse::How;
@@ -85,7 +85,7 @@ void Controls::press(int key, Player& player, Screen& screen) {
       const auto asked = asked_s_.find(&a);
       if (asked == asked_s_.end() || held_s_ - asked->second >= ask_again_s) {
         asked_s_[&a] = held_s_;
-        screen.answer = NoteId::enter_again;
+        screen.answer = texts::NoteId::enter_again;
         return;
       }
     }
@@ -123,4 +123,4 @@ void Controls::hold(double wall_s, Player& player, Screen& screen) {
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

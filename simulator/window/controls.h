@@ -7,7 +7,7 @@
 #include "window/actions.h"
 #include "window/glfw_window.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Mouse and keyboard: the actions whose keys they are.
 class Controls {
@@ -28,4 +28,4 @@ class Controls {
   std::map<const Action*, double> asked_s_;  // when a key that must be pressed twice was
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 std::string last_fault() {
@@ -107,4 +107,4 @@ bool GlfwWindow::reset() const {
   return has_arb_robustness_ && glGetGraphicsResetStatusARB() != GL_NO_ERROR;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

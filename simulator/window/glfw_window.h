@@ -6,7 +6,7 @@
 
 struct GLFWwindow;
 
-namespace trephine {
+namespace trephine::window {
 
 /// What a user did, in the order in which it was done: also what was pressed and released while a picture was drawn.
 struct InputEvent {
@@ -45,4 +45,4 @@ class GlfwWindow {
   std::vector<InputEvent> waiting_, given_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr double begin_mm = 15;                 // before the site, where the tool waits
@@ -16,13 +16,13 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
-  const Bounds& b = view.stage().scene().bounds;
+  const surface::Bounds& b = view.stage().scene().bounds;
   goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, (b.min_mm.y + b.max_mm.y) / 2, b.max_mm.z + begin_mm};
   if (behind) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
   }
-  if (const auto a = approach_of(view.manifest(), view.stage().scene(), site)) {
+  if (const auto a = scene::approach_of(view.manifest(), view.stage().scene(), site)) {
     goal_.axis = -a->direction;
     goal_.tip_mm = a->site_mm + goal_.axis * begin_mm;
   }
@@ -54,7 +54,7 @@ void Hand::place(Vec3 tip_mm, const std::optional<Vec3>& axis) {
 }
 
 void Hand::turn(double right_rad, double up_rad) {
-  const OrbitCamera& camera = view_.camera;
+  const scene::OrbitCamera& camera = view_.camera;
   const Vec3 axis = goal_.axis + camera.right() * std::tan(right_rad) + camera.up * std::tan(up_rad);
   if (norm(axis) > 1e-3) goal_.axis = normalized(axis);
   aim();
@@ -65,24 +65,24 @@ void Hand::aim_at_viewer() {
   aim();
 }
 
-Answer Hand::aim_at_target() {
-  const CaseTarget* target = view_.nearest_target(goal_.tip_mm);
-  if (!target) return NoteId::no_target;
+texts::Answer Hand::aim_at_target() {
+  const cases::CaseTarget* target = view_.nearest_target(goal_.tip_mm);
+  if (!target) return texts::NoteId::no_target;
   if (norm(goal_.tip_mm - target->position_mm) > 1) goal_.axis = normalized(goal_.tip_mm - target->position_mm);
   aim();
   return {};
 }
 
-Answer Hand::to_surface(const Cursor& cursor) {
-  const Contact c = view_.seen(cursor);
-  if (!c.hit) return NoteId::nothing_there;
+texts::Answer Hand::to_surface(const Cursor& cursor) {
+  const contact::Contact c = view_.seen(cursor);
+  if (!c.hit) return texts::NoteId::nothing_there;
   const Vec3 normal = norm(c.normal) > 0 ? normalized(c.normal) : view_.camera.toward;
   place(c.point_mm + normal * above_surface_mm, normal);
   return {};
 }
 
 void Hand::draw_at(const Cursor& cursor) {
-  const Contact c = view_.seen(cursor);
+  const contact::Contact c = view_.seen(cursor);
   if (!c.hit) return;
   const Vec3 normal = norm(c.normal) > 0 ? normalized(c.normal) : view_.camera.toward;
   if (norm(c.point_mm - vec(view_.frame().tip_mm)) > near_mm) {
@@ -100,8 +100,8 @@ void Hand::press(std::uint32_t button, bool down) {
 }
 
 void Hand::pull_at_least(double max_n) {
-  goal_.least_most_n = max_n;
+  goal_.min_most_n = max_n;
   aim();
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -5,7 +5,7 @@
 #include "window/case_view.h"
 #include "window/screen_hand.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Where the user wants the tool, and its buttons. They reach the session where mouse and keyboard hold the tool; a
 /// device of its own moves by itself.
@@ -19,13 +19,13 @@ class Hand {
   void place(Vec3 tip_mm, const std::optional<Vec3>& axis);  ///< takes it away and to that place
   void turn(double right_rad, double up_rad);
   void aim_at_viewer();
-  Answer aim_at_target();
-  Answer to_surface(const Cursor& cursor);
+  texts::Answer aim_at_target();
+  texts::Answer to_surface(const Cursor& cursor);
   /// A marker goes to the surface under the cursor, and on with it.
   void draw_at(const Cursor& cursor);
   void press(std::uint32_t button, bool down);
   bool pressed(std::uint32_t button) const { return goal_.buttons & button; }
-  void pull_at_least(double max_n);  ///< HandGoal::least_most_n
+  void pull_at_least(double max_n);  ///< HandGoal::min_most_n
 
   const HandGoal& goal() const { return goal_; }
   bool by_screen() const { return screen_ != nullptr; }
@@ -38,4 +38,4 @@ class Hand {
   ScreenHand* screen_ = nullptr;  // the session's
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "window/hud_parts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 using namespace hud;
 
@@ -81,7 +81,7 @@ void action_box(const char* name, bool on, Player& player, Screen& screen) {
 
 }  // namespace hud
 
-Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), language_(language) {
+Hud::Hud(GlfwWindow& window, double scale, texts::Language language) : scale_(scale), language_(language) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // no file beside the user's
   ImGui::StyleColorsDark();
@@ -124,7 +124,7 @@ void Hud::patient_panel(Player& player, Screen& screen) {
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(ImGui::GetFontSize() * 14);
   ImGui::TextColored(sky, "%s", say(Text::anatomies));
-  Stage& stage = player.view().stage();
+  render::Stage& stage = player.view().stage();
   for (std::size_t n = 0; n < stage.scene().surfaces.size(); ++n) {
     float opacity = float(stage.state.opacity[n]);
     if (ImGui::SliderFloat(stage.scene().surfaces[n].name.c_str(), &opacity, 0, 1, "%.2f"))
@@ -158,13 +158,13 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
   ImGui::Begin("##status", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoResize |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing);
-  const ServoFrame& f = view.frame();
+  const haptics::ServoFrame& f = view.frame();
   const bool working = player.in_lesson();
   if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
   line(say(Text::tool),
        translated_name(language_, player.tool()) +
-           (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
-       f.buttons & Drilling::pedal ? orange : white);
+           (f.buttons & haptics::Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
+       f.buttons & haptics::Drilling::pedal ? orange : white);
   if (!working) {  // a surgeon is not told where the tip is
     line(say(Text::inside), f.inside ? view.shape_name(f.inside) : say(Text::nothing));
     line(say(Text::depth), fmt::format("{:.1f} mm", view.depth_mm()));
@@ -182,14 +182,15 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
   ImGui::PlotLines("##forces", forces.data(), int(forces.size()), 0, nullptr, 0, 3.5f,
                    {ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 3});
   if (!working) show_times(player, times);
-  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
+  if (f.faults != 0)
+    ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), haptics::fault_names(f.faults).c_str());
   const std::string under = has_mouse() || working ? "" : view.under(screen.cursor);
   if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
   ImGui::PushTextWrapPos(0);
-  if (screen.answer) ImGui::TextColored(orange, "%s", text_of(*screen.answer, language_).c_str());
+  if (screen.answer) ImGui::TextColored(orange, "%s", texts::text_of(*screen.answer, language_).c_str());
   ImGui::PopTextWrapPos();
   for (const TimedNote& note : player.notes.since(notes_seen_))
-    note_lines_.push_back(clock_text(note.at_s) + "  " + text_of(note.note, language_));
+    note_lines_.push_back(clock_text(note.at_s) + "  " + texts::text_of(note.note, language_));
   while (note_lines_.size() > player.notes.kept().size()) note_lines_.pop_front();
   note_list(player.notes, false, screen.cursor.height);
   if (ImGui::CollapsingHeader(say(Text::log))) {
@@ -217,7 +218,7 @@ void Hud::note_list(const Notes& all, bool log, int height) {
   const std::deque<TimedNote>& notes = all.kept();
   std::vector<std::size_t> listed;
   for (std::size_t n = notes.size(); n-- > 0;)
-    if (is_for_log(notes[n].note.id) == log) listed.push_back(n);
+    if (texts::is_for_log(notes[n].note.id) == log) listed.push_back(n);
   if (listed.empty()) return;
   if (!log) {
     ImGui::Separator();
@@ -241,7 +242,7 @@ void Hud::note_list(const Notes& all, bool log, int height) {
 }
 
 void Hud::playback_panel(ShownRecording& shown) {
-  const Playback& p = shown.playback();
+  const session::Playback& p = shown.playback();
   const Place& place = layout_.time;
   ImGui::SetNextWindowPos({place.x, place.y}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({place.width, place.height}, ImGuiCond_Always);
@@ -281,4 +282,4 @@ void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -9,7 +9,7 @@
 #include "window/layout.h"
 #include "window/texts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Times of the pictures, for the panel.
 struct PictureTimes {
@@ -21,7 +21,7 @@ struct PictureTimes {
 class Hud {
  public:
   /// `scale`: size of the letters, 1 for 13 pixels.
-  Hud(GlfwWindow& window, double scale, Language language);
+  Hud(GlfwWindow& window, double scale, texts::Language language);
   ~Hud();
   Hud(const Hud&) = delete;
   Hud& operator=(const Hud&) = delete;
@@ -46,11 +46,11 @@ class Hud {
   const char* say(Text text) const { return text_of(language_, text); }
   Layout layout_{1, 1, 1, false, false, false, false};  // of the picture that is drawn
   double scale_;
-  Language language_;
+  texts::Language language_;
   std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown
   std::size_t notes_seen_ = 0;
   unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
   std::uint64_t in_texture_ = 0;  // XrayPictures::made of what it holds
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

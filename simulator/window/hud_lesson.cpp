@@ -8,7 +8,7 @@
 #include "window/hud.h"
 #include "window/hud_parts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 using namespace hud;
 
@@ -33,13 +33,13 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
   if (lesson.paused()) ImGui::TextColored(vermilion, "%s", say(Text::paused));
   ImGui::Separator();
   line(say(Text::time), fmt::format("{:.1f} s", lesson.facts().procedure_s()));
-  for (const LessonStatus& s : lesson.status())
+  for (const lessons::LessonStatus& s : lesson.status())
     line(translated(language_, s.label).c_str(), translated(language_, s.value), sky);
   choice_buttons("tool", player, screen, player.tool());
   bool flows = false;
   for (const LessonStep& step : lesson.steps())
-    if (step.command != belt_command::none && step.command != belt_command::finish)
-      action_button(belt_command::names[step.command], player, screen, std::exchange(flows, true));
+    if (step.command != haptics::belt_command::none && step.command != haptics::belt_command::finish)
+      action_button(haptics::belt_command::names[step.command], player, screen, std::exchange(flows, true));
   action_button("pause", player, screen, flows);
   action_button("back", player, screen, false);
   action_button("next", player, screen, true);
@@ -50,18 +50,18 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
 }
 
 void Hud::score_panel(const LessonDesk& lesson) {
-  const ScoredLesson* scored = lesson.scored();
+  const lessons::ScoredLesson* scored = lesson.scored();
   if (!scored) return;
-  const ScoreSum sum = sum_of(scored->score);
+  const lessons::ScoreSum sum = lessons::sum_of(scored->score);
   const Place& at = layout_.scores;
   ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###scores", say(Text::lesson)).c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::TextColored(sky, "%s: %d / %d", say(Text::points), sum.points, sum.most);
   ImGui::PushTextWrapPos(0);
-  const bool failed = scored->score.outcome() == LessonOutcome::failed;
-  ImGui::TextColored(failed ? vermilion : white, "%s", headline_of(scored->score).c_str());
-  for (const ScoreRow& row : scored->score.rows) {
+  const bool failed = scored->score.outcome() == lessons::LessonOutcome::failed;
+  ImGui::TextColored(failed ? vermilion : white, "%s", lessons::headline_of(scored->score).c_str());
+  for (const lessons::ScoreRow& row : scored->score.rows) {
     ImGui::TextColored(row.score && *row.score < 3 ? orange : white, "%s  %s",
                        row.score ? std::to_string(*row.score).c_str() : "-", row.title.c_str());
     ImGui::TextColored(grey, "     %s%s%s", row.score ? "" : say(Text::not_judged), row.score ? "" : ": ",
@@ -74,4 +74,4 @@ void Hud::score_panel(const LessonDesk& lesson) {
   ImGui::End();
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

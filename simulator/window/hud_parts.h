@@ -7,7 +7,7 @@
 #include "window/actions.h"
 
 /// What the window's panels share.
-namespace trephine::hud {
+namespace trephine::window::hud {
 
 // Of the colours that are told apart with any kind of colour vision (Okabe and Ito).
 inline const ImVec4 sky{0.34f, 0.71f, 0.91f, 1}, orange{0.90f, 0.62f, 0.00f, 1}, vermilion{0.84f, 0.37f, 0.00f, 1},
@@ -25,4 +25,4 @@ void choice_buttons(const char* name, Player& player, Screen& screen, const std:
 /// The same as a box that is ticked while it is on.
 void action_box(const char* name, bool on, Player& player, Screen& screen);
 
-}  // namespace trephine::hud
+}  // namespace trephine::window::hud

@@ -9,14 +9,14 @@
 #include "window/hud.h"
 #include "window/hud_parts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 using namespace hud;
 
 namespace {
 
 // The picture as the texture that is bound: one channel, shown as grey.
-void upload(const FluoroPicture& picture) {
+void upload(const fluoro::FluoroPicture& picture) {
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, picture.size, picture.size, 0, GL_RED, GL_UNSIGNED_BYTE, picture.grey.data());
@@ -31,7 +31,7 @@ void upload(const FluoroPicture& picture) {
 }  // namespace
 
 void Hud::xray_picture(const XrayPictures& pictures, float edge) {
-  const MadeFluoro* seen = pictures.last();
+  const fluoro::MadeFluoro* seen = pictures.last();
   if (!seen) return ImGui::Dummy({edge, edge});
   if (texture_ == 0) glGenTextures(1, &texture_);
   if (in_texture_ != pictures.made()) {
@@ -47,7 +47,7 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
 
 // What X-rays had shown last at the moment that a review shows, with the way to the shots before and after it.
 void Hud::shot_panel(Player& player) {
-  const std::vector<LessonShot>& shots = player.shots()->shots();
+  const std::vector<lessons::LessonShot>& shots = player.shots()->shots();
   const int shown = player.shots()->shown(), count = int(shots.size());
   const float letter = ImGui::GetFontSize();
   const Place& at = layout_.shots;
@@ -57,7 +57,7 @@ void Hud::shot_panel(Player& player) {
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::TextColored(sky, "%s %d / %d", say(Text::shots), shown + 1, count);
   if (shown >= 0) {
-    const LessonShot& s = shots[std::size_t(shown)];
+    const lessons::LessonShot& s = shots[std::size_t(shown)];
     ImGui::SameLine();
     ImGui::TextUnformatted(fmt::format(" {:.1f} s, {:.1f} s", s.begin_s, s.end_s - s.begin_s).c_str());
     ImGui::TextColored(grey, "%s %.0f, %s %.0f", say(Text::arm_turned), s.seen.orbit_deg, say(Text::arm_tilted),
@@ -78,7 +78,7 @@ void Hud::shot_panel(Player& player) {
 }
 
 void Hud::xray_panel(Player& player, Screen& screen) {
-  const LessonXray x = player.lesson()->xray();
+  const lessons::LessonXray x = player.lesson()->xray();
   const float letter = ImGui::GetFontSize();
   const Place& at = layout_.xray;
   ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
@@ -92,7 +92,7 @@ void Hud::xray_panel(Player& player, Screen& screen) {
                      say(x.on                ? Text::xrays_on
                          : x.shots_count > 0 ? Text::picture_held
                                              : Text::no_xray));
-  const MadeFluoro* seen = player.xrays()->last();
+  const fluoro::MadeFluoro* seen = player.xrays()->last();
   if (seen && (seen->arm.orbit_deg != x.now.orbit_deg || seen->arm.tilt_deg != x.now.tilt_deg)) {  // it moved since
     ImGui::SameLine();
     ImGui::TextColored(orange, "(%.0f, %.0f)", seen->arm.orbit_deg, seen->arm.tilt_deg);
@@ -105,4 +105,4 @@ void Hud::xray_panel(Player& player, Screen& screen) {
   ImGui::End();
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

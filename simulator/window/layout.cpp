@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr float margin = 8;
@@ -34,4 +34,4 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
   if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-namespace trephine {
+namespace trephine::window {
 
 /// A place of the window, in pixels from its upper left corner.
 struct Place {
@@ -24,4 +24,4 @@ struct Layout {
   Layout(float width, float height, float letter, bool has_xray, bool has_scores, bool has_shots, bool has_time);
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

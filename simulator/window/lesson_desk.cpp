@@ -7,34 +7,34 @@
 #include "fluoro/fluoroscope.h"
 #include "lesson/approval.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr double dot_mm = 1;  // between dots of ink
 
-std::vector<LessonStep> steps_of(const LessonType& module, const LessonFacts& facts,
-                                 const std::vector<BeltToolParams>& tools) {
-  std::vector<LessonGuide> guide;
+std::vector<LessonStep> steps_of(const lessons::LessonType& module, const lessons::LessonFacts& facts,
+                                 const std::vector<haptics::BeltToolParams>& tools) {
+  std::vector<lessons::LessonGuide> guide;
   if (module.guide) guide = module.guide(facts);
   if (guide.empty()) {
-    for (const BeltToolParams& t : tools) guide.push_back({t.name, t.name, ""});
+    for (const haptics::BeltToolParams& t : tools) guide.push_back({t.name, t.name, ""});
     guide.push_back({"Finished", "", "finish"});
   }
   std::vector<LessonStep> steps;
-  for (const LessonGuide& g : guide) {
+  for (const lessons::LessonGuide& g : guide) {
     LessonStep& step = steps.emplace_back();
     step.text = g.text;
     for (std::size_t n = 0; n < tools.size(); ++n)
       if (tools[n].name == g.tool) step.tool = int(n);
-    for (int n = 1; n < belt_command::count; ++n)
-      if (g.command == belt_command::names[n]) step.command = n;
+    for (int n = 1; n < haptics::belt_command::count; ++n)
+      if (g.command == haptics::belt_command::names[n]) step.command = n;
   }
   return steps;
 }
 
-CompiledRubric rubric_of(const LessonPlay& p) {
-  validate_token(p.participant, "--participant");
-  CompiledRubric rubric = read_rubric_file(p.rubric);
+lesson::CompiledRubric rubric_of(const LessonPlay& p) {
+  lesson::validate_token(p.participant, "--participant");
+  lesson::CompiledRubric rubric = lessons::read_rubric_file(p.rubric);
   if (rubric.module != p.module)
     throw Error(ExitCode::bad_input, p.rubric.string(), "module", rubric.module + ", but the lesson is " + p.module);
   return rubric;
@@ -42,28 +42,28 @@ CompiledRubric rubric_of(const LessonPlay& p) {
 
 }  // namespace
 
-LessonDesk::LessonDesk(const LessonPlay& play, const Patient& patient, const SessionOptions& o)
+LessonDesk::LessonDesk(const LessonPlay& play, const session::Patient& patient, const session::SessionOptions& o)
     : play_(play),
       case_folder_(o.case_folder),
       rate_hz_(o.servo.rate_hz),
-      module_(lesson_type(play.module)),
+      module_(lessons::lesson_type(play.module)),
       rubric_(rubric_of(play)),
       manifest_(patient.felt.loaded.manifest) {
-  const LoadedCase& loaded = patient.felt.loaded;
+  const cases::LoadedCase& loaded = patient.felt.loaded;
   with_file((o.case_folder / "case.json").string(), [&] {
-    before_ = copy_without_hardness(loaded.haptic);
+    before_ = voxel::copy_without_hardness(loaded.haptic);
     module_.require(loaded.manifest);
-    if (module_.needs_pictures) require_ct(loaded.ct);
+    if (module_.needs_pictures) fluoro::require_ct(loaded.ct);
     lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
-    const std::vector<LessonTask> all = module_.tasks(loaded.manifest);
+    const std::vector<lessons::LessonTask> all = module_.tasks(loaded.manifest);
     if (!play.task.empty())
-      task_ = task_of(module_, loaded.manifest, play.task);
+      task_ = lessons::task_of(module_, loaded.manifest, play.task);
     else if (!all.empty())
       task_ = all.front();
     lesson_->set_task(task_.name);
   });
-  belt_ =
-      std::make_unique<ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(), nullptr, true);
+  belt_ = std::make_unique<haptics::ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(),
+                                              nullptr, true);
   steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
   tool_ = std::max(0, steps_.front().tool);
   press();
@@ -73,7 +73,7 @@ LessonDesk::~LessonDesk() {
   if (judging_.valid()) judging_.wait();
 }
 
-void LessonDesk::set_session(SessionOptions& o) const {
+void LessonDesk::set_session(session::SessionOptions& o) const {
   o.tools = belt_->tools();
   o.lesson = play_.module;
   o.participant = play_.participant;
@@ -84,9 +84,10 @@ void LessonDesk::set_session(SessionOptions& o) const {
 
 // Sets the board's buttons. A command stays until the servo has seen it, and is released before the next one.
 void LessonDesk::press() {
-  std::uint32_t buttons = pedal_ ? belt_button::pedal : 0;
-  buttons |= std::uint32_t(tool_) << belt_button::tool_shift;
-  if (resting_ && !commands_.empty()) buttons |= std::uint32_t(commands_.front()) << belt_button::command_shift;
+  std::uint32_t buttons = pedal_ ? haptics::belt_button::pedal : 0;
+  buttons |= std::uint32_t(tool_) << haptics::belt_button::tool_shift;
+  if (resting_ && !commands_.empty())
+    buttons |= std::uint32_t(commands_.front()) << haptics::belt_button::command_shift;
   board_->buttons.store(buttons, std::memory_order_relaxed);
 }
 
@@ -98,68 +99,69 @@ void LessonDesk::set_pedal(bool down) {
 // The step that begins with this tool or command, if the lesson has one.
 void LessonDesk::note_step(int tool, int command) {
   for (std::size_t n = 0; n < steps_.size(); ++n)
-    if (command != belt_command::none ? steps_[n].command == command : steps_[n].tool == tool) step_ = n;
+    if (command != haptics::belt_command::none ? steps_[n].command == command : steps_[n].tool == tool) step_ = n;
 }
 
-Answer LessonDesk::take(const std::string& name) {
+texts::Answer LessonDesk::take(const std::string& name) {
   for (std::size_t n = 0; n < tools().size(); ++n)
     if (tools()[n].name == name) {
       tool_ = int(n);
       pedal_ = false;
-      note_step(tool_, belt_command::none);
+      note_step(tool_, haptics::belt_command::none);
       press();
       return {};
     }
-  return Note{NoteId::no_tool_of_lesson, {name}};
+  return texts::Note{texts::NoteId::no_tool_of_lesson, {name}};
 }
 
-Answer LessonDesk::give(const std::string& name) {
-  for (int n = 1; n < belt_command::count; ++n)
-    if (name == belt_command::names[n]) {
-      if (belt_->paused() && n != belt_command::pause && n != belt_command::resume && n != belt_command::finish)
-        return NoteId::lesson_is_paused;
-      if (n == belt_command::incise && !belt_->has_mark()) return NoteId::marker_untouched;
+texts::Answer LessonDesk::give(const std::string& name) {
+  for (int n = 1; n < haptics::belt_command::count; ++n)
+    if (name == haptics::belt_command::names[n]) {
+      if (belt_->paused() && n != haptics::belt_command::pause && n != haptics::belt_command::resume &&
+          n != haptics::belt_command::finish)
+        return texts::NoteId::lesson_is_paused;
+      if (n == haptics::belt_command::incise && !belt_->has_mark()) return texts::NoteId::marker_untouched;
       commands_.push_back(n);
       note_step(-1, n);
       press();
       return {};
     }
-  return Note{NoteId::no_lesson_command, {name}};
+  return texts::Note{texts::NoteId::no_lesson_command, {name}};
 }
 
-Answer LessonDesk::next() {
-  if (step_ + 1 >= steps_.size()) return NoteId::last_step;
+texts::Answer LessonDesk::next() {
+  if (step_ + 1 >= steps_.size()) return texts::NoteId::last_step;
   const LessonStep& s = steps_[step_ + 1];
   // A pedal pressed once too often must not end the lesson, which cannot be taken back.
-  if (s.tool < 0 && s.command == belt_command::finish) return NoteId::only_end_left;
-  return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(belt_command::names[s.command]);
+  if (s.tool < 0 && s.command == haptics::belt_command::finish) return texts::NoteId::only_end_left;
+  return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(haptics::belt_command::names[s.command]);
 }
 
-Answer LessonDesk::back() {
+texts::Answer LessonDesk::back() {
   for (std::size_t n = step_; n-- > 0;)
     if (steps_[n].tool >= 0) return take(tools()[std::size_t(steps_[n].tool)].name);
-  return NoteId::first_step;
+  return texts::NoteId::first_step;
 }
 
-void LessonDesk::watch(const std::vector<ServoFrame>& frames, const Drilling* drilling) {
+void LessonDesk::watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling) {
   belt_->watch(drilling);
-  for (const ServoFrame& f : frames) {
-    belt_->follow(input_of(f, rate_hz_), state_of(f));
+  for (const haptics::ServoFrame& f : frames) {
+    belt_->follow(haptics::input_of(f, rate_hz_), haptics::state_of(f));
     lesson_->watch(f, *belt_);
-    const int command = belt_button::command(f.buttons);
+    const int command = haptics::belt_button::command(f.buttons);
     if (resting_ && !commands_.empty() && command == commands_.front()) {
       commands_.pop_front();
       resting_ = false;
       press();
-    } else if (!resting_ && command == belt_command::none) {
+    } else if (!resting_ && command == haptics::belt_command::none) {
       resting_ = true;
       press();
     }
   }
 }
 
-std::vector<LessonStatus> LessonDesk::status() const {
-  return module_.status ? module_.status(lesson_->facts()) : std::vector<LessonStatus>();
+std::vector<lessons::LessonStatus> LessonDesk::status() const {
+  return module_.status ? module_.status(lesson_->facts()) : std::vector<lessons::LessonStatus>();
 }
 
 int LessonDesk::verdict() const { return module_.verdict ? module_.verdict(lesson_->facts(), rubric_.rubric) : 0; }
@@ -178,13 +180,14 @@ bool LessonDesk::take_ink(std::vector<Vec3>& ink) {
 void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
   judging_ = std::async(std::launch::async, [this, for_review, &stop] {
     JudgedLesson out;
-    out.scored = score_recording(play_.recording, case_folder_, rubric_);
+    out.scored = lessons::score_recording(play_.recording, case_folder_, rubric_);
     // The report for programs is written last: where it exists, so do the other files.
-    write_report(out.scored, case_folder_, {{}, play_.report.page, play_.report.log});
-    write_report(out.scored, case_folder_, {play_.report.json, {}, {}});
+    lessons::write_report(out.scored, case_folder_, {{}, play_.report.page, play_.report.log});
+    lessons::write_report(out.scored, case_folder_, {play_.report.json, {}, {}});
     if (for_review)
-      out.review = std::make_unique<Playback>(case_folder_, play_.recording, std::vector<std::filesystem::path>(),
-                                              LoadParts{true}, Progress({}, &stop));
+      out.review =
+          std::make_unique<session::Playback>(case_folder_, play_.recording, std::vector<std::filesystem::path>(),
+                                              cases::LoadParts{true}, Progress({}, &stop));
     return out;
   });
 }
@@ -196,4 +199,4 @@ bool LessonDesk::take_judged(bool wait) {
   return true;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

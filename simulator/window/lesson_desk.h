@@ -11,7 +11,7 @@
 #include "lessons/score_recording.h"
 #include "session/playback.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// A lesson that is done in the window: who does it, by what it is judged, and where recording and report go.
 struct LessonPlay {
@@ -19,20 +19,20 @@ struct LessonPlay {
   std::string task;                 ///< what is asked for; empty: what is usual in the case
   std::filesystem::path rubric;     ///< as `trephine rubric` compiled it
   std::filesystem::path recording;  ///< must not be there yet
-  ReportFiles report;               ///< what of it has no path is not written
+  lessons::ReportFiles report;      ///< what of it has no path is not written
 };
 
 /// What a lesson leads through, in this order: a tool to be taken, or a command.
 struct LessonStep {
   std::string text;
   int tool = -1;
-  int command = belt_command::none;
+  int command = haptics::belt_command::none;
 };
 
 /// A lesson that has ended. `review`: its recording, to be shown; null where nobody waits for it.
 struct JudgedLesson {
-  ScoredLesson scored;
-  std::unique_ptr<Playback> review;
+  lessons::ScoredLesson scored;
+  std::unique_ptr<session::Playback> review;
 };
 
 /// The lesson beside the session in which it is done: what the user presses goes to the session's board, what the
@@ -42,39 +42,40 @@ class LessonDesk {
  public:
   /// `patient`, as its case is, must outlive it. Throws Error 65 where the case does not hold the lesson, as
   /// read_rubric_file does, and 64 for a participant that is no token.
-  LessonDesk(const LessonPlay& lesson, const Patient& patient, const SessionOptions& session);
+  LessonDesk(const LessonPlay& lesson, const session::Patient& patient, const session::SessionOptions& session);
   ~LessonDesk();
   /// Tools, module, participant, board and recording.
-  void set_session(SessionOptions& session) const;
+  void set_session(session::SessionOptions& session) const;
 
   // What the hand does besides moving.
-  Answer take(const std::string& tool);
-  Answer give(const std::string& command);                ///< a name of belt_command
+  texts::Answer take(const std::string& tool);
+  texts::Answer give(const std::string& command);         ///< a name of belt_command
   bool commanding() const { return !commands_.empty(); }  ///< whether a command waits for the servo
-  Answer next();                                          ///< does the next step
-  Answer back();                                          ///< takes the tool of an earlier step: what was cut stays cut
+  texts::Answer next();                                   ///< does the next step
+  texts::Answer back();                                   ///< takes the tool of an earlier step: what was cut stays cut
   void set_pedal(bool down);
 
   /// What the servo did. `drilling`: the session's, null where nothing can be cut.
-  void watch(const std::vector<ServoFrame>& frames, const Drilling* drilling);
-  bool ended() const { return lesson_->facts().end != LessonEnd::running; }  ///< as far as was watched
+  void watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling);
+  bool ended() const { return lesson_->facts().end != lessons::LessonEnd::running; }  ///< as far as was watched
   bool paused() const { return belt_->paused(); }
   bool pedal() const { return pedal_; }
-  const BeltToolParams& tool() const {
+  const haptics::BeltToolParams& tool() const {
     return belt_->tools()[std::size_t(belt_->in_hand() < 0 ? tool_ : belt_->in_hand())];
   }
-  const std::vector<BeltToolParams>& tools() const { return belt_->tools(); }
+  const std::vector<haptics::BeltToolParams>& tools() const { return belt_->tools(); }
   const std::vector<LessonStep>& steps() const { return steps_; }
-  const LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
+  const lessons::LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
   std::size_t step() const { return step_; }
-  const LessonFacts& facts() const { return lesson_->facts(); }
-  std::vector<LessonStatus> status() const;
+  const lessons::LessonFacts& facts() const { return lesson_->facts(); }
+  std::vector<lessons::LessonStatus> status() const;
   int verdict() const;  ///< LessonType::verdict
   bool has_arm() const { return bool(module_.xray); }
-  LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
+  lessons::LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
   /// The X-rays of the lesson that was judged, for its review.
-  std::vector<LessonShot> shots() const {
-    return module_.shots && judged_ ? module_.shots(*judged_->scored.facts, manifest_) : std::vector<LessonShot>();
+  std::vector<lessons::LessonShot> shots() const {
+    return module_.shots && judged_ ? module_.shots(*judged_->scored.facts, manifest_)
+                                    : std::vector<lessons::LessonShot>();
   }
   /// What the marker drew and nobody erased, as dots; true where it changed since the last call.
   bool take_ink(std::vector<Vec3>& ink_mm);
@@ -85,8 +86,8 @@ class LessonDesk {
   bool judging() const { return judging_.valid(); }
   /// Takes the result where it is there; with `wait`, waits for it. Throws what judging threw.
   bool take_judged(bool wait);
-  const ScoredLesson* scored() const { return judged_ ? &judged_->scored : nullptr; }
-  std::unique_ptr<Playback> take_review() { return judged_ ? std::move(judged_->review) : nullptr; }
+  const lessons::ScoredLesson* scored() const { return judged_ ? &judged_->scored : nullptr; }
+  std::unique_ptr<session::Playback> take_review() { return judged_ ? std::move(judged_->review) : nullptr; }
   const LessonPlay& lesson() const { return play_; }
 
  private:
@@ -96,16 +97,16 @@ class LessonDesk {
   const LessonPlay play_;
   const std::filesystem::path case_folder_;
   const double rate_hz_;
-  const LessonType& module_;
-  const CompiledRubric rubric_;
-  const CaseManifest& manifest_;  // of the patient
-  HapticVolume before_;
-  std::unique_ptr<ToolBelt> belt_;  // follows the session's
-  std::unique_ptr<Lesson> lesson_;
+  const lessons::LessonType& module_;
+  const lesson::CompiledRubric rubric_;
+  const cases::CaseManifest& manifest_;  // of the patient
+  voxel::HapticVolume before_;
+  std::unique_ptr<haptics::ToolBelt> belt_;  // follows the session's
+  std::unique_ptr<lessons::Lesson> lesson_;
   std::vector<LessonStep> steps_;
-  LessonTask task_;
+  lessons::LessonTask task_;
   std::size_t step_ = 0;
-  std::shared_ptr<ButtonBoard> board_ = std::make_shared<ButtonBoard>();
+  std::shared_ptr<session::ButtonBoard> board_ = std::make_shared<session::ButtonBoard>();
   std::deque<int> commands_;  // given, and not seen by the servo yet
   bool pedal_ = false, resting_ = true;
   int tool_ = 0;
@@ -114,4 +115,4 @@ class LessonDesk {
   std::optional<JudgedLesson> judged_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

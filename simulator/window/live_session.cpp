@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr double more_than_pierce = 1.25;
@@ -16,10 +16,10 @@ constexpr double rate_over_s = 0.5;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
-bool can_cut(const Patient& p) {
-  if (p.felt.loaded.haptic.encoding != HapticEncoding::occupancy) return false;
+bool can_cut(const session::Patient& p) {
+  if (p.felt.loaded.haptic.encoding != voxel::HapticEncoding::occupancy) return false;
   const auto& shapes = p.felt.loaded.manifest.haptic.shapes;
-  return std::any_of(shapes.begin(), shapes.end(), [](const CaseShape& s) { return s.cuttable; });
+  return std::any_of(shapes.begin(), shapes.end(), [](const cases::CaseShape& s) { return s.cuttable; });
 }
 
 // "a.servo", "a-2.servo", ...: one recording for each tool that is taken.
@@ -28,17 +28,21 @@ std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
 }
 
-std::vector<NoteId> words_of(std::uint32_t faults) {
-  std::vector<NoteId> words;
-  for (int n = 0; n < haptic_fault::count; ++n)
-    if (faults >> n & 1) words.push_back(NoteId(int(NoteId::fault_pose) + n));
+std::vector<texts::NoteId> words_of(std::uint32_t faults) {
+  std::vector<texts::NoteId> words;
+  for (int n = 0; n < haptics::haptic_fault::count; ++n)
+    if (faults >> n & 1) words.push_back(texts::NoteId(int(texts::NoteId::fault_pose) + n));
   return words;
 }
 
-Note ticks_of(const std::string& what, const ServoStatistics& t) {
-  const auto us = [](const Histogram& h, double share) { return fmt::format("{:.1f}", h.quantile_ns(share) / 1e3); };
-  const auto ms = [](const Histogram& h, double share) { return fmt::format("{:.3f}", h.quantile_ns(share) / 1e6); };
-  return {t.faults != 0 ? NoteId::ticks_with_faults : NoteId::ticks,
+texts::Note ticks_of(const std::string& what, const haptics::ServoStatistics& t) {
+  const auto us = [](const haptics::Histogram& h, double share) {
+    return fmt::format("{:.1f}", h.quantile_ns(share) / 1e3);
+  };
+  const auto ms = [](const haptics::Histogram& h, double share) {
+    return fmt::format("{:.3f}", h.quantile_ns(share) / 1e6);
+  };
+  return {t.faults != 0 ? texts::NoteId::ticks_with_faults : texts::NoteId::ticks,
           {what, std::to_string(t.ticks), us(t.busy, 0.5), us(t.busy, 0.99), ms(t.late, 0.5), ms(t.late, 0.99),
            std::to_string(t.overruns)},
           words_of(t.faults)};
@@ -46,8 +50,9 @@ Note ticks_of(const std::string& what, const ServoStatistics& t) {
 
 }  // namespace
 
-LiveSession::LiveSession(const SessionOptions& options, const ScreenHandParams& hand_params, const std::string& site,
-                         std::shared_ptr<Patient> patient, CaseView& view, LessonDesk* lesson, Notes& notes)
+LiveSession::LiveSession(const session::SessionOptions& options, const ScreenHandParams& hand_params,
+                         const std::string& site, std::shared_ptr<session::Patient> patient, CaseView& view,
+                         LessonDesk* lesson, Notes& notes)
     // The way to the target is what a lesson asks for.
     : hand(view, lesson ? "" : site, lesson && lesson->has_arm()),
       options_(options),
@@ -65,27 +70,27 @@ LiveSession::~LiveSession() {
 }
 
 void LiveSession::begin() {
-  SessionOptions o = options_;
+  session::SessionOptions o = options_;
   session_faults_ = 0;
   o.watched = true;
   o.view = axes_;
-  const ServoFrame& f = view_.frame();
-  o.begin =
-      f.tick > 0 ? HandBegin{vec(f.tip_mm), normalized(vec(f.axis))} : HandBegin{hand.goal().tip_mm, hand.goal().axis};
+  const haptics::ServoFrame& f = view_.frame();
+  o.begin = f.tick > 0 ? device::HandBegin{vec(f.tip_mm), normalized(vec(f.axis))}
+                       : device::HandBegin{hand.goal().tip_mm, hand.goal().axis};
   if (lesson_) {
     lesson_->set_session(o);
     tool_name_ = lesson_->tool().name;
   } else {
     if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
-    o.drilling.drill = options_.drilling.drill && tool_kind(o.tool.tool).cuts() && can_cut(*patient_);
+    o.drilling.drill = options_.drilling.drill && haptics::tool_kind(o.tool.tool).cuts() && can_cut(*patient_);
     o.begins_sha256 = begins_sha256_;
   }
-  view_.stage().set_tool(lesson_ ? whole_tool(lesson_->tool()) : own_tool(o.tool));
+  view_.stage().set_tool(lesson_ ? haptics::whole_tool(lesson_->tool()) : haptics::own_tool(o.tool));
   hand.hold_by(nullptr);
   const bool own = o.device.name.empty();
   if (own) {
     o.device.name = "screen";
-    o.own_device = [this](const DeviceScene&) {
+    o.own_device = [this](const device::DeviceScene&) {
       auto screen = std::make_unique<ScreenHand>(hand_params_, hand.goal());
       hand.hold_by(screen.get());
       return screen;
@@ -94,11 +99,11 @@ void LiveSession::begin() {
   end_ = false;
   // A device may have to be waited for; the window goes on meanwhile.
   coming_ = std::async(own ? std::launch::deferred : std::launch::async, [this, o] {
-    const auto hear = [this](const Note& note) {
+    const auto hear = [this](const texts::Note& note) {
       const std::lock_guard<std::mutex> lock(heard_mutex_);
       heard_.push_back(note);
     };
-    return std::make_unique<Session>(o, end_, hear, patient_);
+    return std::make_unique<session::Session>(o, end_, hear, patient_);
   });
   if (own) meet();
 }
@@ -107,7 +112,7 @@ void LiveSession::begin() {
 void LiveSession::meet() {
   {
     const std::lock_guard<std::mutex> lock(heard_mutex_);
-    for (const Note& note : heard_) notes_.add(note);
+    for (const texts::Note& note : heard_) notes_.add(note);
     heard_.clear();
   }
   if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
@@ -118,7 +123,7 @@ void LiveSession::meet() {
     failed_ = true;
     throw;
   }
-  watch_ = std::make_unique<IncisionWatch>(session_->header());
+  watch_ = std::make_unique<session::IncisionWatch>(session_->header());
   session_->start();
   rate_ticks_ = 0;
   press_as_needed();
@@ -134,33 +139,33 @@ void LiveSession::end() {
     return;
   }
   if (!session_) return;
-  const SessionResult r = session_->finish();
-  for (const ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
+  const session::SessionResult r = session_->finish();
+  for (const haptics::ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
   session_.reset();
   recorded_ = true;
   hand.hold_by(nullptr);
   faults_ |= r.statistics.faults;
   const std::string what = lesson_ ? r.header.lesson : r.header.tool.tool;
   notes_.add(ticks_of(what, r.statistics));
-  if (r.frames_lost > 0) notes_.add({NoteId::frames_lost, {std::to_string(r.frames_lost)}});
+  if (r.frames_lost > 0) notes_.add({texts::NoteId::frames_lost, {std::to_string(r.frames_lost)}});
   if (!r.outcome) return;
   std::string removed;
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
     removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
   if (removed.empty()) return;
   begins_sha256_ = r.outcome->volume_sha256;
-  notes_.add({NoteId::removed, {what, removed}});
+  notes_.add({texts::NoteId::removed, {what, removed}});
 }
 
-Answer LiveSession::take_tool(const std::string& name) {
-  if (lesson_) return session_ ? lesson_->take(name) : Answer(NoteId::not_now);
-  ToolParams next;
+texts::Answer LiveSession::take_tool(const std::string& name) {
+  if (lesson_) return session_ ? lesson_->take(name) : texts::Answer(texts::NoteId::not_now);
+  haptics::ToolParams next;
   next.tool = name;
   try {
-    tool_kind(name);
-    make_tool(own_tool(next));
+    haptics::tool_kind(name);
+    haptics::make_tool(haptics::own_tool(next));
   } catch (const Error& e) {
-    return Note{NoteId::verbatim, {e.what()}};
+    return texts::Note{texts::NoteId::verbatim, {e.what()}};
   }
   end();
   hand.press(~0u, false);
@@ -173,53 +178,54 @@ Answer LiveSession::take_tool(const std::string& name) {
 void LiveSession::set_pedal(bool down) {
   if (lesson_) {
     if (session_) lesson_->set_pedal(down);
-  } else if (tool_kind(tool_name_).cut == ToolKind::Cut::incision) {  // it has no motor: it cuts where it is
+  } else if (haptics::tool_kind(tool_name_).cut ==
+             haptics::ToolKind::Cut::incision) {  // it has no motor: it cuts where it is
     if (down) incise();
   } else {
-    hand.press(Drilling::pedal, down);
+    hand.press(haptics::Drilling::pedal, down);
   }
 }
 
-Answer LiveSession::incise() {
-  if (lesson_) return session_ ? lesson_->give("incise") : Answer(NoteId::not_now);
-  hand.press(Drilling::mark, true);
+texts::Answer LiveSession::incise() {
+  if (lesson_) return session_ ? lesson_->give("incise") : texts::Answer(texts::NoteId::not_now);
+  hand.press(haptics::Drilling::mark, true);
   return {};
 }
 
 bool LiveSession::draws() const {
-  return hand.by_screen() && (lesson_ ? lesson_->tool().marks : tool_kind(tool_name_).marks);
+  return hand.by_screen() && (lesson_ ? lesson_->tool().marks : haptics::tool_kind(tool_name_).marks);
 }
 
 void LiveSession::step(double wall_s) {
   wall_s_ += wall_s;
-  axes_->write({view_.camera.right(), view_.camera.up, hand.goal().least_most_n});
+  axes_->write({view_.camera.right(), view_.camera.up, hand.goal().min_most_n});
   meet();
   if (session_) follow();
 }
 
 void LiveSession::follow() {
-  const std::vector<ServoFrame>& frames = session_->take_frames();
+  const std::vector<haptics::ServoFrame>& frames = session_->take_frames();
   late_us_ = 0;
   bool marked = false;
-  for (const ServoFrame& f : frames) {
+  for (const haptics::ServoFrame& f : frames) {
     watch_->look(f, incisions_);
     late_us_ = std::max(late_us_, double(f.late_us));
-    marked = marked || (f.buttons & Drilling::mark);
+    marked = marked || (f.buttons & haptics::Drilling::mark);
     if (!lesson_) ink(f);
   }
   // The servo has seen the button: it is released.
-  if (marked && hand.pressed(Drilling::mark)) hand.press(Drilling::mark, false);
-  const ServoFrame& shown = view_.frame();
+  if (marked && hand.pressed(haptics::Drilling::mark)) hand.press(haptics::Drilling::mark, false);
+  const haptics::ServoFrame& shown = view_.frame();
   if (!frames.empty()) {  // else the last frame may be of the session before this one
     view_.look_at(frames.back());
     faults_ |= shown.faults;
     if (const std::uint32_t faults = shown.faults & ~session_faults_; faults != 0) {
       session_faults_ |= faults;
-      notes_.add({NoteId::force_is_zero, {}, words_of(faults)});
+      notes_.add({texts::NoteId::force_is_zero, {}, words_of(faults)});
     }
   }
-  if (incisions_.size() > Renderer::most_incisions && !std::exchange(many_incisions_, true))
-    notes_.add({NoteId::many_incisions, {std::to_string(Renderer::most_incisions)}});
+  if (incisions_.size() > render::Renderer::max_incisions && !std::exchange(many_incisions_, true))
+    notes_.add({texts::NoteId::many_incisions, {std::to_string(render::Renderer::max_incisions)}});
   view_.stage().show_incisions(incisions_, incisions_.size());
   if (wall_s_ - rate_wall_s_ > rate_over_s) {
     servo_hz_ = rate_ticks_ > 0 ? double(shown.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
@@ -229,15 +235,15 @@ void LiveSession::follow() {
   if (lesson_) follow_lesson(frames);
 }
 
-void LiveSession::follow_lesson(const std::vector<ServoFrame>& frames) {
+void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) {
   lesson_->watch(frames, session_->drilling());
   lesson_->take_ink(view_.stage().state.ink_mm);
   if (lesson_->tool().name != tool_name_ || lesson_->verdict() != verdict_) show_lesson_tool();
   // A device's second pedal goes on to the next step.
   bool second = false;
-  for (const ServoFrame& f : frames) {
+  for (const haptics::ServoFrame& f : frames) {
     const std::uint32_t before = std::exchange(seen_buttons_, f.buttons);
-    second = second || ((f.buttons & Drilling::mark) && !(before & Drilling::mark));
+    second = second || ((f.buttons & haptics::Drilling::mark) && !(before & haptics::Drilling::mark));
   }
   if (second) lesson_->next();
 }
@@ -253,12 +259,12 @@ void LiveSession::show_lesson_tool() {
 void LiveSession::press_as_needed() { hand.pull_at_least(lesson_ ? more_than_pierce * lesson_->tool().pierce_n : 0); }
 
 // What a marker draws without a lesson.
-void LiveSession::ink(const ServoFrame& f) {
+void LiveSession::ink(const haptics::ServoFrame& f) {
   const std::uint32_t before = std::exchange(seen_buttons_, f.buttons);
-  if (!tool_kind(tool_name_).marks || !(f.buttons & Drilling::pedal) || f.touched == 0) return;
+  if (!haptics::tool_kind(tool_name_).marks || !(f.buttons & haptics::Drilling::pedal) || f.touched == 0) return;
   const Vec3 at = vec(f.proxy_mm);
   std::vector<Vec3>& dots = view_.stage().state.ink_mm;
-  if (!(before & Drilling::pedal) || dots.empty()) {
+  if (!(before & haptics::Drilling::pedal) || dots.empty()) {
     ink_mm_ = 0;
     dots.push_back(last_ink_mm_ = at);
   }
@@ -272,7 +278,7 @@ void show_tool_of(const LessonDesk& lesson, CaseView& view) {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   std::optional<std::array<float, 3>> colour;
   if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
-  view.stage().set_tool(whole_tool(lesson.tool()), colour);
+  view.stage().set_tool(haptics::whole_tool(lesson.tool()), colour);
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -12,15 +12,15 @@
 #include "window/lesson_desk.h"
 #include "window/notes.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Somebody at work on the patient of a view: the servo's session, one after the other where tools are changed, what
 /// they cut and drew, and the lesson that is done in it, if it is one. In the thread of the OpenGL context.
 class LiveSession {
  public:
   /// `lesson` may be null. What is given must outlive it. begin() comes next.
-  LiveSession(const SessionOptions& options, const ScreenHandParams& hand, const std::string& site,
-              std::shared_ptr<Patient> patient, CaseView& view, LessonDesk* lesson, Notes& notes);
+  LiveSession(const session::SessionOptions& options, const ScreenHandParams& hand, const std::string& site,
+              std::shared_ptr<session::Patient> patient, CaseView& view, LessonDesk* lesson, Notes& notes);
   ~LiveSession();
   /// A device that has to be waited for is waited for in another thread. Throws as Session does.
   void begin();
@@ -29,9 +29,9 @@ class LiveSession {
   void step(double wall_s);
   void end();  ///< the recording is complete then
 
-  Answer take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
+  texts::Answer take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
   void set_pedal(bool down);
-  Answer incise();
+  texts::Answer incise();
   bool draws() const;  ///< a marker is in hand, which the cursor leads
   Hand hand;
 
@@ -40,7 +40,7 @@ class LiveSession {
   bool stopped() const { return session_ && !session_->running(); }  ///< by itself
   bool recorded() const { return recorded_; }                        ///< one ended, so there is a recording of it
   const std::string& tool() const { return tool_name_; }
-  const std::vector<IncisionMark>& incisions() const { return incisions_; }
+  const std::vector<session::IncisionMark>& incisions() const { return incisions_; }
   double ink_mm() const { return ink_mm_; }  ///< length of the marker's last trace, without a lesson
   double servo_hz() const { return servo_hz_; }
   double late_us() const { return late_us_; }       ///< the worst since the last picture
@@ -49,25 +49,25 @@ class LiveSession {
  private:
   void meet();
   void follow();
-  void follow_lesson(const std::vector<ServoFrame>& frames);
+  void follow_lesson(const std::vector<haptics::ServoFrame>& frames);
   void show_lesson_tool();
   void press_as_needed();
-  void ink(const ServoFrame& frame);
+  void ink(const haptics::ServoFrame& frame);
 
-  SessionOptions options_;
+  session::SessionOptions options_;
   const ScreenHandParams hand_params_;
-  std::shared_ptr<Patient> patient_;
+  std::shared_ptr<session::Patient> patient_;
   CaseView& view_;
   LessonDesk* lesson_;
   Notes& notes_;
   std::atomic<bool> end_{false};
-  std::unique_ptr<Session> session_;
-  std::future<std::unique_ptr<Session>> coming_;  // waits for its device
+  std::unique_ptr<session::Session> session_;
+  std::future<std::unique_ptr<session::Session>> coming_;  // waits for its device
   std::mutex heard_mutex_;
-  std::vector<Note> heard_;  // of sessions that are coming
-  std::unique_ptr<IncisionWatch> watch_;
-  std::vector<IncisionMark> incisions_;
-  std::shared_ptr<Mailbox<ViewAxes>> axes_ = std::make_shared<Mailbox<ViewAxes>>();
+  std::vector<texts::Note> heard_;  // of sessions that are coming
+  std::unique_ptr<session::IncisionWatch> watch_;
+  std::vector<session::IncisionMark> incisions_;
+  std::shared_ptr<device::Mailbox<device::ViewAxes>> axes_ = std::make_shared<device::Mailbox<device::ViewAxes>>();
   std::string tool_name_, begins_sha256_;
   Vec3 last_ink_mm_;
   double ink_mm_ = 0, servo_hz_ = 0, late_us_ = 0, wall_s_ = 0, rate_wall_s_ = 0;
@@ -80,4 +80,4 @@ class LiveSession {
 /// The tool in the lesson's hand as a view shows it: in green where it succeeded, in red where it failed.
 void show_tool_of(const LessonDesk& lesson, CaseView& view);
 
-}  // namespace trephine
+}  // namespace trephine::window

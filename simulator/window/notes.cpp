@@ -6,16 +6,16 @@
 #include <algorithm>
 #include <cmath>
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr double new_for_s = 10, fades_in_s = 30, least = 0.7;
 
 }  // namespace
 
-void Notes::add(double at_s, Note note) {
+void Notes::add(double at_s, texts::Note note) {
   kept_.push_back({at_s, std::move(note)});
-  if (kept_.size() <= most_kept) return;
+  if (kept_.size() <= max_kept) return;
   kept_.pop_front();
   ++first_;
 }
@@ -32,11 +32,11 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-std::string notes_line(const Notes& notes, std::size_t most, Language language) {
+std::string notes_line(const Notes& notes, std::size_t most, texts::Language language) {
   std::string line;
   const std::deque<TimedNote>& kept = notes.kept();
   for (std::size_t n = kept.size(); n-- > 0 && kept.size() - n <= most;)
-    line += (line.empty() ? "" : " | ") + clock_text(kept[n].at_s) + " " + text_of(kept[n].note, language);
+    line += (line.empty() ? "" : " | ") + clock_text(kept[n].at_s) + " " + texts::text_of(kept[n].note, language);
   return line.empty() ? "none" : line;
 }
 
@@ -45,4 +45,4 @@ double freshness(const TimedNote& note, double now_s) {
   return 1 - (1 - least) * std::clamp(old, 0.0, 1.0);
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -7,20 +7,20 @@
 
 #include "texts/note.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// What a window told its user, and when: seconds after its start.
 struct TimedNote {
   double at_s = 0;
-  Note note;
+  texts::Note note;
 };
 
 /// The last notes of a window; those of a whole day would take its memory.
 class Notes {
  public:
-  static constexpr std::size_t most_kept = 100;
-  void add(double at_s, Note note);
-  void add(Note note) { add(now_s(), std::move(note)); }
+  static constexpr std::size_t max_kept = 100;
+  void add(double at_s, texts::Note note);
+  void add(texts::Note note) { add(now_s(), std::move(note)); }
   std::size_t count() const { return first_ + kept_.size(); }  ///< that there ever were
   /// Of those since note number `n` (from 0), the ones that are kept; moves `n` behind the last one.
   std::deque<TimedNote> since(std::size_t& n) const;
@@ -36,8 +36,8 @@ class Notes {
 /// "1:05", "1:00:05".
 std::string clock_text(double seconds);
 /// The last of them in a line, the newest first: "0:12 text | 0:03 text"; "none" where there is none.
-std::string notes_line(const Notes& notes, std::size_t most, Language language);
+std::string notes_line(const Notes& notes, std::size_t most, texts::Language language);
 /// How much of its colour a note has: all while it is new, and never so little that it cannot be read.
 double freshness(const TimedNote& note, double now_s);
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -16,7 +16,7 @@
 #include "window/reduction.h"
 #include "window/remote.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -97,15 +97,15 @@ class Loop {
   void tell_reduced() {
     if (std::exchange(told_reduced_, true)) return;
     shown_.reduced = reduction_.text(params_.language);
-    reduced_ = reduction_.text(Language::english);
+    reduced_ = reduction_.text(texts::Language::english);
   }
 
   void picture(int width, int height) {
     player_.view().stage().draw(
-        player_.view().camera, width, height, [](Eye eye) { bind_screen(eye); }, player_.head_mm);
+        player_.view().camera, width, height, [](render::Eye eye) { render::bind_screen(eye); }, player_.head_mm);
     if (player_.takes_shot()) take_shot(width, height);
-    const ViewParams::Stereo stereo = player_.view().stage().view().stereo;
-    if (stereo != ViewParams::Stereo::side_by_side && stereo != ViewParams::Stereo::top_bottom)
+    const scene::ViewParams::Stereo stereo = player_.view().stage().view().stereo;
+    if (stereo != scene::ViewParams::Stereo::side_by_side && stereo != scene::ViewParams::Stereo::top_bottom)
       hud_.draw(player_, screen_, shown_);
   }
 
@@ -113,15 +113,15 @@ class Loop {
   void take_shot(int width, int height) {
     const std::filesystem::path file = player_.next_shot();
     try {
-      write_file(file, png_of(read_picture(width, height)));
-      const MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
+      write_file(file, scene::png_of(render::read_picture(width, height)));
+      const fluoro::MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
       if (xray && (player_.live() || player_.shots()->shown() >= 0))
         write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
-                   grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
-      screen_.answer = Note{NoteId::verbatim, {file.string()}};
+                   fluoro::grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
+      screen_.answer = texts::Note{texts::NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said
-      player_.notes.add({NoteId::picture_not_written, {e.file(), e.what()}});
+      player_.notes.add({texts::NoteId::picture_not_written, {e.file(), e.what()}});
     }
   }
 
@@ -146,7 +146,7 @@ class Loop {
 
 PlayOutcome play(const PlayOptions& options, const WindowParams& params, int remote_port, Clock::time_point begun,
                  const std::atomic<bool>& stop, const std::function<void(const std::string& line)>& say) {
-  const bool quad = options.view.stereo == ViewParams::Stereo::quad_buffer;
+  const bool quad = options.view.stereo == scene::ViewParams::Stereo::quad_buffer;
   // The case is loaded while the window opens.
   auto loading = std::async(std::launch::async, [&] { return std::make_unique<Player>(options, stop); });
   std::optional<GlfwWindow> window;
@@ -162,7 +162,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
       say(fmt::format("head on port {}", head->port()));
     }
     window.emplace("trephine-sim", params.window_width, params.window_height, true, quad);
-    driver_facts();
+    render::driver_facts();
   } catch (...) {
     loading.wait();
     throw;
@@ -173,7 +173,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   if (quad && !window->has_quad_buffers()) {
     say(std::string("stereo: the driver has no buffer for each eye, so the picture is ") +
         (options.lesson ? "flat: side by side would hide the lesson's panel" : "side by side"));
-    player->set_stereo(options.lesson ? ViewParams::Stereo::none : ViewParams::Stereo::side_by_side);
+    player->set_stereo(options.lesson ? scene::ViewParams::Stereo::none : scene::ViewParams::Stereo::side_by_side);
   }
   player->set_stage();
   PlayOutcome outcome;
@@ -189,7 +189,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
         outcome.first_picture_s = since(begun);
         say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));
       }
-      for (const TimedNote& n : player->notes.since(told)) say(text_of(n.note, Language::english));
+      for (const TimedNote& n : player->notes.since(told)) say(texts::text_of(n.note, texts::Language::english));
       if (std::string now = loop.reduced(); now != reduced) {
         reduced = std::move(now);
         say(reduced.empty() ? "reduced: nothing any more" : "reduced: " + reduced);
@@ -201,16 +201,16 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
     throw;
   }
   player->finish();
-  for (const TimedNote& n : player->notes.since(told)) say(text_of(n.note, Language::english));
+  for (const TimedNote& n : player->notes.since(told)) say(texts::text_of(n.note, texts::Language::english));
   outcome.seconds = since(begun);
   outcome.pictures = loop.pictures();
   outcome.faults = player->faults();
   outcome.graphics_mb = 1e-6 * double(player->view().stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
   outcome.longest_ms = loop.longest_ms();
-  if (const ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr)
-    outcome.score = score_text(scored->head, *scored->facts, scored->score);
+  if (const lessons::ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr)
+    outcome.score = lessons::score_text(scored->head, *scored->facts, scored->score);
   return outcome;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

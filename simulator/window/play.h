@@ -8,14 +8,14 @@
 #include "window/player.h"
 #include "window/texts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// The window itself.
 struct WindowParams {
   int window_width = 1280, window_height = 720;
   double frames_per_s = 60, target_ms = 100, letters = 1;
   double fine_mm = 30;
-  Language language = Language::english;
+  texts::Language language = texts::Language::english;
   bool panels = true;
   template <class V>
   static void describe(V& v) {
@@ -53,4 +53,4 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& window, int rem
                  std::chrono::steady_clock::time_point begun, const std::atomic<bool>& stop,
                  const std::function<void(const std::string& line)>& say);
 
-}  // namespace trephine
+}  // namespace trephine::window

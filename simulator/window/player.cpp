@@ -5,16 +5,16 @@
 
 #include "window/ways.h"
 
-namespace trephine {
+namespace trephine::window {
 
 Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : options_(options), stop_(stop) {
-  SessionOptions& o = options_.session;
+  session::SessionOptions& o = options_.session;
   if (!options_.playback.empty()) {
-    shown_ = std::make_unique<ShownRecording>(std::make_unique<Playback>(
-        o.case_folder, options_.playback, options_.before, LoadParts{true}, Progress({}, &stop)));
+    shown_ = std::make_unique<ShownRecording>(std::make_unique<session::Playback>(
+        o.case_folder, options_.playback, options_.before, cases::LoadParts{true}, Progress({}, &stop)));
     patient_ = shown_->playback().patient();
   } else {
-    patient_ = std::make_shared<Patient>(o.case_folder, o.shape, o.contact, LoadParts{true});
+    patient_ = std::make_shared<session::Patient>(o.case_folder, o.shape, o.contact, cases::LoadParts{true});
   }
   if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
   if (options_.lesson) lesson_ = std::make_unique<LessonDesk>(*options_.lesson, *patient_, o);
@@ -22,19 +22,19 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
     xrays_ = std::make_unique<XrayPictures>(patient_);
 }
 
-void Player::make_view(std::shared_ptr<Patient> patient, const ViewParams& params) {
+void Player::make_view(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params) {
   view_ = std::make_unique<CaseView>(std::move(patient), params);
   ++stages_;
   told_notes_ = 0;
 }
 
 void Player::set_stage() {
-  ViewParams params = options_.view;
+  scene::ViewParams params = options_.view;
   if (lesson_) {  // nothing is seen that a surgeon would not see
     params.view_site = params.opacity = "";
     // Where a C-arm stands, the surgeon works from behind.
-    if (lesson_->has_arm() && params.view == ViewPreset::surgeon) params.view = ViewPreset::back;
-    params.cut = ViewParams::Cut::none;
+    if (lesson_->has_arm() && params.view == scene::ViewPreset::surgeon) params.view = scene::ViewPreset::back;
+    params.cut = scene::ViewParams::Cut::none;
     params.places = params.insets = false;
   }
   make_view(patient_, params);
@@ -83,12 +83,12 @@ void Player::begin_review() {
   faults_ = live_->faults();
   live_.reset();
   shown_ = std::make_unique<ShownRecording>(lesson_->take_review());
-  const OrbitCamera camera = view_->camera;
+  const scene::OrbitCamera camera = view_->camera;
   view_.reset();  // graphics memory holds one
   make_view(shown_->playback().patient(), options_.view);
   view_->camera = camera;
   view_->stage().state.ghost_mm = ghost_mm_;
-  Recording own;
+  haptics::Recording own;
   own.header = shown_->playback().header();
   own.frames = shown_->playback().frames();
   view_->stage().state.trace_mm = way_of(own);
@@ -97,10 +97,10 @@ void Player::begin_review() {
   if (xrays_) shots_ = std::make_unique<ShotReview>(lesson_->shots());
   shown_->show_tool(*view_);
   show_tool_of(*lesson_, *view_);
-  const ScoreSum sum = sum_of(lesson_->scored()->score);
-  Note note{NoteId::judged, {std::to_string(sum.points), std::to_string(sum.most)}};
+  const lessons::ScoreSum sum = lessons::sum_of(lesson_->scored()->score);
+  texts::Note note{texts::NoteId::judged, {std::to_string(sum.points), std::to_string(sum.most)}};
   if (const std::string page = lesson_->lesson().report.page.string(); !page.empty()) {
-    note.id = NoteId::judged_in;
+    note.id = texts::NoteId::judged_in;
     note.values.push_back(page);
   }
   notes.add(note);
@@ -109,9 +109,9 @@ void Player::begin_review() {
 std::vector<std::string> Player::tools() const {
   std::vector<std::string> names;
   if (lesson_)
-    for (const BeltToolParams& t : lesson_->tools()) names.push_back(t.name);
+    for (const haptics::BeltToolParams& t : lesson_->tools()) names.push_back(t.name);
   else
-    for (const ToolKind& kind : all_tool_kinds()) names.push_back(kind.name);
+    for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) names.push_back(kind.name);
   return names;
 }
 
@@ -122,4 +122,4 @@ std::filesystem::path Player::next_shot() {
   return file;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -11,12 +11,12 @@
 #include "window/live_session.h"
 #include "window/review.h"
 
-namespace trephine {
+namespace trephine::window {
 
 struct PlayOptions {
-  SessionOptions session;  ///< case, device (empty name: mouse and keyboard), tool, ...
+  session::SessionOptions session;  ///< case, device (empty name: mouse and keyboard), tool, ...
   ScreenHandParams hand;
-  ViewParams view;
+  scene::ViewParams view;
   std::filesystem::path playback;             ///< a recording to be shown, in place of a session
   std::filesystem::path ghost;                ///< a recording whose way is shown; may be empty
   std::vector<std::filesystem::path> before;  ///< the recordings that it follows, in their order
@@ -31,7 +31,7 @@ class Player {
  public:
   /// Loads the case; no context is needed yet. Throws as Patient and Playback do.
   Player(const PlayOptions& options, const std::atomic<bool>& stop);
-  void set_stereo(ViewParams::Stereo stereo) { options_.view.stereo = stereo; }  ///< before set_stage()
+  void set_stereo(scene::ViewParams::Stereo stereo) { options_.view.stereo = stereo; }  ///< before set_stage()
   /// Makes the scene in the current context and begins the session. Throws as Stage and Session do.
   void set_stage();
   /// `wall_s`: time since the last call. Throws what a session that could not begin throws, and judging a lesson.
@@ -65,12 +65,12 @@ class Player {
   std::filesystem::path next_shot();
 
  private:
-  void make_view(std::shared_ptr<Patient> patient, const ViewParams& params);
+  void make_view(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params);
   void begin_review();
 
   PlayOptions options_;
   const std::atomic<bool>& stop_;
-  std::shared_ptr<Patient> patient_;  // a review has its own
+  std::shared_ptr<session::Patient> patient_;  // a review has its own
   std::vector<Vec3> ghost_mm_;
   std::unique_ptr<LessonDesk> lesson_;
   std::unique_ptr<XrayPictures> xrays_;
@@ -84,4 +84,4 @@ class Player {
   bool judged_ = false, quits_ = false, takes_shot_ = false;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

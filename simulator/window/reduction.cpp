@@ -6,26 +6,26 @@
 #include <algorithm>
 #include <iterator>
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr std::size_t looked_at = 8;    // pictures, whose median counts
 constexpr double much_quicker = 0.35;   // of the target
 constexpr int quick_before_raised = 5;  // medians in a row that are much quicker
-constexpr int most_raised = 2;
+constexpr int max_raised = 2;
 // Pictures that took so many times too long need this size or a larger one: triangles are about as many as the square
 // of their size is small, and much of a picture's time is none of theirs.
 constexpr double too_long_for[] = {1, 1.3, 1.7, 2.5};
 
 }  // namespace
 
-Reduction::Reduction(double target_ms, const ViewParams& whole, double fine_mm, bool software)
+Reduction::Reduction(double target_ms, const scene::ViewParams& whole, double fine_mm, bool software)
     : target_ms_(target_ms),
       whole_(whole),
       fine_mm_(fine_mm),
-      sizes_mm_(std::begin(coarse_sizes_mm), std::end(coarse_sizes_mm)),
+      sizes_mm_(std::begin(render::coarse_sizes_mm), std::end(render::coarse_sizes_mm)),
       level_(software && target_ms > 0 ? 1 : 0) {
-  static_assert(std::size(too_long_for) == std::size(coarse_sizes_mm));
+  static_assert(std::size(too_long_for) == std::size(render::coarse_sizes_mm));
   if (whole.coarse_mm > 0) sizes_mm_ = {whole.coarse_mm};
 }
 
@@ -41,7 +41,7 @@ bool Reduction::look(double ms) {
     reduce(typical / target_ms_);
     return true;
   }
-  if (quick_ >= quick_before_raised && level_ > 0 && raised_ < most_raised) {
+  if (quick_ >= quick_before_raised && level_ > 0 && raised_ < max_raised) {
     raise();
     return true;
   }
@@ -68,8 +68,8 @@ void Reduction::raise() {
   quick_ = 0;
 }
 
-ViewParams Reduction::view() const {
-  ViewParams v = whole_;
+scene::ViewParams Reduction::view() const {
+  scene::ViewParams v = whole_;
   if (level_ >= 1) {
     v.samples = 1;
     v.occlusion = false;
@@ -79,7 +79,7 @@ ViewParams Reduction::view() const {
   return v;
 }
 
-std::string Reduction::text(Language language) const {
+std::string Reduction::text(texts::Language language) const {
   std::string out;
   const auto add = [&](Text text, bool of) {
     if (of) out += (out.empty() ? "" : ", ") + std::string(text_of(language, text));
@@ -93,4 +93,4 @@ std::string Reduction::text(Language language) const {
   return out;
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -7,7 +7,7 @@
 #include "scene/view_params.h"
 #include "window/texts.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// Where pictures take longer than they should, their quality is reduced step by step, beginning with what is missed
 /// least: smooth edges and the darkening of creases; grain; triangles far from the tool, which become larger from step
@@ -18,23 +18,23 @@ class Reduction {
  public:
   /// `target_ms` 0: nothing is ever left out. `whole`: the view as it is wanted; its coarse_mm, if there is one, is the
   /// only size of triangles. `software`: the processor draws, so the first step is taken at once.
-  Reduction(double target_ms, const ViewParams& whole, double fine_mm, bool software);
+  Reduction(double target_ms, const scene::ViewParams& whole, double fine_mm, bool software);
   /// Of each picture: how long it took. Returns whether another step holds from now on.
   bool look(double ms);
 
   int level() const { return level_; }
-  ViewParams view() const;
+  scene::ViewParams view() const;
   double scale() const { return level_ >= most ? 0.5 : 1; }
-  Coarseness coarse() const { return {level_ >= coarse_level ? sizes_mm_[size_] : 0, fine_mm_}; }
+  render::Coarseness coarse() const { return {level_ >= coarse_level ? sizes_mm_[size_] : 0, fine_mm_}; }
   /// What is left out; empty where nothing is.
-  std::string text(Language language) const;
+  std::string text(texts::Language language) const;
 
  private:
   static constexpr int coarse_level = 3, most = 4;
   void reduce(double too_long);
   void raise();
   double target_ms_;
-  ViewParams whole_;
+  scene::ViewParams whole_;
   double fine_mm_;
   std::vector<double> sizes_mm_;
   std::size_t size_ = 0;
@@ -42,4 +42,4 @@ class Reduction {
   std::vector<double> times_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

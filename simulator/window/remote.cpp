@@ -14,11 +14,11 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
-constexpr std::size_t most_clients = 8, longest_line = 1024;
-constexpr double most_head_mm = 2000;
+constexpr std::size_t max_clients = 8, longest_line = 1024;
+constexpr double max_head_mm = 2000;
 
 // A socket of the loopback interface, and the port that it got.
 int socket_at(int kind, const char* flag, int& port) {
@@ -85,7 +85,7 @@ bool Remote::serve(Client& c, const std::function<std::string(const std::string&
 
 void Remote::poll(const std::function<std::string(const std::string& line)>& answer) {
   for (int s; (s = ::accept4(socket_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0;) {
-    if (clients_.size() < most_clients)
+    if (clients_.size() < max_clients)
       clients_.push_back({s, ""});
     else
       ::close(s);
@@ -109,8 +109,8 @@ void HeadReceiver::poll(Vec3& head_mm) {
   for (int k = 0; k < 256 && (n = ::recv(socket_, bytes, sizeof bytes - 1, 0)) >= 0; ++k) {
     bytes[n] = 0;
     Vec3 p;
-    if (std::sscanf(bytes, "%lf %lf %lf", &p.x, &p.y, &p.z) == 3 && is_finite(p) && norm(p) < most_head_mm) head_mm = p;
+    if (std::sscanf(bytes, "%lf %lf %lf", &p.x, &p.y, &p.z) == 3 && is_finite(p) && norm(p) < max_head_mm) head_mm = p;
   }
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -6,7 +6,7 @@
 
 #include "base/vec3.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// A line protocol on the loopback interface: whoever connects sends a line and gets one line back. Nothing blocks;
 /// the window looks for lines between two pictures. At most 8 at a time may be connected.
@@ -48,4 +48,4 @@ class HeadReceiver {
   int socket_ = -1, port_ = 0;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "window/review.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 constexpr int xray_px = 512;
@@ -11,7 +11,7 @@ constexpr int xray_px = 512;
 void ShownRecording::step(double wall_s, CaseView& view) {
   if (!paused) playback_->go_to(playback_->time_s() + wall_s * speed);
   std::size_t count = 0;
-  for (const IncisionMark& m : playback_->incisions()) count += m.time_s <= playback_->time_s();
+  for (const session::IncisionMark& m : playback_->incisions()) count += m.time_s <= playback_->time_s();
   view.stage().show_incisions(playback_->incisions(), count);
   if (playback_->tool_name() != tool_name_) show_tool(view);
   view.look_at(playback_->frame());
@@ -22,10 +22,10 @@ void ShownRecording::show_tool(CaseView& view) {
   view.stage().set_tool(playback_->tool());
 }
 
-XrayPictures::XrayPictures(std::shared_ptr<const Patient> patient)
+XrayPictures::XrayPictures(std::shared_ptr<const session::Patient> patient)
     : patient_(std::move(patient)), thread_(patient_->felt.loaded.ct, xray_px) {}
 
-void XrayPictures::follow(const LessonXray& x) {
+void XrayPictures::follow(const lessons::LessonXray& x) {
   thread_.move(x.now.arm);
   if (x.shots_count != shots_ || x.exposure_s != exposure_s_) {
     shots_ = x.shots_count;
@@ -35,18 +35,18 @@ void XrayPictures::follow(const LessonXray& x) {
   take(thread_.take());
 }
 
-void XrayPictures::ask(const LessonShot& shot) {
+void XrayPictures::ask(const lessons::LessonShot& shot) {
   last_.reset();
   thread_.show(shot.seen.arm, shot.metal);
 }
 
-void XrayPictures::take(const LessonShot& shot) {
-  std::optional<MadeFluoro> made = thread_.take();
+void XrayPictures::take(const lessons::LessonShot& shot) {
+  std::optional<fluoro::MadeFluoro> made = thread_.take();
   if (made && made->arm.orbit_deg == shot.seen.arm.orbit_deg && made->arm.tilt_deg == shot.seen.arm.tilt_deg)
     take(std::move(made));
 }
 
-void XrayPictures::take(std::optional<MadeFluoro> made) {
+void XrayPictures::take(std::optional<fluoro::MadeFluoro> made) {
   if (!made) return;
   last_ = std::move(made);
   ++made_;
@@ -54,9 +54,9 @@ void XrayPictures::take(std::optional<MadeFluoro> made) {
 
 void ShotReview::show(double time_s, XrayPictures& pictures) {
   shown_ = -1;
-  for (const LessonShot& s : shots_) shown_ += s.begin_s <= time_s;
+  for (const lessons::LessonShot& s : shots_) shown_ += s.begin_s <= time_s;
   if (shown_ < 0) return;
-  const LessonShot& shot = shots_[std::size_t(shown_)];
+  const lessons::LessonShot& shot = shots_[std::size_t(shown_)];
   if (shown_ != asked_) {
     asked_ = shown_;
     pictures.ask(shot);
@@ -64,4 +64,4 @@ void ShotReview::show(double time_s, XrayPictures& pictures) {
   pictures.take(shot);
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -10,43 +10,43 @@
 #include "session/playback.h"
 #include "window/case_view.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// A recording that is shown, at any of its times.
 class ShownRecording {
  public:
-  explicit ShownRecording(std::unique_ptr<Playback> playback) : playback_(std::move(playback)) {}
+  explicit ShownRecording(std::unique_ptr<session::Playback> playback) : playback_(std::move(playback)) {}
   /// Goes on by that time, and shows the moment.
   void step(double wall_s, CaseView& view);
   void show_tool(CaseView& view);
   void go_to(double time_s) { playback_->go_to(time_s); }
-  const Playback& playback() const { return *playback_; }
+  const session::Playback& playback() const { return *playback_; }
   const std::string& tool() const { return tool_name_; }
   bool paused = false;
   double speed = 1;
 
  private:
-  std::unique_ptr<Playback> playback_;
+  std::unique_ptr<session::Playback> playback_;
   std::string tool_name_;
 };
 
 /// The pictures of a C-arm, as they are made.
 class XrayPictures {
  public:
-  explicit XrayPictures(std::shared_ptr<const Patient> patient);
+  explicit XrayPictures(std::shared_ptr<const session::Patient> patient);
   /// Asks for what the lesson shows now, and takes what is ready. The last one stays when X-rays are off.
-  void follow(const LessonXray& xray);
+  void follow(const lessons::LessonXray& xray);
   /// Asks for one of a review; a picture of another one is not shown.
-  void ask(const LessonShot& shot);
-  void take(const LessonShot& shot);
-  const MadeFluoro* last() const { return last_ ? &*last_ : nullptr; }  ///< null before the first
+  void ask(const lessons::LessonShot& shot);
+  void take(const lessons::LessonShot& shot);
+  const fluoro::MadeFluoro* last() const { return last_ ? &*last_ : nullptr; }  ///< null before the first
   std::uint64_t made() const { return made_; }
 
  private:
-  void take(std::optional<MadeFluoro> made);
-  std::shared_ptr<const Patient> patient_;  // whose CT the thread reads
-  FluoroThread thread_;
-  std::optional<MadeFluoro> last_;
+  void take(std::optional<fluoro::MadeFluoro> made);
+  std::shared_ptr<const session::Patient> patient_;  // whose CT the thread reads
+  fluoro::FluoroThread thread_;
+  std::optional<fluoro::MadeFluoro> last_;
   std::uint64_t made_ = 0;
   std::size_t shots_ = 0;
   double exposure_s_ = 0;
@@ -55,14 +55,14 @@ class XrayPictures {
 /// The X-rays of a lesson, in its review: at each of its times the last ones that had begun.
 class ShotReview {
  public:
-  explicit ShotReview(std::vector<LessonShot> shots) : shots_(std::move(shots)) {}
-  const std::vector<LessonShot>& shots() const { return shots_; }
+  explicit ShotReview(std::vector<lessons::LessonShot> shots) : shots_(std::move(shots)) {}
+  const std::vector<lessons::LessonShot>& shots() const { return shots_; }
   int shown() const { return shown_; }  ///< -1 before the first
   void show(double time_s, XrayPictures& pictures);
 
  private:
-  std::vector<LessonShot> shots_;
+  std::vector<lessons::LessonShot> shots_;
   int shown_ = -1, asked_ = -1;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -3,7 +3,7 @@
 
 #include "haptics/proxy.h"
 
-namespace trephine {
+namespace trephine::window {
 
 ScreenHand::ScreenHand(const ScreenHandParams& p, const HandGoal& begin)
     : goal_(begin),
@@ -11,7 +11,7 @@ ScreenHand::ScreenHand(const ScreenHandParams& p, const HandGoal& begin)
             begin.tip_mm),
       axis_(normalized(begin.axis)) {}
 
-bool ScreenHand::read(double dt_s, DeviceReading& out) {
+bool ScreenHand::read(double dt_s, device::DeviceReading& out) {
   const std::uint32_t lifts = goal_.lifts;
   goals_.read(goal_);
   const bool lifted = goal_.lifts != lifts;
@@ -19,15 +19,15 @@ bool ScreenHand::read(double dt_s, DeviceReading& out) {
     hand_.put(goal_.tip_mm);
     axis_ = normalized(goal_.axis);
   }
-  hand_.follow(goal_.tip_mm, dt_s, goal_.least_most_n);
-  axis_ = turned_towards(axis_, normalized(goal_.axis), dt_s);
+  hand_.follow(goal_.tip_mm, dt_s, goal_.min_most_n);
+  axis_ = device::turned_towards(axis_, normalized(goal_.axis), dt_s);
   out = {};
   out.tip_mm = hand_.position_mm();
   out.axis = axis_;
-  out.buttons = lifted ? haptic_button::lifted : goal_.buttons;
+  out.buttons = lifted ? haptics::haptic_button::lifted : goal_.buttons;
   return is_finite(out.tip_mm);
 }
 
 void ScreenHand::send(Vec3 force_n) { hand_.feel(force_n); }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -5,7 +5,7 @@
 #include "device/led_hand.h"
 #include "device/mailbox.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// How mouse and keyboard hold the tool.
 struct ScreenHandParams {
@@ -34,24 +34,24 @@ struct HandGoal {
   Vec3 tip_mm, axis{0, 0, 1};
   std::uint32_t buttons = 0;
   std::uint32_t lifts = 0;  ///< a new number: the hand takes the tool away, and is at the goal at once
-  double least_most_n = 0;  ///< it may pull as hard as that, whatever hand_most_n says: what the tool needs to pierce
+  double min_most_n = 0;    ///< it may pull as hard as that, whatever hand_most_n says: what the tool needs to pierce
 };
 
 /// A hand that is led (device/led_hand.h) to a goal of another thread.
-class ScreenHand : public Device {
+class ScreenHand : public device::Device {
  public:
   ScreenHand(const ScreenHandParams& params, const HandGoal& begin);
   void aim(const HandGoal& goal) { goals_.write(goal); }
   double damping_n_s_per_mm() const override { return own_damping; }
-  bool read(double dt_s, DeviceReading& out) override;
+  bool read(double dt_s, device::DeviceReading& out) override;
   void send(Vec3 force_n) override;
 
  private:
   static constexpr double own_damping = 0.002;
-  Mailbox<HandGoal> goals_;
+  device::Mailbox<HandGoal> goals_;
   HandGoal goal_;
-  LedHand hand_;
+  device::LedHand hand_;
   Vec3 axis_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -4,12 +4,12 @@
 
 #include "window/actions.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
-std::string of_picture(const MadeFluoro& made) {
+std::string of_picture(const fluoro::MadeFluoro& made) {
   if (made.metal.empty()) return "";
-  const auto tip = CArm(made.arm, made.picture.size).project(made.metal[0].tip_mm);
+  const auto tip = fluoro::CArm(made.arm, made.picture.size).project(made.metal[0].tip_mm);
   return fmt::format(" tip_px {:.2f} {:.2f}", tip[0], tip[1]);
 }
 
@@ -17,7 +17,7 @@ std::string of_picture(const MadeFluoro& made) {
 
 std::string state_text(const Player& player) {
   const CaseView& view = player.view();
-  const ServoFrame& f = view.frame();
+  const haptics::ServoFrame& f = view.frame();
   const auto named = [&](int shape) { return shape != 0 ? view.shape_name(shape) : "none"; };
   return fmt::format(
       "time {:.3f} tool {} tip {:.3f} {:.3f} {:.3f} in {} touching {} force {:.3f} depth {:.2f} faults {} "
@@ -30,33 +30,33 @@ std::string state_text(const Player& player) {
 
 std::string lesson_text(const Player& player) {
   const LessonDesk* lesson = player.lesson();
-  if (!lesson) return "error: " + text_of(NoteId::no_lesson, Language::english);
-  const LessonFacts& f = lesson->facts();
+  if (!lesson) return "error: " + texts::text_of(texts::NoteId::no_lesson, texts::Language::english);
+  const lessons::LessonFacts& f = lesson->facts();
   std::string text =
       fmt::format("time {:.2f} tool {} step {}", f.procedure_s(), lesson->tool().name, lesson->step() + 1);
-  for (const LessonStatus& s : lesson->status()) text += " " + s.name + " " + s.value;
-  text += fmt::format(" end {}", lesson->ended() ? name_of(f.end) : "none");
+  for (const lessons::LessonStatus& s : lesson->status()) text += " " + s.name + " " + s.value;
+  text += fmt::format(" end {}", lesson->ended() ? lessons::name_of(f.end) : "none");
   if (lesson->paused()) text += " paused";
   if (const int verdict = lesson->verdict(); verdict != 0) text += verdict > 0 ? " green" : " red";
-  if (const ScoredLesson* s = lesson->scored())
-    text += fmt::format(" points {} of {}", sum_of(s->score).points, sum_of(s->score).most);
+  if (const lessons::ScoredLesson* s = lesson->scored())
+    text += fmt::format(" points {} of {}", lessons::sum_of(s->score).points, lessons::sum_of(s->score).most);
   return text;
 }
 
 std::string xray_text(const Player& player) {
   const XrayPictures* pictures = player.xrays();
   if (!pictures) return "error: there is no C-arm";
-  const MadeFluoro* last = pictures->last();
+  const fluoro::MadeFluoro* last = pictures->last();
   if (const ShotReview* review = player.shots()) {
     const int n = review->shown();
     std::string text = fmt::format("review shot {} of {}", n + 1, review->shots().size());
     if (n < 0) return text;
-    const LessonShot& s = review->shots()[std::size_t(n)];
+    const lessons::LessonShot& s = review->shots()[std::size_t(n)];
     text += fmt::format(" begin_s {:.3f} end_s {:.3f} view {} orbit_deg {:g} tilt_deg {:g} pictures {}", s.begin_s,
                         s.end_s, s.seen.view, s.seen.orbit_deg, s.seen.tilt_deg, pictures->made());
     return last ? text + fmt::format(" size_px {}", last->picture.size) + of_picture(*last) : text;
   }
-  const LessonXray x = player.lesson()->xray();
+  const lessons::LessonXray x = player.lesson()->xray();
   const std::string text = fmt::format(
       "{} view {} orbit_deg {:g} tilt_deg {:g} exposure_s {:.3f} shots_count {} pictures {}", x.on ? "on" : "off",
       x.now.view, x.now.orbit_deg, x.now.tilt_deg, x.exposure_s, x.shots_count, pictures->made());
@@ -64,4 +64,4 @@ std::string xray_text(const Player& player) {
   return text + fmt::format(" size_px {} waited_s {:.3f}", last->picture.size, last->waited_s) + of_picture(*last);
 }
 
-}  // namespace trephine
+}  // namespace trephine::window

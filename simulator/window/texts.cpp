@@ -5,12 +5,12 @@
 #include "haptics/tool.h"
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::window {
 namespace {
 
 struct Row {
   Text text;
-  Wording in;
+  texts::Wording in;
 };
 
 constexpr Row table[] = {
@@ -72,12 +72,11 @@ constexpr Row table[] = {
 };
 
 // Of views, cuts and places of the C-arm; a tool brings its own.
-constexpr Wording names[] = {
-    {{"surgeon", "Chirurg"}},  {{"front", "vorn"}},           {{"back", "hinten"}},
-    {{"left", "links"}},       {{"right", "rechts"}},         {{"top", "oben"}},
-    {{"bottom", "unten"}},     {{"oblique", "schräg"}},       {{"ap", "a.-p."}},
-    {{"lateral", "seitlich"}}, {{"none", "keine"}},           {{"tool", "Instrument"}},
-    {{"axial", "axial"}},      {{"coronal", "koronal"}},      {{"sagittal", "sagittal"}},
+constexpr texts::Wording names[] = {
+    {{"surgeon", "Chirurg"}}, {{"front", "vorn"}},       {{"back", "hinten"}},       {{"left", "links"}},
+    {{"right", "rechts"}},    {{"top", "oben"}},         {{"bottom", "unten"}},      {{"oblique", "schräg"}},
+    {{"ap", "a.-p."}},        {{"lateral", "seitlich"}}, {{"none", "keine"}},        {{"tool", "Instrument"}},
+    {{"axial", "axial"}},     {{"coronal", "koronal"}},  {{"sagittal", "sagittal"}},
 };
 
 constexpr bool complete() {
@@ -89,30 +88,30 @@ static_assert(complete(), "one row for each word, in the order of Text");
 
 }  // namespace
 
-const std::vector<std::pair<std::string, Language>>& languages() {
-  static const std::vector<std::pair<std::string, Language>> all = {{"en", Language::english},
-                                                                    {"de", Language::german}};
+const std::vector<std::pair<std::string, texts::Language>>& languages() {
+  static const std::vector<std::pair<std::string, texts::Language>> all = {{"en", texts::Language::english},
+                                                                           {"de", texts::Language::german}};
   return all;
 }
 
-std::string translated(Language language, const std::string& english) {
+std::string translated(texts::Language language, const std::string& english) {
   for (const Row& row : table)
-    if (english == row.in.of(Language::english)) return row.in.of(language);
-  for (const LessonType& lesson : lesson_types())
-    for (const LessonText& text : lesson.texts)
+    if (english == row.in.of(texts::Language::english)) return row.in.of(language);
+  for (const lessons::LessonType& lesson : lessons::lesson_types())
+    for (const lessons::LessonText& text : lesson.texts)
       if (english == text.in[0]) return text.in[std::size_t(language)];
   return english;
 }
 
-std::string translated_name(Language language, const std::string& english) {
-  if (language == Language::german)
-    for (const ToolKind& kind : all_tool_kinds())
+std::string translated_name(texts::Language language, const std::string& english) {
+  if (language == texts::Language::german)
+    for (const haptics::ToolKind& kind : haptics::all_tool_kinds())
       if (english == kind.name) return kind.german;
-  for (const Wording& name : names)
-    if (english == name.of(Language::english)) return name.of(language);
+  for (const texts::Wording& name : names)
+    if (english == name.of(texts::Language::english)) return name.of(language);
   return english;
 }
 
-const char* text_of(Language language, Text text) { return table[std::size_t(text)].in.of(language); }
+const char* text_of(texts::Language language, Text text) { return table[std::size_t(text)].in.of(language); }
 
-}  // namespace trephine
+}  // namespace trephine::window

@@ -6,7 +6,7 @@
 
 #include "texts/language.h"
 
-namespace trephine {
+namespace trephine::window {
 
 /// The words of the window. texts.cpp has a table of them, one row a word and one column a language.
 enum class Text {
@@ -62,11 +62,11 @@ enum class Text {
   log,
   count
 };
-const std::vector<std::pair<std::string, Language>>& languages();
-const char* text_of(Language language, Text text);
+const std::vector<std::pair<std::string, texts::Language>>& languages();
+const char* text_of(texts::Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
-std::string translated(Language language, const std::string& english);
+std::string translated(texts::Language language, const std::string& english);
 /// The name of a tool, a view, a cut or a place of the C-arm as the panels show it; the remote takes the English one.
-std::string translated_name(Language language, const std::string& english);
+std::string translated_name(texts::Language language, const std::string& english);
 
-}  // namespace trephine
+}  // namespace trephine::window

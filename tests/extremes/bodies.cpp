@@ -8,7 +8,7 @@
 
 namespace trephine::extremes {
 
-Scene spine_on(const std::string& name, const Lattice& l) {
+Scene spine_on(const std::string& name, const grid::Lattice& l) {
   Scene s;
   s.name = name;
   const auto bone_mm = [](Vec3 p) {
@@ -24,7 +24,7 @@ Scene spine_on(const std::string& name, const Lattice& l) {
   return s;
 }
 
-Scene lumbar_on(const std::string& name, const Lattice& l) {
+Scene lumbar_on(const std::string& name, const grid::Lattice& l) {
   phantom::SpineParams params;
   params.vertebrae_count = 2;
   const phantom::Spine spine(params);
@@ -37,14 +37,14 @@ Scene lumbar_on(const std::string& name, const Lattice& l) {
   return s;
 }
 
-Scene chest_on(const std::string& name, const Lattice& l) {
+Scene chest_on(const std::string& name, const grid::Lattice& l) {
   Scene s;
   s.name = name;
   const auto clavicle_mm = [](Vec3 p) {
     std::vector<Vec3> line;
     for (double t = 0; t <= 1.01; t += 0.2)
       line.push_back({18 + 105 * t, -60 + 45 * t - 7 * std::sin(2 * M_PI * t), 10 + 22 * t});
-    return 6 - body::to_line(line, {std::fabs(p.x), p.y, p.z});
+    return 6 - bodies::to_line(line, {std::fabs(p.x), p.y, p.z});
   };
   const auto other_mm = [](Vec3 p) {
     const double sternum = std::min({11 - std::fabs(p.x), 6 - std::fabs(p.y + 62), 8 - p.z});
@@ -63,7 +63,7 @@ Scene chest_on(const std::string& name, const Lattice& l) {
   return s;
 }
 
-Scene head_on(const std::string& name, const Lattice& l) {
+Scene head_on(const std::string& name, const grid::Lattice& l) {
   Scene s;
   s.name = name;
   const auto ellipsoid = [](Vec3 radii, Vec3 centre) {

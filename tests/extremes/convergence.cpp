@@ -19,14 +19,14 @@ namespace {
 
 double ball_mm3(double r) { return 4 * M_PI / 3 * r * r * r; }
 
-TriMesh contoured(const Field& field) {
+surface::TriMesh contoured(const grid::Field& field) {
   Report r;
-  ContourParams p;
+  meshing::ContourParams p;
   p.min_component_mm3 = 0;
-  return contour(field, p, r);
+  return meshing::contour(field, p, r);
 }
 
-TriMesh ball(const Lattice& l, double radius_mm, Vec3 centre = {}) {
+surface::TriMesh ball(const grid::Lattice& l, double radius_mm, Vec3 centre = {}) {
   return contoured(sampled(l, balls(radius_mm, centre).outer_mm));
 }
 
@@ -49,7 +49,8 @@ std::string over_spacing() {
   Series s;
   for (const double mm : {0.05, 0.1, 0.5, 2.0, 10.0}) {
     s.at.push_back(mm);
-    s.values.push_back(100 * (volume_mm3(ball(cube({32, 32, 32}, {mm, mm, mm}), 12.3 * mm)) / ball_mm3(12.3 * mm) - 1));
+    s.values.push_back(
+        100 * (surface::volume_mm3(ball(cube({32, 32, 32}, {mm, mm, mm}), 12.3 * mm)) / ball_mm3(12.3 * mm) - 1));
   }
   if (range_of(s.values) > 0.01) return "FAULT: the voxel's size alone changes the shape: " + s.text();
   return "volume % off the truth at mm: " + s.text();
@@ -60,8 +61,8 @@ std::string over_anisotropy() {
   for (const double ratio : {1.0, 2.0, 5.0, 10.0, 20.0}) {
     s.at.push_back(ratio);
     const double z = 0.5 * ratio;
-    const Lattice l = cube({88, 88, int(44 / z) + 3}, {0.5, 0.5, z}, {0, 0, z / 3});
-    s.values.push_back(100 * (volume_mm3(ball(l, 20)) / ball_mm3(20) - 1));
+    const grid::Lattice l = cube({88, 88, int(44 / z) + 3}, {0.5, 0.5, z}, {0, 0, z / 3});
+    s.values.push_back(100 * (surface::volume_mm3(ball(l, 20)) / ball_mm3(20) - 1));
   }
   for (std::size_t n = 1; n < s.values.size(); ++n)
     if (std::fabs(s.values[n]) < std::fabs(s.values[n - 1]) - 0.05) return "FAULT: does not converge: " + s.text();
@@ -69,13 +70,13 @@ std::string over_anisotropy() {
   return "volume % off the truth at 1 : n: " + s.text();
 }
 
-Series beside(const Field& field, double truth_mm3) {
+Series beside(const grid::Field& field, double truth_mm3) {
   Series s;
   for (const double off : {-0.1, -0.01, -0.001, 0.0, 0.001, 0.01, 0.1}) {
-    Field f = field;
+    grid::Field f = field;
     for (float& v : f.voxels) v -= float(off);
     s.at.push_back(off);
-    s.values.push_back(100 * (volume_mm3(contoured(f)) / truth_mm3 - 1));
+    s.values.push_back(100 * (surface::volume_mm3(contoured(f)) / truth_mm3 - 1));
   }
   return s;
 }
@@ -91,7 +92,7 @@ std::string over_isovalue() {
 
 // A shell of a voxel is 0 as a whole: it is outside, as it is at every isovalue above.
 std::string over_whole_isovalue() {
-  const Field whole = sampled(cube({32, 32, 32}, {1, 1, 1}), [](Vec3 p) { return std::round(12.3 - norm(p)); });
+  const grid::Field whole = sampled(cube({32, 32, 32}, {1, 1, 1}), [](Vec3 p) { return std::round(12.3 - norm(p)); });
   const Series s = beside(whole, ball_mm3(12.3));
   for (std::size_t n = 1; n < s.values.size(); ++n)
     if (s.values[n] > s.values[n - 1] + 1e-3) return "FAULT: a higher isovalue gives a larger volume: " + s.text();
@@ -101,16 +102,16 @@ std::string over_whole_isovalue() {
 
 std::string over_deviation() {
   Series s;
-  const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
+  const surface::TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
   for (const double mm : {10.0, 1.0, 0.1, 0.01, 0.001}) {
-    DecimateParams p;
+    meshing::DecimateParams p;
     p.max_deviation_mm = mm;
     Report r;
-    const TriMesh out = decimate(in, p, r);
+    const surface::TriMesh out = meshing::decimate(in, p, r);
     if (std::get<double>(*r.find("deviation_max_mm")) > mm)
       return "FAULT: the bound of " + rounded(mm) + " mm is passed";
     s.at.push_back(mm);
-    s.values.push_back(100 * (volume_mm3(out) / volume_mm3(in) - 1));
+    s.values.push_back(100 * (surface::volume_mm3(out) / surface::volume_mm3(in) - 1));
   }
   for (std::size_t n = 1; n < s.values.size(); ++n)
     if (std::fabs(s.values[n]) > std::fabs(s.values[n - 1]) + 0.05) return "FAULT: does not converge: " + s.text();
@@ -119,7 +120,7 @@ std::string over_deviation() {
 }
 
 // RMS distance of the vertices from the sphere of that radius.
-double off_sphere_mm(const TriMesh& m, double radius_mm) {
+double off_sphere_mm(const surface::TriMesh& m, double radius_mm) {
   double sum = 0;
   for (const Vec3& p : m.points_mm) sum += (norm(p) - radius_mm) * (norm(p) - radius_mm);
   return std::sqrt(sum / double(m.points_mm.size()));
@@ -129,20 +130,20 @@ double off_sphere_mm(const TriMesh& m, double radius_mm) {
 std::string over_iterations() {
   Series s;
   const auto steps = [](Vec3 p) { return norm(p) < 12.3 ? 0.5 : -0.5; };
-  const TriMesh in = contoured(sampled(cube({32, 32, 32}, {1, 1, 1}), steps));
-  const double radius_mm = std::cbrt(volume_mm3(in) / (4 * M_PI / 3));
+  const surface::TriMesh in = contoured(sampled(cube({32, 32, 32}, {1, 1, 1}), steps));
+  const double radius_mm = std::cbrt(surface::volume_mm3(in) / (4 * M_PI / 3));
   for (const int n : {0, 1, 10, 100, 1000, 10000}) {
-    SmoothParams p;
+    meshing::SmoothParams p;
     p.iterations_count = n;
     p.pass_band_ratio = 0.1;
     p.max_displacement_mm = 1;
     Report r;
-    const TriMesh out = smooth(in, p, r);
+    const surface::TriMesh out = meshing::smooth(in, p, r);
     s.at.push_back(n);
     s.values.push_back(off_sphere_mm(out, radius_mm));
     if (n > 0 && !(std::get<double>(*r.find("displacement_max_mm")) <= p.max_displacement_mm + 1e-9))
       return "FAULT: the bound is passed at " + rounded(n) + " iterations";
-    if (std::fabs(volume_mm3(out) / volume_mm3(in) - 1) > 0.005)
+    if (std::fabs(surface::volume_mm3(out) / surface::volume_mm3(in) - 1) > 0.005)
       return "FAULT: the volume changes at " + rounded(n) + " iterations";
   }
   if (s.values.back() > 0.5 * s.values.front()) return "FAULT: the staircase stays: " + s.text();
@@ -154,9 +155,9 @@ std::string over_distance() {
   Series s;
   for (const double m : {0.0, 1.0, 10.0, 100.0, 1000.0}) {
     const Vec3 at = Vec3{0.6, -0.64, 0.48} * (1000 * m);
-    const TriMesh surface = ball(cube({32, 32, 32}, {0.5, 0.5, 0.5}, at), 6, at);
+    const surface::TriMesh surface = ball(cube({32, 32, 32}, {0.5, 0.5, 0.5}, at), 6, at);
     s.at.push_back(m);
-    s.values.push_back(100 * (volume_mm3(surface) / ball_mm3(6) - 1));
+    s.values.push_back(100 * (surface::volume_mm3(surface) / ball_mm3(6) - 1));
   }
   if (range_of(s.values) > 0.02) return "FAULT: depends on where it is: " + s.text();
   return "volume % off the truth at m: " + s.text();
@@ -165,11 +166,11 @@ std::string over_distance() {
 std::string over_radius() {
   Series s;
   constexpr double R = 30;
-  const TriMesh in = ball(cube({64, 64, 64}, {1, 1, 1}), R);
+  const surface::TriMesh in = ball(cube({64, 64, 64}, {1, 1, 1}), R);
   for (const double r : {0.05, 0.3, 1.0, 5.0, 20.0, 29.0}) {
-    const Cutter c = drill({0, 0, 0}, r, 100);
+    const boolean::Cutter c = drill({0, 0, 0}, r, 100);
     Report report;
-    const double removed = volume_mm3(in) - volume_mm3(cut_surface(in, {c}, {}, report));
+    const double removed = surface::volume_mm3(in) - surface::volume_mm3(boolean::cut_surface(in, {c}, {}, report));
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - ball_mm3(std::sqrt(R * R - r * r))) - 1));
   }
@@ -180,35 +181,37 @@ std::string over_radius() {
 
 std::string wider_than_the_body() {
   Report report;
-  const TriMesh left = cut_surface(ball(cube({64, 64, 64}, {1, 1, 1}), 30), {drill({0, 0, 0}, 40, 100)}, {}, report);
+  const surface::TriMesh left =
+      boolean::cut_surface(ball(cube({64, 64, 64}, {1, 1, 1}), 30), {drill({0, 0, 0}, 40, 100)}, {}, report);
   return "FAULT: " + std::to_string(left.triangles.size()) + " triangles are left of nothing";
 }
 
-HapticVolume felt(const TriMesh& in, double mm) {
-  VoxelizeParams p;
+voxel::HapticVolume felt(const surface::TriMesh& in, double mm) {
+  voxel::VoxelizeParams p;
   p.spacing_mm = {mm, mm, mm};
-  Bounds b = bounds_of(in);
+  surface::Bounds b = surface::bounds_of(in);
   for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
   Report r;
-  return voxelize(haptic_lattice(b, Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}, r);
+  return voxel::voxelize(voxel::haptic_lattice(b, grid::Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}},
+                         r);
 }
 
 std::string over_haptic_radius() {
   Series s;
   constexpr double R = 12.3;
-  const HapticVolume whole = felt(ball(cube({32, 32, 32}, {1, 1, 1}), R), 0.5);
+  const voxel::HapticVolume whole = felt(ball(cube({32, 32, 32}, {1, 1, 1}), R), 0.5);
   const int number = whole.find_shape("ball")->number;
   for (const double r : {0.05, 0.25, 0.5, 1.0, 5.0, 12.0, 40.0}) {
-    HapticVolume volume = whole;
-    const Cutter c = drill({0, 0, 0}, r, 100);
+    voxel::HapticVolume volume = whole;
+    const boolean::Cutter c = drill({0, 0, 0}, r, 100);
     Report report;
-    cut_volume(volume, distance_to(c), bounds_of(c), {number}, report);
-    const double removed = shape_volume_mm3(whole, number) - shape_volume_mm3(volume, number);
+    voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), {number}, report);
+    const double removed = voxel::shape_volume_mm3(whole, number) - voxel::shape_volume_mm3(volume, number);
     const double left_mm3 = r < R ? ball_mm3(std::sqrt(R * R - r * r)) : 0;
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - left_mm3) - 1));
     // Less than a voxel's radius: not held, and said.
-    warn_of_thin(report, c, volume.voxels.spacing_mm);
+    boolean::warn_of_thin(report, c, volume.voxels.spacing_mm);
     if (report.warnings.empty() != (r >= 0.5)) return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
     if (r >= 0.5 && std::fabs(s.values.back()) > 3) return "FAULT: not the truth: " + s.text();
     if (removed < 0) return "FAULT: grows: " + s.text();
@@ -218,11 +221,11 @@ std::string over_haptic_radius() {
 
 std::string over_haptic_spacing() {
   Series s;
-  const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
+  const surface::TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
   for (const double mm : {10.0, 5.0, 2.0, 1.0, 0.5, 0.25}) {
-    const HapticVolume v = felt(in, mm);
+    const voxel::HapticVolume v = felt(in, mm);
     s.at.push_back(mm);
-    s.values.push_back(100 * (shape_volume_mm3(v, v.find_shape("ball")->number) / volume_mm3(in) - 1));
+    s.values.push_back(100 * (voxel::shape_volume_mm3(v, v.find_shape("ball")->number) / surface::volume_mm3(in) - 1));
   }
   if (std::fabs(s.values.back()) > 0.2 || std::fabs(s.values[3]) > 1) return "FAULT: does not converge: " + s.text();
   return "volume % off the surface's at mm: " + s.text();

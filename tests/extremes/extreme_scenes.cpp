@@ -24,15 +24,15 @@ ExtremeScene later(const std::string& name, const std::function<Scene()>& make) 
 }
 
 void fill_fields(Scene& s, float value) {
-  for (auto& [name, field] : s.fields) field = Field(field, value);
-  s.volume = Grid<std::int16_t>(lattice_of(s.volume), value > 0 ? bone_hu : air_hu);
+  for (auto& [name, field] : s.fields) field = grid::Field(field, value);
+  s.volume = grid::Grid<std::int16_t>(grid::lattice_of(s.volume), value > 0 ? bone_hu : air_hu);
   add_meshes(s);
 }
 
 // Every field is 1 at these voxels, -1 elsewhere, and bone in air.
 void draw(Scene& s, const std::function<bool(int, int, int)>& inside) {
-  Grid<std::int16_t> g(lattice_of(s.volume), air_hu);
-  for (auto& [name, field] : s.fields) field = Field(field, -1);
+  grid::Grid<std::int16_t> g(grid::lattice_of(s.volume), air_hu);
+  for (auto& [name, field] : s.fields) field = grid::Field(field, -1);
   for (int k = 0; k < g.size[2]; ++k)
     for (int j = 0; j < g.size[1]; ++j)
       for (int i = 0; i < g.size[0]; ++i) {
@@ -46,8 +46,8 @@ void draw(Scene& s, const std::function<bool(int, int, int)>& inside) {
 
 // The voxel in the middle, and a point of each surface.
 void spoil(Scene& s, float value) {
-  const Lattice l = lattice_of(s.volume);
-  Grid<float> g(l, 50);
+  const grid::Lattice l = grid::lattice_of(s.volume);
+  grid::Grid<float> g(l, 50);
   g.at(l.size[0] / 2, l.size[1] / 2, l.size[2] / 2) = value;
   s.volume = g;
   for (auto& [name, field] : s.fields) field.at(l.size[0] / 2, l.size[1] / 2, l.size[2] / 2) = value;
@@ -56,8 +56,8 @@ void spoil(Scene& s, float value) {
 
 // HU of a checkerboard, or of bone and air so far apart.
 void set_hu(Scene& s, float low, float high, bool by_turns) {
-  const Field shape = s.fields.at("");
-  Grid<float> g(shape, low);
+  const grid::Field shape = s.fields.at("");
+  grid::Grid<float> g(shape, low);
   for (int k = 0; k < g.size[2]; ++k)
     for (int j = 0; j < g.size[1]; ++j)
       for (int i = 0; i < g.size[0]; ++i)
@@ -65,7 +65,7 @@ void set_hu(Scene& s, float low, float high, bool by_turns) {
   if (std::fabs(high) > 32767)
     s.volume = g;
   else {
-    Grid<std::int16_t> whole(g);
+    grid::Grid<std::int16_t> whole(g);
     for (std::size_t v = 0; v < g.count(); ++v) whole.voxels[v] = std::int16_t(g.voxels[v]);
     s.volume = whole;
   }
@@ -95,15 +95,15 @@ void add_changes(std::vector<ExtremeScene>& all, const std::function<Scene()>& m
     add_meshes(s);
   });
   with("one voxel", [](Scene& s) {
-    const auto n = lattice_of(s.volume).size;
+    const auto n = grid::lattice_of(s.volume).size;
     draw(s, [=](int i, int j, int k) { return i == n[0] / 2 && j == n[1] / 2 && k == n[2] / 2; });
   });
   with("a wall of one voxel", [](Scene& s) {
-    const auto n = lattice_of(s.volume).size;
+    const auto n = grid::lattice_of(s.volume).size;
     draw(s, [=](int i, int j, int k) { return k == n[2] / 2 && i > 2 && j > 2 && i < n[0] - 3 && j < n[1] - 3; });
   });
   with("an oblique wall of one voxel", [](Scene& s) {
-    const auto n = lattice_of(s.volume).size;
+    const auto n = grid::lattice_of(s.volume).size;
     draw(s, [=](int i, int j, int k) {
       return (i + j + k) == (n[0] + n[1] + n[2]) / 2 && std::min({i, j, k}) > 2 && i < n[0] - 3 && j < n[1] - 3 &&
              k < n[2] - 3;
@@ -115,7 +115,7 @@ void add_changes(std::vector<ExtremeScene>& all, const std::function<Scene()>& m
 
 std::vector<ExtremeScene> of_balls() {
   std::vector<ExtremeScene> all;
-  const auto add = [&](const std::string& name, const Lattice& l, const Shape& shape) {
+  const auto add = [&](const std::string& name, const grid::Lattice& l, const Shape& shape) {
     all.push_back(later(name, [=] { return scene_of(name, l, shape); }));
   };
   add("2 x 2 x 2 voxels", cube({2, 2, 2}, {1, 1, 1}), balls(0.95, {0.2, 0.1, 0}));
@@ -136,10 +136,10 @@ std::vector<ExtremeScene> of_balls() {
   return all;
 }
 
-std::vector<ExtremeScene> of_body(Scene (*on)(const std::string&, const Lattice&), const Lattice& usual) {
+std::vector<ExtremeScene> of_body(Scene (*on)(const std::string&, const grid::Lattice&), const grid::Lattice& usual) {
   std::vector<ExtremeScene> all;
   const auto add = [&](const std::string& name, std::array<int, 3> size, Vec3 spacing, Vec3 moved = {}) {
-    Lattice l =
+    grid::Lattice l =
         cube(size, spacing,
              usual.to_world_mm({(usual.size[0] - 1) / 2.0, (usual.size[1] - 1) / 2.0, (usual.size[2] - 1) / 2.0}));
     l.origin_mm = l.origin_mm + moved;

@@ -7,7 +7,7 @@
 namespace trephine::extremes {
 namespace {
 
-std::vector<Case> cases_of(const StageType& stage) {
+std::vector<Case> cases_of(const stages::StageType& stage) {
   std::vector<Case> cases;
   for (const Subject& subject : subjects_of(stage)) {
     const std::string prefix = subject.label == stage.name ? "" : subject.label.substr(stage.name.size() + 2) + "; ";
@@ -15,7 +15,7 @@ std::vector<Case> cases_of(const StageType& stage) {
       cases.push_back({prefix + extreme.name,
                        [subject, &extreme] {
                          const Scene& scene = extreme.scene();
-                         StageInputs inputs;
+                         stages::StageInputs inputs;
                          if (!fill(inputs, subject, scene))
                            return "no surface to begin with: contour says: " + scene.no_surface;
                          return outcome_of_stage(*subject.stage, params_of(subject), inputs);
@@ -29,7 +29,7 @@ std::vector<Case> cases_of(const StageType& stage) {
 
 std::vector<Section> input_sections() {
   std::vector<Section> sections;
-  for (const StageType& stage : all_stages())
+  for (const stages::StageType& stage : all_stages())
     sections.push_back({"inputs_" + stage.name, "Inputs of " + stage.name, "", [&stage] { return cases_of(stage); }});
   return sections;
 }

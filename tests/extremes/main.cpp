@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(, LongExtremes, testing::Range<std::size_t>(0, all_sect
 // A stage's source says its name; a new one is swept, or this fails.
 TEST(ExtremesOf, EveryStage) {
   std::set<std::string> swept, declared;
-  for (const StageType& stage : all_stages()) EXPECT_TRUE(swept.insert(stage.name).second) << stage.name;
+  for (const stages::StageType& stage : all_stages()) EXPECT_TRUE(swept.insert(stage.name).second) << stage.name;
   const std::regex name(R"re(\bs\.name = "([a-z_0-9]+)";)re");
   for (const auto& file : std::filesystem::directory_iterator(TREPHINE_SOURCE_DIR "/lib/stages")) {
     if (file.path().extension() != ".cpp") continue;

@@ -95,8 +95,8 @@ std::string of_error(const Error& e) {
   return text;
 }
 
-std::string of_mesh(const TriMesh& mesh) {
-  const Validity v = check_validity(mesh);
+std::string of_mesh(const surface::TriMesh& mesh) {
+  const meshing::Validity v = meshing::check_validity(mesh);
   if (!v.valid()) return "FAULT: not valid: " + v.text();
   if (!v.float32) return "FAULT: float32 does not hold the points";
   if (!mesh.normals.empty())
@@ -106,7 +106,7 @@ std::string of_mesh(const TriMesh& mesh) {
          " mm3, valid";
 }
 
-std::string of_field(const Field& field, bool warned) {
+std::string of_field(const grid::Field& field, bool warned) {
   std::size_t inside = 0;
   for (const float v : field.voxels) {
     if (!std::isfinite(v)) return "FAULT: a voxel that is not finite";
@@ -119,7 +119,7 @@ std::string of_field(const Field& field, bool warned) {
 // HU of 16 bits are whole and stay so.
 std::string hu_text(double hu) { return std::fabs(hu) < 4e4 ? std::to_string(std::lround(hu)) : rounded(hu); }
 
-std::string of_volume(const HuVolume& volume) {
+std::string of_volume(const grid::HuVolume& volume) {
   return std::visit(
       [](const auto& g) -> std::string {
         double low = 1e300, high = -1e300;
@@ -136,17 +136,17 @@ std::string of_volume(const HuVolume& volume) {
       volume);
 }
 
-std::string of_haptic(const HapticVolume& volume) {
-  check_haptic_volume(volume);
+std::string of_haptic(const voxel::HapticVolume& volume) {
+  voxel::check_haptic_volume(volume);
   std::size_t filled = 0;
-  for (const auto v : volume.voxels.voxels) filled += v != haptic_empty;
+  for (const auto v : volume.voxels.voxels) filled += v != voxel::haptic_empty;
   if (filled == 0) return "FAULT: nothing to feel, without a word";
   return grouped_text(static_cast<long long>(volume.voxels.count())) + " voxels, " +
          grouped_text(static_cast<long long>(filled)) + " filled";
 }
 
-std::string of_landmarks(const HeadLandmarks& found, bool warned) {
-  for (const CaseLandmark& l : found.landmarks)
+std::string of_landmarks(const head::HeadLandmarks& found, bool warned) {
+  for (const cases::CaseLandmark& l : found.landmarks)
     if (!is_finite(l.position_mm) || !(l.confidence >= 0 && l.confidence <= 1))
       return "FAULT: landmark " + l.name + " is not finite";
   if (found.landmarks.empty() && !warned) return "FAULT: no landmark, without a word";
@@ -163,7 +163,7 @@ std::string of_figures(const Report& report) {
   return text;
 }
 
-std::string of_data(const StageData& data, bool warned) {
+std::string of_data(const stages::StageData& data, bool warned) {
   const auto null = [](const auto& p) {
     if constexpr (std::is_same_v<std::decay_t<decltype(p)>, std::monostate>)
       return false;
@@ -171,14 +171,14 @@ std::string of_data(const StageData& data, bool warned) {
       return !p;
   };
   if (std::visit(null, data)) return "FAULT: no result";
-  if (const auto* d = std::get_if<std::shared_ptr<const TriMesh>>(&data)) return of_mesh(**d);
-  if (const auto* d = std::get_if<std::shared_ptr<const Field>>(&data)) return of_field(**d, warned);
-  if (const auto* d = std::get_if<std::shared_ptr<const HuVolume>>(&data)) return of_volume(**d);
-  if (const auto* d = std::get_if<std::shared_ptr<const HapticVolume>>(&data)) return of_haptic(**d);
-  if (const auto* d = std::get_if<std::shared_ptr<const HeadLandmarks>>(&data)) return of_landmarks(**d, warned);
-  if (const auto* d = std::get_if<std::shared_ptr<const std::vector<Cutter>>>(&data)) {
-    for (const Cutter& c : **d) check_cutter(c, ExitCode::internal);
-    return std::to_string((*d)->size()) + " cutters, " + rounded(volume_mm3((*d)->front())) + " mm3";
+  if (const auto* d = std::get_if<std::shared_ptr<const surface::TriMesh>>(&data)) return of_mesh(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const grid::Field>>(&data)) return of_field(**d, warned);
+  if (const auto* d = std::get_if<std::shared_ptr<const grid::HuVolume>>(&data)) return of_volume(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data)) return of_haptic(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const head::HeadLandmarks>>(&data)) return of_landmarks(**d, warned);
+  if (const auto* d = std::get_if<std::shared_ptr<const std::vector<boolean::Cutter>>>(&data)) {
+    for (const boolean::Cutter& c : **d) boolean::check_cutter(c, ExitCode::internal);
+    return std::to_string((*d)->size()) + " cutters, " + rounded(boolean::volume_mm3((*d)->front())) + " mm3";
   }
   return "";
 }
@@ -192,7 +192,7 @@ std::string rounded(double v) {
   return to_text(std::strtod(text, nullptr));
 }
 
-std::string describe(const StageData& data, const Report& report) {
+std::string describe(const stages::StageData& data, const Report& report) {
   for (const auto& [name, value] : report.figures) {
     const auto finite = [](const ParameterValue& v) {
       if (const auto* d = std::get_if<double>(&v)) return std::isfinite(*d);
@@ -224,9 +224,10 @@ std::string outcome_of(const std::string& name, const std::function<std::string(
   }
 }
 
-std::string outcome_of_stage(const StageType& stage, const AnyParams& params, const StageInputs& inputs) {
+std::string outcome_of_stage(const stages::StageType& stage, const AnyParams& params,
+                             const stages::StageInputs& inputs) {
   Report report;
-  const StageData data = stage.run(params, inputs, report, {});
+  const stages::StageData data = stage.run(params, inputs, report, {});
   return describe(data, report);
 }
 

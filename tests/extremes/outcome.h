@@ -28,10 +28,11 @@ struct Section {
 std::string outcome_of(const std::string& name, const std::function<std::string()>& f);
 
 /// What a stage did with these inputs: figures of what it gave, checked: finite, valid, not empty without a word.
-std::string outcome_of_stage(const StageType& stage, const AnyParams& params, const StageInputs& inputs);
+std::string outcome_of_stage(const stages::StageType& stage, const AnyParams& params,
+                             const stages::StageInputs& inputs);
 
 /// Figures of stage data and of the report that came with it; "FAULT: ..." where they are no valid result.
-std::string describe(const StageData& data, const Report& report);
+std::string describe(const stages::StageData& data, const Report& report);
 
 /// Four digits: the same on every machine.
 std::string rounded(double v);

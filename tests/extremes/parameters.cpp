@@ -101,7 +101,7 @@ std::string shown(const std::string& text) {
   return text == "\n" ? "a newline" : text;
 }
 
-std::string refusals(const StageType& stage) {
+std::string refusals(const stages::StageType& stage) {
   const AnyParams params = stage.make_params();
   std::size_t texts = 0;
   for (const ParameterLeaf& leaf : leaves_of(params))
@@ -127,7 +127,7 @@ bool same_refusal(const Subject& subject, const Error& error) {
   return false;
 }
 
-std::vector<Case> cases_of(const StageType& stage) {
+std::vector<Case> cases_of(const stages::StageType& stage) {
   std::vector<Case> cases;
   cases.push_back(
       {"all parameters, just beyond both ends; nan, inf, no number, too many", [&] { return refusals(stage); }});
@@ -172,7 +172,7 @@ std::vector<Case> cases_of(const StageType& stage) {
 
 std::vector<Section> parameter_sections() {
   std::vector<Section> sections;
-  for (const StageType& stage : all_stages())
+  for (const stages::StageType& stage : all_stages())
     sections.push_back(
         {"parameters_" + stage.name, "Parameters of " + stage.name, "", [&stage] { return cases_of(stage); }});
   return sections;

@@ -11,17 +11,17 @@ namespace trephine::extremes {
 
 namespace {
 
-TriMesh surface_of(const Field& field) {
-  ContourParams p;
+surface::TriMesh surface_of(const grid::Field& field) {
+  meshing::ContourParams p;
   p.min_component_mm3 = 0;
   Report r;
-  return contour(field, p, r);
+  return meshing::contour(field, p, r);
 }
 
 }  // namespace
 
-Field sampled(const Lattice& l, const std::function<double(Vec3)>& f) {
-  Field field(l);
+grid::Field sampled(const grid::Lattice& l, const std::function<double(Vec3)>& f) {
+  grid::Field field(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i)
@@ -41,8 +41,8 @@ void add_meshes(Scene& s) {
   }
 }
 
-Cutter drill(Vec3 at, double radius_mm, double depth_mm) {
-  Cutter c;
+boolean::Cutter drill(Vec3 at, double radius_mm, double depth_mm) {
+  boolean::Cutter c;
   c.name = "drill";
   c.position_mm = at;
   c.radius_mm = radius_mm;
@@ -50,17 +50,17 @@ Cutter drill(Vec3 at, double radius_mm, double depth_mm) {
   return c;
 }
 
-CaseLandmark landmark(const std::string& name, Vec3 at) {
-  CaseLandmark l;
+cases::CaseLandmark landmark(const std::string& name, Vec3 at) {
+  cases::CaseLandmark l;
   l.name = name;
   l.position_mm = at;
   l.source = "found";
   return l;
 }
 
-HuVolume scan_of(const Lattice& l, const std::function<double(Vec3)>& hu) {
-  Grid<std::int16_t> g(l);
-  const Field f = sampled(l, hu);
+grid::HuVolume scan_of(const grid::Lattice& l, const std::function<double(Vec3)>& hu) {
+  grid::Grid<std::int16_t> g(l);
+  const grid::Field f = sampled(l, hu);
   for (std::size_t v = 0; v < g.count(); ++v) g.voxels[v] = std::int16_t(std::lround(f.voxels[v]));
   return g;
 }
@@ -72,8 +72,8 @@ double blend(double inside_mm, double width_mm, double a, double b) {
 void move(Scene& s, Vec3 by_mm) {
   std::visit([&](auto& g) { g.origin_mm = g.origin_mm + by_mm; }, s.volume);
   for (auto& [name, field] : s.fields) field.origin_mm = field.origin_mm + by_mm;
-  for (CaseLandmark& l : s.landmarks.landmarks) l.position_mm = l.position_mm + by_mm;
-  for (Cutter& c : s.cutters) c.position_mm = c.position_mm + by_mm;
+  for (cases::CaseLandmark& l : s.landmarks.landmarks) l.position_mm = l.position_mm + by_mm;
+  for (boolean::Cutter& c : s.cutters) c.position_mm = c.position_mm + by_mm;
   add_meshes(s);
 }
 
@@ -82,15 +82,15 @@ Shape balls(double radius_mm, Vec3 centre) {
           [=](Vec3 p) { return radius_mm / 2 - norm(p - centre); }};
 }
 
-Lattice cube(std::array<int, 3> size, Vec3 spacing_mm, Vec3 centre) {
-  Lattice l;
+grid::Lattice cube(std::array<int, 3> size, Vec3 spacing_mm, Vec3 centre) {
+  grid::Lattice l;
   l.size = size;
   l.spacing_mm = spacing_mm;
   for (int a = 0; a < 3; ++a) l.origin_mm[a] = centre[a] - spacing_mm[a] * (size[a] - 1) / 2.0;
   return l;
 }
 
-Scene scene_of(const std::string& name, const Lattice& l, const Shape& shape) {
+Scene scene_of(const std::string& name, const grid::Lattice& l, const Shape& shape) {
   Scene s;
   s.name = name;
   const double voxel_mm = std::cbrt(l.voxel_volume_mm3());
@@ -132,15 +132,15 @@ const Scene& usual_scene(Body body) {
   return balls_scene;
 }
 
-const std::vector<StageType>& all_stages() {
-  static const std::vector<StageType> stages = [] {
-    std::vector<StageType> all = stage_types();
-    for (StageType& s : all)
+const std::vector<stages::StageType>& all_stages() {
+  static const std::vector<stages::StageType> stages = [] {
+    std::vector<stages::StageType> all = stages::stage_types();
+    for (stages::StageType& s : all)
       if (s.name == "voxelize")
         s.make_params = [] {
-          VoxelizeStageParams params;
-          params.shapes.emplace_back("outer", HapticShapeParams());
-          params.drill.emplace_back("outer", DrillParams());
+          stages::VoxelizeStageParams params;
+          params.shapes.emplace_back("outer", stages::HapticShapeParams());
+          params.drill.emplace_back("outer", stages::DrillParams());
           return AnyParams::make(params);
         };
     return all;
@@ -148,37 +148,41 @@ const std::vector<StageType>& all_stages() {
   return stages;
 }
 
-bool fill(StageInputs& inputs, const StageType& stage, const Scene& scene, const std::vector<std::string>& ports) {
+bool fill(stages::StageInputs& inputs, const stages::StageType& stage, const Scene& scene,
+          const std::vector<std::string>& ports) {
   const auto by_name = [](const auto& all, const std::string& name) {
     const auto found = all.find(name);
     return found != all.end() ? found : all.find("");
   };
-  for (const Port& port : stage.ports) {
+  for (const stages::Port& port : stage.ports) {
     const bool asked = std::find(ports.begin(), ports.end(), port.name) != ports.end();
     if (!port.required && !asked) continue;
     const auto dot = port.name.find(".*");
     const std::string name = dot == std::string::npos ? port.name : port.name.substr(0, dot) + ".outer";
-    StageData& data = inputs.by_port[name];
-    if (port.kind == DataKind::volume) data = std::make_shared<const HuVolume>(scene.volume);
-    if (port.kind == DataKind::field) data = std::make_shared<const Field>(by_name(scene.fields, port.name)->second);
-    if (port.kind == DataKind::mesh) {
+    stages::StageData& data = inputs.by_port[name];
+    if (port.kind == stages::DataKind::volume) data = std::make_shared<const grid::HuVolume>(scene.volume);
+    if (port.kind == stages::DataKind::field)
+      data = std::make_shared<const grid::Field>(by_name(scene.fields, port.name)->second);
+    if (port.kind == stages::DataKind::mesh) {
       const auto mesh = by_name(scene.meshes, port.name);
       if (mesh == scene.meshes.end()) return false;
-      data = std::make_shared<const TriMesh>(mesh->second);
+      data = std::make_shared<const surface::TriMesh>(mesh->second);
     }
-    if (port.kind == DataKind::landmarks) data = std::make_shared<const HeadLandmarks>(scene.landmarks);
-    if (port.kind == DataKind::cutters) data = std::make_shared<const std::vector<Cutter>>(scene.cutters);
-    if (port.kind == DataKind::haptic) {
+    if (port.kind == stages::DataKind::landmarks) data = std::make_shared<const head::HeadLandmarks>(scene.landmarks);
+    if (port.kind == stages::DataKind::cutters)
+      data = std::make_shared<const std::vector<boolean::Cutter>>(scene.cutters);
+    if (port.kind == stages::DataKind::haptic) {
       const auto mesh = by_name(scene.meshes, "outer");
       if (mesh == scene.meshes.end()) return false;
-      VoxelizeParams p;
+      voxel::VoxelizeParams p;
       const Vec3 spacing = scene.fields.at("").spacing_mm;
       p.spacing_mm = {spacing.x, spacing.y, spacing.z};
-      Bounds b = bounds_of(mesh->second);
+      surface::Bounds b = surface::bounds_of(mesh->second);
       for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * spacing[a], b.max_mm[a] += 3 * spacing[a];
       Report r;
-      data = std::make_shared<const HapticVolume>(voxelize(
-          haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p), {{"outer", &mesh->second, nullptr, 0}}, r));
+      data = std::make_shared<const voxel::HapticVolume>(
+          voxel::voxelize(voxel::haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p),
+                          {{"outer", &mesh->second, nullptr, 0}}, r));
     }
   }
   return true;

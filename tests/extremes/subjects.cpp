@@ -24,10 +24,10 @@ const std::filesystem::path& scratch_folder() {
 std::string labels_file() {
   static const std::string file = [] {
     const std::string name = (scratch_folder() / "labels.nrrd").string();
-    const Field& field = usual_scene(Body::balls).fields.at("");
-    Mask mask(field);
+    const grid::Field& field = usual_scene(Body::balls).fields.at("");
+    grid::Mask mask(field);
     for (std::size_t v = 0; v < mask.count(); ++v) mask.voxels[v] = field.voxels[v] > 0;
-    write_nrrd(name, mask);
+    grid::write_nrrd(name, mask);
     return name;
   }();
   return file;
@@ -37,15 +37,15 @@ std::string labels_file() {
 std::string correction_file() {
   static const std::string file = [] {
     const std::string name = (scratch_folder() / "correction.nrrd").string();
-    const Field& field = usual_scene(Body::balls).fields.at("");
-    Mask mask(field);
+    const grid::Field& field = usual_scene(Body::balls).fields.at("");
+    grid::Mask mask(field);
     const int middle = field.size[2] / 2;
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i) {
         mask.at(i, j, middle) = field.at(i, j, middle) > 0 ? 0 : 1;
         mask.at(i, j, middle + 1) = field.at(i, j, middle + 1) > 0 ? 2 : 0;
       }
-    LabelFile map;
+    grid::LabelFile map;
     map.lattice = mask;
     map.samples = mask;
     for (const char* segment : {"added", "removed"}) {
@@ -53,7 +53,7 @@ std::string correction_file() {
       map.segments.back().id = map.segments.back().name = segment;
       map.segments.back().value = int(map.segments.size());
     }
-    write_file(name, encode_labels(map));
+    write_file(name, grid::encode_labels(map));
     return name;
   }();
   return file;
@@ -94,7 +94,7 @@ Suited suited(const std::string& stage) {
 
 }  // namespace
 
-std::vector<Subject> subjects_of(const StageType& stage) {
+std::vector<Subject> subjects_of(const stages::StageType& stage) {
   std::vector<std::string> methods{""};
   const AnyParams params = stage.make_params();
   if (const Parameter* method = params.set->find("method")) methods = method->choices;
@@ -132,12 +132,12 @@ AnyParams params_of(const Subject& subject) {
   return params;
 }
 
-bool fill(StageInputs& inputs, const Subject& subject, const Scene& scene) {
+bool fill(stages::StageInputs& inputs, const Subject& subject, const Scene& scene) {
   return fill(inputs, *subject.stage, scene, subject.ports);
 }
 
-StageInputs inputs_of(const Subject& subject) {
-  StageInputs inputs;
+stages::StageInputs inputs_of(const Subject& subject) {
+  stages::StageInputs inputs;
   fill(inputs, subject, usual_scene(subject.body));
   return inputs;
 }

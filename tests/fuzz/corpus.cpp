@@ -31,19 +31,19 @@ void put(const fs::path& folder, const std::string& name, const std::string& byt
 
 std::vector<std::pair<std::string, std::string>> seeds(const fs::path& scratch) {
   std::vector<std::pair<std::string, std::string>> all;
-  ScanParams p;
+  phantom::ScanParams p;
   p.columns_count = p.rows_count = 16;
   p.slices_count = 3;
   p.field_of_view_mm = 200;
-  p.contents = Contents::fiducials;
-  const auto scanned = scan(Head(HeadParams{}), p);
-  for (const auto& [name, encoding] : {std::pair{"raw", Encoding::none},
-                                       {"rle", Encoding::rle},
-                                       {"jpeg_ls", Encoding::jpeg_ls},
-                                       {"jpeg_2000", Encoding::jpeg_2000}}) {
-    SeriesParams series;
+  p.contents = phantom::Contents::fiducials;
+  const auto scanned = phantom::scan(phantom::Head(phantom::HeadParams{}), p);
+  for (const auto& [name, encoding] : {std::pair{"raw", phantom::Encoding::none},
+                                       {"rle", phantom::Encoding::rle},
+                                       {"jpeg_ls", phantom::Encoding::jpeg_ls},
+                                       {"jpeg_2000", phantom::Encoding::jpeg_2000}}) {
+    phantom::SeriesParams series;
     series.encoding = encoding;
-    write_series(scratch, scanned, p, series, "fuzz");
+    phantom::write_series(scratch, scanned, p, series, "fuzz");
     for (const char* file : {"slice_0001.dcm", "slice_0003.dcm"})
       all.emplace_back(std::string(name) + "_" + file, slurp(scratch / file));
   }

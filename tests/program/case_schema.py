@@ -51,7 +51,8 @@ def fault(value, s, at=""):
 
 def keys_of(s):
     """How many keys the schema describes."""
-    return len(s.get("properties", {})) + sum(keys_of(v) for v in [*s.get("properties", {}).values(), s.get("items", {})])
+    below = [*s.get("properties", {}).values(), *([s["items"]] if "items" in s else [])]
+    return len(s.get("properties", {})) + sum(keys_of(v) for v in below)
 
 
 def came_later(way):

@@ -4,20 +4,20 @@
 
 #include "grid/grid.h"
 
-namespace trephine {
+namespace trephine::itk {
 
-using Image = itk::Image<float, 3>;
+using Image = ::itk::Image<float, 3>;
 
 /// The grid as an image of ITK, with the same voxels in the same memory: the grid must outlive it, and nothing may
 /// write to the image.
-inline Image::Pointer image_of(const Grid<float>& grid) {
+inline Image::Pointer image_of(const grid::Grid<float>& grid) {
   auto image = Image::New();
   Image::RegionType region;
   Image::SpacingType spacing;
   Image::PointType origin;
   Image::DirectionType direction;
   for (unsigned a = 0; a < 3; ++a) {
-    region.SetSize(a, static_cast<itk::SizeValueType>(grid.size[a]));
+    region.SetSize(a, static_cast<::itk::SizeValueType>(grid.size[a]));
     spacing[a] = grid.spacing_mm[static_cast<int>(a)];
     origin[a] = grid.origin_mm[static_cast<int>(a)];
     for (unsigned b = 0; b < 3; ++b) direction(a, b) = grid.direction.column[b][static_cast<int>(a)];
@@ -30,4 +30,4 @@ inline Image::Pointer image_of(const Grid<float>& grid) {
   return image;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -11,10 +11,10 @@
 int main(int argc, char** argv) {
   // One thread and one work unit in every filter: sums do not depend on the machine. What can run at once, we run at
   // once.
-  itk::MultiThreaderBase::SetGlobalDefaultThreader(itk::MultiThreaderBase::ThreaderEnum::Platform);
-  itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(1);
-  itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
-  itk::Object::SetGlobalWarningDisplay(false);  // a warning may quote the file that is read
+  ::itk::MultiThreaderBase::SetGlobalDefaultThreader(::itk::MultiThreaderBase::ThreaderEnum::Platform);
+  ::itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(1);
+  ::itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(1);
+  ::itk::Object::SetGlobalWarningDisplay(false);  // a warning may quote the file that is read
   trephine::run_child_if_asked(argc, argv);
   std::fputs("trephine-itk: is started by trephine where it needs ITK, and does nothing by itself\n", stderr);
   return static_cast<int>(trephine::ExitCode::usage);

@@ -14,7 +14,7 @@
 #include "base/write_file.h"
 #include "hdf5_file.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 using namespace hdf5;
@@ -201,4 +201,4 @@ void write_minc(const std::string& name, const ItkVolume& head, ItkSample sample
   made(H5Fflush(file, H5F_SCOPE_GLOBAL));
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

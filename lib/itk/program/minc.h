@@ -8,7 +8,7 @@
 
 #include "itk/volume_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// The geometry that a MINC 2 file says, read from its HDF5 attributes without libminc and turned from MINC's RAS to
 /// LPS: ITK 5.2 hands MINC's coordinates over as if they were LPS, which would exchange left and right, front and back.
@@ -42,4 +42,4 @@ ValueFigures minc_values(const std::string& file);
 /// writes into each file. Throws Error 74.
 void write_minc(const std::string& file, const ItkVolume& head, ItkSample sample, std::string_view voxels);
 
-}  // namespace trephine
+}  // namespace trephine::itk

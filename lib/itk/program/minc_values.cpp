@@ -12,7 +12,7 @@
 #include "hdf5_file.h"
 #include "minc.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 using namespace hdf5;
@@ -138,4 +138,4 @@ ValueFigures minc_values(const std::string& name) {
   return figures;
 }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -10,14 +10,14 @@
 
 #include "itk_image.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
-using Metric = itk::MattesMutualInformationImageToImageMetricv4<Image, Image>;
-using Linear = itk::MatrixOffsetTransformBase<double, 3, 3>;
+using Metric = ::itk::MattesMutualInformationImageToImageMetricv4<Image, Image>;
+using Linear = ::itk::MatrixOffsetTransformBase<double, 3, 3>;
 
 constexpr double degree = 0.017453292519943295;
-constexpr double least_overlap = 0.3;
+constexpr double min_overlap = 0.3;
 
 }  // namespace
 
@@ -56,16 +56,16 @@ struct MutualInformation::Parts {
   double places = 0, overlap = 0;
 };
 
-MutualInformation::MutualInformation(const Grid<float>& fixed, const Grid<float>& moving,
+MutualInformation::MutualInformation(const grid::Grid<float>& fixed, const grid::Grid<float>& moving,
                                      const std::vector<Vec3>& places, int bins, Vec3 centre, bool affine)
     : parts_(std::make_unique<Parts>()) {
   Linear::InputPointType middle;
   for (unsigned a = 0; a < 3; ++a) middle[a] = centre[static_cast<int>(a)];
   if (affine) {
-    parts_->transform = itk::AffineTransform<double, 3>::New();
+    parts_->transform = ::itk::AffineTransform<double, 3>::New();
     parts_->turning = 9;
   } else {
-    auto euler = itk::Euler3DTransform<double>::New();
+    auto euler = ::itk::Euler3DTransform<double>::New();
     euler->SetComputeZYX(true);
     parts_->transform = euler;
   }
@@ -83,7 +83,7 @@ MutualInformation::MutualInformation(const Grid<float>& fixed, const Grid<float>
   metric.SetFixedImage(image_of(fixed));
   metric.SetMovingImage(image_of(moving));
   metric.SetMovingTransform(parts_->transform);
-  metric.SetNumberOfHistogramBins(static_cast<itk::SizeValueType>(bins));
+  metric.SetNumberOfHistogramBins(static_cast<::itk::SizeValueType>(bins));
   metric.SetFixedSampledPointSet(samples);
   metric.SetUseSampledPointSet(true);
   metric.SetUseFixedImageGradientFilter(false);
@@ -108,12 +108,12 @@ double MutualInformation::at(const Pose& pose, Pose* uphill) const {
       parts.metric->GetValueAndDerivative(value, slope);
     else
       value = parts.metric->GetValue();
-  } catch (const itk::ExceptionObject&) {  // no sample lies within the moving grid
+  } catch (const ::itk::ExceptionObject&) {  // no sample lies within the moving grid
     parts.overlap = 0;
     return 0;
   }
   parts.overlap = static_cast<double>(parts.metric->GetNumberOfValidPoints()) / parts.places;
-  if (parts.overlap < least_overlap || !std::isfinite(value)) return 0;
+  if (parts.overlap < min_overlap || !std::isfinite(value)) return 0;
   if (uphill)
     for (unsigned i = 0; i < pose.size(); ++i) (*uphill)[i] = slope[i] / (i < parts.turning ? arm_mm : 1);
   return -value;
@@ -121,4 +121,4 @@ double MutualInformation::at(const Pose& pose, Pose* uphill) const {
 
 double MutualInformation::overlap_ratio() const { return parts_->overlap; }
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -6,7 +6,7 @@
 #include "grid/grid.h"
 #include "itk/transform.h"
 
-namespace trephine {
+namespace trephine::itk {
 
 /// A linear map as an optimizer sees it: 6 numbers of a rigid one (angles about x, y, z times `arm_mm`, shift), or 12
 /// of an affine one (rows of the matrix times arm_mm, shift); all in mm, of like effect on a head. Angles and matrix
@@ -21,8 +21,8 @@ Pose affine_pose(const LinearMap& map, Vec3 centre_mm);
 /// Mattes' mutual information of two grids at sampled places. The grids must outlive the object. One thread.
 class MutualInformation {
  public:
-  MutualInformation(const Grid<float>& fixed, const Grid<float>& moving, const std::vector<Vec3>& places_mm, int bins,
-                    Vec3 centre_mm, bool affine);
+  MutualInformation(const grid::Grid<float>& fixed, const grid::Grid<float>& moving, const std::vector<Vec3>& places_mm,
+                    int bins, Vec3 centre_mm, bool affine);
   ~MutualInformation();
 
   /// In nats, 0 where under 30 % of the places lie within the moving grid. `uphill`: its derivative.
@@ -35,4 +35,4 @@ class MutualInformation {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -18,27 +18,27 @@
 #include "itk/volume_message.h"
 #include "minc.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
-constexpr std::uint64_t most_voxels = 4000000000u;
+constexpr std::uint64_t max_voxels = 4000000000u;
 
 [[noreturn]] void bad(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
 }
 
-itk::ImageIOBase::Pointer reader_of(ItkFormat format) {
+::itk::ImageIOBase::Pointer reader_of(ItkFormat format) {
   switch (format) {
     case ItkFormat::meta_image:
-      return itk::MetaImageIO::New().GetPointer();
+      return ::itk::MetaImageIO::New().GetPointer();
     case ItkFormat::nrrd:
-      return itk::NrrdImageIO::New().GetPointer();
+      return ::itk::NrrdImageIO::New().GetPointer();
     case ItkFormat::gipl:
-      return itk::GiplImageIO::New().GetPointer();
+      return ::itk::GiplImageIO::New().GetPointer();
     case ItkFormat::vtk:
-      return itk::VTKImageIO::New().GetPointer();
+      return ::itk::VTKImageIO::New().GetPointer();
     case ItkFormat::minc:
-      return itk::MINCImageIO::New().GetPointer();
+      return ::itk::MINCImageIO::New().GetPointer();
   }
   bad("", "no reader of that format");
 }
@@ -72,8 +72,8 @@ void put_voxels(ItkVolume head, const std::vector<char>& bytes, ChildRequest& to
 
 /// Calls `use` with a zero of the type that ITK gives.
 template <class Use>
-void with_type(itk::ImageIOBase::IOComponentEnum type, const Use& use) {
-  using Type = itk::ImageIOBase::IOComponentEnum;
+void with_type(::itk::ImageIOBase::IOComponentEnum type, const Use& use) {
+  using Type = ::itk::ImageIOBase::IOComponentEnum;
   switch (type) {
     case Type::CHAR:
       return use(static_cast<signed char>(0));
@@ -96,7 +96,7 @@ void with_type(itk::ImageIOBase::IOComponentEnum type, const Use& use) {
   }
 }
 
-void require_values(const std::string& file, itk::ImageIOBase::IOComponentEnum type, const std::vector<char>& bytes) {
+void require_values(const std::string& file, ::itk::ImageIOBase::IOComponentEnum type, const std::vector<char>& bytes) {
   ValueFigures figures;
   with_type(type, [&](auto zero) {
     using T = decltype(zero);
@@ -109,7 +109,7 @@ void require_values(const std::string& file, itk::ImageIOBase::IOComponentEnum t
 
 void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   if (format == ItkFormat::minc) minc_geometry(file);  // refuses, with a reason, what libminc would stumble over
-  const itk::ImageIOBase::Pointer io = reader_of(format);
+  const ::itk::ImageIOBase::Pointer io = reader_of(format);
   io->SetFileName(file);
   if (!io->CanReadFile(file.c_str())) bad("", "is not of the format that its name says");
   io->ReadImageInformation();
@@ -128,7 +128,7 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
     head.origin[a] = io->GetOrigin(a);
     for (unsigned b = 0; b < 3; ++b) head.axis[a][b] = io->GetDirection(a).at(b);
   }
-  if (count > most_voxels) bad("size", "more than 4e9 voxels");
+  if (count > max_voxels) bad("size", "more than 4e9 voxels");
   if (format == ItkFormat::minc) {
     for (std::size_t r = 0; r < 2; ++r) {
       head.origin[r] = 0 - head.origin[r];
@@ -141,7 +141,7 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
     head = *own.said;  // ITK holds the directions in single precision
     head.is_int16 = whole;
   }
-  itk::ImageIORegion region(io->GetNumberOfDimensions());
+  ::itk::ImageIORegion region(io->GetNumberOfDimensions());
   for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) {
     region.SetIndex(a, 0);
     region.SetSize(a, io->GetDimensions(a));
@@ -154,7 +154,7 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   request.report(0.4);
   // What the reader does not fill keeps the byte that was there before.
   std::vector<char> again(bytes.size(), '\x5a');
-  const itk::ImageIOBase::Pointer second = reader_of(format);  // GIPL's reader goes on where it ended
+  const ::itk::ImageIOBase::Pointer second = reader_of(format);  // GIPL's reader goes on where it ended
   second->SetFileName(file);
   second->ReadImageInformation();
   second->SetIORegion(region);
@@ -174,10 +174,10 @@ const ChildWorker worker(read_worker_name, [](ChildRequest& request) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // HDF5 prints what it stumbles over
   try {
     read(format, file, request);
-  } catch (const itk::ExceptionObject&) {  // its text quotes paths and the file
+  } catch (const ::itk::ExceptionObject&) {  // its text quotes paths and the file
     bad("", "is damaged, or of a kind of its format that ITK does not read");
   }
 });
 
 }  // namespace
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -15,26 +15,26 @@
 #include "itk/registration_message.h"
 #include "mutual_information.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 constexpr float body = 0.1f;  ///< a value from 0 to 1 above it is no air
-constexpr std::size_t least_places = 500;
+constexpr std::size_t min_places = 500;
 constexpr std::array<int, registration_levels> level_samples{8000, 20000, 0};
 
 struct Pair {
-  Grid<float> fixed, moving;
+  grid::Grid<float> fixed, moving;
 };
 
 struct Course {
   RegistrationTask task;
   std::array<Pair, registration_levels> levels;
-  Mask look;  ///< of the coarsest fixed level
+  grid::Mask look;  ///< of the coarsest fixed level
   Vec3 fixed_centre, moving_centre;
 };
 
 /// Centre of what is no air.
-Vec3 centre_of(const Grid<float>& grid) {
+Vec3 centre_of(const grid::Grid<float>& grid) {
   Vec3 sum;
   double weight = 0;
   for (int k = 0; k < grid.size[2]; ++k)
@@ -45,8 +45,8 @@ Vec3 centre_of(const Grid<float>& grid) {
 }
 
 /// Where samples may lie: within 16 mm of the body, of a grid of about 8 mm.
-Mask around_body(const Grid<float>& grid) {
-  Mask mask(grid);
+grid::Mask around_body(const grid::Grid<float>& grid) {
+  grid::Mask mask(grid);
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j)
       for (int i = 0; i < grid.size[0]; ++i) {
@@ -60,7 +60,7 @@ Mask around_body(const Grid<float>& grid) {
 
 /// About `count` places of a grid within the mask, each off a voxel's centre by up to half a voxel, so that they do not
 /// beat with the other grid's voxels.
-std::vector<Vec3> places_of(const Lattice& grid, const Mask& look, int count) {
+std::vector<Vec3> places_of(const grid::Lattice& grid, const grid::Mask& look, int count) {
   const auto looked_at = [&](Vec3 p) {
     const Vec3 v = look.to_index(p);
     const int i = static_cast<int>(std::lround(v.x)), j = static_cast<int>(std::lround(v.y)),
@@ -90,10 +90,10 @@ struct Place {
 };
 
 /// Steepest ascent with a step that is halved when the slope turns back.
-Place ascend(const MutualInformation& of, Pose pose, double step_mm, double least_step_mm, int most) {
+Place ascend(const MutualInformation& of, Pose pose, double step_mm, double min_step_mm, int most) {
   Place best{pose, -1};
   Pose slope, before;
-  for (int n = 0; n < most && step_mm >= least_step_mm; ++n) {
+  for (int n = 0; n < most && step_mm >= min_step_mm; ++n) {
     const double here = of.at(pose, &slope);
     if (here > best.information) best = {pose, here};
     double length = 0, turned = 0;
@@ -115,11 +115,11 @@ class Direction {
  public:
   Direction(const Course& course, bool back) : course_(course), back_(back) {
     centre_ = back ? course.moving_centre : course.fixed_centre;
-    const Mask own = back ? around_body(course.levels[0].moving) : Mask();
+    const grid::Mask own = back ? around_body(course.levels[0].moving) : grid::Mask();
     for (int l = 0; l < registration_levels; ++l) {
       places_[l] =
           places_of(fixed(l), back ? own : course.look, level_samples[l] ? level_samples[l] : course.task.samples);
-      if (places_[l].size() < least_places)
+      if (places_[l].size() < min_places)
         throw Error(ExitCode::bad_input, "", back ? "moving" : "volume",
                     "hardly anything stands out of the values that are compared");
     }
@@ -128,8 +128,8 @@ class Direction {
   MutualInformation at_level(int l, bool affine) const {
     return {fixed(l), moving(l), places_[l], course_.task.bins, centre_, affine};
   }
-  Place refine(int level, const Pose& from, double step_mm, double least_step_mm, int most = 200) const {
-    return ascend(at_level(level, from.size() > 6), from, step_mm, least_step_mm, most);
+  Place refine(int level, const Pose& from, double step_mm, double min_step_mm, int most = 200) const {
+    return ascend(at_level(level, from.size() > 6), from, step_mm, min_step_mm, most);
   }
   /// Through the two finer levels.
   Place finish(const Pose& from, double step_mm) const {
@@ -137,8 +137,8 @@ class Direction {
   }
 
  private:
-  const Grid<float>& fixed(int l) const { return back_ ? course_.levels[l].moving : course_.levels[l].fixed; }
-  const Grid<float>& moving(int l) const { return back_ ? course_.levels[l].fixed : course_.levels[l].moving; }
+  const grid::Grid<float>& fixed(int l) const { return back_ ? course_.levels[l].moving : course_.levels[l].fixed; }
+  const grid::Grid<float>& moving(int l) const { return back_ ? course_.levels[l].fixed : course_.levels[l].moving; }
   const Course& course_;
   bool back_;
   Vec3 centre_;
@@ -297,7 +297,7 @@ const ChildWorker worker(register_worker_name, [](ChildRequest& request) {
     level.fixed = itk_child::take_grid(in, register_worker_name);
     level.moving = itk_child::take_grid(in, register_worker_name);
   }
-  const Grid<float> within = itk_child::take_grid(in, register_worker_name);
+  const grid::Grid<float> within = itk_child::take_grid(in, register_worker_name);
   course.look = around_body(course.levels[0].fixed);
   for (std::size_t i = 0; i < course.look.voxels.size(); ++i)
     course.look.voxels[i] = course.look.voxels[i] && within.voxels.at(i) > 0;
@@ -309,4 +309,4 @@ const ChildWorker worker(register_worker_name, [](ChildRequest& request) {
 });
 
 }  // namespace
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -11,14 +11,14 @@
 #include "itk/itk_child.h"
 #include "itk/transform_message.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
 using namespace hdf5;
 
 void read(const std::string& file, ChildRequest& request) {
-  itk::TransformFactoryBase::RegisterDefaultTransforms();
-  const auto io = itk::HDF5TransformIOTemplate<double>::New();
+  ::itk::TransformFactoryBase::RegisterDefaultTransforms();
+  const auto io = ::itk::HDF5TransformIOTemplate<double>::New();
   if (!io->CanReadFile(file.c_str())) bad("", "is no HDF5 file of an ITK transform");
   {
     const Id opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
@@ -80,7 +80,7 @@ const ChildWorker worker(transform_worker_name, [](ChildRequest& request) {
   if (task == TransformTask::write) return write(file, in.array<double>());
   try {
     read(file, request);
-  } catch (const itk::ExceptionObject&) {
+  } catch (const ::itk::ExceptionObject&) {
     bad("", "is damaged, or of a kind that ITK does not read");
   } catch (const std::bad_alloc&) {
     throw;
@@ -92,4 +92,4 @@ const ChildWorker worker(transform_worker_name, [](ChildRequest& request) {
 });
 
 }  // namespace
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -10,44 +10,44 @@
 #include "itk/volume_message.h"
 #include "minc.h"
 
-namespace trephine {
+namespace trephine::itk {
 namespace {
 
-itk::ImageIOBase::Pointer writer_of(ItkFormat format) {
+::itk::ImageIOBase::Pointer writer_of(ItkFormat format) {
   switch (format) {
     case ItkFormat::meta_image:
-      return itk::MetaImageIO::New().GetPointer();
+      return ::itk::MetaImageIO::New().GetPointer();
     case ItkFormat::gipl:
-      return itk::GiplImageIO::New().GetPointer();
+      return ::itk::GiplImageIO::New().GetPointer();
     case ItkFormat::vtk:
-      return itk::VTKImageIO::New().GetPointer();
+      return ::itk::VTKImageIO::New().GetPointer();
     default:
       throw Error(ExitCode::internal, "", write_worker_name, "no writer of that format");
   }
 }
 
-itk::ImageIOBase::IOComponentEnum type_of(ItkSample sample) {
-  using Type = itk::ImageIOBase::IOComponentEnum;
+::itk::ImageIOBase::IOComponentEnum type_of(ItkSample sample) {
+  using Type = ::itk::ImageIOBase::IOComponentEnum;
   return sample == ItkSample::int16 ? Type::SHORT : sample == ItkSample::uint8 ? Type::UCHAR : Type::FLOAT;
 }
 
 void write(ItkFormat format, const std::string& file, const ItkVolume& head, ItkSample sample,
            std::string_view voxels) {
   if (format == ItkFormat::minc) return write_minc(file, head, sample, voxels);
-  const itk::ImageIOBase::Pointer io = writer_of(format);
+  const ::itk::ImageIOBase::Pointer io = writer_of(format);
   io->SetFileName(file);
   io->SetNumberOfDimensions(3);
-  itk::ImageIORegion region(3);
+  ::itk::ImageIORegion region(3);
   for (unsigned a = 0; a < 3; ++a) {
     io->SetDimensions(a, static_cast<unsigned>(head.size[a]));
     io->SetSpacing(a, head.spacing[a]);
     io->SetOrigin(a, head.origin[a]);
     io->SetDirection(a, {head.axis[a][0], head.axis[a][1], head.axis[a][2]});
     region.SetIndex(a, 0);
-    region.SetSize(a, static_cast<itk::SizeValueType>(head.size[a]));
+    region.SetSize(a, static_cast<::itk::SizeValueType>(head.size[a]));
   }
   io->SetIORegion(region);
-  io->SetPixelType(itk::IOPixelEnum::SCALAR);
+  io->SetPixelType(::itk::IOPixelEnum::SCALAR);
   io->SetNumberOfComponents(1);
   io->SetComponentType(type_of(sample));
   io->SetFileTypeToBinary();
@@ -68,10 +68,10 @@ const ChildWorker worker(write_worker_name, [](ChildRequest& request) {
   if (bytes != voxels.size()) throw Error(ExitCode::internal, "", write_worker_name, "another number of voxels");
   try {
     write(format, file, head, sample, voxels);
-  } catch (const itk::ExceptionObject&) {
+  } catch (const ::itk::ExceptionObject&) {
     throw Error(ExitCode::io, "", "", "ITK could not write the file");
   }
 });
 
 }  // namespace
-}  // namespace trephine
+}  // namespace trephine::itk

@@ -8,29 +8,29 @@
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 // Those of the open exercise [Rizzi, chapter 8.2.2]: a pedicle finder, and screws of several sizes, each a tool named
 // by its diameter and length: screw_5.5x40.
-std::vector<BeltToolParams> pedicle_screw_tools() {
-  BeltToolParams finder;
+std::vector<haptics::BeltToolParams> pedicle_screw_tools() {
+  haptics::BeltToolParams finder;
   finder.name = "finder";
   finder.tool = "jamshidi";
   finder.tool_diameter_mm = 4;
   finder.tool_length_mm = 80;
   finder.pierce_n = 2;  // ours: less than a needle's, for it comes from the exposed bone
-  std::vector<BeltToolParams> all = {finder};
+  std::vector<haptics::BeltToolParams> all = {finder};
   for (const double diameter : {5.5, 6.5})
     for (const double length : {35.0, 40.0, 45.0, 50.0}) {
-      BeltToolParams screw = finder;
+      haptics::BeltToolParams screw = finder;
       screw.name = fmt::format("screw_{}x{:.0f}", diameter, length);
       screw.tool_diameter_mm = diameter;
       screw.tool_length_mm = length;
       screw.tool_spacing_mm = 3;  // not more points than a tool may have
       all.push_back(screw);
     }
-  for (BeltToolParams& t : all) static_cast<ToolParams&>(t) = own_tool(t);
+  for (haptics::BeltToolParams& t : all) static_cast<haptics::ToolParams&>(t) = haptics::own_tool(t);
   return all;
 }
 
@@ -55,9 +55,9 @@ LessonType pedicle_screw_lesson() {
   m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
   m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
   m.steps = spine_steps();
-  m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
+  m.require = [](const cases::CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = pedicle_screw_tools;
-  m.tasks = [](const CaseManifest& manifest) {
+  m.tasks = [](const cases::CaseManifest& manifest) {
     std::vector<LessonTask> all;
     for (const std::string& name : pedicle_tasks(manifest))
       all.push_back({name,
@@ -67,10 +67,10 @@ LessonType pedicle_screw_lesson() {
     return all;
   };
   m.plan = plan_spine_moves;
-  m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
+  m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume&, const voxel::HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
   };
-  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const cases::LoadedCase& loaded, const voxel::HapticVolume& before,
                const AnyParams& rubric) {
     return score_pedicle_screw(static_cast<const SpineNeedleFacts&>(facts), loaded.manifest, before,
                                rubric.as<PedicleScrewRubric>());
@@ -95,4 +95,4 @@ LessonType pedicle_screw_lesson() {
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

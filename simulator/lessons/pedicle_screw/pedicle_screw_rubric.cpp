@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/pedicle_screw/pedicle_screw_rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-RubricType pedicle_screw_rubric() {
+lesson::RubricType pedicle_screw_rubric() {
   return {"pedicle_screw", [] { return AnyParams::make<PedicleScrewRubric>(); }};
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,16 +4,16 @@
 
 #include "lesson/rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The five errors of a pedicle screw, and how many are acceptable [Rizzi, chapter 8.2.2]. The dissertation names the
 /// errors and says 2; from where on each is one it does not say.
 struct PedicleScrewRubric {
   std::string module;
-  RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count, least_confidence_ratio,
-      farthest_mm;
-  std::optional<RubricLimit> head_mm, widest_ratio, narrowest_ratio;
-  std::vector<CriticalRule> critical_errors;
+  lesson::RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count,
+      least_confidence_ratio, farthest_mm;
+  std::optional<lesson::RubricLimit> head_mm, widest_ratio, narrowest_ratio;
+  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = PedicleScrewRubric;
@@ -37,9 +37,9 @@ struct PedicleScrewRubric {
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
-                                            "wrong_side", "wrong_level"});
+    return lesson::critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
+                                                    "wrong_side", "wrong_level"});
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

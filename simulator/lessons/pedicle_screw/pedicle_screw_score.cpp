@@ -7,7 +7,7 @@
 
 #include "lessons/spine/spine_critical.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
@@ -22,7 +22,7 @@ double seen_deg(Vec3 a, Vec3 b, int across, int along) {
 // Whether the screw is as long and as wide as the pedicle wants it: its head on the bone, its thread filling the
 // pedicle without bursting it. `none`: why it is at no pedicle, or why the pedicle is not known.
 ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const NeedleErrors& e,
-                  const HapticVolume& before, int bone, const std::string& none, bool judged) {
+                  const voxel::HapticVolume& before, int bone, const std::string& none, bool judged) {
   ScoreRow row{"size", "Size of the screw", {}, none, {}, {}, {}};
   row.beside = true;
   row.limits = {{"head_mm", *r.head_mm}, {"widest_ratio", *r.widest_ratio}, {"narrowest_ratio", *r.narrowest_ratio}};
@@ -48,8 +48,8 @@ ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const Nee
 
 bool is_screw(const NeedlePass& pass) { return pass.tool.rfind("screw", 0) == 0; }
 
-LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                                const PedicleScrewRubric& r) {
+LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                                const voxel::HapticVolume& before, const PedicleScrewRubric& r) {
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   const int bone = spine_bone_of(manifest);
   const NeedlePass* pass = facts.final_pass();
@@ -89,7 +89,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
   int errors = 0;
   const auto row = [&](const char* name, const char* title, const char* figure, double value, const char* limit_name,
-                       const RubricLimit& limit, const std::string& why) {
+                       const lesson::RubricLimit& limit, const std::string& why) {
     ScoreRow s;
     s.name = name;
     s.title = title;
@@ -140,4 +140,4 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   return score;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,14 +4,14 @@
 #include "lessons/score.h"
 #include "lessons/spine/pedicle_errors.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// Whether the tool is a screw, not the finder.
 bool is_screw(const NeedlePass& pass);
 
 /// The five errors of a screw: each is a row with 5 (none) or 1 (an error); the last row says whether the screw is
 /// acceptable. A pure function: the same facts, case, volume and rubric give the same rows.
-LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                                const PedicleScrewRubric& rubric);
+LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                                const voxel::HapticVolume& before, const PedicleScrewRubric& rubric);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

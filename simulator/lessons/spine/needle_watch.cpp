@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double path_step_mm = 0.25;
@@ -17,34 +17,34 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-std::vector<CasePedicle> pedicles_of(const CaseManifest& manifest) {
+std::vector<CasePedicle> pedicles_of(const cases::CaseManifest& manifest) {
   const std::string entry = "_entry";
   std::vector<CasePedicle> all;
-  for (const CaseLandmark& l : manifest.landmarks) {
+  for (const cases::CaseLandmark& l : manifest.landmarks) {
     if (l.name.rfind("pedicle_", 0) != 0 || l.name.size() <= entry.size() ||
         l.name.compare(l.name.size() - entry.size(), entry.size(), entry) != 0)
       continue;
     const std::string name = l.name.substr(0, l.name.size() - entry.size());
     // Medial and lateral hang on the side, so a pedicle that does not say it is none.
     if (name.find("_left") == std::string::npos && name.find("_right") == std::string::npos) continue;
-    for (const CaseLandmark& t : manifest.landmarks)
+    for (const cases::CaseLandmark& t : manifest.landmarks)
       if (t.name == name + "_target" && norm(t.position_mm - l.position_mm) > 1)
         all.push_back({name, l.position_mm, t.position_mm, std::min(l.confidence, t.confidence)});
   }
   return all;
 }
 
-int spine_bone_of(const CaseManifest& manifest) {
+int spine_bone_of(const cases::CaseManifest& manifest) {
   if (pedicles_of(manifest).empty())
     throw Error(ExitCode::bad_input, "", "landmarks",
                 "the lesson needs a pedicle: pedicle_1_left_entry and pedicle_1_left_target, or others of that form");
-  for (const CaseShape& shape : manifest.haptic.shapes)
+  for (const cases::CaseShape& shape : manifest.haptic.shapes)
     if (shape.name == "bone" && shape.material.front.touchable) return shape.number;
   throw Error(ExitCode::bad_input, "", "haptic.shapes", "the lesson needs bone that is felt");
 }
 
 bool ArmPose::take(int command) {
-  namespace c = belt_command;
+  namespace c = haptics::belt_command;
   if (command == c::view_ap)
     *this = {0, 0};
   else if (command == c::view_lateral)
@@ -69,12 +69,12 @@ const char* ArmPose::view() const {
   return orbit_deg == 0 ? "ap" : orbit_deg == 90 ? "lateral" : orbit_deg == 45 ? "oblique" : "free";
 }
 
-CArmParams arm_of(const CaseManifest& manifest, const ArmPose& pose) {
+fluoro::CArmParams arm_of(const cases::CaseManifest& manifest, const ArmPose& pose) {
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   Vec3 middle;
   for (const CasePedicle& p : pedicles) middle += (p.entry_mm + p.target_mm) * (0.5 / double(pedicles.size()));
-  CArmParams arm;
-  arm.view = CArmParams::View::free;
+  fluoro::CArmParams arm;
+  arm.view = fluoro::CArmParams::View::free;
   arm.orbit_deg = pose.orbit_deg;
   arm.tilt_deg = pose.tilt_deg;
   arm.centre_mm = {middle.x, middle.y, middle.z};
@@ -88,11 +88,11 @@ double SpineNeedleFacts::exposure_s() const {
   return std::round(1e6 * sum) / 1e6;
 }
 
-SpineNeedle::SpineNeedle(const CaseManifest& manifest) : bone_(spine_bone_of(manifest)) {}
+SpineNeedle::SpineNeedle(const cases::CaseManifest& manifest) : bone_(spine_bone_of(manifest)) {}
 
-void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+void SpineNeedle::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
   const Vec3 tip = vec(f.proxy_mm), axis = vec(f.axis);
-  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+  const haptics::BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
   if (belt.in_hand() != in_hand_) end_pass(f.time_s, false);  // another tool is another pass
   in_hand_ = belt.in_hand();
   if (pedal && !exposing_) {
@@ -111,7 +111,7 @@ void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
   }
   // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
   const bool elsewhere =
-      f.buttons & haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
+      f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
   if (in_bone_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
   if (belt.paused()) return;
   const bool inside = f.inside == bone_;
@@ -136,7 +136,7 @@ void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
   if (!inside && dot(tip - p.entry_mm, p.axis) > withdrawn_mm) end_pass(f.time_s, false);
 }
 
-void SpineNeedle::command(int command, const ServoFrame&, const ToolBelt&) { arm_.take(command); }
+void SpineNeedle::command(int command, const haptics::ServoFrame&, const haptics::ToolBelt&) { arm_.take(command); }
 
 void SpineNeedle::end_pass(double time_s, bool in_place) {
   if (!in_bone_) return;
@@ -152,4 +152,4 @@ void SpineNeedle::close() {
   exposing_ = false;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

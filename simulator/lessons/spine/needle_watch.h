@@ -8,7 +8,7 @@
 #include "fluoro/carm.h"
 #include "lessons/lesson.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A pedicle of the case, from the landmarks NAME_entry and NAME_target (pedicle_1_left_entry, ...). LPS, mm.
 struct CasePedicle {
@@ -17,10 +17,10 @@ struct CasePedicle {
   double confidence = 1;
   Vec3 forwards() const { return normalized(target_mm - entry_mm); }
 };
-std::vector<CasePedicle> pedicles_of(const CaseManifest& manifest);
+std::vector<CasePedicle> pedicles_of(const cases::CaseManifest& manifest);
 
 /// The number of the shape named bone. Throws Error 65 where the case has none that is felt, or no pedicle.
-int spine_bone_of(const CaseManifest& manifest);
+int spine_bone_of(const cases::CaseManifest& manifest);
 
 /// Where the C-arm stands, as commands move it: to a view, or by 5 degrees.
 struct ArmPose {
@@ -30,14 +30,14 @@ struct ArmPose {
   const char* view() const;  ///< "ap", "lateral", "oblique" or "free"
 };
 /// The arm at that pose about the middle of the case's pedicles.
-CArmParams arm_of(const CaseManifest& manifest, const ArmPose& pose);
+fluoro::CArmParams arm_of(const cases::CaseManifest& manifest, const ArmPose& pose);
 
 /// X-rays that were on without a break.
 struct FluoroShot {
   double begin_s = 0, end_s = 0, needle_mm = 0, length_mm = 0;
   ArmPose arm;        ///< at its end
   Vec3 tip_mm, axis;  ///< of the needle at its end; the axis from tip to tail
-  MetalRod metal() const { return {tip_mm, tip_mm + axis * length_mm, std::max(0.5, needle_mm)}; }
+  fluoro::MetalRod metal() const { return {tip_mm, tip_mm + axis * length_mm, std::max(0.5, needle_mm)}; }
 };
 
 /// A moment of the needle's way.
@@ -67,7 +67,7 @@ struct SpineNeedleFacts : LessonFacts {
 /// Watches a needle and a C-arm. The pedal is the arm's, with the needle in the picture at once.
 class SpineNeedle : public Lesson {
  public:
-  explicit SpineNeedle(const CaseManifest& manifest);
+  explicit SpineNeedle(const cases::CaseManifest& manifest);
   void close() override;
   const SpineNeedleFacts& facts() const override { return facts_; }
   std::shared_ptr<const LessonFacts> copy_of_facts() const override {
@@ -78,8 +78,8 @@ class SpineNeedle : public Lesson {
 
  protected:
   LessonFacts& noted() override { return facts_; }
-  void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) override;
-  void command(int command, const ServoFrame& frame, const ToolBelt& belt) override;
+  void tick(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, bool pedal) override;
+  void command(int command, const haptics::ServoFrame& frame, const haptics::ToolBelt& belt) override;
 
  private:
   void end_pass(double time_s, bool in_place);
@@ -91,4 +91,4 @@ class SpineNeedle : public Lesson {
   NeedlePoint last_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double after_entry_mm = 4;  // nearer to the entry the wall is the surface that the needle enters by
@@ -21,7 +21,7 @@ Vec3 passes(Vec3 tip, Vec3 axis, Vec3 at, Vec3 normal) {
 }
 
 // From the axis to its wall that way; a vessel's hole of a millimetre is none.
-double wall_mm(const HapticDecoder& volume, int bone, Vec3 from, Vec3 way) {
+double wall_mm(const voxel::HapticDecoder& volume, int bone, Vec3 from, Vec3 way) {
   double last = 0;
   for (double t = 0; t < farthest_wall_mm && t - last < 1; t += walk_mm)
     if (volume.trilinear(bone, from + way * t) >= 0.5) last = t;
@@ -65,9 +65,9 @@ NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::stri
   return nearest_pedicle(pedicles, tip, axis);
 }
 
-double pedicle_width_mm(const CasePedicle& p, const HapticVolume& volume, int bone) {
+double pedicle_width_mm(const CasePedicle& p, const voxel::HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards(), outer = normalized(Vec3{1, 0, 0} - f * f.x);
-  const HapticDecoder decoder(volume);
+  const voxel::HapticDecoder decoder(volume);
   double least = 0;
   const double length = norm(p.target_mm - p.entry_mm);
   for (double t = after_entry_mm; t < length; t += 0.5) {
@@ -78,11 +78,11 @@ double pedicle_width_mm(const CasePedicle& p, const HapticVolume& volume, int bo
   return least;
 }
 
-PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const HapticVolume& volume, int bone) {
+PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const voxel::HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards();
   const double length = norm(p.target_mm - p.entry_mm);
   const Vec3 up = normalized(Vec3{0, 0, 1} - f * f.z), across = cross(up, f);
-  const HapticDecoder decoder(volume);
+  const voxel::HapticDecoder decoder(volume);
   PedicleBreach worst;
   const auto look = [&](Vec3 at, double time_s) {
     const double along = dot(at - p.entry_mm, f);
@@ -111,4 +111,4 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const Ha
   return worst;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 #include "lessons/spine/needle_watch.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// How far a needle lies from the ideal axis of a pedicle.
 struct NeedleErrors {
@@ -35,9 +35,10 @@ struct PedicleBreach {
 /// For each moment of the pass, and for the whole needle at its last one: the wall is where a straight line from the
 /// ideal axis, across it, leaves the bone. Looked at from 4 mm past the entry on to the target, where the bone about
 /// the axis is a pedicle or a body; farther than 40 mm off there is no wall.
-PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const HapticVolume& volume, int bone);
+PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const voxel::HapticVolume& volume,
+                          int bone);
 
 /// The narrowest width of the pedicle across its axis, between medial and lateral wall; 0 where it has none.
-double pedicle_width_mm(const CasePedicle& pedicle, const HapticVolume& volume, int bone);
+double pedicle_width_mm(const CasePedicle& pedicle, const voxel::HapticVolume& volume, int bone);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double sure_confidence = 0.5;  // below it `trephine pedicles` calls an axis doubtful
@@ -32,13 +32,13 @@ void note_front(const CasePedicle& p, const NeedlePass& pass, int bone, Critical
 
 }  // namespace
 
-void note_spine_errors(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                       double farthest_mm, CriticalErrors& errors) {
+void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                       const voxel::HapticVolume& before, double farthest_mm, CriticalErrors& errors) {
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   const int bone = spine_bone_of(manifest);
   for (const NeedlePass& pass : facts.passes) {
     for (const NeedlePoint& n : pass.path)
-      for (const CaseShape& shape : manifest.haptic.shapes) {
+      for (const cases::CaseShape& shape : manifest.haptic.shapes) {
         if (shape.number != n.inside) continue;
         if (shape.name == "canal") errors.happened("canal", pass.tool + " entered the spinal canal", n.time_s);
         if (is_great_vessel(shape.name))
@@ -61,7 +61,7 @@ void note_spine_errors(const SpineNeedleFacts& facts, const CaseManifest& manife
                   last.tool + " went into " + e.pedicle->name + ", and " + facts.task + " was asked for", last.begin_s);
 }
 
-std::vector<std::string> pedicle_tasks(const CaseManifest& manifest) {
+std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest) {
   std::vector<CasePedicle> all = pedicles_of(manifest);
   std::stable_partition(all.begin(), all.end(), [](const CasePedicle& p) { return p.confidence >= sure_confidence; });
   std::vector<std::string> names;
@@ -77,4 +77,4 @@ std::string pedicle_in_words(const std::string& task) {
          ", counted from the lowest vertebra whose pedicles the scan shows";
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

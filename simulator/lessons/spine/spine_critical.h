@@ -3,17 +3,17 @@
 #include "lessons/score.h"
 #include "lessons/spine/pedicle_errors.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// Notes the critical errors that happened: anterior_cortex_mm, canal, medial_breach_mm, great_vessel in any pass;
 /// wrong_side and wrong_level by the last one. A pass that is farther than `farthest_mm` from every pedicle's entry is
 /// at none.
-void note_spine_errors(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                       double farthest_mm, CriticalErrors& errors);
+void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                       const voxel::HapticVolume& before, double farthest_mm, CriticalErrors& errors);
 
 /// What may be asked for: a pedicle of the case, those that are sure first.
-std::vector<std::string> pedicle_tasks(const CaseManifest& manifest);
+std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest);
 /// "the left pedicle 2, counted from the lowest vertebra that the scan shows".
 std::string pedicle_in_words(const std::string& task);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,13 +4,13 @@
 #include "base/error.h"
 #include "lessons/spine/needle_watch.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double behind_mm = 160;  // of a pedicle's entry: outside of any back
 constexpr double settle_s = 0.4;
 
-Vec3 begin_of(const CaseManifest& manifest) {
+Vec3 begin_of(const cases::CaseManifest& manifest) {
   Vec3 middle;
   const std::vector<CasePedicle> all = pedicles_of(manifest);
   for (const CasePedicle& p : all) middle += p.entry_mm / double(all.size());
@@ -100,4 +100,4 @@ std::vector<HandMove> plan_spine_moves(const LessonScript& script, const ScriptS
   return plan_steps(script, plan);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

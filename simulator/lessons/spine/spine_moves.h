@@ -2,7 +2,7 @@
 #pragma once
 #include "lessons/move_plan.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// X-rays on for a moment, with the needle where it is.
 struct ShootStep {
@@ -46,4 +46,4 @@ struct PushStep {
 /// case does not have.
 std::vector<HandMove> plan_spine_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

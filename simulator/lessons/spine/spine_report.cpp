@@ -12,7 +12,7 @@
 #include "lessons/spine/pedicle_errors.h"
 #include "lessons/spine/spine_moves.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -42,23 +42,23 @@ Json json_of(const SpineNeedleFacts& f) {
 }
 
 // What was seen: the last pictures that were taken, with the needle as it was then.
-std::string shots_html(const SpineNeedleFacts& facts, const LoadedCase& loaded) {
+std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& loaded) {
   constexpr std::size_t most = 6;
   constexpr int size = 256;
   if (facts.shots.empty()) return "<p>No picture was taken.</p>\n";
   std::string out = fmt::format("<h2>Fluoroscopy: {} shots, {:.1f} s</h2>\n", facts.shots.size(), facts.exposure_s());
   if (!loaded.has_ct()) return out + "<p class=\"faint\">The case holds no CT to show.</p>\n";
-  Fluoroscope fluoroscope(loaded.ct);
+  fluoro::Fluoroscope fluoroscope(loaded.ct);
   const std::size_t first = facts.shots.size() > most ? facts.shots.size() - most : 0;
   for (std::size_t n = first; n < facts.shots.size(); ++n) {
     const FluoroShot& s = facts.shots[n];
-    const FluoroPicture picture = fluoroscope.picture(arm_of(loaded.manifest, s.arm), size, {s.metal()});
+    const fluoro::FluoroPicture picture = fluoroscope.picture(arm_of(loaded.manifest, s.arm), size, {s.metal()});
     if ((n - first) % 3 == 0) out += "<div class=\"slices\">\n";
     out += fmt::format(
         "<figure><img alt=\"\" style=\"width:100%\" src=\"data:image/png;base64,{}\"><figcaption>{} at {:.1f} s, "
         "{:.1f} s "
         "long{}</figcaption></figure>\n",
-        base64(grey_png(size, size, picture.grey)), s.arm.view(), s.begin_s, s.end_s - s.begin_s,
+        base64(fluoro::grey_png(size, size, picture.grey)), s.arm.view(), s.begin_s, s.end_s - s.begin_s,
         std::string(s.arm.view()) == "free"
             ? fmt::format(" (orbit {:g}, tilt {:g} degrees)", s.arm.orbit_deg, s.arm.tilt_deg)
             : "");
@@ -77,8 +77,8 @@ std::vector<StepChoice> spine_steps() {
       script_step<PushStep>("push", "Pushes the needle on along its axis."),
       script_step<InsertStep>("insert", "Moves the tool on a straight line between two places."),
       script_step<ShootStep>("shoot", "Takes a picture: the pedal is down for a moment.")};
-  for (int command = belt_command::view_ap; command <= belt_command::tilt_less; ++command)
-    steps.push_back(script_step(belt_command::names[command], "Moves the C-arm."));
+  for (int command = haptics::belt_command::view_ap; command <= haptics::belt_command::tilt_less; ++command)
+    steps.push_back(script_step(haptics::belt_command::names[command], "Moves the C-arm."));
   return with_common_steps(steps);
 }
 
@@ -89,18 +89,18 @@ std::vector<LessonStatus> spine_status(const LessonFacts& lesson) {
           {"exposure_s", "X-rays, s", fmt::format("{:.1f}", f.exposure_s())}};
 }
 
-static LessonXray::Pose pose_of(const CaseManifest& manifest, const ArmPose& p) {
+static LessonXray::Pose pose_of(const cases::CaseManifest& manifest, const ArmPose& p) {
   return {p.view(), p.orbit_deg, p.tilt_deg, arm_of(manifest, p)};
 }
 
-std::vector<LessonShot> spine_shots(const LessonFacts& lesson, const CaseManifest& manifest) {
+std::vector<LessonShot> spine_shots(const LessonFacts& lesson, const cases::CaseManifest& manifest) {
   std::vector<LessonShot> all;
   for (const FluoroShot& s : own(lesson).shots)
     all.push_back({s.begin_s, s.end_s, pose_of(manifest, s.arm), {s.metal()}});
   return all;
 }
 
-LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest) {
+LessonXray spine_xray(const Lesson& lesson, const cases::CaseManifest& manifest) {
   const SpineNeedle& spine = static_cast<const SpineNeedle&>(lesson);
   const SpineNeedleFacts& f = spine.facts();
   LessonXray x;
@@ -114,7 +114,7 @@ LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest) {
   return x;
 }
 
-std::string spine_pictures(const LessonFacts& lesson, const LoadedCase& loaded) {
+std::string spine_pictures(const LessonFacts& lesson, const cases::LoadedCase& loaded) {
   const SpineNeedleFacts& facts = own(lesson);
   std::string out = shots_html(facts, loaded);
   const std::vector<CasePedicle> pedicles = pedicles_of(loaded.manifest);
@@ -142,4 +142,4 @@ std::string spine_pictures(const LessonFacts& lesson, const LoadedCase& loaded) 
              detail::escaped(e.pedicle->name));
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -2,7 +2,7 @@
 #pragma once
 #include "lessons/lesson_type.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// What the lessons in a spine share: the steps of their scripts, the facts (SpineNeedleFacts) as JSON, what a window
 /// says and shows of a SpineNeedle, and the page's pictures: what was seen under fluoroscopy, and the last tool beside
@@ -10,8 +10,8 @@ namespace trephine {
 std::vector<StepChoice> spine_steps();
 nlohmann::ordered_json spine_facts_json(const LessonFacts& facts);
 std::vector<LessonStatus> spine_status(const LessonFacts& facts);
-LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest);
-std::vector<LessonShot> spine_shots(const LessonFacts& facts, const CaseManifest& manifest);
-std::string spine_pictures(const LessonFacts& facts, const LoadedCase& loaded);
+LessonXray spine_xray(const Lesson& lesson, const cases::CaseManifest& manifest);
+std::vector<LessonShot> spine_shots(const LessonFacts& facts, const cases::CaseManifest& manifest);
+std::string spine_pictures(const LessonFacts& facts, const cases::LoadedCase& loaded);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

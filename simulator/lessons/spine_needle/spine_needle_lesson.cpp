@@ -8,15 +8,15 @@
 #include "lessons/spine/spine_report.h"
 #include "lessons/spine_needle/spine_needle_score.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 // The tool of [Rizzi, chapter 7.2]: a Jamshidi needle, which is pushed through bone. Its pedal is the C-arm's.
-std::vector<BeltToolParams> spine_needle_tools() {
-  BeltToolParams needle;
+std::vector<haptics::BeltToolParams> spine_needle_tools() {
+  haptics::BeltToolParams needle;
   needle.name = "needle";
   needle.tool = "jamshidi";
-  static_cast<ToolParams&>(needle) = own_tool(needle);
+  static_cast<haptics::ToolParams&>(needle) = haptics::own_tool(needle);
   needle.pierce_n = 2.5;
   return {needle};
 }
@@ -51,9 +51,9 @@ LessonType spine_needle_lesson() {
   m.columns.push_back({"medial", "1 or 0: towards the canal, where the breach was deepest", ""});
   m.columns.push_back({"turned_deg", "angle between the needle and the ideal axis", ""});
   m.steps = spine_steps();
-  m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
+  m.require = [](const cases::CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = spine_needle_tools;
-  m.tasks = [](const CaseManifest& manifest) {
+  m.tasks = [](const cases::CaseManifest& manifest) {
     std::vector<LessonTask> all;
     for (const std::string& name : pedicle_tasks(manifest))
       all.push_back({name,
@@ -63,11 +63,11 @@ LessonType spine_needle_lesson() {
     return all;
   };
   m.plan = plan_spine_moves;
-  m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
+  m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume&, const voxel::HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
   };
   m.needs_pictures = true;
-  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const cases::LoadedCase& loaded, const voxel::HapticVolume& before,
                const AnyParams& rubric) {
     return score_spine_needle(own(facts), loaded.manifest, before, rubric.as<SpineNeedleRubric>());
   };
@@ -92,4 +92,4 @@ LessonType spine_needle_lesson() {
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

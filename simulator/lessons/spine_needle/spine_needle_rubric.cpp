@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/spine_needle/spine_needle_rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-RubricType spine_needle_rubric() {
+lesson::RubricType spine_needle_rubric() {
   return {"spine_needle", [] { return AnyParams::make<SpineNeedleRubric>(); }};
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

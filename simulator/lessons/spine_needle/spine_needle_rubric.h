@@ -2,15 +2,15 @@
 #pragma once
 #include "lesson/rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// How a percutaneous needle in a pedicle is scored. The dissertation (chapter 8.2.1) measured the accuracy of entry
 /// and target and the exposure, and states neither units nor limits: all of them are ours.
 struct SpineNeedleRubric {
   std::string module;
-  FourLimits entry_mm, target_mm, breach_mm, depth_mm, exposure_s, passes_count, procedure_s;
-  RubricLimit least_confidence_ratio, farthest_mm;
-  std::vector<CriticalRule> critical_errors;
+  lesson::FourLimits entry_mm, target_mm, breach_mm, depth_mm, exposure_s, passes_count, procedure_s;
+  lesson::RubricLimit least_confidence_ratio, farthest_mm;
+  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SpineNeedleRubric;
@@ -32,9 +32,9 @@ struct SpineNeedleRubric {
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
-                                            "wrong_side", "wrong_level"});
+    return lesson::critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
+                                                    "wrong_side", "wrong_level"});
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,7 +8,7 @@
 
 #include "lessons/spine/spine_critical.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 struct Rows {
@@ -38,7 +38,7 @@ struct Rows {
     return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
   }
 
-  ScoreRow row(const char* name, const char* title, const FourLimits& limits, const std::string& unit) const {
+  ScoreRow row(const char* name, const char* title, const lesson::FourLimits& limits, const std::string& unit) const {
     ScoreRow r;
     r.name = name;
     r.title = title;
@@ -49,8 +49,8 @@ struct Rows {
     return r;
   }
   // Of a figure that needs a needle in place and a pedicle that is sure.
-  ScoreRow at_pedicle(const char* name, const char* title, const FourLimits& limits, const char* figure, double value,
-                      const std::string& why) const {
+  ScoreRow at_pedicle(const char* name, const char* title, const lesson::FourLimits& limits, const char* figure,
+                      double value, const std::string& why) const {
     ScoreRow r = row(name, title, limits, "mm");
     if (!doubt.empty()) {  // before all else: a case that does not know counts for nobody
       r.why = doubt;
@@ -76,8 +76,8 @@ struct Rows {
 
 }  // namespace
 
-LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                               const SpineNeedleRubric& r) {
+LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
+                               const voxel::HapticVolume& before, const SpineNeedleRubric& r) {
   const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
   const int bone = spine_bone_of(manifest);
   Rows rows{facts, r, facts.final_pass(), {}, {}};
@@ -178,4 +178,4 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   return score;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

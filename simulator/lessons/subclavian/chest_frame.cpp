@@ -8,15 +8,15 @@
 #include "base/error.h"
 #include "voxel/decode.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
-constexpr double end_mm = 8;        // of a clavicle, whose middle is its medial end
-constexpr double least_gap_mm = 4;  // between the two medial ends
-constexpr double slab_mm = 2;       // in which the vein's middle is taken
+constexpr double end_mm = 8;      // of a clavicle, whose middle is its medial end
+constexpr double min_gap_mm = 4;  // between the two medial ends
+constexpr double slab_mm = 2;     // in which the vein's middle is taken
 
-void each_voxel(const HapticVolume& v, int shape, const std::function<void(Vec3)>& visit) {
-  const HapticDecoder decoder(v);
+void each_voxel(const voxel::HapticVolume& v, int shape, const std::function<void(Vec3)>& visit) {
+  const voxel::HapticDecoder decoder(v);
   const auto& size = v.voxels.size;
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
@@ -38,9 +38,9 @@ struct Mean {
 
 }  // namespace
 
-ChestShapes chest_shapes_of(const CaseManifest& manifest) {
+ChestShapes chest_shapes_of(const cases::CaseManifest& manifest) {
   ChestShapes s;
-  for (const CaseShape& shape : manifest.haptic.shapes) {
+  for (const cases::CaseShape& shape : manifest.haptic.shapes) {
     const std::pair<const char*, int*> known[] = {{"skin", &s.skin},     {"clavicle", &s.clavicle}, {"vein", &s.vein},
                                                   {"artery", &s.artery}, {"pleura", &s.pleura},     {"lung", &s.lung}};
     for (const auto& [name, number] : known)
@@ -51,7 +51,7 @@ ChestShapes chest_shapes_of(const CaseManifest& manifest) {
   return s;
 }
 
-ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes) {
+ChestFrame chest_frame_of(const voxel::HapticVolume& volume, const ChestShapes& shapes) {
   ChestFrame f;
   double least = 1e9, most = -1e9;
   each_voxel(volume, shapes.clavicle, [&](Vec3 p) {
@@ -68,7 +68,7 @@ ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes)
     if (x < middle) right_end = std::max(right_end, x);
     if (x > middle) left_end = std::min(left_end, x);
   }
-  if (f.border_z_mm.empty() || left_end - right_end < least_gap_mm)
+  if (f.border_z_mm.empty() || left_end - right_end < min_gap_mm)
     throw Error(ExitCode::bad_input, "", "haptic.shapes.clavicle",
                 "is not two bones beside each other, between which the sternal notch would lie");
   Mean ends[2];
@@ -88,7 +88,7 @@ ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes)
     if (shape != 0) each_voxel(volume, shape, [&](Vec3 p) { ++lung_voxels[f.side_of(p)]; });
   const Vec3 s = volume.voxels.spacing_mm;
   for (int side = 0; side < 2; ++side) {
-    f.has_lung[side] = lung_voxels[side] * s.x * s.y * s.z >= 1000 * ChestFrame::least_lung_ml;
+    f.has_lung[side] = lung_voxels[side] * s.x * s.y * s.z >= 1000 * ChestFrame::min_lung_ml;
     f.has_vein[side] = veins[side].count > 0;
     if (f.has_vein[side]) f.vein_mm[side] = veins[side].value();
   }
@@ -111,4 +111,4 @@ double ChestFrame::off_notch_deg(Vec3 entry, Vec3 towards) const {
   return std::acos(std::clamp((line.x * towards.x + line.z * towards.z) / (a * b), -1.0, 1.0)) * 180 / M_PI;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

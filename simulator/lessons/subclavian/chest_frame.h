@@ -7,24 +7,24 @@
 #include "cases/case.h"
 #include "voxel/haptic_volume.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The shapes of a chest that the lesson knows, by number; 0 where there is none.
 struct ChestShapes {
   int skin = 0, clavicle = 0, vein = 0, artery = 0, pleura = 0, lung = 0;
 };
 /// Throws Error 65 where the case has no skin, clavicle or vein to be felt: such a case holds no such lesson.
-ChestShapes chest_shapes_of(const CaseManifest& manifest);
+ChestShapes chest_shapes_of(const cases::CaseManifest& manifest);
 
 /// What a central line is measured by, from the voxels of clavicles and veins. LPS, mm.
 struct ChestFrame {
   Vec3 notch_mm;    ///< the sternal notch: in the middle between the medial ends of the clavicles
   Vec3 vein_mm[2];  ///< a point of the vein (0: right, 1: left) under the medial third of that clavicle
   bool has_vein[2] = {false, false};
-  bool has_lung[2] = {false, false};  ///< at least least_lung_ml of lung or pleura on that side of the notch
+  bool has_lung[2] = {false, false};  ///< at least min_lung_ml of lung or pleura on that side of the notch
   std::map<int, double> border_z_mm;  ///< the clavicles' lower border: lowest z, by x in steps of border_step_mm
 
-  static constexpr double border_step_mm = 2, least_lung_ml = 20;
+  static constexpr double border_step_mm = 2, min_lung_ml = 20;
   int side_of(Vec3 p) const { return p.x > notch_mm.x ? 1 : 0; }
   /// How far the point lies below the lower border that is nearest to it in x; negative above it.
   double below_border_mm(Vec3 p) const;
@@ -33,6 +33,6 @@ struct ChestFrame {
 };
 
 /// Throws Error 65 where the clavicles are not two pieces beside each other.
-ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes);
+ChestFrame chest_frame_of(const voxel::HapticVolume& volume, const ChestShapes& shapes);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "lessons/subclavian/chest_frame.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double before_mm = 40;  // outside of the skin, where a way into it begins
@@ -47,7 +47,7 @@ class ChestPlan : public MovePlan {
   Vec3 place(const ChestPlace& p) {
     Vec3 at = missed_(named(p.at) + Vec3{p.offset_mm[0], p.offset_mm[1], p.offset_mm[2]});
     if (!p.on_skin) return at;
-    const Contact skin = scene_.contact.intersect(at + forwards * beyond_mm, at);
+    const contact::Contact skin = scene_.contact.intersect(at + forwards * beyond_mm, at);
     if (!skin.hit) throw Error(ExitCode::bad_input, "", "on_skin", "no skin is felt in front of " + p.at);
     return skin.point_mm;
   }
@@ -63,4 +63,4 @@ std::vector<HandMove> plan_chest_moves(const LessonScript& script, const ScriptS
   return plan_steps(script, plan);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -2,7 +2,7 @@
 #pragma once
 #include "lessons/move_plan.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A place in a chest: notch, vein_right, vein_left (chest_frame.h), a landmark or target of the case; then by an
 /// offset; then, where it is to be on the skin, straight forwards to it.
@@ -35,4 +35,4 @@ struct PunctureStep {
 /// What a script asks of the hand in a chest. Throws Error 65, naming the step.
 std::vector<HandMove> plan_chest_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,7 +8,7 @@
 #include "lessons/subclavian/chest_moves.h"
 #include "lessons/subclavian/subclavian_score.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -37,7 +37,7 @@ Json json_of(const SubclavianFacts& f) {
           {"blood_s", moment(f.blood_s)}};
 }
 
-std::string ways_html(const SubclavianFacts& f, const LoadedCase& loaded) {
+std::string ways_html(const SubclavianFacts& f, const cases::LoadedCase& loaded) {
   const ChestFrame frame = chest_frame_of(loaded.haptic, chest_shapes_of(loaded.manifest));
   std::vector<PictureMark> marks = {{{frame.notch_mm}, "target"}};
   for (const VeinPass& p : f.passes) {
@@ -59,7 +59,7 @@ std::string ways_html(const SubclavianFacts& f, const LoadedCase& loaded) {
   return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
 }
 
-std::vector<LessonTask> tasks_of(const CaseManifest&) {
+std::vector<LessonTask> tasks_of(const cases::CaseManifest&) {
   std::vector<LessonTask> all;
   for (const char* side :
        {"right", "left"})  // the right is the usual one: its pleura lies lower, without a thoracic duct
@@ -98,15 +98,15 @@ LessonType subclavian_lesson() {
   m.columns.push_back({"aspirations_count", "how often somebody aspirated", ""});
   m.steps = with_common_steps({script_step<PunctureStep>("puncture", "Moves the needle straight into the chest."),
                                script_step("aspirate", "Draws at the syringe.")});
-  m.require = [](const CaseManifest& manifest) { chest_shapes_of(manifest); };
+  m.require = [](const cases::CaseManifest& manifest) { chest_shapes_of(manifest); };
   m.tasks = tasks_of;
   m.tools = subclavian_tools;
   m.plan = plan_chest_moves;
-  m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume&) {
+  m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume& before, const voxel::HapticVolume&) {
     chest_frame_of(before, chest_shapes_of(manifest));  // refused here rather than by the scorer
     return std::unique_ptr<Lesson>(std::make_unique<Subclavian>(manifest));
   };
-  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const cases::LoadedCase& loaded, const voxel::HapticVolume& before,
                const AnyParams& rubric) {
     return score_subclavian(own(facts), loaded.manifest, before, rubric.as<SubclavianRubric>());
   };
@@ -137,8 +137,8 @@ LessonType subclavian_lesson() {
   m.headline = [](const LessonFacts&, const LessonScore& score) {
     return fmt::format("needle passes: {}, {}", score.count("passes_count"), score.flag("success") ? "green" : "red");
   };
-  m.pictures = [](const LessonFacts& facts, const LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded) { return ways_html(own(facts), loaded); };
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

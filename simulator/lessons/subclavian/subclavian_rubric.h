@@ -2,11 +2,11 @@
 #pragma once
 #include "lesson/rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// "Puncture of the skin": below the clavicle's lower border, straight under it in the frontal plane.
 struct PunctureRubric {
-  RubricLimit ideal_mm, far_mm;
+  lesson::RubricLimit ideal_mm, far_mm;
   template <class V>
   static void describe(V& v) {
     using P = PunctureRubric;
@@ -18,7 +18,7 @@ struct PunctureRubric {
 
 /// "Direction of the needle": in the frontal plane, against the line from the puncture to the sternal notch.
 struct NotchRubric {
-  RubricLimit ideal_deg, good_deg, acceptable_deg;
+  lesson::RubricLimit ideal_deg, good_deg, acceptable_deg;
   template <class V>
   static void describe(V& v) {
     using P = NotchRubric;
@@ -32,7 +32,7 @@ struct NotchRubric {
 
 /// "Needle passes": how often the needle entered the skin.
 struct PassesRubric {
-  RubricLimit ideal_count, good_count, most_count;
+  lesson::RubricLimit ideal_count, good_count, most_count;
   template <class V>
   static void describe(V& v) {
     using P = PassesRubric;
@@ -50,8 +50,8 @@ struct SubclavianRubric {
   PunctureRubric puncture;
   NotchRubric direction;
   PassesRubric passes;
-  TimeRubric time;
-  std::vector<CriticalRule> critical_errors;
+  lesson::TimeRubric time;
+  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SubclavianRubric;
@@ -62,7 +62,9 @@ struct SubclavianRubric {
     v.group(&P::time, "time", "Time to complete procedure; beyond the time allotted the needle is red.").is_required();
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
-  std::string fault() const { return critical_fault(critical_errors, {"artery", "pleura_or_lung", "wrong_side"}); }
+  std::string fault() const {
+    return lesson::critical_fault(critical_errors, {"artery", "pleura_or_lung", "wrong_side"});
+  }
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,7 +5,7 @@
 
 #include "lessons/time_row.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 // The pass that is judged: the one that lies in place, else the last.
@@ -87,14 +87,14 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
   return row;
 }
 
-std::string unreached_goal(const SubclavianFacts& f, const TimeRubric& r) {
+std::string unreached_goal(const SubclavianFacts& f, const lesson::TimeRubric& r) {
   if (f.end != LessonEnd::finished) return name_of(f.end);
   if (f.passes.empty()) return "the needle entered nothing";
   if (f.blood_s < 0) return "no blood was drawn from the vein";
   return f.procedure_s() > r.allotted_s.limit ? "not in the allotted time" : "";
 }
 
-void note_critical(const SubclavianFacts& f, const ChestFrame& frame, const std::vector<CriticalRule>& rules,
+void note_critical(const SubclavianFacts& f, const ChestFrame& frame, const std::vector<lesson::CriticalRule>& rules,
                    LessonScore& score) {
   CriticalErrors errors(rules, score);
   if (f.artery_s >= 0) errors.happened("artery", "the artery was entered", f.artery_s);
@@ -119,8 +119,8 @@ NeedleColour needle_colour(const SubclavianFacts& f, const SubclavianRubric& rub
   return f.end == LessonEnd::running ? NeedleColour::none : NeedleColour::red;
 }
 
-LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manifest, const HapticVolume& before,
-                             const SubclavianRubric& rubric) {
+LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest& manifest,
+                             const voxel::HapticVolume& before, const SubclavianRubric& rubric) {
   const ChestShapes shapes = chest_shapes_of(manifest);
   const ChestFrame frame = chest_frame_of(before, shapes);
   const double lung_s = earlier(f.pleura_s, f.lung_s);
@@ -149,4 +149,4 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
   return score;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,16 +4,16 @@
 #include "lessons/subclavian/subclavian_rubric.h"
 #include "lessons/subclavian/subclavian_watch.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// Scores a subclavian line. Pure: the same facts, case, volume as the lesson began, and rubric give the same rows.
 /// Where the case shows no artery, or no lung on a side on which the needle was, that row is not judged.
-LessonScore score_subclavian(const SubclavianFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
-                             const SubclavianRubric& rubric);
+LessonScore score_subclavian(const SubclavianFacts& facts, const cases::CaseManifest& manifest,
+                             const voxel::HapticVolume& before, const SubclavianRubric& rubric);
 
 /// Green: blood was drawn from the vein, in which the tip still is, and nothing failed. Red: artery, pleura or lung was
 /// entered, there were too many passes, the time is over, or the lesson ended without blood. None: it goes on.
 enum class NeedleColour { none, green, red };
 NeedleColour needle_colour(const SubclavianFacts& facts, const SubclavianRubric& rubric);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

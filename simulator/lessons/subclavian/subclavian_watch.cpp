@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/subclavian/subclavian_watch.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double path_step_mm = 0.25;
@@ -11,21 +11,21 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-std::vector<BeltToolParams> subclavian_tools() {
-  BeltToolParams needle;
+std::vector<haptics::BeltToolParams> subclavian_tools() {
+  haptics::BeltToolParams needle;
   needle.name = "needle";
   needle.tool = "needle";
-  static_cast<ToolParams&>(needle) = own_tool(needle);
+  static_cast<haptics::ToolParams&>(needle) = haptics::own_tool(needle);
   return {needle};
 }
 
-Subclavian::Subclavian(const CaseManifest& manifest) : shapes_(chest_shapes_of(manifest)) {}
+Subclavian::Subclavian(const cases::CaseManifest& manifest) : shapes_(chest_shapes_of(manifest)) {}
 
-void Subclavian::tick(const ServoFrame& f, const ToolBelt& belt, bool) {
+void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool) {
   const Vec3 tip = vec(f.proxy_mm);
   // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
   const bool elsewhere =
-      f.buttons & haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
+      f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
   if (in_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
   if (belt.paused()) return;
   // The tip pops through by some millimetres: it entered where it was held before.
@@ -38,7 +38,7 @@ void Subclavian::tick(const ServoFrame& f, const ToolBelt& belt, bool) {
     deepest_mm_ = 0;
     VeinPass& p = facts_.passes.emplace_back();
     p.begin_s = f.time_s;
-    p.entry_mm = p.tip_mm = f.events & haptic_event::popped ? before : tip;
+    p.entry_mm = p.tip_mm = f.events & haptics::haptic_event::popped ? before : tip;
     p.out = vec(f.axis);
   }
   VeinPass& p = facts_.passes.back();
@@ -61,8 +61,8 @@ void Subclavian::tick(const ServoFrame& f, const ToolBelt& belt, bool) {
   if (f.inside == 0 && dot(tip - p.entry_mm, p.out) > -withdrawn_mm) end_pass(f.time_s, false);
 }
 
-void Subclavian::command(int command, const ServoFrame& f, const ToolBelt&) {
-  if (command != belt_command::aspirate) return;
+void Subclavian::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt&) {
+  if (command != haptics::belt_command::aspirate) return;
   facts_.aspirations.push_back({f.time_s, vec(f.proxy_mm), f.inside});
   if (f.inside == shapes_.vein) facts_.blood_s = f.time_s;
 }
@@ -76,4 +76,4 @@ void Subclavian::end_pass(double time_s, bool in_place) {
   if (in_place) p.path.push_back(last_);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

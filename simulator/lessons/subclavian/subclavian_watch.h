@@ -5,10 +5,10 @@
 #include "lessons/lesson.h"
 #include "lessons/subclavian/chest_frame.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The tool of the lesson [Rizzi, chapter 7.3]: a needle that collides with its whole length.
-std::vector<BeltToolParams> subclavian_tools();
+std::vector<haptics::BeltToolParams> subclavian_tools();
 
 /// A moment of the needle's way.
 struct VeinPassPoint {
@@ -46,7 +46,7 @@ struct SubclavianFacts : LessonFacts {
 class Subclavian : public Lesson {
  public:
   /// Throws as chest_shapes_of does.
-  explicit Subclavian(const CaseManifest& manifest);
+  explicit Subclavian(const cases::CaseManifest& manifest);
   void close() override { end_pass(facts_.end_s, true); }
   const SubclavianFacts& facts() const override { return facts_; }
   std::shared_ptr<const LessonFacts> copy_of_facts() const override {
@@ -55,8 +55,8 @@ class Subclavian : public Lesson {
 
  protected:
   LessonFacts& noted() override { return facts_; }
-  void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) override;
-  void command(int command, const ServoFrame& frame, const ToolBelt& belt) override;
+  void tick(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, bool pedal) override;
+  void command(int command, const haptics::ServoFrame& frame, const haptics::ToolBelt& belt) override;
 
  private:
   void end_pass(double time_s, bool in_place);
@@ -68,4 +68,4 @@ class Subclavian : public Lesson {
   VeinPassPoint last_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/ventriculostomy/critical_zones.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-CriticalZones::CriticalZones(const LoadedCase& loaded) {
+CriticalZones::CriticalZones(const cases::LoadedCase& loaded) {
   for (const char* name : critical_names)
-    if (const TriMesh* surface = loaded.find_surface(name); surface && !surface->triangles.empty())
-      zones_.emplace(name, PointToMesh(*surface));
+    if (const surface::TriMesh* surface = loaded.find_surface(name); surface && !surface->triangles.empty())
+      zones_.emplace(name, surface::PointToMesh(*surface));
 }
 
 bool CriticalZones::holds(const std::string& name, Vec3 p) const {
@@ -14,4 +14,4 @@ bool CriticalZones::holds(const std::string& name, Vec3 p) const {
   return zone != zones_.end() && zone->second.signed_distance_mm(p) <= 0;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

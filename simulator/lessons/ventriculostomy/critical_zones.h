@@ -6,7 +6,7 @@
 #include "cases/load_case.h"
 #include "surface/point_to_mesh.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The structures that no catheter may pass through, as closed surfaces that the case holds: its anatomies named
 /// sagittal_sinus, third_ventricle, brainstem and eloquent_zone (`zone` of `trephine` makes them). They refer to the
@@ -15,16 +15,16 @@ namespace trephine {
 class CriticalZones {
  public:
   CriticalZones() = default;
-  explicit CriticalZones(const LoadedCase& loaded);
+  explicit CriticalZones(const cases::LoadedCase& loaded);
   bool has(const std::string& name) const { return zones_.count(name) > 0; }
   /// Whether the point lies in that zone; false where the case has none of that name.
   bool holds(const std::string& name, Vec3 lps_mm) const;
 
  private:
-  std::map<std::string, PointToMesh> zones_;
+  std::map<std::string, surface::PointToMesh> zones_;
 };
 
 /// In the order in which they are asked.
 constexpr const char* critical_names[] = {"sagittal_sinus", "third_ventricle", "brainstem", "eloquent_zone"};
 
-}  // namespace trephine
+}  // namespace trephine::lessons

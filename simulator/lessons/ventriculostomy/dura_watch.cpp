@@ -5,10 +5,10 @@
 
 #include "haptics/proxy.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
-DuraWatch::DuraWatch(const CaseManifest& manifest, std::optional<DuraFacts>& facts) {
-  for (const CaseShape& shape : manifest.haptic.shapes)
+DuraWatch::DuraWatch(const cases::CaseManifest& manifest, std::optional<DuraFacts>& facts) {
+  for (const cases::CaseShape& shape : manifest.haptic.shapes)
     if (shape.name == "dura") {
       shape_ = shape.number;
       bears_n_ = shape.material.front.pop_through_n;
@@ -16,10 +16,10 @@ DuraWatch::DuraWatch(const CaseManifest& manifest, std::optional<DuraFacts>& fac
     }
 }
 
-void DuraWatch::tick(const ServoFrame& f, bool drilling, std::optional<DuraFacts>& facts) {
+void DuraWatch::tick(const haptics::ServoFrame& f, bool drilling, std::optional<DuraFacts>& facts) {
   if (!facts) return;
   // A tool that gives way is some millimetres farther in the same tick: what it left is what it touched before.
-  if (held_ && f.events & haptic_event::popped) facts->pops.push_back(last_);
+  if (held_ && f.events & haptics::haptic_event::popped) facts->pops.push_back(last_);
   held_ = f.touched == shape_;
   if (!held_) return;
   const double force_n = norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]});
@@ -31,4 +31,4 @@ void DuraWatch::tick(const ServoFrame& f, bool drilling, std::optional<DuraFacts
   facts->breached = facts->breached || (bears_n_ > 0 && force_n > bears_n_);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

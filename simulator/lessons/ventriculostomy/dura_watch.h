@@ -7,7 +7,7 @@
 #include "cases/case.h"
 #include "haptics/frame.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A tool that gave way through the dura.
 struct DuraPop {
@@ -29,9 +29,9 @@ struct DuraFacts {
 class DuraWatch {
  public:
   /// Looks for the shape named dura, and begins its facts; a case without one has none.
-  DuraWatch(const CaseManifest& manifest, std::optional<DuraFacts>& facts);
+  DuraWatch(const cases::CaseManifest& manifest, std::optional<DuraFacts>& facts);
   /// `drilling`: the tool in hand cuts and its pedal is down. `facts` are those that were begun.
-  void tick(const ServoFrame& frame, bool drilling, std::optional<DuraFacts>& facts);
+  void tick(const haptics::ServoFrame& frame, bool drilling, std::optional<DuraFacts>& facts);
 
  private:
   int shape_ = 0;
@@ -40,4 +40,4 @@ class DuraWatch {
   DuraPop last_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

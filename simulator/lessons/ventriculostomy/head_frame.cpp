@@ -6,10 +6,10 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
-constexpr double least_area_mm2 = 500;  // of the triangle: a narrower one says nothing of the plane
+constexpr double min_area_mm2 = 500;  // of the triangle: a narrower one says nothing of the plane
 
 // The middle of the circle through three points.
 Vec3 circle_centre(Vec3 a, Vec3 b, Vec3 c) {
@@ -19,36 +19,36 @@ Vec3 circle_centre(Vec3 a, Vec3 b, Vec3 c) {
 
 }  // namespace
 
-const CaseLandmark* find_landmark(const CaseManifest& manifest, const std::string& name) {
-  for (const CaseLandmark& l : manifest.landmarks)
+const cases::CaseLandmark* find_landmark(const cases::CaseManifest& manifest, const std::string& name) {
+  for (const cases::CaseLandmark& l : manifest.landmarks)
     if (l.name == name) return &l;
   return nullptr;
 }
 
-std::optional<Vec3> foramen_of(const CaseManifest& manifest, bool left, double* confidence) {
+std::optional<Vec3> foramen_of(const cases::CaseManifest& manifest, bool left, double* confidence) {
   const std::string name = left ? "monro_left" : "monro_right";
-  for (const CaseTarget& t : manifest.targets)
+  for (const cases::CaseTarget& t : manifest.targets)
     if (t.name == name) {
       if (confidence) *confidence = t.confidence;
       return t.position_mm;
     }
-  if (const CaseLandmark* l = find_landmark(manifest, name)) {
+  if (const cases::CaseLandmark* l = find_landmark(manifest, name)) {
     if (confidence) *confidence = l->confidence;
     return l->position_mm;
   }
   return {};
 }
 
-HeadFrame head_frame_of(const CaseManifest& manifest) {
-  std::vector<const CaseLandmark*> midline;
+HeadFrame head_frame_of(const cases::CaseManifest& manifest) {
+  std::vector<const cases::CaseLandmark*> midline;
   for (const char* name : {"nasion", "bregma", "vertex", "inion"})
-    if (const CaseLandmark* l = find_landmark(manifest, name)) midline.push_back(l);
-  const CaseLandmark* nasion = find_landmark(manifest, "nasion");
+    if (const cases::CaseLandmark* l = find_landmark(manifest, name)) midline.push_back(l);
+  const cases::CaseLandmark* nasion = find_landmark(manifest, "nasion");
   if (!nasion || midline.size() < 3)
     throw Error(ExitCode::bad_input, "", "landmarks",
                 "the lesson needs a nasion and two more of bregma, vertex and inion, by which the midline is known");
   double best = 0, best_area = 0;
-  const CaseLandmark* three[3] = {};
+  const cases::CaseLandmark* three[3] = {};
   for (std::size_t a = 0; a < midline.size(); ++a)
     for (std::size_t b = a + 1; b < midline.size(); ++b)
       for (std::size_t c = b + 1; c < midline.size(); ++c) {
@@ -62,7 +62,7 @@ HeadFrame head_frame_of(const CaseManifest& manifest) {
         three[1] = midline[b];
         three[2] = midline[c];
       }
-  if (best_area < least_area_mm2)
+  if (best_area < min_area_mm2)
     throw Error(ExitCode::bad_input, "", "landmarks", "those of the midline lie on a line, so it is not known");
 
   HeadFrame f;
@@ -73,8 +73,8 @@ HeadFrame head_frame_of(const CaseManifest& manifest) {
   f.midline_confidence = std::min({three[0]->confidence, three[1]->confidence, three[2]->confidence});
   f.centre_mm = circle_centre(a, b, c);
   f.nasion_mm = nasion->position_mm;
-  const CaseLandmark* bregma = find_landmark(manifest, "bregma");
-  const CaseLandmark* top = bregma ? bregma : find_landmark(manifest, "vertex");
+  const cases::CaseLandmark* bregma = find_landmark(manifest, "bregma");
+  const cases::CaseLandmark* top = bregma ? bregma : find_landmark(manifest, "vertex");
   if (bregma) {
     f.bregma_mm = bregma->position_mm;
     f.suture_confidence = std::min(bregma->confidence, nasion->confidence);
@@ -87,4 +87,4 @@ HeadFrame head_frame_of(const CaseManifest& manifest) {
   return f;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// What of a head a lesson is measured by, from the case's landmarks. LPS, mm.
 struct HeadFrame {
@@ -28,10 +28,10 @@ struct HeadFrame {
 /// The frame, from those three of nasion, bregma, vertex and inion that span the largest triangle, counted by the least
 /// of their confidences. Throws Error 65
 /// where the case has no nasion, or fewer than three of them, or these lie on a line: such a case holds no such lesson.
-HeadFrame head_frame_of(const CaseManifest& manifest);
+HeadFrame head_frame_of(const cases::CaseManifest& manifest);
 
-const CaseLandmark* find_landmark(const CaseManifest& manifest, const std::string& name);
+const cases::CaseLandmark* find_landmark(const cases::CaseManifest& manifest, const std::string& name);
 /// The foramen of Monro of that side, which the lesson aims at: a target or landmark; null where there is none.
-std::optional<Vec3> foramen_of(const CaseManifest& manifest, bool left, double* confidence = nullptr);
+std::optional<Vec3> foramen_of(const cases::CaseManifest& manifest, bool left, double* confidence = nullptr);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -7,7 +7,7 @@
 #include "lessons/ventriculostomy/head_moves.h"
 #include "lessons/ventriculostomy/script_places.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double air_mm = 60;     // above the skin, on ways around the head
@@ -80,14 +80,14 @@ class HeadPlan : public MovePlan {
     Vec3 site = places_.find(s.at);
     // A hand that misses the place by much still begins at the skin, not in the air or within the head.
     if (misses_) site = places_.skin_towards(places_.direction_of(site));
-    HandPathParams p;
+    device::HandPathParams p;
     p.site = "there";
     p.hole_diameter_mm = s.hole_diameter_mm;
     p.layer_mm = s.layer_mm;
     p.past_mm = s.past_mm;
     p.approach_mm = above_mm;
-    const double radius = 0.5 * whole_tool(scene_.tools[std::size_t(tool_)]).tool_diameter_mm;
-    const HandPath path = drill_path(scene_.contact, scene_.drilled, {{p.site, site}}, radius, p);
+    const double radius = 0.5 * haptics::whole_tool(scene_.tools[std::size_t(tool_)]).tool_diameter_mm;
+    const device::HandPath path = device::drill_path(scene_.contact, scene_.drilled, {{p.site, site}}, radius, p);
     go(path.points_mm.front(), path.axis);
     HandMove m = move();
     m.pedal = true;
@@ -95,8 +95,8 @@ class HeadPlan : public MovePlan {
     m.speed_mm_per_s = s.speed_mm_per_s;
     m.feed_force_n = s.feed_force_n;
     add(m);
-    const Contact bone = scene_.contact.intersect(path.points_mm.front(), path.points_mm.front() - path.axis * 80,
-                                                  TouchableFaces{scene_.drilled, 0});
+    const contact::Contact bone = scene_.contact.intersect(
+        path.points_mm.front(), path.points_mm.front() - path.axis * 80, contact::TouchableFaces{scene_.drilled, 0});
     places_.hole_mm = bone.hit ? bone.point_mm : site;
     lift(path.points_mm.front());
   }
@@ -128,4 +128,4 @@ std::vector<HandMove> plan_head_moves(const LessonScript& script, const ScriptSc
   return plan_steps(script, plan);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

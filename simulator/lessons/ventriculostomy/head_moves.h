@@ -2,7 +2,7 @@
 #pragma once
 #include "lessons/move_plan.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// A line that the marker draws.
 struct TraceStep {
@@ -38,4 +38,4 @@ struct DrillStep {
 /// a tool that the lesson does not have, or skin that cannot be felt there.
 std::vector<HandMove> plan_head_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim);
 
-}  // namespace trephine
+}  // namespace trephine::lessons

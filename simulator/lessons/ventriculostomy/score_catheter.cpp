@@ -7,7 +7,7 @@
 #include "lessons/ventriculostomy/score_parts.h"
 #include "voxel/decode.h"
 
-namespace trephine::detail {
+namespace trephine::lessons::detail {
 namespace {
 
 const char* no_catheter = "no catheter lies in the brain";
@@ -33,7 +33,7 @@ std::string Scoring::foramen_doubt() const {
 }
 
 std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) const {
-  for (const CaseShape& shape : manifest.haptic.shapes)
+  for (const cases::CaseShape& shape : manifest.haptic.shapes)
     if (shape.number == p.inside)
       for (const char* name : critical_names)
         if (shape.name == name) return name;
@@ -58,7 +58,7 @@ std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) c
 }
 
 double distance_to_ventricles_mm(const Scoring& s, Vec3 tip, double most_mm) {
-  const HapticDecoder decoder(s.before);
+  const voxel::HapticDecoder decoder(s.before);
   constexpr double step_mm = 0.25;
   constexpr int ways = 256;
   for (double r = 0; r < most_mm; r += step_mm)
@@ -191,7 +191,7 @@ ScoreRow score_tip(const Scoring& s) {
 }
 
 ScoreRow score_passes(const Scoring& s) {
-  const FourLimits& r = *s.rubric.passes;
+  const lesson::FourLimits& r = *s.rubric.passes;
   const int count = int(s.facts.passes.size());
   ScoreRow row{"passes", "Passes of the catheter", 1, "no catheter entered the brain", {}, {}, {}};
   row.beside = true;
@@ -243,12 +243,12 @@ void note_critical(const Scoring& s, LessonScore& score) {
     errors.happened("dry_catheter", "a catheter that draws no CSF was called done", f.end_s);
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::lessons::detail
 
-namespace trephine {
+namespace trephine::lessons {
 
-LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
-                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
+LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases::CaseManifest& manifest,
+                                  const voxel::HapticVolume& before, const VentriculostomyRubric& rubric,
                                   const CriticalZones& zones) {
   const detail::Scoring s{facts, manifest, before, rubric, head_frame_of(manifest), head_shapes_of(manifest), zones};
   LessonScore score;
@@ -280,4 +280,4 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseM
   return score;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,7 +5,7 @@
 
 #include "lessons/ventriculostomy/score_parts.h"
 
-namespace trephine::detail {
+namespace trephine::lessons::detail {
 namespace {
 
 constexpr double none_mm = 1e9;
@@ -29,7 +29,7 @@ Best best_trace(const Scoring& s, double least_mm, F off_mm) {
 }
 
 // 2 where it was found, 1 where nearly, 0 where not.
-int found(const Best& best, const RubricLimit& limit, const RubricLimit& near) {
+int found(const Best& best, const lesson::RubricLimit& limit, const lesson::RubricLimit& near) {
   return best.off_mm <= limit.limit ? 2 : best.off_mm <= near.limit ? 1 : 0;
 }
 
@@ -84,7 +84,7 @@ ScoreRow score_burr_hole(const Scoring& s) {
     row.why = why;
     return row;
   };
-  const CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
+  const cases::CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
   if (!kocher || kocher->confidence < r.least_confidence_ratio.limit) {
     row.why = kocher ? "Kocher's point of this case is doubtful" : "the case has no Kocher's point";
     return row;
@@ -116,4 +116,4 @@ ScoreRow score_burr_hole(const Scoring& s) {
   return decide(3, more_lateral > more_anterior ? "too lateral" : "too anterior");
 }
 
-}  // namespace trephine::detail
+}  // namespace trephine::lessons::detail

@@ -2,13 +2,13 @@
 #pragma once
 #include "lessons/ventriculostomy/ventriculostomy_score.h"
 
-namespace trephine::detail {
+namespace trephine::lessons::detail {
 
 /// What every row is scored from.
 struct Scoring {
   const VentriculostomyFacts& facts;
-  const CaseManifest& manifest;
-  const HapticVolume& before;
+  const cases::CaseManifest& manifest;
+  const voxel::HapticVolume& before;
   const VentriculostomyRubric& rubric;
   HeadFrame frame;
   HeadShapes shapes;
@@ -43,4 +43,4 @@ void note_critical(const Scoring& s, LessonScore& score);
 /// Along the catheter, from the table of the bone that the rubric says to the tip.
 double depth_mm(const Scoring& s, const CatheterPass& pass);
 
-}  // namespace trephine::detail
+}  // namespace trephine::lessons::detail

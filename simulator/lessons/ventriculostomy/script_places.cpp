@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double beyond_mm = 400;  // from the head's middle: where a ray to the skin begins
@@ -23,7 +23,7 @@ Vec3 ScriptPlaces::direction_of(Vec3 p) const { return normalized(p - frame_.cen
 
 Vec3 ScriptPlaces::skin_towards(Vec3 direction) const {
   const Vec3 c = frame_.centre_mm;
-  const Contact hit = scene_.contact.intersect(c + direction * beyond_mm, c);
+  const contact::Contact hit = scene_.contact.intersect(c + direction * beyond_mm, c);
   if (!hit.hit) throw Error(ExitCode::bad_input, "", "", "no skin is felt there");
   return hit.point_mm;
 }
@@ -81,4 +81,4 @@ Vec3 ScriptPlaces::find(const ScriptPlace& place) {
   return missed_(p + Vec3{place.offset_mm[0], place.offset_mm[1], place.offset_mm[2]});
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,7 +5,7 @@
 #include "lessons/move_plan.h"
 #include "lessons/ventriculostomy/head_frame.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The places of a script in a case. Ways over the skin are arcs of what a ray to the head's middle meets first.
 class ScriptPlaces {
@@ -30,4 +30,4 @@ class ScriptPlaces {
   AimMiss missed_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -8,7 +8,7 @@
 #include "lessons/ventriculostomy/head_moves.h"
 #include "lessons/ventriculostomy/ventriculostomy_score.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -62,7 +62,7 @@ Json json_of(const VentriculostomyFacts& f) {
   return out;
 }
 
-std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loaded) {
+std::string ways_html(const VentriculostomyFacts& facts, const cases::LoadedCase& loaded) {
   std::vector<PictureMark> marks;
   for (const MarkerTrace& t : facts.traces)
     if (t.points_mm.size() > 1) marks.push_back({t.points_mm, "way"});
@@ -95,7 +95,7 @@ std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loade
 
 const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
 
-std::vector<LessonTask> tasks_of(const CaseManifest& manifest) {
+std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
   std::vector<LessonTask> all;
   for (const bool left : {false, true}) {  // the right is the usual one: it is seldom the dominant hemisphere
     const char* side = left ? "left" : "right";
@@ -191,17 +191,17 @@ LessonType ventriculostomy_lesson() {
                                script_step<DrillStep>("drill", "Drills a hole with the pedal down."),
                                script_step<InsertStep>("insert", "Moves the tool on a straight line into the head.")});
   m.classes = {"normal", "hydrocephalic", "shifted", "small"};
-  m.require = [](const CaseManifest& manifest) {
+  m.require = [](const cases::CaseManifest& manifest) {
     head_shapes_of(manifest);
     head_frame_of(manifest);
   };
   m.tasks = tasks_of;
   m.tools = ventriculostomy_tools;
   m.plan = plan_head_moves;
-  m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now) {
+  m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume& before, const voxel::HapticVolume& now) {
     return std::unique_ptr<Lesson>(std::make_unique<Ventriculostomy>(manifest, before, now));
   };
-  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const cases::LoadedCase& loaded, const voxel::HapticVolume& before,
                const AnyParams& rubric) {
     return score_ventriculostomy(own(facts), loaded.manifest, before, rubric.as<VentriculostomyRubric>(),
                                  CriticalZones(loaded));
@@ -228,8 +228,8 @@ LessonType ventriculostomy_lesson() {
   m.headline = [](const LessonFacts&, const LessonScore& score) {
     return fmt::format("passes of the catheter: {}", score.count("passes_count"));
   };
-  m.pictures = [](const LessonFacts& facts, const LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded) { return ways_html(own(facts), loaded); };
   return m;
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -4,12 +4,12 @@
 
 #include "lesson/rubric.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// "Anatomy and landmarks", judged from the marker's traces. Each of midline and suture counts twice where it was
 /// found, once where it was nearly found; the score is 1 and their sum.
 struct LandmarksRubric {
-  RubricLimit midline_mm, midline_near_mm, midline_trace_mm, suture_mm, suture_near_mm, suture_trace_mm;
+  lesson::RubricLimit midline_mm, midline_near_mm, midline_trace_mm, suture_mm, suture_near_mm, suture_trace_mm;
   template <class V>
   static void describe(V& v) {
     using P = LandmarksRubric;
@@ -25,7 +25,7 @@ struct LandmarksRubric {
 
 /// "Burr hole placement".
 struct BurrHoleRubric {
-  RubricLimit kocher_mm, near_mm, far_mm, midline_mm, least_confidence_ratio;
+  lesson::RubricLimit kocher_mm, near_mm, far_mm, midline_mm, least_confidence_ratio;
   template <class V>
   static void describe(V& v) {
     using P = BurrHoleRubric;
@@ -43,7 +43,7 @@ struct BurrHoleRubric {
 
 /// "Trajectory of catheter insertion": how far the catheter's line passes from the foramen, and what it passed through.
 struct TrajectoryRubric {
-  RubricLimit ideal_mm, good_mm, lateral_mm, midline_mm;
+  lesson::RubricLimit ideal_mm, good_mm, lateral_mm, midline_mm;
   template <class V>
   static void describe(V& v) {
     using P = TrajectoryRubric;
@@ -60,7 +60,7 @@ struct TrajectoryRubric {
 /// What no catheter may pass through. Where the case has no shape or zone of a structure, these distances say where it
 /// is.
 struct CriticalRubric {
-  RubricLimit sinus_mm, third_ventricle_mm, third_ventricle_below_mm, brainstem_mm, brainstem_below_mm;
+  lesson::RubricLimit sinus_mm, third_ventricle_mm, third_ventricle_below_mm, brainstem_mm, brainstem_below_mm;
   template <class V>
   static void describe(V& v) {
     using P = CriticalRubric;
@@ -78,7 +78,7 @@ struct CriticalRubric {
 struct DepthRubric {
   enum class From { inner_table, outer_table };
   From measured_from = From::inner_table;
-  RubricLimit least_mm, low_mm, ideal_low_mm, ideal_high_mm, high_mm, most_mm;
+  lesson::RubricLimit least_mm, low_mm, ideal_low_mm, ideal_high_mm, high_mm, most_mm;
   template <class V>
   static void describe(V& v) {
     using P = DepthRubric;
@@ -99,8 +99,8 @@ struct DepthRubric {
 /// "Final location of catheter tip". missed_mm is of rubrics of version 1, and nothing is judged by it any more: Table
 /// XIII scores 1 wherever the tip is in no ventricle.
 struct TipRubric {
-  RubricLimit foramen_mm, near_mm, least_confidence_ratio;
-  std::optional<RubricLimit> missed_mm;
+  lesson::RubricLimit foramen_mm, near_mm, least_confidence_ratio;
+  std::optional<lesson::RubricLimit> missed_mm;
   template <class V>
   static void describe(V& v) {
     using P = TipRubric;
@@ -124,9 +124,9 @@ struct VentriculostomyRubric {
   CriticalRubric critical;
   DepthRubric depth;
   TipRubric tip;
-  TimeRubric time;
-  std::optional<FourLimits> passes;
-  std::vector<CriticalRule> critical_errors;
+  lesson::TimeRubric time;
+  std::optional<lesson::FourLimits> passes;
+  std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = VentriculostomyRubric;
@@ -142,9 +142,9 @@ struct VentriculostomyRubric {
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {
-    return critical_fault(critical_errors, {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone",
-                                            "wrong_side", "dry_catheter"});
+    return lesson::critical_fault(critical_errors, {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone",
+                                                    "wrong_side", "dry_catheter"});
   }
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -5,13 +5,13 @@
 #include "lessons/ventriculostomy/ventriculostomy_rubric.h"
 #include "lessons/ventriculostomy/ventriculostomy_watch.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// Scores a ventriculostomy by Table XIII of the dissertation. A pure function: the same facts, case with its zones,
 /// volume as the lesson began, and rubric give the same rows. What a doubtful suture or a hole that was there
 /// beforehand leaves open is not judged.
-LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
-                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
+LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases::CaseManifest& manifest,
+                                  const voxel::HapticVolume& before, const VentriculostomyRubric& rubric,
                                   const CriticalZones& zones = {});
 
-}  // namespace trephine
+}  // namespace trephine::lessons

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace trephine {
+namespace trephine::lessons {
 namespace {
 
 constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
@@ -16,27 +16,27 @@ constexpr double withdrawn_mm = 1;           // before the place of entry: neare
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
-BeltToolParams tool_of(const char* name, const char* kind) {
-  BeltToolParams t;
+haptics::BeltToolParams tool_of(const char* name, const char* kind) {
+  haptics::BeltToolParams t;
   t.name = name;
   t.tool = kind;
-  static_cast<ToolParams&>(t) = own_tool(t);
+  static_cast<haptics::ToolParams&>(t) = haptics::own_tool(t);
   return t;
 }
 
 }  // namespace
 
-std::vector<BeltToolParams> ventriculostomy_tools() {
-  BeltToolParams marker = tool_of("marker", "marker"), burr = tool_of("burr", "ball"),
-                 catheter = tool_of("catheter", "catheter");
+std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
+  haptics::BeltToolParams marker = tool_of("marker", "marker"), burr = tool_of("burr", "ball"),
+                          catheter = tool_of("catheter", "catheter");
   marker.blunt = marker.marks = true;
   burr.blunt = burr.cuts = true;
   return {marker, burr, catheter};
 }
 
-HeadShapes head_shapes_of(const CaseManifest& manifest) {
+HeadShapes head_shapes_of(const cases::CaseManifest& manifest) {
   HeadShapes s;
-  for (const CaseShape& shape : manifest.haptic.shapes) {
+  for (const cases::CaseShape& shape : manifest.haptic.shapes) {
     if (shape.name == "skin") s.skin = shape.number;
     if (shape.name == "brain") s.brain = shape.number;
     if (shape.name == "ventricles") s.ventricles = shape.number;
@@ -52,7 +52,8 @@ const char* name_of(LessonPhase phase) {
   return names[int(phase)];
 }
 
-Ventriculostomy::Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now)
+Ventriculostomy::Ventriculostomy(const cases::CaseManifest& manifest, const voxel::HapticVolume& before,
+                                 const voxel::HapticVolume& now)
     : manifest_(manifest),
       before_(before),
       now_(now),
@@ -69,13 +70,13 @@ LessonPhase Ventriculostomy::phase() const {
   return facts_.incisions.empty() ? LessonPhase::marking : LessonPhase::drilling;
 }
 
-void Ventriculostomy::begin(const ServoFrame&, const ToolBelt& belt) {
-  for (const BeltToolParams& t : belt.tools())
+void Ventriculostomy::begin(const haptics::ServoFrame&, const haptics::ToolBelt& belt) {
+  for (const haptics::BeltToolParams& t : belt.tools())
     if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
 }
 
-void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
-  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+void Ventriculostomy::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
+  const haptics::BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
   draw(f, pedal && tool.marks);
   drill(f, belt, pedal && tool.cuts);
   dura_.tick(f, pedal && tool.cuts, facts_.dura);
@@ -87,18 +88,18 @@ void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal
 }
 
 // In a pause the catheter stays where it is, unless it is lifted or moved.
-bool Ventriculostomy::stays(const ServoFrame& f) const {
-  return !(f.buttons & haptic_button::lifted) && norm(vec(f.proxy_mm) - last_tip_.tip_mm) <= withdrawn_mm;
+bool Ventriculostomy::stays(const haptics::ServoFrame& f) const {
+  return !(f.buttons & haptics::haptic_button::lifted) && norm(vec(f.proxy_mm) - last_tip_.tip_mm) <= withdrawn_mm;
 }
 
-void Ventriculostomy::command(int command, const ServoFrame& f, const ToolBelt& belt) {
-  if (command == belt_command::erase)
+void Ventriculostomy::command(int command, const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
+  if (command == haptics::belt_command::erase)
     for (MarkerTrace& t : facts_.traces) t.erased = true;
-  if (command == belt_command::incise && belt.can_cut() && belt.has_mark())
+  if (command == haptics::belt_command::incise && belt.can_cut() && belt.has_mark())
     facts_.incisions.push_back({f.time_s, belt.mark_mm()});
 }
 
-void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
+void Ventriculostomy::draw(const haptics::ServoFrame& f, bool pedal) {
   if (!pedal) return end_trace();
   const Vec3 at = vec(f.proxy_mm);
   if (f.touched == 0) {
@@ -123,7 +124,7 @@ void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
 
 void Ventriculostomy::end_trace() { drawing_ = false; }
 
-void Ventriculostomy::drill(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
   if (facts_.drilled_beforehand || !belt.can_cut()) return;
   if (pedal) {
     facts_.drill_s += f.dt_s;
@@ -153,14 +154,14 @@ void Ventriculostomy::look_for_hole(double time_s, double ball_mm) {
   HoleSearch search;
   search.bone = shapes_.bone;
   search.ball_mm = ball_mm;
-  search.box = grown(drilled_box_, 0, now_.voxels);
+  search.box = grid::grown(drilled_box_, 0, now_.voxels);
   search.out = axis_sum_;
   if (!facts_.passes.empty()) search.near_mm = facts_.passes.back().entry_mm;
   facts_.hole = find_drilled_hole(before_, now_, search);
   if (facts_.hole && facts_.hole->through && facts_.through_s < 0) facts_.through_s = time_s;
 }
 
-void Ventriculostomy::pass(const ServoFrame& f) {
+void Ventriculostomy::pass(const haptics::ServoFrame& f) {
   const Vec3 tip = vec(f.proxy_mm);
   const bool inside = f.inside == shapes_.brain || f.inside == shapes_.ventricles;
   // The tip pops through by some millimetres: it entered where it was held before.
@@ -171,7 +172,7 @@ void Ventriculostomy::pass(const ServoFrame& f) {
     in_brain_ = true;
     CatheterPass p;
     p.begin_s = p.end_s = f.time_s;
-    p.entry_mm = f.events & haptic_event::popped ? before : tip;
+    p.entry_mm = f.events & haptics::haptic_event::popped ? before : tip;
     p.out = vec(f.axis);
     facts_.passes.push_back(p);
   }
@@ -207,4 +208,4 @@ void Ventriculostomy::close() {
     look_for_hole(facts_.end_s, catheter_mm_);
 }
 
-}  // namespace trephine
+}  // namespace trephine::lessons

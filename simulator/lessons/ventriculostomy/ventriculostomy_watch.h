@@ -10,17 +10,17 @@
 #include "lessons/ventriculostomy/dura_watch.h"
 #include "lessons/ventriculostomy/head_frame.h"
 
-namespace trephine {
+namespace trephine::lessons {
 
 /// The tools of the lesson [Rizzi, chapter 7.1]: a marker, a burr, and a catheter.
-std::vector<BeltToolParams> ventriculostomy_tools();
+std::vector<haptics::BeltToolParams> ventriculostomy_tools();
 
 /// The shapes of a case that the lesson knows, by number; 0 where there is none.
 struct HeadShapes {
   int skin = 0, bone = 0, brain = 0, ventricles = 0;
 };
 /// Throws Error 65 where the case has no bone, brain or ventricles to be felt.
-HeadShapes head_shapes_of(const CaseManifest& manifest);
+HeadShapes head_shapes_of(const cases::CaseManifest& manifest);
 
 /// A line that the marker drew while its pedal was down and it touched.
 struct MarkerTrace {
@@ -74,7 +74,8 @@ class Ventriculostomy : public Lesson {
  public:
   /// `manifest`, `before` (the volume as the lesson began) and `now` must outlive it. Throws as head_frame_of and
   /// head_shapes_of do.
-  Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now);
+  Ventriculostomy(const cases::CaseManifest& manifest, const voxel::HapticVolume& before,
+                  const voxel::HapticVolume& now);
 
   void close() override;
 
@@ -90,22 +91,22 @@ class Ventriculostomy : public Lesson {
 
  protected:
   LessonFacts& noted() override { return facts_; }
-  void begin(const ServoFrame& frame, const ToolBelt& belt) override;
-  void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) override;
-  void command(int command, const ServoFrame& frame, const ToolBelt& belt) override;
+  void begin(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt) override;
+  void tick(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt, bool pedal) override;
+  void command(int command, const haptics::ServoFrame& frame, const haptics::ToolBelt& belt) override;
 
  private:
-  void draw(const ServoFrame& f, bool pedal);
-  void drill(const ServoFrame& f, const ToolBelt& belt, bool pedal);
+  void draw(const haptics::ServoFrame& f, bool pedal);
+  void drill(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal);
   void look_for_hole(double time_s, double ball_mm);
-  void pass(const ServoFrame& f);
+  void pass(const haptics::ServoFrame& f);
   void end_trace();
   void end_pass(double time_s, bool in_place);
-  bool stays(const ServoFrame& f) const;
+  bool stays(const haptics::ServoFrame& f) const;
 
-  const CaseManifest& manifest_;
-  const HapticVolume& before_;
-  const HapticVolume& now_;
+  const cases::CaseManifest& manifest_;
+  const voxel::HapticVolume& before_;
+  const voxel::HapticVolume& now_;
   HeadFrame frame_;
   HeadShapes shapes_;
   VentriculostomyFacts facts_;
@@ -114,10 +115,10 @@ class Ventriculostomy : public Lesson {
   bool drawing_ = false, drilling_ = false, in_brain_ = false;
   double last_touch_s_ = 0, looked_s_ = 0;
   std::int64_t removed_units_ = 0, looked_units_ = 0;
-  Box drilled_box_;
+  grid::Box drilled_box_;
   Vec3 axis_sum_;
   PassPoint last_tip_;
   Vec3 held_tip_;
 };
 
-}  // namespace trephine
+}  // namespace trephine::lessons
