@@ -176,7 +176,10 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   buttons_ = in.buttons;
   begun_ = true;
   if (drill_.incising()) count(drill_.go_on());
-  watch_breach(in, params_.cut_at == DrillingParams::At::tool ? state.proxy_mm : in.tip_mm);
+  // A tool that has come through rests on what lies behind the bone, at its very border: half a voxel ahead tells.
+  const Vec3 spacing = before_.voxels.spacing_mm;
+  const double ahead_mm = std::min({spacing.x, spacing.y, spacing.z}) / 2;
+  watch_breach(in, params_.cut_at == DrillingParams::At::tool ? state.proxy_mm - in.axis * ahead_mm : in.tip_mm);
 
   // The force at the rim is the power divided by the rim's speed.
   power_ = smooth(power_, std::min(used_w, power_w_), in.dt_s);

@@ -145,7 +145,6 @@ class Proxy {
   bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
   bool draws_out() const;
   void slide_out(Vec3 device_mm);
-  void come_out(const HapticInput& in);
   void try_unlock(Vec3 axis);
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();

@@ -14,7 +14,7 @@ constexpr double cancels = 0.2;       // two normals whose sum is shorter than t
 constexpr double max_turn_rad = 0.5;  // in a frame
 constexpr int unlock_frames = 8;
 constexpr double drawn_out_mm = 0.3;
-constexpr int drawn_frames = 5, out_tries = 4, released_frames = 50;
+constexpr int drawn_frames = 5, out_tries = 4;
 constexpr int slices = 16;
 constexpr std::uint64_t max_looks = 4000;  // points that are tried in a frame, on the way out of bone
 
@@ -69,10 +69,7 @@ void Proxy::follow_tool(const HapticInput& in) {
     }
     if (!meet_tool(m, in.tip_mm, goal, aim, pass)) break;
   }
-  if (second_law() && draws_out()) {
-    slide_out(in.tip_mm);
-    if (drawn_for_ % released_frames == 0) come_out(in);
-  }
+  if (second_law() && draws_out()) slide_out(in.tip_mm);
   state_.proxy_mm = b.tip_mm();
   state_.axis = b.frame().column[2];
   state_.inside = b.shape(0);
@@ -292,19 +289,6 @@ void Proxy::slide_out(Vec3 device) {
     if (b.sweep(b.tip_mm() + normal * step_mm_, b.frame(), closed_faces()).hit) return;
     b.arrive();
   }
-}
-
-// Where a tool could not follow for 50 ms, and where the hand holds it is free of whatever nothing enters, it is there:
-// the hand has drawn it out of a hole in which it was jammed.
-void Proxy::come_out(const HapticInput& in) {
-  const Mat3 frame = in.axis == Vec3{} ? body_->frame() : frame_of(in.axis, in.across);
-  for (const Vec3& p : tool_.points_mm) {
-    const ShapeFeel& feel = feels_[std::size_t(contact_.shape_at(in.tip_mm + frame * p))];
-    if (feel.front.touchable && !(feel.front.pop_through_n > 0)) return;
-  }
-  body_->place(in.tip_mm, frame);
-  count_ = 0;
-  solved_ = false;
 }
 
 // Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether anything still bars the
