@@ -19,7 +19,7 @@ std::string case_json(int minor) {
   return {bytes.begin(), bytes.end()};
 }
 
-cases::LoadedCase load(int minor, const std::string& json) {
+cases::LoadedCase load(const std::string& json) {
   return cases::load_case_through([&](const std::string& name, std::uint64_t most) {
     return name == "case.json" ? std::vector<char>(json.begin(), json.end()) : read_file(old / "case-1.4" / name, most);
   });
@@ -28,7 +28,7 @@ cases::LoadedCase load(int minor, const std::string& json) {
 TEST(CasesOld, EveryFormatIsRead) {
   for (int minor = 0; minor <= 4; ++minor) {
     SCOPED_TRACE(minor);
-    const cases::LoadedCase c = load(minor, case_json(minor));
+    const cases::LoadedCase c = load(case_json(minor));
     const cases::CaseManifest& m = c.manifest;
     EXPECT_EQ(m.version_minor, minor);
     ASSERT_EQ(m.anatomies.size(), 2u);
@@ -63,7 +63,7 @@ TEST(CasesOld, AKeyOfItsOwnFormatMayNotBeMissing) {
     json.resize(json.rfind(",\n \"checksum\""));
     json += ",\n \"checksum\": \"" + sha256_of_bytes(json) + "\"\n}\n";
     try {
-      load(minor, json);
+      load(json);
     } catch (const Error& e) {
       return e.field();
     }

@@ -194,6 +194,8 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   const auto file = folder.path() / "a.servo";
   haptics::RecordingHeader header;
   header.drilling.drill = true;
+  header.drilling.cut_at = haptics::DrillingParams::At::device;  // of version 2
+  header.force.force_law = haptics::ForceParams::Law::first;
   haptics::RecordingWriter writer(file, header);
   writer.add({haptics::ServoFrame()});
   writer.finish();

@@ -124,7 +124,7 @@ TEST(Registration, TakesAGivenTransform) {
   EXPECT_EQ(r.doubts, "");
   EXPECT_EQ(target_error_mm(r.map, second.truth, targets(head)), 0);
   EXPECT_GT(std::get<double>(*report.find("overlap_ratio")), 0.8);
-  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_TRUE(report.warnings.empty()) << "the images agree with it";
   itk::LinearMap away = second.truth, wide = second.truth;
   away.offset_mm.x += 300;
   EXPECT_NE(itk::given_registration(ct, grid::HuVolume(second.volume), away, {}, report).doubts, "");

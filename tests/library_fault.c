@@ -3,7 +3,7 @@
 //   TREPHINE_FAULT=write:3:28    the third write to a file of a folder (no memfd) fails with errno 28 (ENOSPC); short:3 writes one byte
 //   TREPHINE_FAULT=write+:3:28   it and all that follow
 //   TREPHINE_FAULT=signal:3:11    the third allocation of 4 KB and more sends the program itself signal 11 (SIGSEGV)
-//   TREPHINE_FAULT_IN=run        only where an argument is this word
+//   TREPHINE_FAULT_IN=run        only where an argument is this word, or one of the words that trephine @3 reads
 //   TREPHINE_FAULT_COUNT=FILE    no call fails; the number of calls is appended to the file at the end
 // Nothing fails before main. Functions: write (and short), fsync, rename, open (of files to be made), close (of files that were written), malloc (of
 // 4 KB and more).
@@ -40,6 +40,14 @@ __attribute__((constructor)) static void begin(void) {
   int found = !word;
   for (ssize_t i = 0; word && i < n; i += (ssize_t)strlen(line + i) + 1)
     if (strcmp(line + i, word) == 0) found = 1;
+  // A library's jobs read their words from a file without a name: trephine @3.
+  const char* second = line + strlen(line) + 1;
+  if (!found && second < line + n && second[0] == '@') {
+    const ssize_t m = pread(atoi(second + 1), line, sizeof line - 1, 0);
+    if (m > 0) line[m] = 0;
+    for (ssize_t i = 0; i < m; i += (ssize_t)strlen(line + i) + 1)
+      if (strcmp(line + i, word) == 0) found = 1;
+  }
   if (!found) return;
   char name[16] = "";
   if (sscanf(fault, "%15[^:]:%ld:%d", name, &wanted, &error_number) < 2) return;

@@ -121,7 +121,7 @@ expect 65 'wide\.servo: tool_spacing_mm: gives more than' "$TREPHINE" replay "$w
 expect 65 'cut\.servo: frames: 5500, were 6000' "$TREPHINE" replay "$work/sample" "$work/cut.servo"
 expect 65 'feel_sha256: the case.s materials are not' "$TREPHINE" replay "$work/sample" "$work/material.servo"
 expect 65 'felt_shape: liver' "$TREPHINE" replay "$work/sample" "$work/shape.servo"
-expect 65 'header: lacks a field' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
+expect 65 'haptic_sha256: is missing' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
 expect 65 'frames: tick and time_s of frame 100 must be above' "$TREPHINE" replay "$work/sample" "$work/ticks.servo"
 expect 80 'differ when replayed' "$TREPHINE" replay "$work/sample" "$work/gap.servo"
 grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that frames are missing"
@@ -139,7 +139,7 @@ import json, sys
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[16:16 + 8192])
 assert header.pop("tool")["tool"] == "point" and len(header.pop("feel_sha256")) == 64 and header.pop("frames") == 6000
-open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
+open(sys.argv[2], "wb").write(data[:8] + b"\1\0\0\0" + data[12:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
 PY
 "$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
 grep -q '^replayed bit for bit$' "$work/text" || fail "an older recording is not the same"
