@@ -37,7 +37,7 @@ sleep 0.3
 ask lesson
 [[ $answer == *'end none' ]] || fail "one key ends the lesson: $answer"
 xdotool key Return key Return
-until_lesson 'end finished points [0-9]+ of 20'
+until_lesson 'end finished points [0-9]+ of 25'
 ask 'tool burr'
 [[ $answer == error:* ]] || fail "a tool after the end"
 # The review: back and forth, cut away, with what the case says of places.
