@@ -64,7 +64,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME trephine)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "ninja-build, gnuplot-nox | gnuplot")  # of `library build` and `trade`
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_DEPENDS "ninja-build, gnuplot-nox | gnuplot, fonts-dejavu-core")
+# Ninja is for `library build`, gnuplot for `trade`, the typeface for the window.
 set(CPACK_DEBIAN_PROGRAMS_DESCRIPTION "patient models for surgical simulation from CT series
 Trephine turns a CT series into what a surgical simulator needs of one patient:
 closed, decimated surfaces of the anatomies that a scene asks for, a haptic

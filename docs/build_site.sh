@@ -5,7 +5,7 @@
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "$0")")/.." && pwd)
 (($# == 1)) || { echo "usage: docs/build_site.sh OUT" >&2; exit 64; }
-command -v mkdocs >/dev/null || { echo "skipped: no mkdocs"; [[ ${TREPHINE_CHECK:-} != 1 ]] || exit 1; exit 77; }
+command -v mkdocs >/dev/null || { echo "skipped: no mkdocs; install it with: apt install mkdocs" >&2; [[ ${TREPHINE_CHECK:-} != 1 ]] || exit 1; exit 77; }
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 work=$(mktemp -d)

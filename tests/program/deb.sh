@@ -24,7 +24,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in ninja-build gnuplot-nox libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp libinsighttoolkit; do
+for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp libinsighttoolkit; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
