@@ -165,7 +165,8 @@ class Exercise {
       }
       // The report is last: what is there is done.
       const lessons::ScoredLesson scored = lessons::score_recording(recording, c->folder, rubric);
-      lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
+      const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
+      if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);
       lessons::write_report(scored, c->folder, {report, {}, {}});
       if (!params_.all) return;
     }

@@ -8,10 +8,24 @@
 namespace trephine::commands {
 namespace {
 
+struct ScoreParams {
+  bool trust_recording = false;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&ScoreParams::trust_recording, "trust_recording",
+           "Judge the forces, contacts and times that the recording says, without a replay; the report says so.");
+  }
+};
+
 ExitCode run_score(const cli::ParsedCommand& parsed) {
   const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
-  const lessons::ScoredLesson lesson = lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric);
-  lessons::write_report(lesson, parsed.path("case"), {parsed.path("json"), parsed.path("page"), parsed.path("log")});
+  const bool trust = parsed.params<ScoreParams>().trust_recording;
+  const lessons::ScoredLesson lesson =
+      lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric,
+                               trust ? lessons::Answers::trusted : lessons::Answers::replayed);
+  const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
+                                                    {parsed.path("json"), parsed.path("page"), parsed.path("log")});
+  if (!repeats.empty()) std::cout << "the motion is that of " << repeats << "\n";
   std::cout << lessons::score_text(lesson.head, *lesson.facts, lesson.score);
   return ExitCode::ok;
 }
@@ -24,13 +38,14 @@ cli::Command score_command() {
   c.name = "score";
   c.summary = "judges a recorded lesson by a rubric";
   c.description =
-      "Follows the recording through the case, and scores what happened by the rubric of that lesson: Table XIII of "
+      "Replays the recording in the case, and scores what happened by the rubric of that lesson: Table XIII of "
       "the "
       "dissertation for a ventriculostomy. Each row has its measured figure, the limits that were applied, whether "
       "these are the "
       "dissertation's or ours, and the moment at which it was decided. What the case leaves doubtful is not judged. "
       "The same recording, case and rubric give the same bytes, so a session can be judged again years later, by "
-      "another rubric as well. docs/lessons.md says what each row measures.";
+      "another rubric as well. Exit code 80 says that it does not replay bit for bit. docs/lessons.md says what each "
+      "row measures.";
   cli::Argument recording = cli::argument("recording", Kind::in_file, "The recording of a lesson.");
   recording.positional = recording.required = true;
   cli::Argument folder = cli::argument("case", Kind::in_folder, "Folder of the case in which it was done.");
@@ -43,6 +58,7 @@ cli::Command score_command() {
                  cli::argument("json", Kind::out_file, "Write the report to this file."),
                  cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
                  cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
+  c.groups = {cli::ParameterGroup::of<ScoreParams>("Parameters")};
   c.examples = {
       "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json "
       "--page one.html --log attempts.csv"};

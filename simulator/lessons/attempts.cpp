@@ -17,7 +17,7 @@
 namespace trephine::lessons {
 namespace {
 
-constexpr std::size_t participant_at = 0, module_at = 1, recording_at = 4, rubric_at = 5;
+constexpr std::size_t participant_at = 0, module_at = 1, attempt_at = 2, recording_at = 4, rubric_at = 5;
 const ScoreRow* row_of(const LessonScore& score, const std::string& name) {
   for (const ScoreRow& row : score.rows)
     if (row.name == name) return &row;
@@ -96,7 +96,7 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
   std::vector<std::pair<std::string, std::string>> c = {
       {"participant", "anonymous token"},
       {"module", "the lesson"},
-      {"attempt", "counts the participant's recordings of the module in this log, from 1"},
+      {"attempt", "counts the participant's motions of the module in this log, from 1"},
       {"case", "the case's token"},
       {"recording_sha256", "of the recording's file"},
       {"rubric_sha256", "of what the rubric says"},
@@ -105,13 +105,17 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
       {"most_points", "what that sum could have been"}};
   for (const std::string& row : module.rows) c.emplace_back(row + "_score", "1 to 5; empty: not judged");
   for (const LessonColumn& column : module.columns) c.emplace_back(column.name, column.help);
+  c.emplace_back("motion_sha256", "of what the hand did, by which attempts are counted");
+  c.emplace_back("checked", "replayed, or trusted: the recording's answers as they stand in it");
+  c.emplace_back("repeats", "the participant and attempt whose motion it is, where it was in the log");
   c.emplace_back("task", "what was asked for; empty: nothing");
   c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
   c.emplace_back("critical_errors", "those that happened, by name, with + between them");
   return c;
 }
 
-std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const LessonScore& score, int attempt) {
+std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const LessonScore& score, int attempt,
+                         const std::string& repeats) {
   const LessonType& module = lesson_type(head.module);
   const ScoreSum sum = sum_of(score);
   std::string line = head.participant + "," + head.module + "," + std::to_string(attempt) + "," + head.case_token +
@@ -124,17 +128,24 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
   std::string critical;
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
+  line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
   line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
   return line;
 }
 
 int log_attempt(const std::filesystem::path& file, const ReportHead& head, const LessonFacts& facts,
-                const LessonScore& score) {
+                const LessonScore& score, std::string* repeats) {
   const LogLock lock(file);
   const std::string columns = head_line(lesson_type(head.module));
-  const std::size_t cells_count = split_at(columns, ',').size();
-  std::string text = columns + "\n";
-  std::set<std::string> recordings;
+  const std::vector<std::string> names = split_at(columns, ',');
+  const auto place = [&](const char* name) {
+    return std::size_t(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  const std::size_t motion_at = place("motion_sha256"), checked_at = place("checked");
+  std::string text = columns + "\n", others;
+  std::set<std::string> attempts;
+  int known = 0;  // the number of this motion's attempt
+  bool there = false;
   if (std::filesystem::exists(file)) {
     const std::vector<char> bytes = read_file(file, 1 << 28);
     const std::string old = with_new_columns({bytes.begin(), bytes.end()}, columns);
@@ -144,24 +155,25 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
                   "are not those of a log of attempts of this lesson and version");
     for (std::size_t n = 1; n + 1 < lines.size(); ++n) {
       const std::vector<std::string> cells = split_at(lines[n], ',');
-      if (cells.size() != cells_count)
+      if (cells.size() != names.size())
         throw Error(ExitCode::bad_input, file.string(), "line " + std::to_string(n + 1), "has another count of cells");
+      // A line of before motions were noted is known by its recording.
+      const bool by_motion = !cells[motion_at].empty() && !head.motion_sha256.empty();
+      const bool same_file = cells[recording_at] == head.recording_sha256;
+      const bool same = by_motion ? cells[motion_at] == head.motion_sha256 : same_file;
+      if (same && !same_file && others.empty()) others = cells[participant_at] + " " + cells[attempt_at];
       if (cells[participant_at] != head.participant || cells[module_at] != head.module) continue;
-      if (cells[recording_at] == head.recording_sha256 && cells[rubric_at] == head.rubric_sha256)
-        return int(parse_integer(cells[2]).value_or(0));
-      // Scored by another rubric it is the same attempt.
-      recordings.insert(cells[recording_at]);
+      attempts.insert(cells[attempt_at]);
+      if (!same) continue;
+      if (known == 0) known = int(parse_integer(cells[attempt_at]).value_or(0));
+      // Scored by another rubric, or replayed after it was trusted, it is the same attempt.
+      there = there || (cells[rubric_at] == head.rubric_sha256 && (!by_motion || cells[checked_at] == head.checked()));
     }
     text = old;
   }
-  const bool known = recordings.count(head.recording_sha256) > 0;
-  int attempt = int(recordings.size()) + 1;
-  if (known)
-    for (const std::string& line : split_at(text, '\n'))
-      if (const std::vector<std::string> cells = split_at(line, ',');
-          cells.size() > recording_at && cells[recording_at] == head.recording_sha256)
-        attempt = int(parse_integer(cells[2]).value_or(attempt));
-  write_file(file, text + attempt_line(head, facts, score, attempt) + "\n");
+  if (repeats && !others.empty()) *repeats = std::string(others).insert(others.find(' '), ", attempt");
+  const int attempt = known > 0 ? known : int(attempts.size()) + 1;
+  if (!there) write_file(file, text + attempt_line(head, facts, score, attempt, others) + "\n");
   return attempt;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/lesson_run.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,6 +17,7 @@ namespace trephine::lessons {
 namespace {
 
 constexpr std::uint64_t ticks_at_once = 4096;
+constexpr double max_rate_hz = 20000;  // of `servo`, `lesson` and `play`
 
 haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOptions& o) {
   haptics::RecordingHeader h = felt.header();
@@ -43,6 +46,32 @@ void require_followable(const haptics::ServoFrame& f, const std::string& file) {
   if (!finite(f.tip_mm) || !finite(f.axis) || !finite(f.proxy_mm) || !finite(f.force_n) || !std::isfinite(f.time_s) ||
       !(f.dt_s > 0 && f.dt_s < 1e6) || !is_shape(f.touched) || !is_shape(f.inside))
     throw Error(ExitCode::bad_input, file, "frames", "tick " + std::to_string(f.tick) + " holds what no session makes");
+}
+
+const Remedy not_as_recorded{
+    "do the `lesson` anew, or judge it as it stands with --trust-recording, which its report then says"};
+
+[[noreturn]] void differs(const std::string& file, const char* field, const std::string& what) {
+  throw refusal(field, what, not_as_recorded).in_file(file);
+}
+
+/// The servo makes a step of whole periods, and a time of steps: both to the bit.
+void require_times(const haptics::Recording& r, const std::string& file) {
+  const double rate = r.header.rate_hz;
+  if (!(rate <= max_rate_hz))
+    differs(file, "rate_hz", fmt::format("{:g}, a session has at most {:g}", rate, max_rate_hz));
+  double time_s = 0;
+  for (const haptics::ServoFrame& f : r.frames) {
+    time_s += f.dt_s;
+    const double periods = std::round(f.dt_s * rate);
+    if (f.time_s != time_s || !(periods >= 1) || f.dt_s != periods / rate)
+      differs(file, "frames", fmt::format("the time of tick {} is not the sum of its steps", f.tick));
+  }
+}
+
+bool same_outcome(const haptics::RecordingHeader::Outcome& a, const haptics::RecordingHeader::Outcome& b) {
+  return a.removed_mm3 == b.removed_mm3 && a.breached == b.breached && a.breach_time_s == b.breach_time_s &&
+         a.breach_mm == b.breach_mm;
 }
 
 }  // namespace
@@ -79,7 +108,7 @@ LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& o, const s
 }
 
 std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, const std::string& file,
-                                                      const haptics::Recording& recording) {
+                                                      const haptics::Recording& recording, Answers answers) {
   const haptics::RecordingHeader& h = recording.header;
   if (h.lesson.empty()) throw Error(ExitCode::bad_input, file, "lesson", "is missing: this is no lesson's recording");
   const LessonType& module = *with_file(file, [&] { return &lesson_type(h.lesson); });
@@ -90,6 +119,8 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
   if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
   if (!h.task.empty()) with_file(file, [&] { task_of(module, felt.loaded.manifest, h.task); });
   for (const haptics::ServoFrame& f : recording.frames) require_followable(f, file);
+  const bool replayed = answers == Answers::replayed;
+  if (replayed) require_times(recording, file);
   const voxel::HapticVolume before = voxel::copy_without_hardness(felt.loaded.haptic);
   contact::ContactVolume contact(felt.loaded.haptic, h.contact);
   session::Rerun rerun(felt, contact, file, h);
@@ -98,7 +129,15 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
   lesson->set_task(h.task);
   HandLimits limits(contact);
   for (const haptics::ServoFrame& f : recording.frames) {
-    belt.follow(haptics::input_of(f, h.rate_hz), haptics::state_of(f));
+    if (replayed) {
+      const haptics::ServoFrame again = haptics::replay_frames({f}, h.rate_hz, belt).front();
+      if (!haptics::same_frame(again, f))
+        differs(file, "frames",
+                fmt::format("does not replay bit for bit, tick {} of {} is the first that differs", f.tick,
+                            recording.frames.size()));
+    } else {
+      belt.follow(haptics::input_of(f, h.rate_hz), haptics::state_of(f));
+    }
     with_file(file, [&] { limits.look(f, belt); });
     lesson->watch(f, belt);
   }
@@ -107,6 +146,9 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
     throw refusal("volume_sha256", "the volume differs when the session is followed",
                   {"follow it with the version of the program that recorded it, or do the `lesson` anew"})
         .in_file(file);
+  if (replayed && rerun.drilling() && h.outcome &&
+      !same_outcome(haptics::outcome_of(felt.loaded.haptic, rerun.drilling()->outcome()), *h.outcome))
+    differs(file, "outcome", "is another when the session is replayed");
   return lesson->copy_of_facts();
 }
 

@@ -37,10 +37,14 @@ struct LessonResult {
 /// Cancelled through `stop`: what was done until then is lost.
 LessonResult run_lesson(session::FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
 
-/// What happened in a recorded lesson: the recorded answers are followed, and what the tools cut is cut again. `felt`
-/// must be as loaded; its volume is drilled. Throws Error 65 where the recording is no lesson, or one that is not
-/// known, 80 where it leaves another volume than it says.
+/// Whose answers to the hand are judged: those that the program finds anew, or those that stand in the recording.
+enum class Answers { replayed, trusted };
+
+/// What happened in a recorded lesson, and what the tools cut is cut again. `felt` must be as loaded; its volume is
+/// drilled. Throws Error 65 where the recording is no lesson, or one that is not known, 80 where it leaves another
+/// volume than it says; for Answers::replayed also where any bit of an answer, time or outcome is another.
 std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, const std::string& file,
-                                                      const haptics::Recording& recording);
+                                                      const haptics::Recording& recording,
+                                                      Answers answers = Answers::trusted);
 
 }  // namespace trephine::lessons

@@ -131,12 +131,14 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
       fmt::format("<p class=\"{}\"><b>{}</b>{}</p>\n", score.outcome() == LessonOutcome::failed ? "failed" : "",
                   escaped(headline_of(score)),
                   facts.task.empty() ? "" : "<br>Task: " + escaped(task_of(module, loaded.manifest, facts.task).aim));
+  if (!head.replayed) out += "<p class=\"failed\"><b>Trusted: the recording was not replayed.</b></p>\n";
   out += rows_html(score);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
   out += module.pictures(facts, loaded);
   out += fmt::format(
-      "<h2>Made of</h2>\n<p class=\"faint\">recording {}<br>haptic volume {}<br>rubric {}</p>\n</body></html>\n",
-      head.recording_sha256, head.case_sha256, head.rubric_sha256);
+      "<h2>Made of</h2>\n<p class=\"faint\">recording {} ({})<br>motion {}<br>haptic volume {}<br>rubric "
+      "{}</p>\n</body></html>\n",
+      head.recording_sha256, head.checked(), head.motion_sha256, head.case_sha256, head.rubric_sha256);
   return out;
 }
 

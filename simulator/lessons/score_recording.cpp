@@ -6,7 +6,7 @@
 #include "base/write_file.h"
 #include "lesson/approval.h"
 #include "lessons/attempts.h"
-#include "lessons/lesson_run.h"
+#include "lessons/motion.h"
 #include "lessons/report_page.h"
 #include "lessons/rubric_types.h"
 
@@ -20,7 +20,7 @@ lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file) {
 }
 
 ScoredLesson score_recording(const std::filesystem::path& file, const std::filesystem::path& case_folder,
-                             const lesson::CompiledRubric& rubric) {
+                             const lesson::CompiledRubric& rubric, Answers answers) {
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
@@ -35,20 +35,29 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
       throw Error(ExitCode::bad_input, "", "case", "is not the name of the given case");
   });
   const voxel::HapticVolume before = felt.loaded.haptic;
-  s.facts = facts_of_recording(felt, file.string(), s.recording);
+  s.facts = facts_of_recording(felt, file.string(), s.recording, answers);
   if (rubric.module != h.lesson)
     throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
   s.score = lesson_type(h.lesson).score(*s.facts, felt.loaded, before, rubric.rubric);
-  s.head = {h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
+  s.head = {h.case_token,
+            h.lesson,
+            h.participant,
+            sha256_of_file(file),
+            rubric.sha256,
+            h.haptic_sha256,
+            motion_digest(s.recording.frames),
+            answers == Answers::replayed};
   return s;
 }
 
-void write_report(const ScoredLesson& s, const std::filesystem::path& case_folder, const ReportFiles& files) {
+std::string write_report(const ScoredLesson& s, const std::filesystem::path& case_folder, const ReportFiles& files) {
   if (!files.json.empty()) write_file(files.json, score_json(s.head, *s.facts, s.score));
   if (!files.page.empty())
     write_file(files.page, report_page(s.head, *s.facts, s.score, s.recording,
                                        cases::load_case(case_folder, cases::LoadParts{true})));
-  if (!files.log.empty()) log_attempt(files.log, s.head, *s.facts, s.score);
+  std::string repeats;
+  if (!files.log.empty()) log_attempt(files.log, s.head, *s.facts, s.score, &repeats);
+  return repeats;
 }
 
 }  // namespace trephine::lessons

@@ -5,6 +5,7 @@
 
 #include "haptics/recording.h"
 #include "lesson/rubric.h"
+#include "lessons/lesson_run.h"
 #include "lessons/score_report.h"
 
 namespace trephine::lessons {
@@ -21,14 +22,17 @@ struct ScoredLesson {
 lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file);
 
 /// Reads and scores the recording in its case. Throws as read_recording, felt_again, facts_of_recording and
-/// the module do; Error 65 where the rubric is of another lesson.
+/// the module do; 80 where it does not replay bit for bit and is not trusted; Error 65 where the rubric is of another
+/// lesson.
 ScoredLesson score_recording(const std::filesystem::path& recording, const std::filesystem::path& case_folder,
-                             const lesson::CompiledRubric& rubric);
+                             const lesson::CompiledRubric& rubric, Answers answers = Answers::replayed);
 
 /// Writes the parts of the report whose paths are not empty: JSON, a page, a line of the log.
 struct ReportFiles {
   std::filesystem::path json, page, log;
 };
-void write_report(const ScoredLesson& lesson, const std::filesystem::path& case_folder, const ReportFiles& files);
+/// Returns whose attempt in the log has the same motion, as "r-01, attempt 2"; empty where none has.
+std::string write_report(const ScoredLesson& lesson, const std::filesystem::path& case_folder,
+                         const ReportFiles& files);
 
 }  // namespace trephine::lessons

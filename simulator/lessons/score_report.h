@@ -12,6 +12,9 @@ namespace trephine::lessons {
 struct ReportHead {
   std::string case_token, module, participant;
   std::string recording_sha256, rubric_sha256, case_sha256;  ///< of the files; case: of its haptic volume
+  std::string motion_sha256 = {};                            ///< motion_digest()
+  bool replayed = false;                                     ///< else the recording's answers were trusted
+  const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 
 /// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened. It holds

@@ -39,6 +39,59 @@ expect 65 'foreign.csv: columns: are not those' "${score[@]}" --log "$work/forei
 cmp "$work/one.lesson" "$work/two.lesson" || fail "done again it is not the same"
 "$TREPHINE" replay "$work/head" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "replays otherwise"
 
+# A recording that was forged is refused as `replay` refuses it, and scored only on trust, which the report says. What the hand did
+# names the attempt: an edited header makes no new one, and another participant's token is found.
+cat >"$work/forge.py" <<'PY'
+import struct, sys
+way, source, target = sys.argv[1:]
+b = bytearray(open(source, "rb").read())
+length = struct.unpack_from("<I", b, 12)[0]
+each = int(b[16:16 + length].decode().split('"frame_bytes":')[1].split(",")[0].split("}")[0])
+def header(old, new):
+    text = bytes(b[16:16 + length]).decode()
+    assert old in text, old
+    b[16:16 + length] = text.replace(old, new).rstrip().ljust(length - 1).encode() + b"\n"
+frames = range(16 + length, len(b), each)
+for f in frames:
+    if way == "forces": struct.pack_into("<3d", b, f + 120, 0, 0, 0)
+    if way == "proxies": struct.pack_into("<3d", b, f + 72, *struct.unpack_from("<3d", b, f + 24))
+    if way == "times": struct.pack_into("<d", b, f + 8, struct.unpack_from("<d", b, f + 8)[0] / 10)
+    if way == "steps": struct.pack_into("<2d", b, f + 8, *(v / 10 for v in struct.unpack_from("<2d", b, f + 8)))
+if way == "rate":
+    text = bytes(b[16:16 + length]).decode()
+    rate = text.split('"rate_hz":')[1].split(",")[0]
+    header('"rate_hz":' + rate, '"rate_hz": 1e300')
+if way == "device": header('"script"', '"scrapt"')
+if way == "token": header('"r-01"', '"r-02"')
+open(target, "wb").write(b)
+PY
+for way in forces proxies times steps rate; do
+  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson"
+  forged=("$TREPHINE" score "$work/$way.lesson" --case "$work/head" --rubric "$work/rubric.json")
+  expect 80 "$way.lesson: (frames|rate_hz): " "${forged[@]}" --json "$work/forged.json" --log "$work/forged.csv"
+  [[ ! -e $work/forged.json && ! -e $work/forged.csv ]] || fail "$way: something was written"
+done
+python3 "$work/forge.py" forces "$work/one.lesson" "$work/forces.lesson"
+"$TREPHINE" score "$work/forces.lesson" --case "$work/head" --rubric "$work/rubric.json" --trust-recording --json "$work/forged.json" \
+  --page "$work/forged.html" --log "$work/forged.csv" >"$work/text"
+grep -q '"checked": "trusted"' "$work/forged.json" || fail "the report does not say that it was trusted"
+grep -q 'Trusted: the recording was not replayed' "$work/forged.html" || fail "the page does not say it"
+grep -q ',trusted,' "$work/forged.csv" || fail "the log does not say it"
+grep -q '^TRUSTED' "$work/text" || fail "the command does not say it"
+grep -q '"checked": "replayed"' "$work/one.json" || fail "the report does not say that it was replayed"
+for way in device token; do
+  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson"
+  "$TREPHINE" score "$work/$way.lesson" --case "$work/head" --rubric "$work/rubric.json" --log "$work/log.csv" >"$work/text"
+  grep -q '^the motion is that of r-01, attempt 1$' "$work/text" || { cat "$work/text"; fail "$way: the motion is not recognised"; }
+done
+python3 - "$work/log.csv" <<'PY'
+import csv, sys
+rows = list(csv.DictReader(open(sys.argv[1])))
+assert [(r["participant"], r["attempt"], r["repeats"], r["checked"]) for r in rows] == [
+    ("r-01", "1", "", "replayed"), ("r-01", "2", "", "replayed"), ("r-02", "1", "r-01 1", "replayed")], rows
+assert rows[0]["motion_sha256"] == rows[2]["motion_sha256"] != rows[1]["motion_sha256"], rows
+PY
+
 # The limits that are the dissertation's say so, with its table; the others are ours, and say why.
 python3 - "$work/one.json" <<'PY'
 import json, sys
