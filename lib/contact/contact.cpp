@@ -56,7 +56,7 @@ ContactVolume::ContactVolume(voxel::HapticVolume& volume, ContactParams params)
                                    std::uint32_t(v.share + rest) << 8 | std::uint32_t(pure | v.number);
     }
   settle(grid::whole_box(l));
-  keep_seconds();
+  keep_second_shapes();
 }
 
 Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }

@@ -193,8 +193,8 @@ class ContactVolume {
   /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const grid::Box& box);
-  void keep_seconds();
-  void note_seconds(std::size_t block, int bi, int bj, int bk);
+  void keep_second_shapes();
+  void note_second_shapes(std::size_t block, int bi, int bj, int bk);
   grid::Box blocks_of(const grid::Box& voxels) const;
 
   voxel::HapticVolume& volume_;
@@ -220,8 +220,8 @@ class ContactVolume {
   /// has any other shape. Where there are two, the second shape of a voxel that they share is known without a search.
   std::vector<std::uint32_t> block_near_;
   /// Encoding `occupancy`: where the second shapes of the block's voxels are kept, x fastest; 0: they are not kept.
-  std::vector<std::uint32_t> block_seconds_;
-  std::vector<std::uint8_t> seconds_;
+  std::vector<std::uint32_t> block_second_shapes_;
+  std::vector<std::uint8_t> second_shapes_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
   int low_of_[voxel::haptic_max_shapes + 1] = {};
 };

@@ -152,33 +152,33 @@ void ContactVolume::note_blocks(const grid::Box& box) {
                 near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(voxel::detail::load_voxel(row[x]))]);
             }
           __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
-          note_seconds(at, i, j, k);
+          note_second_shapes(at, i, j, k);
           end_note(at, state, mixed_block);
         }
   });
 }
 
 // Where more than two shapes are near, finds and keeps to which of them the rest of each shared voxel belongs.
-void ContactVolume::keep_seconds() {
-  block_seconds_.assign(block_near_.size(), 0);
+void ContactVolume::keep_second_shapes() {
+  block_second_shapes_.assign(block_near_.size(), 0);
   std::uint32_t kept = 0;
   for (std::size_t at = 0; at < block_near_.size(); ++at) {
     const std::uint32_t but_one = block_near_[at] & (block_near_[at] - 1);
-    if (shape_in(block_state_[at]) == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
+    if (shape_in(block_state_[at]) == mixed_block && (but_one & (but_one - 1)) != 0) block_second_shapes_[at] = ++kept;
   }
-  seconds_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
+  second_shapes_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
   parallel_for(0, blocks_[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < blocks_[1]; ++j)
-        for (int i = 0; i < blocks_[0]; ++i) note_seconds(block_at(i, j, k), i, j, k);
+        for (int i = 0; i < blocks_[0]; ++i) note_second_shapes(block_at(i, j, k), i, j, k);
   });
 }
 
-void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
-  if (block_seconds_.empty() || block_seconds_[block] == 0) return;
+void ContactVolume::note_second_shapes(std::size_t block, int bi, int bj, int bk) {
+  if (block_second_shapes_.empty() || block_second_shapes_[block] == 0) return;
   const grid::Grid<std::int16_t>& v = volume_.voxels;
   constexpr int side = 1 << block_bits;
-  std::uint8_t* second = seconds_.data() + (std::size_t(block_seconds_[block]) << 3 * block_bits);
+  std::uint8_t* second = second_shapes_.data() + (std::size_t(block_second_shapes_[block]) << 3 * block_bits);
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x, ++second) {
@@ -194,11 +194,11 @@ int ContactVolume::second_of(int own, int i, int j, int k) const {
     const std::uint32_t near = near_of_block(at);
     const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
     if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
-    const std::size_t kept = state_of_block(at) & details_known ? block_seconds_[at] : 0;
+    const std::size_t kept = state_of_block(at) & details_known ? block_second_shapes_[at] : 0;
     if (kept != 0) {
       constexpr int last = (1 << block_bits) - 1;
       const int voxel = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
-      return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
+      return __atomic_load_n(&second_shapes_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
     }
   }
   return voxel::detail::other_shape(volume_.voxels, own, i, j, k);
