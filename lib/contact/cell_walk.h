@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// The unit cells that a segment meets, for contact.cpp. Nothing here allocates or throws.
+// The unit cells that a segment meets. Nothing here allocates or throws.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

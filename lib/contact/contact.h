@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "base/params.h"
 #include "base/vec3.h"
@@ -11,7 +10,7 @@
 
 namespace trephine::contact {
 
-class ContactCell;
+struct FeltLattice;
 
 /// How a segment is followed through a haptic volume, and what counts as the surface there.
 struct ContactParams {
@@ -86,6 +85,7 @@ class ContactVolume {
   /// The volume must outlive the object. With the encoding `occupancy` the constructor calls settle() for the whole
   /// volume, which marks partly filled voxels without another shape nearby as bare; no voxel means anything else then.
   explicit ContactVolume(voxel::HapticVolume& volume, ContactParams params = {});
+  ~ContactVolume();
 
   /// Forgets what is known of the blocks around the box. It must be called before voxels of the box are lowered, unless
   /// the thread that lowers them also does the walks. Where another thread may call settle() meanwhile, it must be
@@ -130,100 +130,14 @@ class ContactVolume {
   /// voxel apart.
   int samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const;
   /// How often loosen() was called, modulo 2^32.
-  std::uint32_t loosened() const { return __atomic_load_n(&loosened_, __ATOMIC_ACQUIRE); }
+  std::uint32_t loosened() const;
 
-  const voxel::HapticVolume& volume() const { return volume_; }
-  const ContactParams& params() const { return params_; }
-  double smallest_side_mm() const { return smallest_side_mm_; }
+  const voxel::HapticVolume& volume() const;
+  const ContactParams& params() const;
+  double smallest_side_mm() const;
 
  private:
-  friend class ContactCell;
-  struct Segment;
-  struct Crossing;
-  class CellWalk;
-  Vec3 to_index(Vec3 world_mm) const;
-  bool clip(Segment& segment) const;
-  bool within_block(const Segment& segment, int shape, ContactBox* box) const;
-  bool within_cell_of(const Segment& segment, int shape, const TouchableFaces& faces, Crossing& out,
-                      ContactBox* box) const;
-  bool walk_cell(const ContactCell& cell, const Segment& segment, const int* at, double t0, double t1,
-                 const TouchableFaces& faces, Crossing& crossing) const;
-  Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
-  Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
-  Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
-  int shape_of(Vec3 index) const;
-  int shape_of_voxel(int i, int j, int k) const;
-  /// The lattice in blocks of 4 x 4 x 4 voxels: the shape (0: none) to which all voxels of the block and the next
-  /// voxels after it belong; mixed_block where they differ and where it is not known.
-  int shape_of_block(int i, int j, int k) const {
-    const std::size_t block = block_of(i, j, k);
-    return block != no_block ? shape_in(state_of_block(block)) : mixed_block;
-  }
-  std::uint32_t state_of_block(std::size_t block) const {
-    return __atomic_load_n(&block_state_[block], __ATOMIC_ACQUIRE);
-  }
-  static int shape_in(std::uint32_t state) { return int(state & 255); }
-  bool begin_note(std::size_t block, std::uint32_t& state);
-  void end_note(std::size_t block, std::uint32_t state, int shape);
-  bool has_block(int bi, int bj, int bk) const {
-    return bi >= 0 && bj >= 0 && bk >= 0 && bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2];
-  }
-  std::uint32_t near_block(int i, int j, int k) const {
-    const std::size_t block = block_of(i, j, k);
-    return block != no_block ? near_of_block(block) : all_shapes;
-  }
-  std::uint32_t near_of_block(std::size_t block) const {
-    const bool known = (state_of_block(block) & details_known) != 0;
-    return known ? __atomic_load_n(&block_near_[block], __ATOMIC_RELAXED) : all_shapes;
-  }
-  /// The block that holds the voxel, or no_block.
-  std::size_t block_of(int i, int j, int k) const {
-    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-    return has_block(bi, bj, bk) ? block_at(bi, bj, bk) : no_block;
-  }
-  std::size_t block_at(int bi, int bj, int bk) const {
-    return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
-  }
-  /// The shape (0: none) of the whole cell between eight voxel centres, for a sub-voxel surface; -1 where the cell is
-  /// not of one shape. The block's details must be known.
-  int shape_of_uniform_cell(std::size_t block, int i, int j, int k) const;
-  void note_cells(std::size_t block, int bi, int bj, int bk);
-  bool shares_around(const int* begin, int from, int into, float (*v)[16]) const;
-  double share_around(int i, int j, int k, int from, int into) const;
-  /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
-  int second_of(int own, int i, int j, int k) const;
-  void note_blocks(const grid::Box& box);
-  void keep_seconds();
-  void note_seconds(std::size_t block, int bi, int bj, int bk);
-  grid::Box blocks_of(const grid::Box& voxels) const;
-
-  voxel::HapticVolume& volume_;
-  ContactParams params_;
-  double smallest_side_mm_ = 1;
-  std::uint32_t loosened_ = 0;
-  Mat3 to_index_;                     ///< of world minus origin
-  std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
-  static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256;
-  static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
-  static constexpr std::size_t no_block = ~std::size_t{0};
-  std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
-  /// The block's shape or mixed_block, details_known where the three vectors below may be used for it, and above these
-  /// bits a count of how often it was loosened: what was found out of voxels before does not count after.
-  static constexpr std::uint32_t details_known = 256, one_loosening = 512;
-  std::vector<std::uint32_t> block_state_;
-  /// For a sub-voxel surface, 2 bits for each cell, x fastest. 0: no shape; 1 and 2: the shapes in the low and the high
-  /// byte of the block's names; 3: not of one shape or not known. Names are written once, before the first cell that
-  /// needs them.
-  std::vector<std::uint64_t> block_cells_;
-  std::vector<std::uint16_t> block_names_;
-  /// All shapes in the block, one voxel before it and two after it: bit n - 1 stands for shape n. No cell of the block
-  /// has any other shape. Where there are two, the second shape of a voxel that they share is known without a search.
-  std::vector<std::uint32_t> block_near_;
-  /// Encoding `occupancy`: where the second shapes of the block's voxels are kept, x fastest; 0: they are not kept.
-  std::vector<std::uint32_t> block_seconds_;
-  std::vector<std::uint8_t> seconds_;
-  int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
-  int low_of_[voxel::haptic_max_shapes + 1] = {};
+  std::unique_ptr<FeltLattice> felt_;
 };
 
 }  // namespace trephine::contact

@@ -109,9 +109,9 @@ int nearest_corner(Vec3 p) { return (p.x >= 0.5 ? 1 : 0) | (p.y >= 0.5 ? 2 : 0) 
 
 }  // namespace
 
-ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch) {
-  const grid::Grid<std::int16_t>& v = contact.volume_.voxels;
-  hu_ = contact.volume_.encoding == voxel::HapticEncoding::hu;
+ContactCell::ContactCell(const FeltLattice& felt, int i, int j, int k, std::uint32_t touch) {
+  const grid::Grid<std::int16_t>& v = felt.volume.voxels;
+  hu_ = felt.volume.encoding == voxel::HapticEncoding::hu;
   if (i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2]) {
     const std::int16_t* at = v.voxels.data() + v.index(i, j, k);
     const std::size_t row = std::size_t(v.size[0]), slice = row * std::size_t(v.size[1]);
@@ -128,7 +128,7 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std:
   int solid = 0;
   std::uint64_t here = 0;
   for (std::size_t c = 0; c < 8; ++c) {
-    entry_[c] = contact.table_[std::uint16_t(raw_[c])];
+    entry_[c] = felt.table.of(raw_[c]);
     same = same && entry_[c] == entry_[0];
     here |= std::uint64_t{1} << entry_shape(entry_[c]);
     if (2 * entry_filled(entry_[c]) > voxel::haptic_full) solid |= 1 << c;
@@ -144,21 +144,20 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std:
   solid_ = solid == 255;
   if (hu_) {
     touched_ = (own & touch) != 0;
-    if (touched_) find_windows(contact);
+    if (touched_) find_windows(felt);
   } else {
-    find_shapes(contact, i, j, k, own, touch);
+    find_shapes(felt, i, j, k, own, touch);
   }
 }
 
 // Shapes are numbered in the order in which the corners, one after another, name them.
-void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own,
-                              std::uint32_t touch) {
+void ContactCell::find_shapes(const FeltLattice& felt, int i, int j, int k, std::uint32_t own, std::uint32_t touch) {
   std::uint32_t rest = 0;
   for (std::size_t c = 0; c < 8; ++c) {
     filled_[c] = entry_filled(entry_[c]) - half_full;
     rest |= entry_[c] >> 24;
   }
-  const std::uint32_t near = contact.near_block(i, j, k), but_one = near & (near - 1);
+  const std::uint32_t near = felt.blocks.near_block(i, j, k), but_one = near & (near - 1);
   if ((but_one & (but_one - 1)) == 0) {  // two at most: the rest belongs to the other one
     const std::uint32_t all = rest != 0 ? near : own;
     touched_ = (all & touch) != 0;
@@ -188,7 +187,7 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k,
   for (std::size_t c = 0; c < 8; ++c) {
     add(entry_shape(entry_[c]));
     if (entry_rest(entry_[c]) == 0) continue;
-    second[c] = contact.second_of(entry_shape(entry_[c]), i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
+    second[c] = felt.blocks.second_of(entry_shape(entry_[c]), i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
     add(second[c]);
   }
   touched_ = (std::uint32_t(seen >> 1) & touch) != 0;
@@ -202,7 +201,7 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k,
   }
 }
 
-void ContactCell::find_windows(const ContactVolume& contact) {
+void ContactCell::find_windows(const FeltLattice& felt) {
   for (const std::uint32_t e : entry_) {
     const int number = entry_shape(e);
     if (number == 0) continue;
@@ -214,7 +213,7 @@ void ContactCell::find_windows(const ContactVolume& contact) {
   // Where three windows meet, none may have half of a point: there the boxes decide.
   boxes_ = boxes_ || count_ > 2;
   for (int n = 0; n < count_; ++n) {
-    const int number = number_[std::size_t(n)], low = contact.low_of_[number];
+    const int number = number_[std::size_t(n)], low = felt.table.low_of(number);
     for (std::size_t c = 0; c < 8; ++c) {
       const bool counts = entry_shape(entry_[c]) == number || entry_[c] == 0;
       own_[std::size_t(n)][c] = counts ? double(raw_[c]) - low : 0.0;

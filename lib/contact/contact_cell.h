@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// One cell between eight voxel centres, for contact.cpp. Nothing here allocates or throws.
+// One cell between eight voxel centres. Nothing here allocates or throws.
 #include <array>
 #include <cstdint>
 
-#include "contact/contact.h"
+#include "contact/felt_lattice.h"
 
 namespace trephine::contact {
-
-/// What a table entry of ContactVolume says of a raw value.
-constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
-constexpr int contact_pure = 128;  ///< a voxel of one shape alone
-inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
-inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
-// Encoding `occupancy`: the shape's share of the voxel, and what it leaves to another shape nearby.
-inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }
-inline int entry_rest(std::uint32_t entry) { return int(entry >> 24); }
 
 /// Within a cell, trilinear functions decide the shape at a point. Along a segment they are cubics, whose roots are
 /// found in Bernstein form, so that none is missed.
@@ -23,7 +14,7 @@ class ContactCell {
  public:
   /// `touch`: shapes, bit n - 1 for shape n. Where a cell that is not uniform has none of them, touched() is false, and
   /// its other functions must not be called.
-  ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch = ~std::uint32_t{0});
+  ContactCell(const FeltLattice& felt, int i, int j, int k, std::uint32_t touch = ~std::uint32_t{0});
 
   /// Whether the whole cell is of one shape or of none, which is `shape()`.
   bool uniform() const { return uniform_; }
@@ -46,8 +37,8 @@ class ContactCell {
   using Corners = std::array<double, 8>;
 
  private:
-  void find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own, std::uint32_t touch);
-  void find_windows(const ContactVolume& contact);
+  void find_shapes(const FeltLattice& felt, int i, int j, int k, std::uint32_t own, std::uint32_t touch);
+  void find_windows(const FeltLattice& felt);
 
   bool uniform_ = true, hu_ = false, touched_ = false;
   bool solid_ = false;  ///< every corner is more than half full

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Normals of what a ContactVolume holds.
+#include "contact/contact_normal.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "contact/contact.h"
 #include "contact/contact_cell.h"
-#include "contact/contact_way.h"
+#include "contact/crossing.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::contact {
@@ -89,34 +89,20 @@ Vec3 fitted_gradient(const float (*v)[16], Vec3 f, double full) {
           b.x * (xy * yz - xz * yy) + b.y * (xy * xz - xx * yz) + b.z * (xx * yy - xy * xy)};
 }
 
-}  // namespace
-
-Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
-  const Vec3 forward = normalized(way);
-  Vec3 n = normal_at(c.point_mm, c.from, c.into);
-  // The fit is smoother than the surface. Where its normal points along the way, it is turned to lie across the way.
-  const double ahead = dot(n, forward);
-  if (n == Vec3{} || ahead > 0.999)
-    n = -forward;
-  else if (ahead > -1e-3)
-    n = normalized(n - forward * (ahead + 1e-3));
-  return n;
-}
-
 // What each of the 4 x 4 x 4 voxels from `begin` on holds of `into` (or of `from`, where `into` is 0); x is the first
 // index. False where they are not all in the lattice, and for the encoding `hu`.
-bool ContactVolume::shares_around(const int* begin, int from, int into, float (*v)[16]) const {
-  const grid::Grid<std::int16_t>& voxels = volume_.voxels;
+bool shares_around(const FeltLattice& felt, const int* begin, int from, int into, float (*v)[16]) {
+  const grid::Grid<std::int16_t>& voxels = felt.volume.voxels;
   for (int a = 0; a < 3; ++a)
     if (begin[a] < 0 || begin[a] + 4 > voxels.size[std::size_t(a)]) return false;
-  if (volume_.encoding == voxel::HapticEncoding::hu) return false;
+  if (felt.volume.encoding == voxel::HapticEncoding::hu) return false;
   const std::size_t row_step = std::size_t(voxels.size[0]), slice_step = row_step * std::size_t(voxels.size[1]);
   const std::int16_t* const first = voxels.voxels.data() + voxels.index(begin[0], begin[1], begin[2]);
   std::uint32_t e[4][16];
   for (std::size_t z = 0; z < 4; ++z)
     for (std::size_t y = 0; y < 4; ++y) {
       const std::int16_t* row = first + z * slice_step + y * row_step;
-      for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = table_[std::uint16_t(voxel::detail::load_voxel(row[x]))];
+      for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = felt.table.of(voxel::detail::load_voxel(row[x]));
     }
   if (from == 0 || into == 0) {  // no question of whose
     for (int x = 0; x < 4; ++x)
@@ -126,7 +112,7 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, float (*
   // What another shape's voxel leaves: this one's, where there are no others.
   std::uint32_t near = 0;
   for (int n = 0; n < 8; ++n)
-    near |= near_block(begin[0] + 3 * (n & 1), begin[1] + 3 * (n >> 1 & 1), begin[2] + 3 * (n >> 2));
+    near |= felt.blocks.near_block(begin[0] + 3 * (n & 1), begin[1] + 3 * (n >> 1 & 1), begin[2] + 3 * (n >> 2));
   const std::uint32_t others = near & ~(std::uint32_t{1} << (into - 1));
   const bool two = (others & (others - 1)) == 0;
   const int ours = two && others != near ? ~0 : 0;
@@ -139,35 +125,38 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, float (*
   for (int x = 0; x < 4; ++x)
     for (int n = 0; n < 16; ++n) {
       const int own = entry_shape(e[x][n]), rest = entry_rest(e[x][n]);
-      if (rest != 0 && own != into && second_of(own, begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2)) == into)
+      if (rest != 0 && own != into &&
+          felt.blocks.second_of(own, begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2)) == into)
         v[x][n] = float(rest);
     }
   return true;
 }
 
 // The same voxel by voxel, whatever there is; of HU, those of air and of the shape.
-double ContactVolume::share_around(int i, int j, int k, int from, int into) const {
+double share_around(const FeltLattice& felt, int i, int j, int k, int from, int into) {
   const int number = into != 0 ? into : from;
-  const bool hu = volume_.encoding == voxel::HapticEncoding::hu, inside = volume_.voxels.contains(i, j, k);
-  const int raw = inside ? voxel::detail::load_voxel(volume_.voxels.at(i, j, k))
+  const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu, inside = felt.volume.voxels.contains(i, j, k);
+  const int raw = inside ? voxel::detail::load_voxel(felt.volume.voxels.at(i, j, k))
                   : hu   ? voxel::haptic_beyond_hu
                          : voxel::haptic_empty;
-  const std::uint32_t e = table_[std::uint16_t(raw)];
+  const std::uint32_t e = felt.table.of(std::int16_t(raw));
   if (!hu) {
     if (from == 0 || into == 0) return entry_filled(e);
     if (entry_shape(e) == number) return entry_share(e);
-    return entry_rest(e) != 0 && second_of(entry_shape(e), i, j, k) == number ? entry_rest(e) : 0;
+    return entry_rest(e) != 0 && felt.blocks.second_of(entry_shape(e), i, j, k) == number ? entry_rest(e) : 0;
   }
-  const double half = std::max(1, low_of_[number] + 1000);
+  const double half = std::max(1, felt.table.low_of(number) + 1000);
   if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))
-    return std::clamp(0.5 + (raw - low_of_[number]) / (2 * half), 0.0, 1.0);
+    return std::clamp(0.5 + (raw - felt.table.low_of(number)) / (2 * half), 0.0, 1.0);
   return (from == 0 || into == 0) && e != 0 && e != contact_gap ? 1 : 0;
 }
 
-Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
+}  // namespace
+
+Vec3 fitted_normal(const FeltLattice& felt, Vec3 world_mm, int from, int into) {
   if (!detail::usable(world_mm) || from == into) return {};
-  const grid::Lattice& l = volume_.voxels;
-  const Vec3 index = to_index(world_mm);
+  const grid::Lattice& l = felt.volume.voxels;
+  const Vec3 index = felt.to_index(world_mm);
   int begin[3];
   Vec3 f;
   for (int a = 0; a < 3; ++a) {
@@ -177,24 +166,36 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     begin[a] = cell - 1;
   }
   float v[4][16];
-  if (!shares_around(begin, from, into, v))
+  if (!shares_around(felt, begin, from, into, v))
     for (int n = 0; n < 16; ++n)
       for (int x = 0; x < 4; ++x)
-        v[x][n] = float(share_around(begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2), from, into));
-  Vec3 g = fitted_gradient(v, f, volume_.encoding == voxel::HapticEncoding::hu ? 1 : voxel::haptic_full);
+        v[x][n] = float(share_around(felt, begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2), from, into));
+  Vec3 g = fitted_gradient(v, f, felt.volume.encoding == voxel::HapticEncoding::hu ? 1 : voxel::haptic_full);
   g = l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z};
   const double length = norm(g);
   if (!(length > 1e-9)) return {};
   return g / (into != 0 ? -length : length);
 }
 
-Vec3 ContactVolume::exact_normal(const Contact& contact, Vec3 way) const {
-  if (!contact.hit || params_.surface == ContactParams::Surface::nearest) return {};
-  const grid::Lattice& l = volume_.voxels;
-  const Vec3 index = to_index(contact.point_mm), ahead = index + normalized(to_index_ * way) * 1e-7;
+Vec3 exact_normal(const FeltLattice& felt, const Contact& contact, Vec3 way) {
+  if (!contact.hit || felt.boxes()) return {};
+  const grid::Lattice& l = felt.volume.voxels;
+  const Vec3 index = felt.to_index(contact.point_mm), ahead = index + normalized(felt.index_of_world * way) * 1e-7;
   const int i = int(std::floor(ahead.x)), j = int(std::floor(ahead.y)), k = int(std::floor(ahead.z));
-  const Vec3 g = ContactCell(*this, i, j, k).gradient(detail::within_cell(index, i, j, k), contact.from, contact.into);
+  const Vec3 g = ContactCell(felt, i, j, k).gradient(detail::within_cell(index, i, j, k), contact.from, contact.into);
   return -normalized(l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z});
+}
+
+Vec3 normal_of(const FeltLattice& felt, const Contact& c, Vec3 way) {
+  const Vec3 forward = normalized(way);
+  Vec3 n = fitted_normal(felt, c.point_mm, c.from, c.into);
+  // The fit is smoother than the surface. Where its normal points along the way, it is turned to lie across the way.
+  const double ahead = dot(n, forward);
+  if (n == Vec3{} || ahead > 0.999)
+    n = -forward;
+  else if (ahead > -1e-3)
+    n = normalized(n - forward * (ahead + 1e-3));
+  return n;
 }
 
 }  // namespace trephine::contact

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The surfaces near a place as samples, for tools that are round and not points.
+#include "contact/contact_samples.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "contact/contact.h"
 #include "contact/contact_cell.h"
-#include "contact/contact_way.h"
+#include "contact/crossing.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::contact {
@@ -30,10 +30,10 @@ struct Part {
 
 }  // namespace
 
-int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const {
+int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) {
   if (!detail::usable(from_mm) || !detail::usable(to_mm)) return 0;
-  const grid::Grid<std::int16_t>& v = volume_.voxels;
-  const Vec3 c = to_index(from_mm), along = to_index(to_mm) - c, way = to_mm - from_mm;
+  const grid::Grid<std::int16_t>& v = felt.volume.voxels;
+  const Vec3 c = felt.to_index(from_mm), along = felt.to_index(to_mm) - c, way = to_mm - from_mm;
   const double way_squared = dot(way, way);
   Vec3 reach;  // in voxels
   for (int a = 0; a < 3; ++a) reach[a] = reach_mm / v.spacing_mm[a] + 1;
@@ -43,7 +43,7 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
     return std::array<int, 2>{int(std::clamp(std::floor(std::min(p, q) - reach[a]), -1.0, max_voxel)),
                               int(std::clamp(std::ceil(std::max(p, q) + reach[a]), -1.0, max_voxel))};
   };
-  constexpr int side = 1 << block_bits;
+  constexpr int side = 1 << KnownBlocks::block_bits;
   const auto part_near = [&](int a, Part t, int block) {
     if (std::abs(along[a]) < 1e-9) return t;
     const double p = (block * side - reach[a] - 1 - c[a]) / along[a];
@@ -51,10 +51,10 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
     return Part{std::max(t.begin, std::min(p, q)), std::min(t.end, std::max(p, q))};
   };
   const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
-  const bool hu = volume_.encoding == voxel::HapticEncoding::hu;
+  const bool hu = felt.volume.encoding == voxel::HapticEncoding::hu;
   int count = 0;
   const auto entry_at = [&](int i, int j, int k) {
-    return v.contains(i, j, k) ? table_[std::uint16_t(voxel::detail::load_voxel(v.at(i, j, k)))] : 0;
+    return v.contains(i, j, k) ? felt.table.of(voxel::detail::load_voxel(v.at(i, j, k))) : 0;
   };
   // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
   // one voxel behind its voxel.
@@ -78,16 +78,16 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
     return far_from_line(middle) <= block_reach_mm * block_reach_mm;
   };
   const auto [low_k, high_k] = voxels_of(2, {0, 1});
-  for (int bk = low_k >> block_bits; bk <= high_k >> block_bits; ++bk) {
+  for (int bk = low_k >> KnownBlocks::block_bits; bk <= high_k >> KnownBlocks::block_bits; ++bk) {
     const Part of_slice = part_near(2, {0, 1}, bk);
     if (of_slice.begin > of_slice.end) continue;
     const auto [low_j, high_j] = voxels_of(1, of_slice);
-    for (int bj = low_j >> block_bits; bj <= high_j >> block_bits; ++bj) {
+    for (int bj = low_j >> KnownBlocks::block_bits; bj <= high_j >> KnownBlocks::block_bits; ++bj) {
       const Part of_row = part_near(1, of_slice, bj);
       if (of_row.begin > of_row.end) continue;
       const auto [low_i, high_i] = voxels_of(0, of_row);
-      for (int bi = low_i >> block_bits; bi <= high_i >> block_bits; ++bi) {
-        if (shape_of_block(bi * side, bj * side, bk * side) != mixed_block) continue;
+      for (int bi = low_i >> KnownBlocks::block_bits; bi <= high_i >> KnownBlocks::block_bits; ++bi) {
+        if (felt.blocks.shape_of_block(bi * side, bj * side, bk * side) != KnownBlocks::mixed_block) continue;
         if (!block_is_near(bi, bj, bk)) continue;
         const bool inner = bi >= 0 && bj >= 0 && bk >= 0 && (bi + 1) * side < v.size[0] &&
                            (bj + 1) * side < v.size[1] && (bk + 1) * side < v.size[2];
@@ -109,10 +109,10 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
                 const std::int16_t x = voxel::detail::load_voxel(at[1]), y = voxel::detail::load_voxel(at[step[1]]),
                                    z = voxel::detail::load_voxel(at[step[2]]);
                 if (raw == x && raw == y && raw == z) continue;  // most are
-                here = table_[std::uint16_t(raw)];
-                next[0] = table_[std::uint16_t(x)];
-                next[1] = table_[std::uint16_t(y)];
-                next[2] = table_[std::uint16_t(z)];
+                here = felt.table.of(raw);
+                next[0] = felt.table.of(x);
+                next[1] = felt.table.of(y);
+                next[2] = felt.table.of(z);
               } else {
                 here = entry_at(i, j, k);
                 for (int a = 0; a < 3; ++a) next[a] = entry_at(i + (a == 0), j + (a == 1), k + (a == 2));

@@ -1,13 +1,42 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What ContactVolume knows of the lattice in blocks, so that walks and shared voxels need not ask each voxel.
+#include "contact/known_blocks.h"
+
+#include <algorithm>
+
 #include "base/parallel.h"
-#include "contact/contact.h"
-#include "contact/contact_cell.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::contact {
 
-void ContactVolume::settle(const grid::Box& box) {
+KnownBlocks::KnownBlocks(voxel::HapticVolume& volume, const VoxelTable& table, bool cells)
+    : volume_(volume), table_(table) {
+  const grid::Lattice& l = volume.voxels;
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    blocks_[a] = std::max(0, (l.size[a] - 1) >> block_bits);
+    count *= std::size_t(blocks_[a]);
+  }
+  block_state_.assign(count, mixed_block);
+  if (cells) {
+    block_cells_.assign(2 * count, ~std::uint64_t{0});
+    block_names_.assign(count, 0);
+  }
+  block_near_.assign(count, all_shapes);
+  settle(grid::whole_box(l));
+  if (volume.encoding == voxel::HapticEncoding::occupancy) keep_second_shapes();
+}
+
+int KnownBlocks::cell_shape(const Block& block, int i, int j, int k) const {
+  constexpr int last = (1 << block_bits) - 1;
+  const int cell = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
+  const std::uint64_t cells =
+      __atomic_load_n(&block_cells_[2 * block.index + std::size_t(cell >> 5)], __ATOMIC_RELAXED);
+  const int kind = int(cells >> 2 * (cell & 31) & 3);
+  if (kind == 0 || kind == 3) return kind == 0 ? 0 : -1;
+  return __atomic_load_n(&block_names_[block.index], __ATOMIC_RELAXED) >> (kind == 1 ? 0 : 8) & 255;
+}
+
+void KnownBlocks::settle(const grid::Box& box) {
   grid::Grid<std::int16_t>& v = volume_.voxels;
   if (box.empty()) return;
   if (volume_.encoding != voxel::HapticEncoding::occupancy) return note_blocks(box);
@@ -18,7 +47,7 @@ void ContactVolume::settle(const grid::Box& box) {
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
           std::int16_t& voxel = v.voxels[v.index(i, j, k)];
           const std::int16_t raw = voxel::detail::load_voxel(voxel);
-          if (raw == voxel::haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
+          if (raw == voxel::haptic_empty || (table_.of(raw) & contact_pure)) continue;
           const voxel::detail::RawVoxel r = voxel::detail::split(raw);
           if (r.number == 0 || r.bare || voxel::detail::beside_other_shape(v, r.number, i, j, k)) continue;
           std::int16_t was = raw;  // a voxel that was lowered meanwhile keeps its new value
@@ -30,7 +59,7 @@ void ContactVolume::settle(const grid::Box& box) {
 }
 
 // The blocks that hold voxels of the box, or have them as the next voxels after their own.
-grid::Box ContactVolume::blocks_of(const grid::Box& box) const {
+grid::Box KnownBlocks::blocks_of(const grid::Box& box) const {
   grid::Box blocks;
   for (std::size_t a = 0; a < 3; ++a) {
     blocks.begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
@@ -39,7 +68,7 @@ grid::Box ContactVolume::blocks_of(const grid::Box& box) const {
   return blocks;
 }
 
-void ContactVolume::loosen(const grid::Box& box) {
+void KnownBlocks::loosen(const grid::Box& box) {
   __atomic_fetch_add(&loosened_, 1, __ATOMIC_ACQ_REL);
   const grid::Box blocks = blocks_of(box);
   for (int k = blocks.begin[2]; k < blocks.end[2]; ++k)
@@ -53,7 +82,7 @@ void ContactVolume::loosen(const grid::Box& box) {
 }
 
 // From now until end_note no walk uses the block's details. False where the block was loosened at this very moment.
-bool ContactVolume::begin_note(std::size_t block, std::uint32_t& state) {
+bool KnownBlocks::begin_note(std::size_t block, std::uint32_t& state) {
   state = state_of_block(block);
   const std::uint32_t unknown = state & ~details_known;
   if (state != unknown &&
@@ -64,13 +93,13 @@ bool ContactVolume::begin_note(std::size_t block, std::uint32_t& state) {
 }
 
 // Notes count only where the block was not loosened since begin_note, or they may describe voxels as they were before.
-void ContactVolume::end_note(std::size_t block, std::uint32_t state, int shape) {
+void KnownBlocks::end_note(std::size_t block, std::uint32_t state, int shape) {
   const std::uint32_t known = (state & ~(one_loosening - 1)) + details_known + std::uint32_t(shape);
   __atomic_compare_exchange_n(&block_state_[block], &state, known, false, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED);
 }
 
 // Which cells of a block are of one shape or none, as ContactCell says.
-void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
+void KnownBlocks::note_cells(std::size_t block, int bi, int bj, int bk) {
   constexpr int side = 1 << block_bits, corners = side + 1;
   std::uint32_t e[corners * corners * corners];
   const grid::Grid<std::int16_t>& v = volume_.voxels;
@@ -78,7 +107,7 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
       const std::int16_t* row = v.voxels.data() + v.index(bi * side, bj * side + y, bk * side + z);
-      for (int x = 0; x < corners; ++x) *to++ = table_[std::uint16_t(voxel::detail::load_voxel(row[x]))];
+      for (int x = 0; x < corners; ++x) *to++ = table_.of(voxel::detail::load_voxel(row[x]));
     }
   std::uint16_t names = __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED);
   const bool named = names != 0;
@@ -112,7 +141,7 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
 }
 
 // Which blocks, with the voxels after them, are of one shape or of none.
-void ContactVolume::note_blocks(const grid::Box& box) {
+void KnownBlocks::note_blocks(const grid::Box& box) {
   const grid::Grid<std::int16_t>& v = volume_.voxels;
   const grid::Box blocks = blocks_of(box);
   constexpr int side = 1 << block_bits;
@@ -123,14 +152,12 @@ void ContactVolume::note_blocks(const grid::Box& box) {
           const std::size_t at = block_at(i, j, k);
           std::uint32_t state;
           if (!begin_note(at, state)) continue;
-          const std::uint32_t first =
-              table_[std::uint16_t(voxel::detail::load_voxel(v.at(i * side, j * side, k * side)))];
+          const std::uint32_t first = table_.of(voxel::detail::load_voxel(v.at(i * side, j * side, k * side)));
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)
             for (int y = j * side; y <= (j + 1) * side && same; ++y) {
               const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
-              for (int x = 0; x <= side; ++x)
-                same = same && table_[std::uint16_t(voxel::detail::load_voxel(row[x]))] == first;
+              for (int x = 0; x <= side; ++x) same = same && table_.of(voxel::detail::load_voxel(row[x])) == first;
             }
           if (same) {
             __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
@@ -149,56 +176,56 @@ void ContactVolume::note_blocks(const grid::Box& box) {
             for (int y = begin[1]; y < end[1]; ++y) {
               const std::int16_t* row = v.voxels.data() + v.index(0, y, z);
               for (int x = begin[0]; x < end[0]; ++x)
-                near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(voxel::detail::load_voxel(row[x]))]);
+                near |= std::uint64_t{1} << entry_shape(table_.of(voxel::detail::load_voxel(row[x])));
             }
           __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
-          note_seconds(at, i, j, k);
+          note_second_shapes(at, i, j, k);
           end_note(at, state, mixed_block);
         }
   });
 }
 
 // Where more than two shapes are near, finds and keeps to which of them the rest of each shared voxel belongs.
-void ContactVolume::keep_seconds() {
-  block_seconds_.assign(block_near_.size(), 0);
+void KnownBlocks::keep_second_shapes() {
+  block_second_shapes_.assign(block_near_.size(), 0);
   std::uint32_t kept = 0;
   for (std::size_t at = 0; at < block_near_.size(); ++at) {
     const std::uint32_t but_one = block_near_[at] & (block_near_[at] - 1);
-    if (shape_in(block_state_[at]) == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
+    if (shape_in(block_state_[at]) == mixed_block && (but_one & (but_one - 1)) != 0) block_second_shapes_[at] = ++kept;
   }
-  seconds_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
+  second_shapes_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
   parallel_for(0, blocks_[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < blocks_[1]; ++j)
-        for (int i = 0; i < blocks_[0]; ++i) note_seconds(block_at(i, j, k), i, j, k);
+        for (int i = 0; i < blocks_[0]; ++i) note_second_shapes(block_at(i, j, k), i, j, k);
   });
 }
 
-void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
-  if (block_seconds_.empty() || block_seconds_[block] == 0) return;
+void KnownBlocks::note_second_shapes(std::size_t block, int bi, int bj, int bk) {
+  if (block_second_shapes_.empty() || block_second_shapes_[block] == 0) return;
   const grid::Grid<std::int16_t>& v = volume_.voxels;
   constexpr int side = 1 << block_bits;
-  std::uint8_t* second = seconds_.data() + (std::size_t(block_seconds_[block]) << 3 * block_bits);
+  std::uint8_t* second = second_shapes_.data() + (std::size_t(block_second_shapes_[block]) << 3 * block_bits);
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x, ++second) {
         const int i = bi * side + x, j = bj * side + y, k = bk * side + z;
-        const std::uint32_t e = table_[std::uint16_t(voxel::detail::load_voxel(v.at(i, j, k)))];
+        const std::uint32_t e = table_.of(voxel::detail::load_voxel(v.at(i, j, k)));
         const int shape = entry_rest(e) != 0 ? voxel::detail::other_shape(v, entry_shape(e), i, j, k) : 0;
         __atomic_store_n(second, std::uint8_t(shape), __ATOMIC_RELAXED);
       }
 }
 
-int ContactVolume::second_of(int own, int i, int j, int k) const {
+int KnownBlocks::second_of(int own, int i, int j, int k) const {
   if (const std::size_t at = block_of(i, j, k); at != no_block) {
     const std::uint32_t near = near_of_block(at);
     const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
     if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
-    const std::size_t kept = state_of_block(at) & details_known ? block_seconds_[at] : 0;
+    const std::size_t kept = state_of_block(at) & details_known ? block_second_shapes_[at] : 0;
     if (kept != 0) {
       constexpr int last = (1 << block_bits) - 1;
       const int voxel = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
-      return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
+      return __atomic_load_n(&second_shapes_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
     }
   }
   return voxel::detail::other_shape(volume_.voxels, own, i, j, k);

@@ -4,13 +4,12 @@
 
 #include "contact/cell_walk.h"
 #include "contact/contact_cell.h"
-#include "contact/contact_way.h"
+#include "contact/crossing.h"
 
 namespace trephine::contact {
 
-// Walks the part of a segment, from t0 to t1, that lies in a cell of more than one shape.
-bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const int* at, double t0, double t1,
-                              const TouchableFaces& faces, Crossing& c) const {
+bool walk_cell(const ContactCell& cell, const Segment& s, const int* at, double t0, double t1,
+               const TouchableFaces& faces, Crossing& c) {
   const Vec3 p = detail::within_cell(detail::between(s.begin, s.end, t0), at[0], at[1], at[2]);
   const Vec3 q = detail::within_cell(detail::between(s.begin, s.end, t1), at[0], at[1], at[2]);
   const int all = cell.shape_along(p, q);
@@ -27,53 +26,47 @@ bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const i
   return false;
 }
 
+namespace {
+
 /// A walk through cells. It skips cells that hold nothing which could stop the way, once it is known that the way has
 /// passed a face. In which shape the last skipped cell ends is looked up only where that matters (look_back).
-class ContactVolume::CellWalk {
+class CellWalk {
  public:
-  CellWalk(const ContactVolume& contact, const Segment& segment, int shape, const TouchableFaces& faces)
-      : contact_(contact), segment_(segment), faces_(faces), touch_(std::uint32_t((faces.front | faces.back) >> 1)) {
+  CellWalk(const FeltLattice& felt, const Segment& segment, int shape, const TouchableFaces& faces)
+      : felt_(felt), segment_(segment), faces_(faces), touch_(std::uint32_t((faces.front | faces.back) >> 1)) {
     crossing_.from = crossing_.into = shape;
   }
 
   Crossing run() {
-    walk_over_cells<block_bits>(segment_.begin, segment_.end,
-                                [&](int i, int j, int k, double t0, double t1) { return visit(i, j, k, t0, t1); });
+    walk_over_cells<KnownBlocks::block_bits>(
+        segment_.begin, segment_.end,
+        [&](int i, int j, int k, double t0, double t1) { return visit(i, j, k, t0, t1); });
     look_back();
     return crossing_;
   }
 
  private:
   WalkStep visit(int i, int j, int k, double t0, double t1) {
-    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+    const int bi = i >> KnownBlocks::block_bits, bj = j >> KnownBlocks::block_bits, bk = k >> KnownBlocks::block_bits;
     if (((bi ^ block_of_[0]) | (bj ^ block_of_[1]) | (bk ^ block_of_[2])) != 0) look_up(bi, bj, bk);
-    if (block_ < mixed_block) return enter(block_, t0) ? WalkStep::end : WalkStep::block;
-    if (block_ == mixed_block && details_known_) {
-      const int uniform = contact_.shape_of_uniform_cell(block_index_, i, j, k);
+    if (block_.shape < KnownBlocks::mixed_block) return enter(block_.shape, t0) ? WalkStep::end : WalkStep::block;
+    if (block_.shape == KnownBlocks::mixed_block && block_.details_known) {
+      const int uniform = felt_.blocks.cell_shape(block_, i, j, k);
       if (uniform >= 0) return enter(uniform, t0) ? WalkStep::end : WalkStep::cell;
     }
     const bool may_leave = crossing_.passed && (left_ || !touches(crossing_.into));
-    if (may_leave && (near_ & touch_) == 0) return leave(i, j, k, t0, t1);
-    const ContactCell cell(contact_, i, j, k, may_leave ? touch_ : all_shapes);
+    if (may_leave && (block_.near & touch_) == 0) return leave(i, j, k, t0, t1);
+    const ContactCell cell(felt_, i, j, k, may_leave ? touch_ : KnownBlocks::all_shapes);
     if (cell.uniform()) return enter(cell.shape(), t0) ? WalkStep::end : WalkStep::cell;
     if (!cell.touched()) return leave(i, j, k, t0, t1);
     look_back();
     const int at[3] = {i, j, k};
-    return contact_.walk_cell(cell, segment_, at, t0, t1, faces_, crossing_) ? WalkStep::end : WalkStep::cell;
+    return walk_cell(cell, segment_, at, t0, t1, faces_, crossing_) ? WalkStep::end : WalkStep::cell;
   }
 
   void look_up(int bi, int bj, int bk) {
     block_of_[0] = bi, block_of_[1] = bj, block_of_[2] = bk;
-    block_ = outer_block;
-    near_ = all_shapes;
-    details_known_ = false;
-    if (!contact_.has_block(bi, bj, bk)) return;
-    block_index_ = contact_.block_at(bi, bj, bk);
-    const std::uint32_t state = contact_.state_of_block(block_index_);
-    block_ = shape_in(state);
-    details_known_ = (state & details_known) != 0;
-    if (block_ == mixed_block && details_known_)
-      near_ = __atomic_load_n(&contact_.block_near_[block_index_], __ATOMIC_RELAXED);
+    block_ = felt_.blocks.block(bi, bj, bk);
   }
 
   bool touches(int number) const { return number != 0 && (touch_ >> (number - 1) & 1); }
@@ -96,30 +89,31 @@ class ContactVolume::CellWalk {
   void look_back() {
     if (!left_) return;
     left_ = false;
-    const ContactCell cell(contact_, last_[0], last_[1], last_[2]);
+    const ContactCell cell(felt_, last_[0], last_[1], last_[2]);
     Crossing c;
     if (cell.uniform())
       c.into = cell.shape();
     else
-      contact_.walk_cell(cell, segment_, last_, last_t0_, last_t1_, {0, 0}, c);
+      walk_cell(cell, segment_, last_, last_t0_, last_t1_, {0, 0}, c);
     crossing_.into = c.into;
   }
 
-  const ContactVolume& contact_;
+  const FeltLattice& felt_;
   const Segment& segment_;
   const TouchableFaces faces_;
   const std::uint32_t touch_;
   Crossing crossing_;
-  int block_of_[3] = {std::numeric_limits<int>::min(), 0, 0}, block_ = outer_block;
-  std::size_t block_index_ = 0;
-  std::uint32_t near_ = 0;
+  int block_of_[3] = {std::numeric_limits<int>::min(), 0, 0};
+  KnownBlocks::Block block_;
   int last_[3];
   double last_t0_, last_t1_;
-  bool left_ = false, details_known_ = false;
+  bool left_ = false;
 };
 
-ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
-  return CellWalk(*this, s, shape, faces).run();
+}  // namespace
+
+Crossing walk_cells(const FeltLattice& felt, const Segment& s, int shape, const TouchableFaces& faces) {
+  return CellWalk(felt, s, shape, faces).run();
 }
 
 }  // namespace trephine::contact

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// What the sources of ContactVolume share. Nothing here allocates or throws.
+// Where a way through a haptic volume changes from one shape to another. Nothing here allocates or throws.
 #include <algorithm>
 #include <cmath>
 
-#include "contact/contact.h"
+#include "contact/felt_lattice.h"
 
 namespace trephine::contact {
 namespace detail {
@@ -24,12 +24,13 @@ inline Vec3 within_cell(Vec3 p, int i, int j, int k) {
 }  // namespace detail
 
 /// The part of a segment that lies in the lattice's box, in voxel indices.
-struct ContactVolume::Segment {
+struct Segment {
   Vec3 begin, end;
   double t0 = 0, t1 = 1;  ///< where that part begins and ends on the whole
 };
 
-struct ContactVolume::Crossing {
+/// The last change of shape on a way, and whether it ends there.
+struct Crossing {
   bool hit = false, passed = false;
   double t = 1;  ///< of the part
   int from = 0, into = 0;
@@ -44,5 +45,19 @@ struct ContactVolume::Crossing {
     return hit;
   }
 };
+
+class ContactCell;
+
+/// Walks the part of a segment, from t0 to t1, that lies in the cell `at` of more than one shape. The crossing goes on
+/// from what it holds; true where the walk ends.
+bool walk_cell(const ContactCell& cell, const Segment& segment, const int* at, double t0, double t1,
+               const TouchableFaces& faces, Crossing& crossing);
+
+/// Walks a clipped segment through the cells of a sub-voxel surface, as one that begins in `shape`.
+Crossing walk_cells(const FeltLattice& felt, const Segment& segment, int shape, const TouchableFaces& faces);
+
+/// Follows a way as ContactVolume::cross says, by the walk and on the surface of the lattice's parameters.
+Contact cross_segment(const FeltLattice& felt, Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces,
+                      ContactBox* known);
 
 }  // namespace trephine::contact
