@@ -9,6 +9,7 @@ namespace trephine {
 namespace {
 
 using namespace import_samples;
+using synthetic::DataSet;
 
 Scan named(int number) {
   Scan s = small();
@@ -107,9 +108,10 @@ TEST(DicomChoice, TheRule) {
        }},
       {"a thin one before a thick one",
        [](Scan& good, Scan& bad) {
-         good.step_mm = 1;
+         good.step_mm = bad.step_mm = 1;
          good.slices = 17;
-         good.columns = good.rows = 10;
+         bad.slices = 20;  // thick slices that overlap
+         bad.edit = [](int, DataSet& d) { d.text(tag(0x18, 0x50), "DS", "5"); };
          good.kernel = "H40s";
          bad.kernel = "H20s";
        }},
