@@ -118,8 +118,8 @@ std::filesystem::path data(const std::string& name) {
 
 /// As readers do that know no tilt: the slices stacked square, the slanted step taken for the spacing.
 grid::HuVolume stacked_square(const std::filesystem::path& folder) {
-  const dicom::Catalogue catalogue = dicom::scan(folder, dicom::ModalityPolicy::ct, {});
-  const dicom::Series& s = dicom::choose(catalogue, "");
+  dicom::Catalogue catalogue = dicom::scan(folder, dicom::ModalityPolicy::ct, {});
+  const dicom::Series& s = dicom::choose(catalogue, {});
   const dicom::StackGeometry g = dicom::analyse_stack(s.stack, dicom::GapPolicy::refuse, 8);
   const auto slice = [&](std::size_t k) { return static_cast<std::size_t>(g.levels[k].front()); };
   grid::Lattice l;

@@ -75,12 +75,17 @@ cli::Command run_command() {
                     "ct says that the values of a volume file that is no DICOM (--series head.nii.gz) are "
                     "HU; the same as --set import.volume_values=hu.");
   modality.choices = {"ct"};
+  cli::Argument rule = cli::argument("series_rule", Kind::choice,
+                                     "best takes the series that `import --list` proposes; the same as --set "
+                                     "import.series_rule=best.");
+  rule.choices = {"best"};
   c.arguments = {
       config,
       out,
       cli::argument("series", Kind::in_scan,
                     "Folder, ZIP archive or volume file with the CT; overrides the configuration's."),
       modality,
+      rule,
       cli::argument("landmarks", Kind::in_file,
                     "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
       scan,
@@ -101,6 +106,8 @@ cli::Command run_command() {
     request.overrides.set = parsed.all("set");
     request.overrides.scans = named_paths("--scan", parsed.all("scan"));
     if (parsed.has("modality")) request.overrides.set.insert(request.overrides.set.begin(), "import.volume_values=hu");
+    if (parsed.has("series_rule"))
+      request.overrides.set.insert(request.overrides.set.begin(), "import.series_rule=best");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
     request.params = parsed.params<publish::RunParams>();
     request.keep = parsed.path("keep");

@@ -234,13 +234,6 @@ void sort_series(std::vector<Series>& series) {
   }
 }
 
-std::string listing(const Catalogue& c) {
-  std::string out;
-  for (const Series& s : c.series)
-    if (s.summary.usable) out += (out.empty() ? "" : "; ") + s.summary.line();
-  return out;
-}
-
 }  // namespace
 
 Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Progress& progress) {
@@ -300,40 +293,6 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   sort_series(c.series);
   find_odd_slices(c.series, c.left_out);
   return c;
-}
-
-const Series& choose(const Catalogue& c, const std::string& token) {
-  if (!token.empty()) {
-    for (const Series& s : c.series) {
-      const std::string& t = s.summary.token;
-      if (t != token && t.substr(0, t.find('-')) != token) continue;
-      if (!s.refusal.empty()) throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
-      return s;
-    }
-    const std::string known = listing(c);
-    throw Error(ExitCode::usage, "", "series",
-                "no such series; " + (known.empty() ? "none is usable" : "there are: " + known));
-  }
-  const auto usable =
-      std::count_if(c.series.begin(), c.series.end(), [](const Series& s) { return s.refusal.empty(); });
-  if (usable > 1)
-    throw Error(ExitCode::usage, "", "series",
-                fmt::format("{} usable series, choose one by its token: ", usable) + listing(c));
-  if (usable == 1) return c.series.front();
-  // Nothing is usable. The reason given is that of the largest CT series, or else of whatever was nearest to being one.
-  if (!c.series.empty()) {
-    const Series& s = c.series.front();
-    throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
-  }
-  for (const auto& b : c.broken)
-    if (b.is_dicom) throw Error(ExitCode::bad_input, b.name, b.field, b.what);
-  if (c.localizers > 0)
-    throw Error(ExitCode::bad_input, "", "ImageType (0008,0008)",
-                fmt::format("only localizers ({}), no slices", c.localizers));
-  if (!c.broken.empty() && (c.is_single_file || c.broken.size() == 1))
-    throw Error(ExitCode::bad_input, c.broken.front().name, c.broken.front().field, c.broken.front().what);
-  throw Error(ExitCode::bad_input, "", "series",
-              fmt::format("no DICOM image among {} files; `trephine import --list FOLDER` says what each is", c.files));
 }
 
 }  // namespace trephine::dicom

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -36,6 +37,8 @@ struct Series {
   bool is_ct = false;
   std::vector<OddSlice> odd;                         ///< ascending along the normal
   std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; with an empty `refusal` it is usable
+  std::string rectified_for;                         ///< by judge: what import would correct by resampling
+  std::exception_ptr refused;                        ///< by judge: what import would throw
 };
 
 /// The files of a folder or an archive, grouped. Not copyable: series point into `headers`.
@@ -63,8 +66,24 @@ struct Catalogue {
 /// read_archive throws.
 Catalogue scan(const std::filesystem::path& folder_or_file, ModalityPolicy modality, const Progress& progress);
 
-/// The requested series, or the only usable one. Throws Error 64 listing the series, 65 saying why none is usable.
-const Series& choose(const Catalogue& catalogue, const std::string& token);
+/// Asks of a series that is usable by its headers what import would say of it, short of decoding, and refuses it with
+/// the same words. Compressed slices at one position are not compared.
+void judge(Series& series, const ImportParams& params, const Progress& progress);
+
+/// "axial", "coronal", "sagittal", or "oblique": at least 30 degrees off all three.
+std::string plane_of(const SliceStack& stack);
+
+/// "original" or "derived" by the first word of ImageType; empty where it says neither.
+std::string origin_of(const SeriesSummary& summary);
+
+/// The best of the usable series by rule, null where none is: CT, axial, at least two thirds as long as the longest of
+/// these, original, of a soft kernel, thin. What is equal in all of it is taken in the catalogue's order.
+const Series* proposed(const Catalogue& catalogue);
+
+/// The requested series; where none is named, the only usable one, or the proposed one if the rule is best. Several
+/// that are usable by their headers are judged first, so that what the list refuses is no choice. Throws Error 64
+/// listing the series, else why none is usable.
+const Series& choose(Catalogue& catalogue, const ImportParams& params, const Progress& progress = {});
 
 /// The other content of the folder, for ImportResult::folder. With `chosen` null, everything that is not a series.
 Report describe_rest(const Catalogue& catalogue, const Series* chosen);

@@ -145,8 +145,8 @@ PatientMatch compare_patients(const SeriesChoice& a, const SeriesChoice& b, cons
   for (const SeriesChoice* c : {&a, &b}) {
     if (!volume_sources(c->folder_or_file, progress).empty()) return {};
     said[c == &b] = with_scan(c->folder_or_file, [&] {
-      const Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
-      return identity_of(choose(catalogue, c->params.series).slices).identity;
+      Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
+      return identity_of(choose(catalogue, c->params).slices).identity;
     });
   }
   PatientMatch match;

@@ -315,8 +315,8 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
   if (!volume.file.empty())
     return with_scan(folder_or_file, [&] { return import_volume(folder_or_file, volume, params, progress); });
   return with_scan(folder_or_file, [&] {
-    const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
-    const Series& series = choose(catalogue, params.series);
+    Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
+    const Series& series = choose(catalogue, params);
     const Plan plan = make_plan(series, params);
     ImportResult result;
     HuCounts counts;
@@ -336,8 +336,8 @@ std::string hash_of_series_input(const std::filesystem::path& folder_or_file, co
       with_scan(folder_or_file, [&] { return chosen_volume(folder_or_file, params.series, progress); });
   if (!volume.file.empty()) return with_scan(folder_or_file, [&] { return hash_of_volume(folder_or_file, volume); });
   return with_scan(folder_or_file, [&] {
-    const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
-    const Series& series = choose(catalogue, params.series);
+    Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
+    const Series& series = choose(catalogue, params);
     analyse_series(series, params);  // what import would refuse is refused also where its result is stored
     if (folder) *folder = describe_rest(catalogue, &series);
     return hash_of_series(series, progress.part(0.5, 1));
@@ -353,8 +353,8 @@ std::optional<std::array<std::string, 2>> said_by(const SeriesChoice& a, const S
   std::array<std::string, 2> said;
   for (const SeriesChoice* c : {&a, &b}) {
     if (!volume_sources(c->folder_or_file, progress).empty()) return std::nullopt;
-    const Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
-    said[c == &b] = of(*choose(catalogue, c->params.series).slices.front().header);
+    Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
+    said[c == &b] = of(*choose(catalogue, c->params).slices.front().header);
   }
   return said;
 }

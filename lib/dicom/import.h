@@ -13,13 +13,16 @@
 
 namespace trephine::dicom {
 
+enum class SeriesRule { only, best };
 enum class GapPolicy { refuse, interpolate };
 enum class ModalityPolicy { ct, any };
 enum class UnitPolicy { hu, any };
 enum class VolumeValues { unsaid, hu, any };
 
 struct ImportParams {
-  std::string series;  ///< a token as list_series gives it, or its part before the first '-'; empty: the only series
+  std::string
+      series;  ///< a token as list_series gives it, or its part before the first '-'; empty: as series_rule says
+  SeriesRule series_rule = SeriesRule::only;
   ModalityPolicy modality = ModalityPolicy::ct;
   UnitPolicy units = UnitPolicy::hu;
   VolumeValues volume_values = VolumeValues::unsaid;
@@ -34,6 +37,9 @@ struct ImportParams {
   static void describe(V& v) {
     using P = ImportParams;
     v.text(&P::series, "series", "Token of the series to read, where a folder holds several (s1, s2, ...).");
+    v.choice(&P::series_rule, "series_rule", {{"only", SeriesRule::only}, {"best", SeriesRule::best}},
+             "Which series is read where none is named: the only usable one, or the one that the list proposes (axial, "
+             "long, original, of a soft kernel, thin).");
     v.choice(&P::modality, "modality", {{"ct", ModalityPolicy::ct}, {"any", ModalityPolicy::any}},
              "Modalities that are read: CT only, or any that has slices with a geometry.");
     v.choice(
@@ -78,6 +84,7 @@ struct SeriesSummary {
   double smallest_step_mm = 0, largest_gap_mm = 0;
   int missing_slices = 0, duplicates = 0;  ///< steps over missing slices; files at a position that another file has
   bool usable = false;
+  bool proposed = false;      ///< series_rule best would take it
   std::string rectified_for;  ///< what import corrects by resampling: "tilt", "uneven spacing", ...; empty: nothing
   std::string verdict;        ///< "usable", "usable, rectified: tilt", or "refused: FIELD: why", as import would say it
 

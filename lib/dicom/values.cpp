@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <regex>
+#include <utility>
 
 namespace trephine::dicom {
 namespace {
@@ -125,6 +126,27 @@ std::string known_kernel(std::string_view text) {
   static const std::regex shape(
       "[A-Z][a-z]?[0-9]{2}[a-z]?|[0-9]{2} ?\\.[0-9]{2}\\.[A-Z]{2}[0-9]{2}|FC[0-9]{2}|[A-Z]|[UYEI][A-E]|[0-9]{1,3}");
   return std::regex_match(first.begin(), first.end(), shape) ? std::string(first) : "other";
+}
+
+int kernel_sharpness(std::string_view known) {
+  constexpr int unknown = 50;
+  static constexpr std::pair<std::string_view, int> words[] = {
+      {"SMOOTH", 20}, {"SOFT", 30},  {"SOFT+", 35},    {"BRAIN", 35}, {"HEAD", 35},   {"STANDARD", 40}, {"STAND", 40},
+      {"STD", 40},    {"STND", 40},  {"STD+", 45},     {"CHST", 50},  {"DETAIL", 55}, {"LUNG", 65},     {"SHARP", 65},
+      {"BONE", 70},   {"BONE+", 75}, {"BONEPLUS", 75}, {"EDGE", 80},  {"ULTRA", 80},  {"A", 30},        {"B", 35},
+      {"C", 45},      {"D", 65},     {"E", 75},        {"UA", 30},    {"UB", 35},     {"UC", 45}};
+  for (const auto& [word, sharpness] : words)
+    if (known == word) return sharpness;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t at = known.size();
+  while (at > 0 && !digit(known[at - 1])) --at;  // H40s: what follows the number is no part of it
+  if (at < 2 || !digit(known[at - 2])) return unknown;
+  const int number = 10 * (known[at - 2] - '0') + (known[at - 1] - '0');
+  if (known.rfind("FC", 0) == 0) {  // Toshiba: 30 to 39 and 80 on are for bone, 50 to 59 for lung
+    const int tens = number / 10;
+    return tens == 3 || tens >= 8 ? 70 : tens == 5 ? 65 : 40;
+  }
+  return digit(known.front()) && known.find('.') == std::string_view::npos ? unknown : number;
 }
 
 std::string known_image_type(std::string_view text) {

@@ -18,6 +18,9 @@ std::string_view trimmed(std::string_view text);
 
 /// A convolution kernel's name where it looks like one of a scanner's, else "other"; empty stays empty.
 std::string known_kernel(std::string_view text);
+
+/// How sharp a known kernel is, 0 to 100 as Siemens numbers them (40: soft tissue, 60: bone); 50 where it is unknown.
+int kernel_sharpness(std::string_view known);
 /// The known words of ImageType joined by '/', unknown ones as "other".
 std::string known_image_type(std::string_view text);
 /// One of DICOM's modality codes, else "unknown".

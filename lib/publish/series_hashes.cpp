@@ -1,9 +1,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/series_hashes.h"
 
+#include <string>
+#include <utility>
+
 #include "base/error.h"
 
 namespace trephine::publish {
+namespace {
+
+/// What the reader says, with the flags of `import` as the settings that a configuration's commands take.
+std::string with_settings(const Error& e, const std::string& import) {
+  std::string what = e.what();
+  for (const auto& [flag, setting] : {std::pair{"--gaps interpolate", "gaps=interpolate"},
+                                      {"--modality any", "modality=any"},
+                                      {"--units any", "units=any"},
+                                      {"--series-rule best", "series_rule=best"}})
+    for (std::size_t at = 0; (at = what.find(flag, at)) != std::string::npos;) {
+      const std::string named = "--set " + import + "." + setting;
+      what.replace(at, std::string(flag).size(), named);
+      at += named.size();
+    }
+  if (e.code() == ExitCode::usage && e.field() == "series")
+    what += "; --set " + import + ".series=s1 chooses the first";
+  return what;
+}
+
+}  // namespace
 
 pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
   return pipeline::make_graph(config, input(config), [&](const std::string& name, const dicom::SeriesChoice& scan) {
@@ -12,18 +35,16 @@ pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
 }
 
 const std::string& SeriesHashes::input(const config::CaseConfig& config) {
-  try {
-    return hash("import", {config.series, config.import});
-  } catch (const Error& e) {
-    if (e.code() != ExitCode::usage) throw;
-    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
-  }
+  return hash("import", {config.series, config.import});
 }
 
 const std::string& SeriesHashes::hash(const std::string& import, const dicom::SeriesChoice& series) {
   std::string& sha256 = sha256_[import];
-  if (sha256.empty())
-    sha256 = dicom::hash_of_series_input(series.folder_or_file, series.params, cancelled_, &folders_[import]);
+  if (sha256.empty()) try {
+      sha256 = dicom::hash_of_series_input(series.folder_or_file, series.params, cancelled_, &folders_[import]);
+    } catch (const Error& e) {
+      throw Error(e.code(), e.file(), e.field(), with_settings(e, import));
+    }
   return sha256;
 }
 
