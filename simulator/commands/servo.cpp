@@ -80,6 +80,8 @@ Json json_of(const session::SessionResult& r) {
               {"memory_locked", r.grant.locked},
               {"ticks", s.ticks},
               {"overruns", s.overruns},
+              {"jumps", r.jumps},
+              {"gaps", r.gaps},
               {"frames_lost", r.frames_lost},
               {"faults", s.faults},
               {"fault_names", haptics::fault_names(s.faults)},
@@ -118,8 +120,9 @@ void follow(session::Session& session) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (const std::uint32_t faults = session.faults(); faults != told) {
       told = faults;
-      std::cout << fmt::format("fault after {:.2f} s: {}; the force stays zero\n", session.time_s(),
-                               haptics::fault_names(faults))
+      const bool lasts = faults & ~haptics::haptic_fault::passing;
+      std::cout << fmt::format("fault after {:.2f} s: {}; the force {}\n", session.time_s(),
+                               haptics::fault_names(faults), lasts ? "stays zero" : "comes back")
                 << std::flush;
     }
     session.write_frames();
@@ -153,6 +156,9 @@ void print_result(const session::SessionResult& r, bool paced) {
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
                            s.faults == 0 ? "none" : haptics::fault_names(s.faults));
+  if (r.jumps + r.gaps > 0)
+    std::cout << fmt::format("{} jumps of the device and {} gaps, after each of which the force came back\n", r.jumps,
+                             r.gaps);
   std::string events, counts;
   for (int n = 0; n < haptics::haptic_event::count; ++n)
     events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptics::haptic_event::names[n], s.events[n]);
@@ -195,7 +201,7 @@ ExitCode run_servo(const cli::ParsedCommand& parsed) {
   }
   if (parsed.has("json")) write_file(parsed.path("json"), json.dump(1) + "\n");
   Progress({}, &cancel_requested()).check();
-  if (const std::uint32_t faults = result.statistics.faults; faults != 0)
+  if (const std::uint32_t faults = result.statistics.faults & ~haptics::haptic_fault::passing; faults != 0)
     throw Error(ExitCode::io, "", "device", haptics::fault_names(faults) + ": the force was zero from then on");
   return ExitCode::ok;
 }

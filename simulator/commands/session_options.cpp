@@ -20,6 +20,7 @@ session::SessionOptions session_options_of(const cli::ParsedCommand& parsed) {
   o.servo = parsed.params<haptics::ServoParams>();
   o.contact = parsed.params<contact::ContactParams>();
   o.force = parsed.params<haptics::ForceParams>();
+  o.port = parsed.params<haptics::PortParams>();
   o.tool = parsed.params<haptics::ToolParams>();
   o.shaft = parsed.params<haptics::ShaftParams>();
   o.drilling = parsed.params<haptics::DrillingParams>();
@@ -65,14 +66,16 @@ cli::Argument before_argument() {
 }
 
 std::vector<cli::ParameterGroup> session_groups() {
-  std::vector<cli::ParameterGroup> all = {cli::ParameterGroup::of<haptics::ServoParams>("Servo loop"),
-                                          cli::ParameterGroup::of<contact::ContactParams>("Contact"),
-                                          cli::ParameterGroup::of<haptics::ForceParams>("Force"),
-                                          cli::ParameterGroup::of<haptics::ToolParams>("Tool"),
-                                          cli::ParameterGroup::of<haptics::ShaftParams>("Its shaft"),
-                                          cli::ParameterGroup::of<haptics::DrillingParams>("Drilling"),
-                                          cli::ParameterGroup::of<drill::DrillParams>("The law of removal"),
-                                          cli::ParameterGroup::of<device::WorkspaceParams>("The device's workspace")};
+  std::vector<cli::ParameterGroup> all = {
+      cli::ParameterGroup::of<haptics::ServoParams>("Servo loop"),
+      cli::ParameterGroup::of<contact::ContactParams>("Contact"),
+      cli::ParameterGroup::of<haptics::ForceParams>("Force"),
+      cli::ParameterGroup::of<haptics::PortParams>("Jumps, gaps and delay of the device"),
+      cli::ParameterGroup::of<haptics::ToolParams>("Tool"),
+      cli::ParameterGroup::of<haptics::ShaftParams>("Its shaft"),
+      cli::ParameterGroup::of<haptics::DrillingParams>("Drilling"),
+      cli::ParameterGroup::of<drill::DrillParams>("The law of removal"),
+      cli::ParameterGroup::of<device::WorkspaceParams>("The device's workspace")};
   for (const device::DeviceType& type : device::device_types())
     all.insert(all.end(), type.groups.begin(), type.groups.end());
   return all;

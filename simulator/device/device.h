@@ -14,6 +14,7 @@ struct DeviceReading {
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
   std::uint32_t buttons = 0;
   Vec3 across{};  ///< unit, a direction across the axis that turns with the tool; zero where the device does not know
+  bool silent = false;  ///< it gave no pose for too long; this is the last, and others may come
 };
 
 /// The results of a tick, for a device that shows them.

@@ -23,12 +23,6 @@ namespace {
 
 constexpr long answer_poll_ns = 100000, idle_poll_ns = 20000000;
 
-std::int64_t now_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);  // read in user space (vDSO)
-  return std::int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
-}
-
 struct Address {
   sockaddr_storage bytes{};
   socklen_t length = 0;
@@ -67,6 +61,12 @@ int port_of(const Address& a) {
 
 }  // namespace
 
+std::int64_t UdpDevice::monotonic_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);  // read in user space (vDSO)
+  return std::int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
+}
+
 struct UdpDevice::Network {
   int socket = -1;
   bool realtime = false;
@@ -80,8 +80,12 @@ struct UdpDevice::Network {
   }
 };
 
-UdpDevice::UdpDevice(const UdpParams& params, bool realtime)
-    : params_(params), timeout_ns_(std::int64_t(params.timeout_ms * 1e6)), network_(std::make_unique<Network>()) {
+UdpDevice::UdpDevice(const UdpParams& params, bool realtime, Clock clock)
+    : params_(params),
+      timeout_ns_(std::int64_t(params.timeout_ms * 1e6)),
+      lost_ns_(timeout_ns_ + std::int64_t(params.resume_s * 1e9)),
+      clock_(clock),
+      network_(std::make_unique<Network>()) {
   Address at;
   if (!parse_address(params.address, params.port, at))
     throw Error(ExitCode::usage, "", "address", params.address + " is no address in numbers");
@@ -103,10 +107,10 @@ UdpDevice::~UdpDevice() {
 }
 
 void UdpDevice::wait(const Progress& progress) const {
-  const std::int64_t begin = now_ns();
+  const std::int64_t begin = monotonic_ns();
   while (!connected_) {
     progress.check();
-    if (params_.wait_s > 0 && double(now_ns() - begin) > 1e9 * params_.wait_s)
+    if (params_.wait_s > 0 && double(monotonic_ns() - begin) > 1e9 * params_.wait_s)
       throw Error(ExitCode::no_input, "", "device", "no pose came to " + endpoint_);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -115,7 +119,11 @@ void UdpDevice::wait(const Progress& progress) const {
 bool UdpDevice::read(double, DeviceReading& out) {
   if (poses_.read(newest_)) known_ = true;
   out = newest_.pose.reading;
-  lost_ = lost_ || !known_ || newest_.lost || now_ns() - newest_.received_ns > timeout_ns_;
+  const std::int64_t age_ns = clock_() - newest_.received_ns;
+  lost_ = lost_ || !known_ || newest_.lost || age_ns > lost_ns_;
+  out.silent = age_ns > timeout_ns_;
+  if (out.silent && !silent_) gaps_.fetch_add(1, std::memory_order_relaxed);
+  silent_ = out.silent;
   return !lost_;
 }
 
@@ -135,8 +143,8 @@ void UdpDevice::send(Vec3 force_n) {
 }
 
 std::vector<std::pair<std::string, std::uint64_t>> UdpDevice::counts() const {
-  return {
-      {"poses", taken_}, {"answers", answers_}, {"malformed", malformed_}, {"late", late_}, {"strangers", strangers_}};
+  return {{"poses", taken_}, {"answers", answers_},     {"malformed", malformed_},
+          {"late", late_},   {"strangers", strangers_}, {"gaps", gaps_}};
 }
 
 void UdpDevice::serve() {
@@ -158,9 +166,10 @@ void UdpDevice::serve() {
       ++malformed_;
       return;
     }
-    in.received_ns = now_ns();
+    in.received_ns = clock_();
     const bool same = net.there && from == net.client && in.pose.session == net.session;
     const bool silent = net.there && in.received_ns - net.heard_ns > timeout_ns_;
+    const bool gone = silent && (!same || in.received_ns - net.heard_ns > lost_ns_);
     if (net.there && !same && !silent) {
       ++strangers_;
       UdpForce busy;
@@ -174,7 +183,7 @@ void UdpDevice::serve() {
     }
     // How a recording is laid out is decided by the first pose of all.
     const int version = version_;
-    if (version != 0 && in.pose.version != version && !net.lost && !silent) {
+    if (version != 0 && in.pose.version != version && !net.lost && !gone) {
       ++malformed_;
       return;
     }
@@ -182,7 +191,7 @@ void UdpDevice::serve() {
       ++late_;
       return;
     }
-    net.lost = in.lost = net.lost || silent;
+    net.lost = in.lost = net.lost || gone;
     if (!same) {
       net.client = from;
       net.session = in.pose.session;

@@ -15,7 +15,7 @@ namespace trephine::device {
 struct UdpParams {
   std::string address = "127.0.0.1";
   int port = 20517;
-  double timeout_ms = 50, wait_s = 60;
+  double timeout_ms = 50, resume_s = 10, wait_s = 60;
   template <class V>
   static void describe(V& v) {
     using P = UdpParams;
@@ -23,7 +23,9 @@ struct UdpParams {
            "Address on which it listens, IPv4 or IPv6 in numbers. On any other than the loopback, everybody who can "
            "reach it can hold the tool.");
     v.integer(&P::port, "port", Range{0, 65535}, "UDP port; 0: any free port, which is then reported.");
-    v.number(&P::timeout_ms, "timeout_ms", Range{2, 10000}, "Time without a pose after which the device is lost.");
+    v.number(&P::timeout_ms, "timeout_ms", Range{2, 10000}, "Time without a pose after which the force is zero.");
+    v.number(&P::resume_s, "resume_s", Range{0, 3600},
+             "How much longer the same client may be silent and then go on; after that the device is lost.");
     v.number(&P::wait_s, "wait_s", Range{0, 86400}, "How long to wait for the first pose; 0: until stopped.");
   }
 };
@@ -32,15 +34,18 @@ struct UdpParams {
 /// receives and sends. A mailbox in each direction lies between it and the servo thread, whose calls therefore make no
 /// system call, lock or allocation. Each pose that a tick took is answered once, with that tick's force.
 ///
-/// The first client that sends a pose holds the session. After timeout_ms without a pose, or when another client takes
-/// over after that, the device is lost and stays lost. Packets of other clients, and packets that are malformed,
-/// duplicate or late, change nothing and are counted. A client stays with the version of its first pose; poses of the
-/// other one are malformed.
+/// The first client that sends a pose holds the session. After timeout_ms without a pose the device is silent, until
+/// the same client sends another; after resume_s more, or when another client takes over, it is lost and stays lost.
+/// Packets of other clients, and packets that are malformed, duplicate or late, change nothing and are counted. A
+/// client stays with the version of its first pose; poses of the other one are malformed.
 class UdpDevice : public Device {
  public:
+  /// Nanoseconds, ascending; asked for by both threads.
+  using Clock = std::int64_t (*)();
+  static std::int64_t monotonic_ns();
   /// Listens from now on. Throws Error 64 for an address that is not valid, 74 where it cannot be used. `realtime` asks
   /// for SCHED_FIFO below the servo's priority.
-  explicit UdpDevice(const UdpParams& params, bool realtime = false);
+  explicit UdpDevice(const UdpParams& params, bool realtime = false, Clock clock = monotonic_ns);
   ~UdpDevice() override;
   UdpDevice(const UdpDevice&) = delete;
   UdpDevice& operator=(const UdpDevice&) = delete;
@@ -69,7 +74,8 @@ class UdpDevice : public Device {
   void serve();
 
   UdpParams params_;
-  std::int64_t timeout_ns_;
+  std::int64_t timeout_ns_, lost_ns_;
+  const Clock clock_;
   std::string endpoint_;
   int port_ = 0;
   std::unique_ptr<Network> network_;  // the thread's
@@ -77,11 +83,11 @@ class UdpDevice : public Device {
   Mailbox<UdpForce> forces_;
   Incoming newest_;  // the servo thread's
   UdpForce answer_;
-  bool known_ = false, lost_ = false;
+  bool known_ = false, lost_ = false, silent_ = false;
   std::atomic<bool> stop_{false}, connected_{false};
   std::atomic<int> version_{0};
   std::atomic<std::uint32_t> events_{0};  ///< since the last answer
-  std::atomic<std::uint64_t> taken_{0}, malformed_{0}, late_{0}, strangers_{0}, answers_{0};
+  std::atomic<std::uint64_t> taken_{0}, malformed_{0}, late_{0}, strangers_{0}, answers_{0}, gaps_{0};
   std::thread thread_;
 };
 

@@ -28,7 +28,9 @@ bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
     const std::uint32_t clutch = std::uint32_t{1} << (params_.clutch_button - 1);
     offset_mm_ = rests_.tip_mm - scaled;
     const std::uint32_t buttons = out.buttons;
+    const bool silent = out.silent;
     out = rests_;
+    out.silent = silent;
     out.buttons = buttons & ~(clutch | haptics::Drilling::pedal);
     return true;
   }

@@ -151,6 +151,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   time_s_ += in.dt_s;
   if (state.faults != 0) {
     force_ = {};
+    last_mm_ = in.tip_mm;  // where the fault passes, it goes on from there
     drill_.rest();
     return;
   }

@@ -35,10 +35,11 @@ constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 1
 constexpr const char* names[] = {"touch", "untouch", "motion", "popped", "left", "locked", "unlocked"};  ///< by bit
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_event
-/// The faults that make the force zero until reset().
+/// The faults that make the force zero: until reset(), and those of a DevicePort that pass in the ticks that have them.
 namespace haptic_fault {
-constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8;
-constexpr const char* names[] = {"pose", "time step", "force", "device lost"};  ///< by bit
+constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8, jump = 16, gap = 32;
+constexpr std::uint32_t passing = jump | gap;
+constexpr const char* names[] = {"pose", "time step", "force", "device lost", "jump", "gap"};  ///< by bit
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_fault
 /// Such as "pose, device lost".

@@ -283,25 +283,30 @@ void put_answer(const HapticState& s, ServoFrame& f) {
 }
 
 std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
-                                      Drilling* drilling) {
+                                      Drilling* drilling, DevicePort* port) {
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in = input_of(f, rate_hz);
+    if (port) port->again(in, f.faults);
     if (drilling) in.extra_n = drilling->force_n();
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
-    const HapticState& s = proxy.update(in);
+    const HapticState& felt = proxy.update(in);
+    const HapticState& s = port ? port->after(in, felt) : felt;
     if (drilling) drilling->tick(in, s);
     put_answer(s, f);
   }
   return out;
 }
 
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt) {
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt,
+                                      DevicePort* port) {
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
-    const HapticInput in = input_of(f, rate_hz);
+    HapticInput in = input_of(f, rate_hz);
+    if (port) port->again(in, f.faults);
     if (f.faults & haptic_fault::device_lost) belt.latch(haptic_fault::device_lost);
-    const HapticState& s = belt.update(in);
+    const HapticState& felt = belt.update(in);
+    const HapticState& s = port ? port->after(in, felt) : felt;
     belt.after(in, s);
     put_answer(s, f);
   }

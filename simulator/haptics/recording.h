@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "haptics/device_port.h"
 #include "haptics/drilling.h"
 #include "haptics/frame.h"
 #include "haptics/proxy.h"
@@ -33,6 +34,7 @@ struct RecordingHeader {
   std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
   contact::ContactParams contact;
   ForceParams force;
+  PortParams port = PortParams::none();  ///< as recordings without it were felt
   ShaftParams shaft;
   ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
   DrillingParams drilling;  ///< since version 2; before, no tool cut
@@ -72,6 +74,7 @@ struct RecordingHeader {
     v.text(&P::felt_shape, "felt_shape", "The only shape that could be touched; empty: all.");
     v.group(&P::contact, "contact", "How contact is found.");
     v.group(&P::force, "force", "The limits on forces.");
+    v.group(&P::port, "port", "What lies between device and tool.").is_since(6);
     v.group(&P::shaft, "shaft", "The shaft behind the tip.");
     v.group(&P::tool, "tool", "The tool.").is_since(2);
     const auto drills = [](const P& h) { return h.drilling.drill; };
@@ -146,9 +149,10 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
 /// Runs the recording's poses, buttons, steps and lost device through the proxy, and where it is given the drilling.
 /// The returned frames hold their answers.
 std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
-                                      Drilling* drilling = nullptr);
+                                      Drilling* drilling = nullptr, DevicePort* port = nullptr);
 /// The same with several tools.
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt);
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt,
+                                      DevicePort* port = nullptr);
 /// A recorded frame as the tick had it: what was read from the device, and the answer.
 HapticInput input_of(const ServoFrame& frame, double rate_hz);
 HapticState state_of(const ServoFrame& frame);

@@ -103,8 +103,11 @@ void Servo::tick(double dt_s, double late_ns) {
   in.dt_s = dt_s;
   in.period_s = 1 / params_.rate_hz;
   if (drilling_) in.extra_n = drilling_->force_n();
-  if (!there) belt_ ? belt_->latch(haptic_fault::device_lost) : proxy_->latch(haptic_fault::device_lost);
-  const HapticState& s = belt_ ? belt_->update(in) : proxy_->update(in);
+  if (port_) port_->before(in, reading.silent);
+  if (!there || (reading.silent && !port_))
+    belt_ ? belt_->latch(haptic_fault::device_lost) : proxy_->latch(haptic_fault::device_lost);
+  const HapticState& felt = belt_ ? belt_->update(in) : proxy_->update(in);
+  const HapticState& s = port_ ? port_->after(in, felt) : felt;
   device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults, s.torque_n_mm, s.axis, s.across,
                 s.events, s.locked, belt_ ? belt_->in_hand() : 0});
   device_.send(s.force_n);

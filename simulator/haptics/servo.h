@@ -7,6 +7,7 @@
 
 #include "base/params.h"
 #include "device/device.h"
+#include "haptics/device_port.h"
 #include "haptics/drilling.h"
 #include "haptics/frame.h"
 #include "haptics/histogram.h"
@@ -77,6 +78,8 @@ class Servo {
   /// The same with several tools, and the drill that they have.
   Servo(ToolBelt& belt, device::Device& device, const ServoParams& params, FrameQueue* queue)
       : belt_(&belt), device_(device), params_(params), queue_(queue) {}
+  /// What lies between the device and the tool; it must outlive the loop. Without one, a silent device is lost.
+  void set_port(DevicePort* port) { port_ = port; }
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   const ServoStatistics& statistics() const { return statistics_; }
   /// Ticks done and faults latched so far, for another thread to show.
@@ -91,6 +94,7 @@ class Servo {
   ServoParams params_;
   FrameQueue* queue_;
   Drilling* drilling_ = nullptr;
+  DevicePort* port_ = nullptr;
   ServoStatistics statistics_;
   ServoFrame frame_;
   Vec3 last_force_n_;

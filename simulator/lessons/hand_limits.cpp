@@ -16,6 +16,9 @@ namespace {
 
 void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
+  if ((f.faults & haptics::haptic_fault::jump) && !belt.paused())
+    refuse(f, fmt::format("the device jumped, and no hand is faster than {:g} m/s", max_hand_m_per_s));
+  if (f.faults & haptics::haptic_fault::gap) moments_.clear();  // nothing is known of the hand's way in it
   if (belt.paused() || (f.buttons & haptics::haptic_button::lifted)) {
     away_ = true;
     moments_.clear();

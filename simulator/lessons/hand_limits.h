@@ -5,13 +5,15 @@
 
 #include "contact/contact.h"
 #include "haptics/frame.h"
+#include "haptics/hand_motion.h"
 #include "haptics/tool_belt.h"
 
 namespace trephine::lessons {
 
-/// What a hand can do with a tool, by its mean over hand_window_s: a fast reach has about 2 m/s and 50 m/s2. A move
-/// that is above is no hand's: the lesson is not judged.
-constexpr double max_hand_m_per_s = 4, max_hand_m_per_s2 = 150, hand_window_s = 0.02;
+/// A move that is above is no hand's: the lesson is not judged.
+using haptics::hand_window_s;
+using haptics::max_hand_m_per_s;
+using haptics::max_hand_m_per_s2;
 
 /// Looks at a lesson's frames one by one: whether each could be a hand's, and whether a tool begins, is changed or
 /// comes again only outside of every shape. What was lifted, or moved in a pause, may come again elsewhere.

@@ -27,7 +27,7 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
   const bool fresh = now != haptics::belt_button::command(buttons_);
   buttons_ = f.buttons;
   facts.most_force_n = std::max(facts.most_force_n, norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]}));
-  if (f.faults != 0) {
+  if (f.faults & ~haptics::haptic_fault::passing) {
     facts.end = LessonEnd::device_lost;
     return close();
   }

@@ -130,7 +130,7 @@ std::shared_ptr<const LessonFacts> facts_of_recording(session::FeltCase& felt, c
   HandLimits limits(contact);
   for (const haptics::ServoFrame& f : recording.frames) {
     if (replayed) {
-      const haptics::ServoFrame again = haptics::replay_frames({f}, h.rate_hz, belt).front();
+      const haptics::ServoFrame again = rerun.run({f}).front();
       if (!haptics::same_frame(again, f))
         differs(file, "frames",
                 fmt::format("does not replay bit for bit, tick {} of {} is the first that differs", f.tick,

@@ -47,6 +47,7 @@ class Rerun {
 
  private:
   double rate_hz_;
+  haptics::DevicePort port_;
   std::unique_ptr<haptics::Drilling> drilling_;
   std::unique_ptr<haptics::Proxy> proxy_;
   std::unique_ptr<haptics::ToolBelt> belt_;

@@ -53,6 +53,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
           options.board)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
+      port_(options.port, options.force),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()) {
@@ -67,6 +68,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
                                                 drilling_.get(), header_.in_open);
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
+  servo_->set_port(&port_);
 }
 
 Session::~Session() {
@@ -108,6 +110,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
   header.force = options.force;
+  header.port = options.port;
   header.shaft = options.shaft;
   header.tool = haptics::own_tool(options.tool);
   header.drilling = options.drilling;
@@ -163,8 +166,16 @@ void Session::write_frames() {
 
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
-  SessionResult result{header_, {}, grant_, servo_->statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
+  SessionResult result;
+  result.header = header_;
+  result.grant = grant_;
+  result.statistics = servo_->statistics();
+  result.device_counts = device_->counts();
+  result.frames_lost = queue_.dropped();
+  result.cpu_s = cpu_s_;
   for (const cases::CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
+  result.jumps = port_.jumps();
+  result.gaps = port_.gaps();
   if (drilling_) {
     result.drilled = drilling_->outcome();
     result.outcome = haptics::outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());

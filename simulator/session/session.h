@@ -50,6 +50,7 @@ struct SessionOptions {
   haptics::ServoParams servo;
   contact::ContactParams contact;
   haptics::ForceParams force;
+  haptics::PortParams port;
   haptics::ToolParams tool;
   haptics::DrillingParams drilling;
   drill::DrillParams law;
@@ -69,6 +70,7 @@ struct SessionResult {
   haptics::RealtimeGrant grant;
   haptics::ServoStatistics statistics;
   std::vector<std::pair<std::string, std::uint64_t>> device_counts;
+  std::uint64_t jumps = 0, gaps = 0;                ///< of the device, after which the force came back
   std::uint64_t frames_lost = 0;                    ///< frames that were not recorded, because the disk was too slow
   std::optional<haptics::DrillingOutcome> drilled;  ///< where the tool cuts
   std::optional<haptics::RecordingHeader::Outcome> outcome;  ///< the same in mm, with the volume's hash
@@ -128,6 +130,7 @@ class Session {
   std::unique_ptr<device::Device> device_;
   haptics::RecordingHeader header_;
   std::unique_ptr<haptics::Drilling> drilling_;
+  haptics::DevicePort port_;
   std::unique_ptr<haptics::Proxy> proxy_;    // or
   std::unique_ptr<haptics::ToolBelt> belt_;  // of the two one
   std::unique_ptr<haptics::RecordingWriter> recording_;

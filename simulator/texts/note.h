@@ -17,7 +17,10 @@ enum class NoteId {
   fault_time_step,
   fault_force,
   fault_device_lost,
+  fault_jump,
+  fault_gap,
   force_is_zero,
+  force_comes_back,
   // Of devices.
   waiting_for_device,
   holding_mouse_3d,

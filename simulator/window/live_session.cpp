@@ -221,7 +221,9 @@ void LiveSession::follow() {
     faults_ |= shown.faults;
     if (const std::uint32_t faults = shown.faults & ~session_faults_; faults != 0) {
       session_faults_ |= faults;
-      notes_.add({texts::NoteId::force_is_zero, {}, words_of(faults)});
+      const std::uint32_t passing = faults & haptics::haptic_fault::passing, lasting = faults - passing;
+      if (lasting != 0) notes_.add({texts::NoteId::force_is_zero, {}, words_of(lasting)});
+      if (passing != 0) notes_.add({texts::NoteId::force_comes_back, {}, words_of(passing)});
     }
   }
   if (incisions_.size() > render::Renderer::max_incisions && !std::exchange(many_incisions_, true))

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "base/params.h"
+#include "haptics/hand_motion.h"
+#include "haptics/passivity.h"
+#include "haptics/proxy.h"
+
+namespace trephine::haptics {
+
+struct PortParams {
+  double jump_m_per_s = max_hand_m_per_s, let_in_s = 0.1, device_delay_ms = 0;
+  /// As recordings without these were felt.
+  static PortParams none() {
+    PortParams p;
+    p.jump_m_per_s = 0;
+    return p;
+  }
+  template <class V>
+  static void describe(V& v) {
+    using P = PortParams;
+    v.number(&P::jump_m_per_s, "jump_m_per_s", Range{0, 1000},
+             "A device that moves faster has jumped, as no hand does: the force is zero, and the tool begins anew "
+             "where it then is; 0: it may jump.");
+    v.number(&P::let_in_s, "let_in_s", Range{0, 10},
+             "Time over which the force comes back after a jump, or after a gap in which the device gave no pose.");
+    v.number(&P::device_delay_ms, "device_delay_ms", Range{0, 20},
+             "The device's delay, from a motion of the hand to the force that answers it. With a delay the force is "
+             "kept so small that the hand is given no energy; 0: forces are as without a delay.");
+  }
+};
+
+/// What lies between a device and what is felt: jumps that no hand does, gaps in which the device gave no pose, and the
+/// energy that a delay would give to the hand. A jump or a gap is a fault that passes: it is named in the frames that
+/// have it (haptic_fault::passing), in which the force is zero; then the force comes back.
+///
+/// - A jump is a way of more than jump_m_per_s since the pose last changed, at least 5 ms ago and at most 10: poses
+/// come
+///   late by some ms, and not every device gives one in each tick. The tool counts as lifted in that tick.
+/// - While the device is silent nothing drills or is commanded. Afterwards the tool goes on from where it was; where
+/// the
+///   device has moved by more than 10 ms of a jump's speed, the tool is placed anew.
+///
+/// With PortParams::none() every input and answer is passed on as it is. It neither allocates nor locks; equal inputs
+/// give equal bits.
+class DevicePort {
+ public:
+  DevicePort(const PortParams& params, const ForceParams& force);
+  /// Before the proxy. `silent`: the device gave no pose for too long.
+  void before(HapticInput& in, bool silent);
+  /// The same for a recorded tick with these faults.
+  void again(HapticInput& in, std::uint32_t faults);
+  /// After it: what the hand is to feel.
+  const HapticState& after(const HapticInput& in, const HapticState& state);
+
+  /// Other threads may ask.
+  std::uint64_t jumps() const { return jumps_.load(std::memory_order_relaxed); }
+  std::uint64_t gaps() const { return gaps_.load(std::memory_order_relaxed); }
+
+ private:
+  void look(HapticInput& in);
+
+  const PortParams params_;
+  const ForceParams force_;
+  std::optional<Passivity> passivity_;
+  HapticState state_;
+  Vec3 last_mm_, sent_n_;
+  bool known_ = false, silent_ = false;
+  double since_s_ = 0, back_s_;  // since the pose changed; since the force comes back
+  std::uint32_t passing_ = 0;
+  std::atomic<std::uint64_t> jumps_{0}, gaps_{0};
+};
+
+}  // namespace trephine::haptics
