@@ -21,6 +21,7 @@ session::SessionOptions session_options_of(const cli::ParsedCommand& parsed) {
   o.contact = parsed.params<contact::ContactParams>();
   o.force = parsed.params<haptics::ForceParams>();
   o.port = parsed.params<haptics::PortParams>();
+  o.free = parsed.params<haptics::FreeParams>();
   o.tool = parsed.params<haptics::ToolParams>();
   o.shaft = parsed.params<haptics::ShaftParams>();
   o.drilling = parsed.params<haptics::DrillingParams>();
@@ -71,6 +72,7 @@ std::vector<cli::ParameterGroup> session_groups() {
       cli::ParameterGroup::of<contact::ContactParams>("Contact"),
       cli::ParameterGroup::of<haptics::ForceParams>("Force"),
       cli::ParameterGroup::of<haptics::PortParams>("Jumps, gaps and delay of the device"),
+      cli::ParameterGroup::of<haptics::FreeParams>("What is felt everywhere"),
       cli::ParameterGroup::of<haptics::ToolParams>("Tool"),
       cli::ParameterGroup::of<haptics::ShaftParams>("Its shaft"),
       cli::ParameterGroup::of<haptics::DrillingParams>("Drilling"),

@@ -121,7 +121,7 @@ bool UdpDevice::read(double, DeviceReading& out) {
   out = newest_.pose.reading;
   const std::int64_t age_ns = clock_() - newest_.received_ns;
   lost_ = lost_ || !known_ || newest_.lost || age_ns > lost_ns_;
-  out.silent = age_ns > timeout_ns_;
+  out.silent = !lost_ && age_ns > timeout_ns_;
   if (out.silent && !silent_) gaps_.fetch_add(1, std::memory_order_relaxed);
   silent_ = out.silent;
   return !lost_;

@@ -14,9 +14,10 @@ constexpr std::uint32_t kept_buttons = haptic_button::lifted | belt_button::tool
 
 }  // namespace
 
-DevicePort::DevicePort(const PortParams& params, const ForceParams& force)
+DevicePort::DevicePort(const PortParams& params, const ForceParams& force, const FreeParams& free)
     : params_(params), force_(force), back_s_(params.let_in_s) {
   if (params.device_delay_ms > 0) passivity_.emplace(1e-3 * params.device_delay_ms);
+  if (free.any()) free_.emplace(free, force.velocity_cutoff_hz);
 }
 
 void DevicePort::before(HapticInput& in, bool silent) {
@@ -29,6 +30,7 @@ void DevicePort::before(HapticInput& in, bool silent) {
     look(in);
   }
   silent_ = silent;
+  if (free_) in.extra_n += free_->force_n(in);
 }
 
 void DevicePort::again(HapticInput& in, std::uint32_t faults) {

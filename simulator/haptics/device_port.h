@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/params.h"
+#include "haptics/free_feel.h"
 #include "haptics/hand_motion.h"
 #include "haptics/passivity.h"
 #include "haptics/proxy.h"
@@ -48,7 +49,8 @@ struct PortParams {
 /// give equal bits.
 class DevicePort {
  public:
-  DevicePort(const PortParams& params, const ForceParams& force);
+  /// `free`: what is added to the input's extra_n. Throws as FreeFeel does.
+  DevicePort(const PortParams& params, const ForceParams& force, const FreeParams& free = {});
   /// Before the proxy. `silent`: the device gave no pose for too long.
   void before(HapticInput& in, bool silent);
   /// The same for a recorded tick with these faults.
@@ -66,6 +68,7 @@ class DevicePort {
   const PortParams params_;
   const ForceParams force_;
   std::optional<Passivity> passivity_;
+  std::optional<FreeFeel> free_;
   HapticState state_;
   Vec3 last_mm_, sent_n_;
   bool known_ = false, silent_ = false;

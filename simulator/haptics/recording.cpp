@@ -287,8 +287,8 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, d
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in = input_of(f, rate_hz);
-    if (port) port->again(in, f.faults);
     if (drilling) in.extra_n = drilling->force_n();
+    if (port) port->again(in, f.faults);
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& felt = proxy.update(in);
     const HapticState& s = port ? port->after(in, felt) : felt;

@@ -10,6 +10,7 @@
 #include "haptics/device_port.h"
 #include "haptics/drilling.h"
 #include "haptics/frame.h"
+#include "haptics/free_feel.h"
 #include "haptics/proxy.h"
 #include "haptics/tool_belt.h"
 
@@ -35,6 +36,7 @@ struct RecordingHeader {
   contact::ContactParams contact;
   ForceParams force;
   PortParams port = PortParams::none();  ///< as recordings without it were felt
+  FreeParams free;
   ShaftParams shaft;
   ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
   DrillingParams drilling;  ///< since version 2; before, no tool cut
@@ -75,6 +77,7 @@ struct RecordingHeader {
     v.group(&P::contact, "contact", "How contact is found.");
     v.group(&P::force, "force", "The limits on forces.");
     v.group(&P::port, "port", "What lies between device and tool.").is_since(6);
+    v.only_where(v.group(&P::free, "free", "What is felt everywhere."), [](const P& h) { return h.free.any(); });
     v.group(&P::shaft, "shaft", "The shaft behind the tip.");
     v.group(&P::tool, "tool", "The tool.").is_since(2);
     const auto drills = [](const P& h) { return h.drilling.drill; };

@@ -94,7 +94,8 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
   } else {
     if (faults != 0) proxy.latch(faults);
     HapticInput in = given;
-    if (drilling_ && tools_[std::size_t(in_hand_)].cuts) in.extra_n = drilling_->force_n();
+    if (drilling_ && tools_[std::size_t(in_hand_)].cuts)
+      in.extra_n = given.extra_n == Vec3{} ? drilling_->force_n() : given.extra_n + drilling_->force_n();
     state_ = proxy.update(in);
   }
   settle_force(given, sent);

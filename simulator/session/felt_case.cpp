@@ -71,7 +71,7 @@ void set_lesson(haptics::RecordingHeader& h, const std::vector<haptics::BeltTool
 
 Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string& file,
              const haptics::RecordingHeader& h, drill::DirtyBricks* marks)
-    : rate_hz_(h.rate_hz), port_(h.port, h.force), drilling_(felt.drilling_of(h, contact, marks)) {
+    : rate_hz_(h.rate_hz), port_(h.port, h.force, h.free), drilling_(felt.drilling_of(h, contact, marks)) {
   if (h.tools.empty())
     proxy_ =
         std::make_unique<haptics::Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, felt.felt_tool_of(h)));

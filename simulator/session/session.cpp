@@ -53,7 +53,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
           options.board)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
-      port_(options.port, options.force),
+      port_(options.port, options.force, options.free),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()) {
@@ -111,6 +111,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   header.contact = options.contact;
   header.force = options.force;
   header.port = options.port;
+  header.free = options.free;
   header.shaft = options.shaft;
   header.tool = haptics::own_tool(options.tool);
   header.drilling = options.drilling;

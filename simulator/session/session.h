@@ -51,6 +51,7 @@ struct SessionOptions {
   contact::ContactParams contact;
   haptics::ForceParams force;
   haptics::PortParams port;
+  haptics::FreeParams free;
   haptics::ToolParams tool;
   haptics::DrillingParams drilling;
   drill::DrillParams law;

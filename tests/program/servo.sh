@@ -46,12 +46,18 @@ grep -q '^1000 ticks, ' "$work/text" || fail "no trajectory"
 # Contact that is lost for good counts: as frames without force, and as the step that it was.
 printf '0 1 -20 390\n1 1 -20 382\n2 1 -20 382\n2.001 1 -20 450\n4 1 -20 450\n' >"$work/lost.txt"
 "${servo[@]}" --device trajectory --trajectory "$work/lost.txt" --seconds 4 --no-paced --record "$work/lost.servo" >"$work/text"
+grep -q 'faults jump$' "$work/text" && grep -q '^1 jumps of the device and 0 gaps,' "$work/text" || { cat "$work/text"; fail "no jump"; }
 "$TREPHINE" replay "$work/sample" "$work/lost.servo" --json "$work/lost.json" >/dev/null
 python3 - "$work/lost.json" <<'PY'
 import json, sys
 f = json.load(open(sys.argv[1]))["recorded"]
 assert f["zero_force_ratio"] > 0.5 and f["touching"] < 0.5 * f["frames"] and f["most_step_n"] > 0, f
 PY
+# A device with a delay, and what is felt everywhere.
+"${servo[@]}" --seconds 3 --no-paced --device-delay-ms 3 --viscosity-n-s-per-mm 0.002 --weight-n 0,0.1,0 --guide line \
+  --guide-point-mm 0,0,300 --record "$work/late.servo" >"$work/text"
+"$TREPHINE" replay "$work/sample" "$work/late.servo" | grep -q '^replayed bit for bit$' || fail "delay and guide do not replay"
+grep -aq '"guide": *"line"' "$work/late.servo" && grep -aq '"device_delay_ms": *3' "$work/late.servo" || fail "not in the header"
 printf '0 0 0 2000\n1 0 0 2000\n' >"$work/air.txt"
 "${servo[@]}" --device trajectory --trajectory "$work/air.txt" --seconds 1 --no-paced --record "$work/air.servo" >"$work/text"
 "$TREPHINE" replay "$work/sample" "$work/air.servo" | grep -q '^recorded: no contact to judge' || fail "judges air"
@@ -79,7 +85,7 @@ PY
 # A fault is said when it happens, and at the end.
 printf '0 0 0 200\n1 0 0 1e7\n' >"$work/far.txt"
 expect 74 'device: pose: the force was zero' "${servo[@]}" --device trajectory --trajectory "$work/far.txt" --seconds 1 --no-paced
-grep -q 'faults pose$' "$work/stdout" || fail "no fault"
+grep -q 'faults pose, jump$' "$work/stdout" || fail "no fault"
 expect 64 'are the same file' "${servo[@]}" --seconds 1 --no-paced --record "$work/one" --json "$work/../$(basename "$work")/one"
 
 # A tool of many points: said at the start, named in the recording, and replayed.
