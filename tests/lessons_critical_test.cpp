@@ -252,6 +252,19 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
     for (std::size_t n = 100; n < f.size(); ++n) f[n].tip_mm[0] += n / 10 % 2 ? 35 : 0;
   });
   EXPECT_NE(shake.find("m/s2"), std::string::npos) << shake;
+  // What the session itself found to be a jump; and a device that was silent, which says nothing new meanwhile.
+  const std::string found = judged([](auto& f) { f[100].faults = haptics::haptic_fault::jump; });
+  EXPECT_NE(found.find("the device jumped"), std::string::npos) << found;
+  const auto silent = [](double step_mm) {
+    return [step_mm](std::vector<haptics::ServoFrame>& f) {
+      for (std::size_t n = 100; n < 160; ++n) {
+        f[n].faults = haptics::haptic_fault::gap;
+        for (int a = 0; a < 3; ++a) f[n].tip_mm[a] = f[99].tip_mm[a] + step_mm * double(n - 99);
+      }
+    };
+  };
+  EXPECT_EQ(judged(silent(0)), "judged");
+  EXPECT_NE(judged(silent(0.1)).find("silent"), std::string::npos);
   // Times that were shrunk are a faster hand.
   EXPECT_NE(judged([](auto& f) {
               for (haptics::ServoFrame& frame : f) frame.time_s /= 200, frame.dt_s /= 200;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "base/error.h"
 
 namespace trephine::lessons {
@@ -18,7 +20,13 @@ void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& bel
   const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
   if ((f.faults & haptics::haptic_fault::jump) && !belt.paused())
     refuse(f, fmt::format("the device jumped, and no hand is faster than {:g} m/s", max_hand_m_per_s));
-  if (f.faults & haptics::haptic_fault::gap) moments_.clear();  // nothing is known of the hand's way in it
+  if (f.faults & haptics::haptic_fault::gap) {  // nothing is known of the hand's way, and the device says nothing new
+    if (!moments_.empty() && !(moments_.back().tip_mm == tip)) refuse(f, "the tool moves while its device is silent");
+    moments_.assign(1, {f.time_s, tip});
+    was_silent_ = true;
+    return;
+  }
+  if (std::exchange(was_silent_, false)) moments_.clear();
   if (belt.paused() || (f.buttons & haptics::haptic_button::lifted)) {
     away_ = true;
     moments_.clear();

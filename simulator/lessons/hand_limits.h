@@ -33,6 +33,7 @@ class HandLimits {
   const contact::ContactVolume& contact_;
   std::deque<Moment> moments_;  // of two windows
   bool away_ = true;            // not begun, lifted or paused
+  bool was_silent_ = false;
   int tool_ = -1, inside_ = 0;
 };
 
