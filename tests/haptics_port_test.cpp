@@ -8,6 +8,7 @@
 #include <map>
 #include <thread>
 
+#include "device/simulated_hand.h"
 #include "device/udp_device.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
@@ -335,5 +336,48 @@ TEST(HapticsPassivity, ADelayGivesNoEnergyOverClosedPaths) {
       worst_without = std::max(worst_without, most_without.mj);
     }
     EXPECT_GT(worst_without, 10) << "the paths were too tame to show anything";
+  }
+}
+
+// A hand with a mass presses on a wall through a device whose forces come late.
+TEST(HapticsPassivity, AHandBehindADelayDoesNotSwingUp) {
+  std::printf("  delay ms  swing in the last second mm: without, with the controller; force N: without, with\n");
+  const Floor floor(3.2);
+  for (const int delay_ms : {1, 3, 5}) {
+    double swing[2], force_n[2];
+    for (const bool controlled : {false, true}) {
+      device::HandParams h;
+      h.tremor_mm = h.delay_s = 0;
+      h.arm_stiffness_n_per_mm = 0.3;
+      device::SimulatedHand hand(h, {{0.2, 0.1, 1}, {0.2, 0.1, -8}}, 1);
+      haptics::PortParams params;
+      params.device_delay_ms = controlled ? delay_ms : 0;
+      haptics::Proxy proxy(*floor.contact, floor.feels, device_limits());
+      haptics::DevicePort port(params, device_limits());
+      std::vector<Vec3> late(std::size_t(delay_ms), Vec3{});
+      double low = 1e9, high = -1e9, sum = 0;
+      for (int n = 0; n < 5000; ++n) {
+        device::DeviceReading r;
+        hand.read(n == 0 ? 0 : 0.001, r);
+        haptics::HapticInput in = at(r.tip_mm);
+        in.period_s = 0.001;
+        port.before(in, false);
+        Vec3& slot = late[std::size_t(n % delay_ms)];
+        hand.send(slot);
+        slot = port.after(in, proxy.update(in)).force_n;
+        if (n < 4000) continue;
+        low = std::min(low, r.tip_mm.z);
+        high = std::max(high, r.tip_mm.z);
+        sum += slot.z / 1000;
+      }
+      swing[controlled] = high - low;
+      force_n[controlled] = sum;
+    }
+    std::printf("  %5d     %6.3f  %6.3f   %5.2f  %5.2f\n", delay_ms, swing[0], swing[1], force_n[0], force_n[1]);
+    if (delay_ms > 1) {
+      EXPECT_GT(swing[0], 2) << "nothing to be shown";
+    }
+    EXPECT_LT(swing[1], 0.2) << delay_ms;
+    EXPECT_GT(force_n[1], 1.4) << delay_ms << ": the wall is still there";
   }
 }
