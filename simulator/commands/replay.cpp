@@ -49,6 +49,7 @@ void print(const char* what, const haptics::ForceFigures& f) {
 
 ExitCode run_replay(const cli::ParsedCommand& parsed) {
   const haptics::Recording recording = haptics::read_recording(parsed.path("recording"));
+  haptics::require_seal(recording, parsed.path("recording"));
   const haptics::RecordingHeader& h = recording.header;
   contact::ContactParams contact_params = h.contact;
   const contact::ContactParams& asked = parsed.params<contact::ContactParams>();
@@ -74,6 +75,7 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
                            h.lesson.empty() ? "tool " + h.tool.tool : "tools of the lesson " + h.lesson, h.case_token);
   const std::uint64_t missing = haptics::missing_frames(recording.frames);
   if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
+  if (recording.seal == haptics::Seal::absent) std::cout << "not sealed: made into a pipe or by an older program\n";
   const haptics::ForceWindow window = haptics::force_window(recording.frames);
   const haptics::ForceFigures was = haptics::force_figures(recording.frames, window),
                               is = haptics::force_figures(replayed, window);

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "json/declared_json.h"
@@ -33,17 +34,24 @@ int version_of(const RecordingHeader& h) {
 struct HeaderFile : RecordingHeader {
   std::uint64_t frame_bytes = 0;
   std::int64_t frames = -1;  ///< not known while it is recorded
+  std::string seal_sha256;   ///< nor is this
   template <class V>
   static void describe(V& v) {
     v.template all_of<RecordingHeader>();
     v.integer(&HeaderFile::frame_bytes, "frame_bytes", Range{}, "Bytes of a frame.");
     v.integer(&HeaderFile::frames, "frames", Range{}, "How many there are.").not_always();
+    v.text(&HeaderFile::seal_sha256, "seal_sha256",
+           "Of the frames, and of what stands before them with these digits 0.")
+        .not_always();
   }
 };
+
+const std::string unsealed(64, '0');  // stands in place of the seal while it is computed
 
 std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
   HeaderFile file{h, frame_bytes(h)};
   if (frames) file.frames = std::int64_t(*frames);
+  if (frames) file.seal_sha256 = unsealed;
   std::string text = json::declared_json(parameters_of<HeaderFile>(), &file, h.tools.empty() ? 1 : 0);
   const std::size_t left_for_frames = frames ? 0 : 2400;  // with the outcome, known only when all is recorded
   if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
@@ -76,21 +84,37 @@ std::uint32_t get_u32(const char* in) {
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
+std::string fixed_text(const RecordingHeader& header) {
+  char fixed[fixed_bytes];
+  std::memcpy(fixed, magic, 8);
+  put_u32(std::uint32_t(version_of(header)), fixed + 8);
+  put_u32(header_bytes, fixed + 12);
+  return {fixed, sizeof fixed};
+}
+
+// Of a whole file whose header says `said`; the frames come first, because the header is known last.
+Seal seal_of(std::string_view head, std::string_view frames, const std::string& said) {
+  if (said.empty()) return Seal::absent;
+  std::string zeroed(head);
+  const std::size_t at = zeroed.rfind(said);
+  if (said.size() != unsealed.size() || at == std::string::npos) return Seal::broken;
+  zeroed.replace(at, said.size(), unsealed);
+  const std::string is = Sha256().bytes(frames.data(), frames.size()).bytes(zeroed.data(), zeroed.size()).hex();
+  return is == said ? Seal::whole : Seal::broken;
+}
+
 }  // namespace
 
 struct RecordingWriter::Impl {
   FileWriter out;
   RecordingHeader header;
   std::uint64_t frames = 0;
+  Sha256 seal = {};
 };
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
     : impl_(new Impl{FileWriter(file), header}) {
-  char fixed[fixed_bytes];
-  std::memcpy(fixed, magic, 8);
-  put_u32(std::uint32_t(version_of(header)), fixed + 8);
-  put_u32(header_bytes, fixed + 12);
-  impl_->out.write(fixed, sizeof fixed);
+  impl_->out.write(fixed_text(header));
   impl_->out.write(header_text(header));
 }
 RecordingWriter::~RecordingWriter() = default;
@@ -103,11 +127,16 @@ void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
   std::string bytes(frames.size() * each, 0);
   for (std::size_t n = 0; n < frames.size(); ++n) std::memcpy(&bytes[n * each], &frames[n], each);
   impl_->out.write(bytes);
+  impl_->seal.bytes(bytes.data(), bytes.size());
   impl_->frames += frames.size();
 }
 void RecordingWriter::finish(const std::optional<RecordingHeader::Outcome>& outcome) {
   impl_->header.outcome = outcome;
-  impl_->out.overwrite(fixed_bytes, header_text(impl_->header, impl_->frames));
+  const std::string fixed = fixed_text(impl_->header);
+  std::string text = header_text(impl_->header, impl_->frames);
+  const std::string seal = impl_->seal.bytes(fixed.data(), fixed.size()).bytes(text.data(), text.size()).hex();
+  text.replace(text.rfind(unsealed), unsealed.size(), seal);
+  impl_->out.overwrite(fixed_bytes, text);
   impl_->out.commit();
 }
 
@@ -128,6 +157,8 @@ Recording read_recording(const std::filesystem::path& file) {
     if (header.frame_bytes != frame_bytes(header)) refuse("frame_bytes", "are not this version's");
     Recording r;
     r.header = header;
+    const std::string_view all(bytes.data(), bytes.size());
+    r.seal = seal_of(all.substr(0, fixed_bytes + length), all.substr(fixed_bytes + length), header.seal_sha256);
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     const std::size_t each = frame_bytes(r.header), count = rest / each;
     if (rest % each != 0) refuse("frames", "end within one");
@@ -148,6 +179,17 @@ Recording read_recording(const std::filesystem::path& file) {
         refuse("frames", "tick and time_s of frame " + std::to_string(n) + " must be above those before");
     return r;
   });
+}
+
+const char* name_of(Seal seal) {
+  return seal == Seal::absent ? "not sealed" : seal == Seal::whole ? "sealed" : "broken seal";
+}
+
+void require_seal(const Recording& recording, const std::filesystem::path& file) {
+  if (recording.seal != Seal::broken) return;
+  throw refusal("seal_sha256", "is not of these bytes: the recording was changed after it was written",
+                {"take the file as it was recorded, or do the `lesson` anew"})
+      .in_file(file.string());
 }
 
 std::uint64_t missing_frames(const std::vector<ServoFrame>& frames) {

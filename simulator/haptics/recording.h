@@ -115,10 +115,18 @@ class RecordingWriter {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Whether the bytes of a recording are those that were written. A seal is no signature: who can write the file can
+/// also make its seal anew.
+enum class Seal { absent, whole, broken };
+const char* name_of(Seal seal);  ///< "not sealed", "sealed", "broken seal"
+
 struct Recording {
   RecordingHeader header;
   std::vector<ServoFrame> frames;
+  Seal seal = Seal::absent;  ///< as read_recording found it
 };
+/// Throws Error 80 where the seal is broken.
+void require_seal(const Recording& recording, const std::filesystem::path& file);
 
 /// Throws Error 66; 65 naming the field: not a recording, another version, a damaged header, a part of a frame at the
 /// end, more or fewer frames than the header says (older recordings and those made into a pipe do not say), ticks or

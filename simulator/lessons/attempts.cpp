@@ -111,6 +111,7 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
   c.emplace_back("task", "what was asked for; empty: nothing");
   c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
   c.emplace_back("critical_errors", "those that happened, by name, with + between them");
+  c.emplace_back("seal", "sealed, not sealed (older recordings), or broken seal, where the recording was trusted");
   return c;
 }
 
@@ -129,7 +130,7 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   std::string critical;
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
-  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
+  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical + "," + haptics::name_of(head.seal);
   return line;
 }
 

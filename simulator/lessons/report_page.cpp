@@ -136,9 +136,10 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
   out += module.pictures(facts, loaded);
   out += fmt::format(
-      "<h2>Made of</h2>\n<p class=\"faint\">recording {} ({})<br>motion {}<br>haptic volume {}<br>rubric "
+      "<h2>Made of</h2>\n<p class=\"faint\">recording {} ({}, {})<br>motion {}<br>haptic volume {}<br>rubric "
       "{}</p>\n</body></html>\n",
-      head.recording_sha256, head.checked(), head.motion_sha256, head.case_sha256, head.rubric_sha256);
+      head.recording_sha256, head.checked(), haptics::name_of(head.seal), head.motion_sha256, head.case_sha256,
+      head.rubric_sha256);
   return out;
 }
 

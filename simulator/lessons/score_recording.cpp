@@ -24,6 +24,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
+  if (answers == Answers::replayed) haptics::require_seal(s.recording, file);
   session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
   with_file(file.string(), [&] {
     try {
@@ -46,7 +47,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             rubric.sha256,
             h.haptic_sha256,
             motion_digest(s.recording.frames),
-            answers == Answers::replayed};
+            answers == Answers::replayed,
+            s.recording.seal};
   return s;
 }
 

@@ -14,6 +14,7 @@ struct ReportHead {
   std::string recording_sha256, rubric_sha256, case_sha256;  ///< of the files; case: of its haptic volume
   std::string motion_sha256 = {};                            ///< motion_digest()
   bool replayed = false;                                     ///< else the recording's answers were trusted
+  haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 

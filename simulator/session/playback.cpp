@@ -63,6 +63,7 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
   for (const std::filesystem::path& earlier : before) {
     // Each recording is felt with the parameters of its own time, because what is cut depends on the force.
     const haptics::Recording r = haptics::read_recording(earlier);
+    haptics::require_seal(r, earlier);
     felt.feels = felt_again(folder, earlier.string(), r.header, {}, true).feels;
     must_begin(r.header, earlier);
     contact::ContactVolume as_then(volume, r.header.contact);
@@ -85,6 +86,7 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
                    const std::vector<std::filesystem::path>& before, cases::LoadParts parts, const Progress& progress)
     : recording_(haptics::read_recording(file)) {
   const haptics::RecordingHeader& h = recording_.header;
+  haptics::require_seal(recording_, file);
   if (recording_.frames.empty()) throw Error(ExitCode::bad_input, file.string(), "frames", "there are none to show");
   patient_ = patient_again(folder, file, h, h.contact, before, parts, progress);
   for (const std::filesystem::path& earlier : before) {

@@ -42,8 +42,8 @@ cmp "$work/one.lesson" "$work/two.lesson" || fail "done again it is not the same
 # A recording that was forged is refused as `replay` refuses it, and scored only on trust, which the report says. What the hand did
 # names the attempt: an edited header makes no new one, and another participant's token is found.
 cat >"$work/forge.py" <<'PY'
-import struct, sys
-way, source, target = sys.argv[1:]
+import hashlib, re, struct, sys
+way, source, target, seal = sys.argv[1:]
 b = bytearray(open(source, "rb").read())
 length = struct.unpack_from("<I", b, 12)[0]
 each = int(b[16:16 + length].decode().split('"frame_bytes":')[1].split(",")[0].split("}")[0])
@@ -63,15 +63,29 @@ if way == "rate":
     header('"rate_hz":' + rate, '"rate_hz": 1e300')
 if way == "device": header('"script"', '"scrapt"')
 if way == "token": header('"r-01"', '"r-02"')
+if way == "erased":
+    header(re.search(r',\s*"seal_sha256":\s*"[0-9a-f]{64}"', bytes(b[16:16 + length]).decode())[0], "")
+if way == "xray":
+    for f in frames: struct.pack_into("<I", b, f + 144, struct.unpack_from("<I", b, f + 144)[0] & ~(1 << 20))
+    struct.pack_into("<I", b, frames[0] + 144, struct.unpack_from("<I", b, frames[0] + 144)[0] ^ (1 << 20))
+if way == "shrunk":
+    for f in frames: struct.pack_into("<2d", b, f + 8, *(v / 40 for v in struct.unpack_from("<2d", b, f + 8)))
+if way == "spliced":
+    for f in frames[len(frames) // 2:]: struct.pack_into("<3d", b, f + 24, *struct.unpack_from("<3d", b, f - each + 24))
+if seal == "seal":  # as anybody can: a seal finds accidents and careless changes
+    said = re.search(rb'"seal_sha256":\s*"([0-9a-f]{64})"', b)[1]
+    zeroed = bytes(b[:16 + length]).replace(said, b"0" * 64)
+    is_now = hashlib.sha256(bytes(b[16 + length:]) + zeroed).hexdigest().encode()
+    b[:16 + length] = bytes(b[:16 + length]).replace(said, is_now)
 open(target, "wb").write(b)
 PY
 for way in forces proxies times steps rate; do
-  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson"
+  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson" seal
   forged=("$TREPHINE" score "$work/$way.lesson" --case "$work/head" --rubric "$work/rubric.json")
   expect 80 "$way.lesson: (frames|rate_hz): " "${forged[@]}" --json "$work/forged.json" --log "$work/forged.csv"
   [[ ! -e $work/forged.json && ! -e $work/forged.csv ]] || fail "$way: something was written"
 done
-python3 "$work/forge.py" forces "$work/one.lesson" "$work/forces.lesson"
+python3 "$work/forge.py" forces "$work/one.lesson" "$work/forces.lesson" seal
 "$TREPHINE" score "$work/forces.lesson" --case "$work/head" --rubric "$work/rubric.json" --trust-recording --json "$work/forged.json" \
   --page "$work/forged.html" --log "$work/forged.csv" >"$work/text"
 grep -q '"checked": "trusted"' "$work/forged.json" || fail "the report does not say that it was trusted"
@@ -80,7 +94,7 @@ grep -q ',trusted,' "$work/forged.csv" || fail "the log does not say it"
 grep -q '^TRUSTED' "$work/text" || fail "the command does not say it"
 grep -q '"checked": "replayed"' "$work/one.json" || fail "the report does not say that it was replayed"
 for way in device token; do
-  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson"
+  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson" seal
   "$TREPHINE" score "$work/$way.lesson" --case "$work/head" --rubric "$work/rubric.json" --log "$work/log.csv" >"$work/text"
   grep -q '^the motion is that of r-01, attempt 1$' "$work/text" || { cat "$work/text"; fail "$way: the motion is not recognised"; }
 done
@@ -91,6 +105,19 @@ assert [(r["participant"], r["attempt"], r["repeats"], r["checked"]) for r in ro
     ("r-01", "1", "", "replayed"), ("r-01", "2", "", "replayed"), ("r-02", "1", "r-01 1", "replayed")], rows
 assert rows[0]["motion_sha256"] == rows[2]["motion_sha256"] != rows[1]["motion_sha256"], rows
 PY
+
+# Bytes that were changed after the recording are found by its seal, in `score` and `replay`; one whose seal was taken off is told.
+grep -q '"seal": "sealed"' "$work/one.json" || fail "the report does not say that it was sealed"
+for way in xray shrunk proxies times spliced rate device token; do
+  python3 "$work/forge.py" $way "$work/one.lesson" "$work/$way.lesson" keep
+  expect 80 "$way.lesson: seal_sha256: is not of these bytes" "$TREPHINE" score "$work/$way.lesson" --case "$work/head" --rubric "$work/rubric.json"
+  expect 80 "$way.lesson: seal_sha256: is not of these bytes" "$TREPHINE" replay "$work/head" "$work/$way.lesson"
+done
+python3 "$work/forge.py" erased "$work/one.lesson" "$work/erased.lesson" keep
+"$TREPHINE" score "$work/erased.lesson" --case "$work/head" --rubric "$work/rubric.json" --log "$work/erased.csv" >"$work/text"
+grep -q '^NOT SEALED' "$work/text" && grep -q 'not sealed$' "$work/erased.csv" || fail "a seal that is missing is not told"
+"$TREPHINE" replay "$work/head" "$work/erased.lesson" | grep -q '^not sealed' || fail "a replay does not tell it"
+"$TREPHINE" score "$work/token.lesson" --case "$work/head" --rubric "$work/rubric.json" --trust-recording | grep -q '^BROKEN SEAL' || fail "trusted, a broken seal is not told"
 
 # The limits that are the dissertation's say so, with its table; the others are ours, and say why.
 python3 - "$work/one.json" <<'PY'

@@ -102,6 +102,18 @@ assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["ev
 tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 8192])["tool"]
 assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spacing_mm"] == 0.8, tool
 PY
+# A recording that was changed has a broken seal; one whose seal was taken off is told, and so can be changed in what follows.
+cp "$work/a.servo" "$work/broken.servo"
+printf '\x01' | dd of="$work/broken.servo" bs=1 seek=$((16 + 8192 + 5000 * 176 + 130)) conv=notrunc status=none
+expect 80 'broken\.servo: seal_sha256: is not of these bytes' "$TREPHINE" replay "$work/sample" "$work/broken.servo"
+python3 - "$work/a.servo" <<'PY'
+import json, sys
+data = open(sys.argv[1], "rb").read()
+header = json.loads(data[16:16 + 8192])
+assert len(header.pop("seal_sha256")) == 64
+open(sys.argv[1], "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
+PY
+"$TREPHINE" replay "$work/sample" "$work/a.servo" | grep -q '^not sealed' || fail "does not say that it is not sealed"
 # Materials that changed, a shape that is not there, ticks that do not ascend.
 python3 - "$work/a.servo" "$work" <<'PY'
 import json, sys
