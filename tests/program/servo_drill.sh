@@ -47,12 +47,13 @@ PY
 expect 65 'haptic_sha256: the recording is of another' "$TREPHINE" replay "$work/after" "$work/hole.servo"
 expect 64 'given together' "$TREPHINE" check "$work/sample" --after "$work/hole.servo"
 
-# A recording whose volume is said to be another.
+# A recording whose volume is said to be another. Its seal is taken off, or the seal would be refused first.
 python3 - "$work/hole.servo" "$work/other.servo" <<'PY'
 import json, sys
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[16:16 + 8192])
 header["outcome"]["volume_sha256"] = "0" * 64
+assert len(header.pop("seal_sha256")) == 64
 open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
 PY
 expect 80 'volume_sha256: the volume differs' "$TREPHINE" replay "$work/sample" "$work/other.servo"
