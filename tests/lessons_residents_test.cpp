@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "lessons_head.h"
 
@@ -13,7 +14,7 @@ namespace {
 
 struct Level {
   double mean = 0, half_width = 0;  // of the 95 % interval of the mean
-  int points[31] = {};
+  std::map<int, int> counts;           // of residents, by their points
 };
 
 // A whole lesson where `whole`, else the catheter's part.
@@ -27,7 +28,7 @@ Level residents(Head& head, bool whole, double noise_mm, int count) {
     const Head::Done d = head.run(steps, 500, 1000 + n, noise_mm);
     int points = 0;
     for (const lessons::ScoreRow& row : d.score.rows) points += row.score.value_or(0);
-    ++level.points[points];
+    ++level.counts[points];
     sum += points;
     squares += double(points) * points;
   }
@@ -42,8 +43,7 @@ void check(Head& head, bool whole, const std::vector<double>& noises_mm, int cou
     levels.push_back(residents(head, whole, noise, count));
     const Level& l = levels.back();
     std::printf("aim noise %4.1f mm: mean %.2f +- %.2f |", noise, l.mean, l.half_width);
-    for (int p = 0; p <= 30; ++p)
-      if (l.points[p] > 0) std::printf(" %d:%d", p, l.points[p]);
+    for (const auto& [points, count] : l.counts) std::printf(" %d:%d", points, count);
     std::printf("\n");
   }
   for (std::size_t n = 1; n < levels.size(); ++n) EXPECT_LT(levels[n].mean, levels[n - 1].mean) << noises_mm[n];

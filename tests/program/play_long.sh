@@ -34,7 +34,7 @@ while ((SECONDS < end)); do
     5) ask "${lines[RANDOM % ${#lines[@]}]}" ;;
   esac
   events=$((events + 1))
-  kill -0 $sim 2>/dev/null || { tail -5 "$work/said" "$work/fault" >&2; fail "it ended after $events events"; }
+  kill -0 $sim 2>/dev/null || { tail -n 5 "$work/said" "$work/fault" >&2; fail "it ended after $events events"; }
   # Memory is compared from the half of the time on: until then caches of the driver fill.
   ((first > 0 || SECONDS < half)) || first=$(memory)
 done
