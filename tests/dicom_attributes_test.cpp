@@ -158,7 +158,8 @@ TEST(DicomAttributes, OneSliceThatSaysOtherwiseIsNeverReadInSilence) {
 }
 
 TEST(DicomAttributes, WhatCannotBeReadAlikeIsRefusedAndTheRemedyWorks) {
-  for (const auto& [t, value] : {std::pair<std::uint32_t, unsigned>{dicom::t_representation, 1}, {dicom::t_stored, 12}})
+  // Seven bits do not hold what the slice has.
+  for (const auto& [t, value] : {std::pair<std::uint32_t, unsigned>{dicom::t_representation, 1}, {dicom::t_stored, 7}})
     for (const int at : {0, slices / 2, slices - 1}) {
       const ScratchFolder folder;
       Scan s = plain();
@@ -170,14 +171,31 @@ TEST(DicomAttributes, WhatCannotBeReadAlikeIsRefusedAndTheRemedyWorks) {
       s.write(folder);
       const Outcome o = outcome(folder.path());
       EXPECT_EQ(o.code, 65);
-      EXPECT_NE(o.line.find("this one in 1 of 12 slices"), std::string::npos) << o.line;
+      const bool of_bits = t == dicom::t_stored;
+      EXPECT_NE(o.line.find(of_bits ? "pixels have more bits" : "this one in 1 of 12 slices"), std::string::npos)
+          << o.line;
       dicom::ImportParams params;
-      EXPECT_EQ(dicom::list_series(folder.path()).series.at(0).usable, false);
+      EXPECT_EQ(dicom::list_series(folder.path()).series.at(0).usable, of_bits);  // no list reads pixels
       // The remedy to the letter: the file taken out, and the gap, where one is left, interpolated.
       std::filesystem::remove(folder.path() / ("slice" + std::to_string(1000 + at) + ".dcm"));
       if (at == slices / 2) params.gaps = dicom::GapPolicy::interpolate;
       EXPECT_EQ(outcome(folder.path(), params).code, 0) << outcome(folder.path(), params).line;
     }
+}
+
+// CERR stores 12 bits a pixel, and 13 in slices with metal.
+TEST(DicomAttributes, BitsThatAreStoredMayDifferWhereTheyChangeNoPixel) {
+  Scan s = plain();
+  const Read alike = read(s);
+  s.edit = [](int k, DataSet& d) {
+    if (k % 5 != 2) return;
+    d.number(dicom::t_stored, 13);
+    d.number(dicom::t_high_bit, 12);
+  };
+  const Read differing = read(s);
+  ASSERT_TRUE(alike.volume && differing.volume) << differing.outcome.line;
+  EXPECT_NE(differing.told.find("BitsStored changes within the series, 2 values"), std::string::npos) << differing.told;
+  EXPECT_TRUE(synthetic::same_volume(*alike.volume, *differing.volume));
 }
 
 TEST(DicomAttributes, AModalityLutIsRefused) {

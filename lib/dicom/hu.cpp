@@ -9,17 +9,17 @@
 namespace trephine::dicom {
 namespace {
 
-enum Flag : std::uint8_t { is_padding = 1, is_clamped = 2, is_below_air = 4, is_beyond = 8 };
+enum Flag : std::uint8_t { is_padding = 1, is_clamped = 2, is_below_air = 4, is_beyond = 8, is_of_more_bits = 16 };
 
 struct Mapped {
   double value;
   std::uint8_t flags;
 };
 
-std::int64_t decode(const HuRule& r, std::uint32_t word) {
-  const std::uint32_t mask = r.bits_stored >= 32 ? 0xffffffffu : (1u << r.bits_stored) - 1;
+std::int64_t decode(const HuRule& r, std::uint32_t word, int bits_stored) {
+  const std::uint32_t mask = bits_stored >= 32 ? 0xffffffffu : (1u << bits_stored) - 1;
   const std::uint32_t bits = word & mask;  // what stands above the stored bits (overlays) is no part of the value
-  if (r.is_signed && (bits >> (r.bits_stored - 1)) != 0) return std::int64_t{bits} - (std::int64_t{mask} + 1);
+  if (r.is_signed && (bits >> (bits_stored - 1)) != 0) return std::int64_t{bits} - (std::int64_t{mask} + 1);
   return bits;
 }
 
@@ -35,10 +35,11 @@ bool is_padded(const HuRule& r, std::uint32_t word, std::int64_t value) {
 }
 
 Mapped map_word(const HuRule& r, std::uint32_t word) {
-  const std::int64_t stored = decode(r, word);
+  const std::int64_t stored = decode(r, word, r.bits_stored);
   if (is_padded(r, word, stored)) return {r.air, is_padding};
   const double hu = static_cast<double>(stored) * r.slope + r.intercept;
   Mapped m{hu, 0};
+  if (r.counts_more_bits && decode(r, word, r.bits_allocated) != stored) m.flags |= is_of_more_bits;
   if (hu < -1024) m.flags |= is_below_air;
   if (hu < r.low) m = {r.low, std::uint8_t(m.flags | is_clamped)};
   if (hu > r.high) m = {r.high, std::uint8_t(m.flags | is_clamped)};
@@ -62,6 +63,7 @@ void count_flags(std::uint8_t flags, HuCounts& counts) {
   counts.padding += (flags & is_padding) != 0;
   counts.clamped += (flags & is_clamped) != 0;
   counts.below_air += (flags & is_below_air) != 0;
+  counts.more_bits += (flags & is_of_more_bits) != 0;
 }
 
 }  // namespace
@@ -70,8 +72,8 @@ bool HuRule::is_integral() const { return slope == std::floor(slope) && intercep
 
 bool operator==(const HuRule& a, const HuRule& b) {
   const auto key = [](const HuRule& r) {
-    return std::tie(r.bits_allocated, r.bits_stored, r.is_signed, r.slope, r.intercept, r.padding, r.padding_limit,
-                    r.air, r.low, r.high);
+    return std::tie(r.bits_allocated, r.bits_stored, r.is_signed, r.counts_more_bits, r.slope, r.intercept, r.padding,
+                    r.padding_limit, r.air, r.low, r.high);
   };
   return key(a) == key(b);
 }
@@ -95,6 +97,7 @@ void HuCounts::add(const HuCounts& o) {
   padding += o.padding;
   clamped += o.clamped;
   below_air += o.below_air;
+  more_bits += o.more_bits;
   min = std::min(min, o.min);
   max = std::max(max, o.max);
 }

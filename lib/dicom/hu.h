@@ -15,6 +15,9 @@ constexpr double air_hu = -1000;
 struct HuRule {
   int bits_allocated = 16, bits_stored = 16;
   bool is_signed = false;
+  /// Words whose bits above the stored ones say anything else are counted: where bits_stored differs within a series,
+  /// it is believed only of slices in which it changes nothing.
+  bool counts_more_bits = false;
   double slope = 1, intercept = 0;
   std::optional<std::uint16_t> padding, padding_limit;
   double air = air_hu;  ///< value of padding
@@ -29,6 +32,7 @@ HuRule hu_rule(const FileHeader& header, const Frame& frame, double low, double 
 struct HuCounts {
   std::int64_t padding = 0, clamped = 0;
   std::int64_t below_air = 0;  ///< below -1024 and not declared as padding
+  std::int64_t more_bits = 0;  ///< of more bits than are stored, where HuRule::counts_more_bits is set
   double min = std::numeric_limits<double>::infinity(), max = -std::numeric_limits<double>::infinity();
   void add(const HuCounts& o);
   bool fits_int16() const { return !(min < -32768) && !(max > 32767); }

@@ -69,6 +69,9 @@ Plan make_plan(const Series& series, const ImportParams& params) {
     plan.integral = plan.integral && plan.rules.back().is_integral();
     plan.air = plan.rules.back().air;
   }
+  const int stored = plan.rules.front().bits_stored;
+  if (std::any_of(plan.rules.begin(), plan.rules.end(), [&](const HuRule& r) { return r.bits_stored != stored; }))
+    for (HuRule& r : plan.rules) r.counts_more_bits = true;
   const int count = plan.geometry.target.size[2], size = slab_size(series, plan.geometry);
   int counted = 0;
   for (int k = 0; k < count; k += size) {
@@ -91,6 +94,17 @@ Plan make_plan(const Series& series, const ImportParams& params) {
     plan.slabs.push_back(s);
   }
   return plan;
+}
+
+// Some programs store as many bits as a slice's largest value needs.
+void require_stored_bits(const FileHeader& h, const HuCounts& counts) {
+  if (counts.more_bits > 0)
+    throw Error(
+        ExitCode::bad_input, h.name, tag_name(t_stored),
+        fmt::format("{} here and another number in other slices of the series, and {} pixels have more bits: they "
+                    "cannot be read alike; take the file out, and where that leaves a gap, read it with --gaps "
+                    "interpolate",
+                    h.bits_stored, counts.more_bits));
 }
 
 /// Reads the levels of a slab in ascending order and hands them over as HU; duplicates are compared and dropped.
@@ -120,6 +134,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
     if (p.member == 0) {
       T* target = take.place(p.level, own);
       mapper.apply(rule, stored, pixels, target, counts);
+      require_stored_bits(*frames[i].header, counts);
       if (p.level >= slab.own_from) level_counts[static_cast<std::size_t>(p.level)] = counts;
       last = target;
       if (members.size() == 1) take.done(p.level, target);
@@ -127,6 +142,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
     }
     other.resize(pixels);
     mapper.apply(rule, stored, pixels, other.data(), counts);
+    require_stored_bits(*frames[i].header, counts);
     if (std::memcmp(other.data(), last, pixels * sizeof(T)) != 0) different_duplicates(*frames[i].header);
     if (p.member + 1 == static_cast<int>(members.size())) take.done(p.level, last);
   };
