@@ -16,7 +16,7 @@ namespace {
 
 using cases_test::sample_manifest;
 
-// With everything that a case of 1.4 can hold.
+// With everything that a case of 1.5 can hold.
 cases::CaseManifest full_manifest() {
   cases::CaseManifest m = sample_manifest();
   cases::CaseShape skin, skull;
@@ -52,6 +52,7 @@ cases::CaseManifest full_manifest() {
   m.haptic.shapes = {skin, skull};
   m.burr_holes[0].cut = {"skull", "skin"};
   m.missing = {{"brainstem", "where it lies is not sure"}};
+  m.stand_ins = {{"brain", "simple_brain", "noise of 28 HU in a cube of 2 mm"}};
   return m;
 }
 
@@ -135,8 +136,8 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("version 2.5"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("version 1.4"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.6"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.5"), std::string::npos);
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 struct Level {
   double mean = 0, half_width = 0;  // of the 95 % interval of the mean
-  std::map<int, int> counts;           // of residents, by their points
+  std::map<int, int> counts;        // of residents, by their points
 };
 
 // A whole lesson where `whole`, else the catheter's part.

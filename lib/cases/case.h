@@ -243,6 +243,18 @@ struct CaseMissing {
   }
 };
 
+struct CaseStandIn {
+  std::string anatomy, by, why;
+  template <class V>
+  static void describe(V& v) {
+    using P = CaseStandIn;
+    v.text(&P::anatomy, "anatomy", "What the scene calls it; what stands for it has this name in the case.")
+        .of_form(some_text);
+    v.text(&P::by, "by", "The anatomy of the recipe that stands for it, such as `simple_brain`.").of_form(some_text);
+    v.text(&P::why, "why", "What refused it.");
+  }
+};
+
 struct CaseFile {
   std::string name;    ///< relative, "meshes/skull-0123456789abcdef.glb"
   std::string sha256;  ///< 64 lower-case digits
@@ -262,6 +274,7 @@ struct CaseManifest {
   Vec3 center_mm;
   std::vector<CaseAnatomy> anatomies;
   std::vector<CaseMissing> missing;
+  std::vector<CaseStandIn> stand_ins;
   std::vector<CaseLandmark> landmarks;
   std::vector<CaseTarget> targets;
   std::vector<CaseBurrHole> burr_holes;
@@ -286,6 +299,10 @@ struct CaseManifest {
     v.list(&P::missing, "missing", "Anatomies that the scene asked for and could do without (`may_be_missing`).")
         .not_always()
         .is_since(4);
+    v.list(&P::stand_ins, "stand_ins",
+           "Anatomies for which another of the recipe stands (`stand_in`): they show less than their names promise.")
+        .not_always()
+        .is_since(5);
     v.only_where(v.group(&P::haptic, "haptic", "The haptic volume and its shapes.").is_since(1),
                  [](const P& m) { return !m.haptic.file.empty(); });
     v.only_where(v.group(&P::ct, "ct", "The CT, where the scene asks for it (`ct:`).").is_since(3),

@@ -88,6 +88,8 @@ void check_names(const CaseManifest& m) {
   std::set<std::string> anatomies, landmarks, targets, holes;
   for (const auto& a : m.anatomies) check_unique(anatomies, a.name, "anatomies");
   for (const auto& a : m.missing) check_unique(anatomies, a.anatomy, "missing");
+  std::set<std::string> stood_for;
+  for (const auto& a : m.stand_ins) check_unique(stood_for, a.anatomy, "stand_ins");
   for (const auto& l : m.landmarks) check_unique(landmarks, l.name, "landmarks");
   for (const auto& t : m.targets) check_unique(targets, t.name, "targets");
   for (const auto& b : m.burr_holes) {

@@ -176,6 +176,7 @@ cases::CaseValues about(const cases::CaseManifest& m) {
   cases::CaseManifest rest = m;
   rest.anatomies.clear();
   rest.missing.clear();
+  rest.stand_ins.clear();
   rest.landmarks.clear();
   rest.targets.clear();
   rest.burr_holes.clear();

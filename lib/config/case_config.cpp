@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a read configuration answers, and what its readers share.
 #include <algorithm>
+#include <utility>
 
 #include "config/config_root.h"
 #include "config/reading.h"
@@ -115,7 +116,33 @@ void CaseConfig::leave_out(const std::string& anatomy) {
   auto params = haptic.params.as<stages::VoxelizeStageParams>();
   erase(params.shapes, [](const auto& s) { return s.first; });
   erase(params.drill, [](const auto& d) { return d.first; });
+  for (auto& [name, shape] : params.shapes)
+    if (shape.clear_of == anatomy) shape.clear_of.clear();
   haptic.params = AnyParams::make(params);
+}
+
+std::string CaseConfig::let_stand_in(const std::string& anatomy) {
+  const auto wanted =
+      std::find_if(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; });
+  const std::string by = std::exchange(wanted->stand_in, ""), refused = "refused_" + anatomy, before = anatomy + ".";
+  RecipeAnatomy stand_in = *find_anatomy(by);
+  stand_in.name = anatomy;
+  const auto field = std::find_if(stand_in.steps.begin(), stand_in.steps.end(),
+                                  [](const RecipeStep& s) { return s.type->output == stages::DataKind::field; });
+  const auto rename = [&](RecipeStep& step) {
+    for (auto& [port, source] : step.ports) {
+      if (source.rfind(before, 0) != 0) continue;
+      const bool is_check = step.type->is_check() && field != stand_in.steps.end();
+      source = is_check ? before + field->type->name : refused + source.substr(anatomy.size());
+    }
+  };
+  for (RecipeAnatomy& a : anatomies) {
+    if (a.name == anatomy) a.name = refused;
+    for (RecipeStep& step : a.steps) rename(step);
+  }
+  for (RecipeStep& step : scan_steps) rename(step);
+  anatomies.push_back(std::move(stand_in));
+  return by;
 }
 
 std::string CaseConfig::target_in(const std::string& landmark) const {

@@ -117,6 +117,10 @@ struct CaseConfig {
   bool is_shown(const std::string& anatomy) const;
   /// Takes an anatomy that may be missing out of the scene: what is shown, felt and drilled of it.
   void leave_out(const std::string& anatomy);
+  /// Lets what stands for an anatomy of the scene (SceneAnatomy::stand_in) take its name. The anatomy itself goes on as
+  /// refused_NAME, for others that read its fields; checks, which are of what is shown, read the first field of what
+  /// stands for it. Returns that anatomy's own name.
+  std::string let_stand_in(const std::string& anatomy);
   /// The anatomy in which the landmark lies as a target of the recipe; empty where it is no target.
   std::string target_in(const std::string& landmark) const;
 };

@@ -25,6 +25,12 @@ double smoothing_mm(const ConfigValues& values, const std::string& anatomy) {
   return values.number(anatomy + ".smooth.max_displacement_mm", 0);
 }
 
+// The anatomies of the recipe that have the limits of one of the scene: its own, and what stands for it.
+std::vector<std::string> names_of(const SceneAnatomy& wanted) {
+  return wanted.stand_in.empty() ? std::vector<std::string>{wanted.name}
+                                 : std::vector<std::string>{wanted.name, wanted.stand_in};
+}
+
 void share_out_triangles(ConfigReading& r) {
   const double ratio = r.values.number("scene.triangles_ratio", 1);
   // The wall of a burr hole consists of triangles too, and they count against the scene's limit.
@@ -37,24 +43,23 @@ void share_out_triangles(ConfigReading& r) {
                                      [&](const SceneDrill& d) { return d.anatomy == wanted.name; });
     std::int64_t count = wanted.max_triangles;
     if (drilled) count = std::max(count - triangles_a_hole * holes, count / 2);
-    allow(r.values, wanted.name + ".decimate.target_triangles_count", count, double(count));
+    for (const std::string& name : names_of(wanted))
+      allow(r.values, name + ".decimate.target_triangles_count", count, double(count));
   }
 }
 
-void share_out_deviation(ConfigReading& r) {
-  for (const SceneAnatomy& wanted : r.out.scene) {
-    const std::string path = wanted.name + ".decimate.max_deviation_mm";
-    if (wanted.max_deviation_mm <= 0 || r.values.origin(path).source > ValueSource::scene) continue;
-    const double smoothed_mm = smoothing_mm(r.values, wanted.name), rest_mm = wanted.max_deviation_mm - smoothed_mm;
-    const std::string scene_path = "scene.anatomies." + wanted.name + ".max_deviation_mm";
-    if (rest_mm > 0)
-      allow(r.values, path, rest_mm, rest_mm);
-    else
-      r.faults.add(Error(
-          ExitCode::bad_config, r.values.origin(scene_path).where, "anatomies." + wanted.name + ".max_deviation_mm",
-          trephine::to_text(ParameterValue(wanted.max_deviation_mm)) +
-              ", must exceed what smooth may move the surface by, " + trephine::to_text(ParameterValue(smoothed_mm))));
-  }
+void share_out_deviation(ConfigReading& r, const SceneAnatomy& wanted, const std::string& name) {
+  const std::string path = name + ".decimate.max_deviation_mm";
+  if (wanted.max_deviation_mm <= 0 || r.values.origin(path).source > ValueSource::scene) return;
+  const double smoothed_mm = smoothing_mm(r.values, name), rest_mm = wanted.max_deviation_mm - smoothed_mm;
+  const std::string scene_path = "scene.anatomies." + wanted.name + ".max_deviation_mm";
+  if (rest_mm > 0)
+    allow(r.values, path, rest_mm, rest_mm);
+  else
+    r.faults.add(Error(
+        ExitCode::bad_config, r.values.origin(scene_path).where, "anatomies." + wanted.name + ".max_deviation_mm",
+        trephine::to_text(ParameterValue(wanted.max_deviation_mm)) +
+            ", must exceed what smooth may move the surface by, " + trephine::to_text(ParameterValue(smoothed_mm))));
 }
 
 // The settings of the chosen point may have another effect on this head than on the head that was measured. The rule is
@@ -64,15 +69,17 @@ void keep_rule(ConfigReading& r) {
   if (limit_mm <= 0) return;
   for (SceneAnatomy& wanted : r.out.scene) {
     if (wanted.max_deviation_mm <= 0 || wanted.max_deviation_mm > limit_mm) wanted.max_deviation_mm = limit_mm;
-    const double smoothed_mm = smoothing_mm(r.values, wanted.name), rest_mm = limit_mm - smoothed_mm;
-    const std::string path = wanted.name + ".decimate.max_deviation_mm";
-    const double now = r.values.number(path, 0);
-    if (rest_mm <= 0)
-      r.faults.add(Error(ExitCode::bad_config, r.file.string(), "accuracy.max_deviation_mm",
-                         trephine::to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " +
-                             wanted.name + " by, " + trephine::to_text(ParameterValue(smoothed_mm))));
-    else if (now == 0 || now > rest_mm)
-      r.values.set_value(path, rest_mm, {ValueSource::rule, "the accuracy that the case asks for", {}});
+    for (const std::string& name : names_of(wanted)) {
+      const double smoothed_mm = smoothing_mm(r.values, name), rest_mm = limit_mm - smoothed_mm;
+      const std::string path = name + ".decimate.max_deviation_mm";
+      const double now = r.values.number(path, 0);
+      if (rest_mm <= 0)
+        r.faults.add(Error(ExitCode::bad_config, r.file.string(), "accuracy.max_deviation_mm",
+                           trephine::to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + name +
+                               " by, " + trephine::to_text(ParameterValue(smoothed_mm))));
+      else if (now == 0 || now > rest_mm)
+        r.values.set_value(path, rest_mm, {ValueSource::rule, "the accuracy that the case asks for", {}});
+    }
   }
 }
 
@@ -80,7 +87,8 @@ void keep_rule(ConfigReading& r) {
 
 void share_out_limits(ConfigReading& reading) {
   share_out_triangles(reading);
-  share_out_deviation(reading);
+  for (const SceneAnatomy& wanted : reading.out.scene)
+    for (const std::string& name : names_of(wanted)) share_out_deviation(reading, wanted, name);
   keep_rule(reading);
 }
 

@@ -72,6 +72,9 @@ class SceneReader {
     const auto fault = [&](const char* key, const std::string& where, const std::string& what) {
       r_.faults.add(file_, at_.at(key), where, what);
     };
+    for (const auto& [name, anatomy] : said.anatomies)
+      if (find_item(said.anatomies, anatomy.stand_in))
+        fault("anatomies", "anatomies." + name + ".stand_in", anatomy.stand_in + ", the scene shows it already");
     if (said.haptic && said.materials.empty()) fault("haptic", "haptic", "needs materials: FILE beside it");
     for (const auto& [name, drill] : said.burr_holes)
       if (!find_item(said.anatomies, name) && !(said.haptic && find_item(said.haptic->shapes, name)))
@@ -125,6 +128,10 @@ void derive_scene(ConfigReading& r) {
       SceneAnatomy one;
       static_cast<SceneAnatomyParams&>(one) = *wanted;
       one.name = anatomy.name;
+      if (said.strict) {
+        one.may_be_missing = false;
+        one.stand_in.clear();
+      }
       out.scene.push_back(one);
     }
   for (const auto& [name, least] : said.landmarks) out.scene_landmarks.push_back({name, least.least});

@@ -17,6 +17,7 @@ struct SceneAnatomyParams {
   double max_deviation_mm = 0;
   std::int64_t max_triangles = 0;
   bool may_be_missing = false;
+  std::string stand_in;
   template <class V>
   static void describe(V& v) {
     using P = SceneAnatomyParams;
@@ -27,6 +28,10 @@ struct SceneAnatomyParams {
         .none_at_zero();
     v.flag(&P::may_be_missing, "may_be_missing",
            "Where the anatomy is refused (80), the case is made without it, and says so; otherwise there is no case.");
+    v.text(&P::stand_in, "stand_in",
+           "The anatomy of the recipe that stands for this one where it is refused (80), under this one's name; the "
+           "case says so. Should that be refused too, may_be_missing counts.")
+        .names("anatomy");
   }
 };
 
@@ -90,6 +95,7 @@ struct SceneCtParams {
 
 struct SceneFileParams : VersionParams {
   Named<SceneAnatomyParams> anatomies;
+  bool strict = false;
   double triangles_ratio = 1;
   Named<SaidConfidence> landmarks;
   Named<stages::DrillParams> burr_holes;
@@ -106,6 +112,8 @@ struct SceneFileParams : VersionParams {
           "The anatomies that are shown. Anatomies that no scene requires are not computed.")
         .names("anatomy")
         .is_required();
+    v.flag(&P::strict, "strict",
+           "There is no case (80) where an anatomy is refused, whatever may_be_missing and stand_in say of it.");
     v.number(&P::triangles_ratio, "triangles_ratio", Range{0.01, 100},
              "Factor on the triangles that the scene allows for each anatomy, for a machine that shows more of them or "
              "fewer.");

@@ -47,11 +47,13 @@ std::string ScanLimits::fault() const {
 }
 
 std::string ScanVerdict::text() const {
-  if (brain == ventricles && brain == skull) return fmt::format("{} for brain, ventricles and skull", to_text(brain));
+  const std::string of_skin = skin == Suitability::doubtful ? ", doubtful for skin" : "";
+  if (brain == ventricles && brain == skull)
+    return fmt::format("{} for brain, ventricles and skull{}", to_text(brain), of_skin);
   if (brain == ventricles)
-    return fmt::format("{} for brain and ventricles, {} for skull", to_text(brain), to_text(skull));
-  return fmt::format("{} for brain, {} for ventricles, {} for skull", to_text(brain), to_text(ventricles),
-                     to_text(skull));
+    return fmt::format("{} for brain and ventricles, {} for skull{}", to_text(brain), to_text(skull), of_skin);
+  return fmt::format("{} for brain, {} for ventricles, {} for skull{}", to_text(brain), to_text(ventricles),
+                     to_text(skull), of_skin);
 }
 
 ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
@@ -72,7 +74,7 @@ ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
   }
   if (!f.known()) {
     out.kernel = "unknown";
-    for (Suitability* of : {&out.brain, &out.ventricles, &out.skull})
+    for (Suitability* of : {&out.brain, &out.ventricles, &out.skull, &out.skin})
       if (*of == Suitability::suited) *of = Suitability::unknown;
     out.reasons.push_back("noise could not be measured: too little even soft tissue in the scan");
     return out;
@@ -99,6 +101,11 @@ ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
       s != Suitability::suited) {
     worsen(out.skull, s);
     say(s, "skull", fmt::format("noise of {:.0f} HU a voxel", f.noise_hu),
+        "choose a series of a smoother kernel or thicker slices");
+  }
+  if (f.noise_hu > limits.doubtful_skin_noise_hu) {
+    out.skin = Suitability::doubtful;
+    say(out.skin, "skin", fmt::format("noise of {:.0f} HU a voxel tears it where fat lies below", f.noise_hu),
         "choose a series of a smoother kernel or thicker slices");
   }
   if (waxy) {
@@ -128,6 +135,7 @@ void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& 
   report.add("brain", to_text(verdict.brain));
   report.add("ventricles", to_text(verdict.ventricles));
   report.add("skull", to_text(verdict.skull));
+  report.add("skin", to_text(verdict.skin));
   std::string remedy;
   for (const std::string& r : verdict.reasons) {
     report.warn(r);

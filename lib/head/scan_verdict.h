@@ -13,6 +13,7 @@ struct ScanLimits {
   double doubtful_cube_noise_hu = 13, unsuited_cube_noise_hu = 23;
   double doubtful_noise_hu = 40, unsuited_noise_hu = 80;
   double doubtful_bone_noise_hu = 75, unsuited_bone_noise_hu = 150;
+  double doubtful_skin_noise_hu = 100;
   double doubtful_slice_mm = 3.5, unsuited_slice_mm = 7;
   double waxy_noise_hu = 2.5, waxy_kernel_mm = 2.2, waxy_cube_noise_hu = 1.2, doubtful_edge_mm = 3;
   double doubtful_artefact_ratio = 0.04;
@@ -33,6 +34,8 @@ struct ScanLimits {
              "Noise of a voxel above which the skull is doubtful.");
     v.number(&P::unsuited_bone_noise_hu, "unsuited_bone_noise_hu", Range{0, 2000},
              "Noise of a voxel above which a scan is unsuited for the skull.");
+    v.number(&P::doubtful_skin_noise_hu, "doubtful_skin_noise_hu", Range{0, 2000},
+             "Noise of a voxel above which the skin is doubtful: fat then has voxels as dark as air, and is torn.");
     v.number(&P::doubtful_slice_mm, "doubtful_slice_mm", Range{0, 50},
              "Distance of slices above which everything is doubtful.");
     v.number(&P::unsuited_slice_mm, "unsuited_slice_mm", Range{0, 50},
@@ -58,16 +61,18 @@ const char* to_text(Suitability s);
 
 struct ScanVerdict {
   Suitability brain = Suitability::suited, ventricles = Suitability::suited, skull = Suitability::suited;
-  std::string kernel;                ///< soft, sharp, denoised, or unknown
-  std::vector<std::string> reasons;  ///< whole sentences: what was measured, and what a person can do
-  std::string text() const;          ///< "doubtful for brain and ventricles, suited for skull"
+  Suitability skin = Suitability::suited;  ///< unknown where the noise is
+  std::string kernel;                      ///< soft, sharp, denoised, or unknown
+  std::vector<std::string> reasons;        ///< whole sentences: what was measured, and what a person can do
+  std::string text() const;                ///< "doubtful for brain and ventricles, suited for skull"
 };
 
 ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limits);
 
-/// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles` and `skull` (suited,
-/// doubtful, unsuited or unknown), `verdict` and `remedy` to the report, and a warning for every reason. Throws Error
-/// 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not finite.
+/// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles`, `skull` and `skin`
+/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, and a warning for every reason.
+/// Throws Error 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not
+/// finite.
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
 
 }  // namespace trephine::head

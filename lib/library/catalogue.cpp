@@ -222,6 +222,8 @@ std::string library_json(const std::vector<CaseRow>& rows) {
                                      {"deviation_max_mm", a.deviation.max_mm},
                                      {"deviation_p99_mm", a.deviation.p99_mm}};
       for (const cases::CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
+      for (const cases::CaseStandIn& a : row.manifest.stand_ins)
+        json["stand_ins"][a.anatomy] = {{"by", a.by}, {"why", a.why}};
       for (const cases::CaseShape& s : row.manifest.haptic.shapes)
         json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
       json["burr_holes_count"] = row.manifest.burr_holes.size();
@@ -255,6 +257,8 @@ std::string case_text(const CaseRow& row) {
                        a.deviation.max_mm, a.deviation.p99_mm);
   for (const cases::CaseMissing& a : m.missing)
     out += fmt::format("  {:<14} is missing: {}\n", printable(a.anatomy), printable(a.why));
+  for (const cases::CaseStandIn& a : m.stand_ins)
+    out += fmt::format("  {:<14} is {}: {}\n", printable(a.anatomy), printable(a.by), printable(a.why));
   for (const cases::CaseShape& s : m.haptic.shapes)
     out +=
         fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", printable(s.name), s.volume_ml, s.cuttable ? "  cuttable" : "",

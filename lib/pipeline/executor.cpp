@@ -302,7 +302,8 @@ class Executor {
     try {
       result.data = compute_node(node, std::move(inputs), result.report, progress);
     } catch (const Error& e) {
-      if (e.code() == ExitCode::quality && e.file().empty()) store_refusal(node, e);
+      // What a check finds is more than a line, and a case may do without what it finds fault with.
+      if (e.code() == ExitCode::quality && e.file().empty() && !node.type->is_check()) store_refusal(node, e);
       throw;
     }
   }

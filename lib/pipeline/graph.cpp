@@ -236,7 +236,7 @@ class Builder {
     Node node = node_of_step(step, name);
     place.before = index == 0 ? place.scan : node_of(anatomy, index - 1, place.original);
     node.may_be_missing = std::any_of(config_.scene.begin(), config_.scene.end(), [&](const config::SceneAnatomy& a) {
-      return a.name == anatomy.name && a.may_be_missing;
+      return a.name == anatomy.name && (a.may_be_missing || !a.stand_in.empty());
     });
     return add(std::move(node), place);
   }

@@ -21,7 +21,7 @@ struct Node {
       file_sha256;  ///< for parameters that name files: the hash of the content stands for the path
   std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
   stages::DataKind output = stages::DataKind::volume;
-  bool may_be_missing = false;  ///< it belongs to an anatomy that the scene can do without
+  bool may_be_missing = false;  ///< it belongs to an anatomy that may be missing, or has a stand-in
   bool wanted = false;          ///< the case itself reads its data or report
   std::string serves;           ///< what the case has of it, in words
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that

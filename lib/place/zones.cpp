@@ -214,6 +214,8 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
       for (float& v : wall.voxels)
         if (v == 0) v = -1e-6f;
     }
+    if (params.inset_mm > 0)
+      for (float& v : wall.voxels) v = v == float(params.inset_mm) ? -1e-6f : v - float(params.inset_mm);
     if (params.thickness_mm > 0)
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
     return trimmed(wall, report, name_of(params.what));

@@ -13,7 +13,7 @@ enum class Zone { dura, midline, sagittal_sinus, third_ventricle, brainstem };
 
 struct ZoneParams {
   Zone what = Zone::sagittal_sinus;
-  double thickness_mm = 0;
+  double thickness_mm = 0, inset_mm = 0;
   double half_width_mm = 2;
   double sinus_half_width_mm = 5, sinus_depth_mm = 8;
   double cell_mm = 0, smooth_mm = 0;
@@ -32,6 +32,8 @@ struct ZoneParams {
     v.number(&P::thickness_mm, "thickness_mm", Range{0, 10},
              "dura: a shell of this thickness inside of the inner table; 0: all that the dura encloses, which in a "
              "haptic volume stands after brain and ventricles.");
+    v.number(&P::inset_mm, "inset_mm", Range{0, 20},
+             "dura: its surface lies so far inside of the inner table: a smooth brain where a scan shows none.");
     v.number(&P::half_width_mm, "half_width_mm", Range{0.2, 20},
              "midline: half of the slab's width; at least a voxel.");
     v.number(&P::sinus_half_width_mm, "sinus_half_width_mm", Range{1, 30},

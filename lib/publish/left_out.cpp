@@ -1,19 +1,142 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/left_out.h"
 
-namespace trephine::publish {
+#include <algorithm>
+#include <set>
 
-std::string refused_anatomy(const config::CaseConfig& config, const Error& e) {
-  if (e.code() != ExitCode::quality) return "";
-  const std::string& field = e.field();
-  for (const config::SceneAnatomy& a : config.scene) {
-    if (!a.may_be_missing) continue;
+#include "consistency/anatomy_gate.h"
+
+namespace trephine::publish {
+namespace {
+
+using config::CaseConfig, config::RecipeAnatomy, config::RecipeStep, config::SceneAnatomy;
+
+const SceneAnatomy* shown(const CaseConfig& config, const std::string& name) {
+  for (const SceneAnatomy& a : config.scene)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
+bool can_do_without(const CaseConfig& config, const std::string& name) {
+  const SceneAnatomy* a = shown(config, name);
+  return a && (a->may_be_missing || !a->stand_in.empty());
+}
+
+/// What was refused: an anatomy, and the first of its steps whose output nobody may read.
+struct Refused {
+  std::string anatomy;
+  std::size_t from_step = 0;
+};
+
+Refused refused_by_check(const CaseConfig& config, const consistency::AnatomyError& e) {
+  const consistency::AnatomyFault& worst = e.faults().front();
+  for (const std::string& name : {worst.first, worst.second})
+    // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
+    // others, such as a brain with a piece too many to the ventricles inside.
+    if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
+      return {name, a->stand_in.empty() ? 0 : config.find_anatomy(name)->steps.size()};
+  return {};
+}
+
+Refused refused_by(const CaseConfig& config, const Error& e) {
+  if (const auto* check = dynamic_cast<const consistency::AnatomyError*>(&e)) return refused_by_check(config, *check);
+  const std::string field = e.field().substr(0, e.field().find(": "));  // "brain.brain: lower_hu" is of brain.brain
+  for (const SceneAnatomy& a : config.scene) {
     const std::string felt = "haptic." + a.name;  // as a shape: too thin for the voxels, or others take all of it
     const bool is_shape =
         field.size() >= felt.size() && field.compare(field.size() - felt.size(), felt.size(), felt) == 0;
-    if (field == a.name || field.rfind(a.name + ".", 0) == 0 || is_shape) return a.name;
+    if (field != a.name && field.rfind(a.name + ".", 0) != 0 && !is_shape) continue;
+    const std::vector<RecipeStep>& steps = config.find_anatomy(a.name)->steps;
+    const auto is_of = [&](const RecipeStep& s) {
+      return (field + ".").rfind(a.name + "." + s.type->name + ".", 0) == 0;
+    };
+    return {a.name, std::size_t(std::find_if(steps.begin(), steps.end(), is_of) - steps.begin())};
   }
-  return "";
+  return {};
+}
+
+/// Takes what was refused out of a configuration, and what cannot be without it.
+class Conceding {
+ public:
+  Conceding(CaseConfig& config, Concessions& made) : config_(config), made_(made) {}
+
+  bool concede(const Refused& refused, const std::string& why) {
+    if (!can_do_without(config_, refused.anatomy)) return false;
+    std::vector<std::string> needing;
+    if (!forget(refused, needing)) return false;
+    do_without(refused.anatomy, why);
+    for (std::size_t n = 0; n < needing.size(); ++n) {
+      const std::string name = needing[n];
+      if (!config_.is_shown(name) ? !forget({name, 0}, needing)
+                                  : !concede({name, 0}, "it is made of " + refused.anatomy + ", which was refused"))
+        return false;
+    }
+    return true;
+  }
+
+ private:
+  // Takes what was refused from every port that can do without; lists the anatomies that cannot.
+  bool forget(const Refused& refused, std::vector<std::string>& needing) {
+    std::set<std::string> lost;
+    const std::vector<RecipeStep>& steps = config_.find_anatomy(refused.anatomy)->steps;
+    for (std::size_t i = refused.from_step; i < steps.size(); ++i)
+      lost.insert(refused.anatomy + "." + steps[i].type->name);
+    // A check reads what stands for it.
+    const SceneAnatomy* scene = shown(config_, refused.anatomy);
+    const bool has_stand_in = scene && !scene->stand_in.empty();
+    const auto drop = [&](RecipeStep& step) {
+      if (step.type->is_check() && has_stand_in) return true;
+      bool complete = true;
+      for (auto port = step.ports.begin(); port != step.ports.end();)
+        if (lost.count(port->second) == 0)
+          ++port;
+        else if (const stages::Port& p = *step.type->find_port(port->first);
+                 p.required || (p.needed && p.needed(step.params)))
+          complete = false, ++port;
+        else
+          port = step.ports.erase(port);
+      return complete;
+    };
+    for (RecipeAnatomy& a : config_.anatomies)
+      for (RecipeStep& step : a.steps)
+        if (!drop(step) && std::find(needing.begin(), needing.end(), a.name) == needing.end())
+          needing.push_back(a.name);
+    bool complete = true;
+    for (RecipeStep& step : config_.scan_steps) complete = drop(step) && complete;
+    return complete;
+  }
+
+  void do_without(const std::string& name, const std::string& why) {
+    auto& stood = made_.stand_ins;
+    stood.erase(std::remove_if(stood.begin(), stood.end(), [&](const auto& s) { return s.anatomy == name; }),
+                stood.end());
+    if (shown(config_, name)->stand_in.empty()) {
+      made_.missing.push_back({name, why});
+      config_.leave_out(name);
+    } else {
+      stood.push_back({name, config_.let_stand_in(name), why});
+    }
+  }
+
+  CaseConfig& config_;
+  Concessions& made_;
+};
+
+}  // namespace
+
+bool concede(CaseConfig& config, const Error& e, Concessions& made) {
+  if (e.code() != ExitCode::quality) return false;
+  const Refused refused = refused_by(config, e);
+  if (refused.anatomy.empty()) return false;
+  CaseConfig changed = config;
+  Concessions all = made;
+  if (!Conceding(changed, all).concede(refused, e.what())) return false;
+  if (!changed.haptic.params.as<stages::VoxelizeStageParams>().region_of.empty() &&
+      !changed.is_shown(changed.haptic.params.as<stages::VoxelizeStageParams>().region_of))
+    return false;
+  config = std::move(changed);
+  made = std::move(all);
+  return true;
 }
 
 void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,

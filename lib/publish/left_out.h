@@ -5,15 +5,26 @@
 #include <vector>
 
 #include "base/error.h"
+#include "cases/case.h"
 #include "config/config.h"
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
 namespace trephine::publish {
 
-/// The anatomy of the scene that may be missing (`may_be_missing`) and whose stages, surface or haptic shape the error
-/// refuses (80); empty where there is none.
-std::string refused_anatomy(const config::CaseConfig& config, const Error& e);
+/// What a case does without because it was refused.
+struct Concessions {
+  std::vector<cases::CaseMissing> missing;
+  std::vector<cases::CaseStandIn> stand_ins;
+};
+
+/// Makes `config` one that can do without what the error refuses (80): of the anatomy whose stage, surface or haptic
+/// shape it is, or which the consistency check finds fault with, the stand-in is made (`stand_in`), or it is left out
+/// (`may_be_missing`). Fields that were refused, and those of an anatomy that the check finds wrong, are read by
+/// nobody: what can do without them is made without, what needs them is conceded too. Returns false, and changes
+/// nothing, where the scene can do without none of them or a part of the case would not be there that it cannot do
+/// without.
+bool concede(config::CaseConfig& config, const Error& e, Concessions& made);
 
 /// Moves what a run has made to `known`, by key, for a run of another graph (ExecuteOptions::known).
 void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,

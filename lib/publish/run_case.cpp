@@ -22,6 +22,7 @@
 #include "publish/run_json.h"
 #include "publish/scan_checks.h"
 #include "publish/series_hashes.h"
+#include "publish/verdict.h"
 
 namespace trephine::publish {
 namespace fs = std::filesystem;
@@ -103,7 +104,7 @@ bool tells_at_once(const std::string& node) {
 struct Made {
   pipeline::Graph graph;
   std::vector<pipeline::NodeResult> results;
-  std::vector<cases::CaseMissing> missing;  // what was refused and left out
+  Concessions without;  // what was refused and is left out, or has a stand-in
   Clock::time_point publishing_began = Clock::now();
 };
 
@@ -114,7 +115,9 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
   std::vector<std::string> all = about_patients;
   for (const auto& [import, folder] : folders)
     for (const std::string& w : folder.warnings) all.push_back(import + ": " + w);
-  for (const cases::CaseMissing& m : made.missing) all.push_back(m.anatomy + ": left out: " + m.why);
+  for (const cases::CaseMissing& m : made.without.missing) all.push_back(m.anatomy + ": left out: " + m.why);
+  for (const cases::CaseStandIn& s : made.without.stand_ins)
+    all.push_back(s.anatomy + ": " + s.by + " stands for it: " + s.why);
   for (std::size_t i = 0; i < made.results.size(); ++i)
     for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
   for (const std::string& w : all)  // EarlyWarnings has told the others
@@ -248,12 +251,26 @@ Explanation explain_case(const RunRequest& request) {
 
 namespace {
 
-// Computes what the case needs and makes its content of it. An anatomy that may be missing is taken out of `config`
-// where it is refused. Where this throws, `made` holds what there is.
+// What the scene asks for, shown or felt, in its order.
+std::vector<std::string> wanted_anatomies(const config::CaseConfig& config) {
+  std::vector<std::string> all;
+  for (const config::RecipeAnatomy& a : config.anatomies)
+    if (config.is_shown(a.name)) all.push_back(a.name);
+  return all;
+}
+
+const Report* scan_report(const Made& made) {
+  const int scan = made.graph.find("scan");
+  return scan < 0 ? nullptr : &made.results[static_cast<std::size_t>(scan)].report;
+}
+
+// Computes what the case needs and makes its content of it. What is refused and the scene can do without is taken out
+// of `config`, or something stands for it. Where this throws, `made` holds what there is.
 CaseContent compute(const RunRequest& request, config::CaseConfig& config, SeriesHashes& series,
                     pipeline::ExecuteOptions execution, pipeline::RunObserver& observer, const Progress& progress,
                     Made& made) {
   execution.made = &made.results;
+  const std::vector<std::string> wanted = wanted_anatomies(config);
   while (true) try {
       made.results = pipeline::execute(
           made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page), execution, observer);
@@ -262,13 +279,12 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       observer.publishing();
       CaseContent content = make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
                                               series.input(config), request.params.pictures, progress);
-      content.manifest.missing = made.missing;
+      content.manifest.missing = made.without.missing;
+      content.manifest.stand_ins = made.without.stand_ins;
+      content.manifest.figures.emplace_back("verdict", verdict_of(wanted, content.manifest, scan_report(made)));
       return content;
     } catch (const Error& e) {
-      const std::string anatomy = refused_anatomy(config, e);
-      if (anatomy.empty()) throw;
-      made.missing.push_back({anatomy, e.what()});
-      config.leave_out(anatomy);
+      if (!concede(config, e, made.without)) throw;
       keep_made(made.graph, made.results, execution.known);
       made.graph = series.graph_of(config);
     }
@@ -292,6 +308,8 @@ RunResult result_of(const fs::path& folder, const CaseContent& content) {
   result.case_token = content.manifest.case_token;
   result.anatomies = content.anatomies;
   result.table = case_table(content.anatomies);
+  if (const ParameterValue* verdict = find_item(content.manifest.figures, "verdict"))
+    result.table += "\n" + std::get<std::string>(*verdict) + "\n";
   if (content.manifest.face_policy == "keep")
     result.table += "\nface: the case shows it (" + content.manifest.face_reason +
                     "); `--set scene.face.policy=deface` takes it off\n";

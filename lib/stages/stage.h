@@ -95,6 +95,8 @@ struct Port {
   std::string role;  ///< of From::role: "burr_holes.bone"; of others: open unless the anatomy of that role is shown
   std::function<std::vector<std::string>(const AnyParams&)> anatomies;  ///< of From::anatomies
   std::function<bool(const AnyParams&)> asked;  ///< whether the parameters ask for the input; empty: always
+  /// Whether, with these parameters, the stage cannot do without an input that is optional otherwise; empty: never.
+  std::function<bool(const AnyParams&)> needed;
 
   bool is_many() const { return group() != name; }
   /// The name without ".*".
@@ -117,6 +119,9 @@ class PortDeclaration {
     return port_.anatomies = std::move(anatomies), from(From::anatomies);
   }
   PortDeclaration& where(std::function<bool(const AnyParams&)> asked) { return port_.asked = std::move(asked), *this; }
+  PortDeclaration& needed_where(std::function<bool(const AnyParams&)> needed) {
+    return port_.needed = std::move(needed), *this;
+  }
   operator Port() const { return port_; }
 
  private:

@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 5;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
@@ -25,7 +25,11 @@ StageType zone_stage() {
              port("skull", DataKind::field)
                  .optional()
                  .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU"),
-             port("ventricles", DataKind::field).optional().help("the ventricles: by them the template lies better")};
+             port("ventricles", DataKind::field)
+                 .optional()
+                 .needed_where(
+                     [](const AnyParams& p) { return p.as<place::ZoneParams>().what == place::Zone::third_ventricle; })
+                 .help("the ventricles: by them the template lies better")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<place::ZoneParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace trephine::publish {
+namespace {
+
+std::string text_in(const ParameterValue* value) {
+  const auto* text = value ? std::get_if<std::string>(value) : nullptr;
+  return text ? *text : "";
+}
+
+std::string figure(const cases::CaseManifest& manifest, const std::string& name) {
+  for (const auto& [n, value] : manifest.figures)
+    if (n == name) return text_in(&value);
+  return "";
+}
+
+bool is_hard_in(const Report* scan, const std::string& anatomy) {
+  const std::string suited = scan ? text_in(scan->find(anatomy)) : "";
+  return suited == "doubtful" || suited == "unsuited";
+}
+
+// Of an anatomy whose name is said to be of a kind, the kind.
+std::string kind_of(const cases::CaseStandIn& s) {
+  const std::string of = "_" + s.anatomy;
+  const bool named = s.by.size() > of.size() && s.by.compare(s.by.size() - of.size(), of.size(), of) == 0;
+  return named ? s.by.substr(0, s.by.size() - of.size()) : s.by + " instead";
+}
+
+std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan) {
+  for (const cases::CaseMissing& a : m.missing)
+    if (a.anatomy == anatomy) return "left out";
+  for (const cases::CaseStandIn& a : m.stand_ins)
+    if (a.anatomy == anatomy) return kind_of(a);
+  const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
+  return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
+}
+
+// What of the scan speaks against more.
+std::string reasons(const Report& scan) {
+  const auto number = [&](const char* name) {
+    const ParameterValue* value = scan.find(name);
+    const auto* v = value ? std::get_if<double>(value) : nullptr;
+    return v ? *v : 0.0;
+  };
+  return fmt::format(" (slices of {:.3g} mm, noise of {:.0f} HU)", number("slice_step_mm"), number("noise_hu"));
+}
+
+}  // namespace
+
+std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
+                       const Report* scan) {
+  std::vector<std::pair<std::string, std::string>> parts;  // word, names
+  for (const std::string& anatomy : wanted) {
+    const std::string word = word_for(anatomy, manifest, scan);
+    const auto same = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return p.first == word; });
+    if (same == parts.end())
+      parts.emplace_back(word, anatomy);
+    else
+      same->second += ", " + anatomy;
+  }
+  std::string text;
+  for (const auto& [word, names] : parts) text += (text.empty() ? "" : "; ") + names + ": " + word;
+  const bool hard = std::any_of(wanted.begin(), wanted.end(), [&](const auto& a) { return is_hard_in(scan, a); });
+  return hard ? text + reasons(*scan) : text;
+}
+
+}  // namespace trephine::publish
