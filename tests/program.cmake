@@ -4,7 +4,7 @@ if(TARGET trephine)
 foreach(script anatomies bad_input correction dead_child export flags foreign_meshes left_out limits outputs preview privacy readme refused same_bytes scan_names rerun)
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
-    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};FAULT=$<$<TARGET_EXISTS:library_fault>:$<TARGET_FILE:library_fault>>")
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};SIM=$<$<TARGET_EXISTS:trephine-sim>:$<TARGET_FILE:trephine-sim>>;FAULT=$<$<TARGET_EXISTS:library_fault>:$<TARGET_FILE:library_fault>>")
 endforeach()
 # What would take too long among the default tests: the same scripts on the scan's own voxels.
 foreach(script export outputs privacy readme rerun same_bytes)

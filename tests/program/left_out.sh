@@ -47,8 +47,10 @@ felt = [s["name"] for s in case["haptic"]["shapes"]]
 assert "brain" in felt and "ventricles" not in felt, felt
 assert case["figures"]["class"] == "unknown" and case["figures"]["verdict"].endswith("left out"), case["figures"]
 PY
-code=0; "$SIM" lesson "$library/d" --script examples/lessons/ventriculostomy.json --record "$work/l.lesson" >"$work/said" 2>&1 || code=$?
-[[ $code == 65 ]] && grep -q 'the lesson needs bone, brain and ventricles' "$work/said" || { cat "$work/said" >&2; fail "the lesson: $code"; }
+if [[ ${SIM:-} ]]; then
+  code=0; "$SIM" lesson "$library/d" --script examples/lessons/ventriculostomy.json --record "$work/l.lesson" >"$work/said" 2>&1 || code=$?
+  [[ $code == 65 ]] && grep -q 'the lesson needs bone, brain and ventricles' "$work/said" || { cat "$work/said" >&2; fail "the lesson: $code"; }
+fi
 for again in 1 2; do
   "${run[@]}" "${no_ventricles[@]}" >"$work/said" 2>&1 || { cat "$work/said" >&2; fail "a check ended run $again"; }
   grep -Eq 'ventricles: left out: .* ml of the ventricles lie outside of the brain' "$work/said" || { cat "$work/said" >&2; fail "no word of it"; }
