@@ -29,7 +29,7 @@ PY
 # what is made of it goes. A check that finds fault with the ventricles leaves them out, in the second run as in the first.
 run=("$TREPHINE" run configs/sample.yaml --series sample_dicom --out "$library" --case d "${coarse[@]}" --set "haptic.spacing_mm=[2,2,2]"
      --no-pictures --no-page)
-no_brain=(--set brain.brain.lower_hu=3000) no_ventricles=(--set ventricles.ventricles.grow_mm=6)
+no_brain=(--set brain.brain.lower_hu=3000) no_ventricles=(--set ventricles.ventricles.grow_mm=9)
 "${run[@]}" "${no_brain[@]}" >"$work/said" 2>&1 || { cat "$work/said" >&2; fail "no brain ended the run"; }
 grep -q '^skin, skull, .*: good; brain: simple; ventricles, third_ventricle: left out$' "$work/said" || {
   cat "$work/said" >&2; fail "no verdict"; }
@@ -53,7 +53,7 @@ if [[ ${SIM:-} ]]; then
 fi
 for again in 1 2; do
   "${run[@]}" "${no_ventricles[@]}" >"$work/said" 2>&1 || { cat "$work/said" >&2; fail "a check ended run $again"; }
-  grep -Eq 'ventricles: left out: .* ml of the ventricles lie outside of the brain' "$work/said" || { cat "$work/said" >&2; fail "no word of it"; }
+  grep -q 'ventricles: left out: .* ml of the ventricles lie outside' "$work/said" || { cat "$work/said" >&2; fail "no word of it"; }
 done
 for what in no_brain no_ventricles; do
   declare -n set=$what
