@@ -339,6 +339,38 @@ void check_zones(const std::vector<int>& seeds) {
 }
 
 TEST(SecondScan, ZonesOfACtAlone) { check_zones({3}); }
+
+// Where a scan loses the thin bone of the base, the cavity runs on into what lies behind it.
+TEST(SecondScan, TheDuraEndsWhereATemplatesCavityDoes) {
+  const Head head = head_of(phantom::Level::clinical, 3);
+  const Ct ct = ct_of(head, 2.5);
+  BitMask leaked = ct.cavity;
+  const Vec3 under{30, -75, 0};  // an orbit
+  std::int64_t added = 0;
+  const grid::Lattice& l = leaked.lattice();
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 d = l.to_world_mm({double(i), double(j), double(k)}) - under;
+        if (std::abs(d.x) > 18 || std::abs(d.y) > 18 || std::abs(d.z) > 25 || leaked.get(i, j, k)) continue;
+        leaked.set(i, j, k);
+        ++added;
+      }
+  ASSERT_GT(double(added) * l.voxel_volume_mm3() / 1000, 20) << "ml";
+  place::ZoneParams params;
+  params.what = place::Zone::dura;
+  const auto ml = [&](const BitMask& cavity, double max_beyond_mm, std::size_t warnings) {
+    params.max_beyond_mm = max_beyond_mm;
+    Report report;
+    place::find_zone(cavity, {}, params, report);
+    EXPECT_EQ(report.warnings.size(), warnings) << said(report);
+    return std::get<double>(*report.find("volume_ml"));
+  };
+  const double whole = ml(ct.cavity, 0, 0), leaking = ml(leaked, 0, 0);
+  EXPECT_GT(leaking, whole + 20);
+  EXPECT_NEAR(ml(ct.cavity, 10, 0), whole, 0.005 * whole) << "a cavity that is right stays";
+  EXPECT_LT(ml(leaked, 10, 1), whole + 0.4 * (leaking - whole));
+}
 TEST(SecondScan, LongZonesOfACtAlone) { check_zones({8, 11, 12, 13}); }
 
 }  // namespace

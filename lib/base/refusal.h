@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 
@@ -18,6 +20,16 @@ struct Remedy {
 inline Error refusal(const std::string& field, const std::string& what, const Remedy& remedy) {
   return Error(ExitCode::quality, "", field, what + "; " + remedy.text);
 }
+
+/// A refusal that says which parts it finds fault with, the likeliest one first, so that who can do without may go on.
+class RefusalAbout : public Error {
+ public:
+  RefusalAbout(const Error& refusal, std::vector<std::string> about) : Error(refusal), about_(std::move(about)) {}
+  const std::vector<std::string>& about() const { return about_; }
+
+ private:
+  std::vector<std::string> about_;
+};
 
 namespace remedies {
 

@@ -175,7 +175,8 @@ Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
 }  // namespace
 
 AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
-    : Error(refusal("", all_of(faults), remedies_of(faults))), faults_(std::move(faults)) {}
+    : RefusalAbout(refusal("", all_of(faults), remedies_of(faults)), {faults.front().first, faults.front().second}),
+      faults_(std::move(faults)) {}
 
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress) {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
+#include "base/refusal.h"
 #include "head/head_figures.h"
 
 namespace trephine::consistency {
@@ -56,9 +56,9 @@ struct AnatomyFindings {
   std::vector<AnatomyFault> faults;  ///< the worst first
 };
 
-/// The error that require_anatomy throws: exit code 80, all faults in one line, then each remedy
-/// once.
-class AnatomyError : public Error {
+/// The error that require_anatomy throws: exit code 80, all faults in one line, then each remedy once. It is about the
+/// anatomies of the worst fault.
+class AnatomyError : public RefusalAbout {
  public:
   explicit AnatomyError(std::vector<AnatomyFault> faults);
   const std::vector<AnatomyFault>& faults() const { return faults_; }

@@ -18,6 +18,7 @@
 #include "base/parallel.h"
 #include "dicom/catalogue.h"
 #include "dicom/frame_of_reference.h"
+#include "dicom/header_tags.h"
 #include "dicom/hu.h"
 #include "dicom/input_files.h"
 #include "dicom/mixtures.h"

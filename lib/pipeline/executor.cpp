@@ -62,7 +62,10 @@ class Executor {
         continue;
       }
       auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
-      if (known.refusal) throw known.refusal->in_field(graph.nodes[i].name);
+      if (known.refusal) {
+        known.refusal->in_field(graph.nodes[i].name);
+        throw *known.refusal;
+      }
       tasks_[i].unknown = !known.report;
       if (known.report) results_[i].report = std::move(*known.report);
     }
@@ -302,8 +305,7 @@ class Executor {
     try {
       result.data = compute_node(node, std::move(inputs), result.report, progress);
     } catch (const Error& e) {
-      // What a check finds is more than a line, and a case may do without what it finds fault with.
-      if (e.code() == ExitCode::quality && e.file().empty() && !node.type->is_check()) store_refusal(node, e);
+      if (e.code() == ExitCode::quality && e.file().empty()) store_refusal(node, e);
       throw;
     }
   }

@@ -83,8 +83,9 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
     const auto json = parse_index(read_file(index, 1 << 20), key);
     Index out;
     if (const auto refused = json.find("refusal"); refused != json.end())
-      out.outcome.refusal =
-          Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>());
+      out.outcome.refusal.emplace(
+          Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>()),
+          refused->value("about", std::vector<std::string>()));
     else
       out.outcome.report = stages::parse_report_json(json.at("report").get<std::string>());
     out.sha256 = json.value("sha256", std::string());
@@ -143,6 +144,7 @@ void StageCache::store_refusal(const std::string& key, const Error& refusal) con
   nlohmann::ordered_json json;
   json["key"] = key;
   json["refusal"] = {{"field", refusal.field()}, {"what", refusal.what()}};
+  if (const auto* parts = dynamic_cast<const RefusalAbout*>(&refusal)) json["refusal"]["about"] = parts->about();
   write_index(key, json.dump());
 }
 

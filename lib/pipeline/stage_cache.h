@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "base/error.h"
+#include "base/refusal.h"
 #include "stages/stage.h"
 
 namespace trephine::pipeline {
@@ -25,7 +25,7 @@ class StageCache {
   /// How a stage ended: at most one of both; neither where the cache knows nothing, or what it had is damaged.
   struct Outcome {
     std::optional<Report> report;
-    std::optional<Error> refusal;  ///< with its field and text
+    std::optional<RefusalAbout> refusal;  ///< with its field and text; mostly about nothing more
   };
   Outcome load_outcome(const std::string& key) const;
   /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).

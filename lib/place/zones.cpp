@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "place/zones.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -20,6 +23,7 @@ constexpr double third_reach_mm = 6;  ///< from the template's third ventricle; 
 constexpr double third_wide_mm = 9;   ///< fluid that goes on beyond this from the midline is a lateral ventricle's,
 constexpr double third_near_mm = 3;   ///< and so is what does not come as near to it as this
 constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by this
+constexpr double stem_room_mm = 12, told_beyond_ml = 3;
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
@@ -144,6 +148,32 @@ grid::Box box_of_template(const grid::Lattice& l, const grid::Box& box, const He
   return roomy;
 }
 
+/// Cuts off the dura what lies beyond the template's cavity and the way of the brainstem out of it.
+void keep_near_template(grid::Field& wall, const mask::BitMask& cavity, const ZoneParams& params, Report& report,
+                        const Progress& progress) {
+  const HeadPlace place = place_head(cavity, nullptr, cavity.lattice(), progress);
+  if (!place.sure) return;
+  std::vector<std::int64_t> cut(std::size_t(wall.size[2]));
+  parallel_for(0, wall.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < wall.size[1]; ++j)
+        for (int i = 0; i < wall.size[0]; ++i) {
+          const Vec3 t = place.to_template(wall.to_world_mm({double(i), double(j), double(k)}));
+          const double room_mm = params.max_beyond_mm - std::min(template_cavity_mm(t), stem_mm(t) - stem_room_mm);
+          float& v = wall.at(i, j, k);
+          if (v > 0 && room_mm <= 0) ++cut[std::size_t(k)];
+          v = std::min(v, static_cast<float>(room_mm == 0 ? -1e-6 : room_mm));
+        }
+  });
+  const double ml = double(std::accumulate(cut.begin(), cut.end(), std::int64_t{0})) * wall.voxel_volume_mm3() / 1000;
+  report.add("beyond_ml", ml);
+  if (ml > told_beyond_ml)
+    report.warn(
+        fmt::format("{:.0f} ml behind the thin bone of the skull's base were cut off, where the scan shows no "
+                    "bone: the dura's border there is a template's, not the scan's",
+                    ml));
+}
+
 /// The smallest box around what is positive, with room for the surface.
 grid::Field trimmed(const grid::Field& field, Report& report, const char* what) {
   grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
@@ -209,6 +239,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   const grid::Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
     grid::Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
+    if (params.max_beyond_mm > 0) keep_near_template(wall, cavity, params, report, progress);
     if (params.smooth_mm > 0) {
       mask::gaussian(wall, params.smooth_mm);
       for (float& v : wall.voxels)

@@ -17,6 +17,7 @@ struct ZoneParams {
   double half_width_mm = 2;
   double sinus_half_width_mm = 5, sinus_depth_mm = 8;
   double cell_mm = 0, smooth_mm = 0;
+  double max_beyond_mm = 10;
 
   template <class V>
   static void describe(V& v) {
@@ -44,6 +45,11 @@ struct ZoneParams {
              "Coarse cells save time and triangles, and such a zone lies on no raster of the scan.");
     v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
              "dura: the standard deviation by which its surface is smoothed, so that it spans pits of the bone.");
+    v.number(
+        &P::max_beyond_mm, "max_beyond_mm", Range{0, 100},
+        "dura: how far it may reach beyond a template's cranial cavity, where that is sure to fit. Thick slices "
+        "lose the thin bone of the skull's base, and what lies behind it (orbits, sinuses, nose) is not dura's; 0: "
+        "as far as the bone lets it.");
   }
 };
 
@@ -63,6 +69,8 @@ struct ZoneShapes {
 /// template's. Of the ventricles near the template's third one, what goes on from side to side beyond 9 mm of the
 /// midline is lateral.
 ///
+/// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off ("beyond_ml"), with a warning above
+/// 3 ml.
 /// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "consistency/anatomy_gate.h"
+#include "base/refusal.h"
 
 namespace trephine::publish {
 namespace {
@@ -28,9 +28,8 @@ struct Refused {
   std::size_t from_step = 0;
 };
 
-Refused refused_by_check(const CaseConfig& config, const consistency::AnatomyError& e) {
-  const consistency::AnatomyFault& worst = e.faults().front();
-  for (const std::string& name : {worst.first, worst.second})
+Refused refused_by_check(const CaseConfig& config, const RefusalAbout& e) {
+  for (const std::string& name : e.about())
     // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
     // others, such as a brain with a piece too many to the ventricles inside.
     if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
@@ -39,7 +38,8 @@ Refused refused_by_check(const CaseConfig& config, const consistency::AnatomyErr
 }
 
 Refused refused_by(const CaseConfig& config, const Error& e) {
-  if (const auto* check = dynamic_cast<const consistency::AnatomyError*>(&e)) return refused_by_check(config, *check);
+  if (const auto* check = dynamic_cast<const RefusalAbout*>(&e); check && !check->about().empty())
+    return refused_by_check(config, *check);
   const std::string field = e.field().substr(0, e.field().find(": "));  // "brain.brain: lower_hu" is of brain.brain
   for (const SceneAnatomy& a : config.scene) {
     const std::string felt = "haptic." + a.name;  // as a shape: too thin for the voxels, or others take all of it
