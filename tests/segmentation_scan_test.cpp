@@ -165,7 +165,8 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
             "doubtful for brain and ventricles, suited for skull");
   EXPECT_EQ(changed([](ScanFigures& f) { f.noise_hu = 90, f.neighbour_correlation_ratio = 0.15, f.kernel_mm = 0.4; }),
             "unsuited for brain and ventricles, doubtful for skull");
-  EXPECT_EQ(changed([](ScanFigures& f) { f.noise_hu = 160; }), "unsuited for brain, ventricles and skull, doubtful for skin");
+  EXPECT_EQ(changed([](ScanFigures& f) { f.noise_hu = 160; }),
+            "unsuited for brain, ventricles and skull, doubtful for skin");
   EXPECT_EQ(changed([](ScanFigures& f) { f.slice_step_mm = 5; }), "doubtful for brain, ventricles and skull");
   EXPECT_EQ(changed([](ScanFigures& f) { f.slice_step_mm = 8; }), "unsuited for brain, ventricles and skull");
   EXPECT_EQ(changed([](ScanFigures& f) { f.edge_mm = 3.5; }), "suited for brain and ventricles, doubtful for skull");
