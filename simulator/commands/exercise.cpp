@@ -16,6 +16,7 @@
 #include "lessons/curriculum.h"
 #include "lessons/lesson_run.h"
 #include "lessons/score_recording.h"
+#include "lessons/signature.h"
 
 namespace trephine::commands {
 namespace {
@@ -100,6 +101,8 @@ class Exercise {
     return file_of(fmt::format("-{:02}-{}{}", n + 1, plan_.cases[n].token, extension));
   }
 
+  fs::path public_key() const { return parsed_.has("signed-by") ? parsed_.path("signed-by") : fs::path(); }
+
   // The plan that is there, or a new one.
   void take_plan() {
     const fs::path file = file_of(".plan.json");
@@ -164,7 +167,8 @@ class Exercise {
           return;
       }
       // The report is last: what is there is done.
-      const lessons::ScoredLesson scored = lessons::score_recording(recording, c->folder, rubric);
+      const lessons::ScoredLesson scored =
+          lessons::score_recording(recording, c->folder, rubric, lessons::Answers::replayed, public_key());
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);
       lessons::write_report(scored, c->folder, {report, {}, {}});
@@ -210,6 +214,8 @@ class Exercise {
       const PlannedCase& c = plan_.cases[n];
       std::string result = "to do";
       if (fs::exists(log_) && fs::exists(file_of(n, ".json"))) result = result_of(file_of(n, ".lesson"));
+      if (parsed_.has("signed-by") && fs::exists(file_of(n, ".lesson")))
+        result += ", " + lessons::signature_state(file_of(n, ".lesson"), public_key());
       std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", n + 1, c.token,
                                c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level,
                                c.task.empty() ? "-" : c.task, result);
@@ -260,9 +266,13 @@ cli::Command exercise_command() {
   const cli::Argument library = cli::positional_argument("library", Kind::in_folder, "The library's folder.");
   const cli::Argument out =
       cli::required_argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
-  c.arguments = {library, out, cli::argument("script", Kind::in_file, "What the simulated hand does (.json)."),
-                 cli::argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
-                 cli::argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
+  c.arguments = {
+      library,
+      out,
+      cli::argument("script", Kind::in_file, "What the simulated hand does (.json)."),
+      cli::argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
+      cli::argument("signed-by", Kind::in_file, "A teacher's public key (PEM): say which attempts are signed."),
+      cli::argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
   c.groups = {cli::ParameterGroup::of<ExerciseParams>("Parameters"),
               cli::ParameterGroup::of<lessons::CurriculumParams>("The choice of cases"),
               cli::ParameterGroup::of<lessons::ScriptAim>("How well the hand aims"),

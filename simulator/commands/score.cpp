@@ -22,7 +22,8 @@ ExitCode run_score(const cli::ParsedCommand& parsed) {
   const bool trust = parsed.params<ScoreParams>().trust_recording;
   const lessons::ScoredLesson lesson =
       lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric,
-                               trust ? lessons::Answers::trusted : lessons::Answers::replayed);
+                               trust ? lessons::Answers::trusted : lessons::Answers::replayed,
+                               parsed.has("signed-by") ? parsed.path("signed-by") : "");
   const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
                                                     {parsed.path("json"), parsed.path("page"), parsed.path("log")});
   if (!repeats.empty()) std::cout << "the motion is that of " << repeats << "\n";
@@ -55,6 +56,9 @@ cli::Command score_command() {
   c.arguments = {recording,
                  folder,
                  rubric,
+                 cli::argument("signed-by", Kind::in_file,
+                               "A teacher's public key (PEM): say whether the recording is signed, and refuse a wrong "
+                               "signature."),
                  cli::argument("json", Kind::out_file, "Write the report to this file."),
                  cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
                  cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};

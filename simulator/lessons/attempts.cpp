@@ -112,6 +112,7 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
   c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
   c.emplace_back("critical_errors", "those that happened, by name, with + between them");
   c.emplace_back("seal", "sealed, not sealed (older recordings), or broken seal, where the recording was trusted");
+  c.emplace_back("signature", "signed by the teacher whose key was given, not signed; empty: no key was given");
   return c;
 }
 
@@ -130,7 +131,8 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   std::string critical;
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
-  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical + "," + haptics::name_of(head.seal);
+  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical + "," + haptics::name_of(head.seal) + "," +
+          head.signature;
   return line;
 }
 
@@ -142,7 +144,8 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
   const auto place = [&](const char* name) {
     return std::size_t(std::find(names.begin(), names.end(), name) - names.begin());
   };
-  const std::size_t motion_at = place("motion_sha256"), checked_at = place("checked");
+  const std::size_t motion_at = place("motion_sha256"), checked_at = place("checked"),
+                    signature_at = place("signature");
   std::string text = columns + "\n", others;
   std::set<std::string> attempts;
   int known = 0;  // the number of this motion's attempt
@@ -167,8 +170,9 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
       attempts.insert(cells[attempt_at]);
       if (!same) continue;
       if (known == 0) known = int(parse_integer(cells[attempt_at]).value_or(0));
-      // Scored by another rubric, or replayed after it was trusted, it is the same attempt.
-      there = there || (cells[rubric_at] == head.rubric_sha256 && (!by_motion || cells[checked_at] == head.checked()));
+      // Scored by another rubric, replayed after it was trusted, or signed since, it is the same attempt.
+      there = there || (cells[rubric_at] == head.rubric_sha256 && (!by_motion || cells[checked_at] == head.checked()) &&
+                        (head.signature.empty() || cells[signature_at] == head.signature));
     }
     text = old;
   }

@@ -9,6 +9,7 @@
 #include "lessons/motion.h"
 #include "lessons/report_page.h"
 #include "lessons/rubric_types.h"
+#include "lessons/signature.h"
 
 namespace trephine::lessons {
 
@@ -20,10 +21,12 @@ lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file) {
 }
 
 ScoredLesson score_recording(const std::filesystem::path& file, const std::filesystem::path& case_folder,
-                             const lesson::CompiledRubric& rubric, Answers answers) {
+                             const lesson::CompiledRubric& rubric, Answers answers,
+                             const std::filesystem::path& public_key) {
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
+  const std::string signature = signature_state(file, public_key);
   if (answers == Answers::replayed) haptics::require_seal(s.recording, file);
   session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
   with_file(file.string(), [&] {
@@ -48,7 +51,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             h.haptic_sha256,
             motion_digest(s.recording.frames),
             answers == Answers::replayed,
-            s.recording.seal};
+            s.recording.seal,
+            signature};
   return s;
 }
 

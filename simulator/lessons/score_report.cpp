@@ -86,6 +86,7 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
                     {"motion_sha256", head.motion_sha256},
                     {"checked", head.checked()},
                     {"seal", haptics::name_of(head.seal)},
+                    {"signature", head.signature.empty() ? Json(nullptr) : Json(head.signature)},
                     {"haptic_sha256", head.case_sha256},
                     {"rubric_sha256", head.rubric_sha256},
                     {"task", facts.task},
@@ -119,6 +120,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (!head.replayed) text += "TRUSTED: the recording was not replayed\n";
   if (head.seal == haptics::Seal::absent) text += "NOT SEALED: made into a pipe or by an older program\n";
   if (head.seal == haptics::Seal::broken) text += "BROKEN SEAL: the recording was changed after it was written\n";
+  if (!head.signature.empty()) text += head.signature + "\n";
   text += headline_of(score) + "\n";
   text += fmt::format("{} of {} points{}; {}, {}\n", sum.points, sum.most,
                       sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.max_of_table) : "",

@@ -15,6 +15,7 @@ struct ReportHead {
   std::string motion_sha256 = {};                            ///< motion_digest()
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
+  std::string signature = {};                                ///< signature_state()
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 

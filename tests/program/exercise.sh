@@ -46,6 +46,30 @@ grep -Eq '^2 +head .* [0-9]+ of 35 points: 3 1 1 1 1 1 1, not completed$' "$work
 [[ $(wc -l <"$work/results/attempts-ventriculostomy.csv") == 3 ]] || fail "the log does not hold two attempts"
 [[ -s $work/results/r-01-ventriculostomy-02-head.html ]] || fail "no page"
 
+# A teacher signs what he saw; the table says which attempts are signed, and one that was replaced since is refused.
+openssl genpkey -algorithm ed25519 -out "$work/teacher.key" 2>/dev/null
+openssl pkey -in "$work/teacher.key" -pubout -out "$work/teacher.pub"
+openssl genpkey -algorithm ed25519 -out "$work/other.key" 2>/dev/null
+seen=$work/results/r-01-ventriculostomy-01-head-drilled.lesson
+unseen=$work/results/r-01-ventriculostomy-02-head.lesson
+score=("$TREPHINE" score "$seen" --case "$library/head-drilled" --rubric "$work/rubric.json" --signed-by "$work/teacher.pub")
+"${score[@]}" --log "$work/log.csv" | grep -qx 'not signed' || fail "it is signed by nobody"
+"$TREPHINE" sign "$seen" --key "$work/teacher.key" | grep -qx "$seen.sig" || fail "it does not say where the signature is"
+"${score[@]}" --log "$work/log.csv" --json "$work/signed.json" | grep -qx signed || fail "it is not signed"
+grep -q '"signature": "signed"' "$work/signed.json" || fail "the result does not say that it is signed"
+[[ $(cut -d, -f3 "$work/log.csv") == $'attempt\n1\n1' ]] || fail "signed it is another attempt"
+[[ $(tail -1 "$work/log.csv") == *,signed ]] || fail "the log does not say that it is signed"
+"${exercise[@]}" --signed-by "$work/teacher.pub" >"$work/text"
+grep -Eq '^1 +head-drilled .*, signed$' "$work/text" || { cat "$work/text"; fail "the table does not say what is signed"; }
+grep -Eq '^2 +head .*, not signed$' "$work/text" || { cat "$work/text"; fail "the table does not say what is not"; }
+expect 65 'teacher.pub: private key: is none of Ed25519' "$TREPHINE" sign "$seen" --key "$work/teacher.pub"
+expect 65 'other.key: public key: is none of Ed25519' "${score[@]/teacher.pub/other.key}"
+cp "$seen.sig" "$unseen.sig"
+expect 80 'head.lesson.sig: recording_sha256: is not of the recording' "${exercise[@]}" --signed-by "$work/teacher.pub"
+"$TREPHINE" sign "$unseen" --key "$work/other.key" >/dev/null
+expect 80 'head.lesson.sig: signature: is not by the owner' "${exercise[@]}" --signed-by "$work/teacher.pub"
+rm "$unseen.sig"
+
 # A report that was lost is made again of the recording; an approval is void once the case is another.
 rm "$work/results/r-01-ventriculostomy-02-head.json"
 "${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >/dev/null

@@ -115,7 +115,7 @@ for way in xray shrunk proxies times spliced rate device token; do
 done
 python3 "$work/forge.py" erased "$work/one.lesson" "$work/erased.lesson" keep
 "$TREPHINE" score "$work/erased.lesson" --case "$work/head" --rubric "$work/rubric.json" --log "$work/erased.csv" >"$work/text"
-grep -q '^NOT SEALED' "$work/text" && grep -q 'not sealed$' "$work/erased.csv" || fail "a seal that is missing is not told"
+grep -q '^NOT SEALED' "$work/text" && grep -q ',not sealed,$' "$work/erased.csv" || fail "a seal that is missing is not told"
 "$TREPHINE" replay "$work/head" "$work/erased.lesson" | grep -q '^not sealed' || fail "a replay does not tell it"
 "$TREPHINE" score "$work/token.lesson" --case "$work/head" --rubric "$work/rubric.json" --trust-recording | grep -q '^BROKEN SEAL' || fail "trusted, a broken seal is not told"
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/signature.h"
+
+#include "base/hash.h"
+#include "base/refusal.h"
+#include "base/signature.h"
+#include "base/write_file.h"
+#include "haptics/recording.h"
+#include "json/declared_json.h"
+
+namespace trephine::lessons {
+namespace {
+
+struct SignatureFile {
+  int trephine_signature = 1;
+  std::string recording_sha256, signature;
+  template <class V>
+  static void describe(V& v) {
+    using P = SignatureFile;
+    v.integer(&P::trephine_signature, "trephine_signature", Range{1, 1}, "The version of the format: 1.").is_required();
+    v.text(&P::recording_sha256, "recording_sha256", "SHA-256 of the recording's bytes.").is_required();
+    v.text(&P::signature, "signature", "Ed25519 of what is signed.").is_required();
+  }
+};
+
+// What is signed names its purpose, so that a signature for something else is never one of a recording.
+std::string signed_words(const std::string& recording_sha256) {
+  return "a recording that a teacher saw being made: " + recording_sha256;
+}
+
+}  // namespace
+
+std::filesystem::path signature_file(const std::filesystem::path& recording) {
+  std::filesystem::path file = recording;
+  return file += ".sig";
+}
+
+void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key) {
+  haptics::require_seal(haptics::read_recording(recording), recording);
+  SignatureFile s;
+  s.recording_sha256 = sha256_of_file(recording);
+  s.signature = signature_of_bytes(signed_words(s.recording_sha256), private_key);
+  write_file(signature_file(recording), json::declared_json(AnyParams::make<SignatureFile>(s)) + "\n");
+}
+
+std::string signature_state(const std::filesystem::path& recording, const std::filesystem::path& public_key) {
+  if (public_key.empty()) return "";
+  const std::filesystem::path file = signature_file(recording);
+  if (!std::filesystem::exists(file)) return "not signed";
+  SignatureFile s;
+  with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, 1 << 16);
+    json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<SignatureFile>(), &s);
+  });
+  const Remedy remedy{"ask the teacher to sign it anew, or take the .sig away: it is then judged as not signed"};
+  if (s.recording_sha256 != sha256_of_file(recording))
+    throw refusal("recording_sha256", "is not of the recording beside it, which was changed or replaced", remedy)
+        .in_file(file.string());
+  if (!is_signed(signed_words(s.recording_sha256), s.signature, public_key))
+    throw refusal("signature", "is not by the owner of the public key", remedy).in_file(file.string());
+  return "signed";
+}
+
+}  // namespace trephine::lessons
