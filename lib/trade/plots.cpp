@@ -5,8 +5,8 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/gnuplot.h"
 #include "base/log.h"
-#include "base/spawn.h"
 #include "base/write_file.h"
 #include "trade/trade.h"
 
@@ -35,10 +35,9 @@ double truth_rms_mm(const PointTrade& p) {
 
 // The script for gnuplot, with the data in it: one series for each sweep, points beyond the scene's limits hollow, and
 // the front as a line.
-std::string script_of(const TradeResult& result, const Axis& axis, const std::string& terminal, const fs::path& file) {
-  std::string text = "set terminal " + terminal + "\nset output '" + file.string() + "'\n";
-  text +=
-      "set encoding utf8\nset logscale xy\nset grid xtics ytics mxtics mytics lc rgb '#dddddd', lc rgb '#eeeeee'\n"
+std::string script_of(const TradeResult& result, const Axis& axis) {
+  std::string text =
+      "set logscale xy\nset grid xtics ytics mxtics mytics lc rgb '#dddddd', lc rgb '#eeeeee'\n"
       "set key outside right top\nset xlabel '" +
       std::string(axis.label) + "'\nset ylabel 'RMS deviation of the worst anatomy, mm'\nset pointsize 1.1\n";
   std::vector<std::string> sweeps;
@@ -65,7 +64,6 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
   }
   block("front", front, "with lines lw 2 lc rgb '#444444' title 'Pareto front'");
   block("truth", truth, "with linespoints lw 1.5 dt 2 pt 2 lc rgb '#888888' title 'front, to the truth'");
-  const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#f0e442"};
   const int filled[] = {7, 5, 9, 13, 11, 7, 5, 9}, hollow[] = {6, 4, 8, 12, 10, 6, 4, 8};
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     std::vector<std::pair<double, double>> within, beyond;
@@ -73,22 +71,13 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
       if (is_plotted(p) && p.planned.sweep == sweeps[s])
         (p.beyond_scene.empty() ? within : beyond)
             .emplace_back(config::cost_of(p.total, axis.cost) / axis.unit, p.total.deviation_rms_mm);
-    const std::string n = std::to_string(s), colour = colours[s % 8];
+    const std::string n = std::to_string(s), colour = gnuplot_colour(s);
     block("within" + n, within,
           fmt::format("with points pt {} lc rgb '{}' title '{}'", filled[s % 8], colour, sweeps[s]));
     block("beyond" + n, beyond,
           fmt::format("with points pt {} lc rgb '{}' title '{}, beyond the scene'", hollow[s % 8], colour, sweeps[s]));
   }
   return plot.empty() ? "" : text + plot + "\n";
-}
-
-// Throws Error 70 where gnuplot fails or is missing.
-void run_gnuplot(const fs::path& script) {
-  SpawnRequest gnuplot;
-  gnuplot.argv = {"gnuplot", script.string()};
-  gnuplot.shares_stdout = gnuplot.shares_stderr = true;
-  if (wait_for(spawn(gnuplot), until_it_ends_s).code != 0)
-    throw Error(ExitCode::internal, "gnuplot", "", "failed on " + script.string());
 }
 
 bool holds(const fs::path& file, const std::string& bytes) {
@@ -106,19 +95,12 @@ void write_if_new(const fs::path& file, const std::string& bytes) {
 void plot(const TradeResult& result, const Axis& axis, const fs::path& out, const char* ending,
           const std::string& terminal) {
   const fs::path picture = out / (axis.file + std::string(ending));
-  const fs::path drawn = out / ".trade" / (axis.file + std::string(ending) + ".new");
   const fs::path script = out / ".trade" / (axis.file + std::string(ending) + ".gp");
-  const std::string text = script_of(result, axis, terminal, drawn);
+  const std::string drawing = script_of(result, axis), text = terminal + "\n" + drawing;
   std::error_code ignored;
-  if (text.empty() || (holds(script, text) && fs::exists(picture, ignored))) return;
+  if (drawing.empty() || (holds(script, text) && fs::exists(picture, ignored))) return;
   fs::remove(script, ignored);
-  const fs::path running = out / ".trade" / (axis.file + std::string(ending) + ".running.gp");
-  write_file(running, text);
-  run_gnuplot(running);
-  const std::vector<char> bytes = read_file(drawn);
-  write_file(picture, {bytes.data(), bytes.size()});
-  fs::remove(drawn, ignored);
-  fs::remove(running, ignored);
+  write_file(picture, gnuplot_picture(terminal, drawing));
   write_file(script, text);
 }
 
@@ -129,8 +111,8 @@ void write_trade(const TradeResult& result, const fs::path& out, const std::stri
   write_if_new(out / "trade.json", trade_json(result, program_version));
   try {
     for (const Axis& axis : axes) {
-      plot(result, axis, out, ".png", "pngcairo size 1100,700 font 'sans,11'");
-      plot(result, axis, out, ".svg", "svg size 1100,700 font 'sans,11' background '#ffffff'");
+      plot(result, axis, out, ".png", gnuplot_png(1100, 700));
+      plot(result, axis, out, ".svg", gnuplot_svg(1100, 700));
     }
   } catch (const Error& e) {
     if (e.code() != ExitCode::internal) throw;

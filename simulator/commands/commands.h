@@ -14,6 +14,8 @@ cli::Command sign_command();
 cli::Command fluoro_command();
 cli::Command exercise_command();
 cli::Command calibrate_command();
+cli::Command study_command();
+cli::Command export_recording_command();
 /// Not in a build with TREPHINE_HEADLESS.
 cli::Command render_command();
 cli::Command play_command();

@@ -49,25 +49,6 @@ std::string picture_of(const grid::Grid<std::int16_t>& ct, Vec3 middle, const Pl
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '&')
-      out += "&amp;";
-    else if (c == '"')
-      out += "&quot;";
-    else if (c == '\'')
-      out += "&#39;";
-    else
-      out += c;
-  }
-  return out;
-}
-
 std::string slices_html(const cases::LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
                         const PictureWindow& window) {
   std::string out = "<div class=\"slices\">\n";

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/html_text.h"
 #include "cases/load_case.h"
 
 namespace trephine::lessons::detail {
@@ -22,6 +23,6 @@ std::string slices_html(const cases::LoadedCase& loaded, Vec3 through_mm, const 
                         const PictureWindow& window = {});
 
 /// Text without what HTML takes for its own.
-std::string escaped(const std::string& text);
+inline std::string escaped(const std::string& text) { return html_text(text); }
 
 }  // namespace trephine::lessons::detail

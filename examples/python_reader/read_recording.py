@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads a recorded session of trephine-sim with the standard library alone, from the recording itself (docs/haptics.md,
+"Recordings") or from the JSON of `trephine-sim export-recording --json`.
+
+    python3 read_recording.py FILE            says what is in it
+    header, columns = read_recording.read("FILE")    columns["force_n"][17]: positions LPS mm, forces N, times s
+"""
+import json
+import math
+import struct
+import sys
+
+THREE = ("tip_{}_mm", "axis_{}", "proxy_{}_mm", "normal_{}", "force_{}_n")
+NAMES = (["tick", "time_s", "dt_s"] + [n.format(a) for n in THREE for a in "xyz"] +
+         ["buttons", "touched", "face", "inside", "held_by", "events", "faults", "late_us"])
+EVENTS = ("touch", "untouch", "motion", "popped", "left", "locked", "unlocked")
+FAULTS = ("pose", "time step", "force", "device lost", "jump", "gap")
+
+
+def names(bits, known):
+    return "+".join(name for bit, name in enumerate(known) if bits >> bit & 1)
+
+
+def of_recording(data):
+    version, length = struct.unpack_from("<II", data, 8)
+    if not 1 <= version <= 5 or 16 + length > len(data):
+        raise ValueError(f"version {version}, or a header that is cut short")
+    header = json.loads(data[16:16 + length])
+    each = header.get("frame_bytes", 176)
+    rest = len(data) - 16 - length
+    if each not in (176, 200) or rest % each or header.get("frames", rest // each) != rest // each:
+        raise ValueError("the frames are cut short")
+    frame = struct.Struct("<Q17dI4i3I" + ("3d" if each == 200 else ""))
+    known = NAMES + ([f"across_{a}" for a in "xyz"] if each == 200 else [])
+    columns = dict(zip(known, map(list, zip(*frame.iter_unpack(data[16 + length:]))))) or {n: [] for n in known}
+    columns["force_n"] = [math.sqrt(x * x + y * y + z * z) for x, y, z in
+                          zip(*(columns[f"force_{a}_n"] for a in "xyz"))]
+    columns["events"] = [names(bits, EVENTS) for bits in columns["events"]]
+    columns["faults"] = [names(bits, FAULTS) for bits in columns["faults"]]
+    return header, columns
+
+
+def read(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    if data[:8] == b"TREPHSRV":
+        return of_recording(data)
+    text = json.loads(data)
+    known = [column["name"] for column in text["columns"]]
+    return text["header"], dict(zip(known, map(list, zip(*text["frames"])))) or {n: [] for n in known}
+
+
+if __name__ == "__main__":
+    header, columns = read(sys.argv[1])
+    print(f"case {header['case']}, {len(columns['tick'])} frames at {header['rate_hz']:g} Hz of {header['device']}, "
+          f"at most {max(columns['force_n'], default=0):.3f} N")

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "commands/results_table.h"
+
+#include <algorithm>
+
+#include "base/text.h"
+
+namespace trephine::commands {
+
+study::Table table_of(const lessons::Results& results) {
+  study::Table all;
+  std::vector<std::vector<std::pair<std::string, std::string>>> rows;
+  for (const lessons::AttemptResult& r : results.attempts) {
+    std::string critical;
+    for (const std::string& e : r.critical) critical += (critical.empty() ? "" : "+") + e;
+    std::vector<std::pair<std::string, std::string>> row = {{"participant", r.participant},
+                                                            {"group", r.group},
+                                                            {"level", r.level},
+                                                            {"phase", r.phase},
+                                                            {"module", r.module},
+                                                            {"attempt", std::to_string(r.attempt)},
+                                                            {"case", r.case_token},
+                                                            {"task", r.task},
+                                                            {"outcome", r.outcome},
+                                                            {"critical_errors", critical},
+                                                            {"points", std::to_string(r.points)},
+                                                            {"most_points", std::to_string(r.most_points)},
+                                                            {"completed", r.outcome.empty()          ? ""
+                                                                          : r.outcome == "completed" ? "1"
+                                                                                                     : "0"},
+                                                            {"failed", r.outcome.empty()       ? ""
+                                                                       : r.outcome == "failed" ? "1"
+                                                                                               : "0"}};
+    for (const lessons::ResultRow& one : r.rows)
+      row.emplace_back(one.name + "_score", one.score ? std::to_string(*one.score) : "");
+    for (const auto& [name, value] : r.figures) row.emplace_back(name, to_text(value));
+    rows.push_back(row);
+    for (const auto& [name, value] : row)
+      if (!all.column(name)) all.columns.push_back(name);
+  }
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    std::vector<std::string> cells(all.columns.size());
+    for (const auto& [name, value] : rows[n]) cells[*all.column(name)] = value;
+    all.rows.push_back(cells);
+    all.lines.push_back(n + 2);
+  }
+  for (std::size_t c = all.columns.size(); c-- > 0;)
+    if (std::all_of(all.rows.begin(), all.rows.end(), [&](const auto& row) { return row[c].empty(); })) {
+      all.columns.erase(all.columns.begin() + std::ptrdiff_t(c));
+      for (auto& row : all.rows) row.erase(row.begin() + std::ptrdiff_t(c));
+    }
+  return all;
+}
+
+}  // namespace trephine::commands

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lessons/exercise_plan.h"
+
+namespace trephine::lessons {
+
+/// A row of a report.
+struct ResultRow {
+  std::string name, title;
+  std::optional<int> score;  ///< none: not judged
+};
+
+/// What a report of a lesson says (score_json), and the participant's plan of it.
+struct AttemptResult {
+  std::string report;  ///< the file's name without its extension
+  std::string participant, module, case_token, task, outcome, reason, checked, seal, recording_sha256, motion_sha256;
+  std::string group, level, phase;  ///< of the plan; empty: it says none
+  int attempt = 1;                  ///< counts the participant's motions of the module, in the plan's order
+  int points = 0, most_points = 0;
+  double procedure_s = 0;
+  std::vector<ResultRow> rows;
+  std::vector<std::string> critical;  ///< the critical errors' names
+  /// Everything that was measured, by names that end in the unit: of the rows, what studies count (yes is 1), and of
+  /// the hand's motion. A name that several have is there once.
+  std::vector<std::pair<std::string, double>> figures;
+  std::vector<std::pair<std::string, double>> motion;  ///< those of them that are of the hand's motion
+  std::filesystem::path folder;
+  bool recording_is_there = false;  ///< beside the report
+  std::optional<double> figure(const std::string& name) const;
+};
+
+/// The results of a group, as `exercise`, `play` and `score` leave them in a folder.
+struct Results {
+  std::vector<AttemptResult> attempts;  ///< by participant, module and attempt
+  std::vector<ExercisePlan> plans;
+  std::vector<std::string> notes;  ///< reports that are left out and why, recordings that are gone
+};
+
+/// Reads one report. Throws Error 65 where it is none, 66.
+AttemptResult read_report(const std::filesystem::path& file);
+
+/// Reads all reports and plans of a folder, not of folders in it. A file that is no report is passed over; a report
+/// that is damaged is left out and noted, and so is one whose motion another report has. Throws Error 66 where the
+/// folder cannot be read, or holds no report and no plan.
+Results read_results(const std::filesystem::path& folder);
+
+}  // namespace trephine::lessons
