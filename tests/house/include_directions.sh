@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # include_directions.sh ROOT: a module of lib/ includes only itself and modules that stand before it in lib/CMakeLists.txt;
 # the simulator only what an exported case needs, and cli for its command line; a third-party library's headers stay in
-# the module that owns it, and out of every header that another module can see. A lesson (a folder of simulator/lessons that
-# holds a *_lesson.cpp) is included by nobody else; a rubric includes lib/lesson and lib/base alone, for `trephine` links it;
-# tools/ include nothing else of the simulator than the list of rubrics.
+# the module that owns it, and out of every header that another module can see. Nothing but the command compare includes
+# simulator/peers. A lesson (a folder of simulator/lessons that holds a *_lesson.cpp) is included by nobody else; a rubric
+# includes lib/lesson and lib/base alone, for `trephine` links it; tools/ include nothing else of the simulator than the list of rubrics.
 set -u
 root=$1
 cd "$root" || exit 2
@@ -27,8 +27,9 @@ owners=(
   'tiny_gltf|cases'
   'assimp/|meshio'
   'png\.h|picture'
+  'meshoptimizer|simulator'
 )
-foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|png\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
+foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|meshoptimizer|png\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
 
 # Lines "file|included" of every include below the given folders.
 includes() {
@@ -56,6 +57,9 @@ while IFS='|' read -r file included; do
     [[ $file == simulator/lessons/${BASH_REMATCH[1]}/* ]] || fault "$file: $included belongs to a lesson, which nobody else includes"
   elif [[ $included == lessons/*/* && $file == simulator/* && $file != simulator/lessons/*/* ]]; then
     fault "$file: $included is of some lessons alone"
+  fi
+  if [[ $included == peers/* && $file != simulator/peers/* && $file != simulator/commands/compare* ]]; then
+    fault "$file: $included is for the command compare alone, the runtime does not know it"
   fi
   if [[ $file == simulator/lessons/*/*_rubric.* && $included == */* ]]; then
     case $included in

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "surface/triangle_tree.h"
+#include "surface/trimesh.h"
+
+namespace trephine::peers {
+
+/// A mesh as algorithms of triangles feel it: with unit normals of its facets and a search tree. Points are those of
+/// the mesh, about its origin. After the constructor nothing allocates or throws.
+class FeltMesh {
+ public:
+  /// Throws Error 65 as check_mesh does, and where the mesh has no triangles.
+  explicit FeltMesh(surface::TriMesh mesh);
+  FeltMesh(const FeltMesh&) = delete;
+  FeltMesh& operator=(const FeltMesh&) = delete;
+
+  const surface::TriMesh& mesh() const { return mesh_; }
+  const surface::TriangleTree& tree() const { return tree_; }
+  Vec3 normal(std::uint32_t triangle) const { return normals_[triangle]; }  ///< zero where it has no area
+  Vec3 corner(std::uint32_t triangle, int n) const {
+    return mesh_.points_mm[mesh_.triangles[triangle][std::size_t(n)]];
+  }
+  /// How far the point is above the facet's plane.
+  double above(std::uint32_t triangle, Vec3 p) const { return dot(normals_[triangle], p - corner(triangle, 0)); }
+  /// Whether the point lies within the facet's three sides, seen along its normal.
+  bool is_over(std::uint32_t triangle, Vec3 p) const;
+
+  struct Crossing {
+    std::uint32_t triangle = 0;
+    double along = 2;  ///< on the segment, 0 to 1; above 1: none
+    bool hit() const { return along <= 1; }
+  };
+  /// The first facet that the segment passes from its front to its back, without the `but` ones. A segment that begins
+  /// on a facet's plane, to the last bit, begins in front of it; one that begins behind it does not meet it.
+  Crossing first_crossing(Vec3 from, Vec3 to, const std::uint32_t* but = nullptr, int buts = 0) const;
+
+  /// The nearest point of the surface within `reach_mm`.
+  struct Near {
+    Vec3 point;
+    std::uint32_t triangle = 0;
+  };
+  std::optional<Near> nearest(Vec3 p, double reach_mm) const;
+
+ private:
+  surface::TriMesh mesh_;
+  std::vector<Vec3> normals_;
+  surface::TriangleTree tree_;
+  double piece_mm_ = 1;  // a segment is searched in pieces of this length, whose boxes hold few facets
+};
+
+}  // namespace trephine::peers

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "peers/contact_algorithm.h"
+
+namespace trephine::peers {
+
+/// The god-object on a triangle mesh [Zilles1995], with a search tree for its facets. In each tick the way from the
+/// god-object to the device is looked through: a facet that it passes from front to back becomes a constraint, and the
+/// god-object goes where the distance to the device is least on up to three of them. A facet on which it rests is kept
+/// for as long as the device is behind it and the god-object within its sides, for its own place is then on the facet's
+/// plane but for rounding.
+///
+/// As published it may fall through: where it slides from one facet to a neighbour, rounding decides whether it is in
+/// front of that one. `god_object_lift_mm` mends it, by the distance that it is kept above its facets.
+class GodObject : public ContactAlgorithm {
+ public:
+  GodObject(const PeerScene& scene, const PeerParams& params) : scene_(scene), params_(params) {}
+  const haptics::HapticState& update(const haptics::HapticInput& given) override;
+  void reset() override { begun_ = false; }
+
+ private:
+  const PeerScene scene_;
+  const PeerParams params_;
+  haptics::HapticState state_;
+  bool begun_ = false;
+  Vec3 god_;  // about the mesh's origin
+  std::uint32_t rests_on_[3] = {};
+  int rests_ = 0;
+};
+
+}  // namespace trephine::peers

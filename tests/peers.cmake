@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+if(TARGET trephine_peers)
+trephine_test(peers peers)
+add_library(peer_stub MODULE peer_stub.c)
+set_target_properties(peer_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+target_include_directories(peer_stub PRIVATE ${PROJECT_SOURCE_DIR}/simulator)
+target_compile_definitions(peers_test PRIVATE PEER_STUB="$<TARGET_FILE:peer_stub>")
+add_dependencies(peers_test peer_stub)
+endif()
