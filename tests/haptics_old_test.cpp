@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 const fs::path old = fs::path(TREPHINE_SOURCE_DIR) / "tests/data/old";
 
 TEST(HapticsOld, EveryVersionReplays) {
-  for (const char* name : {"version_1.servo", "version_2.servo", "version_3.lesson", "version_4.servo"}) {
+  for (const char* name :
+       {"version_1.servo", "version_2.servo", "version_3.lesson", "version_4.servo", "version_5.servo"}) {
     SCOPED_TRACE(name);
     const haptics::Recording r = haptics::read_recording(old / name);
     session::FeltCase felt = session::felt_again(old / "case-1.4", name, r.header);
@@ -52,6 +53,10 @@ TEST(HapticsOld, WhatAVersionKnowsIsRead) {
   EXPECT_EQ(three.tools[0].pierce_n, 2);
   EXPECT_TRUE(three.tools[1].cuts);
   EXPECT_TRUE(haptics::read_recording(old / "version_4.servo").header.knows_across);
+  const haptics::RecordingHeader five = haptics::read_recording(old / "version_5.servo").header;
+  EXPECT_EQ(five.drilling.cut_at, haptics::DrillingParams::At::tool);
+  EXPECT_EQ(five.drilling.undo_steps, 0);
+  EXPECT_EQ(five.force.force_law, haptics::ForceParams::Law::second);
 }
 
 // The digest by which a recording knows its case's materials: other materials are refused, the same ones never.

@@ -12,6 +12,7 @@
 #include "commands/session_options.h"
 #include "haptics/recording.h"
 #include "session/playback.h"
+#include "sound/drill_sound.h"
 
 namespace trephine::commands {
 namespace {
@@ -47,6 +48,40 @@ void print(const char* what, const haptics::ForceFigures& f) {
       f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.max_lag_mm);
 }
 
+constexpr double longest_sound_s = 3600;
+
+// The replayed frames, and what is heard of the drill in each.
+std::vector<haptics::ServoFrame> run_heard(session::Rerun& rerun, const std::vector<haptics::ServoFrame>& frames,
+                                           std::vector<sound::DrillHeard>& heard) {
+  std::vector<haptics::ServoFrame> out;
+  for (const haptics::ServoFrame& f : frames) {
+    out.push_back(rerun.run({f}).front());
+    const haptics::Drilling::Heard h = rerun.drilling()->heard();
+    heard.push_back({f.dt_s, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3});
+  }
+  return out;
+}
+
+void require_sound(const cli::ParsedCommand& parsed, const haptics::Recording& r) {
+  if (!r.header.drilling.drill)
+    throw Error(ExitCode::usage, parsed.text("recording"), "--sound", "no tool of the recording drills");
+  if (!r.frames.empty() && r.frames.back().time_s - r.frames.front().time_s > longest_sound_s)
+    throw Error(ExitCode::usage, parsed.text("recording"), "--sound",
+                fmt::format("the recording is longer than {:g} s", longest_sound_s));
+  for (const haptics::ServoFrame& f : r.frames)
+    if (!(f.dt_s > 0 && f.dt_s <= longest_sound_s))
+      throw Error(ExitCode::bad_input, parsed.text("recording"), "dt_s", fmt::format("of tick {} is no step", f.tick));
+}
+
+void write_sound(const cli::ParsedCommand& parsed, const haptics::RecordingHeader& h,
+                 const std::vector<sound::DrillHeard>& heard) {
+  const sound::SoundParams& params = parsed.params<sound::SoundParams>();
+  const std::vector<float> samples =
+      sound::sound_of(heard, {h.drilling.spindle_rpm, session::drill_kind(h).flutes}, params);
+  write_file(parsed.path("sound"), sound::wav_bytes(samples, params.sound_hz));
+  std::cout << fmt::format("sound of {:.2f} s at {:g} Hz\n", double(samples.size()) / params.sound_hz, params.sound_hz);
+}
+
 ExitCode run_replay(const cli::ParsedCommand& parsed) {
   const haptics::Recording recording = haptics::read_recording(parsed.path("recording"));
   haptics::require_seal(recording, parsed.path("recording"));
@@ -66,7 +101,10 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
   contact::ContactVolume& contact = patient->contact;
   session::Rerun rerun(felt, contact, parsed.text("recording"), h);
   const haptics::Drilling* drilling = rerun.drilling();
-  const std::vector<haptics::ServoFrame> replayed = rerun.run(recording.frames);
+  std::vector<sound::DrillHeard> heard;
+  if (parsed.has("sound")) require_sound(parsed, recording);
+  const std::vector<haptics::ServoFrame> replayed =
+      parsed.has("sound") ? run_heard(rerun, recording.frames, heard) : rerun.run(recording.frames);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
     if (!haptics::same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
@@ -86,6 +124,7 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
     j["replayed"] = json_of(is);
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
+  if (parsed.has("sound")) write_sound(parsed, h, heard);
   if (other) return ExitCode::ok;
   if (different > 0)
     throw refusal("frames",
@@ -120,10 +159,14 @@ cli::Command replay_command() {
       cli::argument("recording", cli::Argument::Kind::in_file, "The file that `trephine-sim servo --record` wrote.");
   recording.positional = recording.required = true;
   cli::Argument json = cli::argument("json", cli::Argument::Kind::out_file, "Write the figures to this file.");
-  c.arguments = {folder, recording, before_argument(), json};
-  c.groups = {cli::ParameterGroup::of<contact::ContactParams>("Contact, where it is to be another than recorded")};
+  cli::Argument wav =
+      cli::argument("sound", cli::Argument::Kind::out_file, "Write what is heard of the drill to this file (.wav).");
+  c.arguments = {folder, recording, before_argument(), json, wav};
+  c.groups = {cli::ParameterGroup::of<contact::ContactParams>("Contact, where it is to be another than recorded"),
+              cli::ParameterGroup::of<sound::SoundParams>("Sound")};
   c.examples = {"trephine-sim replay library/sample skull.servo",
-                "trephine-sim replay library/sample skull.servo --surface nearest --walk stepped"};
+                "trephine-sim replay library/sample skull.servo --surface nearest --walk stepped",
+                "trephine-sim replay library/sample hole.servo --sound hole.wav"};
   c.run = run_replay;
   return c;
 }

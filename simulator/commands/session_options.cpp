@@ -26,6 +26,7 @@ session::SessionOptions session_options_of(const cli::ParsedCommand& parsed) {
   o.shaft = parsed.params<haptics::ShaftParams>();
   o.drilling = parsed.params<haptics::DrillingParams>();
   o.law = parsed.params<drill::DrillParams>();
+  o.sound = parsed.params<sound::LiveSoundParams>();
   o.record = parsed.path("record");
   return o;
 }
@@ -77,6 +78,7 @@ std::vector<cli::ParameterGroup> session_groups() {
       cli::ParameterGroup::of<haptics::ShaftParams>("Its shaft"),
       cli::ParameterGroup::of<haptics::DrillingParams>("Drilling"),
       cli::ParameterGroup::of<drill::DrillParams>("The law of removal"),
+      cli::ParameterGroup::of<sound::LiveSoundParams>("Sound of the drill"),
       cli::ParameterGroup::of<device::WorkspaceParams>("The device's workspace")};
   for (const device::DeviceType& type : device::device_types())
     all.insert(all.end(), type.groups.begin(), type.groups.end());

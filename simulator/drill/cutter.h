@@ -12,6 +12,7 @@ struct Cutter {
   Kind kind = Kind::ball;
   double radius_mm = 2.5;                                    ///< of a ball
   double semi_a_mm = 1.15, semi_b_mm = 1.15, height_mm = 8;  ///< of a cylinder
+  bool round_end = false;  ///< of a cylinder with a = b: its end at the tip is a half ball (Drill::cut_way and cut_to)
 };
 
 /// The pose of a tool: its foremost point, and a frame whose third column points from the tip to the tail.

@@ -27,6 +27,7 @@ CutterBody::CutterBody(const Cutter& c, const ToolPose& from, Vec3 to_tip_mm, do
   semi_a_ = c.semi_a_mm + wider_;
   semi_b_ = c.semi_b_mm + wider_;
   height_ = c.height_mm;
+  if (c.round_end) end_ = c.semi_a_mm;
   middle_ = begin_ + axis * (0.5 * height_) + way_ * 0.5;
   reach_ = std::hypot(0.5 * height_ + wider_ + ramp_, std::max(semi_a_, semi_b_) + ramp_) + 0.5 * length;
   const double step = 0.5 * std::min({spacing_.x, spacing_.y, spacing_.z});
@@ -55,6 +56,15 @@ CutterBody::At CutterBody::cylinder_at(Vec3 p) const {
   const double a = semi_a_ + ramp_, b = semi_b_ + ramp_;
   for (int n = 0; n < places_; ++n) {
     const Vec3 q = transpose_times(frame_, p - begin_ - way_ * (places_ > 1 ? double(n) / (places_ - 1) : 1.0));
+    if (q.z < end_) {  // within the reach of its round end
+      const Vec3 r{q.x, q.y, q.z - end_};
+      const double from = norm(r), out = from - semi_a_;
+      if (out >= ramp_) continue;
+      const double across = from > 1e-9 ? voxel_across(frame_ * (r / from)) : ramp_;
+      const double stays = std::clamp(0.5 + out / (2 * across), 0.0, 1.0);
+      if (stays < best.stays) best = {stays, std::max(1 - from * from / (a * a), 0.02)};
+      continue;
+    }
     const double out_of_height = std::max(-wider_ - q.z, q.z - height_ - wider_);
     if (out_of_height >= ramp_) continue;
     const double x = q.x / semi_a_, y = q.y / semi_b_, rho = std::hypot(x, y);

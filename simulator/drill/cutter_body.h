@@ -35,6 +35,7 @@ class CutterBody {
   double radius_ = 0, way_squared_ = 0, semi_a_ = 0, semi_b_ = 0, height_ = 0, reach_ = 0, ramp_ = 0, outer_ = 0,
          wider_ = 0;
   int places_ = 1;
+  double end_ = 0;  // where the half ball of a round end has its middle; 0: the end is flat
   bool cylinder_ = false;
 };
 

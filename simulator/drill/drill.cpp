@@ -147,6 +147,7 @@ double Drill::rate_for(double budget_j) {
 void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slices) {
   const grid::Lattice& l = volume_.voxels;
   const grid::Box box = box_around(sweep.middle_mm(), sweep.reach_mm());
+  reach(box);
   const Vec3 m = l.to_index(sweep.middle_mm()), s = l.spacing_mm;
   const double reach = sweep.reach_mm() * sweep.reach_mm();
   const Vec3 step = l.direction.column[0] * s.x;
@@ -176,6 +177,7 @@ void Drill::apply(double units_per_dose, bool incision) {
   changing_ = {};
   for (Entry& e : entries_) {
     if (!incision) {
+      log_.note({e.at, voxel::detail::load_voxel(volume_.voxels.voxels[e.at]), fraction_[e.at]});
       std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
       if (e.stays > 0)  // left is what remains above that
         fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * voxel::haptic_full * fine));
@@ -242,7 +244,10 @@ void Drill::keep_shared() {
 
 void Drill::store(bool incision) {
   std::vector<std::int16_t>& voxels = volume_.voxels.voxels;
-  for (const Change& c : changes_) __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
+  for (const Change& c : changes_) {
+    log_.note({c.at, voxels[c.at], fraction_[c.at]});
+    __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
+  }
   const std::size_t lowered = changes_.size();
   for (const Shared& s : shared_) {
     const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(voxels[s.at]));
@@ -254,9 +259,18 @@ void Drill::store(bool incision) {
     changes_.push_back({s.at, s.i, s.j, s.k,
                         own ? voxel::detail::join(v.number, v.share, true) : voxel::detail::join(s.other, rest, true)});
   }
-  for (std::size_t n = lowered; n < changes_.size(); ++n)
-    __atomic_store_n(&voxels[changes_[n].at], changes_[n].raw, __ATOMIC_RELAXED);
+  for (std::size_t n = lowered; n < changes_.size(); ++n) {
+    const Change& c = changes_[n];
+    log_.note({c.at, voxels[c.at], fraction_[c.at]});
+    __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
+  }
   if (changes_.size() > lowered) changing_ = grid::grown(changing_, 1, volume_.voxels);
+  reach(changing_);
+  mark_changes();
+}
+
+// What the changes are to others: the box to be loosened, and the bricks that read them.
+void Drill::mark_changes() {
   for (std::size_t a = 0; a < 3; ++a) {
     const bool first = out_.changed.begin[a] >= out_.changed.end[a];
     out_.changed.begin[a] = first ? changing_.begin[a] : std::min(out_.changed.begin[a], changing_.begin[a]);

@@ -7,6 +7,7 @@
 #include "base/params.h"
 #include "drill/bricks.h"
 #include "drill/cutter.h"
+#include "drill/undo_log.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine::drill {
@@ -38,8 +39,9 @@ class CutterBody;
 struct Removal {
   std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};  ///< by shape; 255 are a voxel
   double energy_j = 0;
-  double power_w = 0;  ///< over the call's time
-  grid::Box changed;   ///< voxels that may have another value than before; empty where there are none
+  double power_w = 0;           ///< over the call's time
+  std::int64_t late_units = 0;  ///< of all units, those where the tool is a voxel further on already (cut_way)
+  grid::Box changed;            ///< voxels that may have another value than before; empty where there are none
 };
 
 /// Removes material from a haptic volume of encoding `occupancy`, in its servo loop [Rizzi, chapter 6, Tables VII and
@@ -73,14 +75,40 @@ class Drill {
   /// voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the cutter's.
   /// What the power or the rate leaves is removed by the next calls, as long as the tool stands there.
   const Removal& cut_to(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
+  /// The same along the whole way from where the last call ended, however fast the tool goes, without a limit of 10 mm.
+  /// A call looks at some 8,000 voxels; where a way has more, the next calls go on with it, and what the tool goes on
+  /// meanwhile is added up, as long as it goes straight to a quarter of a voxel (or 32 ways wait). So nothing is left
+  /// out; Removal says what is late. The first call after rest() begins at `pose`.
+  const Removal& cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
+  /// Goes on with that while the tool does not run.
+  const Removal& cut_late(double dt_s);
+  bool late() const { return ways_count_ > 0; }
   /// The tool does not run.
-  void rest() { calls_ = 0; }
+  void rest() {
+    calls_ = 0;
+    runs_ = false;
+  }
 
   /// Begins to remove what cannot be drilled (energy 0) within the radius, at most 30 mm, of the point: the scalp of a
   /// flap. Each call of go_on() takes 4,000 voxels at most, and does nothing where there is nothing left to do.
   void incise(Vec3 point_mm, double radius_mm);
   bool incising() const { return next_ < incision_.end[2]; }
   const Removal& go_on();
+
+  /// Keeps what is changed from then on, by steps, so that the last `most_steps` can be taken back. It allocates: call
+  /// it before the first cut. begin_step() says that a new one begins.
+  void keep_steps(int most_steps);
+  void begin_step() { log_.begin_step(); }
+  /// The place of the newest step among `most_steps` (UndoLog::place); -1 where there is none.
+  int step_place() const { return log_.steps() > 0 ? log_.place() : -1; }
+  /// Begins to take the newest step back, or all that this object cut: `begin` are the voxels as they were at its
+  /// start. Each put_back() then gives some thousand voxels their old value again, to the bit, with what was cut of
+  /// them beyond whole units, as long as putting_back(); nothing else may be called meanwhile. What is late or still
+  /// to be incised is forgotten. False where there is nothing to take back. The units of put_back() are 0.
+  bool take_back();
+  bool take_all_back(const grid::Grid<std::int16_t>& begin);
+  bool putting_back() const { return back_ != Back::none; }
+  const Removal& put_back();
 
   const Cutter& cutter() const { return cutter_; }
   int slices() const { return slices_; }  ///< m
@@ -104,9 +132,26 @@ class Drill {
     ToolPose pose;
     double dt_s;
   };
+  enum class Back { none, step, all };
+  void reach(const grid::Box& box);
+  void change_back(std::uint32_t at, std::int16_t raw, std::uint8_t fraction);
+  void mark_changes();
   grid::Box box_around(Vec3 middle_mm, double reach_mm) const;
   void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
-  void collect_to(const CutterBody& body, double time_s, int slice);
+  void collect_to(const CutterBody& body, double time_s, int slice, int slices);
+  /// What a tool went, to be cut in so many passes.
+  struct Way {
+    ToolPose from;
+    Vec3 to_tip_mm;
+    double wider_mm = 0, time_s = 0, energy_j = 0;
+    int passes = 1, pass = 0;
+  };
+  Way& way_at(int n) { return ways_[std::size_t((first_way_ + n) % max_ways)]; }
+  double turn_between(const Mat3& a, const Mat3& b) const;
+  Vec3 tip_in(const Mat3& frame, const ToolPose& pose) const;
+  double voxels_of(const Way& way) const;
+  void add_way(const Way& way);
+  const Removal& go_ways(double dt_s);
   double rate_for(double budget_j);
   void apply(double units_per_dose, bool incision);
   void lower(const Entry& e, bool incision);
@@ -140,12 +185,22 @@ class Drill {
   static constexpr int max_slices = 16, max_voxels = 8000, incision_voxels = 4000;
   std::array<Past, max_slices + 1> past_{};
   std::uint64_t calls_ = 0;
+  static constexpr int max_ways = 32, max_passes = 4096;
+  std::array<Way, max_ways> ways_{};  // a ring, oldest first
+  int first_way_ = 0, ways_count_ = 0;
+  ToolPose end_;  // of the last way
+  bool runs_ = false;
   Vec3 incision_mm_;
   double incision_radius_mm_ = 0;
   grid::Box incision_;
   int next_ = 0, next_row_ = 0;
   grid::Box changing_;
   Removal out_;
+  UndoLog log_{0, 0, 0};
+  grid::Box ever_;  // of all voxels that may have changed
+  Back back_ = Back::none;
+  const grid::Grid<std::int16_t>* begin_ = nullptr;
+  int back_slice_ = 0, back_row_ = 0;
 };
 
 }  // namespace trephine::drill

@@ -21,7 +21,7 @@ const Removal& Drill::cut_to(const ToolPose& pose, Vec3 to_tip_mm, double wider_
   const Vec3 way = to_tip_mm - pose.tip_mm;
   if (!(norm(way) <= max_way_mm) || !(time_s > 0) || !(power_ratio > 0)) return out_;
   entries_.clear();
-  collect_to(CutterBody(cutter_, pose, to_tip_mm, wider_mm, volume_.voxels), time_s, slice);
+  collect_to(CutterBody(cutter_, pose, to_tip_mm, wider_mm, volume_.voxels), time_s, slice, slices_);
   const double rate = rate_for(params_.power_w * std::min(power_ratio, 1.0) * time_s / slices_);
   apply(rate * voxel::haptic_full * fine, false);
   out_.power_w = out_.energy_j / dt_s;
@@ -29,7 +29,7 @@ const Removal& Drill::cut_to(const ToolPose& pose, Vec3 to_tip_mm, double wider_
 }
 
 // The voxels of every m-th slice of which more is there than may stay, with their doses in s.
-void Drill::collect_to(const CutterBody& body, double time_s, int slice) {
+void Drill::collect_to(const CutterBody& body, double time_s, int slice, int slices) {
   const grid::Lattice& l = volume_.voxels;
   const Vec3 m = body.middle_mm(), s = l.spacing_mm;
   grid::Box box;
@@ -38,8 +38,9 @@ void Drill::collect_to(const CutterBody& body, double time_s, int slice) {
     box.begin[a] = int(std::clamp(std::ceil(middle - reach), 0.0, double(l.size[a])));
     box.end[a] = int(std::clamp(std::floor(middle + reach) + 1, 0.0, double(l.size[a])));
   }
+  this->reach(box);
   const double reach = body.reach_mm() * body.reach_mm();
-  for (int k = box.begin[2] + (slice - box.begin[2] % slices_ + slices_) % slices_; k < box.end[2]; k += slices_)
+  for (int k = box.begin[2] + (slice - box.begin[2] % slices + slices) % slices; k < box.end[2]; k += slices)
     for (int j = box.begin[1]; j < box.end[1]; ++j) {
       const double y = j * s.y - m.y, z = k * s.z - m.z, left = reach - y * y - z * z;
       if (!(left > 0)) continue;

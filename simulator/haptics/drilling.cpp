@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "haptics/tool_belt.h"
 
 namespace trephine::haptics {
 namespace {
@@ -17,6 +18,7 @@ constexpr double min_depth_mm = 1;      // of a way through bone that counts as 
 // that share of its power, and how much slower it becomes narrower again.
 constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
                  idle_ratio = 0.6;
+constexpr double usual_height_mm = 8;   // of a cylinder, where the tool's kind says nothing
 constexpr double min_felt_ratio = 0.3;  // of the diameter
 
 // "a, b or c".
@@ -29,6 +31,8 @@ std::string kinds_that_cut() {
     text += (n == 0 ? "" : n + 1 < names.size() ? ", " : " or ") + names[n];
   return text;
 }
+
+double radius_of(const drill::Cutter& c) { return c.kind == drill::Cutter::Kind::ball ? c.radius_mm : c.semi_a_mm; }
 
 double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
 
@@ -67,12 +71,23 @@ drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   }
   if (!kind.cuts())
     throw Error(ExitCode::usage, "", "--drill", "needs --tool " + kinds_that_cut() + ", not " + tool.tool);
+  const bool rounded = params.cutter == DrillingParams::Cutter::own && kind.cut == ToolKind::Cut::rounded;
+  if (rounded && params.cut_at == DrillingParams::At::device)
+    throw Error(ExitCode::usage, "", "--cut-at",
+                "must be way or tool for --tool " + tool.tool + ", whose end is round");
   const bool ball = params.cutter == DrillingParams::Cutter::own ? kind.cut == ToolKind::Cut::ball
                                                                  : params.cutter == DrillingParams::Cutter::ball;
   c.kind = ball ? drill::Cutter::Kind::ball : drill::Cutter::Kind::cylinder;
   c.radius_mm = c.semi_a_mm = 0.5 * tool.tool_diameter_mm;
   c.semi_b_mm = c.semi_a_mm * params.cutter_width_ratio;
-  c.height_mm = params.cutter_height_mm;
+  c.height_mm = params.cutter_height_mm > 0 ? params.cutter_height_mm
+                : kind.cutting_mm > 0       ? kind.cutting_mm
+                                            : usual_height_mm;
+  if (rounded) {
+    c.round_end = true;
+    c.semi_b_mm = c.semi_a_mm;
+    c.height_mm = std::max(c.height_mm, c.semi_a_mm);
+  }
   return c;
 }
 
@@ -85,17 +100,24 @@ Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact,
       shapes_(shapes),
       before_(voxel::copy_without_hardness(volume)),
       before_decoder_(before_),
-      drill_(volume, shapes, cutter, law, marks) {
-  const double radius_mm = cutter.kind == drill::Cutter::Kind::ball ? cutter.radius_mm : cutter.semi_a_mm;
+      drill_(volume, shapes, cutter, law, marks),
+      heat_(params, radius_of(cutter)),
+      voxel_mm3_(volume.voxels.voxel_volume_mm3()) {
+  const double radius_mm = radius_of(cutter);
   rim_m_per_s_ = params.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
+  stands_.resize(std::size_t(params.undo_steps));
+  if (params.undo_steps > 0) drill_.keep_steps(int(params.undo_steps));
 }
 
 void Drilling::count(const drill::Removal& r) {
   if (r.changed.empty()) return;
   contact_.loosen(r.changed);
   outcome_.energy_j += r.energy_j;
+  removed_j_ += r.energy_j;
+  outcome_.late_units += r.late_units;
   for (std::size_t n = 1; n < r.units.size(); ++n) {
     outcome_.units[n] += r.units[n];
+    if (shapes_[n].energy_j_per_mm3 > 0) removed_mm3_ += double(r.units[n]) / voxel::haptic_full * voxel_mm3_;
     removed_[n].store(outcome_.units[n], std::memory_order_relaxed);
   }
 }
@@ -110,6 +132,12 @@ drill::ToolPose Drilling::turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const
   pose.frame.column[0] = u * std::cos(a) + v * std::sin(a);
   pose.frame.column[1] = v * std::cos(a) - u * std::sin(a);
   return pose;
+}
+
+// The drill does not run; what is late is removed all the same.
+void Drilling::cut_late(double dt_s) {
+  drill_.rest();
+  if (drill_.late()) count(drill_.cut_late(dt_s));
 }
 
 // The cutter at the device, ahead of what the hand feels. Returns the power in W.
@@ -132,14 +160,18 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double pressure = pressed ? norm(state.force_n - force_) : 0;
   if (pressure >= params_.stall_force_n) {
     outcome_.stalled_s += in.dt_s;
+    if (params_.cut_at == DrillingParams::At::way) cut_late(in.dt_s);  // it does not cut on this way
     return 0;
   }
   double max_w = power_w_;
   if (pressed && params_.reaction_ratio > 0) max_w = std::min(max_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
   Vec3 bite = in.tip_mm - state.proxy_mm;
   if (const double length = norm(bite), most = max_bite_voxels * voxel_mm; length > most) bite = bite * (most / length);
-  const drill::Removal& r = drill_.cut_to(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
-                                          wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
+  const drill::ToolPose at = turned_pose(state.proxy_mm, state.axis, state.across);
+  const drill::Removal& r =
+      params_.cut_at == DrillingParams::At::way
+          ? drill_.cut_way(at, state.proxy_mm + bite, wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_)
+          : drill_.cut_to(at, state.proxy_mm + bite, wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
   const bool idle = pressed && r.power_w < idle_ratio * max_w;
   wider_voxels_ =
       std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, max_wider_voxels);
@@ -155,6 +187,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
     drill_.rest();
     return;
   }
+  if (drill_.putting_back()) return put_back(in.buttons);
   const double force = norm(state.force_n);
   if (state.touched != 0) {
     double& most = outcome_.most_force_n[std::size_t(state.touched)];
@@ -167,20 +200,35 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   last_mm_ = in.tip_mm;
 
   double used_w = 0;
+  removed_j_ = removed_mm3_ = 0;
+  const double stalled_s = outcome_.stalled_s;
+  if ((in.buttons & pedal) && !(buttons_ & pedal)) begin_step();
   if ((in.buttons & pedal) && !lifted) {
-    used_w = params_.cut_at == DrillingParams::At::tool ? cut(in, state) : cut_ahead(in, force);
+    used_w = params_.cut_at != DrillingParams::At::device ? cut(in, state) : cut_ahead(in, force);
     outcome_.drilled_s += in.dt_s;
   } else {
-    drill_.rest();
+    cut_late(in.dt_s);
   }
   if ((in.buttons & mark) && !(buttons_ & mark)) incise_at(in.tip_mm);
+  const int command = belt_button::command(in.buttons);
+  if (command != belt_button::command(buttons_) && !(in.buttons & pedal)) {
+    if (command == belt_command::undo) take_back(Back::last);
+    if (command == belt_command::reset) take_back(Back::all);
+  }
   buttons_ = in.buttons;
   begun_ = true;
   if (drill_.incising()) count(drill_.go_on());
   // A tool that has come through rests on what lies behind the bone, at its very border: half a voxel ahead tells.
   const Vec3 spacing = before_.voxels.spacing_mm;
   const double ahead_mm = std::min({spacing.x, spacing.y, spacing.z}) / 2;
-  watch_breach(in, params_.cut_at == DrillingParams::At::tool ? state.proxy_mm - in.axis * ahead_mm : in.tip_mm);
+  watch_breach(in, params_.cut_at != DrillingParams::At::device ? state.proxy_mm - in.axis * ahead_mm : in.tip_mm);
+
+  const bool runs = (in.buttons & pedal) && !lifted;
+  feel_heat(runs, in.dt_s);
+  runs_.store(runs, std::memory_order_relaxed);
+  stalls_.store(outcome_.stalled_s > stalled_s, std::memory_order_relaxed);
+  load_.store(float(std::min(1.0, used_w / power_w_)), std::memory_order_relaxed);
+  hardness_.store(removed_mm3_ > 0 ? float(removed_j_ / removed_mm3_) : 0, std::memory_order_relaxed);
 
   // The force at the rim is the power divided by the rim's speed.
   power_ = smooth(power_, std::min(used_w, power_w_), in.dt_s);
@@ -188,11 +236,6 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   force_ = velocity_ * (-reaction / (speed + half_speed_mm_s));
   const double swing = params_.vibration_n * power_ / power_w_ * std::sin(2 * M_PI * params_.vibration_hz * time_s_);
   force_ += frame_along(in.axis).column[0] * swing;
-}
-
-void Drilling::incise_at(Vec3 point_mm) {
-  drill_.incise(point_mm, params_.incision_radius_mm);
-  ++outcome_.incisions;
 }
 
 bool Drilling::was_bone(Vec3 at) const {

@@ -3,10 +3,12 @@
 #include <array>
 #include <atomic>
 #include <string>
+#include <vector>
 
 #include "base/params.h"
 #include "cases/case.h"
 #include "drill/drill.h"
+#include "haptics/bone_heat.h"
 #include "haptics/proxy.h"
 #include "voxel/decode.h"
 
@@ -14,28 +16,32 @@ namespace trephine::haptics {
 
 /// How a session cuts. Button 1 of the device is the drill's pedal; button 2, when it goes down, marks the tip as the
 /// middle of an incision.
-struct DrillingParams {
+struct DrillingParams : HeatParams {
   enum class Cutter { own, ball, cylinder };
-  enum class At { tool, device };
+  enum class At { way, tool, device };
   bool drill = false;
-  At cut_at = At::tool;
+  At cut_at = At::way;
   Cutter cutter = Cutter::own;
-  double cutter_height_mm = 8, cutter_width_ratio = 1, cutter_turn_deg = 0;
+  double cutter_height_mm = 0, cutter_width_ratio = 1, cutter_turn_deg = 0;
   double spindle_rpm = 60000, stall_force_n = 8, reaction_ratio = 0.5;
   double vibration_n = 0.05, vibration_hz = 200;
   double incision_radius_mm = 15;
   double clearance_voxels = 0;
+  std::int64_t undo_steps = 20;
   template <class V>
   static void describe(V& v) {
     using P = DrillingParams;
     v.flag(&P::drill, "drill", "The tool cuts: while button 1 is down it drills, and button 2 marks an incision.");
     v.choice(&P::cutter, "cutter", {{"own", Cutter::own}, {"ball", Cutter::ball}, {"cylinder", Cutter::cylinder}},
              "What cuts; own: what the tool's kind says, such as a ball for a burr.");
-    v.choice(&P::cut_at, "cut_at", {{"tool", At::tool}, {"device", At::device}},
-             "Where the cutter is. tool: where the tool is shown and felt, and a little way on towards the device, by "
-             "as much as the tool is pressed. device: ahead of the tool, as in recordings before version 5.")
+    v.choice(
+         &P::cut_at, "cut_at", {{"way", At::way}, {"tool", At::tool}, {"device", At::device}},
+         "Where the cutter is. way: where the tool is shown and felt and on its whole way since the last tick, and a "
+         "little way on towards the device, by as much as the tool is pressed. tool: not on its way, as in "
+         "recordings of version 5. device: ahead of the tool, as before version 5.")
         .is_since(5);
-    v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0.1, 40}, "Length of a cylinder, from the tip.");
+    v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0, 40},
+             "Length of a cylinder, from the tip; 0: that of the tool's kind.");
     v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
              "Smaller semi-axis of a cylinder as a share of the larger, which is half of the tool's diameter.");
     v.number(&P::cutter_turn_deg, "cutter_turn_deg", Range{-180, 180},
@@ -52,6 +58,10 @@ struct DrillingParams {
              "How much narrower than it cuts the tool is felt, in diameter and voxels. With --cut-at device 1.75 lets "
              "it fit into its own hole; with --cut-at tool it needs none.")
         .is_since(5);
+    v.integer(&P::undo_steps, "undo_steps", Range{0, 1000},
+              "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.")
+        .is_since(6);
+    v.template all_of<HeatParams>();
   }
 };
 
@@ -59,9 +69,12 @@ struct DrillingParams {
 struct DrillingOutcome {
   std::array<std::int64_t, voxel::haptic_max_shapes + 1> units{};   ///< by shape, of 1/255 voxel
   std::array<double, voxel::haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
+  std::int64_t late_units = 0;  ///< of all, those where the tool was a voxel further on already
   double energy_j = 0, drilled_s = 0, stalled_s = 0;
+  double max_bone_c = BoneHeat::body_c, above_harm_s = 0, heat_dose_min = 0;  ///< BoneHeat
   int incisions = 0;
-  bool breached = false;  ///< the tip left drilled bone on the other side than it came in
+  int undone = 0, resets = 0;  ///< strokes and incisions that were taken back; how often all was
+  bool breached = false;       ///< the tip left drilled bone on the other side than it came in
   double breach_time_s = 0;
   Vec3 breach_mm;
 };
@@ -91,15 +104,31 @@ class Drilling {
   void tick(const HapticInput& in, const HapticState& state);
   /// Begins an incision there.
   void incise_at(Vec3 point_mm);
+  /// Takes back the last stroke of the pedal or the last incision, or all that was cut since the start; the voxels are
+  /// then as they were, to the bit. It takes some ticks, putting_back(), in which nothing is cut. What has happened
+  /// stays counted: the time, the energy and the forces. False where nothing can be taken back: there is nothing, or it
+  /// is too long ago. The pedal must be up.
+  enum class Back { last, all };
+  bool take_back(Back what);
+  /// What the tool lies in changes, so it cannot be felt (HapticInput::away). Other threads may ask.
+  bool putting_back() const { return putting_back_.load(std::memory_order_relaxed); }
   const DrillingOutcome& outcome() const { return outcome_; }
   /// What was removed of the shape, of 1/255 voxel; another thread may ask.
   std::int64_t removed_units(int shape) const { return removed_[std::size_t(shape)].load(std::memory_order_relaxed); }
   int slices() const { return drill_.slices(); }
+  /// What is heard of it; another thread may ask.
+  struct Heard {
+    bool runs, stalled;
+    double load_ratio, energy_j_per_mm3;
+  };
+  Heard heard() const;
 
   static constexpr std::uint32_t pedal = 1, mark = 2;
 
  private:
   void count(const drill::Removal& removal);
+  void cut_late(double dt_s);
+  void feel_heat(bool runs, double dt_s);
   double cut(const HapticInput& in, const HapticState& state);
   double cut_ahead(const HapticInput& in, double force_n);
   drill::ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
@@ -113,10 +142,28 @@ class Drilling {
   voxel::HapticVolume before_;  ///< as it was at the start
   voxel::HapticDecoder before_decoder_;
   drill::Drill drill_;
+  BoneHeat heat_;
+  double removed_j_ = 0, removed_mm3_ = 0, voxel_mm3_;  // in this tick
+  std::atomic<float> load_{0}, hardness_{0};
+  std::atomic<bool> runs_{false}, stalls_{false};
   Vec3 force_, last_mm_, velocity_;
   double power_ = 0, time_s_ = 0, rim_m_per_s_ = 1;
   std::uint32_t buttons_ = 0;
   double wider_voxels_ = 0;  ///< than the tool, of what it cuts
+  struct Stand {             ///< what taking back changes of the outcome
+    std::array<std::int64_t, voxel::haptic_max_shapes + 1> units;
+    int incisions;
+    bool breached, in_bone;
+    double breach_time_s;
+    Vec3 breach_mm, entry_mm;
+  };
+  Stand stand() const;
+  void go_back_to(const Stand& stand);
+  void begin_step();
+  void put_back(std::uint32_t buttons);
+  std::vector<Stand> stands_;  ///< by the steps' places
+  Stand back_to_;
+  std::atomic<bool> putting_back_{false};
   bool begun_ = false, in_bone_ = false;
   Vec3 entry_mm_;
   DrillingOutcome outcome_;

@@ -22,6 +22,7 @@ struct HapticInput {
   Vec3 across;         ///< unit, turns with the tool about its axis; zero: not known
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
+  bool away = false;    ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
   double dt_s = 0.001;  ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
@@ -82,7 +83,8 @@ struct HapticState {
 /// tool from turning with the device, that of a spring between the two orientations. It has limits as the force has,
 /// and is 0 where the force is 0 for a fault.
 ///
-/// While the button haptic_button::lifted is down there is neither contact nor force, and the tool is shown at the
+/// While HapticInput::away is set the force falls to zero as fast as it may change. While the button
+/// haptic_button::lifted is down there is neither contact nor force, and the tool is shown at the
 /// device; then it starts again.
 ///
 /// A round tool (Tool::round) is exactly round: the proxy holds the middle lines of its parts off all surfaces by their

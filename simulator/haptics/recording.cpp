@@ -24,9 +24,11 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
 int version_of(const RecordingHeader& h) {
+  if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))
+    return recording_version;
   if (h.force.force_law == ForceParams::Law::second ||
       (h.drilling.drill && h.drilling.cut_at == DrillingParams::At::tool))
-    return recording_version;
+    return second_law_version;
   return h.knows_across ? across_version : h.tools.empty() ? single_tool_version : several_tools_version;
 }
 
@@ -63,6 +65,7 @@ HeaderFile read_header(std::string_view text, int version) {
   HeaderFile h;
   // As recordings without these were felt.
   h.drilling.clearance_voxels = 0;
+  h.drilling.undo_steps = 0;
   h.drilling.cut_at = DrillingParams::At::device;
   h.force.force_law = ForceParams::Law::first;
   json::JsonRules rules;
@@ -329,7 +332,10 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, d
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in = input_of(f, rate_hz);
-    if (drilling) in.extra_n = drilling->force_n();
+    if (drilling) {
+      in.extra_n = drilling->force_n();
+      in.away = drilling->putting_back();
+    }
     if (port) port->again(in, f.faults);
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& felt = proxy.update(in);

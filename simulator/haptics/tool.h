@@ -65,9 +65,9 @@ std::string choice_name(const P& params, const char* name) {
 /// what a tool can do asks its kind, and no other source knows a tool by its name. docs/haptics.md says where the
 /// measures come from. Without more than a name, it is a point at the tip alone that does nothing.
 struct ToolKind {
-  /// What it removes while the pedal is down: what a rotating ball or cylinder meets; or, of an incision, only what no
-  /// rotating tool removes, such as skin.
-  enum class Cut { nothing, ball, cylinder, incision };
+  /// What it removes while the pedal is down: what a rotating ball, cylinder or cylinder with a round end meets; or, of
+  /// an incision, only what no rotating tool removes, such as skin.
+  enum class Cut { nothing, ball, cylinder, rounded, incision };
   /// How it is drawn: what is felt in steel, with a handle behind it; a soft tube with a ring at each cm; a pen; a
   /// blade.
   enum class Look { steel, tube, pen, blade };
@@ -81,11 +81,13 @@ struct ToolKind {
   bool has_neck = true;                                   ///< false: of a tip that is a ball, the ball alone is felt
   bool from_file = false;                                 ///< points of ToolParams::tool_points
   Cut cut = Cut::nothing;
-  bool marks = false;  ///< while the pedal is down it draws on what it touches
+  double cutting_mm = 0;  ///< of a cylinder, how far from the tip it cuts
+  int flutes = 0;         ///< cutting edges of what rotates: what is heard of it
+  bool marks = false;     ///< while the pedal is down it draws on what it touches
   Look look = Look::steel;
 
   bool cuts() const { return cut != Cut::nothing; }
-  bool rotates() const { return cut == Cut::ball || cut == Cut::cylinder; }
+  bool rotates() const { return cut == Cut::ball || cut == Cut::cylinder || cut == Cut::rounded; }
 
   ToolKind(const char* its_name, const char* in_german, const char* its_help)
       : name(its_name), german(in_german), help(its_help) {}
@@ -95,6 +97,7 @@ struct ToolKind {
   ToolKind& ball_alone();
   ToolKind& of_a_file();
   ToolKind& cuts_with(Cut what);
+  ToolKind& rotating(Cut what, int edges, double cutting = 0);
   ToolKind& draws();
   ToolKind& looks(Look how);
 };

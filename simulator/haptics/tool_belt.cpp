@@ -55,7 +55,7 @@ void ToolBelt::look_outside(const HapticInput& in) {
   if (paused_ || (in.buttons & haptic_button::lifted))
     waiting_ = true;
   else if (waiting_ && is_finite(in.tip_mm))
-    waiting_ = contact_.shape_at(in.tip_mm) != 0;
+    waiting_ = putting_back() || contact_.shape_at(in.tip_mm) != 0;
 }
 
 int ToolBelt::new_command(std::uint32_t buttons) const {
@@ -94,6 +94,7 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
   } else {
     if (faults != 0) proxy.latch(faults);
     HapticInput in = given;
+    in.away = drilling_ && drilling_->putting_back();
     if (drilling_ && tools_[std::size_t(in_hand_)].cuts)
       in.extra_n = given.extra_n == Vec3{} ? drilling_->force_n() : given.extra_n + drilling_->force_n();
     state_ = proxy.update(in);
@@ -129,7 +130,11 @@ void ToolBelt::after(const HapticInput& in, const HapticState& state) {
     has_mark_ = true;
     mark_mm_ = state.proxy_mm;
   }
+  const bool back = command == belt_command::undo || command == belt_command::reset;
+  if (back && works && !pedal && can_cut()) waiting_ = waiting_ || in_open_;
   if (!drilling_) return;
+  if (back && works && !pedal)
+    drilling_->take_back(command == belt_command::undo ? Drilling::Back::last : Drilling::Back::all);
   if (command == belt_command::incise && works && has_mark_) drilling_->incise_at(mark_mm_);
   HapticInput drill = in;
   drill.buttons = (tool.cuts && pedal ? Drilling::pedal : 0) | (in.buttons & haptic_button::lifted);

@@ -26,9 +26,11 @@ constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5
 constexpr int view_ap = 6, view_lateral = 7, view_oblique = 8, orbit_more = 9, orbit_less = 10, tilt_more = 11,
               tilt_less = 12;
 constexpr int aspirate = 13;  ///< draws on the needle's syringe
-constexpr const char* names[] = {"none",       "erase",     "incise",       "finish",       "pause",
-                                 "resume",     "view_ap",   "view_lateral", "view_oblique", "orbit_more",
-                                 "orbit_less", "tilt_more", "tilt_less",    "aspirate"};
+/// Of what was cut: the last stroke or incision, or all. Also in a session with one tool, whose drill takes them.
+constexpr int undo = 14, reset = 15;
+constexpr const char* names[] = {"none",      "erase",        "incise",       "finish",     "pause",      "resume",
+                                 "view_ap",   "view_lateral", "view_oblique", "orbit_more", "orbit_less", "tilt_more",
+                                 "tilt_less", "aspirate",     "undo",         "reset"};
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace belt_command
 
@@ -68,6 +70,8 @@ inline ToolParams whole_tool(const BeltToolParams& tool) {
 /// - Where tools are changed in the open alone (`in_open`, as every lesson has it since it is recorded), a tool is
 ///   changed only while nothing is touched and the pose lies in no shape; a session that begins inside a shape, or goes
 ///   on there after a pause or after the hand took the tool away, feels nothing until the pose was outside.
+/// - `undo` takes back the last stroke or incision, `reset` all that was cut in the session, while the pedal is up; as
+///   after a pause nothing is felt until the pose is outside of every shape.
 /// - `pause` is taken while the tool is in the open; until `resume` nothing is felt, cut or marked.
 ///
 /// Everything follows from the frames' poses, buttons and steps, so a recording replays bit for bit. update() and
@@ -103,6 +107,7 @@ class ToolBelt {
  private:
   bool take(const HapticInput& in);
   void look_outside(const HapticInput& in);
+  bool putting_back() const { return can_cut() && (drilling_ ? drilling_ : watched_)->putting_back(); }
   int new_command(std::uint32_t buttons) const;
   void settle_force(const HapticInput& in, Vec3 sent);
 

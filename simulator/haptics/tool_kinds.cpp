@@ -35,6 +35,13 @@ ToolKind& ToolKind::cuts_with(Cut what) {
   return *this;
 }
 
+ToolKind& ToolKind::rotating(Cut what, int edges, double cutting) {
+  cut = what;
+  flutes = edges;
+  cutting_mm = cutting;
+  return *this;
+}
+
 ToolKind& ToolKind::draws() {
   marks = true;
   return *this;
@@ -55,19 +62,30 @@ const std::vector<ToolKind>& all_tool_kinds() {
       Kind("point", "Spitze", "the tip alone"),
       Kind("needle", "Nadel", "of 18 gauge, for the spine").shaped(Tip::cone, 1.27, 90, 2),
       Kind("catheter", "Katheter", "for a ventricle").shaped(Tip::round, 2.5, 100, 2).looks(Look::tube),
-      Kind("burr", "Bohrer", "a ball on a thinner neck").shaped(Tip::ball, 5, 30, 1.2).cuts_with(Cut::ball),
+      Kind("burr", "Bohrer", "a ball on a thinner neck").shaped(Tip::ball, 5, 30, 1.2).rotating(Cut::ball, 8),
       Kind("ball", "Kugel", "a burr's ball alone, exactly round")
           .shaped(Tip::ball, 5, 5, 1.2)
           .ball_alone()
-          .cuts_with(Cut::ball),
+          .rotating(Cut::ball, 8),
       Kind("round_burr", "Rundbohrer", "a ball on a thinner neck, exactly round")
           .shaped(Tip::ball, 5, 30, 1.2)
           .exactly_round()
-          .cuts_with(Cut::ball),
+          .rotating(Cut::ball, 8),
+      Kind("diamond", "Diamant", "a ball of fine grit on a thinner neck, exactly round")
+          .shaped(Tip::ball, 4, 30, 1.2)
+          .exactly_round()
+          .rotating(Cut::ball, 40),
+      Kind("matchstick", "Matchstick", "a slim cylinder with a round end that cuts at its side, exactly round")
+          .shaped(Tip::round, 3, 30, 1.2)
+          .exactly_round()
+          .rotating(Cut::rounded, 6, 8),
+      Kind("cylinder", "Walze", "a cylinder with a flat end, thicker than a craniotome")
+          .shaped(Tip::flat, 4, 24, 1.2)
+          .rotating(Cut::cylinder, 8, 6),
       Kind("rod", "Stab", "a rod with round ends, exactly round").shaped(Tip::round, 2.5, 30, 2).exactly_round(),
       Kind("craniotome", "Kraniotom", "a cylinder with a flat end")
           .shaped(Tip::flat, 2.3, 20, 1.2)
-          .cuts_with(Cut::cylinder),
+          .rotating(Cut::cylinder, 4, 8),
       Kind("jamshidi", "Jamshidi", "a needle of 11 gauge, for bone").shaped(Tip::cone, 3.05, 100, 2),
       Kind("points", "Punkte", "points of your own, from a file").of_a_file(),
       Kind("marker", "Stift", "a pen for the skin, felt at its tip alone").draws().looks(Look::pen),

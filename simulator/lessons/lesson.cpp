@@ -39,6 +39,7 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
   tick(f, belt, !belt.paused() && (f.buttons & haptics::belt_button::pedal));
   if (!fresh) return;
   if (now != haptics::belt_command::finish) {
+    facts.undone += now == haptics::belt_command::undo || now == haptics::belt_command::reset;
     if (!belt.paused()) command(now, f, belt);
     return;
   }

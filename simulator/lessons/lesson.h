@@ -17,6 +17,7 @@ struct LessonFacts {
   std::string task;  ///< LessonTask::name of what was asked for; empty: nothing was
   double begin_s = 0, end_s = 0, paused_s = 0;
   int pauses = 0;
+  int undone = 0;  ///< how often the last stroke or incision was to be taken back, or all that was cut
   LessonEnd end = LessonEnd::running;  ///< running: the recording ends before the lesson did
   double most_force_n = 0;
 

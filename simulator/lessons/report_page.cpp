@@ -132,6 +132,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
                   escaped(headline_of(score)),
                   facts.task.empty() ? "" : "<br>Task: " + escaped(task_of(module, loaded.manifest, facts.task).aim));
   if (!head.replayed) out += "<p class=\"failed\"><b>Trusted: the recording was not replayed.</b></p>\n";
+  if (facts.undone > 0) out += fmt::format("<p><b>What was cut was taken back {} times.</b></p>\n", facts.undone);
   out += rows_html(score);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
   out += module.pictures(facts, loaded);

@@ -37,6 +37,13 @@ std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::Recordin
                                              haptics::cutter_of(header.drilling, haptics::own_tool(tool)), marks);
 }
 
+const haptics::ToolKind& drill_kind(const haptics::RecordingHeader& header) {
+  std::string tool = header.tool.tool;
+  for (const haptics::BeltToolParams& t : header.tools)
+    if (t.cuts) tool = t.tool;
+  return haptics::tool_kind(tool);
+}
+
 haptics::ToolParams FeltCase::felt_tool_of(const haptics::RecordingHeader& header) const {
   return haptics::felt_tool(header.drilling, header.tool, loaded.haptic.voxels.spacing_mm);
 }

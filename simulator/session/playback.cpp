@@ -22,9 +22,10 @@ const haptics::BeltToolParams& tool_of(const std::vector<haptics::BeltToolParams
 void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>& out) {
   const std::uint32_t before = std::exchange(buttons_, f.buttons);
   if (!drilling_.drill || f.faults != 0) return;
+  follow_steps(f, before, out);
   if (tools_.empty()) {
     if ((f.buttons & haptics::Drilling::mark) && !(before & haptics::Drilling::mark))
-      out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
+      add({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm}, out);
     return;
   }
   if (tool_of(tools_, f).marks && (f.buttons & haptics::belt_button::pedal) && f.touched != 0) {
@@ -33,7 +34,32 @@ void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>
   }
   const int command = haptics::belt_button::command(f.buttons);
   if (command == haptics::belt_command::incise && command != haptics::belt_button::command(before) && has_mark_)
-    out.push_back({f.time_s, mark_mm_, drilling_.incision_radius_mm});
+    add({f.time_s, mark_mm_, drilling_.incision_radius_mm}, out);
+}
+
+void IncisionWatch::add(const IncisionMark& mark, std::vector<IncisionMark>& out) {
+  out.push_back(mark);
+  steps_.push_back(true);
+}
+
+// Strokes that touched something are steps as incisions are, as the drill counts them (Drilling::take_back).
+void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t before, std::vector<IncisionMark>& out) {
+  if (drilling_.undo_steps == 0) return;
+  const bool pedal = (f.buttons & haptics::Drilling::pedal) && (tools_.empty() || tool_of(tools_, f).cuts);
+  if (!pedal || !(before & haptics::Drilling::pedal)) stroke_ = pedal;
+  if (stroke_ && f.touched != 0) {
+    stroke_ = false;
+    steps_.push_back(false);
+  }
+  const int command = haptics::belt_button::command(f.buttons);
+  if (pedal || command == haptics::belt_button::command(before)) return;
+  std::size_t back = command == haptics::belt_command::undo    ? std::min<std::size_t>(1, steps_.size())
+                     : command == haptics::belt_command::reset ? steps_.size()
+                                                               : 0;
+  for (; back > 0; --back) {
+    if (steps_.back() && !out.empty()) out.pop_back();
+    steps_.pop_back();
+  }
 }
 
 haptics::ToolParams Playback::tool() const {

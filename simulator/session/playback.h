@@ -18,7 +18,8 @@ struct IncisionMark {
   double radius_mm = 0;
 };
 /// Finds incisions in frames as they come: where the button goes down while a tool may cut, or, in a session with
-/// several tools, at the marker's last point when the command is given (tool_belt.h).
+/// several tools, at the marker's last point when the command is given (tool_belt.h). One that is taken back is taken
+/// off the list again.
 class IncisionWatch {
  public:
   explicit IncisionWatch(const haptics::DrillingParams& drilling) : drilling_(drilling) {}
@@ -27,7 +28,11 @@ class IncisionWatch {
 
  private:
   haptics::DrillingParams drilling_;
+  void add(const IncisionMark& mark, std::vector<IncisionMark>& out);
+  void follow_steps(const haptics::ServoFrame& frame, std::uint32_t before, std::vector<IncisionMark>& out);
   std::vector<haptics::BeltToolParams> tools_;
+  std::vector<bool> steps_;  // that can be taken back; true: an incision
+  bool stroke_ = false;      // the pedal is down, and nothing was touched so far
   std::uint32_t buttons_ = 0;
   bool has_mark_ = false;
   Vec3 mark_mm_;

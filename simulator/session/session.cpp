@@ -69,6 +69,12 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
   servo_->set_port(&port_);
+  if (options.sound.sound && options.servo.paced && drilling_)
+    sound_ = std::make_unique<sound::LiveSound>(
+        options.sound, sound::BurrVoice{header_.drilling.spindle_rpm, drill_kind(header_).flutes}, [this] {
+          const haptics::Drilling::Heard h = drilling_->heard();
+          return sound::DrillHeard{0, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3};
+        });
 }
 
 Session::~Session() {
@@ -167,6 +173,7 @@ void Session::write_frames() {
 
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
+  sound_.reset();
   SessionResult result;
   result.header = header_;
   result.grant = grant_;

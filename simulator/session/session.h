@@ -17,6 +17,7 @@
 #include "haptics/servo.h"
 #include "session/button_board.h"
 #include "session/felt_case.h"
+#include "sound/live_sound.h"
 
 namespace trephine::session {
 
@@ -56,6 +57,7 @@ struct SessionOptions {
   haptics::DrillingParams drilling;
   drill::DrillParams law;
   haptics::ShaftParams shaft;
+  sound::LiveSoundParams sound;  ///< without a clock nothing is heard
   /// Of a lesson: the hand holds one of them at a time (haptics/tool_belt.h), and `tool` is ignored. What drills does
   /// so where the case can be drilled. Empty: `tool` alone.
   std::vector<haptics::BeltToolParams> tools;
@@ -85,8 +87,8 @@ struct SessionResult {
 class Session {
  public:
   /// Loads the case and makes the device, which may wait for a client and says so, a line at a time. Throws as
-  /// FeltCase, make_device, make_tool and RecordingWriter do; 64 for a session without a clock that is too long to be
-  /// kept.
+  /// FeltCase, make_device, make_tool, LiveSound and RecordingWriter do; 64 for a session without a clock that is too
+  /// long to be kept.
   ///
   /// `stop` ends a wait and the loop, and must outlive the session. A patient that is given is not loaded, and only
   /// one session at a time may run on it; what was cut of it stays cut.
@@ -140,6 +142,7 @@ class Session {
   std::optional<haptics::Servo> servo_;
   std::vector<haptics::ServoFrame> frames_;  // on their way from the queue to the disk
   haptics::RealtimeGrant grant_;
+  std::unique_ptr<sound::LiveSound> sound_;
   double cpu_s_ = 0;
   std::atomic<bool> done_{false};
   std::thread thread_;

@@ -38,6 +38,11 @@ texts::Answer of_arm(const Player& p) {
   if (!p.lesson()->has_arm()) return texts::NoteId::no_arm;
   return p.xrays() ? of_lesson(p) : texts::Answer(texts::NoteId::no_ct);
 }
+texts::Answer with_drill(const Player& p) {
+  if (p.shown()) return texts::NoteId::recording_shown;
+  if (p.lesson()) return of_lesson(p);
+  return p.live() && p.live()->cuts() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
+}
 texts::Answer with_marker(const Player& p) {
   return p.live() && p.live()->draws() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
 }
@@ -216,6 +221,19 @@ void hand_actions(Entries e) {
   e->run = does([](Player& p, Words&) {
     return p.live() ? p.live()->incise() : p.lesson() ? of_lesson(p) : texts::Answer();
   });
+  e.add("undo", "",
+        {{"takes back the last stroke of the drill or the last incision, while the pedal is up",
+          "nimmt den letzten Bohrgang oder Schnitt zurück, wenn das Pedal oben ist"}},
+        with_drill);
+  e->label = {{"Undo", "Rückgängig"}};
+  e->keys = {{GLFW_KEY_Z}};
+  e->run = does([](Player& p, Words&) { return p.live()->command("undo"); });
+  e.add("reset", "",
+        {{"takes back all that this session cut", "nimmt alles zurück, was in dieser Sitzung geschnitten wurde"}},
+        with_drill);
+  e->label = {{"Reset", "Alles zurück"}};
+  e->keys = {{GLFW_KEY_R, How::twice}};
+  e->run = does([](Player& p, Words&) { return p.live()->command("reset"); });
 }
 
 void view_actions(Entries e) {

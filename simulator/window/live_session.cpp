@@ -84,6 +84,8 @@ void LiveSession::begin() {
     if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
     o.drilling.drill = options_.drilling.drill && haptics::tool_kind(o.tool.tool).cuts() && can_cut(*patient_);
     o.begins_sha256 = begins_sha256_;
+    board_->buttons.store(0, std::memory_order_relaxed);
+    o.board = board_;
   }
   view_.stage().set_tool(lesson_ ? haptics::whole_tool(lesson_->tool()) : haptics::own_tool(o.tool));
   hand.hold_by(nullptr);
@@ -192,6 +194,14 @@ texts::Answer LiveSession::incise() {
   return {};
 }
 
+texts::Answer LiveSession::command(const std::string& name) {
+  if (lesson_) return session_ ? lesson_->give(name) : texts::Answer(texts::NoteId::not_now);
+  for (int n = 1; n < haptics::belt_command::count; ++n)
+    if (name == haptics::belt_command::names[n])
+      board_->buttons.store(std::uint32_t(n) << haptics::belt_button::command_shift, std::memory_order_relaxed);
+  return {};
+}
+
 bool LiveSession::draws() const {
   return hand.by_screen() && (lesson_ ? lesson_->tool().marks : haptics::tool_kind(tool_name_).marks);
 }
@@ -206,15 +216,17 @@ void LiveSession::step(double wall_s) {
 void LiveSession::follow() {
   const std::vector<haptics::ServoFrame>& frames = session_->take_frames();
   late_us_ = 0;
-  bool marked = false;
+  bool marked = false, commanded = false;
   for (const haptics::ServoFrame& f : frames) {
     watch_->look(f, incisions_);
     late_us_ = std::max(late_us_, double(f.late_us));
     marked = marked || (f.buttons & haptics::Drilling::mark);
+    commanded = commanded || haptics::belt_button::command(f.buttons) != haptics::belt_command::none;
     if (!lesson_) ink(f);
   }
   // The servo has seen the button: it is released.
   if (marked && hand.pressed(haptics::Drilling::mark)) hand.press(haptics::Drilling::mark, false);
+  if (commanded) board_->buttons.store(0, std::memory_order_relaxed);
   const haptics::ServoFrame& shown = view_.frame();
   if (!frames.empty()) {  // else the last frame may be of the session before this one
     view_.look_at(frames.back());

@@ -32,6 +32,8 @@ class LiveSession {
   texts::Answer take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
   void set_pedal(bool down);
   texts::Answer incise();
+  texts::Answer command(const std::string& name);  ///< a name of belt_command, for the lesson or the drill
+  bool cuts() const { return session_ && session_->drilling(); }
   bool draws() const;  ///< a marker is in hand, which the cursor leads
   Hand hand;
 
@@ -68,6 +70,7 @@ class LiveSession {
   std::unique_ptr<session::IncisionWatch> watch_;
   std::vector<session::IncisionMark> incisions_;
   std::shared_ptr<device::Mailbox<device::ViewAxes>> axes_ = std::make_shared<device::Mailbox<device::ViewAxes>>();
+  std::shared_ptr<session::ButtonBoard> board_ = std::make_shared<session::ButtonBoard>();  // without a lesson
   std::string tool_name_, begins_sha256_;
   Vec3 last_ink_mm_;
   double ink_mm_ = 0, servo_hz_ = 0, late_us_ = 0, wall_s_ = 0, rate_wall_s_ = 0;

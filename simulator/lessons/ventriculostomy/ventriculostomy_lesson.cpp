@@ -188,6 +188,8 @@ LessonType ventriculostomy_lesson() {
   m.steps = with_common_steps({script_step<TraceStep>("trace", "Draws a line on the skin with the pedal down."),
                                script_step("erase", "Takes the lines away."),
                                script_step("incise", "Cuts the skin around the last point of the marker."),
+                               script_step("undo", "Takes back the last stroke of the drill or the last incision."),
+                               script_step("reset", "Takes back all that was cut."),
                                script_step<DrillStep>("drill", "Drills a hole with the pedal down."),
                                script_step<InsertStep>("insert", "Moves the tool on a straight line into the head.")});
   m.classes = {"normal", "hydrocephalic", "shifted", "small"};
