@@ -266,10 +266,34 @@ TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {
   EXPECT_EQ(judged(silent(0)), "judged");
   EXPECT_NE(judged(silent(0.1)).find("silent"), std::string::npos);
   // Times that were shrunk are a faster hand.
-  EXPECT_NE(judged([](auto& f) {
-              for (haptics::ServoFrame& frame : f) frame.time_s /= 200, frame.dt_s /= 200;
-            }),
-            "judged");
+  const auto shrunk = [](double by) {
+    return [by](auto& f) {
+      for (haptics::ServoFrame& frame : f) frame.time_s /= by, frame.dt_s /= by;
+    };
+  };
+  EXPECT_NE(judged(shrunk(200)), "judged");
+  EXPECT_NE(judged(shrunk(40)).find("goes into the patient"), std::string::npos) << judged(shrunk(40));
+  EXPECT_EQ(judged(shrunk(4)), "judged");  // somebody may be that quick
+}
+
+TEST(LessonsTeleport, AWholeLessonThatWasShrunkIsRefused) {
+  Head whole(Kind::whole);
+  const auto d =
+      whole.run(std::string(perfect_marks) + R"(, {"take": {"tool": "burr"}}, {"drill": {"past_mm": -30}}, "finish")");
+  const auto judged = [&](double by) -> std::string {
+    haptics::Recording r = d.recording;
+    for (haptics::ServoFrame& frame : r.frames) frame.time_s /= by, frame.dt_s /= by;
+    whole.felt().loaded.haptic = whole.whole();
+    try {
+      lessons::facts_of_recording(whole.felt(), "test", r);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "judged";
+  };
+  EXPECT_EQ(judged(1), "judged");
+  EXPECT_NE(judged(40), "judged");
+  EXPECT_NE(judged(16), "judged");
 }
 
 // ---- Older files ----

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "base/error.h"
 #include "window/texts.h"
@@ -37,7 +38,7 @@ std::string with_table(const std::string& page, const std::string& name, const s
 
 TEST(Actions, EachIsDeclaredWhole) {
   std::set<std::string> names;
-  std::set<std::pair<int, window::KeyUse::How>> uses;
+  std::set<std::tuple<int, window::KeyUse::How, window::KeyUse::With>> uses;
   ASSERT_GT(window::all_actions().size(), 30u);
   for (const window::Action& a : window::all_actions()) {
     SCOPED_TRACE(a.what.of(texts::Language::english));
@@ -51,7 +52,7 @@ TEST(Actions, EachIsDeclaredWhole) {
     }
     if (!a.keys.empty()) EXPECT_STRNE(a.what.of(texts::Language::english), a.what.of(texts::Language::german));
     for (const window::KeyUse& use : a.keys) {
-      EXPECT_TRUE(uses.insert({use.key, use.how}).second)
+      EXPECT_TRUE(uses.insert({use.key, use.how, use.with}).second)
           << window::key_name(use.key, texts::Language::english) << " does two things";
       const bool goes_on = use.how == window::KeyUse::How::held || use.how == window::KeyUse::How::drag;
       EXPECT_TRUE(goes_on ? a.during != nullptr : bool(a.run));
@@ -87,6 +88,8 @@ TEST(Actions, KeysHaveNames) {
   EXPECT_EQ(window::keys_text(window::action_of("view"), texts::Language::german), "F1 bis F8");
   EXPECT_EQ(window::keys_text(window::action_of("finish"), texts::Language::german), "Eingabe, zweimal");
   EXPECT_EQ(window::keys_text(window::action_of("move_cut"), texts::Language::english), "[, ]");
+  EXPECT_EQ(window::keys_text(window::action_of("move"), texts::Language::english),
+            "mouse, Shift + left, right, up, down");
   EXPECT_EQ(window::keys_text(window::action_of("zoom"), texts::Language::english), "Ctrl + wheel, +, -");
 }
 

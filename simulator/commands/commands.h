@@ -8,6 +8,7 @@ namespace trephine::commands {
 cli::Command check_command();
 cli::Command servo_command();
 cli::Command replay_command();
+cli::Command explain_command();
 cli::Command lesson_command();
 cli::Command score_command();
 cli::Command sign_command();

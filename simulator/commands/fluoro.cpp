@@ -18,6 +18,7 @@ struct PictureParams {
   int size_px = 512;
   std::array<double, 3> needle_tip_mm{0, 0, 0}, needle_tail_mm{0, 0, 0};
   double needle_diameter_mm = 1.27;
+  fluoro::MetalShown metal = fluoro::MetalShown::bright;
   template <class V>
   static void describe(V& v) {
     using P = PictureParams;
@@ -25,6 +26,8 @@ struct PictureParams {
     v.numbers(&P::needle_tip_mm, "needle_tip_mm", Range{-1e5, 1e5}, "The tip of a needle in the picture, LPS.");
     v.numbers(&P::needle_tail_mm, "needle_tail_mm", Range{-1e5, 1e5}, "Its tail; where it is the tip, there is none.");
     v.number(&P::needle_diameter_mm, "needle_diameter_mm", Range{0.01, 50}, "Its diameter.");
+    v.choice(&P::metal, "metal", {{"bright", fluoro::MetalShown::bright}, {"dark", fluoro::MetalShown::dark}},
+             "How bone and metal are shown: bright, as on a film, or dark, as on most C-arms.");
   }
 };
 
@@ -45,7 +48,7 @@ ExitCode run_fluoro(const cli::ParsedCommand& parsed) {
   const auto begin = std::chrono::steady_clock::now();
   const fluoro::FluoroPicture picture = scope.picture(arm, p.size_px, metal);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  write_file(parsed.path("output"), fluoro::grey_png(picture.size, picture.size, picture.grey));
+  write_file(parsed.path("output"), fluoro::grey_png(picture.size, picture.size, fluoro::shown_grey(picture, p.metal)));
   std::cout << fmt::format("{}: {} x {} pixels in {:.3f} s\n", parsed.text("output"), picture.size, picture.size,
                            seconds);
   if (!metal.empty()) {
@@ -64,7 +67,8 @@ cli::Command fluoro_command() {
   c.summary = "makes a fluoroscopic picture of a case's CT, with a needle in it";
   c.description =
       "Follows X-rays through the CT that the case holds (a scene asks for it by `ct: {}`), for any place of a C-arm, "
-      "and adds a needle by the length of each ray in it. Bone and metal are bright. docs/lessons.md says how good the "
+      "and adds a needle by the length of each ray in it. Bone and metal are bright, or dark with --metal dark. "
+      "docs/lessons.md says how good the "
       "pictures are.";
   const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "Folder of the case.");
   const cli::Argument output = cli::required_argument("output", Kind::out_file, "Write the picture (.png) here.");

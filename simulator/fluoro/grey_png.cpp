@@ -41,6 +41,13 @@ std::string zlib_of(const std::string& bytes) {
 
 }  // namespace
 
+std::vector<std::uint8_t> shown_grey(const FluoroPicture& picture, MetalShown how) {
+  std::vector<std::uint8_t> grey = picture.grey;
+  if (how == MetalShown::dark)
+    for (std::uint8_t& g : grey) g = std::uint8_t(255 - g);
+  return grey;
+}
+
 std::string grey_png(int width, int height, const std::vector<std::uint8_t>& grey) {
   std::string rows;
   for (int y = 0; y < height; ++y) {

@@ -69,8 +69,8 @@ struct ToolKind {
   /// an incision, only what no rotating tool removes, such as skin.
   enum class Cut { nothing, ball, cylinder, rounded, incision };
   /// How it is drawn: what is felt in steel, with a handle behind it; a soft tube with a ring at each cm; a pen; a
-  /// blade.
-  enum class Look { steel, tube, pen, blade };
+  /// blade; a needle with a syringe; one with a handle across it; a screw on its driver.
+  enum class Look { steel, tube, pen, blade, syringe, cross_handle, screw };
 
   const char* name;
   const char* german;  ///< its name in a German window

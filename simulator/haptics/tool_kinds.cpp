@@ -60,7 +60,7 @@ const std::vector<ToolKind>& all_tool_kinds() {
   // The measures: diameter, length and spacing of the points, in mm.
   static const std::vector<ToolKind> all = {
       Kind("point", "Spitze", "the tip alone"),
-      Kind("needle", "Nadel", "of 18 gauge, for the spine").shaped(Tip::cone, 1.27, 90, 2),
+      Kind("needle", "Nadel", "of 18 gauge, for the spine").shaped(Tip::cone, 1.27, 90, 2).looks(Look::syringe),
       Kind("catheter", "Katheter", "for a ventricle").shaped(Tip::round, 2.5, 100, 2).looks(Look::tube),
       Kind("burr", "Bohrer", "a ball on a thinner neck").shaped(Tip::ball, 5, 30, 1.2).rotating(Cut::ball, 8),
       Kind("ball", "Kugel", "a burr's ball alone, exactly round")
@@ -86,7 +86,10 @@ const std::vector<ToolKind>& all_tool_kinds() {
       Kind("craniotome", "Kraniotom", "a cylinder with a flat end")
           .shaped(Tip::flat, 2.3, 20, 1.2)
           .rotating(Cut::cylinder, 4, 8),
-      Kind("jamshidi", "Jamshidi", "a needle of 11 gauge, for bone").shaped(Tip::cone, 3.05, 100, 2),
+      Kind("jamshidi", "Jamshidi", "a needle of 11 gauge, for bone")
+          .shaped(Tip::cone, 3.05, 100, 2)
+          .looks(Look::cross_handle),
+      Kind("screw", "Schraube", "a pedicle screw on its driver").shaped(Tip::cone, 5.5, 45, 3).looks(Look::screw),
       Kind("points", "Punkte", "points of your own, from a file").of_a_file(),
       Kind("marker", "Stift", "a pen for the skin, felt at its tip alone").draws().looks(Look::pen),
       Kind("scalpel", "Skalpell", "a blade that opens what is incised, felt at its tip alone")

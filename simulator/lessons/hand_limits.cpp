@@ -30,6 +30,7 @@ void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& bel
   if (belt.paused() || (f.buttons & haptics::haptic_button::lifted)) {
     away_ = true;
     moments_.clear();
+    within_.clear();
     return;
   }
   const bool other = belt.in_hand() != tool_;
@@ -46,6 +47,21 @@ void HandLimits::look(const haptics::ServoFrame& f, const haptics::ToolBelt& bel
   }
   inside_ = f.inside;
   look_at_speed(f);
+  look_at_pace(f);
+}
+
+// A recording whose times were shrunk is a hand that does everything sooner than hands can.
+void HandLimits::look_at_pace(const haptics::ServoFrame& f) {
+  if (f.inside == 0) return within_.clear();
+  const Vec3 at{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
+  within_.push_back({f.time_s, at});
+  while (within_.size() > 2 && within_[1].time_s <= f.time_s - forward_window_s + 1e-9) within_.pop_front();
+  const double since_s = f.time_s - within_.front().time_s;
+  if (since_s < forward_window_s - 1e-9) return;
+  const double forward = -dot(at - within_.front().tip_mm, Vec3{f.axis[0], f.axis[1], f.axis[2]}) / since_s;
+  if (forward > 1000 * max_forward_m_per_s)
+    refuse(f, fmt::format("the tool goes into the patient with {:.1f} m/s, and no hand's with more than {:g}",
+                          forward / 1000, max_forward_m_per_s));
 }
 
 void HandLimits::look_at_speed(const haptics::ServoFrame& f) {

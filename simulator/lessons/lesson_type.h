@@ -20,6 +20,7 @@ struct ReportHead;
 struct LessonTask {
   std::string name;  ///< as recordings have it: "right", "pedicle_2_left"
   std::string aim, indication;
+  std::string german_aim, german_indication;
 };
 
 /// A column of the log of attempts beside those that every lesson has.
@@ -28,7 +29,8 @@ struct LessonColumn {
   std::string row;  ///< the row that measures it under this name; empty: a figure of the score
 };
 
-/// A step that a window leads through, by the name of the tool to be taken, or of the command.
+/// A step that a window leads through, by the name of the tool to be taken, or of the command. "screw_*": any of the
+/// tools of which that is the begin; which of them, the participant decides.
 struct LessonGuide {
   std::string text, tool, command;
   std::string why, sign;  ///< why it is done, and how one sees that it is right
@@ -39,11 +41,22 @@ struct LessonStatus {
   std::string name, label, value;
 };
 
-/// What a lesson says in a window, in each language of window/texts.h, English first. Steps, labels and values are
-/// looked up by their English words; words that the window knows for every lesson ("Passes", "Finished") stand there.
+/// What a lesson says, in each language of texts/language.h, English first. Steps, why and sign, labels and values are
+/// looked up by their English words (lesson_words); words that the window knows for every lesson ("Passes") stand
+/// there.
 struct LessonText {
   std::string in[2];
 };
+
+/// What lamp and drapes of a window leave open: the middle of the field, and the radius of the drape's opening (0:
+/// nothing is draped yet). It must not tell what the participant has to find.
+struct LessonField {
+  Vec3 centre_mm;
+  double open_mm = 0, lamp_mm = 130;
+  Vec3 down{0, 1, 0};  ///< where drops fall: by default a patient on the back
+};
+/// What comes out of the tool in hand, where a surgeon sees it.
+enum class LessonFluid { none, csf, blood };
 
 /// A C-arm, as a window shows it.
 struct LessonXray {
@@ -104,6 +117,9 @@ struct LessonType {
   std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
   std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
+  /// The field of operation; empty: about the middle of what is shown.
+  std::function<LessonField(const LessonFacts&, const cases::CaseManifest&)> field;
+  std::function<LessonFluid(const LessonFacts&, const cases::CaseManifest&)> fluid;
   /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
   std::function<LessonXray(const Lesson&, const cases::CaseManifest&)> xray;
   /// And all that was seen, in the order of time.

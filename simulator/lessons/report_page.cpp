@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/base64.h"
+#include "lessons/lesson_guide.h"
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 
@@ -134,6 +135,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   if (!head.replayed) out += "<p class=\"failed\"><b>Trusted: the recording was not replayed.</b></p>\n";
   if (facts.undone > 0) out += fmt::format("<p><b>What was cut was taken back {} times.</b></p>\n", facts.undone);
   out += rows_html(score);
+  out += steps_html(guide_of(module, facts), texts::Language::english);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
   out += module.pictures(facts, loaded);
   out += fmt::format(

@@ -49,21 +49,19 @@ void Renderer::Impl::surface_with(int parts) {
   GlProgram& p = surfaces[parts];
   surface = &p;
   if (!(made >> parts & 1)) {
-    static const std::pair<int, const char*> names[] = {{grain_part, "GRAIN"},
-                                                        {glow_part, "GLOW"},
-                                                        {balls_part, "BALLS"},
-                                                        {wall_part, "WALL"},
-                                                        {shadow_part, "SHADOW"}};
+    static const std::pair<int, const char*> names[] = {{grain_part, "GRAIN"},   {glow_part, "GLOW"},
+                                                        {balls_part, "BALLS"},   {wall_part, "WALL"},
+                                                        {shadow_part, "SHADOW"}, {theatre_part, "THEATRE"}};
     std::string source = fmt::format("#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n",
                                      key_light[0], key_light[1], key_light[2]);
     for (const auto& [part, name] : names)
       if (parts & part) source += std::string("#define ") + name + "\n";
     p = GlProgram((source + surface_vertex).c_str(), (source + surface_fragment).c_str());
-    made |= 1u << parts;
+    made |= std::uint64_t{1} << parts;
   }
   p.use();
   if (begun >> parts & 1) return;
-  begun |= 1u << parts;
+  begun |= std::uint64_t{1} << parts;
   // What is the same for all that this program draws in this picture.
   const scene::SceneState& state = *surface_state;
   p.set("to_camera", surface_eye->to_camera(centre_mm));
@@ -79,6 +77,7 @@ void Renderer::Impl::surface_with(int parts) {
     p.set("grain", grain_of_surface);
   }
   if (parts & wall_part) p.set("occupancy", 1);
+  if (parts & theatre_part) set_theatre(p);
   if (parts & shadow_part) receive_shadow(p);
   if (parts & glow_part) {
     p.set("glow_colour", 0.05f, 0.55f, 0.9f);
@@ -147,7 +146,8 @@ void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, 
   using namespace shaders;
   const Item& item = items[n];
   surface_with((item.incised && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
-               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0));
+               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | theatre_parts(state));
+  if (state.theatre) set_tissue(item.incised, item.incised ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
   if (item.incised && !walls.empty()) set_balls(*surface, true);
@@ -182,7 +182,9 @@ void Renderer::Impl::draw_walls(const scene::SceneState& state) {
     const std::size_t s = std::size_t(wall.surface);
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
     surface_with(shaders::wall_part | shaders::balls_part | (quality.grain ? shaders::grain_part : 0) |
-                 (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0));
+                 (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0) |
+                 theatre_parts(state));
+    if (state.theatre) set_tissue(false, 1);
     surface->set("model", scene::affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface->set("opacity", 1.f);
     surface->set("wall_ball", int(n));
@@ -223,6 +225,10 @@ void Renderer::Impl::draw_solids(const scene::SceneState& state) {
   dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
   dots(state.ink_mm, {0.12f, 0.25f, 0.85f}, 0.9);
   if (state.tool_shown) draw_solid_at(tool, state.tip_mm, haptics::frame_along(state.axis), 1);
+  for (const scene::Marker& drop : state.drops) {
+    set_colour(drop.colour_rgb);
+    draw_solid_at(ball, drop.position_mm, scaled(drop.radius_mm), 1);
+  }
   glDisable(GL_CULL_FACE);
 }
 

@@ -25,6 +25,12 @@ struct Renderer::Impl {
   void cast_shadow(const scene::EyeView& eye, const scene::SceneState& state);
   void receive_shadow(const GlProgram& program) const;
 
+  // renderer_theatre.cpp
+  int theatre_parts(const scene::SceneState& state) const;  ///< shaders::SurfacePart of a surface in a theatre
+  void set_theatre(const GlProgram& program) const;         ///< what is the same for all that it draws
+  /// Of what is drawn next: only skin is draped; what lies beneath it, and drops, are wet.
+  void set_tissue(bool skin, double wet) const;
+
   // renderer_draw.cpp
   void draw(const scene::EyeView& eye, const scene::SceneState& state, int width, int height);
   /// What is drawn from now on, until it is called again, is seen by that eye; `cut` away, or not.
@@ -65,7 +71,7 @@ struct Renderer::Impl {
   std::vector<Item> items;
   SolidBuffer tool, ball, dot_solid;
   GlProgram surfaces[shaders::all_parts + 1];  ///< made where they are first needed
-  std::uint32_t made = 0, begun = 0;           ///< bit n: of surfaces[n]
+  std::uint64_t made = 0, begun = 0;           ///< bit n: of surfaces[n]
   const GlProgram* surface = nullptr;          ///< in use
   const scene::EyeView* surface_eye = nullptr;
   const scene::SceneState* surface_state = nullptr;

@@ -54,6 +54,19 @@ uniform int wall_ball;
 uniform mat4 to_occupancy;
 uniform sampler3D occupancy;
 #endif
+#ifdef THEATRE
+uniform vec4 field, wound;  // places, with the lamp's radius and the wound's
+uniform float open_mm, wet, bump_mm;  // open_mm: of the drape, 0 where there is none
+// Leans the normal as a height over the surface would, by how it changes from pixel to pixel [Mikkelsen2010].
+vec3 bumped(vec3 n, float high_mm) {
+  vec3 dx = dFdx(seen_from_eye), dy = dFdy(seen_from_eye);
+  vec3 across = cross(dy, n), along = cross(n, dx);
+  float det = dot(dx, across);
+  vec3 lean = sign(det) * (dFdx(high_mm) * across + dFdy(high_mm) * along);
+  lean /= max(abs(det), 1e-9);
+  return normalize(n - lean * min(1, 0.5 / max(length(lean), 1e-6)));  // seen from afar it is no steeper than that
+}
+#endif
 #ifdef SHADOW  // of the tool
 uniform int shadow_taps;
 in vec3 in_shadow;
@@ -71,11 +84,14 @@ float past_tool() { return 1; }
 #endif
 void main() {
 #ifdef BALLS
+  float edge_mm = 1e3;  // to the nearest incision's edge
   for (int n = 0; n < balls; ++n) {
 #ifdef WALL
     if (n == wall_ball) continue;
 #endif
-    if (distance(place, ball[n].xyz) < ball[n].w) discard;
+    float beyond_mm = distance(place, ball[n].xyz) - ball[n].w;
+    if (beyond_mm < 0) discard;
+    edge_mm = min(edge_mm, beyond_mm);
   }
 #endif
 #ifdef WALL
@@ -91,6 +107,38 @@ void main() {
   base *= 1 + grain * g;
 #endif
   if (inner) base *= vec3(0.62, 0.5, 0.5);
+#ifdef THEATRE
+  const vec3 blood = vec3(0.17, 0.008, 0.008);
+  float moist = wet, rough = 0;
+#ifdef GRAIN
+  rough = g;
+#endif
+  float from_field_mm = distance(place, field.xyz);
+  if (open_mm > 0 && from_field_mm > open_mm) {  // cloth
+    float weave = 0.5 + 0.25 * (sin(place.x * 5.2) * sin(place.y * 5.2) + sin(place.z * 5.2));
+    base = vec3(0.018, 0.16, 0.15) * (0.86 + 0.28 * weave);
+    base *= 0.45 + 0.55 * smoothstep(0, 3.5, from_field_mm - open_mm);  // the hem
+    moist = 0;
+  } else {
+    if (open_mm > 0) base = mix(base, base * vec3(0.92, 0.66, 0.40), 0.5);  // the skin was prepared
+#ifdef BALLS
+    float bled = 1 - smoothstep(0.4, 2.6 + 5.0 * rough, edge_mm);
+    base = mix(base, blood, 0.9 * max(0, bled));
+    moist = max(moist, bled);
+#else
+    // Beneath the skin blood gathers along the edge of what is open.
+    float in_wound = distance(place, wound.xyz) / max(wound.w, 1e-3);
+    float smeared = wound.w > 0 ? smoothstep(0.62, 1.0, in_wound + 0.5 * rough) * (1 - step(1.25, in_wound)) : 0;
+    base = mix(base, blood, 0.75 * smeared);
+#endif
+#ifdef WALL
+    base = mix(base, blood, 0.55 + 0.4 * rough);
+#endif
+  }
+#ifdef GRAIN
+  if (!inner) n = bumped(n, bump_mm * rough);
+#endif
+#endif
   const vec3 key = normalize(KEY_LIGHT), fill = normalize(vec3(0.80, 0.05, 0.45)),
              rim = normalize(vec3(0.25, 0.55, -0.80));
   float past = past_tool();
@@ -99,6 +147,11 @@ void main() {
   float shine = max(0.0, dot(n, normalize(key + to_eye)));
   for (int i = 0; i < 5; ++i) shine *= shine;  // to the power of 32
   vec3 lit = base * light + 0.10 * past * shine;
+#ifdef THEATRE
+  float lamp = 1 - smoothstep(0.55 * field.w, 1.5 * field.w, from_field_mm);
+  lit = (base * light + past * (0.06 * shine + moist * (0.30 * shine * shine + 0.05 * shine))) *
+        mix(vec3(0.30, 0.33, 0.36), vec3(1.22, 1.17, 1.08), lamp);
+#endif
 #ifdef GLOW
   // A spot where the tool touches, and a ring of 2.2 mm around it.
   float d = distance(place, glow_place);

@@ -12,7 +12,15 @@ extern const char* const surface_vertex;
 /// Surfaces, tools, markers, and the walls of incisions: without a version, and with KEY_LIGHT and these defined before
 /// it.
 extern const char* const surface_fragment;
-enum SurfacePart { grain_part = 1, glow_part = 2, balls_part = 4, wall_part = 8, shadow_part = 16, all_parts = 31 };
+enum SurfacePart {
+  grain_part = 1,
+  glow_part = 2,
+  balls_part = 4,
+  wall_part = 8,
+  shadow_part = 16,
+  theatre_part = 32,
+  all_parts = 63
+};
 extern const char* const plane_vertex;
 extern const char* const plane_fragment;                   ///< caps of a cut, and slices of the CT
 extern const char* const shadow_vertex;                    ///< the tool as the light sees it, with box_fragment

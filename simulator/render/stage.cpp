@@ -66,10 +66,13 @@ void Stage::set_view(const scene::ViewParams& params) {
   state.markers = params.places ? scene::places_of(loaded_.manifest) : std::vector<scene::Marker>();
 }
 
-void Stage::set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb) {
-  scene::Solid solid = scene::solid_of(own_tool);
+void Stage::set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb,
+                     bool blood) {
+  scene::Solid solid = scene::solid_of(own_tool, blood);
   if (colour_rgb)
-    for (scene::SolidVertex& v : solid.vertices) std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
+    for (scene::SolidVertex& v : solid.vertices)
+      if (!std::equal(scene::blood_rgb.begin(), scene::blood_rgb.end(), v.colour_rgb))
+        std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
   renderer_->set_tool(solid);
 }
 

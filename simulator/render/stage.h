@@ -38,8 +38,9 @@ class Stage {
   bool coarse_comes() const { return worker_.busy() || uploading_; }
   /// Until all of them are there.
   void wait_for_coarse();
-  /// `colour_rgb`: of all of it, in place of its own.
-  void set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
+  /// `colour_rgb`: of all of it but the blood in a syringe, in place of its own.
+  void set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {},
+                bool blood = false);
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
   std::size_t follow(drill::DirtyBricks& marks);
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest

@@ -68,6 +68,13 @@ struct CtPlane {
   Vec3 point_mm;
 };
 
+/// A field of operation: a lamp over it, drapes around it, and what is wet or bleeds looks so.
+struct TheatreField {
+  Vec3 centre_mm;
+  double open_mm = 0;    ///< radius of the drape's opening; 0: nothing is draped yet
+  double lamp_mm = 130;  ///< radius of the lamp's light
+};
+
 /// What changes from picture to picture.
 struct SceneState {
   std::vector<double> opacity;  ///< by surface; 0: not drawn
@@ -83,6 +90,8 @@ struct SceneState {
   bool insets = false;             ///< three slices of the CT through the tip, in a corner
   std::vector<Vec3> trace_mm;      ///< a line
   std::vector<Vec3> ink_mm;        ///< what a marker drew, as dots that touch
+  std::optional<TheatreField> theatre;
+  std::vector<Marker> drops;  ///< of a fluid that comes out of the tool
   std::vector<CtPlane> ct_planes;
   double ct_low_hu = -160, ct_high_hu = 240;
 };

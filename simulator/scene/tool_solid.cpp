@@ -10,7 +10,9 @@ namespace {
 using Colour = std::array<float, 3>;
 using Tip = haptics::ToolParams::Tip;
 constexpr Colour steel{0.78f, 0.80f, 0.83f}, dark_steel{0.45f, 0.47f, 0.51f}, grip{0.16f, 0.24f, 0.36f},
-    silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f}, blue{0.16f, 0.30f, 0.75f};
+    silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f}, blue{0.16f, 0.30f, 0.75f}, glass{0.80f, 0.86f, 0.90f},
+    titanium{0.62f, 0.55f, 0.70f};
+constexpr double tube_beyond_mm = 60;  // of a tube, behind what is felt
 constexpr double pi = 3.14159265358979323846;
 
 // A place on the outline, from the tip to the tail. Where two have the same place and other normals, there is an edge.
@@ -114,9 +116,67 @@ Solid scalpel() {
   return s;
 }
 
+// Behind a needle: a cone that locks, a barrel of 5 ml with its contents, and the plunger drawn out.
+void syringe(Turned& t, double z, double neck, bool blood) {
+  constexpr double barrel = 6.5;
+  const Colour inside = blood ? blood_rgb : glass;
+  t.part({{z, neck, blue}, {z + 1, 2.6, blue}, {z + 9, 2.6, blue}, {z + 10, 2.1, glass}, {z + 16, 2.1, glass}}, false);
+  t.part({{z + 16, 2.1, glass}, {z + 18, barrel, glass}}, false);
+  t.part({{z + 18, barrel, inside}, {z + 46, barrel, inside}}, true);
+  t.part({{z + 46, barrel, ink}, {z + 50, barrel, ink}}, true);
+  t.part({{z + 50, barrel, glass}, {z + 76, barrel, glass}}, true);
+  t.part({{z + 76, barrel, glass}, {z + 76, 11, glass}, {z + 78, 11, glass}, {z + 78, 3, glass}}, false);
+  t.part({{z + 78, 3, glass}, {z + 100, 3, glass}, {z + 100, 8, glass}, {z + 102, 8, glass}, {z + 102, 0, glass}},
+         false);
+}
+
+// Across the needle's end, so that a palm can press and turn it.
+void cross_handle(Turned& t, Solid& out, double z, double neck) {
+  t.part({{z, neck, dark_steel}, {z + 2, 4, grip}, {z + 16, 5, grip}, {z + 16, 0, grip}}, false);
+  Turned bar(24);
+  bar.part(arc(-38, 7, 0, pi / 2, 6, grip), true);
+  bar.part({{-38, 7, grip}, {-12, 5.5, grip}, {12, 5.5, grip}, {38, 7, grip}}, true);
+  bar.part(arc(38, 7, pi / 2, pi, 6, grip), true);
+  const Solid across = bar.take();
+  const auto first = std::uint32_t(out.vertices.size());
+  for (SolidVertex v : across.vertices) {  // its own z becomes the tool's x
+    const auto turn = [](float* p) { std::swap(p[0], p[2]), std::swap(p[1], p[2]); };
+    turn(v.position_mm);
+    turn(v.normal);
+    v.position_mm[2] += float(z + 18);
+    out.vertices.push_back(v);
+  }
+  for (const std::uint32_t n : across.indices) out.indices.push_back(first + n);
+}
+
+// A thread of 3 mm from the cone on; then the head that takes a rod, and the driver in it.
+void screw(Turned& t, double z, double end, double r) {
+  const double core = 0.74 * r, pitch = 3;
+  for (; z + pitch <= end; z += pitch)
+    t.part({{z, core, titanium}, {z + 0.8, r, titanium}, {z + 1.3, r, titanium}, {z + pitch, core, titanium}}, false);
+  t.part({{z, core, titanium}, {end, core, titanium}}, true);
+  const double head = std::max(5.5, 1.6 * r);
+  t.part({{end, core, titanium}, {end + 1.5, head, titanium}, {end + 12, head, titanium}, {end + 12, 3, titanium}},
+         false);
+  t.part({{end + 12, 3, steel}, {end + 80, 3, steel}}, true);
+  handle(t, end + 80, 3, 90, 10);
+}
+
+void append(Solid& to, const Solid& part) {
+  const auto first = std::uint32_t(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const std::uint32_t n : part.indices) to.indices.push_back(first + n);
+}
+
 }  // namespace
 
-Solid solid_of(const haptics::ToolParams& tool) {
+double tail_mm(const haptics::ToolParams& tool) {
+  double far = 0;
+  for (const SolidVertex& v : solid_of(tool).vertices) far = std::max(far, double(v.position_mm[2]));
+  return far;
+}
+
+Solid solid_of(const haptics::ToolParams& tool, bool blood) {
   const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
   const haptics::ToolKind& kind = haptics::tool_kind(tool.tool);
   if (kind.look == haptics::ToolKind::Look::pen) return pen();
@@ -147,15 +207,26 @@ Solid solid_of(const haptics::ToolParams& tool) {
     t.part({{0, 0, dark_steel}, {0, r, dark_steel}}, true);
   }
   const double end = std::max({length, z + 1, ball ? 35.0 : 0.0});
-  shaft(t, z, end, neck, colour, tube);
+  if (kind.look == haptics::ToolKind::Look::screw)
+    screw(t, z, end, neck);
+  else
+    shaft(t, z, end, neck, colour, tube);
+  using Look = haptics::ToolKind::Look;
+  Solid across;
   if (tube) {  // the rest of it, up to its whole length; its end is flat
-    shaft(t, end, end + 60, neck, colour, false);
-    t.part({{end + 60, neck, colour}, {end + 60, 0, colour}}, true);
-  } else {
+    shaft(t, end, end + tube_beyond_mm, neck, colour, false);
+    t.part({{end + tube_beyond_mm, neck, colour}, {end + tube_beyond_mm, 0, colour}}, true);
+  } else if (kind.look == Look::syringe) {
+    syringe(t, end, neck, blood);
+  } else if (kind.look == Look::cross_handle) {
+    cross_handle(t, across, end, neck);
+  } else if (kind.look != Look::screw) {
     const bool motor = ball || kind.rotates();
     handle(t, end, neck, motor ? 90 : 40, motor ? 4.5 : 4);
   }
-  return t.take();
+  Solid whole = t.take();
+  append(whole, across);
+  return whole;
 }
 
 Solid ball_solid(double radius_mm, std::array<float, 3> colour_rgb, int rings) {

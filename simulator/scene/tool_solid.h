@@ -17,10 +17,13 @@ struct Solid {
   std::vector<std::uint32_t> indices;  ///< three a triangle, counter-clockwise from outside
 };
 
-/// The tool as it is shown: the part that is felt as it is felt, and behind it a handle. In the tool's coordinates: the
-/// tip at 0, the tail towards +z. A catheter has a mark at every cm from its tip, longer ones at 5 and 10 cm. Closed
-/// and outwards.
-Solid solid_of(const haptics::ToolParams& own_tool);
+/// The tool as it is shown: the part that is felt as it is felt, and behind it a handle, a syringe or a screw's driver.
+/// In the tool's coordinates: the tip at 0, the tail towards +z. A catheter has a mark at every cm from its tip, longer
+/// ones at 5 and 10 cm. Each part closed and outwards. `blood`: in a syringe.
+Solid solid_of(const haptics::ToolParams& own_tool, bool blood = false);
+/// Where that ends, from the tip: of a tube, where what flows through it drips.
+double tail_mm(const haptics::ToolParams& own_tool);
+constexpr std::array<float, 3> blood_rgb{0.42f, 0.03f, 0.04f};
 /// A ball about 0.
 Solid ball_solid(double radius_mm, std::array<float, 3> colour_rgb, int rings = 12);
 

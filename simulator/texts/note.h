@@ -66,6 +66,7 @@ enum class NoteId {
   marker_untouched,
   last_step,
   first_step,
+  choose_tool,
   not_now,
   count
 };

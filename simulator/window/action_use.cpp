@@ -42,6 +42,8 @@ constexpr KeyWord key_words[] = {
     {GLFW_KEY_KP_SUBTRACT, {{"", ""}}},
     {GLFW_KEY_KP_ENTER, {{"", ""}}},
 };
+constexpr texts::Wording with_words[] = {
+    {{"", ""}}, {{"", ""}}, {{"Shift + ", "Umschalt + "}}, {{"Ctrl + ", "Strg + "}}};  // by KeyUse::With
 constexpr texts::Wording to_word{{" to ", " bis "}}, twice_word{{"twice", "zweimal"}};
 
 std::string in_table(std::string text) {
@@ -121,11 +123,13 @@ std::string key_name(int key, texts::Language language) {
 
 std::string keys_text(const Action& action, texts::Language language) {
   std::string text;
+  KeyUse::With with = KeyUse::With::any;  // said once for keys that follow each other
   for (const KeyUse& use : action.keys) {
     std::string name = key_name(use.key, language);
     if (name.empty()) continue;
     if (use.how == KeyUse::How::numbered) name += to_word.of(language) + key_name(last_numbered(use.key), language);
     if (use.how == KeyUse::How::twice) name += std::string(", ") + twice_word.of(language);
+    if (std::exchange(with, use.with) != use.with) name = with_words[int(use.with)].of(language) + name;
     text += (text.empty() ? "" : ", ") + name;
   }
   return text;

@@ -6,6 +6,7 @@
 #include <GLFW/glfw3.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "base/error.h"
 #include "window/texts.h"
@@ -82,14 +83,29 @@ Reply zoom(Player& p, Words& w) {
 Reply notes(Player& p, Screen& s, Words& w) {
   if (!w.more()) return notes_line(p.notes, answered_notes, s.language);
   const std::string asked = w.word();
-  for (const auto& [name, language] : languages())
+  for (const auto& [name, language] : texts::languages())
     if (asked == name) return notes_line(p.notes, answered_notes, language);
   throw Error(ExitCode::usage, "", w.verb(), "the window has no language of that name");
 }
 
-// As far as the cursor went, at the tool's depth.
+// The four arrows, with what is held beside them.
+void add_arrows(Action& a, KeyUse::With with) {
+  for (const auto& [key, x, y] : {std::tuple<int, double, double>{GLFW_KEY_LEFT, -1, 0},
+                                  {GLFW_KEY_RIGHT, 1, 0},
+                                  {GLFW_KEY_UP, 0, 1},
+                                  {GLFW_KEY_DOWN, 0, -1}})
+    a.keys.push_back({key, How::held, "", "", x, y, with});
+}
+
+// As far as the cursor went, at the tool's depth; or as long as a key is held.
 void follow_cursor(Player& p, const Screen& s, const Gesture& g) {
   if (!p.live() || !p.live()->hand.by_screen()) return;
+  if (g.seconds > 0) {
+    const double mm = s.hand.move_mm_per_s * g.seconds;
+    const bool pedal = p.lesson() ? p.lesson()->pedal() : p.live()->hand.pressed(haptics::Drilling::pedal);
+    p.live()->hand.move_in_picture(g.x * mm, g.y * mm, s.cursor, pedal && p.live()->draws());
+    return;
+  }
   const scene::EyeView eye = p.view().eye(s.cursor);
   const double* at = p.view().frame().tip_mm;
   const double depth = -dot(Vec3{at[0], at[1], at[2]} - eye.eye_mm, eye.toward);
@@ -153,6 +169,7 @@ void hand_actions(Entries e) {
         {{"moves the tool in the picture's plane (X Y Z: by that way, in mm)",
           "bewegt das Instrument in der Bildebene"}});
   e->keys = {{mouse::move, How::drag}};
+  add_arrows(*e.operator->(), KeyUse::With::shift);
   e->during = follow_cursor;
   e->run =
       hand_does([](Hand& hand, Screen&, Words& w) -> texts::Answer { return hand.move(w.point()), texts::Answer(); });
@@ -173,8 +190,10 @@ void hand_actions(Entries e) {
   e->during = [](Player& p, const Screen& s, const Gesture&) { p.live()->hand.draw_at(s.cursor); };
   e.add("orbit", "RIGHT UP", {{"turns the view (RIGHT UP: by so many degrees)", "dreht die Ansicht"}});
   e->keys = {{mouse::right, How::drag}};
-  e->during = [](Player& p, const Screen&, const Gesture& g) {
-    p.view().camera.orbit(g.x * orbit_rad_per_px, g.y * orbit_rad_per_px);
+  add_arrows(*e.operator->(), KeyUse::With::control);
+  e->during = [](Player& p, const Screen& s, const Gesture& g) {
+    const double each = g.seconds > 0 ? rad(s.hand.turn_deg_per_s) * g.seconds : orbit_rad_per_px;
+    p.view().camera.orbit(g.x * each, (g.seconds > 0 ? -g.y : g.y) * each);
   };
   e->run = does([](Player& p, Words& w) {
     const double right = w.number(), up = w.number();
@@ -194,10 +213,7 @@ void hand_actions(Entries e) {
   e->during = [](Player& p, const Screen&, const Gesture& g) { p.view().camera.zoom(std::pow(0.9, g.y)); };
   e->run = does(zoom);
   e.add("", "", {{"tilt the tool", "kippen das Instrument"}});
-  e->keys = {{GLFW_KEY_LEFT, How::held, "", "", -1, 0},
-             {GLFW_KEY_RIGHT, How::held, "", "", 1, 0},
-             {GLFW_KEY_UP, How::held, "", "", 0, 1},
-             {GLFW_KEY_DOWN, How::held, "", "", 0, -1}};
+  add_arrows(*e.operator->(), KeyUse::With::nothing);
   e->during = tilt;
   e.add("ahead", "", {{"points the tool away from you", "richtet das Instrument vom Betrachter weg"}});
   e->keys = {{GLFW_KEY_HOME}};

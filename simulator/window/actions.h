@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "fluoro/fluoroscope.h"
+#include "render/mirror.h"
 #include "window/player.h"
 
 namespace trephine::window {
@@ -12,6 +14,8 @@ namespace trephine::window {
 struct Screen {
   Cursor cursor;
   bool panels_shown = true;
+  fluoro::MetalShown metal = fluoro::MetalShown::bright;
+  render::Mirror mirror = render::Mirror::none;  ///< of the whole window
   texts::Language language = texts::Language::english;
   ScreenHandParams hand;
   texts::Answer answer;  ///< to the last key or button
@@ -66,6 +70,8 @@ struct KeyUse {
   std::string words = "";     ///< the action's, when it is pressed
   std::string released = "";  ///< and when it is released; empty: nothing
   double x = 0, y = 0;        ///< of a key that is held: which way
+  enum class With { any, nothing, shift, control };
+  With with = With::any;  ///< of a key that is held: what is held with it
 };
 
 /// How far a key that is held, the mouse or its wheel has gone.

@@ -103,12 +103,16 @@ void Controls::release(int key, Player& player, Screen& screen) {
 
 void Controls::hold(double wall_s, Player& player, Screen& screen) {
   held_s_ += wall_s;
+  const auto is_down = [&](int left, int right) { return down_.count(left) || down_.count(right); };
+  const bool shift = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
+             control = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+  const KeyUse::With with = shift ? KeyUse::With::shift : control ? KeyUse::With::control : KeyUse::With::nothing;
   for (const Action& a : all_actions()) {
     Gesture gesture{0, 0, wall_s};
     bool held = false;
     for (const KeyUse& use : a.keys) {
       if (!down_.count(use.key)) continue;
-      if (use.how == How::held) {
+      if (use.how == How::held && (use.with == KeyUse::With::any || use.with == with)) {
         held = true;
         gesture.x += use.x;
         gesture.y += use.y;

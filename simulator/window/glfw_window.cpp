@@ -94,6 +94,10 @@ const std::vector<InputEvent>& GlfwWindow::events(double wait_s) {
     glfwPollEvents();
   given_.swap(waiting_);
   waiting_.clear();
+  int width = 0, height = 0;
+  width_height(width, height);
+  for (InputEvent& e : given_)
+    if (e.kind == InputEvent::Kind::move) render::mirror_place(mirror_, width, height, e.x, e.y);
   return given_;
 }
 

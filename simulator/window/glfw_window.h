@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "render/mirror.h"
+
 struct GLFWwindow;
 
 namespace trephine::window {
@@ -34,6 +36,8 @@ class GlfwWindow {
   void width_height(int& width, int& height) const;  ///< of the framebuffer
   void swap();
   bool reset() const;  ///< the driver lost the context
+  /// What is seen is mirrored, so places of the cursor are.
+  void set_mirror(render::Mirror mirror) { mirror_ = mirror; }
   bool has_quad_buffers() const { return quad_buffers_; }
   GLFWwindow* handle() const { return window_; }
 
@@ -41,6 +45,7 @@ class GlfwWindow {
   struct Library;
   std::unique_ptr<Library> library_;
   GLFWwindow* window_ = nullptr;
+  render::Mirror mirror_ = render::Mirror::none;
   bool quad_buffers_ = false, has_khr_robustness_ = false, has_arb_robustness_ = false;
   std::vector<InputEvent> waiting_, given_;
 };

@@ -39,6 +39,17 @@ void Hand::move(Vec3 by_mm) {
   aim();
 }
 
+void Hand::move_in_picture(double right_mm, double up_mm, const Cursor& picture, bool draws) {
+  const scene::OrbitCamera& camera = view_.camera;
+  const Vec3 by = camera.right() * right_mm + camera.up * up_mm;
+  if (!draws) return move(by);
+  Cursor at = picture;
+  const Vec3 seen = view_.eye(picture).project(goal_.tip_mm + by, picture.width, picture.height);
+  at.x = seen.x;
+  at.y = seen.y;
+  draw_at(at);
+}
+
 void Hand::advance(double mm) {
   const Vec3 ahead = -normalized(vec(view_.frame().axis));
   const double behind = dot(goal_.tip_mm - vec(view_.frame().tip_mm), ahead);

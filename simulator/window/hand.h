@@ -15,6 +15,8 @@ class Hand {
   Hand(CaseView& view, const std::string& site, bool behind);
 
   void move(Vec3 by_mm);
+  /// To the right and up in the picture; `draws`: along the surface that is seen there.
+  void move_in_picture(double right_mm, double up_mm, const Cursor& picture, bool draws);
   void advance(double mm);  ///< along the tool; not where the hand is held back far behind
   void place(Vec3 tip_mm, const std::optional<Vec3>& axis);  ///< takes it away and to that place
   void turn(double right_rad, double up_rad);

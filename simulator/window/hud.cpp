@@ -262,6 +262,13 @@ void Hud::playback_panel(ShownRecording& shown) {
 void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  if (screen.mirror != render::Mirror::none) {
+    ImGuiIO& io = ImGui::GetIO();
+    double x = double(io.MousePos.x), y = double(io.MousePos.y);
+    render::mirror_place(screen.mirror, int(io.DisplaySize.x), int(io.DisplaySize.y), x, y);
+    if (ImGui::IsMousePosValid(&io.MousePos)) io.MousePos = {float(x), float(y)};
+  }
+  metal_ = screen.metal;
   ImGui::NewFrame();
   const bool has_shots = player.shots() && !player.shots()->shots().empty();
   layout_ =

@@ -49,6 +49,7 @@ class Hud {
   texts::Language language_;
   std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown
   std::size_t notes_seen_ = 0;
+  fluoro::MetalShown metal_ = fluoro::MetalShown::bright;
   unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
   std::uint64_t in_texture_ = 0;  // XrayPictures::made of what it holds
 };

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "lessons/lesson_guide.h"
 #include "window/hud.h"
 #include "window/hud_parts.h"
 
@@ -23,13 +24,28 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
     ImGui::End();
     return;
   }
-  if (!lesson.task().aim.empty()) ImGui::TextWrapped("%s", lesson.task().aim.c_str());
-  for (std::size_t n = 0; n < lesson.steps().size(); ++n)
-    ImGui::TextColored(n == lesson.step()  ? orange
+  const lessons::LessonTask& task = lesson.task();
+  if (!task.aim.empty()) {
+    ImGui::TextWrapped("%s", lessons::aim_of(task, language_).c_str());
+    ImGui::PushStyleColor(ImGuiCol_Text, grey);
+    ImGui::TextWrapped("%s", lessons::indication_of(task, language_).c_str());
+    ImGui::PopStyleColor();
+  }
+  for (std::size_t n = 0; n < lesson.steps().size(); ++n) {
+    const lessons::LessonGuide& step = lesson.steps()[n].guide;
+    const bool now = n == lesson.step();
+    ImGui::TextColored(now                 ? orange
                        : n < lesson.step() ? grey
                                            : white,
-                       "%s %d. %s", n == lesson.step() ? ">" : " ", int(n) + 1,
-                       translated(language_, lesson.steps()[n].text).c_str());
+                       "%s %d. %s", now ? ">" : " ", int(n) + 1, translated(language_, step.text).c_str());
+    if (!now || step.why.empty()) continue;  // the reason and the sign of what is to be done now
+    ImGui::Indent();
+    ImGui::TextWrapped("%s", translated(language_, step.why).c_str());
+    ImGui::PushStyleColor(ImGuiCol_Text, sky);
+    ImGui::TextWrapped("%s: %s", say(Text::sign), translated(language_, step.sign).c_str());
+    ImGui::PopStyleColor();
+    ImGui::Unindent();
+  }
   if (lesson.paused()) ImGui::TextColored(vermilion, "%s", say(Text::paused));
   ImGui::Separator();
   line(say(Text::time), fmt::format("{:.1f} s", lesson.facts().procedure_s()));

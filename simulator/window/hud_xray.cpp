@@ -16,10 +16,11 @@ using namespace hud;
 namespace {
 
 // The picture as the texture that is bound: one channel, shown as grey.
-void upload(const fluoro::FluoroPicture& picture) {
+void upload(const fluoro::FluoroPicture& picture, fluoro::MetalShown how) {
+  const std::vector<std::uint8_t> grey = fluoro::shown_grey(picture, how);
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, picture.size, picture.size, 0, GL_RED, GL_UNSIGNED_BYTE, picture.grey.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, picture.size, picture.size, 0, GL_RED, GL_UNSIGNED_BYTE, grey.data());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -38,7 +39,7 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
     GLint before = 0;
     glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
     glBindTexture(GL_TEXTURE_2D, texture_);
-    upload(seen->picture);
+    upload(seen->picture, metal_);
     glBindTexture(GL_TEXTURE_2D, GLuint(before));
     in_texture_ = pictures.made();
   }

@@ -23,13 +23,15 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
   const float right = std::min(27 * letter, half);
   status = {width - margin - right, margin, right, room};
   // The lower part of a column; the panel above it keeps the rest.
-  const auto below = [&](Place& above, float wide, float high, bool on_right) {
-    const float w = std::min(std::max(wide, 14 * letter), half), h = std::min(high, 0.7f * room);
+  const auto below = [&](Place& above, float wide, float high, bool on_right, float most = 0.7f) {
+    const float w = std::min(std::max(wide, 14 * letter), half), h = std::min(high, most * room);
     above.height = room - h - margin;
     return Place{on_right ? width - margin - w : margin, bottom - h, w, h};
   };
   const float side = std::clamp(0.5f * std::min(width, height), 120.f, 512.f);
-  if (has_xray) xray = below(status, side, side + 5 * letter, true);
+  // X-rays are what such a lesson is done by: as large as the patient beside them allows. The status keeps some lines.
+  const float monitor = std::clamp(0.68f * std::min(width, height), 120.f, 900.f), few_lines = 6 * letter;
+  if (has_xray) xray = below(status, monitor, monitor + 5.5f * letter, true, std::min(0.82f, 1 - few_lines / room));
   if (has_scores) scores = below(status, 30 * letter, 0.55f * room, true);
   if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
 }

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "fluoro/fluoroscope.h"
 #include "lesson/approval.h"
+#include "lessons/lesson_guide.h"
 
 namespace trephine::window {
 namespace {
@@ -14,18 +15,15 @@ constexpr double dot_mm = 1;  // between dots of ink
 
 std::vector<LessonStep> steps_of(const lessons::LessonType& module, const lessons::LessonFacts& facts,
                                  const std::vector<haptics::BeltToolParams>& tools) {
-  std::vector<lessons::LessonGuide> guide;
-  if (module.guide) guide = module.guide(facts);
-  if (guide.empty()) {
-    for (const haptics::BeltToolParams& t : tools) guide.push_back({t.name, t.name, ""});
-    guide.push_back({"Finished", "", "finish"});
-  }
   std::vector<LessonStep> steps;
-  for (const lessons::LessonGuide& g : guide) {
+  for (const lessons::LessonGuide& g : lessons::guide_of(module, facts)) {
     LessonStep& step = steps.emplace_back();
-    step.text = g.text;
-    for (std::size_t n = 0; n < tools.size(); ++n)
-      if (tools[n].name == g.tool) step.tool = int(n);
+    step.guide = g;
+    for (std::size_t n = tools.size(); n-- > 0;)
+      if (lessons::is_for_tool(g, tools[n].name)) {
+        step.choice_of_tools = step.tool >= 0;
+        step.tool = int(n);
+      }
     for (int n = 1; n < haptics::belt_command::count; ++n)
       if (g.command == haptics::belt_command::names[n]) step.command = n;
   }
@@ -99,7 +97,10 @@ void LessonDesk::set_pedal(bool down) {
 // The step that begins with this tool or command, if the lesson has one.
 void LessonDesk::note_step(int tool, int command) {
   for (std::size_t n = 0; n < steps_.size(); ++n)
-    if (command != haptics::belt_command::none ? steps_[n].command == command : steps_[n].tool == tool) step_ = n;
+    if (command != haptics::belt_command::none
+            ? steps_[n].command == command
+            : tool >= 0 && lessons::is_for_tool(steps_[n].guide, tools()[std::size_t(tool)].name))
+      step_ = n;
 }
 
 texts::Answer LessonDesk::take(const std::string& name) {
@@ -134,6 +135,7 @@ texts::Answer LessonDesk::next() {
   const LessonStep& s = steps_[step_ + 1];
   // A pedal pressed once too often must not end the lesson, which cannot be taken back.
   if (s.tool < 0 && s.command == haptics::belt_command::finish) return texts::NoteId::only_end_left;
+  if (s.choice_of_tools) return texts::NoteId::choose_tool;
   return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(haptics::belt_command::names[s.command]);
 }
 
@@ -162,6 +164,14 @@ void LessonDesk::watch(const std::vector<haptics::ServoFrame>& frames, const hap
 
 std::vector<lessons::LessonStatus> LessonDesk::status() const {
   return module_.status ? module_.status(lesson_->facts()) : std::vector<lessons::LessonStatus>();
+}
+
+lessons::LessonField LessonDesk::field(Vec3 middle_mm) const {
+  return module_.field ? module_.field(lesson_->facts(), manifest_) : lessons::LessonField{middle_mm, 0, 220};
+}
+
+lessons::LessonFluid LessonDesk::fluid() const {
+  return module_.fluid ? module_.fluid(lesson_->facts(), manifest_) : lessons::LessonFluid::none;
 }
 
 int LessonDesk::verdict() const { return module_.verdict ? module_.verdict(lesson_->facts(), rubric_.rubric) : 0; }

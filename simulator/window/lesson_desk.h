@@ -24,8 +24,9 @@ struct LessonPlay {
 
 /// What a lesson leads through, in this order: a tool to be taken, or a command.
 struct LessonStep {
-  std::string text;
-  int tool = -1;
+  lessons::LessonGuide guide;
+  int tool = -1;                 ///< the first that it is for
+  bool choice_of_tools = false;  ///< one of several, which the participant chooses
   int command = haptics::belt_command::none;
 };
 
@@ -70,6 +71,9 @@ class LessonDesk {
   const lessons::LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<lessons::LessonStatus> status() const;
   int verdict() const;  ///< LessonType::verdict
+  /// As lamp, drapes and what comes out of the tool show it; `middle_mm`: of what is shown.
+  lessons::LessonField field(Vec3 middle_mm) const;
+  lessons::LessonFluid fluid() const;
   bool has_arm() const { return bool(module_.xray); }
   lessons::LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
   /// The X-rays of the lesson that was judged, for its review.

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "scene/fluid.h"
+#include "scene/tool_solid.h"
 
 namespace trephine::window {
 namespace {
@@ -252,7 +254,9 @@ void LiveSession::follow() {
 void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) {
   lesson_->watch(frames, session_->drilling());
   lesson_->take_ink(view_.stage().state.ink_mm);
-  if (lesson_->tool().name != tool_name_ || lesson_->verdict() != verdict_) show_lesson_tool();
+  if (lesson_->tool().name != tool_name_ || lesson_->verdict() != verdict_ || lesson_->fluid() != fluid_)
+    show_lesson_tool();
+  show_field_of(*lesson_, view_);
   // A device's second pedal goes on to the next step.
   bool second = false;
   for (const haptics::ServoFrame& f : frames) {
@@ -265,6 +269,7 @@ void LiveSession::follow_lesson(const std::vector<haptics::ServoFrame>& frames) 
 void LiveSession::show_lesson_tool() {
   tool_name_ = lesson_->tool().name;
   verdict_ = lesson_->verdict();
+  fluid_ = lesson_->fluid();
   press_as_needed();
   show_tool_of(*lesson_, view_);
 }
@@ -292,7 +297,20 @@ void show_tool_of(const LessonDesk& lesson, CaseView& view) {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   std::optional<std::array<float, 3>> colour;
   if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
-  view.stage().set_tool(haptics::whole_tool(lesson.tool()), colour);
+  view.stage().set_tool(haptics::whole_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
+}
+
+void show_field_of(const LessonDesk& lesson, CaseView& view) {
+  const surface::Bounds& b = view.stage().scene().bounds;
+  const lessons::LessonField field = lesson.field((b.min_mm + b.max_mm) / 2);
+  scene::SceneState& state = view.stage().state;
+  state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
+  state.drops.clear();
+  if (lesson.fluid() != lessons::LessonFluid::csf) return;
+  const haptics::ToolParams tool = haptics::whole_tool(lesson.tool());
+  const haptics::ServoFrame& f = view.frame();
+  state.drops = scene::csf_drops(vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm,
+                                 scene::tail_mm(tool), f.time_s);
 }
 
 }  // namespace trephine::window

@@ -77,10 +77,13 @@ class LiveSession {
   std::uint64_t rate_ticks_ = 0;
   std::uint32_t seen_buttons_ = 0, faults_ = 0, session_faults_ = 0;
   int sessions_ = 0, verdict_ = 0;
+  lessons::LessonFluid fluid_ = lessons::LessonFluid::none;
   bool recorded_ = false, failed_ = false, many_incisions_ = false;
 };
 
 /// The tool in the lesson's hand as a view shows it: in green where it succeeded, in red where it failed.
 void show_tool_of(const LessonDesk& lesson, CaseView& view);
+/// The lesson's field in the light of a theatre, with what comes out of the tool.
+void show_field_of(const LessonDesk& lesson, CaseView& view);
 
 }  // namespace trephine::window

@@ -41,6 +41,9 @@ class Loop {
         reduction_(params.target_ms, options.view, params.fine_mm, player.view().stage().driver().software) {
     screen_.panels_shown = params.panels;
     screen_.language = params.language;
+    screen_.metal = params.xray_metal;
+    screen_.mirror = params.mirror;
+    window.set_mirror(params.mirror);
     screen_.hand = options.hand;
     reduce();
   }
@@ -59,7 +62,10 @@ class Loop {
     if (head) head->poll(player_.head_mm);
     player_.step(wall_s);
     if (player_.stages() != stages_) reduce();
-    if (width > 0 && height > 0) picture(width, height);
+    if (width > 0 && height > 0) {
+      picture(width, height);
+      mirrored_.flip(screen_.mirror, width, height);
+    }
     window_.swap();
     if (window_.reset()) throw Error(ExitCode::io, "", "OpenGL", "the graphics driver was reset");
     const double ms = 1000 * since(begin);
@@ -116,8 +122,9 @@ class Loop {
       write_file(file, scene::png_of(render::read_picture(width, height)));
       const fluoro::MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
       if (xray && (player_.live() || player_.shots()->shown() >= 0))
-        write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
-                   fluoro::grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
+        write_file(
+            file.parent_path() / (file.stem().string() + "-xray.png"),
+            fluoro::grey_png(xray->picture.size, xray->picture.size, fluoro::shown_grey(xray->picture, screen_.metal)));
       screen_.answer = texts::Note{texts::NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said
@@ -132,6 +139,7 @@ class Loop {
   Screen screen_;
   Hud hud_;
   Reduction reduction_;
+  render::MirroredScreen mirrored_;
   PictureTimes shown_;
   std::deque<double> times_;
   double longest_ms_ = 0;

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "base/params.h"
+#include "fluoro/fluoroscope.h"
+#include "render/mirror.h"
 #include "window/player.h"
 #include "window/texts.h"
 
@@ -17,6 +19,8 @@ struct WindowParams {
   double fine_mm = 30;
   texts::Language language = texts::Language::english;
   bool panels = true;
+  fluoro::MetalShown xray_metal = fluoro::MetalShown::bright;
+  render::Mirror mirror = render::Mirror::none;
   template <class V>
   static void describe(V& v) {
     using P = WindowParams;
@@ -31,7 +35,14 @@ struct WindowParams {
         "Where surfaces are drawn coarser because pictures take too long, they stay whole so far around the tool's "
         "tip.");
     v.number(&P::letters, "letters", Range{0.5, 5}, "Size of the letters; 1: 13 pixels.");
-    v.choice(&P::language, "language", languages(), "Language of the panels.");
+    v.choice(&P::language, "language", texts::languages(), "Language of the panels.");
+    v.choice(&P::xray_metal, "xray_metal", {{"bright", fluoro::MetalShown::bright}, {"dark", fluoro::MetalShown::dark}},
+             "How the C-arm's monitor shows bone and metal: bright, as on a film, or dark, as on most C-arms.");
+    v.choice(&P::mirror, "mirror",
+             {{"none", render::Mirror::none},
+              {"left_right", render::Mirror::left_right},
+              {"up_down", render::Mirror::up_down}},
+             "Mirror the whole window, for a screen that is seen in a mirror over the hands.");
     v.flag(&P::panels, "panels", "Show the panels at the start; the key H shows and hides them.");
   }
 };

@@ -11,7 +11,7 @@ namespace trephine::window {
 struct ScreenHandParams {
   double hand_mass_kg = 0.2, hand_stiffness_n_per_mm = 0.4, hand_damping_n_s_per_mm = 0.006;
   double hand_most_n = 2.2;
-  double wheel_mm = 0.5, advance_mm_per_s = 4, turn_deg_per_s = 45;
+  double wheel_mm = 0.5, advance_mm_per_s = 4, move_mm_per_s = 12, turn_deg_per_s = 45;
   template <class V>
   static void describe(V& v) {
     using P = ScreenHandParams;
@@ -25,7 +25,10 @@ struct ScreenHandParams {
     v.number(&P::wheel_mm, "wheel_mm", Range{0.01, 20}, "Way along the tool for a step of the wheel.");
     v.number(&P::advance_mm_per_s, "advance_mm_per_s", Range{0.01, 100},
              "Speed along the tool while W (forwards) or S (back) is down.");
-    v.number(&P::turn_deg_per_s, "turn_deg_per_s", Range{1, 360}, "Speed of turning while an arrow key is down.");
+    v.number(&P::move_mm_per_s, "move_mm_per_s", Range{0.01, 200},
+             "Speed in the picture's plane while Shift and an arrow key are down.");
+    v.number(&P::turn_deg_per_s, "turn_deg_per_s", Range{1, 360},
+             "Speed of turning while an arrow key is down: the tool, or with Ctrl the view.");
   }
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The window's words. A further language is a further column, and an entry in languages().
+// The window's words. A further language is a further column, and an entry in texts::languages().
 #include "window/texts.h"
 
 #include "haptics/tool.h"
-#include "lessons/lesson_type.h"
+#include "lessons/lesson_guide.h"
 
 namespace trephine::window {
 namespace {
@@ -40,7 +40,6 @@ constexpr Row table[] = {
     {Text::trace, {{"Trace", "Spur"}}},
     {Text::reduced, {{"Reduced", "Vereinfacht"}}},
     {Text::lesson, {{"Lesson", "Lektion"}}},
-    {Text::step_finish, {{"Finished", "Beendet"}}},
     {Text::last_trace, {{"Last trace, mm", "Letzte Spur, mm"}}},
     {Text::passes, {{"Passes", "Durchgänge"}}},
     {Text::paused, {{"PAUSED: nothing is felt", "PAUSE: nichts ist zu spüren"}}},
@@ -69,6 +68,7 @@ constexpr Row table[] = {
     {Text::arm_tilted, {{"tilted", "gekippt"}}},
     {Text::notes, {{"Notes", "Meldungen"}}},
     {Text::log, {{"Log", "Protokoll"}}},
+    {Text::sign, {{"Sign", "Zeichen"}}},
 };
 
 // Of views, cuts and places of the C-arm; a tool brings its own.
@@ -88,19 +88,10 @@ static_assert(complete(), "one row for each word, in the order of Text");
 
 }  // namespace
 
-const std::vector<std::pair<std::string, texts::Language>>& languages() {
-  static const std::vector<std::pair<std::string, texts::Language>> all = {{"en", texts::Language::english},
-                                                                           {"de", texts::Language::german}};
-  return all;
-}
-
 std::string translated(texts::Language language, const std::string& english) {
   for (const Row& row : table)
     if (english == row.in.of(texts::Language::english)) return row.in.of(language);
-  for (const lessons::LessonType& lesson : lessons::lesson_types())
-    for (const lessons::LessonText& text : lesson.texts)
-      if (english == text.in[0]) return text.in[std::size_t(language)];
-  return english;
+  return lessons::lesson_words(language, english);
 }
 
 std::string translated_name(texts::Language language, const std::string& english) {

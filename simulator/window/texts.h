@@ -36,7 +36,6 @@ enum class Text {
   trace,
   reduced,
   lesson,
-  step_finish,
   last_trace,
   passes,
   paused,
@@ -60,9 +59,9 @@ enum class Text {
   arm_tilted,
   notes,
   log,
+  sign,
   count
 };
-const std::vector<std::pair<std::string, texts::Language>>& languages();
 const char* text_of(texts::Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
 std::string translated(texts::Language language, const std::string& english);

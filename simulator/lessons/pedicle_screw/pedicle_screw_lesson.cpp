@@ -24,6 +24,7 @@ std::vector<haptics::BeltToolParams> pedicle_screw_tools() {
   for (const double diameter : {5.5, 6.5})
     for (const double length : {35.0, 40.0, 45.0, 50.0}) {
       haptics::BeltToolParams screw = finder;
+      screw.tool = "screw";
       screw.name = fmt::format("screw_{}x{:.0f}", diameter, length);
       screw.tool_diameter_mm = diameter;
       screw.tool_length_mm = length;
@@ -63,7 +64,10 @@ LessonType pedicle_screw_lesson() {
       all.push_back({name,
                      "A screw of the size that fits through " + pedicle_in_words(name) +
                          ", after the finder: its head on the bone, its tip in the front half of the body.",
-                     "A lumbar fusion: the vertebra is to be held by its pedicles."});
+                     "A lumbar fusion: the vertebra is to be held by its pedicles.",
+                     "Eine Schraube der passenden Größe durch " + pedicle_in_words(name, true) +
+                         ", nach dem Pfriem: der Kopf am Knochen, die Spitze in der vorderen Hälfte des Wirbelkörpers.",
+                     "Eine Versteifung: der Wirbel soll an seinen Pedikeln gehalten werden."});
     return all;
   };
   m.plan = plan_spine_moves;
@@ -90,6 +94,30 @@ LessonType pedicle_screw_lesson() {
   };
   m.pictures = spine_pictures;
   m.status = spine_status;
+  m.texts = {
+      {"Finder through the pedicle", "Pfriem durch den Pedikel"},
+      {"A finder follows the soft middle of the pedicle, and makes the way that the screw takes.",
+       "Der Pfriem folgt der weichen Mitte des Pedikels und macht den Weg, den die Schraube nimmt."},
+      {"Even resistance all the way: a sudden give is a wall.",
+       "Gleichmäßiger Widerstand auf dem ganzen Weg: ein plötzliches Nachgeben ist eine Wand."},
+      {"Screw of the size that fits", "Schraube der passenden Größe"},
+      {"Half to four fifths of the pedicle's width hold without bursting it; the finder's depth says the length.",
+       "Die halbe bis vier Fünftel der Breite des Pedikels halten, ohne ihn zu sprengen; die Tiefe des Pfriems "
+       "sagt die Länge."},
+      {"The head lies on the bone, and both views show the tip in the body.",
+       "Der Kopf liegt am Knochen, und in beiden Ansichten liegt die Spitze im Wirbelkörper."}};
+  m.guide = [](const LessonFacts&) {
+    return std::vector<LessonGuide>{
+        {"Finder through the pedicle", "finder", "",
+         "A finder follows the soft middle of the pedicle, and makes the way that the screw takes.",
+         "Even resistance all the way: a sudden give is a wall."},
+        {"Screw of the size that fits", "screw_*", "",
+         "Half to four fifths of the pedicle's width hold without bursting it; the finder's depth says the length.",
+         "The head lies on the bone, and both views show the tip in the body."},
+        {"Finished", "", "finish", "What is left in place is judged.",
+         "The head lies on the bone, and both views show the tip in the body."}};
+  };
+  m.field = spine_field;
   m.xray = spine_xray;
   m.shots = spine_shots;
   return m;

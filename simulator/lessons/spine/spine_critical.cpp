@@ -69,10 +69,13 @@ std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest) {
   return names;
 }
 
-std::string pedicle_in_words(const std::string& task) {
+std::string pedicle_in_words(const std::string& task, bool german) {
   std::string number;
   for (const char c : task)
     if (c >= '0' && c <= '9') number += c;
+  if (german)
+    return std::string("den ") + (on_left(task) ? "linken" : "rechten") + " Pedikel " + number +
+           ", gezählt vom untersten Wirbel, dessen Pedikel der Scan zeigt";
   return std::string("the ") + (on_left(task) ? "left" : "right") + " pedicle " + number +
          ", counted from the lowest vertebra whose pedicles the scan shows";
 }

@@ -89,6 +89,18 @@ std::vector<LessonStatus> spine_status(const LessonFacts& lesson) {
           {"exposure_s", "X-rays, s", fmt::format("{:.1f}", f.exposure_s())}};
 }
 
+LessonField spine_field(const LessonFacts&, const cases::CaseManifest& manifest) {
+  constexpr double beside_mm = 60;
+  const std::vector<CasePedicle> all = pedicles_of(manifest);
+  LessonField field{manifest.center_mm, 0, 150, {0, -1, 0}};
+  if (all.empty()) return field;
+  Vec3 middle;
+  for (const CasePedicle& p : all) middle += p.entry_mm * (1.0 / double(all.size()));
+  double away = 0;
+  for (const CasePedicle& p : all) away = std::max(away, norm(p.entry_mm - middle));
+  return {middle, away + beside_mm, away + 2 * beside_mm, field.down};
+}
+
 static LessonXray::Pose pose_of(const cases::CaseManifest& manifest, const ArmPose& p) {
   return {p.view(), p.orbit_deg, p.tilt_deg, arm_of(manifest, p)};
 }

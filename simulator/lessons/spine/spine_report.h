@@ -9,6 +9,8 @@ namespace trephine::lessons {
 /// the ideal axis over the CT.
 std::vector<StepChoice> spine_steps();
 nlohmann::ordered_json spine_facts_json(const LessonFacts& facts);
+/// All pedicles of the case lie in it.
+LessonField spine_field(const LessonFacts& facts, const cases::CaseManifest& manifest);
 std::vector<LessonStatus> spine_status(const LessonFacts& facts);
 LessonXray spine_xray(const Lesson& lesson, const cases::CaseManifest& manifest);
 std::vector<LessonShot> spine_shots(const LessonFacts& facts, const cases::CaseManifest& manifest);

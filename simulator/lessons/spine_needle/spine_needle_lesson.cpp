@@ -59,7 +59,10 @@ LessonType spine_needle_lesson() {
       all.push_back({name,
                      "A Jamshidi needle from the skin through " + pedicle_in_words(name) +
                          ": its tip in the front half of the body, within the bone all the way.",
-                     "A biopsy of the vertebral body, or the way for a wire, a screw or cement."});
+                     "A biopsy of the vertebral body, or the way for a wire, a screw or cement.",
+                     "Eine Jamshidi-Nadel von der Haut durch " + pedicle_in_words(name, true) +
+                         ": die Spitze in der vorderen Hälfte des Wirbelkörpers, auf dem ganzen Weg im Knochen.",
+                     "Eine Biopsie des Wirbelkörpers, oder der Weg für einen Draht, eine Schraube oder Zement."});
     return all;
   };
   m.plan = plan_spine_moves;
@@ -79,7 +82,12 @@ LessonType spine_needle_lesson() {
   };
   m.pictures = spine_pictures;
   m.status = spine_status;
-  m.texts = {{"Needle through a pedicle", "Nadel durch einen Pedikel"}};
+  m.texts = {{"Needle through a pedicle", "Nadel durch einen Pedikel"},
+             {"The pedicle is the only bony way into the body that passes neither canal nor root.",
+              "Der Pedikel ist der einzige knöcherne Weg in den Wirbelkörper, an Kanal und Wurzel vorbei."},
+             {"AP the tip stays within the pedicle's ring until it is in the body from the side.",
+              "A.-p. bleibt die Spitze im Ring des Pedikels, bis sie von der Seite gesehen im Wirbelkörper liegt."},
+             {"Both views show the tip in the body.", "In beiden Ansichten liegt die Spitze im Wirbelkörper."}};
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{
         {"Needle through a pedicle", "needle", "",
@@ -87,6 +95,7 @@ LessonType spine_needle_lesson() {
          "AP the tip stays within the pedicle's ring until it is in the body from the side."},
         {"Finished", "", "finish", "What is left in place is judged.", "Both views show the tip in the body."}};
   };
+  m.field = spine_field;
   m.xray = spine_xray;
   m.shots = spine_shots;
   return m;

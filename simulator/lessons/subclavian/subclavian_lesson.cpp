@@ -68,7 +68,11 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest&) {
          fmt::format("A needle under the {} clavicle toward the sternal notch: blood from the subclavian vein "
                      "at the first pass.",
                      side),
-         "A central line: drugs that no small vein bears, and no vein of the arm is left."});
+         "A central line: drugs that no small vein bears, and no vein of the arm is left.",
+         fmt::format("Eine Nadel unter dem {} Schlüsselbein zum Jugulum: Blut aus der Vena subclavia beim ersten "
+                     "Durchgang.",
+                     side == std::string("left") ? "linken" : "rechten"),
+         "Ein zentraler Zugang: Medikamente, die keine kleine Vene verträgt, und am Arm ist keine Vene übrig."});
   return all;
 }
 
@@ -111,7 +115,13 @@ LessonType subclavian_lesson() {
     return score_subclavian(own(facts), loaded.manifest, before, rubric.as<SubclavianRubric>());
   };
   m.texts = {{"Pass the needle toward the sternal notch", "Nadel zum Jugulum führen"},
+             {"Flat under the clavicle, toward the notch, the needle passes over the lung.",
+              "Flach unter dem Schlüsselbein, zum Jugulum hin, geht die Nadel über der Lunge vorbei."},
+             {"A give in the vein's wall.", "Ein Nachgeben der Venenwand."},
              {"Aspirated", "Aspiriert"},
+             {"Blood alone shows that the tip is in the vein.", "Nur Blut zeigt, dass die Spitze in der Vene liegt."},
+             {"Dark blood, without a pulse.", "Dunkles Blut, ohne Puls."},
+             {"Blood still comes.", "Es kommt noch immer Blut."},
              {"Aspirations", "Aspirationen"},
              {"Syringe", "Spritze"},
              {"blood", "Blut"}};
@@ -123,6 +133,9 @@ LessonType subclavian_lesson() {
         {"Finished", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) {
+    return own(facts).blood_s >= 0 ? LessonFluid::blood : LessonFluid::none;
+  };
   m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {
     const NeedleColour c = needle_colour(own(facts), rubric.as<SubclavianRubric>());
     return c == NeedleColour::none ? 0 : c == NeedleColour::green ? 1 : -1;

@@ -104,7 +104,11 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
                      fmt::format("An external ventricular drain through Kocher's point on the {0}: its tip in the {0} "
                                  "lateral ventricle, at the foramen of Monro, at the first pass.",
                                  side),
-                     "Acute hydrocephalus: CSF has to be drained, and the pressure in the head to be measured."});
+                     "Acute hydrocephalus: CSF has to be drained, and the pressure in the head to be measured.",
+                     fmt::format("Eine externe Ventrikeldrainage durch Kochers Punkt {}: die Spitze im {} "
+                                 "Seitenventrikel, am Foramen Monroi, beim ersten Durchgang.",
+                                 left ? "links" : "rechts", left ? "linken" : "rechten"),
+                     "Akuter Hydrozephalus: Liquor muss abfließen, und der Druck im Kopf ist zu messen."});
   }
   return all;
 }
@@ -154,6 +158,24 @@ std::vector<Vec3> ink_of(const VentriculostomyFacts& f) {
   for (const MarkerTrace& t : f.traces)
     if (!t.erased) dots.insert(dots.end(), t.points_mm.begin(), t.points_mm.end());
   return dots;
+}
+
+// Marks are made on the bare head, in a light that tells nothing of where they belong; then it is draped about the cut.
+LessonField field_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
+  constexpr double open_mm = 48, lamp_mm = 110;
+  if (f.drilled_beforehand && f.hole) return {f.hole->outer_mm, open_mm, lamp_mm};
+  if (!f.incisions.empty()) return {f.incisions.back().at_mm, open_mm, lamp_mm};
+  const HeadFrame frame = head_frame_of(manifest);
+  return {frame.bregma_mm ? *frame.bregma_mm : frame.nasion_mm, 0, 150};
+}
+
+// A catheter drains as long as its tip is in the ventricles.
+LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& manifest) {
+  if (f.passes.empty() || f.passes.back().path.empty()) return LessonFluid::none;
+  const CatheterPass& pass = f.passes.back();
+  const bool drawn_out = pass.end_s < f.end_s && !pass.in_place;
+  return !drawn_out && pass.path.back().inside == head_shapes_of(manifest).ventricles ? LessonFluid::csf
+                                                                                      : LessonFluid::none;
 }
 
 std::string outcome(const LessonFacts&, const LessonScore& score) {
@@ -213,6 +235,22 @@ LessonType ventriculostomy_lesson() {
              {"Skin incised at the last mark", "Hautschnitt an der letzten Marke"},
              {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"},
              {"Pass the catheter", "Katheter einführen"},
+             {"Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
+              "Kochers Punkt liegt 11 cm hinter dem Nasion und 3 cm neben der Mittellinie, vor der Kranznaht."},
+             {"The line of the midline runs from the nasion; the other crosses it at the suture.",
+              "Die Linie der Mitte beginnt am Nasion; die andere kreuzt sie an der Kranznaht."},
+             {"Nothing but the last mark guides the hole.", "Nur die letzte Marke führt zum Bohrloch."},
+             {"The skin is bare.", "Auf der Haut ist nichts mehr zu sehen."},
+             {"The burr must not wind the skin up.", "Der Bohrer darf die Haut nicht aufwickeln."},
+             {"Bone lies open.", "Der Knochen liegt frei."},
+             {"The hole is as wide as the catheter needs, and upright on the skull.",
+              "Das Loch ist so weit, wie der Katheter es braucht, und steht senkrecht auf dem Schädel."},
+             {"The inner table gives way; lift the pedal before the dura is pressed.",
+              "Die innere Tafel gibt nach; das Pedal loslassen, bevor die Dura gedrückt wird."},
+             {"Upright on the skull it points at the foramen of Monro, 5 to 6 cm below the inner table.",
+              "Senkrecht auf dem Schädel zeigt er zum Foramen Monroi, 5 bis 6 cm unter der inneren Tafel."},
+             {"A give, and CSF comes.", "Ein Nachgeben, und Liquor kommt."},
+             {"CSF drains.", "Liquor läuft ab."},
              {"Traces", "Spuren"},
              {"Incisions", "Hautschnitte"},
              {"Hole", "Bohrloch"},
@@ -224,6 +262,12 @@ LessonType ventriculostomy_lesson() {
              {"touched by the burr", "vom Bohrer berührt"}};
   m.guide = [](const LessonFacts& facts) { return guide_of(own(facts)); };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.field = [](const LessonFacts& facts, const cases::CaseManifest& manifest) {
+    return field_of(own(facts), manifest);
+  };
+  m.fluid = [](const LessonFacts& facts, const cases::CaseManifest& manifest) {
+    return fluid_of(own(facts), manifest);
+  };
   m.ink = [](const LessonFacts& facts) { return ink_of(own(facts)); };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a participant reads before and during a lesson: each step has its reason and its sign, in every language.
+#include "lessons/lesson_guide.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "lessons_chest.h"
+#include "lessons_head.h"
+#include "lessons_spine_run.h"
+
+using namespace lesson_cases;
+using texts::Language;
+
+namespace {
+
+// The lessons, each in a case that holds it.
+void each_briefing(const std::function<void(const lessons::LessonType&, const lessons::LessonBriefing&)>& look) {
+  Head head(Kind::whole);
+  SpineCase spine;
+  lessons_chest::Chest chest(false);
+  for (const lessons::LessonType& type : lessons::lesson_types()) {
+    SCOPED_TRACE(type.name);
+    LessonCase& own = type.name == "ventriculostomy" ? static_cast<LessonCase&>(head)
+                      : type.name == "subclavian"    ? static_cast<LessonCase&>(chest)
+                                                     : spine;
+    const std::vector<lessons::LessonTask> tasks = type.tasks(own.felt().loaded.manifest);
+    ASSERT_FALSE(tasks.empty());
+    for (const lessons::LessonTask& task : tasks) look(type, lessons::briefing_of(type, own.felt().loaded, task.name));
+  }
+}
+
+bool translated(const std::string& english) { return lessons::lesson_words(Language::german, english) != english; }
+
+}  // namespace
+
+TEST(LessonsGuide, EveryStepSaysWhyAndHowOneSeesThatItIsRight) {
+  each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
+    EXPECT_NE(lessons::aim_of(b.task, Language::german), b.task.aim);
+    EXPECT_NE(lessons::indication_of(b.task, Language::german), b.task.indication);
+    EXPECT_FALSE(b.task.indication.empty());
+    ASSERT_GE(b.steps.size(), 2u);
+    EXPECT_EQ(b.steps.back().command, "finish");
+    for (const lessons::LessonGuide& s : b.steps) {
+      EXPECT_TRUE(translated(s.text)) << s.text;
+      EXPECT_FALSE(s.why.empty()) << s.text;
+      EXPECT_TRUE(translated(s.why)) << s.why;
+      EXPECT_FALSE(s.sign.empty()) << s.text;
+      EXPECT_TRUE(translated(s.sign)) << s.sign;
+      bool any = s.tool.empty();
+      for (const haptics::BeltToolParams& t : type.tools()) any = any || lessons::is_for_tool(s, t.name);
+      EXPECT_TRUE(any) << s.text << " has the tool " << s.tool << ", which the lesson does not";
+    }
+  });
+}
+
+TEST(LessonsGuide, TheTextHasAllOfItInEitherLanguage) {
+  each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
+    for (const Language language : {Language::english, Language::german}) {
+      const std::string text = lessons::briefing_text(type, b, language);
+      const auto has = [&](const std::string& words) { return text.find(words) != std::string::npos; };
+      EXPECT_TRUE(has(lessons::aim_of(b.task, language)) && has(lessons::indication_of(b.task, language))) << text;
+      for (const lessons::LessonGuide& s : b.steps)
+        for (const std::string& words : {s.text, s.why, s.sign})
+          EXPECT_TRUE(has(lessons::lesson_words(language, words))) << words << "\n" << text;
+    }
+  });
+}
+
+TEST(LessonsGuide, AStepMayBeForAnyOfSeveralTools) {
+  const lessons::LessonGuide screw{"", "screw_*", "", "", ""}, finder{"", "finder", "", "", ""}, none;
+  EXPECT_TRUE(lessons::is_for_tool(screw, "screw_5.5x45") && lessons::is_for_tool(finder, "finder"));
+  EXPECT_FALSE(lessons::is_for_tool(screw, "finder") || lessons::is_for_tool(finder, "finder_2") ||
+               lessons::is_for_tool(none, ""));
+}
