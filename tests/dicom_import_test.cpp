@@ -238,9 +238,10 @@ TEST(DicomFiles, ImplicitVrIsReadAlike) {
 
 TEST(DicomParams, AreDeclared) {
   const ParameterSet& set = parameters_of<dicom::ImportParams>();
-  EXPECT_EQ(set.names(), (std::vector<std::string>{"series", "series_rule", "modality", "units", "volume_values",
-                                                   "gaps", "max_gap_mm", "clamp_low_hu", "clamp_high_hu",
-                                                   "burned_in_reason", "same_patient_reason"}));
+  EXPECT_EQ(set.names(),
+            (std::vector<std::string>{"series", "series_rule", "modality", "units", "volume_values", "gaps",
+                                      "max_gap_mm", "offset_hu", "axes", "orientation_reason", "clamp_low_hu",
+                                      "clamp_high_hu", "burned_in_reason", "same_patient_reason"}));
 }
 
 TEST(DicomCancel, IsHeard) {

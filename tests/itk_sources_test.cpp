@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "dicom/import.h"
-#include "dicom/slicer_scene.h"
 #include "dicom/volume_source.h"
 #include "grid/nrrd.h"
+#include "itk/slicer_scene.h"
 #include "itk/volume_file.h"
 #include "itk/volume_write.h"
 #include "library/series_state.h"
@@ -118,7 +118,7 @@ TEST(VolumeSource, AScenesFileIsNoLinkOutOfItsFolder) {
 TEST(VolumeSource, ASceneOfManyAttributesIsRefused) {
   std::string node = "<MRML><Volume ";
   for (int n = 0; n < 2000; ++n) node += "a" + std::to_string(n) + "=\"1\" ";
-  EXPECT_NE(std::string(fault([&] { dicom::scene_volumes(node + "></Volume></MRML>"); }).what()).find("attributes"),
+  EXPECT_NE(std::string(fault([&] { itk::scene_volumes(node + "></Volume></MRML>"); }).what()).find("attributes"),
             std::string::npos);
 }
 

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "dicom/import.h"
-#include "dicom/slicer_scene.h"
+#include "itk/slicer_scene.h"
 #include "itk/volume_file.h"
 #include "itk/volume_write.h"
 #include "itk_small_ct.h"
@@ -115,7 +115,7 @@ TEST(VolumeWrite, LabelsOfEveryFormat) {
 }
 
 TEST(SlicerScene, ItsVolumesAndWhatLiesElsewhere) {
-  using dicom::scene_volumes;
+  using itk::scene_volumes;
   const auto two = scene_volumes(scene(volume(1, "CT%20head.nrrd") + volume(2, "./Data/mr.nrrd", "transform:t1;")));
   ASSERT_EQ(two.size(), 2u);
   EXPECT_EQ(two[0].file, "CT head.nrrd");

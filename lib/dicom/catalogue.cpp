@@ -16,6 +16,7 @@
 #include "dicom/header_tags.h"
 #include "dicom/input_files.h"
 #include "dicom/mixtures.h"
+#include "dicom/slabs.h"
 
 namespace trephine::dicom {
 namespace {
@@ -291,6 +292,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
     add_series(group, modality, c.series);
   }
   sort_series(c.series);
+  find_rescans(c.series);
   find_odd_slices(c.series, c.left_out);
   return c;
 }

@@ -37,6 +37,7 @@ struct Series {
   bool is_ct = false;
   std::vector<OddSlice> odd;                         ///< ascending along the normal
   std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; with an empty `refusal` it is usable
+  std::string part_of;                               ///< the token of the series of which it scans a part again
   std::string rectified_for;                         ///< by judge: what import would correct by resampling
   std::exception_ptr refused;                        ///< by judge: what import would throw
 };

@@ -77,7 +77,8 @@ std::string listing(const Catalogue& c) {
   int usable = 0;
   std::string out;
   for (const Series& s : c.series)
-    if (s.summary.usable && ++usable <= max_listed) out += (out.empty() ? "" : "; ") + s.summary.line();
+    if (s.summary.usable && s.part_of.empty() && ++usable <= max_listed)
+      out += (out.empty() ? "" : "; ") + s.summary.line();
   return usable > max_listed ? fmt::format("{}, which `trephine import --list FOLDER` shows as a table", usable) : out;
 }
 
@@ -143,14 +144,15 @@ const Series* proposed(const Catalogue& c) {
   };
   const Series* best = nullptr;
   for (const Series& s : c.series)
-    if (s.refusal.empty() && (!best || key(s) < key(*best))) best = &s;
+    if (s.refusal.empty() && s.part_of.empty() && (!best || key(s) < key(*best))) best = &s;
   return best;
 }
 
 const Series& choose(Catalogue& c, const ImportParams& params, const Progress& progress) {
   if (!params.series.empty()) return named(c, params.series);
   const auto usable = [&] {
-    return std::count_if(c.series.begin(), c.series.end(), [](const Series& s) { return s.refusal.empty(); });
+    return std::count_if(c.series.begin(), c.series.end(),
+                         [](const Series& s) { return s.refusal.empty() && s.part_of.empty(); });
   };
   if (usable() > 1)
     for (Series& s : c.series) judge(s, params, progress);

@@ -22,6 +22,7 @@
 #include "dicom/hu.h"
 #include "dicom/input_files.h"
 #include "dicom/mixtures.h"
+#include "dicom/offset.h"
 #include "dicom/resample.h"
 #include "dicom/values.h"
 #include "dicom/volume_import.h"
@@ -67,6 +68,7 @@ Plan make_plan(const Series& series, const ImportParams& params) {
   for (const FrameRef& r : series.slices) {
     plan.rules.push_back(hu_rule(*r.header, r.header->frames[static_cast<std::size_t>(r.frame)], params.clamp_low_hu,
                                  params.clamp_high_hu));
+    plan.rules.back().intercept += params.offset_hu;
     plan.integral = plan.integral && plan.rules.back().is_integral();
     plan.air = plan.rules.back().air;
   }
@@ -338,9 +340,9 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
     ImportResult result;
     HuCounts counts;
     result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
+    if (series.is_ct) require_offset(result.volume, tag_name(t_intercept));
     result.report = describe(series, plan, counts, result.volume);
-    if (!params.burned_in_reason.empty()) result.report.add("burned_in_reason", params.burned_in_reason);
-    if (!params.same_patient_reason.empty()) result.report.add("same_patient_reason", params.same_patient_reason);
+    say_otherwise(result, params);
     result.folder = describe_rest(catalogue, &series);
     result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
     return result;

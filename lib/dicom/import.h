@@ -28,6 +28,9 @@ struct ImportParams {
   VolumeValues volume_values = VolumeValues::unsaid;
   GapPolicy gaps = GapPolicy::refuse;
   double max_gap_mm = 8;
+  double offset_hu = 0;
+  std::string axes;                ///< empty: as the file says
+  std::string orientation_reason;  ///< empty: a head that lies otherwise than said is refused by a case
   double clamp_low_hu = -1e6;
   double clamp_high_hu = 1e6;
   std::string burned_in_reason;     ///< empty: pixels that are said to hold text are refused
@@ -54,6 +57,13 @@ struct ImportParams {
     v.choice(&P::gaps, "gaps", {{"refuse", GapPolicy::refuse}, {"interpolate", GapPolicy::interpolate}},
              "What to do where a slice is missing.");
     v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, 50}, "Largest step between slices that is accepted.");
+    v.number(&P::offset_hu, "offset_hu", Range{-10000, 10000},
+             "Added to every value: -1024 for a CT that was stored without this offset (0 to about 3000).");
+    v.text(&P::axes, "axes",
+           "Sides of the patient to which columns, rows and slices rise, in three letters such as LPS, against what "
+           "the files say: for images that were mirrored or turned.");
+    v.text(&P::orientation_reason, "orientation_reason",
+           "Why a head may be used that lies otherwise in the picture than the scan says. The reason is recorded.");
     v.number(&P::clamp_low_hu, "clamp_low_hu", Range{-1e6, 1e6}, "Values below this are raised to it and counted.");
     v.number(&P::clamp_high_hu, "clamp_high_hu", Range{-1e6, 1e6},
              "Values above this (metal) are lowered to it and counted.");
@@ -87,6 +97,8 @@ struct SeriesSummary {
   bool proposed = false;      ///< series_rule best would take it
   std::string rectified_for;  ///< what import corrects by resampling: "tilt", "uneven spacing", ...; empty: nothing
   std::string verdict;        ///< "usable", "usable, rectified: tilt", or "refused: FIELD: why", as import would say it
+
+  Report seen;  ///< what its picture shows, by whoever looked at it; list_series does not
 
   std::string line() const;  ///< "s1-512x512x108: CT, 0.479 x 0.479 x 1.5 mm, kernel H40s, ..."
 };

@@ -36,6 +36,8 @@ SeriesSummary summary_of(const Series& series) {
     s.verdict = "refused: " + s.verdict;
   else if (!series.rectified_for.empty())
     s.verdict = "usable, rectified: " + (s.rectified_for = series.rectified_for);
+  if (s.usable && !series.part_of.empty())
+    s.verdict += ", but scans only a part of " + series.part_of + " again: taken where its token is given";
   return s;
 }
 
@@ -85,6 +87,9 @@ std::string list_text(const SeriesList& list) {
                     measured ? steps : "-", s.transfer_syntax, s.verdict});
   }
   std::string out = text_table(rows, "l") + "\n";
+  for (const SeriesSummary& s : list.series)
+    for (const auto& [name, value] : s.seen.figures)
+      out += fmt::format("{}: {}: {}\n", s.token, name, trephine::to_text(value));
   for (const auto& [name, value] : list.folder.figures) out += fmt::format("{}: {}\n", name, trephine::to_text(value));
   return out;
 }
@@ -115,6 +120,8 @@ std::string list_json(const SeriesList& list) {
     j["proposed"] = s.proposed;
     j["rectified_for"] = s.rectified_for;
     j["verdict"] = s.verdict;
+    for (const auto& [name, value] : s.seen.figures) j["seen"][name] = trephine::to_text(value);
+    for (const std::string& w : s.seen.warnings) j["seen"]["warnings"].push_back(w);
     all["series"].push_back(j);
   }
   ordered_json& rest = all["folder"] = ordered_json::object();

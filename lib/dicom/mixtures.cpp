@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "dicom/attributes.h"
 #include "dicom/header_tags.h"
+#include "dicom/slabs.h"
 
 namespace trephine::dicom {
 namespace {
@@ -212,7 +213,7 @@ std::vector<Stack> part_mixture(Stack stack) {
   for (const auto member : {&FileHeader::study_uid, &FileHeader::frame_uid})
     out = parted(std::move(out), [member](Stack s) { return by_identity(std::move(s), member); });
   out = parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::kernel); });
-  return parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::acquisition); });
+  return parted(std::move(out), [](Stack s) { return part_by_acquisition(std::move(s)); });
 }
 
 void find_odd_slices(std::vector<Series>& series, const std::vector<LeftOut>& left_out) {
@@ -225,7 +226,8 @@ void find_odd_slices(std::vector<Series>& series, const std::vector<LeftOut>& le
     for (const LeftOut& left : left_out)
       if (auto odd = odd_slice(left, s, range, reach)) s.odd.push_back(std::move(*odd));
     for (const Series& other : series) {
-      if (&other == &s || other.slices.empty() || other.slices.size() >= s.slices.size()) continue;
+      if (&other == &s || other.slices.empty() || other.slices.size() >= s.slices.size() || !other.part_of.empty())
+        continue;
       if (other.sort_uid != s.sort_uid) {
         if (continues(other, s, range))
           for (const FrameRef& r : other.slices)

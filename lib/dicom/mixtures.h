@@ -9,9 +9,9 @@
 namespace trephine::dicom {
 
 /// Parts the slices of one stack that do not belong together, though they have one SeriesInstanceUID: several studies
-/// or frames of reference, and acquisitions or kernels that lie within each other. (Slabs of several acquisitions one
-/// after the other are one series; and where most slices have a UID of their own, an anonymiser gave each file a new
-/// one.) Slices of several patients stay together: analyse_series refuses them.
+/// or frames of reference, kernels that lie within each other, and acquisitions (dicom/slabs.h). (Slabs of several
+/// acquisitions one after the other are one series; and where most slices have a UID of their own, an anonymiser gave
+/// each file a new one.) Slices of several patients stay together: analyse_series refuses them.
 std::vector<std::vector<FrameRef>> part_mixture(std::vector<FrameRef> stack);
 
 /// For each series that may be used, finds the single slices that have its UID and lie among or beside its own but were

@@ -105,6 +105,12 @@ Report describe_rest(const Catalogue& c, const Series* chosen) {
   if (chosen) warn_of_odd(c, *chosen, r);
   if (chosen) describe_patients(c, *chosen, r);
   for (const Series& s : c.series)
+    if (chosen && s.part_of == chosen->summary.token)
+      r.warn(
+          fmt::format("{} slices scan a part of the series again, of other acquisitions at positions between its own, "
+                      "and were left out; the list has them as {}",
+                      s.slices.size(), s.summary.token.substr(0, s.summary.token.find('-'))));
+  for (const Series& s : c.series)
     if (chosen && &s != chosen && (s.is_ct || s.sort_uid.empty()) && !s.refusal.empty())
       r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);
   return r;

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "dicom/hu.h"
 #include "dicom/input_files.h"
+#include "dicom/offset.h"
 #include "itk/volume_file.h"
 
 namespace trephine::dicom {
@@ -33,7 +35,8 @@ Counts cleaned(grid::Grid<T>& grid, const ImportParams& params, bool hu) {
   if (grid.voxels.empty()) return c;
   c.min = c.max = hu && double(grid.voxels[0]) < -1024 ? air_hu : double(grid.voxels[0]);
   for (T& v : grid.voxels) {
-    double d = double(v);
+    double d = std::clamp(double(v) + params.offset_hu, double(std::numeric_limits<T>::lowest()),
+                          double(std::numeric_limits<T>::max()));
     if (hu && d < -1024) d = air_hu, ++c.padding;
     const double held = std::clamp(d, params.clamp_low_hu, params.clamp_high_hu);
     c.clamped += held != d;
@@ -88,6 +91,7 @@ ImportResult imported(itk::VolumeFile read, const ImportParams& params) {
                 read.modality + ": its values are no HU; if they shall be taken as they are, give volume_values any");
   ImportResult result;
   const Counts counts = std::visit([&](auto& grid) { return cleaned(grid, params, hu); }, read.volume);
+  if (hu) require_offset(read.volume, "volume_values");
   if (hu) require_hu(counts);
   const grid::Lattice& lattice = grid::lattice_of(read.volume);
   Report& r = result.report;
@@ -106,6 +110,7 @@ ImportResult imported(itk::VolumeFile read, const ImportParams& params) {
   for (const std::string& w : read.warnings) r.warn(w);
   if (hu) r.warn("a " + read.format + " file cannot say that its values are HU: whoever gave it said so");
   result.volume = std::move(read.volume);
+  say_otherwise(result, params);
   return result;
 }
 

@@ -7,7 +7,7 @@
 #include "base/write_file.h"
 #include "dicom/archive.h"
 #include "dicom/input_files.h"
-#include "dicom/slicer_scene.h"
+#include "itk/slicer_scene.h"
 #include "itk/volume_file.h"
 
 namespace trephine::dicom {
@@ -18,10 +18,11 @@ constexpr std::uint64_t max_scene_bytes = std::uint64_t{64} << 20;
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "scene", what); }
 
-std::vector<VolumeSource> sources_of(const std::vector<SceneVolume>& volumes, const fs::path& folder, bool archive) {
+std::vector<VolumeSource> sources_of(const std::vector<itk::SceneVolume>& volumes, const fs::path& folder,
+                                     bool archive) {
   if (volumes.empty()) refuse("holds no scalar volume");
   std::vector<VolumeSource> sources;
-  for (const SceneVolume& v : volumes) {
+  for (const itk::SceneVolume& v : volumes) {
     VolumeSource s;
     if (archive)
       s.member = (folder / v.file).generic_string();
@@ -43,7 +44,7 @@ std::vector<VolumeSource> in_archive(const fs::path& file, const Progress& progr
   }
   if (!scene) refuse("the archive holds no scene (.mrml)");
   if (scene->bytes.size() > max_scene_bytes) refuse("the scene is larger than 64 MiB");
-  return sources_of(scene_volumes(scene->bytes), fs::path(scene->name).parent_path(), true);
+  return sources_of(itk::scene_volumes(scene->bytes), fs::path(scene->name).parent_path(), true);
 }
 
 }  // namespace
@@ -55,7 +56,7 @@ std::vector<VolumeSource> volume_sources(const fs::path& path, const Progress& p
   if (fs::is_regular_file(path, none) && extension == ".mrml") {
     const std::vector<char> text = read_file(path, max_scene_bytes);
     sources = with_scan(path, [&] {
-      return sources_of(scene_volumes({text.data(), text.size()}), path.parent_path(), false);
+      return sources_of(itk::scene_volumes({text.data(), text.size()}), path.parent_path(), false);
     });
   } else if (fs::is_regular_file(path, none) && extension == ".mrb" && is_zip(path)) {
     sources = with_scan(path, [&] { return in_archive(path, progress); });

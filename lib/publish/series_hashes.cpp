@@ -15,7 +15,8 @@ std::string with_settings(const Error& e, const std::string& import) {
   for (const auto& [flag, setting] : {std::pair{"--gaps interpolate", "gaps=interpolate"},
                                       {"--modality any", "modality=any"},
                                       {"--units any", "units=any"},
-                                      {"--series-rule best", "series_rule=best"}})
+                                      {"--series-rule best", "series_rule=best"},
+                                      {"--offset-hu -1024", "offset_hu=-1024"}})
     for (std::size_t at = 0; (at = what.find(flag, at)) != std::string::npos;) {
       const std::string named = "--set " + import + "." + setting;
       what.replace(at, std::string(flag).size(), named);

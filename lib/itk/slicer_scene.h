@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace trephine::dicom {
+namespace trephine::itk {
 
 /// A scalar volume of a 3D Slicer scene (.mrml), in the order of the file. Its name in the scene is not kept: it may be
 /// a patient's.
@@ -17,4 +17,4 @@ struct SceneVolume {
 /// scene, damaged, a volume of several files or of a file that lies elsewhere (an absolute path, "..").
 std::vector<SceneVolume> scene_volumes(std::string_view mrml);
 
-}  // namespace trephine::dicom
+}  // namespace trephine::itk

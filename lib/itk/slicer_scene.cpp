@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // MRML (slicer.readthedocs.io, developer guide, MRML overview): flat XML of nodes whose attributes say all.
-#include "dicom/slicer_scene.h"
+#include "itk/slicer_scene.h"
 
 #include <map>
 
 #include "base/error.h"
 #include "base/text.h"
 
-namespace trephine::dicom {
+namespace trephine::itk {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "scene", what); }
@@ -156,4 +156,4 @@ std::vector<SceneVolume> scene_volumes(std::string_view mrml) {
   return volumes;
 }
 
-}  // namespace trephine::dicom
+}  // namespace trephine::itk

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dicom/offset.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "dicom/hu.h"
+#include "grid/axes.h"
+
+namespace trephine::dicom {
+
+void require_offset(const grid::HuVolume& volume, const std::string& field) {
+  constexpr double least_air = 0.02, least_tissue = 0.05, most_light = 0.001;
+  constexpr std::size_t step = 7;  // a prime: no column of the picture alone
+  std::size_t all = 0, light = 0, air = 0, between = 0, tissue = 0;
+  std::visit(
+      [&](const auto& g) {
+        for (std::size_t i = 0; i < g.voxels.size(); i += step) {
+          const double v = double(g.voxels[i]);
+          if (v == air_hu) continue;
+          ++all;
+          light += v < -300;
+          air += v >= -60 && v <= 124;
+          between += v > 300 && v < 850;
+          tissue += v >= 900 && v <= 1180;
+        }
+      },
+      volume);
+  const double of = all > 0 ? 1.0 / double(all) : 0;
+  if (all == 0 || double(light) * of > most_light || double(air) * of < least_air ||
+      double(tissue) * of < least_tissue || tissue < between)
+    return;
+  throw Error(
+      ExitCode::bad_input, "", field,
+      fmt::format("the values are those of a CT without its offset of -1024: {:.0f} % lie about 0, as air would, "
+                  "{:.0f} % about 1050, as soft tissue would, and none where air and lung have their HU; "
+                  "--offset-hu -1024 (a configuration's --set import.offset_hu=-1024) adds it",
+                  100 * double(air) * of, 100 * double(tissue) * of));
+}
+
+void say_otherwise(ImportResult& result, const ImportParams& params) {
+  Report& r = result.report;
+  if (params.offset_hu != 0) {
+    r.add("offset_hu", params.offset_hu);
+    r.warn(fmt::format("{:g} was added to every value, as whoever reads it said", params.offset_hu));
+  }
+  if (!params.axes.empty()) {
+    result.volume = grid::with_axes(std::move(result.volume), params.axes);
+    r.add("axes", params.axes);
+    r.warn("columns, rows and slices rise to " + params.axes + " as whoever reads it said, whatever the files say");
+  }
+  if (!params.orientation_reason.empty()) r.add("orientation_reason", params.orientation_reason);
+  if (!params.burned_in_reason.empty()) r.add("burned_in_reason", params.burned_in_reason);
+  if (!params.same_patient_reason.empty()) r.add("same_patient_reason", params.same_patient_reason);
+}
+
+}  // namespace trephine::dicom
