@@ -30,5 +30,12 @@ cli::Command library_verify_command();
 cli::Command library_gc_command();
 cli::Command library_job_command();
 cli::Command library_approve_command();
+cli::Command library_plan_command();
+cli::Command library_one_command();
+cli::Command library_status_command();
+cli::Command library_cancel_command();
+cli::Command library_timeline_command();
+cli::Command library_task_command();
+cli::Command library_finish_command();
 
 }  // namespace trephine::tools

@@ -14,7 +14,7 @@
 namespace trephine::tools {
 
 struct LibraryDisplay::State {
-  bool quiet = false, terminal = false, painted = false;
+  bool quiet = false, terminal = false, painted = false, json = false;
   int jobs = 0, percent = -1;
   std::mutex mutex;
   LogSink log_before;
@@ -30,6 +30,7 @@ struct LibraryDisplay::State {
     painted = true;
   }
   void line(const std::string& text) {
+    if (json) return log_line(text);
     std::fprintf(stderr, "%s%s\n", painted ? "\r\x1b[K" : "", printable(text).c_str());
     painted = false;
   }
@@ -38,7 +39,8 @@ struct LibraryDisplay::State {
 LibraryDisplay::LibraryDisplay(bool quiet) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.quiet = quiet;
-  s.terminal = !quiet && ::isatty(2) == 1;
+  s.json = log_is_json();
+  s.terminal = !quiet && !s.json && ::isatty(2) == 1;
   if (quiet) return;
   s.log_before = set_log_sink([&s](const std::string& text) {
     const std::lock_guard<std::mutex> lock(s.mutex);

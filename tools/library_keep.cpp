@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "library/job.h"
 #include "library/keeping.h"
+#include "library/metrics.h"
 #include "library/sheet.h"
 
 namespace trephine::tools {
@@ -43,10 +44,12 @@ struct VerifyParams {
 };
 
 struct SheetParams {
-  bool sheet = false;
+  bool sheet = false, metrics = false;
   template <class V>
   static void describe(V& v) {
     v.flag(&SheetParams::sheet, "sheet", "Make the library's contact sheet again: contact_sheet.png and index.html.");
+    v.flag(&SheetParams::metrics, "metrics",
+           "Write the state of the library as Prometheus reads it, instead of the table.");
   }
 };
 
@@ -61,14 +64,18 @@ cli::Command library_list_command() {
       "warnings, age and version of every case, from case.json and run.json. What is wrong with a case is shown in its "
       "row.";
   c.examples = {"trephine library list library", "trephine library list library --class hydrocephalic",
-                "trephine library list library --json list.json --sheet"};
+                "trephine library list library --json list.json --sheet", "trephine library list library --metrics"};
   c.arguments = {library_argument(), json_argument()};
   c.groups = {cli::ParameterGroup::of<library::LibraryFilter>("Filter"),
-              cli::ParameterGroup::of<SheetParams>("Contact sheet")};
+              cli::ParameterGroup::of<SheetParams>("Output")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const std::vector<library::CaseRow> rows =
         library::read_library(parsed.path("library"), parsed.params<library::LibraryFilter>());
-    tell(parsed, library::library_table(rows), library::library_json(rows));
+    const bool metrics = parsed.params<SheetParams>().metrics;
+    const library::LibraryState state(parsed.path("library"));
+    tell(parsed,
+         metrics ? library::library_metrics(rows, library::read_batches(state, true)) : library::library_table(rows),
+         library::library_json(rows));
     if (parsed.params<SheetParams>().sheet) library::make_sheet(parsed.path("library"));
     return ExitCode::ok;
   };

@@ -14,12 +14,30 @@ cli::Program declare() {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.commands = {run_command(),          trade_command(),          library_build_command(),
-                      library_list_command(), library_show_command(),   library_verify_command(),
-                      library_gc_command(),   library_job_command(),    page_command(),
-                      diff_command(),         correction_command(),     preview_command(),
-                      export_command(),       convert_command(),        phantom_command(),
-                      rubric_command(),       library_approve_command()};
+  program.commands = {run_command(),
+                      trade_command(),
+                      library_build_command(),
+                      library_list_command(),
+                      library_show_command(),
+                      library_verify_command(),
+                      library_gc_command(),
+                      library_job_command(),
+                      library_plan_command(),
+                      library_one_command(),
+                      library_status_command(),
+                      library_cancel_command(),
+                      library_timeline_command(),
+                      library_task_command(),
+                      library_finish_command(),
+                      page_command(),
+                      diff_command(),
+                      correction_command(),
+                      preview_command(),
+                      export_command(),
+                      convert_command(),
+                      phantom_command(),
+                      rubric_command(),
+                      library_approve_command()};
   // Stages as their declarations say, except those whose commands do more than run the stage.
   std::vector<cli::Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
                                    voxelize_command(), repair_command(),  register_command()};

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -15,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
+#include "base/lease.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -52,12 +54,22 @@ bool is_running(pid_t pid) {
          (line[name_end + 2] != 'Z' && line[name_end + 2] != 'X');
 }
 
+constexpr double day_s = 86400;  // hosts' clocks may differ by minutes
+
+double age_s(const fs::path& file) {
+  std::error_code error;
+  const auto written = fs::last_write_time(file, error);
+  return error ? 0 : std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
+}
+
 bool is_stale(const fs::path& file) {
   const std::string name = file.filename();
   const std::string rest = name.substr(std::strlen(temporary_prefix));
   const auto pid = parse_integer(rest.substr(0, rest.find('-')));
   if (!pid || *pid <= 0) return false;
   if (is_running(static_cast<pid_t>(*pid))) return false;
+  // A process of another host may have it open, and locks may not reach from host to host.
+  if (is_on_network(file) && age_s(file) < day_s) return false;
   const FileDescriptor fd(::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!fd.valid()) return false;
   return ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/exit_code.h"
+#include "base/log.h"
 #include "base/params.h"
 
 namespace trephine::cli {
@@ -90,16 +91,22 @@ struct ParsedCommand {
   [[noreturn]] void no_such_group() const;
 };
 
-/// The parameters of every command: --threads and --quiet.
+/// The parameters of every command.
 struct CommonParams {
   int threads = 0;
-  bool quiet = false;
+  bool quiet = false, json_log = false;
+  LogLevel log_level = LogLevel::info;
   template <class V>
   static void describe(V& v) {
     using P = CommonParams;
     v.integer(&P::threads, "threads", Range{0, 1024},
               "Threads to use, 0 for one per core. The results are the same whatever the number.");
     v.flag(&P::quiet, "quiet", "Show no progress. Warnings and errors still appear on stderr.");
+    v.choice(&P::log_level, "log_level",
+             {{"error", LogLevel::error}, {"warning", LogLevel::warning}, {"info", LogLevel::info}},
+             "Which lines appear on stderr: errors alone, warnings too, or all.");
+    v.flag(&P::json_log, "json_log",
+           "Write each line of stderr as one JSON object: time (UTC), level, program, text; and no progress bars.");
   }
 };
 

@@ -55,7 +55,7 @@ struct ProgressDisplay::State {
     double fraction = 0;
   };
 
-  bool quiet = false, terminal = false;
+  bool quiet = false, terminal = false, json = false;
   int fd = 2;
   std::mutex mutex;
   std::vector<Stage> running;
@@ -123,6 +123,10 @@ struct ProgressDisplay::State {
   }
   // Writes a line that stays.
   void line(const std::string& text) {
+    if (json) {
+      spoke = Clock::now();
+      return log_line(text);
+    }
     clear();
     write(printable(text) + "\n");
     spoke = Clock::now();
@@ -134,7 +138,8 @@ ProgressDisplay::ProgressDisplay(bool quiet, int fd, Style style) : state_(std::
   State& s = *state_;
   s.quiet = quiet;
   s.fd = fd;
-  s.terminal = !quiet && (style == Style::terminal || (style == Style::automatic && ::isatty(fd) == 1));
+  s.json = log_is_json();
+  s.terminal = !quiet && !s.json && (style == Style::terminal || (style == Style::automatic && ::isatty(fd) == 1));
   if (quiet) return;
   s.log_before = set_log_sink([&s](const std::string& text) {
     const std::lock_guard<std::mutex> lock(s.mutex);

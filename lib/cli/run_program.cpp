@@ -148,7 +148,9 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     return ExitCode::ok;
   }
   const ParsedCommand parsed = parse_command(command, own);
-  set_thread_count(parsed.params<CommonParams>().threads);
+  const CommonParams& common = parsed.params<CommonParams>();
+  set_thread_count(common.threads);
+  set_log_form({common.log_level, common.json_log, who});
   try {
     return command.run(parsed);
   } catch (const Error& e) {
@@ -209,20 +211,20 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
     flush_output();
     return number(code);
   } catch (const ErrorList& e) {
-    for (const Error& one : e.all()) log_line(one.line(who));
+    for (const Error& one : e.all()) log_error(one.line(who));
     return number(e.code());
   } catch (const Error& e) {
-    log_line(e.line(who));
+    log_error(e.line(who));
     return number(e.code());
   } catch (const Cancelled&) {
-    log_line(who + ": cancelled");
+    log_error(who + ": cancelled");
     return number(ExitCode::cancelled);
   } catch (const std::bad_alloc&) {
-    log_line(who + ": out of memory");
+    log_error(who + ": out of memory");
   } catch (const std::exception& e) {
-    log_line(who + ": internal error: " + e.what());
+    log_error(who + ": internal error: " + e.what());
   } catch (...) {
-    log_line(who + ": internal error of an unknown kind");
+    log_error(who + ": internal error of an unknown kind");
   }
   return number(ExitCode::internal);
 }

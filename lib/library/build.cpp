@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/log.h"
 #include "base/parallel.h"
@@ -15,6 +16,8 @@
 #include "library/build_jobs.h"
 #include "library/ninja.h"
 #include "library/sheet.h"
+#include "library/slurm_engine.h"
+#include "library/timeline.h"
 #include "publish/case_lock.h"
 
 namespace trephine::library {
@@ -76,14 +79,19 @@ class Build {
     make_output_folder(request_.library);
     state_.make_folders();
     const auto lock = take_lock();
+    require_no_cluster();
     remove_leftovers();
     plan(true);
     check_disk();
     const BuildJobs jobs = make_build_jobs(plan_, config_, state_, request_.params);
     weights_ = jobs.weights;
-    if (!jobs.jobs.empty()) work(jobs.jobs);
+    if (!jobs.jobs.empty()) engine() == Engine::slurm ? work_on_cluster(jobs.jobs) : work(jobs.jobs);
     collect();
-    if (request_.params.sheet && (result_.built > 0 || !has_sheet(state_.library()))) make_sheet_or_warn();
+    const bool is_made = engine() == Engine::slurm && !jobs.jobs.empty();  // by the batch's last job
+    if (request_.params.sheet && !is_made && (result_.built > 0 || !has_sheet(state_.library()))) make_sheet_or_warn();
+    std::vector<TimelineItem> times;
+    for (const auto& [name, item] : timeline_) times.push_back(item);
+    keep_timeline(state_, times);
     tell_result();
     return result_;
   }
@@ -170,7 +178,31 @@ class Build {
         jobs, pools, options, [this](const JobEvent& e) { take(e); }, [this] { tick(); });
   }
 
+  Engine engine() const {
+    return request_.params.engine == Engine::as_configured ? config_.engine.name : request_.params.engine;
+  }
+
+  void work_on_cluster(const std::vector<NinjaJob>& jobs) {
+    start_ = Clock::now();
+    observer_.began(static_cast<int>(jobs.size()));
+    under_way_ = build_with_slurm(
+        state_, config_.engine, request_.params, jobs, [this](const JobEvent& e) { take(e); }, [this] { tick(); });
+  }
+
+  // Two engines would build the same cases twice.
+  void require_no_cluster() const {
+    if (engine() == Engine::slurm || read_batches(state_, true).empty()) return;
+    throw Error(
+        ExitCode::busy, request_.library.string(), "",
+        "a cluster works on this library: `trephine library status` tells how far it is, `library cancel` ends it");
+  }
+
   void take(const JobEvent& e) {
+    const double now_s = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    if (engine() != Engine::slurm) {  // whose nodes tell it themselves
+      TimelineItem& i = timeline_[e.name];
+      i = {e.name, "", e.is_end ? i.begin_s : now_s, now_s, e.result.cpu_s, e.result.code};
+    }
     if (!e.is_end) {
       running_.push_back(e.name);
       observer_.started(e.name);
@@ -181,7 +213,8 @@ class Build {
     done_weight_ += weights_[e.name];
     last_end_ = Clock::now();
     ++(e.result.code == 0 ? done_ : failed_);
-    if (e.name.rfind("case.", 0) == 0 && e.result.code != static_cast<int>(ExitCode::cancelled))
+    if (engine() != Engine::slurm && e.name.rfind("case.", 0) == 0 &&
+        e.result.code != static_cast<int>(ExitCode::cancelled))
       record(e.name.substr(5), e.result);
     observer_.finished(e.name, e.result);
   }
@@ -223,6 +256,8 @@ class Build {
         ++result_.fresh;
         // What was wrong with it was put right without a build: its series is again what it was built of.
         if (const auto last = read_result(state_, c.token); last && last->code != 0) record(c.token, {});
+      } else if (under_way_.count("case." + c.token)) {
+        ++result_.under_way;
       } else if (const auto found = results_.find("case." + c.token); found == results_.end()) {
         fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0, 0});
       } else if (found->second.code != 0) {
@@ -256,7 +291,9 @@ class Build {
   void tell_result() {
     result_.table = std::to_string(result_.cases) + (result_.cases == 1 ? " case: " : " cases: ") +
                     std::to_string(result_.built) + " built, " + std::to_string(result_.fresh) + " as they were, " +
-                    std::to_string(result_.failed) + " failed\n";
+                    std::to_string(result_.failed) + " failed";
+    if (result_.under_way > 0) result_.table += ", " + std::to_string(result_.under_way) + " on the cluster";
+    result_.table += "\n";
     std::size_t width = 0;
     for (const auto& [token, r] : failures_) width = std::max(width, token.size());
     for (const auto& [token, r] : failures_)
@@ -265,6 +302,7 @@ class Build {
     nlohmann::ordered_json json = counts();
     json["built"] = result_.built;
     json["failed"] = result_.failed;
+    json["under_way"] = result_.under_way;
     json["wall_s"] = std::chrono::duration<double>(Clock::now() - begin_).count();
     json["jobs_at_once"] = at_once_;
     json["jobs"] = nlohmann::ordered_json::object();
@@ -334,6 +372,8 @@ class Build {
   const Clock::time_point begin_ = Clock::now();
   Clock::time_point start_, last_end_;
   std::vector<std::string> running_;
+  std::set<std::string> under_way_;  // names of jobs that the cluster still has
+  std::map<std::string, TimelineItem> timeline_;
   std::map<std::string, JobResult> results_;
   std::map<std::string, double> weights_;
   std::vector<std::pair<std::string, JobResult>> failures_;

@@ -17,6 +17,8 @@ struct LibraryBuildParams {
   bool pictures = true, sheet = true, check_disk = true, allow_external = false;
   std::int64_t cache_limit_mb = 65536;
   double case_limit_s = 7200;
+  Engine engine = Engine::as_configured;
+  bool wait = true;
 
   template <class V>
   static void describe(V& v) {
@@ -36,6 +38,11 @@ struct LibraryBuildParams {
     v.flag(&P::allow_external, "allow_external",
            "Allow the stage external to run the programs that the recipes name, as for `run`.");
     v.number(&P::case_limit_s, "case_limit_s", Range{0, 1e6}, "A case that takes longer is stopped; 0: none is.");
+    v.choice(&P::engine, "engine",
+             {{"as_configured", Engine::as_configured}, {"ninja", Engine::ninja}, {"slurm", Engine::slurm}},
+             "What does the work: Ninja on this machine, or Slurm on a cluster; else as LIBRARY.yaml says.");
+    v.flag(&P::wait, "wait",
+           "With Slurm, stay until all is done; otherwise submit and leave. `library status` tells how far it is.");
   }
 };
 
@@ -63,15 +70,16 @@ class LibraryObserver {
 
 struct LibraryBuildResult {
   int cases = 0, fresh = 0, built = 0, failed = 0;
+  int under_way = 0;  ///< submitted to a cluster and not done yet
   std::string table;  ///< for a person: what was, or would be, done, and every failure with its reason
   std::string json;
   int code = 0;  ///< 0, or that of the first failure in the library's order
 };
 
 /// Brings every case of a library up to date: plans by content (library/plan.h), checks the disk (73 where it is too
-/// small), and hands what is stale to Ninja, in pools by memory. What fails leaves the case's last good state. Only one
-/// build works on a library at a time (75). Throws what reading the configuration throws; 73, 74; 70 where Ninja cannot
-/// be started; Cancelled.
+/// small), and hands what is stale to Ninja, in pools by memory, or to Slurm (library/slurm_build.h). What fails leaves
+/// the case's last good state. Only one build works on a library at a time (75). Throws what reading the configuration
+/// throws; 73, 74; 70 where Ninja cannot be started; Cancelled.
 LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObserver& observer);
 
 }  // namespace trephine::library

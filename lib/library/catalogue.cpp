@@ -61,6 +61,10 @@ void read_run(const fs::path& file, CaseRow& row) {
     const Json json = Json::parse(bytes.begin(), bytes.end());
     for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
     row.seconds = json.at("wall_s").get<double>();
+    row.peak_memory_mb = json.value("peak_memory_mb", 0.0);
+    const Json stages = json.value("stages", Json::object());
+    for (const auto& [name, stage] : stages.items())
+      if (stage.at("state") == "computed") row.stage_seconds.emplace_back(name, stage.at("seconds").get<double>());
   } catch (const nlohmann::json::exception&) {
     row.warnings.clear();
   } catch (const Error&) {

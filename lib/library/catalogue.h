@@ -50,8 +50,10 @@ struct CaseRow {
   double deviation_max_mm = 0;
   std::vector<std::string> warnings;
   double seconds = 0;  ///< of its last run
-  double age_s = 0;    ///< age of case.json
-  JobResult last;      ///< of its last library build; code 0 where there was none
+  double peak_memory_mb = 0;
+  std::vector<std::pair<std::string, double>> stage_seconds;  ///< of the stages that its last run computed, in order
+  double age_s = 0;                                           ///< age of case.json
+  JobResult last;  ///< of its last library build; code 0 where there was none
   const ParameterValue* figure(const std::string& name) const;
   /// The anatomy by which the case is classed according to its recipe; empty where there is none.
   std::string classed_by() const;

@@ -14,15 +14,18 @@
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
 #include "base/progress.h"
 #include "base/spawn.h"
+#include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "library/series_state.h"
+#include "publish/bring_case.h"
 
 namespace trephine::library {
 namespace fs = std::filesystem;
@@ -37,11 +40,7 @@ constexpr int stopped = -1;  // stands for an exit code: we stopped the job beca
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-LibraryJob find_job(const std::string& name) {
-  const char* where = std::getenv(jobs_variable);
-  if (!where) throw Error(ExitCode::usage, "", "library job", "is started by `trephine library build` only");
-  std::ifstream file(where, std::ios::binary);
-  const Json json = Json::parse(file).at(name);
+LibraryJob job_of(const std::string& name, const Json& json) {
   LibraryJob job;
   job.name = name;
   job.token = json.at("token");
@@ -54,7 +53,29 @@ LibraryJob find_job(const std::string& name) {
   job.series = json.at("series").get<std::string>();
   job.time_limit_s = json.at("time_limit_s");
   job.keep_going = json.at("keep_going");
+  job.on_node = json.at("on_node");
   return job;
+}
+
+Json json_of(const LibraryJob& job) {
+  return {{"token", job.token},
+          {"is_phantom", job.is_phantom},
+          {"arguments", job.arguments},
+          {"settings", job.settings_sha256},
+          {"phantom", job.phantom},
+          {"identity", job.identity},
+          {"library", job.library.string()},
+          {"series", job.series.string()},
+          {"time_limit_s", job.time_limit_s},
+          {"keep_going", job.keep_going},
+          {"on_node", job.on_node}};
+}
+
+LibraryJob find_job(const std::string& name) {
+  const char* where = std::getenv(jobs_variable);
+  if (!where) throw Error(ExitCode::usage, "", "library job", "is started by `trephine library build` only");
+  std::ifstream file(where, std::ios::binary);
+  return job_of(name, Json::parse(file).at(name));
 }
 
 void send(const JobEvent& event) {
@@ -164,7 +185,24 @@ bool phantom_is_there(const LibraryState& state, const LibraryJob& job) {
   }
 }
 
-JobResult do_job(const LibraryJob& job) {
+// What a run on a node made there goes into the library. While another run holds the case it is tried again.
+void bring(const LibraryJob& job, const fs::path& from) {
+  for (int attempt = 1;; ++attempt) try {
+      return publish::bring_case(from, job.library, job.token);
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::busy || attempt == busy_tries || cancel_requested()) throw;
+      poll(nullptr, 0, static_cast<int>(1000 * busy_pause_s));
+    }
+}
+
+JobResult do_job(const LibraryJob& asked) {
+  LibraryJob job = asked;
+  std::optional<TemporaryFolder> node;
+  if (job.on_node && !job.is_phantom) {
+    node.emplace();
+    const auto out = std::find(job.arguments.begin(), job.arguments.end(), "--out");
+    if (out != job.arguments.end() && out + 1 != job.arguments.end()) *(out + 1) = node->path().string();
+  }
   const LibraryState state(job.library);
   const fs::path log = state.log_file(job.name);
   if (!job.phantom.empty() && !phantom_is_there(state, job))
@@ -187,13 +225,16 @@ JobResult do_job(const LibraryJob& job) {
     if (job.is_phantom) {
       record_phantom(state, job);
     } else {
+      if (node) bring(job, node->path());
       const BuiltCase built = describe_built(job.library / job.token, job.settings_sha256);
       // The plan did not know the series of a phantom that was only just made.
       if (!job.phantom.empty()) write_inputs(state, job.token, built.inputs);
       write_built(state, job.token, built);
     }
   } else {
+    if (node) publish::bring_refused(node->path(), job.library, job.token);
     result.reason = reason_in(clean_log(log, job.series), job.arguments.front(), job.token);
+    if (node) replace_all(result.reason, node->path().string() + "/", "");
     replace_all(result.reason, job.library.string() + "/", "");
     if (result.reason.empty()) result.reason = "failed; its log could not be written";
     if (end.code == stopped) {
@@ -214,18 +255,23 @@ JobResult do_job(const LibraryJob& job) {
 
 std::string jobs_json(const std::vector<LibraryJob>& jobs) {
   Json all = Json::object();
-  for (const LibraryJob& job : jobs)
-    all[job.name] = {{"token", job.token},
-                     {"is_phantom", job.is_phantom},
-                     {"arguments", job.arguments},
-                     {"settings", job.settings_sha256},
-                     {"phantom", job.phantom},
-                     {"identity", job.identity},
-                     {"library", job.library.string()},
-                     {"series", job.series.string()},
-                     {"time_limit_s", job.time_limit_s},
-                     {"keep_going", job.keep_going}};
+  for (const LibraryJob& job : jobs) all[job.name] = json_of(job);
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string job_line(const LibraryJob& job) {
+  Json json = json_of(job);
+  json["name"] = job.name;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+LibraryJob parse_job_line(const std::string& line) {
+  try {
+    const Json json = Json::parse(line);
+    return job_of(json.at("name"), json);
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ExitCode::bad_input, "", "job", e.what());
+  }
 }
 
 std::string event_line(const JobEvent& event) {
@@ -254,15 +300,7 @@ bool parse_event(const std::string& line, JobEvent& event) {
   }
 }
 
-int run_library_job(const std::string& name) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // when Ninja ends, however that happens
-  LibraryJob job;
-  try {
-    job = find_job(name);
-  } catch (const nlohmann::json::exception&) {
-    throw Error(ExitCode::usage, "", name, "no such job");
-  }
-  send({name, false, {}});
+JobResult do_library_job(const LibraryJob& job) {
   JobResult result;
   try {
     result = do_job(job);
@@ -275,6 +313,31 @@ int run_library_job(const std::string& name) {
   } catch (const std::bad_alloc&) {
     result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0};
   }
+  return result;
+}
+
+bool is_done_already(const LibraryJob& job) {
+  const LibraryState state(job.library);
+  LibraryJob made = job;
+  made.phantom = job.token;
+  if (job.is_phantom) return phantom_is_there(state, made);
+  const auto built = read_built(state, job.token);
+  const auto inputs = read_inputs(state, job.token);
+  return built && built->inputs.settings_sha256 == job.settings_sha256 &&
+         (!inputs || inputs->series_sha256.empty() || inputs->series_sha256 == built->inputs.series_sha256) &&
+         fault_of_built(job.library / job.token, *built).empty();
+}
+
+int run_library_job(const std::string& name) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // when Ninja ends, however that happens
+  LibraryJob job;
+  try {
+    job = find_job(name);
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ExitCode::usage, "", name, "no such job");
+  }
+  send({name, false, {}});
+  const JobResult result = do_library_job(job);
   send({name, true, result});
   return job.keep_going && result.code != static_cast<int>(ExitCode::cancelled) ? 0 : result.code;
 }

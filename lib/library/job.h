@@ -22,6 +22,8 @@ struct LibraryJob {
   std::filesystem::path library, series;
   double time_limit_s = 0;
   bool keep_going = true;
+  /// It is built in this node's temporary folder and then published in the library, which lies on another disk.
+  bool on_node = false;
 };
 
 /// The environment variables that tell a job where to read its task and where to write its events.
@@ -29,6 +31,10 @@ constexpr const char* jobs_variable = "TREPHINE_LIBRARY_JOBS";
 constexpr const char* events_variable = "TREPHINE_LIBRARY_EVENTS";
 
 std::string jobs_json(const std::vector<LibraryJob>& jobs);
+
+/// One job as one line, with its name; and back. The line holds the series' path. Throws Error 65 where it is none.
+std::string job_line(const LibraryJob& job);
+LibraryJob parse_job_line(const std::string& line);
 
 struct JobEvent {
   std::string name;
@@ -39,6 +45,12 @@ struct JobEvent {
 std::string event_line(const JobEvent& event);
 /// Returns false where the line is not an event.
 bool parse_event(const std::string& line, JobEvent& event);
+
+/// Does one job and returns how it ended, whatever happened: what it could not do is the result's code and reason.
+JobResult do_library_job(const LibraryJob& job);
+
+/// Whether what the job makes is there: a phantom's record, or a case that was built of these settings and is whole.
+bool is_done_already(const LibraryJob& job);
 
 /// Does one job: runs trephine with its arguments, writes the output into the job's log, and records what was built.
 /// The function is idempotent. A case that another run holds is tried again for a few seconds. Returns 0 where the job

@@ -168,10 +168,10 @@ class Collector {
     bool any = false;
     for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
       const std::string name = it->path().filename().string();
-      if (name != ".lock" && name != "meshes" && name != "report" && name.rfind(temporary_prefix, 0) != 0 &&
+      if (!publish::is_lock(name) && name != "meshes" && name != "report" && name.rfind(temporary_prefix, 0) != 0 &&
           !has_content_name(it->path()))
         return false;
-      any = any || name == ".lock" || name == "meshes";
+      any = any || publish::is_lock(name) || name == "meshes";
     }
     return !error && any;
   }

@@ -51,6 +51,7 @@ class Reader {
     at_ = config::read_declared(reading, tree_, parameters_of<LibraryFileParams>(), &said_);
     read_configs();
     shared_set_ = set_of(said_.set, "set");
+    read_engine();
     for (std::size_t i = 0; i < said_.cases.size(); ++i) read_case(i);
     for (std::size_t i = 0; i < said_.series.size(); ++i) find_series(i);
     if (said_.phantoms) read_phantoms();
@@ -80,6 +81,22 @@ class Reader {
     for (const auto& [name, path] : said_.configs) configs_.push_back({"-" + name, file_of(path.path)});
     if (!said_.config.empty() && !said_.configs.empty())
       faults_.add(out_.file, at_.at("configs"), "configs", "stands beside config: give one of them");
+  }
+
+  void read_engine() {
+    out_.engine = said_.engine;
+    auto& classes = out_.engine.classes;
+    std::sort(classes.begin(), classes.end(), [](const auto& a, const auto& b) { return a.memory_mb < b.memory_mb; });
+    // They would take what the build itself says to Slurm, or end up as a file's name.
+    for (std::size_t i = 0; i < said_.engine.sbatch.size(); ++i) {
+      const std::string& word = said_.engine.sbatch[i].text;
+      const std::string where = "engine.sbatch[" + std::to_string(i) + "]";
+      if (word.rfind("-", 0) != 0) faults_.add(out_.file, at_.at(where), where, word + ", must begin with -");
+      for (const char* ours :
+           {"--array", "--dependency", "--job-name", "--parsable", "--wrap", "--test-only", "-a", "-d", "-J"})
+        if (word == ours || word.rfind(std::string(ours) + "=", 0) == 0)
+          faults_.add(out_.file, at_.at(where), where, word + ", is what the build itself says to sbatch");
+    }
   }
 
   // Settings as --set takes them. A path in one is relative to this file.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "library/engine.h"
 #include "phantom/phantom.h"
 
 namespace trephine::library {
@@ -32,6 +33,7 @@ struct LibraryConfig {
   std::vector<std::filesystem::path> roots;  ///< folders of --root
   std::vector<LibraryPhantom> phantoms;
   std::vector<LibraryCase> cases;  ///< listed cases, then found ones (by name of their folder), then those of phantoms
+  EngineParams engine;
 };
 
 struct LibraryOverrides {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "config/said.h"
+#include "library/engine.h"
 #include "phantom/phantom.h"
 
 namespace trephine::library {
@@ -83,6 +84,7 @@ struct LibraryFileParams : config::VersionParams {
   std::vector<LibraryCaseParams> cases;
   std::vector<config::SaidValue> series;
   std::optional<LibraryPhantomsParams> phantoms;
+  EngineParams engine;
   template <class V>
   static void describe(V& v) {
     using P = LibraryFileParams;
@@ -96,6 +98,7 @@ struct LibraryFileParams : config::VersionParams {
     v.list(&P::series, "series",
            "Folders, each of which is a case; in the last part of the path * stands for any letters.");
     v.group(&P::phantoms, "phantoms", "Synthetic patients that the library makes.");
+    v.group(&P::engine, "engine", "What builds the cases: this machine, or a cluster.");
   }
 };
 

@@ -19,6 +19,9 @@ namespace trephine::library {
 ///   settings/HASH.json       settings that these two name
 ///   phantoms/NAME.json       what a phantom was made of
 ///   series.json              content of series by signature of their files
+///   timeline.json            when each job of the last build ran
+///   slurm/                   what a cluster has of the library (library/batch.h)
+///   shared                   other hosts work on it too: locks are leases (publish/case_lock.h)
 ///   logs/CASE.log            the whole output of the case's last build
 class LibraryState {
  public:
@@ -27,6 +30,7 @@ class LibraryState {
   const std::filesystem::path& library() const { return library_; }
   std::filesystem::path folder() const { return library_ / ".library"; }
   std::filesystem::path series_file() const { return folder() / "series.json"; }
+  std::filesystem::path timeline_file() const { return folder() / "timeline.json"; }
   std::filesystem::path log_file(const std::string& job) const { return folder() / "logs" / (job + ".log"); }
   std::filesystem::path phantom_folder(const std::string& name) const { return library_ / ".phantoms" / name; }
   std::filesystem::path phantom_record(const std::string& name) const {

@@ -11,13 +11,11 @@ namespace trephine::publish {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* lock_name = ".lock";
-
 // What a killed run left there is no part of this run's case.
 void clear_out(const fs::path& folder) {
   std::vector<fs::path> all;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename() != lock_name) all.push_back(entry.path());
+    if (!is_lock(entry.path().filename())) all.push_back(entry.path());
   std::error_code ignored;
   for (const fs::path& path : all) fs::remove_all(path, ignored);
 }
@@ -57,6 +55,13 @@ CasePlace::~CasePlace() {
     fs::remove_all(made_in_, ignored);
 }
 
+void CasePlace::require_held() const {
+  if (!lock_ || lock_->is_held()) return;
+  throw Error(
+      ExitCode::busy, folder_.string(), "",
+      "this process stood still for longer than its lease lasts, and another run may build the case: try again");
+}
+
 void CasePlace::appear() {
   if (made_in_ == folder_) return;
   cases::let_case_appear(made_in_, folder_);
@@ -71,8 +76,10 @@ void CasePlace::remove_unpublished() const {
   // Only files that a run makes are removed; any other file keeps the folder.
   for (const char* ours : {"meshes", "report"}) fs::remove_all(folder_ / ours, ignored);
   for (const auto& entry : fs::directory_iterator(folder_, ignored))
-    if (entry.path().filename() != lock_name) return;
-  fs::remove(folder_ / lock_name, ignored);
+    if (!is_lock(entry.path().filename())) return;
+  std::vector<fs::path> locks;
+  for (const auto& entry : fs::directory_iterator(folder_, ignored)) locks.push_back(entry.path());
+  for (const fs::path& lock : locks) fs::remove_all(lock, ignored);
   fs::remove(folder_, ignored);
 }
 

@@ -19,6 +19,8 @@ class CasePlace {
   CasePlace& operator=(const CasePlace&) = delete;
 
   const std::filesystem::path& made_in() const { return made_in_; }
+  /// Throws Error 75 where the lock was a lease that was lost: another run may build the case.
+  void require_held() const;
   /// To be called when everything is written. Throws Error 74.
   void appear();
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "page/case_page.h"
+#include "page/page_notes.h"
 #include "surface/point_to_mesh.h"
 
 namespace trephine::publish {
@@ -84,6 +85,11 @@ std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const
   files.push_back({page::page_file, page::make_case_page(loaded(content), notes, {}, cancelled)});
   progress.report(1);
   return files;
+}
+
+bool is_of_report(const std::filesystem::path& file) {
+  return file.extension() == ".png" || file.extension() == ".f32" || file.filename() == page::page_file ||
+         file.filename() == page::page_notes_file;
 }
 
 }  // namespace trephine::publish

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,8 @@ namespace trephine::publish {
 std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const pipeline::Graph& graph,
                                          const std::vector<pipeline::NodeResult>& results, const CaseContent& content,
                                          const std::vector<std::string>& warnings, const Progress& progress);
+
+/// Whether a file of a case's report folder is one that a run leaves there, by its name: a picture, or the page's.
+bool is_of_report(const std::filesystem::path& file);
 
 }  // namespace trephine::publish

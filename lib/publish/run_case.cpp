@@ -166,12 +166,6 @@ std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds)
           to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " + trade.front_names()};
 }
 
-// What a run leaves in the report folder.
-bool is_of_report(const fs::path& file) {
-  return file.extension() == ".png" || file.extension() == ".f32" || file.filename() == page::page_file ||
-         file.filename() == page::page_notes_file;
-}
-
 // Pictures and pages of an older state of the case could be mistaken for this one's.
 void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
   std::error_code ignored;
@@ -375,6 +369,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
            make_page_files(config, made.graph, made.results, content, warnings, publishing.part(content_share, 0.95)))
         content.pictures.push_back(std::move(file));
     cancelled.check();
+    place.require_held();
     publish_and_remember(request, made_in, content, made, cache, observer);
 
     RunResult result = result_of(folder, content);

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "library/batch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "base/error.h"
+#include "base/exit_code.h"
+#include "base/write_file.h"
+
+namespace trephine::library {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::uint64_t max_bytes = std::uint64_t{1} << 28;
+constexpr const char* state_file = "batch.json";
+
+// Sorted by name they are sorted by age, as far as the clocks of the hosts that submit agree.
+std::string new_id() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  std::random_device source;
+  char text[32];
+  std::snprintf(text, sizeof text, "%012llx%04x",
+                static_cast<unsigned long long>(std::chrono::duration_cast<std::chrono::milliseconds>(now).count()),
+                static_cast<unsigned>(source()) & 0xffffu);
+  return text;
+}
+
+Json json_of(const BatchJob& j) {
+  return {{"name", j.name},
+          {"token", j.token},
+          {"wave", j.wave},
+          {"memory_mb", j.memory_mb},
+          {"time_limit_s", j.time_limit_s},
+          {"partition", j.partition},
+          {"tries", j.tries},
+          {"is_phantom", j.is_phantom},
+          {"needs_phantom", j.needs_phantom}};
+}
+
+BatchJob job_of(const Json& json) {
+  BatchJob j;
+  j.name = json.at("name");
+  j.token = json.at("token");
+  j.wave = json.at("wave");
+  j.memory_mb = json.at("memory_mb");
+  j.time_limit_s = json.at("time_limit_s");
+  j.partition = json.at("partition");
+  j.tries = json.at("tries");
+  j.is_phantom = json.at("is_phantom");
+  j.needs_phantom = json.at("needs_phantom");
+  return j;
+}
+
+// Only its owner may read it: it lies in a folder that only he may enter, too.
+void make_private(const fs::path& file) {
+  std::error_code ignored;
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, ignored);
+}
+
+fs::path record_file(const fs::path& folder, const char* which, const std::string& name) {
+  return folder / which / (name + ".json");
+}
+
+}  // namespace
+
+fs::path batches_folder(const LibraryState& state) { return state.folder() / "slurm"; }
+fs::path jobs_file(const Batch& batch) { return batch.folder / "jobs.jsonl"; }
+fs::path tasks_file(const fs::path& folder, int array) {
+  return folder / ("tasks-" + std::to_string(array) + ".jsonl");
+}
+
+std::optional<Batch> read_batch(const fs::path& folder) {
+  try {
+    const std::vector<char> bytes = read_file(folder / state_file, max_bytes);
+    const Json json = Json::parse(bytes.begin(), bytes.end());
+    Batch b;
+    b.folder = folder;
+    b.id = folder.filename().string();
+    for (const Json& j : json.at("jobs")) b.jobs.push_back(job_of(j));
+    for (const Json& a : json.at("arrays"))
+      b.arrays.push_back({a.at("slurm"), a.at("wave"), a.at("names").get<std::vector<std::string>>()});
+    b.finish = json.at("finish");
+    b.partition = json.at("partition");
+    b.account = json.at("account");
+    b.options = json.at("options").get<std::vector<std::string>>();
+    b.max_array = json.at("max_array");
+    b.at_once = json.at("at_once");
+    b.max_tries = json.at("max_tries");
+    b.cache_limit_mb = json.at("cache_limit_mb");
+    b.sheet = json.at("sheet");
+    b.finished = json.at("finished");
+    b.cancelled = json.at("cancelled");
+    return b;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+std::vector<Batch> read_batches(const LibraryState& state, bool open) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (fs::directory_iterator it(batches_folder(state), error), end; !error && it != end; it.increment(error))
+    folders.push_back(it->path());
+  std::sort(folders.begin(), folders.end());
+  std::vector<Batch> all;
+  for (const fs::path& folder : folders)
+    if (auto batch = read_batch(folder); batch && (!open || batch->is_open())) all.push_back(std::move(*batch));
+  return all;
+}
+
+Batch new_batch(const LibraryState& state) {
+  Batch b;
+  b.id = new_id();
+  b.folder = batches_folder(state) / b.id;
+  for (const fs::path& folder : {batches_folder(state), b.folder, b.folder / task_begun, b.folder / task_ended}) {
+    make_output_folder(folder);
+    std::error_code ignored;
+    fs::permissions(folder, fs::perms::owner_all, ignored);
+  }
+  return b;
+}
+
+void write_batch(const Batch& b) {
+  Json json, jobs = Json::array(), arrays = Json::array();
+  for (const BatchJob& j : b.jobs) jobs.push_back(json_of(j));
+  for (const BatchArray& a : b.arrays) arrays.push_back({{"slurm", a.slurm}, {"wave", a.wave}, {"names", a.names}});
+  json["finish"] = b.finish;
+  json["partition"] = b.partition;
+  json["account"] = b.account;
+  json["options"] = b.options;
+  json["max_array"] = b.max_array;
+  json["at_once"] = b.at_once;
+  json["max_tries"] = b.max_tries;
+  json["cache_limit_mb"] = b.cache_limit_mb;
+  json["sheet"] = b.sheet;
+  json["finished"] = b.finished;
+  json["cancelled"] = b.cancelled;
+  json["arrays"] = std::move(arrays);
+  json["jobs"] = std::move(jobs);
+  write_file(b.folder / state_file, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void write_jobs(const fs::path& file, const std::vector<LibraryJob>& jobs) {
+  std::string text;
+  for (const LibraryJob& job : jobs) text += job_line(job);
+  write_file(file, text);
+  make_private(file);
+}
+
+std::map<std::string, LibraryJob> read_jobs(const fs::path& file) {
+  std::map<std::string, LibraryJob> all;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(ExitCode::no_input, file.string(), "", "the words of the batch's jobs are gone");
+  for (std::string line; std::getline(in, line);) {
+    LibraryJob job = parse_job_line(line);
+    all[job.name] = std::move(job);
+  }
+  return all;
+}
+
+LibraryJob read_job(const fs::path& file, int index) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(ExitCode::no_input, file.string(), "", "the words of the array's jobs are gone");
+  std::string line;
+  for (int i = 0; i <= index; ++i)
+    if (!std::getline(in, line)) throw Error(ExitCode::usage, file.string(), std::to_string(index), "no such job");
+  return parse_job_line(line);
+}
+
+void remove_words(const Batch& batch) {
+  std::error_code ignored;
+  fs::remove(jobs_file(batch), ignored);
+  for (std::size_t k = 0; k < batch.arrays.size(); ++k)
+    fs::remove(tasks_file(batch.folder, static_cast<int>(k)), ignored);
+}
+
+std::optional<TaskRecord> read_task(const fs::path& folder, const char* which, const std::string& name) {
+  std::error_code ignored;
+  if (!fs::exists(record_file(folder, which, name), ignored)) return {};
+  try {
+    const std::vector<char> bytes = read_file(record_file(folder, which, name), 1 << 20);
+    const Json json = Json::parse(bytes.begin(), bytes.end());
+    return TaskRecord{json.at("attempt"),
+                      json.at("node"),
+                      json.at("begin_s"),
+                      json.at("end_s"),
+                      {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb"), json.at("cpu_s")}};
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+void write_task(const fs::path& folder, const char* which, const std::string& name, const TaskRecord& r) {
+  const Json json = {{"attempt", r.attempt},        {"node", r.node},
+                     {"begin_s", r.begin_s},        {"end_s", r.end_s},
+                     {"code", r.result.code},       {"reason", r.result.reason},
+                     {"seconds", r.result.seconds}, {"memory_mb", r.result.memory_mb},
+                     {"cpu_s", r.result.cpu_s}};
+  write_file(record_file(folder, which, name), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+bool may_pass_next_time(const BatchJob& job, const JobResult& result) {
+  switch (static_cast<ExitCode>(result.code)) {
+    case ExitCode::internal:  // our own faults, and a time that is up, come again
+      return result.reason.rfind("killed by signal", 0) == 0;
+    case ExitCode::cannot_create:  // a disk that is full or away
+    case ExitCode::io:
+    case ExitCode::busy:
+    case ExitCode::cancelled:
+      return true;
+    case ExitCode::no_input:
+      return job.needs_phantom;  // which is tried again, too
+    default:
+      return false;
+  }
+}
+
+}  // namespace trephine::library

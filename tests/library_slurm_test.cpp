@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include "base/temporary_folder.h"
+#include "library/slurm.h"
+#include "library/slurm_engine.h"
+
+namespace trephine::library {
+namespace {
+
+NinjaJob job(const std::string& name, double memory_mb, std::vector<std::string> after = {}) {
+  NinjaJob j;
+  j.job.name = name;
+  j.job.token = name.substr(name.find('.') + 1);
+  j.job.is_phantom = name.rfind("phantom.", 0) == 0;
+  j.memory_mb = memory_mb;
+  j.after = std::move(after);
+  return j;
+}
+
+TEST(LibrarySlurm, ReadsWhatSlurmSays) {
+  EXPECT_EQ(parse_submitted("sbatch: warning: late\n123\n"), "123");
+  EXPECT_EQ(parse_submitted("45;cluster\n"), "45");
+  EXPECT_EQ(parse_submitted("sbatch: error: no\n"), "");
+  EXPECT_EQ(parse_max_array("x\nMaxArraySize            = 1001\ny = 2\n"), 1001);
+  EXPECT_EQ(parse_max_array(""), 0);
+  const auto tasks = parse_tasks("7|0|RUNNING|n1\n7|1|PENDING|\n8|N/A|PENDING|\n9|2|COMPLETING|n2\nslurm: noise\n||\n");
+  ASSERT_EQ(tasks.size(), 4u);
+  EXPECT_EQ(tasks[0].index, 0);
+  EXPECT_EQ(tasks[0].node, "n1");
+  EXPECT_EQ(tasks[1].state, "PENDING");
+  EXPECT_EQ(tasks[2].index, -1);
+  EXPECT_TRUE(is_alive(tasks[1]));
+  EXPECT_FALSE(is_alive(tasks[3]));
+}
+
+TEST(LibrarySlurm, WavesClassesAndChunks) {
+  EngineParams engine;
+  engine.max_array_count = 2;
+  engine.at_once_count = 8;
+  LibraryBuildParams params;
+  params.case_limit_s = 3600;
+  std::vector<NinjaJob> jobs = {job("phantom.p", 100), job("case.a", 300, {"phantom.p"}),
+                                job("case.b", 300, {"case.a"})};
+  for (int i = 0; i < 5; ++i) jobs.push_back(job("case.c" + std::to_string(i), 300));
+  jobs.push_back(job("case.large", 1000));
+  const Batch batch = plan_batch(jobs, engine, params);
+  EXPECT_EQ(batch.jobs[2].wave, 2);
+  EXPECT_EQ(batch.jobs[1].memory_mb, 512);  // with some room above the estimate
+  EXPECT_EQ(batch.jobs.back().memory_mb, 2048);
+  std::set<std::string> all;
+  for (const BatchJob& j : batch.jobs) all.insert(j.name);
+  const auto arrays = part_into_arrays(batch, all);
+  std::size_t count = 0;
+  int wave = 0;
+  for (const BatchArray& a : arrays) {
+    EXPECT_LE(a.names.size(), 2u);
+    EXPECT_GE(a.wave, wave);
+    wave = a.wave;
+    count += a.names.size();
+  }
+  EXPECT_EQ(count, jobs.size());
+  EXPECT_EQ(part_into_arrays(batch, {"case.c3"}).size(), 1u);
+  const auto options = options_of_array(batch, batch.jobs[1], 2, {"5", "6"});
+  for (const char* word : {"--array=0-1%8", "--mem=512M", "--time=63", "--dependency=afterany:5:6", "--no-requeue"})
+    EXPECT_NE(std::find(options.begin(), options.end(), word), options.end()) << word;
+}
+
+TEST(LibrarySlurm, AJobWithoutAClassThatIsLargeEnoughGetsTheLargest) {
+  EngineParams engine;
+  engine.classes = {{1000, 600, ""}, {4000, 1200, "big"}};
+  const Batch batch = plan_batch({job("case.a", 800), job("case.b", 900), job("case.c", 90000)}, engine, {});
+  EXPECT_EQ(batch.jobs[0].memory_mb, 1000);
+  EXPECT_EQ(batch.jobs[0].time_limit_s, 600);
+  EXPECT_EQ(batch.jobs[1].memory_mb, 4000);
+  EXPECT_EQ(batch.jobs[2].partition, "big");
+}
+
+TEST(LibrarySlurm, WhatMayPassNextTimeIsTriedAgainAndNothingElse) {
+  BatchJob j;
+  j.name = "case.a";
+  const auto final_with = [&](int code, const std::string& reason, int attempt) {
+    std::map<std::string, TaskRecord> ended;
+    ended["case.a"].result.code = code;
+    ended["case.a"].result.reason = reason;
+    ended["case.a"].attempt = attempt;
+    return is_final(j, ended, 3);
+  };
+  EXPECT_FALSE(is_final(j, {}, 3));
+  EXPECT_TRUE(final_with(0, "", 1));
+  EXPECT_TRUE(final_with(80, "too coarse", 1));
+  EXPECT_TRUE(final_with(65, "damaged", 1));
+  EXPECT_TRUE(final_with(70, "stopped after 60 s, its time limit", 1));
+  EXPECT_FALSE(final_with(70, "killed by signal 9", 1));
+  EXPECT_FALSE(final_with(74, "disk full", 2));
+  EXPECT_TRUE(final_with(74, "disk full", 3));
+  EXPECT_TRUE(final_with(66, "its series", 1));
+  j.needs_phantom = true;
+  EXPECT_FALSE(final_with(66, "its phantom", 1));
+}
+
+TEST(LibrarySlurm, ABatchIsReadAsItWasWritten) {
+  const TemporaryFolder folder;
+  const LibraryState state(folder.path());
+  state.make_folders();
+  Batch batch = new_batch(state);
+  batch.jobs = {{"case.a", 1, 512, 60, "big", 2, false, true, "a"}};
+  batch.arrays = {{"12", 1, {"case.a"}}};
+  batch.options = {"--qos=low"};
+  batch.max_tries = 4;
+  write_batch(batch);
+  LibraryJob words;
+  words.name = "case.a";
+  words.arguments = {"run", "--series", "/scans/\"x\" y"};
+  words.series = "/scans/\"x\" y";
+  write_jobs(jobs_file(batch), {words, words});
+  const auto all = read_batches(state, true);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].jobs[0].tries, 2);
+  EXPECT_EQ(all[0].jobs[0].partition, "big");
+  EXPECT_TRUE(all[0].jobs[0].needs_phantom);
+  EXPECT_EQ(all[0].arrays[0].names, batch.arrays[0].names);
+  EXPECT_EQ(all[0].options, batch.options);
+  EXPECT_EQ(read_job(jobs_file(batch), 1).arguments, words.arguments);
+  EXPECT_THROW(read_job(jobs_file(batch), 2), Error);
+  write_task(batch.folder, task_ended, "case.a", {3, "n1", 10, 20, {74, "full", 1, 2, 3}});
+  const auto record = read_task(batch.folder, task_ended, "case.a");
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->attempt, 3);
+  EXPECT_EQ(record->result.reason, "full");
+  batch.finished = true;
+  write_batch(batch);
+  EXPECT_TRUE(read_batches(state, true).empty());
+  EXPECT_EQ(read_batches(state, false).size(), 1u);
+}
+
+}  // namespace
+}  // namespace trephine::library
