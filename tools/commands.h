@@ -30,5 +30,6 @@ cli::Command library_verify_command();
 cli::Command library_gc_command();
 cli::Command library_job_command();
 cli::Command library_approve_command();
+cli::Command desk_command();
 
 }  // namespace trephine::tools

@@ -14,12 +14,12 @@ cli::Program declare() {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.commands = {run_command(),          trade_command(),          library_build_command(),
-                      library_list_command(), library_show_command(),   library_verify_command(),
-                      library_gc_command(),   library_job_command(),    page_command(),
-                      diff_command(),         correction_command(),     preview_command(),
-                      export_command(),       convert_command(),        phantom_command(),
-                      rubric_command(),       library_approve_command()};
+  program.commands = {run_command(),          trade_command(),           library_build_command(),
+                      library_list_command(), library_show_command(),    library_verify_command(),
+                      library_gc_command(),   library_job_command(),     page_command(),
+                      diff_command(),         correction_command(),      preview_command(),
+                      export_command(),       convert_command(),         phantom_command(),
+                      rubric_command(),       library_approve_command(), desk_command()};
   // Stages as their declarations say, except those whose commands do more than run the stage.
   std::vector<cli::Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
                                    voxelize_command(), repair_command(),  register_command()};

@@ -27,8 +27,9 @@ owners=(
   'tiny_gltf|cases'
   'assimp/|meshio'
   'png\.h|picture'
+  'httplib\.h|desk'
 )
-foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|png\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
+foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|png\.h|httplib\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
 
 # Lines "file|included" of every include below the given folders.
 includes() {
