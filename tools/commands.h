@@ -37,5 +37,6 @@ cli::Command library_cancel_command();
 cli::Command library_timeline_command();
 cli::Command library_task_command();
 cli::Command library_finish_command();
+cli::Command desk_command();
 
 }  // namespace trephine::tools

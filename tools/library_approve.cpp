@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
-#include <optional>
 
-#include "cases/load_case.h"
 #include "cli/argument.h"
 #include "commands.h"
-#include "lesson/approval.h"
-#include "publish/case_lock.h"
+#include "library/approve.h"
 
 namespace trephine::tools {
 namespace {
@@ -42,22 +39,10 @@ cli::Command library_approve_command() {
   c.groups = {cli::ParameterGroup::of<ApproveParams>("Parameters")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const ApproveParams& p = parsed.params<ApproveParams>();
-    const std::filesystem::path folder = parsed.path("case");
-    lesson::validate_token(parsed.text("by"), "--by");
-    // What is approved is what was checked: no run may publish another case in between. The lock's file would stay in a
-    // folder that is no case.
-    std::optional<publish::CaseLock> lock;
-    if (std::filesystem::exists(folder / "case.json")) lock.emplace(folder);
-    if (p.withdraw) {
-      const bool was = lesson::remove_approval(folder);
-      if (!parsed.quiet) std::cout << folder.string() << (was ? ": no longer approved\n" : ": was not approved\n");
-      return ExitCode::ok;
-    }
-    const cases::LoadedCase loaded = cases::load_case(folder, cases::whole_case);
-    lesson::write_approval(folder, parsed.text("by"), p.difficulty_level);
-    if (!parsed.quiet)
-      std::cout << loaded.manifest.case_token << ": approved by " << parsed.text("by") << ", difficulty "
-                << p.difficulty_level << "\n";
+    const std::string done = p.withdraw
+                                 ? library::withdraw_approval(parsed.path("case"), parsed.text("by"))
+                                 : library::approve_case(parsed.path("case"), parsed.text("by"), p.difficulty_level);
+    if (!parsed.quiet) std::cout << done << "\n";
     return ExitCode::ok;
   };
   return c;

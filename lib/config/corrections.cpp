@@ -2,6 +2,7 @@
 // Corrections by hand, which a case's configuration names by anatomy, become a step of the anatomy.
 #include <algorithm>
 
+#include "config/corrected_field.h"
 #include "config/reading.h"
 #include "segmentation/correct.h"
 
@@ -11,18 +12,18 @@ namespace {
 constexpr const char* correct_step = "correct";
 
 /// Calls visit(source) for every port of a step or scan step that reads an output by name.
-template <class Visit>
-void for_each_source(CaseConfig& config, const Visit& visit) {
-  for (RecipeAnatomy& anatomy : config.anatomies)
-    for (RecipeStep& step : anatomy.steps)
+template <class Config, class Visit>
+void for_each_source(Config& config, const Visit& visit) {
+  for (auto& anatomy : config.anatomies)
+    for (auto& step : anatomy.steps)
       for (auto& [port, source] : step.ports) visit(source);
-  for (RecipeStep& step : config.scan_steps)
+  for (auto& step : config.scan_steps)
     for (auto& [port, source] : step.ports) visit(source);
 }
 
 /// The step whose field is corrected: of those whose field another step reads by its name, the last one, else the last
 /// one before the surface that keeps the scan's voxels. -1 where the anatomy has no field.
-int corrected_step(CaseConfig& config, const RecipeAnatomy& anatomy) {
+int corrected_step(const CaseConfig& config, const RecipeAnatomy& anatomy) {
   int last = -1, read = -1;
   for (std::size_t i = 0; i < anatomy.steps.size(); ++i) {
     if (anatomy.steps[i].type->output != stages::DataKind::field || anatomy.steps[i].type->changes_raster) continue;
@@ -50,13 +51,22 @@ std::string add_step(CaseConfig& config, RecipeAnatomy& anatomy, const std::stri
   return "";
 }
 
-RecipeAnatomy* find_anatomy(CaseConfig& config, const std::string& name) {
+RecipeAnatomy* anatomy_to_correct(CaseConfig& config, const std::string& name) {
   for (RecipeAnatomy& a : config.anatomies)
     if (a.name == name) return &a;
   return nullptr;
 }
 
 }  // namespace
+
+std::string corrected_field(const CaseConfig& config, const std::string& anatomy) {
+  const RecipeAnatomy* of = config.find_anatomy(anatomy);
+  if (!of) return "";
+  for (std::size_t i = 1; i < of->steps.size(); ++i)
+    if (of->steps[i].type->name == correct_step) return anatomy + "." + of->steps[i - 1].type->name;
+  const int step = corrected_step(config, *of);
+  return step < 0 ? "" : anatomy + "." + of->steps[std::size_t(step)].type->name;
+}
 
 void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections, const std::vector<std::string>& set,
                      const std::function<void(const std::string& where, const std::string& what)>& fault) {
@@ -67,7 +77,7 @@ void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
     std::string reported;
     reading.in_root(reading.file, said.path, reported);
     if (!reported.empty()) continue;
-    RecipeAnatomy* anatomy = find_anatomy(config, name);
+    RecipeAnatomy* anatomy = anatomy_to_correct(config, name);
     const std::string what = !anatomy ? reading.fault_of_anatomy(name)
                              : anatomy->find_step(correct_step)
                                  ? "the recipe corrects it already: set " + name + "." + correct_step + ".file"
@@ -78,7 +88,7 @@ void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
   const std::string ending = std::string(".") + correct_step + ".file";
   for (const std::string& path : set) {
     if (path.size() <= ending.size() || path.compare(path.size() - ending.size(), ending.size(), ending) != 0) continue;
-    RecipeAnatomy* anatomy = find_anatomy(config, path.substr(0, path.size() - ending.size()));
+    RecipeAnatomy* anatomy = anatomy_to_correct(config, path.substr(0, path.size() - ending.size()));
     if (anatomy && !anatomy->find_step(correct_step)) add_step(config, *anatomy, "");
   }
 }

@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "base/write_file.h"
+#include "config/parse_yaml.h"
 
 namespace trephine::config {
 namespace {
@@ -180,7 +181,10 @@ YamlNode read_yaml(const std::filesystem::path& file) {
     if (e.code() == ExitCode::bad_input) refuse(file, 1, 1, "is larger than 1 MiB, no configuration is");
     throw;
   }
-  const std::string text(bytes.begin(), bytes.end());
+  return parse_yaml({bytes.begin(), bytes.end()}, file);
+}
+
+YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file) {
   const auto bad = std::find_if(text.begin(), text.end(), [](char c) {
     const auto u = static_cast<unsigned char>(c);
     return u == 0x7f || (u < 0x20 && c != '\n' && c != '\r' && c != '\t');

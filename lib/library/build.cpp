@@ -43,26 +43,6 @@ double free_memory_mb() {
   return std::max(mb, 256.0);
 }
 
-// The stage that the log names last: "skull.decimate 45 % ..." or "skull.decimate: 12.3 s".
-std::string stage_in(const fs::path& log) {
-  std::ifstream in(log, std::ios::binary);
-  in.seekg(0, std::ios::end);
-  const auto size = static_cast<long long>(in.tellg());
-  if (size <= 0) return "";
-  const long long from = std::max(0LL, size - 400);
-  in.seekg(from);
-  std::string text(static_cast<std::size_t>(size - from), '\0'), line, stage;
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
-    line = text.substr(at, end - at);
-    const std::string word = line.substr(0, line.find_first_of(": "));
-    if (!word.empty() && line.size() > word.size() &&
-        (line[word.size()] == ':' || line.find(" %") != std::string::npos) && word != "warning")
-      stage = word;
-  }
-  return stage;
-}
-
 class Build {
  public:
   Build(const LibraryBuildRequest& request, LibraryObserver& observer)
@@ -242,7 +222,7 @@ class Build {
 
   void tick() {
     std::vector<std::pair<std::string, std::string>> running;
-    for (const std::string& name : running_) running.emplace_back(name, stage_in(state_.log_file(name)));
+    for (const std::string& name : running_) running.emplace_back(name, last_stage_in(state_.log_file(name)));
     observer_.working(running, done_, failed_, seconds_left());
   }
 
@@ -383,6 +363,25 @@ class Build {
 };
 
 }  // namespace
+
+std::string last_stage_in(const fs::path& log) {
+  std::ifstream in(log, std::ios::binary);
+  in.seekg(0, std::ios::end);
+  const auto size = static_cast<long long>(in.tellg());
+  if (size <= 0) return "";
+  const long long from = std::max(0LL, size - 400);
+  in.seekg(from);
+  std::string text(static_cast<std::size_t>(size - from), '\0'), line, stage;
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+    line = text.substr(at, end - at);
+    const std::string word = line.substr(0, line.find_first_of(": "));
+    if (!word.empty() && line.size() > word.size() &&
+        (line[word.size()] == ':' || line.find(" %") != std::string::npos) && word != "warning")
+      stage = word;
+  }
+  return stage;
+}
 
 LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObserver& observer) {
   return Build(request, observer).run();

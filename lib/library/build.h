@@ -68,6 +68,10 @@ class LibraryObserver {
   virtual void finished(const std::string& job, const JobResult& result) = 0;
 };
 
+/// The stage that a job's log names last, in a line such as "skull.decimate 45 % ..." or "skull.decimate: 12.3 s";
+/// empty where it names none.
+std::string last_stage_in(const std::filesystem::path& log);
+
 struct LibraryBuildResult {
   int cases = 0, fresh = 0, built = 0, failed = 0;
   int under_way = 0;  ///< submitted to a cluster and not done yet

@@ -22,27 +22,6 @@ constexpr const char *picture_name = "contact_sheet.png", *index_name = "index.h
 constexpr double max_pixels = 4e7;  // of the whole picture: with many cases the thumbnails become smaller
 constexpr int max_side_px = 240, min_side_px = 40, columns_count = 5, max_png_bytes = 1 << 26;
 
-// The first existing picture of what sets the case apart, and a slice through it.
-std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row) {
-  std::vector<std::string> out;
-  std::error_code ignored;
-  const auto add_first = [&](const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-      const std::string file = row.token + "/report/" + name + ".png";
-      if (row.fault.empty() && fs::exists(library / file, ignored)) {
-        out.push_back(file);
-        return;
-      }
-    }
-  };
-  // The anatomy by which the case is classed, else the one that the recipe makes last, which lies within the others.
-  std::vector<std::string> anatomies = {row.classed_by()};
-  for (auto a = row.manifest.anatomies.rbegin(); a != row.manifest.anatomies.rend(); ++a) anatomies.push_back(a->name);
-  add_first(anatomies);
-  add_first({"axial"});
-  return out;
-}
-
 // Scales the image into a box. Each new pixel is the mean of the pixels that it covers.
 picture::Image scaled(const picture::Image& image, int width, int height) {
   picture::Image out(width, height, {1, 1, 1});
@@ -91,7 +70,7 @@ picture::Image cell_of(const fs::path& library, const CaseRow& row, int side) {
   const int line_px = static_cast<int>(std::lround(capital_px * 2)), lines = 4;
   const int height = side * 2 / 3;  // height of a case's pictures
   picture::Image cell(2 * side + 2, height + lines * line_px + line_px / 2, {1, 1, 1});
-  const std::vector<std::string> pictures = pictures_of(library, row);
+  const std::vector<std::string> pictures = overview_pictures(library, row);
   for (std::size_t i = 0; i < pictures.size(); ++i) try {
       const std::vector<char> png = read_file(library / pictures[i], max_png_bytes);
       paste(scaled(picture::decode_png({png.data(), png.size()}), side, height), cell, static_cast<int>(i) * (side + 2),
@@ -126,7 +105,7 @@ Json to_json(const fs::path& library, const CaseRow& row) {
   if (row.last.code != 0) out["fault"] = row.fault + (row.fault.empty() ? "" : "; ") + row.last.reason;
   out["warnings"] = row.warnings;
   out["pictures"] = Json::array();
-  for (const std::string& file : pictures_of(library, row))
+  for (const std::string& file : overview_pictures(library, row))
     out["pictures"].push_back(file.substr(row.token.size() + 1));
   std::error_code ignored;
   out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page::page_file, ignored);
@@ -163,6 +142,26 @@ std::vector<std::string> volume_columns(const std::vector<CaseRow>& rows) {
 }
 
 }  // namespace
+
+std::vector<std::string> overview_pictures(const fs::path& library, const CaseRow& row) {
+  std::vector<std::string> out;
+  std::error_code ignored;
+  const auto add_first = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      const std::string file = row.token + "/report/" + name + ".png";
+      if (row.fault.empty() && fs::exists(library / file, ignored)) {
+        out.push_back(file);
+        return;
+      }
+    }
+  };
+  // The anatomy by which the case is classed, else the one that the recipe makes last, which lies within the others.
+  std::vector<std::string> anatomies = {row.classed_by()};
+  for (auto a = row.manifest.anatomies.rbegin(); a != row.manifest.anatomies.rend(); ++a) anatomies.push_back(a->name);
+  add_first(anatomies);
+  add_first({"axial"});
+  return out;
+}
 
 picture::Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
   const double each = max_pixels / std::max<double>(1, static_cast<double>(rows.size()));

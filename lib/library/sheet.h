@@ -16,6 +16,10 @@ namespace trephine::library {
 void make_sheet(const std::filesystem::path& library);
 bool has_sheet(const std::filesystem::path& library);
 
+/// The case's pictures for an overview, as paths in the library: of what sets the case apart, and an axial slice; those
+/// that are there.
+std::vector<std::string> overview_pictures(const std::filesystem::path& library, const CaseRow& row);
+
 picture::Image sheet_picture(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
 std::string sheet_page(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
 

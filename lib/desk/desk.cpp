@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "desk/desk.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "cases/case.h"
+#include "desk/json_reply.h"
+
+namespace trephine::desk {
+namespace {
+
+constexpr std::size_t max_open = 2;  ///< cases whose voxels stay in memory
+
+}  // namespace
+
+int number_of(const Request& request, const std::string& name) {
+  const auto number = parse_integer(request.value(name));
+  if (!number || *number < -1000000 || *number > 1000000)
+    throw Error(ExitCode::usage, "", name, "must be a whole number");
+  return static_cast<int>(*number);
+}
+
+double real_of(const Request& request, const std::string& name) {
+  const auto number = parse_number(request.value(name));
+  if (!number) throw Error(ExitCode::usage, "", name, "must be a number");
+  return *number;
+}
+
+Desk::Desk(DeskOptions options) : library_(std::move(options)), builder_(library_.options()) {}
+
+const std::map<std::string, Desk::Route>& Desk::routes() {
+  static const std::map<std::string, Route> all = {
+      {"", {"GET", &Desk::page}},
+      {"api/library", {"GET", &Desk::library_cases}},
+      {"api/plan", {"GET", &Desk::plan}},
+      {"api/build", {"POST", &Desk::build}},
+      {"api/stop", {"POST", &Desk::stop_build}},
+      {"api/status", {"GET", &Desk::build_status}},
+      {"api/log", {"GET", &Desk::log}},
+      {"api/approve", {"POST", &Desk::approve}},
+      {"api/open", {"GET", &Desk::open}},
+      {"api/slice", {"GET", &Desk::slice}},
+      {"api/field", {"GET", &Desk::field}},
+      {"api/plane", {"GET", &Desk::plane}},
+      {"api/grow", {"GET", &Desk::grow}},
+      {"api/case", {"GET", &Desk::case_info}},
+      {"api/landmark", {"POST", &Desk::landmark}},
+      {"api/holes", {"POST", &Desk::holes}},
+      {"api/value", {"POST", &Desk::value}},
+      {"api/patch", {"POST", &Desk::patch}},
+      {"api/switch", {"POST", &Desk::switch_patch_route}},
+      {"api/draft", {"GET", &Desk::draft}},
+      {"api/keep", {"POST", &Desk::keep_draft}},
+      {"api/folders", {"GET", &Desk::folders}},
+      {"api/series", {"GET", &Desk::series}},
+      {"api/picture", {"GET", &Desk::series_picture}},
+      {"api/new", {"POST", &Desk::new_case}},
+  };
+  return all;
+}
+
+Reply Desk::answer(const Request& request) {
+  // Every case is named by its token alone, wherever a request names one; so no name of a case is a path.
+  if (request.query.count("case")) cases::validate_case_token(request.value("case"), ExitCode::usage);
+  if (request.path.rfind("case/", 0) == 0) {
+    if (request.method != "GET") throw Error(ExitCode::usage, "", "method", "must be GET");
+    return report_file(request);
+  }
+  const auto found = routes().find(request.path);
+  if (found == routes().end()) throw Error(ExitCode::no_input, "", "", "the desk has no such page");
+  if (found->second.method != request.method)
+    throw Error(ExitCode::usage, "", "method", std::string("must be ") + found->second.method);
+  return (this->*found->second.handler)(request);
+}
+
+void Desk::stop() {
+  builder_.stop();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  open_.clear();
+}
+
+std::shared_ptr<OpenCase> Desk::opened(const std::string& token, bool again) {
+  std::shared_ptr<OpenCase> gone;  // ends its thread after the lock is released
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto at = std::find_if(open_.begin(), open_.end(), [&](const auto& one) { return one.first == token; });
+    if (at != open_.end()) {
+      auto one = *at;
+      open_.erase(at);
+      if (!again) {
+        open_.push_back(one);
+        return one.second;
+      }
+      gone = one.second;
+    }
+  }
+  gone.reset();
+  auto made = std::make_shared<OpenCase>(library_, library_.find(token));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  open_.emplace_back(token, made);
+  if (open_.size() > max_open) {
+    gone = open_.front().second;
+    open_.erase(open_.begin());
+  }
+  return made;
+}
+
+std::shared_ptr<OpenCase> Desk::looked_at(const Request& request) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const auto& [token, one] : open_)
+    if (token == request.value("case") && one->scan()) return one;
+  throw Error(ExitCode::no_input, "", "case", "is not open");
+}
+
+}  // namespace trephine::desk

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "desk/build_runner.h"
+#include "desk/desk_library.h"
+#include "desk/message.h"
+#include "desk/open_case.h"
+
+namespace trephine::desk {
+
+/// The technician's desk (docs/desk.md): answers the requests of its pages. It is a consumer of the rooms below as the
+/// commands are, and computes nothing of its own. answer() may be called from several threads.
+class Desk {
+ public:
+  explicit Desk(DeskOptions options);
+  /// What it throws says what is wrong (server.h makes an answer of it).
+  Reply answer(const Request& request);
+  /// Ends what runs: a build, cases that are being opened.
+  void stop();
+
+ private:
+  using Handler = Reply (Desk::*)(const Request&);
+  struct Route {
+    const char* method;
+    Handler handler;
+  };
+  static const std::map<std::string, Route>& routes();
+
+  // routes_library.cpp
+  Reply page(const Request&);
+  Reply report_file(const Request&);
+  Reply library_cases(const Request&);
+  Reply plan(const Request&);
+  Reply build(const Request&);
+  Reply stop_build(const Request&);
+  Reply build_status(const Request&);
+  Reply log(const Request&);
+  Reply approve(const Request&);
+  // routes_look.cpp
+  Reply open(const Request&);
+  Reply slice(const Request&);
+  Reply field(const Request&);
+  Reply plane(const Request&);
+  Reply grow(const Request&);
+  // routes_change.cpp
+  Reply case_info(const Request&);
+  Reply landmark(const Request&);
+  Reply holes(const Request&);
+  Reply value(const Request&);
+  Reply patch(const Request&);
+  Reply switch_patch_route(const Request&);
+  Reply draft(const Request&);
+  Reply keep_draft(const Request&);
+  // routes_new.cpp
+  Reply folders(const Request&);
+  Reply series(const Request&);
+  Reply series_picture(const Request&);
+  Reply new_case(const Request&);
+
+  std::shared_ptr<OpenCase> opened(const std::string& token, bool again);
+  /// Of a case that was opened before; throws Error 66 where it was not, or its scan is not there yet.
+  std::shared_ptr<OpenCase> looked_at(const Request& request);
+
+  DeskLibrary library_;
+  BuildRunner builder_;
+  std::mutex mutex_;
+  std::vector<std::pair<std::string, std::shared_ptr<OpenCase>>> open_;  ///< the one looked at last is the last
+};
+
+}  // namespace trephine::desk

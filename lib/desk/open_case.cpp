@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "desk/open_case.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "config/corrected_field.h"
+#include "library/build_jobs.h"
+#include "pipeline/executor.h"
+#include "publish/scan_checks.h"
+#include "publish/series_hashes.h"
+
+namespace trephine::desk {
+namespace {
+
+DrawnField drawn(const grid::Field& field, const grid::Lattice& scan) {
+  float most = 0;
+  for (const float v : field.voxels) most = std::max(most, std::abs(v));
+  const float scale = most > 0 ? 32767 / most : 1;
+  DrawnField out;
+  out.place = grid::place_in(field, scan);
+  out.samples = grid::Grid<std::int16_t>(static_cast<const grid::Lattice&>(field));
+  std::transform(field.voxels.begin(), field.voxels.end(), out.samples.voxels.begin(), [&](float v) {
+    const auto n = static_cast<std::int16_t>(std::lround(v * scale));
+    return n == 0 && v > 0 ? std::int16_t{1} : n == 0 && v < 0 ? std::int16_t{-1} : n;
+  });
+  return out;
+}
+
+}  // namespace
+
+class OpenCase::Watcher : public pipeline::RunObserver {
+ public:
+  explicit Watcher(OpenCase& of) : of_(of) {}
+  void started(const std::string& node) override { of_.set_doing(node, 0); }
+  void progressed(const std::string& node, double fraction) override { of_.set_doing(node, fraction); }
+  void finished(const std::string&, const std::string&, double, const Report&) override {}
+
+ private:
+  OpenCase& of_;
+};
+
+OpenCase::OpenCase(const DeskLibrary& library, DeskCase one) : library_(library), one_(std::move(one)) {
+  thread_ = std::thread([this] {
+    std::string fault;
+    try {
+      work();
+    } catch (const ErrorList& list) {
+      for (const Error& e : list.all()) fault += (fault.empty() ? "" : "\n") + e.line("").substr(2);
+    } catch (const Error& e) {
+      fault = e.line("").substr(2);
+    } catch (const Cancelled&) {
+      fault = "stopped";
+    } catch (const std::exception&) {
+      fault = "not enough memory";
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now_.state = fault.empty() ? State::ready : State::failed;
+    now_.fault = fault;
+    now_.doing.clear();
+  });
+}
+
+OpenCase::~OpenCase() {
+  cancel_ = true;
+  thread_.join();
+}
+
+void OpenCase::set_doing(const std::string& what, double fraction) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  now_.doing = what;
+  now_.fraction = fraction;
+}
+
+void OpenCase::work() {
+  const Progress progress({}, &cancel_);
+  set_doing("series", 0);
+  auto config = std::make_shared<const config::CaseConfig>(
+      config::read_case_config(one_.text_file(), library_.overrides_of(one_)));
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    config_ = config;
+  }
+  if (config->series.empty()) throw Error(ExitCode::usage, "", "series", "the configuration names none");
+  const pipeline::Graph graph = publish::SeriesHashes(progress).graph_of(*config);
+  publish::require_one_patient(*config, publish::names_of_scans(graph), progress);
+  pipeline::require_allowed(graph, false);
+  const pipeline::StageCache cache(library_.options().library / library::library_cache_name);
+  pipeline::ExecuteOptions options;
+  options.cache = &cache;
+  options.cancel = &cancel_;
+  Watcher watcher(*this);
+  std::shared_ptr<const grid::HuVolume> scan;
+  {
+    auto results = pipeline::execute(graph, {graph.scan}, options, watcher);
+    scan = std::get<std::shared_ptr<const grid::HuVolume>>(results[std::size_t(graph.scan)].data);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    scan_ = scan;
+    now_.has_scan = true;
+  }
+  for (const config::RecipeAnatomy& anatomy : config->anatomies) {
+    const std::string corrected = anatomy.name + ".correct", made = config::corrected_field(*config, anatomy.name);
+    int node = graph.find(corrected);
+    if (node < 0 && !made.empty()) node = graph.find(made);
+    if (node < 0) continue;
+    try {
+      auto results = pipeline::execute(graph, {node}, options, watcher);
+      const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&results[std::size_t(node)].data);
+      if (!field || !*field) continue;
+      auto one = std::make_shared<const DrawnField>(drawn(**field, grid::lattice_of(*scan)));
+      const std::lock_guard<std::mutex> lock(mutex_);
+      fields_[anatomy.name] = std::move(one);
+      now_.fields.push_back(anatomy.name);
+    } catch (const Error& e) {  // the others can be looked at all the same
+      const std::lock_guard<std::mutex> lock(mutex_);
+      now_.warnings.push_back(anatomy.name + ": " + e.line("").substr(2));
+    }
+  }
+}
+
+OpenCase::Now OpenCase::now() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return now_;
+}
+std::shared_ptr<const grid::HuVolume> OpenCase::scan() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return scan_;
+}
+std::shared_ptr<const DrawnField> OpenCase::field(const std::string& anatomy) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = fields_.find(anatomy);
+  return found == fields_.end() ? nullptr : found->second;
+}
+std::shared_ptr<const config::CaseConfig> OpenCase::config() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return config_;
+}
+
+namespace {
+
+template <class T>
+std::int16_t rounded(T v) {
+  return static_cast<std::int16_t>(std::clamp(std::lround(double(v)), -32767L, 32767L));
+}
+
+/// Calls take(sample) for each voxel of a plane, the lower axis fastest.
+template <class T, class Take>
+void for_plane(const grid::Grid<T>& grid, int axis, int index, const Take& take) {
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  const std::size_t step[3] = {1, std::size_t(grid.size[0]), std::size_t(grid.size[0]) * std::size_t(grid.size[1])};
+  for (int b = 0; b < grid.size[std::size_t(v)]; ++b) {
+    const T* at = grid.voxels.data() + std::size_t(index) * step[axis] + std::size_t(b) * step[v];
+    for (int a = 0; a < grid.size[std::size_t(u)]; ++a, at += step[u]) take(*at);
+  }
+}
+
+void append(std::string& bytes, std::int16_t v) { bytes.append(reinterpret_cast<const char*>(&v), sizeof v); }
+
+void require_plane(const grid::Lattice& lattice, int axis, int index) {
+  if (axis < 0 || axis > 2 || index < 0 || index >= lattice.size[std::size_t(axis)])
+    throw Error(ExitCode::usage, "", "index", "the scan has no such plane");
+}
+
+}  // namespace
+
+std::string slice_bytes(const grid::HuVolume& scan, int axis, int index) {
+  const grid::Lattice& lattice = grid::lattice_of(scan);
+  require_plane(lattice, axis, index);
+  std::string out;
+  out.reserve(lattice.count() / std::size_t(lattice.size[std::size_t(axis)]) * 2);
+  std::visit([&](const auto& grid) { for_plane(grid, axis, index, [&](auto v) { append(out, rounded(v)); }); }, scan);
+  return out;
+}
+
+std::string slice_bytes(const DrawnField& field, int axis, int index) {
+  if (axis < 0 || axis > 2) throw Error(ExitCode::usage, "", "axis", "must be 0, 1 or 2");
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2, at = index - field.place.begin[std::size_t(axis)];
+  std::int32_t head[4] = {0, 0, 0, 0};
+  const bool is_in = at >= 0 && at < field.samples.size[std::size_t(axis)];
+  if (is_in) {
+    head[0] = field.place.begin[std::size_t(u)];
+    head[1] = field.place.begin[std::size_t(v)];
+    head[2] = field.samples.size[std::size_t(u)];
+    head[3] = field.samples.size[std::size_t(v)];
+  }
+  std::string out(reinterpret_cast<const char*>(head), sizeof head);
+  if (is_in) for_plane(field.samples, axis, at, [&](std::int16_t s) { append(out, s); });
+  return out;
+}
+
+std::string plane_bytes(const grid::HuVolume& scan, Vec3 corner_mm, Vec3 right_mm, Vec3 down_mm, int side) {
+  const auto finite = [](Vec3 p) { return std::abs(p.x) < 1e6 && std::abs(p.y) < 1e6 && std::abs(p.z) < 1e6; };
+  if (side < 1 || side > 1024 || !finite(corner_mm) || !finite(right_mm) || !finite(down_mm))
+    throw Error(ExitCode::usage, "", "plane", "must have 1 to 1024 places a side, within a kilometre");
+  std::string out;
+  out.reserve(std::size_t(side) * std::size_t(side) * 2);
+  std::visit(
+      [&](const auto& grid) {
+        const auto sample = [&](Vec3 q) -> std::int16_t {
+          const int i = int(std::floor(q.x)), j = int(std::floor(q.y)), k = int(std::floor(q.z));
+          if (!grid.contains(i, j, k) || !grid.contains(i + 1, j + 1, k + 1)) return -32768;
+          const double x = q.x - i, y = q.y - j, z = q.z - k;
+          double sum = 0;
+          for (int c = 0; c < 8; ++c)
+            sum += (c & 1 ? x : 1 - x) * (c & 2 ? y : 1 - y) * (c & 4 ? z : 1 - z) *
+                   double(grid.at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)));
+          return rounded(sum);
+        };
+        for (int b = 0; b < side; ++b)
+          for (int a = 0; a < side; ++a)
+            append(out, sample(grid.to_index(corner_mm + right_mm * double(a) + down_mm * double(b))));
+      },
+      scan);
+  return out;
+}
+
+}  // namespace trephine::desk

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "config/config.h"
+#include "desk/desk_library.h"
+#include "grid/grid.h"
+
+namespace trephine::desk {
+
+/// A field for outlines: 16 bits a voxel, scaled so that the surface at 0 stays where it is.
+struct DrawnField {
+  grid::Box place;  ///< in the scan's voxels
+  grid::Grid<std::int16_t> samples;
+};
+
+/// A case that a page looks at: the scan that its anatomies are made of (without the face, where the scene takes it
+/// away) and the field of each anatomy, from the cache of stages or computed now, in a thread of its own.
+class OpenCase {
+ public:
+  OpenCase(const DeskLibrary& library, DeskCase one);
+  ~OpenCase();
+  OpenCase(const OpenCase&) = delete;
+  OpenCase& operator=(const OpenCase&) = delete;
+
+  enum class State { opening, ready, failed };
+  struct Now {
+    State state = State::opening;
+    std::string doing;  ///< the stage that is computed
+    double fraction = 0;
+    std::string fault;
+    bool has_scan = false;
+    std::vector<std::string> fields;  ///< anatomies whose field is there
+    std::vector<std::string> warnings;
+  };
+  Now now() const;
+
+  /// Null until it is there; kept while the caller has it.
+  std::shared_ptr<const grid::HuVolume> scan() const;
+  std::shared_ptr<const DrawnField> field(const std::string& anatomy) const;
+  /// The configuration as it was read; only where the state is not failed before it.
+  std::shared_ptr<const config::CaseConfig> config() const;
+
+ private:
+  class Watcher;
+  void work();
+  void set_doing(const std::string& what, double fraction);
+
+  const DeskLibrary& library_;
+  const DeskCase one_;
+  mutable std::mutex mutex_;
+  Now now_;
+  std::shared_ptr<const grid::HuVolume> scan_;
+  std::map<std::string, std::shared_ptr<const DrawnField>> fields_;
+  std::shared_ptr<const config::CaseConfig> config_;
+  std::atomic<bool> cancel_{false};
+  std::thread thread_;
+};
+
+/// The voxels of one plane of the scan's lattice: those whose index along `axis` is `index`, the lower of the two other
+/// axes fastest, as int16 HU. Throws Error 64 where there is no such plane.
+std::string slice_bytes(const grid::HuVolume& scan, int axis, int index);
+/// Of a field: four int32 (the first voxel along both axes, and how many), then int16; four zeros where it has none.
+std::string slice_bytes(const DrawnField& field, int axis, int index);
+
+/// The scan on a plane through any direction: `side` x `side` int16 from `corner` in steps of `right` and `down` (mm,
+/// LPS), trilinear; -32768 beyond the scan. Throws Error 64 for a side that is not 1 to 1024, or a step that is not
+/// finite.
+std::string plane_bytes(const grid::HuVolume& scan, Vec3 corner_mm, Vec3 right_mm, Vec3 down_mm, int side);
+
+}  // namespace trephine::desk

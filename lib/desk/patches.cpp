@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "desk/patches.h"
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "config/config_root.h"
+#include "config/yaml_document.h"
+#include "grid/labels.h"
+
+namespace trephine::desk {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint8_t added = 1, removed = 2;
+
+/// As `trephine correction` writes it (segmentation/correct.h reads it).
+grid::LabelFile correction_of(grid::Mask voxels) {
+  grid::LabelFile out;
+  out.lattice = voxels;
+  out.samples = std::move(voxels);
+  out.format = "seg.nrrd";
+  for (const auto& [name, value] : {std::pair{"added", added}, {"removed", removed}}) {
+    grid::LabelSegment segment;
+    segment.id = segment.name = name;
+    segment.value = value;
+    out.segments.push_back(segment);
+  }
+  return out;
+}
+
+grid::Mask voxels_of(const fs::path& file) {
+  const grid::LabelFile labels = grid::read_labels(file);
+  grid::Mask out(labels.lattice);
+  for (const auto& [name, value] : {std::pair{"added", added}, {"removed", removed}}) {
+    const grid::Mask one = grid::pick_label(labels, name).mask;
+    for (std::size_t i = 0; i < out.voxels.size(); ++i)
+      if (one.voxels[i]) out.voxels[i] = value;
+  }
+  return out;
+}
+
+/// The first patch with the others over it.
+grid::Mask together(const std::vector<grid::Mask>& patches) {
+  const grid::Lattice& first = patches.front();
+  grid::Box all = grid::whole_box(first);
+  std::vector<grid::Box> places;
+  for (const grid::Mask& patch : patches) {
+    places.push_back(grid::place_in(patch, first));
+    for (int a = 0; a < 3; ++a) {
+      all.begin[a] = std::min(all.begin[a], places.back().begin[a]);
+      all.end[a] = std::max(all.end[a], places.back().end[a]);
+    }
+  }
+  grid::Lattice lattice = first;
+  lattice.origin_mm = first.to_world_mm({double(all.begin[0]), double(all.begin[1]), double(all.begin[2])});
+  for (int a = 0; a < 3; ++a) lattice.size[a] = all.end[a] - all.begin[a];
+  if (lattice.count() > std::size_t{1} << 32) throw Error(ExitCode::bad_input, "", "patches", "lie too far apart");
+  grid::Mask out(lattice);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    for (int k = 0; k < patches[p].size[2]; ++k)
+      for (int j = 0; j < patches[p].size[1]; ++j)
+        for (int i = 0; i < patches[p].size[0]; ++i)
+          if (const std::uint8_t v = patches[p].at(i, j, k))
+            out.at(i + places[p].begin[0] - all.begin[0], j + places[p].begin[1] - all.begin[1],
+                   k + places[p].begin[2] - all.begin[2]) = v;
+  return out;
+}
+
+std::string union_name(const std::string& anatomy) { return anatomy + ".nrrd"; }
+
+/// A correction that the configuration names, and that the desk did not make.
+std::optional<std::string> foreign_correction(const DeskCase& one, const std::string& anatomy) {
+  const config::YamlNode file = config::read_yaml(one.text_file());
+  const config::YamlNode* all = file.find("corrections");
+  const config::YamlNode* named = all ? all->find(anatomy) : nullptr;
+  if (!named || named->text == one.token + ".desk/" + union_name(anatomy)) return {};
+  return named->text;
+}
+
+/// Makes the union of the patches that count and the line that names it.
+HandChange combined(const DeskCase& one, const std::string& anatomy, const std::vector<HandEntry>& journal) {
+  std::vector<grid::Mask> patches;
+  for (const HandEntry& e : journal)
+    if (e.on && e.anatomy == anatomy && !e.file.empty()) patches.push_back(voxels_of(one.hand_folder() / e.file));
+  HandChange change;
+  const std::string name = union_name(anatomy);
+  if (!patches.empty()) {
+    write_file(one.hand_folder() / name, grid::encode_labels(correction_of(together(patches))));
+    change.changes = {{{"corrections", anatomy}, config::yaml_scalar(one.token + ".desk/" + name)}};
+  } else {
+    const config::YamlNode file = config::read_yaml(one.text_file());
+    const config::YamlNode* all = file.find("corrections");
+    if (all && all->find(anatomy)) change.changes = {{{"corrections", anatomy}, {}}};
+  }
+  change.check = [anatomy, wanted = !patches.empty()](const config::CaseConfig& now) {
+    const config::RecipeAnatomy* found = now.find_anatomy(anatomy);
+    if (wanted && (!found || !found->find_step("correct")))
+      throw Error(ExitCode::bad_config, "", "corrections." + anatomy, "has no effect in this recipe");
+  };
+  return change;
+}
+
+void keep_foreign(const DeskLibrary& library, const DeskCase& one, const std::string& anatomy,
+                  std::vector<HandEntry>& journal) {
+  const auto named = foreign_correction(one, anatomy);
+  if (!named) return;
+  std::string fault;
+  const fs::path file = config::path_in_roots(one.config.parent_path(), *named, library.roots(), fault);
+  if (!fault.empty()) throw Error(ExitCode::bad_config, one.config.filename().string(), "corrections", fault);
+  HandEntry entry;
+  entry.kind = "patch";
+  entry.what = "the correction that was there";
+  entry.anatomy = anatomy;
+  HandEntry& made = add_entry(journal, entry);
+  made.file = anatomy + "-" + std::to_string(made.id) + ".nrrd";
+  write_file(one.hand_folder() / made.file, grid::encode_labels(correction_of(voxels_of(file))));
+}
+
+void finish(DeskLibrary& library, const DeskCase& one, const std::string& anatomy, const Said& said,
+            std::vector<HandEntry>& journal, const std::string& kind, const std::string& what) {
+  HandChange change = combined(one, anatomy, journal);
+  change.base_sha256 = said.base_sha256;
+  change.by = said.by;
+  change.why = said.why;
+  change.kind = kind;
+  change.what = what;
+  save_change(library, one, change, journal);
+}
+
+}  // namespace
+
+grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan) {
+  std::int32_t head[6];
+  if (bytes.size() < sizeof head) throw Error(ExitCode::bad_input, "", "patch", "is cut short");
+  std::memcpy(head, bytes.data(), sizeof head);
+  grid::Box box;
+  std::size_t count = 1;
+  for (int a = 0; a < 3; ++a) {
+    if (head[a] < 0 || head[a + 3] < 1 || head[a] >= scan.size[a] || head[a + 3] > scan.size[a] - head[a])
+      throw Error(ExitCode::bad_input, "", "patch", "lies beyond the scan's voxels");
+    box.begin[a] = head[a];
+    box.end[a] = head[a] + head[a + 3];
+    count *= std::size_t(head[a + 3]);
+  }
+  if (bytes.size() != sizeof head + count) throw Error(ExitCode::bad_input, "", "patch", "has not a byte a voxel");
+  grid::Mask out(grid::cropped(scan, box));
+  std::memcpy(out.voxels.data(), bytes.data() + sizeof head, count);
+  bool any = false;
+  for (const std::uint8_t v : out.voxels) {
+    if (v > removed) throw Error(ExitCode::bad_input, "", "patch", "holds a byte that is not 0, 1 or 2");
+    any = any || v;
+  }
+  if (!any) throw Error(ExitCode::quality, "", "patch", "nothing is painted");
+  return out;
+}
+
+void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said) {
+  const DeskLock lock(library);
+  const DeskCase one = library.find(token);
+  if (!one.fixed.empty()) throw Error(ExitCode::usage, "", one.token, one.fixed);
+  if (config_sha256(one) != said.base_sha256)
+    throw Error(ExitCode::busy, one.text_file().filename().string(), "",
+                "was changed meanwhile, by another desk or an editor: open the case again");
+  std::vector<HandEntry> journal = read_journal(one);
+  make_output_folder(one.hand_folder());
+  keep_foreign(library, one, painted.anatomy, journal);
+  std::size_t plus = 0, minus = 0;
+  for (const std::uint8_t v : painted.voxels.voxels) plus += v == added, minus += v == removed;
+  const double ml = painted.voxels.voxel_volume_mm3() / 1000;
+  HandEntry entry;
+  entry.by = said.by;
+  entry.why = said.why;
+  entry.kind = "patch";
+  entry.anatomy = painted.anatomy;
+  const auto rounded = [&](std::size_t n) { return to_text(double(std::llround(double(n) * ml * 1000)) / 1000); };
+  entry.what = painted.anatomy + ": " + rounded(plus) + " ml added, " + rounded(minus) + " ml removed";
+  HandEntry& made = add_entry(journal, entry);
+  made.file = painted.anatomy + "-" + std::to_string(made.id) + ".nrrd";
+  write_file(one.hand_folder() / made.file, grid::encode_labels(correction_of(painted.voxels)));
+  finish(library, one, painted.anatomy, said, journal, "", "");
+}
+
+void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said) {
+  const DeskLock lock(library);
+  const DeskCase one = library.find(token);
+  std::vector<HandEntry> journal = read_journal(one);
+  for (HandEntry& e : journal)
+    if (e.id == id && !e.file.empty()) {
+      if (e.on == on) return;
+      e.on = on;
+      const std::string what = std::string(on ? "on" : "off") + ": " + e.what, anatomy = e.anatomy;
+      return finish(library, one, anatomy, said, journal, "switch", what);
+    }
+  throw Error(ExitCode::no_input, "", "patch", "the journal has no such patch");
+}
+
+}  // namespace trephine::desk

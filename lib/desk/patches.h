@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "desk/hand_work.h"
+#include "grid/grid.h"
+
+namespace trephine::desk {
+
+/// What a person painted of one anatomy, as a box of bytes on the scan's voxels: 0 nothing, 1 added, 2 removed.
+struct Painted {
+  std::string anatomy;
+  grid::Mask voxels;
+};
+
+/// The painted bytes of a page: six little-endian int32 (first voxel and size, i j k), then a byte a voxel, i fastest.
+/// Throws Error 65 where they are something else, or lie beyond the scan; 80 where nothing is painted.
+grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan);
+
+/// What the person says of a change.
+struct Said {
+  std::string by, why, base_sha256;
+};
+
+/// Saves the patch as a file of its own in CASE.desk/, writes into the journal who painted it and why, and lets the
+/// case's configuration name all patches of the anatomy together (CASE.desk/ANATOMY.nrrd, in which a later patch has
+/// the last word). A correction that the configuration named before becomes the first patch. Takes the lock. Throws
+/// what save_change throws.
+void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said);
+
+/// Lets a patch count, or not.
+void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said);
+
+}  // namespace trephine::desk

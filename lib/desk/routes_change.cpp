@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a person changes of a case, and what is known of it.
+#include <sys/stat.h>
+
+#include "base/text.h"
+#include "base/write_file.h"
+#include "config/corrected_field.h"
+#include "config/yaml_document.h"
+#include "desk/desk.h"
+#include "desk/hand_work.h"
+#include "desk/json_reply.h"
+#include "desk/patches.h"
+#include "library/catalogue.h"
+
+namespace trephine::desk {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t max_draft_bytes = 1u << 28;
+
+Json json_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+Json json_of(const HandEntry& e) {
+  Json out = {{"id", e.id}, {"when", e.when}, {"by", e.by}, {"why", e.why}, {"kind", e.kind}, {"what", e.what}};
+  if (!e.file.empty()) {
+    out["anatomy"] = e.anatomy;
+    out["file"] = e.file;
+    out["on"] = e.on;
+  }
+  return out;
+}
+
+/// What the case holds now, as it was built last.
+Json json_of(const cases::CaseManifest& m) {
+  Json out = {
+      {"landmarks", Json::array()}, {"targets", Json::array()}, {"holes", Json::array()}, {"figures", Json::object()}};
+  for (const cases::CaseLandmark& l : m.landmarks)
+    out["landmarks"].push_back({{"name", l.name},
+                                {"position_mm", json_of(l.position_mm)},
+                                {"confidence", l.confidence},
+                                {"source", l.source}});
+  for (const cases::CaseTarget& t : m.targets)
+    out["targets"].push_back({{"name", t.name}, {"position_mm", json_of(t.position_mm)}, {"confidence", t.confidence}});
+  for (const cases::CaseBurrHole& h : m.burr_holes)
+    out["holes"].push_back({{"name", h.name},
+                            {"position_mm", json_of(h.position_mm)},
+                            {"direction", json_of(h.direction)},
+                            {"diameter_mm", h.diameter_mm}});
+  for (const auto& [name, value] : m.figures)
+    out["figures"][name] = std::visit([](const auto& v) { return Json(v); }, value);
+  return out;
+}
+
+Json json_of(const config::CaseConfig& config) {
+  Json out = {{"landmarks", Json::object()}, {"holes", Json::array()},           {"values", Json::array()},
+              {"anatomies", Json::array()},  {"known_landmarks", Json::array()}, {"face", config.face}};
+  for (const cases::CaseLandmark& l : config.landmarks) out["landmarks"][l.name] = json_of(l.position_mm);
+  for (const config::CaseDrill& h : config.burr_holes) {
+    const auto& p = h.params.as<boolean::BurrHoleParams>();
+    out["holes"].push_back({{"name", h.name},
+                            {"at", p.at == boolean::BurrHoleRequest::At::kocher ? "kocher" : "position"},
+                            {"side", p.side == boolean::BurrHoleRequest::Side::right ? "right" : "left"},
+                            {"diameter_mm", p.diameter_mm},
+                            {"position_mm", p.position_mm},
+                            {"direction", p.direction},
+                            {"toward", p.toward}});
+  }
+  for (const config::ValueRow& row : config.values)
+    out["values"].push_back({{"path", row.path}, {"value", row.value}, {"source", config::to_text(row.origin.source)}});
+  for (const config::RecipeAnatomy& a : config.anatomies)
+    out["anatomies"].push_back({{"name", a.name},
+                                {"colour_rgb", a.colour_rgb},
+                                {"shown", config.is_shown(a.name)},
+                                {"field", config::corrected_field(config, a.name)}});
+  if (const config::RecipeStep* step = config.landmarks_step())
+    for (const stages::StagePoint& point : step->type->points) out["known_landmarks"].push_back(point.name);
+  return out;
+}
+
+/// What a file says, as it says it: a list or map of numbers and texts.
+Json json_of(const config::YamlNode& node) {
+  if (node.kind == config::YamlNode::Kind::list) {
+    Json out = Json::array();
+    for (const config::YamlNode& item : node.items) out.push_back(json_of(item));
+    return out;
+  }
+  if (node.kind == config::YamlNode::Kind::map) {
+    Json out = Json::object();
+    for (const auto& [key, value] : node.entries) out[key.text] = json_of(value);
+    return out;
+  }
+  if (node.kind == config::YamlNode::Kind::null) return nullptr;
+  if (const auto number = parse_number(node.text); number && !node.quoted) return *number;
+  return node.text;
+}
+
+Said said_of(const nlohmann::json& json) {
+  return {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()};
+}
+
+HandChange change_of(const nlohmann::json& json) {
+  HandChange change;
+  change.base_sha256 = json.at("base").get<std::string>();
+  change.by = json.at("by").get<std::string>();
+  change.why = json.value("why", "");
+  return change;
+}
+
+fs::path draft_file(const DeskLibrary& library, const Request& request) {
+  const std::string what = request.value("what");
+  if (what != "paint" && what != "view") throw Error(ExitCode::usage, "", "what", "must be paint or view");
+  if (request.value("case").empty()) throw Error(ExitCode::usage, "", "case", "is needed");
+  return library.options().library / ".library" / "desk" / (request.value("case") + "." + what);
+}
+
+void save(DeskLibrary& library, const std::string& token, const HandChange& change) {
+  const DeskLock lock(library);
+  const DeskCase one = library.find(token);
+  std::vector<HandEntry> journal = read_journal(one);
+  save_change(library, one, change, journal);
+}
+
+std::string value_of(const config::CaseConfig& config, const std::string& path) {
+  for (const config::ValueRow& row : config.values)
+    if (row.path == path) return row.value;
+  return "";
+}
+
+}  // namespace
+
+Reply Desk::case_info(const Request& request) {
+  const std::string token = request.value("case");
+  Json out = {{"case", token}};
+  const fs::path folder = library_.options().library / token;
+  std::error_code ignored;
+  if (fs::exists(folder / "case.json", ignored)) {
+    const library::CaseRow row = library::read_library_case(library_.options().library, token);
+    out["fault"] = row.fault;
+    out["warnings"] = row.warnings;
+    out["text"] = row.fault.empty() ? library::case_text(row) : "";
+    if (row.fault.empty()) out["built"] = json_of(row.manifest);
+  }
+  if (library_.options().config.empty()) return json_reply(out);
+  const DeskCase one = library_.find(token);
+  out["config"] = one.config.filename().string();
+  out["shared"] = !one.copied_from.empty();
+  out["fixed"] = one.fixed;
+  out["reasons"] = one.reasons;
+  out["base"] = config_sha256(one);
+  const std::vector<char> text = read_file(one.text_file(), 1 << 20);
+  out["yaml"] = std::string(text.begin(), text.end());
+  out["journal"] = Json::array();
+  for (const HandEntry& e : read_journal(one)) out["journal"].push_back(json_of(e));
+  out["now"] = json_of(config::read_case_config(one.text_file(), library_.overrides_of(one)));
+  const config::YamlNode file = config::read_yaml(one.text_file());
+  const config::YamlNode* said = file.find("burr_holes");
+  out["now"]["said_holes"] = said ? json_of(*said) : Json::array();
+  return json_reply(out);
+}
+
+Reply Desk::landmark(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string name = json.at("name");
+  HandChange change = change_of(json);
+  change.kind = "landmark";
+  if (json.at("position_mm").is_null()) {
+    change.changes = {{{"landmarks", name}, {}}};
+    change.what = name + ": as it is found";
+  } else {
+    const auto at = json.at("position_mm").get<std::array<double, 3>>();
+    // A tenth of a micrometre: more digits than a mouse can mean would only fill the line.
+    std::vector<double> rounded;
+    for (const double v : at) rounded.push_back(std::round(v * 1e4) / 1e4);
+    const std::string value = config::yaml_list(rounded);
+    change.changes = {{{"landmarks", name}, value}};
+    change.what = name + ": " + value;
+    change.check = [name, rounded](const config::CaseConfig& now) {
+      const auto given = now.landmark_positions_mm();
+      const auto found = given.find(name);
+      if (found == given.end() || norm(found->second - Vec3{rounded[0], rounded[1], rounded[2]}) > 1e-6)
+        throw Error(ExitCode::usage, "", "landmarks." + name,
+                    "has no effect: a file of landmarks that the case names says otherwise");
+    };
+  }
+  save(library_, json.at("case"), change);
+  return json_reply({{"done", change.what}});
+}
+
+Reply Desk::holes(const Request& request) {
+  const auto json = desk::json_of(request);
+  HandChange change = change_of(json);
+  change.kind = "burr_holes";
+  const auto& holes = json.at("holes");
+  if (!holes.is_array()) throw Error(ExitCode::usage, "", "holes", "must be a list");
+  if (holes.empty())
+    change.changes = {{{"burr_holes"}, {}}};
+  else
+    change.changes = {{{"burr_holes"}, yaml_of_json(holes)}};
+  change.what = holes.empty() ? "no burr hole" : yaml_of_json(holes);
+  const std::size_t count = holes.size();
+  change.check = [count](const config::CaseConfig& now) {
+    if (now.burr_holes.size() != count)
+      throw Error(ExitCode::usage, "", "burr_holes",
+                  "have no effect: the scene cuts none (`burr_holes` of its anatomies)");
+  };
+  save(library_, json.at("case"), change);
+  return json_reply({{"done", change.what}});
+}
+
+Reply Desk::value(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string path = json.at("path"), token = json.at("case");
+  HandChange change = change_of(json);
+  change.kind = "value";
+  const DeskCase one = library_.find(token);
+  if (json.at("value").is_null()) {
+    change.changes = {{{"set", path}, {}}};
+    change.what = path + ": as the recipe says";
+  } else {
+    const std::string text = json.at("value");
+    // A list or a number stays what it is; anything else is a text.
+    const bool is_list = text.size() > 1 && text.front() == '[' && text.back() == ']' &&
+                         text.find_first_not_of("[]0123456789+-.eE, ") == std::string::npos;
+    change.changes = {{{"set", path}, is_list || parse_number(text) ? text : config::yaml_scalar(text)}};
+    change.what = path + ": " + text;
+    const config::CaseConfig before = config::read_case_config(one.text_file(), library_.overrides_of(one));
+    change.check = [path, was = value_of(before, path), text](const config::CaseConfig& now) {
+      if (value_of(now, path) == was && was != text)
+        throw Error(ExitCode::usage, "", path, "has no effect: what LIBRARY.yaml or the scene says of it is stronger");
+    };
+  }
+  save(library_, token, change);
+  return json_reply({{"done", change.what}});
+}
+
+Reply Desk::patch(const Request& request) {
+  const auto one = looked_at(request);
+  Painted painted;
+  painted.anatomy = request.value("anatomy");
+  const auto config = one->config();
+  if (!config || config::corrected_field(*config, painted.anatomy).empty())
+    throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
+  painted.voxels = decode_painted(request.body, grid::lattice_of(*one->scan()));
+  save_patch(library_, request.value("case"), painted,
+             {request.value("by"), request.value("why"), request.value("base")});
+  return json_reply({{"done", painted.anatomy}});
+}
+
+Reply Desk::switch_patch_route(const Request& request) {
+  const auto json = desk::json_of(request);
+  switch_patch(library_, json.at("case"), json.at("id").get<int>(), json.at("on").get<bool>(), said_of(json));
+  return json_reply({{"done", true}});
+}
+
+Reply Desk::draft(const Request& request) {
+  const fs::path file = draft_file(library_, request);
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return bytes_reply("");
+  const std::vector<char> bytes = read_file(file, max_draft_bytes);
+  return bytes_reply({bytes.begin(), bytes.end()});
+}
+
+// What a person has not saved yet: it outlives a reload and a desk that ends. It is kept as it came, and read by pages
+// alone.
+Reply Desk::keep_draft(const Request& request) {
+  const fs::path file = draft_file(library_, request);
+  library_.find(request.value("case"));
+  make_output_folder(file.parent_path());
+  ::chmod(file.parent_path().c_str(), 0700);
+  if (request.body.empty()) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  } else {
+    write_file(file, request.body);
+  }
+  return json_reply({{"done", true}});
+}
+
+}  // namespace trephine::desk

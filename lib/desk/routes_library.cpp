@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The library's page: cases, what is stale and why, builds, approval.
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/base64.h"
+#include "base/file_descriptor.h"
+#include "base/open_beneath.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "desk/desk.h"
+#include "desk/hand_work.h"
+#include "desk/json_reply.h"
+#include "desk/web_files.h"
+#include "lesson/approval.h"
+#include "library/approve.h"
+#include "library/catalogue.h"
+#include "library/sheet.h"
+#include "page/html.h"
+#include "page/page_notes.h"
+
+namespace trephine::desk {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t max_file_bytes = std::size_t{1} << 28, max_log_bytes = 64 << 10;
+
+Json json_of(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+Json json_of(const fs::path& library, const library::CaseRow& row) {
+  Json out = {{"case", row.token},          {"class", row.patient_class},
+              {"fault", row.fault},         {"warnings", row.warnings},
+              {"triangles", row.triangles}, {"deviation_mm", row.deviation_max_mm},
+              {"seconds", row.seconds},     {"age_s", row.age_s},
+              {"last_code", row.last.code}, {"last_reason", row.last.reason}};
+  out["pictures"] = library::overview_pictures(library, row);
+  std::error_code ignored;
+  out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page::page_file, ignored);
+  out["anatomies"] = Json::array();
+  out["figures"] = Json::object();
+  out["approval"] = nullptr;
+  if (!row.fault.empty()) return out;
+  for (const cases::CaseAnatomy& a : row.manifest.anatomies)
+    out["anatomies"].push_back({{"name", a.name}, {"volume_ml", a.volume_ml}, {"triangles", a.triangles}});
+  for (const char* name : {"evans_index_ratio", "midline_shift_mm"})
+    if (const ParameterValue* value = row.figure(name)) out["figures"][name] = json_of(*value);
+  try {
+    if (const auto approval = lesson::read_approval(library / row.token))
+      out["approval"] = {
+          {"by", approval->by}, {"difficulty_level", approval->difficulty_level}, {"holds", approval->holds}};
+  } catch (const Error& e) {
+    out["warnings"].push_back(std::string("approval: ") + e.what());
+  }
+  return out;
+}
+
+std::string type_of(const std::string& name) {
+  const std::string end = name.substr(std::min(name.size(), name.rfind('.')));
+  return end == ".png" ? "image/png" : end == ".html" ? "text/html" : end == ".json" ? "application/json" : "";
+}
+
+}  // namespace
+
+Reply Desk::page(const Request&) {
+  static const std::string html = page::html_page(web::desk_html, web::desk_css, web::desk_js, "{}", {});
+  Reply reply = bytes_reply(html, "text/html; charset=utf-8");
+  reply.policy = "default-src 'none'; script-src '" + policy_hash(web::desk_js) + "'; style-src '" +
+                 policy_hash(web::desk_css) +
+                 "'; img-src 'self' blob:; connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; "
+                 "frame-ancestors 'none'";
+  return reply;
+}
+
+// case/TOKEN/report/NAME: pictures and the page of a case, and nothing else of the library's folder. The page may be a
+// stranger's: it gets an origin of its own, which can ask the desk for nothing.
+Reply Desk::report_file(const Request& request) {
+  const std::vector<std::string> parts = split_at(request.path, '/');
+  const std::string type = parts.size() == 4 ? type_of(parts[3]) : "";
+  if (type.empty() || parts[2] != "report") throw Error(ExitCode::no_input, "", "", "the desk has no such file");
+  cases::validate_case_token(parts[1], ExitCode::no_input);
+  const FileDescriptor fd(open_beneath(library_.options().library, fs::path(parts[1]) / "report" / parts[3]));
+  if (!fd.valid()) throw Error(ExitCode::no_input, "", "", "the case has no such file");
+  const std::vector<char> bytes = read_file("/proc/self/fd/" + std::to_string(fd.get()), max_file_bytes);
+  Reply reply = bytes_reply({bytes.begin(), bytes.end()}, type.c_str());
+  if (type == "text/html")
+    reply.policy =
+        "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+  return reply;
+}
+
+Reply Desk::library_cases(const Request&) {
+  const fs::path& folder = library_.options().library;
+  Json out = {{"name", folder.filename().string()},
+              {"config", library_.options().config.filename().string()},
+              {"cases", Json::array()}};
+  std::error_code ignored;
+  if (fs::exists(folder, ignored))
+    for (const library::CaseRow& row : library::read_library(folder)) out["cases"].push_back(json_of(folder, row));
+  return json_reply(out);
+}
+
+Reply Desk::plan(const Request&) {
+  Json out = Json::array();
+  for (const DeskCase& c : library_.plan())
+    out.push_back({{"case", c.token},
+                   {"reasons", c.reasons},
+                   {"fault", c.fault},
+                   {"fixed", c.fixed},
+                   {"config", c.config.filename().string()},
+                   {"shared", !c.copied_from.empty()},
+                   {"phantom", c.entry.phantom >= 0}});
+  return json_reply({{"cases", out}});
+}
+
+Reply Desk::build(const Request& request) {
+  const auto json = desk::json_of(request);
+  const auto only = json.value("only", std::vector<std::string>());
+  for (const std::string& token : only) library_.find(token);
+  builder_.start(only);
+  return json_reply({{"started", true}});
+}
+
+Reply Desk::stop_build(const Request&) {
+  builder_.stop();
+  return json_reply({{"stopped", true}});
+}
+
+Reply Desk::build_status(const Request&) {
+  const BuildRunner::Status s = builder_.status();
+  Json out = {{"running", s.running}, {"ever", s.ever}, {"stopping", s.stopping}, {"code", s.code},
+              {"seconds", s.seconds}, {"only", s.only}, {"lines", s.lines},       {"at_work", Json::array()}};
+  for (const auto& [name, stage] : s.at_work) out["at_work"].push_back({{"case", name}, {"stage", stage}});
+  return json_reply(out);
+}
+
+Reply Desk::log(const Request& request) {
+  const library::LibraryState state(library_.options().library);
+  const fs::path file = state.log_file("case." + request.value("case"));
+  std::error_code ignored;
+  if (request.value("case").empty() || !fs::exists(file, ignored)) return json_reply({{"log", ""}});
+  const std::vector<char> bytes = read_file(file, max_file_bytes);
+  const std::size_t from = bytes.size() > max_log_bytes ? bytes.size() - max_log_bytes : 0;
+  return json_reply({{"log", std::string(bytes.begin() + std::ptrdiff_t(from), bytes.end())}});
+}
+
+Reply Desk::approve(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string token = json.at("case"), by = json.at("by");
+  cases::validate_case_token(token, ExitCode::usage);
+  const fs::path folder = library_.options().library / token;
+  const bool withdraw = json.value("withdraw", false);
+  const int level = json.value("difficulty_level", 3);
+  if (level < 1 || level > 5) throw Error(ExitCode::usage, "", "difficulty_level", "must be 1 to 5");
+  const std::string done = withdraw ? library::withdraw_approval(folder, by) : library::approve_case(folder, by, level);
+  if (!library_.options().config.empty()) {
+    const DeskLock lock(library_);
+    const DeskCase one = library_.find(token);
+    std::vector<HandEntry> journal = read_journal(one);
+    HandEntry entry;
+    entry.by = by;
+    entry.why = json.value("why", "");
+    entry.kind = "approval";
+    entry.what = withdraw ? "withdrawn" : "approved, difficulty " + std::to_string(level);
+    for (const auto& check : json.value("checks", std::vector<std::string>())) entry.what += "; " + printable(check);
+    add_entry(journal, std::move(entry));
+    write_journal(one, journal);
+  }
+  return json_reply({{"done", done}});
+}
+
+}  // namespace trephine::desk

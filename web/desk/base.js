@@ -1,0 +1,91 @@
+// Part 2: elements, requests, and what every page has: who works, the language, the size of letters.
+const $ = id => document.getElementById(id)
+
+// make('button', { class: 'main', text: 'Save', click: f, disabled: true }, child, ...)
+const make = (tag, given = {}, ...children) => {
+  const e = document.createElement(tag)
+  for (const [key, value] of Object.entries(given)) {
+    if (value === undefined || value === null || value === false) continue
+    if (key === 'class') e.className = value
+    else if (key === 'text') e.textContent = value
+    else if (typeof value === 'function') e.addEventListener(key, value)
+    else if (key in e && key !== 'list') e[key] = value
+    else e.setAttribute(key, value)
+  }
+  if (tag === 'button') e.type = 'button'
+  e.append(...children.flat().filter(c => c !== undefined && c !== null && c !== false))
+  return e
+}
+
+const desk = { language: 'en', cases: [], plan: new Map(), page: null, stats: {} }
+const t = key => TEXTS[desk.language][key] || '?' + key
+const digits = (v, n) => typeof v === 'number' && isFinite(v) ? v.toLocaleString(desk.language, { minimumFractionDigits: n, maximumFractionDigits: n }) : ''
+const label = name => name.replace(/_/g, ' ')
+
+// ---- requests
+class Refused extends Error {}
+async function answered(request) {
+  let reply
+  try {
+    reply = await request
+  } catch (e) {
+    throw new Refused('The desk does not answer: is `trephine desk` still running? What was painted is kept where it was saved last.')
+  }
+  if (reply.ok) return reply
+  const text = await reply.text()
+  let said
+  try { said = JSON.parse(text).error } catch (e) { said = `${reply.status} ${text}` }
+  throw new Refused(said)
+}
+const ask = (path, query = {}) => answered(fetch('api/' + path + '?' + new URLSearchParams(query)))
+const askJson = async (path, query) => (await ask(path, query)).json()
+const askBytes = async (path, query) => (await ask(path, query)).arrayBuffer()
+const tell = async (path, body) => (await answered(fetch('api/' + path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) }))).json()
+const tellBytes = async (path, query, body) => (await answered(fetch('api/' + path + '?' + new URLSearchParams(query), { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body }))).json()
+
+// ---- what went wrong, and what went well
+const problem = text => { $('problem').hidden = !text, $('problem-text').textContent = text || '' }
+let hinted = 0
+const hint = text => {
+  $('hint').textContent = text
+  $('hint').hidden = false
+  clearTimeout(hinted)
+  hinted = setTimeout(() => { $('hint').hidden = true }, 3500)
+}
+// Runs what a button does; it cannot be pressed twice meanwhile, and what it throws is told.
+const doing = (f, ...given) => async event => {
+  const button = event && event.currentTarget
+  if (button && 'disabled' in button) button.disabled = true
+  try {
+    problem('')
+    await f(event, ...given)
+  } catch (e) {
+    problem(e instanceof Refused ? e.message : String(e && e.stack || e))
+  } finally {
+    if (button && 'disabled' in button) button.disabled = false
+  }
+}
+const button = (key, f, given = {}) => make('button', { text: t(key), click: doing(f), ...given })
+
+const who = () => {
+  const token = $('who').value.trim()
+  if (!/^[a-z0-9_-]{1,32}$/.test(token)) {
+    $('who').focus()
+    throw new Refused(t('need_who'))
+  }
+  return token
+}
+
+// ---- what a browser keeps of the desk; a browser that keeps nothing works all the same
+const keep = (key, value) => { try { localStorage.setItem('trephine-' + key, value) } catch (e) {} }
+const kept = key => { try { return localStorage.getItem('trephine-' + key) || '' } catch (e) { return '' } }
+
+const words = () => {
+  document.documentElement.lang = desk.language
+  for (const e of document.querySelectorAll('[data-text]')) e.textContent = t(e.dataset.text)
+  $('language').textContent = desk.language === 'en' ? 'DE' : 'EN'
+  $('theme').textContent = t(document.documentElement.classList.contains('light') ? 'dark' : 'light')
+}
+
+const field = (key, ...controls) => make('label', {}, make('span', { text: t(key) }), ...controls)
+const table = (heads, rows) => make('table', {}, make('tr', {}, heads.map(h => make('th', { text: h[0], class: h[1] ? 'number' : '' }))), rows)

@@ -1,0 +1,357 @@
+// Part 5: a case: its planes beside the 3D page, the tools, and the panels.
+function casePage(token) {
+  const page = { name: 'case', token, tool: 'cross', at: [0, 0, 0], volume: null, info: null, window: { level: 40, width: 400 }, outlines: new Map(), measures: [], line: null, marks: true, timers: [], fields: [], tab: 'look', range: null, overlays: [] }
+  const views = make('div', { class: 'views' }), tools = make('nav', { class: 'tools', 'aria-label': 'tools' }), tabs = make('div', { class: 'tabs', role: 'tablist' }), panel = make('div', { class: 'panel', id: 'panel' })
+  page.panels = {}
+  page.every = (f, ms) => page.timers.push(setInterval(f, ms))
+
+  // ---- views
+  const canvases = {}
+  const box = (id, content) => {
+    const b = make('div', { class: 'view', 'data-view': id }, content, make('button', { class: 'most', text: '⛶', title: t('bigger'), 'aria-label': t('bigger'), click: () => {
+      const one = views.classList.contains('one') && b.classList.contains('chosen')
+      views.classList.toggle('one', !one)
+      for (const other of views.children) other.classList.toggle('chosen', !one && other === b)
+      page.redraw()
+    } }))
+    return b
+  }
+  for (const p of PLANES) canvases[p.id] = make('canvas', { id: p.id, tabIndex: 0, 'aria-label': t(p.id) })
+  const solid = make('div', { class: 'wait', text: t('solid') }), wait = make('div', { class: 'wait', id: 'opening', text: t('opening') })
+  const solidBox = box('solid', solid)
+  views.append(box('axial', canvases.axial), box('coronal', canvases.coronal), box('sagittal', canvases.sagittal), solidBox)
+  views.firstChild.append(wait)
+  page.showSolid = () => {
+    const c = desk.cases.find(c => c.case === token)
+    solidBox.querySelector('iframe, .wait').replaceWith(c && c.page ? make('iframe', { title: t('solid'), src: `case/${token}/report/view.html`, sandbox: 'allow-scripts' }) : make('div', { class: 'wait', text: t('no_page') }))
+  }
+
+  // ---- drawing
+  let due = 0
+  page.redraw = () => { due = due || requestAnimationFrame(() => { due = 0; draw() }) }
+  const colourOf = name => {
+    const a = page.info && page.info.now && page.info.now.anatomies.find(a => a.name === name)
+    return a ? strong(a.colour_rgb) : '#ffffff'
+  }
+  page.colourOf = colourOf
+  const draw = () => { if (page.volume) for (const p of page.volume.planes) drawPlane(p) }
+  // HU to grey, once a window: a slice is then a look into a table.
+  let grey = null, greyOf = ''
+  const greys = () => {
+    const { level, width } = page.window, key = level + ':' + width
+    if (greyOf === key) return grey
+    grey = grey || new Uint32Array(65536)
+    for (let i = 0; i < 65536; ++i) {
+      const g = Math.max(0, Math.min(255, Math.round(((i - 32768 - level) / width + .5) * 255)))
+      grey[i] = rgba(g, g, g)
+    }
+    greyOf = key
+    return grey
+  }
+  function drawPlane(p) {
+    const { volume } = page, canvas = canvases[p.id], index = page.at[p.n], began = performance.now()
+    if (!canvas.clientWidth) return
+    layOut(p, volume, canvas)
+    const c = canvas.getContext('2d')
+    const data = volume.has(p.n, index)
+    if (!data) {
+      volume.slice(p.n, index).then(page.redraw, e => problem(e.message))
+      if (!p.drawn) return
+    } else if (p.shown !== index || p.window !== page.window.level + ':' + page.window.width || p.range !== page.range) {
+      const table_ = greys(), range = page.range
+      pixelsOf(p, volume, range ? at => data[at] >= range[0] && data[at] <= range[1] ? (table_[data[at] + 32768] & 0xff00ff00 | 0x00000000) | 0x30 : table_[data[at] + 32768] : at => table_[data[at] + 32768])
+      p.shown = index, p.window = page.window.level + ':' + page.window.width, p.range = range
+    }
+    p.drawn = true
+    c.fillStyle = '#000'
+    c.fillRect(0, 0, p.w, p.h)
+    c.imageSmoothingEnabled = p.k * Math.min(volume.spacing[p.u], volume.spacing[p.v]) < 4
+    c.drawImage(p.voxels, p.left, p.top, p.wide, p.high)
+    for (const overlay of page.overlays) overlay(p, c)
+    for (const [name, on] of page.outlines) {
+      if (!on || !page.fields.includes(name)) continue
+      const line = volume.outline(name, p.n, index)
+      if (line.then) line.then(page.redraw, () => {})
+      else strokeOutline(c, p, line, colourOf(name))
+    }
+    const [i, j] = [p.X(page.at[p.u]), p.Y(page.at[p.v])]
+    c.strokeStyle = 'rgba(90,200,255,.55)'
+    c.lineWidth = p.r
+    c.beginPath(), c.moveTo(i, 0), c.lineTo(i, p.h), c.moveTo(0, j), c.lineTo(p.w, j), c.stroke()
+    c.font = `${12 * p.r}px system-ui, sans-serif`
+    if (page.marks) drawMarks(p, c)
+    for (const m of page.measures) if (m.plane === p.id && m.index === index) drawMeasure(p, c, m)
+    if (page.line && page.line.plane === p.id && page.line.index === index) drawMeasure(p, c, page.line)
+    const w = volume.toWorld(page.at), place = `${t(p.id)} ${'LPS'[p.patient]} ${w[p.patient].toFixed(1)} mm  ${index + 1}/${volume.size[p.n]}`
+    for (const [text, x, y] of [[p.ends[0], 5 * p.r, p.h / 2], [p.ends[1], p.w - 15 * p.r, p.h / 2], [p.ends[2], p.w / 2, 15 * p.r], [p.ends[3], p.w / 2, p.h - 6 * p.r], [place, 5 * p.r, p.h - 6 * p.r]]) inked(c, text, x, y, '#c5d4e3', p.r)
+    desk.stats.draw = performance.now() - began
+    desk.stats.draws = (desk.stats.draws || 0) + 1
+  }
+  const strokeOutline = (c, p, line, colour) => {
+    const swap = p.u > p.v
+    c.strokeStyle = colour
+    c.lineWidth = 1.4 * p.r
+    c.beginPath()
+    for (let i = 0; i < line.length; i += 4) {
+      const a = swap ? 1 : 0, b = 1 - a
+      c.moveTo(p.X(line[i + a]), p.Y(line[i + b]))
+      c.lineTo(p.X(line[i + 2 + a]), p.Y(line[i + 2 + b]))
+    }
+    c.stroke()
+  }
+  const inked = (c, text, x, y, colour, r) => {
+    c.lineWidth = 3 * r
+    c.strokeStyle = 'rgba(0,0,0,.8)'
+    c.strokeText(text, x, y)
+    c.fillStyle = colour
+    c.fillText(text, x, y)
+  }
+  page.inked = inked
+  const drawMarks = (p, c) => {
+    for (const m of page.allMarks()) {
+      const at = page.volume.toIndex(m.position_mm), off = Math.abs(at[p.n] - page.at[p.n]) * page.volume.spacing[p.n]
+      if (off > 3) continue
+      c.fillStyle = m.colour
+      c.globalAlpha = off < 1 ? 1 : .55
+      c.beginPath(), c.arc(p.X(at[p.u]), p.Y(at[p.v]), 4 * p.r, 0, 7), c.fill()
+      c.globalAlpha = 1
+      inked(c, label(m.name), p.X(at[p.u]) + 7 * p.r, p.Y(at[p.v]) + 4 * p.r, '#fff', p.r)
+    }
+  }
+  const drawMeasure = (p, c, m) => {
+    const [x0, y0, x1, y1] = [p.X(m.from[p.u]), p.Y(m.from[p.v]), p.X(m.to[p.u]), p.Y(m.to[p.v])]
+    c.strokeStyle = m === page.line ? '#f0c45c' : '#7cf0a0'
+    c.lineWidth = 1.6 * p.r
+    c.beginPath(), c.moveTo(x0, y0), c.lineTo(x1, y1), c.stroke()
+    inked(c, digits(m.mm, 1) + ' mm', x1 + 6 * p.r, y1 - 6 * p.r, c.strokeStyle, p.r)
+  }
+  page.allMarks = () => {
+    const marks = []
+    const built = page.info && page.info.built, now = page.info && page.info.now
+    const given = now ? now.landmarks : {}
+    for (const l of built ? built.landmarks : []) if (!given[l.name]) marks.push({ name: l.name, position_mm: l.position_mm, colour: '#ffd84a' })
+    for (const [name, position_mm] of Object.entries(given)) marks.push({ name, position_mm, colour: '#ff9c3c' })
+    for (const target of built ? built.targets : []) if (!given[target.name] && !marks.some(m => m.name === target.name)) marks.push({ name: target.name, position_mm: target.position_mm, colour: '#7cf0a0' })
+    for (const h of built ? built.holes : []) marks.push({ name: h.name, position_mm: h.position_mm, colour: '#ff6a5c' })
+    return marks.concat(page.more ? page.more() : [])
+  }
+
+  // ---- where one looks
+  page.go = p => {
+    for (let a = 0; a < 3; ++a) page.at[a] = Math.max(0, Math.min(page.volume.size[a] - 1, Math.round(p[a])))
+    page.redraw()
+    page.told && page.told()
+    remember()
+  }
+  page.goWorld = w => page.volume && page.go(page.volume.toIndex(w))
+  const step = (p, n) => {
+    const to = [...page.at]
+    to[p.n] += n
+    page.go(to)
+    for (const ahead of [1, 2]) {
+      const index = page.at[p.n] + Math.sign(n) * ahead
+      if (index >= 0 && index < page.volume.size[p.n]) page.volume.slice(p.n, index)
+    }
+  }
+  page.setWindow = (level, width) => {
+    page.window = { level: Math.round(level), width: Math.max(1, Math.round(width)) }
+    page.redraw()
+    page.told && page.told()
+    remember()
+  }
+  let remembering = 0
+  const remember = () => {
+    clearTimeout(remembering)
+    remembering = setTimeout(() => desk.config && tellBytes('keep', { case: token, what: 'view' }, JSON.stringify({ at: page.at, window: page.window, tool: page.tool, tab: page.tab, off: [...page.outlines].filter(o => !o[1]).map(o => o[0]) })).catch(() => {}), 700)
+  }
+
+  // ---- the mouse and the keys on a plane
+  for (const id of Object.keys(canvases)) {
+    const canvas = canvases[id], plane = () => page.volume && page.volume.planes.find(p => p.id === id)
+    let drag = null
+    const point = (p, e) => {
+      const b = canvas.getBoundingClientRect(), [u, v] = p.back(e.clientX - b.left, e.clientY - b.top), at = [...page.at]
+      at[p.u] = u, at[p.v] = v
+      return at
+    }
+    canvas.addEventListener('pointerdown', e => {
+      const p = plane()
+      if (!p || !p.drawn) return
+      canvas.setPointerCapture(e.pointerId)
+      canvas.focus()
+      e.preventDefault()
+      drag = { x: e.clientX, y: e.clientY, window: { ...page.window }, pan: [p.panX, p.panY], how: e.button === 2 ? 'window' : e.button === 1 || e.shiftKey ? 'pan' : 'tool' }
+      if (drag.how === 'tool') doing(() => page.tools[page.tool].down(p, point(p, e), e))()
+    })
+    canvas.addEventListener('pointermove', e => {
+      const p = plane()
+      if (!p || !p.drawn) return
+      const at = point(p, e)
+      page.pointer = { plane: p, at }
+      if (!drag) {
+        if (page.tools[page.tool].hover) page.redraw()
+      } else if (drag.how === 'window') page.setWindow(drag.window.level + (e.clientY - drag.y) * 2, drag.window.width + (e.clientX - drag.x) * 2)
+      else if (drag.how === 'pan') p.panX = drag.pan[0] + e.clientX - drag.x, p.panY = drag.pan[1] + e.clientY - drag.y, page.redraw()
+      else if (page.tools[page.tool].move) for (const one of e.getCoalescedEvents ? [...e.getCoalescedEvents(), e] : [e]) page.tools[page.tool].move(p, point(p, one), one)
+    })
+    const end = e => {
+      const p = plane()
+      if (drag && drag.how === 'tool' && p && page.tools[page.tool].up) doing(() => page.tools[page.tool].up(p, point(p, e), e))()
+      drag = null
+    }
+    canvas.addEventListener('pointerup', end)
+    canvas.addEventListener('pointercancel', end)
+    canvas.addEventListener('contextmenu', e => e.preventDefault())
+    canvas.addEventListener('wheel', e => {
+      const p = plane()
+      e.preventDefault()
+      if (!p) return
+      if (!e.ctrlKey) return step(p, e.deltaY > 0 ? 1 : -1)
+      p.zoom = Math.max(.5, Math.min(30, p.zoom * (e.deltaY > 0 ? 1 / 1.15 : 1.15)))
+      page.redraw()
+    }, { passive: false })
+    canvas.addEventListener('keydown', e => {
+      const p = plane(), s = e.shiftKey ? 5 : 1
+      if (!p || e.ctrlKey || e.metaKey || e.altKey) return
+      const move = (axis, flip, n) => { const to = [...page.at]; to[axis] += flip ? -n : n; page.go(to) }
+      const keys = { PageUp: () => step(p, s), PageDown: () => step(p, -s), ArrowLeft: () => move(p.u, p.flipU, -s), ArrowRight: () => move(p.u, p.flipU, s), ArrowUp: () => move(p.v, p.flipV, -s), ArrowDown: () => move(p.v, p.flipV, s),
+        '+': () => { p.zoom *= 1.15 }, '-': () => { p.zoom = Math.max(.5, p.zoom / 1.15) }, 0: () => { p.zoom = 1, p.panX = p.panY = 0 }, Enter: () => doing(async () => { const tool = page.tools[page.tool]; await tool.down(p, [...page.at], e); tool.up && await tool.up(p, [...page.at], e) })() }
+      if (!keys[e.key]) return
+      e.preventDefault()
+      keys[e.key]()
+      page.redraw()
+    })
+  }
+
+  // ---- tools
+  const length = (a, b) => Math.hypot(...[0, 1, 2].map(k => (a[k] - b[k]) * page.volume.spacing[k]))
+  const ruler = done => {
+    let m = null
+    return {
+      down: (p, at) => { m = { plane: p.id, index: page.at[p.n], from: at, to: at, mm: 0 }, done(m, false) },
+      move: (p, at) => { if (m) m.to = at, m.mm = length(m.from, at), page.redraw() },
+      up: (p, at) => { if (m) m.to = at, m.mm = length(m.from, at), done(m, true), m = null, page.redraw() }
+    }
+  }
+  page.tools = {
+    cross: { key: 'x', down: (p, at) => page.go(at), move: (p, at) => page.go(at) },
+    measure: { key: 'm', ...ruler((m, over) => { if (!over) page.measures.push(m); else { if (m.mm < .5) page.measures.pop(); page.show_('look') } }) },
+    profile: { key: 'p', ...ruler((m, over) => { page.line = m; if (over) page.show_('look') }) }
+  }
+  page.pick = name => {
+    page.tool = name
+    for (const b of tools.querySelectorAll('[data-tool]')) b.setAttribute('aria-pressed', b.dataset.tool === name)
+    page.redraw()
+    remember()
+  }
+  page.listTools = () => tools.replaceChildren(...Object.entries(page.tools).map(([name, tool]) => make('button', { 'data-tool': name, 'aria-pressed': String(page.tool === name), click: () => page.pick(name) }, make('span', { text: t('t_' + name) }), make('kbd', { text: tool.key.toUpperCase() }))),
+    make('button', { id: 'undo', click: doing(() => page.undo && page.undo()) }, make('span', { text: t('undo') }), make('kbd', { text: 'Ctrl Z' })), make('button', { id: 'redo', click: doing(() => page.redo && page.redo()) }, make('span', { text: t('redo') }), make('kbd', { text: 'Ctrl Y' })))
+  page.keys = e => {
+    if (e.target.matches('input, select, textarea')) return
+    const k = e.key.toLowerCase()
+    if ((e.ctrlKey || e.metaKey) && (k === 'z' || k === 'y')) {
+      e.preventDefault()
+      doing(() => k === 'y' || e.shiftKey ? page.redo && page.redo() : page.undo && page.undo())()
+      return
+    }
+    if (e.ctrlKey || e.metaKey || e.altKey) return
+    const tool = Object.entries(page.tools).find(([, tool]) => tool.key === k)
+    if (tool) e.preventDefault(), page.pick(tool[0])
+    else if ((k === '[' || k === ']') && page.resize) e.preventDefault(), page.resize(k === ']' ? 1.25 : .8)
+  }
+
+  // ---- panels
+  page.addPanel = (name, build) => { page.panels[name] = build }
+  page.show_ = name => {
+    page.tab = name
+    for (const b of tabs.children) b.setAttribute('aria-selected', b.dataset.tab === name)
+    page.told = null
+    panel.replaceChildren(...[].concat(page.panels[name]()).filter(x => x))
+    remember()
+  }
+  page.listTabs = () => tabs.replaceChildren(...Object.keys(page.panels).map(name => make('button', { role: 'tab', 'data-tab': name, 'aria-selected': String(page.tab === name), text: t('tab_' + name), click: () => page.show_(name) })))
+
+  page.reloadInfo = async () => {
+    page.info = await askJson('case', { case: token })
+    const at = page.info.built ? page.info.built.landmarks.length : 0
+    desk.stats.landmarks = at
+    page.redraw()
+    if (page.tab) page.show_(page.tab)
+  }
+  // Saves something of the case; what the page knows of it is asked anew.
+  page.save = async (path, body, why = '') => {
+    await tell(path, { case: token, by: who(), why, base: page.info.base, ...body })
+    hint(t('saved'))
+    await page.reloadInfo()
+  }
+
+  // ---- opening
+  page.opening = async again => {
+    wait.hidden = false
+    const query = again ? { case: token, again: 1 } : { case: token }
+    for (let first = true; desk.page === page; first = false) {
+      const now = await askJson('open', first ? query : { case: token })
+      if (now.state === 'failed' && !now.lattice) throw wait.textContent = now.fault, new Refused(now.fault)
+      if (now.lattice && (!page.volume || first && again)) {
+        const old = page.volume
+        page.volume = makeVolume(token, now.lattice)
+        if (!old || String(old.size) !== String(page.volume.size)) page.at = page.volume.size.map(n => n >> 1)
+        await restore()
+        wait.hidden = true
+        page.opened && page.opened()
+      }
+      wait.textContent = `${t('opening')} ${now.doing ? ': ' + now.doing : ''}`
+      if (String(now.fields) !== String(page.fields)) {
+        page.fields = now.fields
+        for (const f of now.fields) if (!page.outlines.has(f)) page.outlines.set(f, !(page.off || []).includes(f))
+        if (page.tab === 'look') page.show_('look')
+        page.redraw()
+      }
+      if (now.state !== 'opening') {
+        if (now.fault) problem(now.fault)
+        return
+      }
+      $('busy').textContent = `${t('opening')}: ${now.doing}`
+      await new Promise(done => setTimeout(done, 250))
+    }
+  }
+  const restore = async () => {
+    try {
+      const view = JSON.parse(new TextDecoder().decode(await askBytes('draft', { case: token, what: 'view' })) || '{}')
+      if (view.at && page.volume.inside(view.at)) page.at = view.at
+      if (view.window) page.window = view.window
+      if (view.off) page.off = view.off
+      if (page.tools[view.tool]) page.pick(view.tool)
+      if (page.panels[view.tab]) page.tab = view.tab
+    } catch (e) {}
+    page.show_(page.tab)
+  }
+  page.leave = () => {
+    page.timers.forEach(clearInterval)
+    removeEventListener('resize', page.redraw)
+    removeEventListener('keydown', page.keys)
+    $('busy').textContent = ''
+  }
+  page.show = async () => {
+    $('title').textContent = token
+    $('page').replaceChildren(make('div', { class: 'work' }, tools, views, make('aside', {}, tabs, panel)))
+    lookPanel(page), placePanel(page), paintPanel(page), valuesPanel(page), rerunPanel(page), approvePanel(page)
+    page.listTools()
+    page.listTabs()
+    addEventListener('resize', page.redraw)
+    addEventListener('keydown', page.keys)
+    if (!desk.cases.length) await loadLibrary()
+    page.showSolid()
+    await page.reloadInfo()
+    if (!desk.config) return wait.textContent = t('no_config')
+    await page.opening(false)
+    $('busy').textContent = ''
+  }
+  return page
+}
+
+// The hue of a colour at full strength: tissue is too pale for lines on grey.
+function strong(rgb) {
+  const low = Math.min(...rgb), range = Math.max(...rgb) - low
+  return `rgb(${(range < .02 ? [1, 1, 1] : rgb.map(c => .15 + .85 * (c - low) / range)).map(c => Math.round(255 * c))})`
+}

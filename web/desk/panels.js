@@ -1,0 +1,90 @@
+// Part 6: the panel for looking: window, outlines, measures, profile, warnings with their places, figures.
+function lookPanel(page) {
+  const presets = [['soft', 40, 400], ['brain', 40, 80], ['bone', 500, 2000]]
+  page.addPanel('look', () => {
+    const level = make('input', { type: 'number', id: 'level', step: 10, change: e => page.setWindow(+e.target.value, page.window.width) })
+    const width = make('input', { type: 'number', id: 'width', step: 10, min: 1, change: e => page.setWindow(page.window.level, +e.target.value) })
+    const where = make('p', { id: 'where', class: 'faint' })
+    page.told = () => {
+      level.value = page.window.level, width.value = page.window.width
+      if (!page.volume) return
+      const w = page.volume.toWorld(page.at), p = page.volume.planes[0], data = page.volume.has(p.n, page.at[p.n])
+      const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
+      where.textContent = `L ${w[0].toFixed(1)}, P ${w[1].toFixed(1)}, S ${w[2].toFixed(1)} mm · ${page.at.join(', ')}` + (data ? ` · ${data[page.at[hi] * page.volume.size[lo] + page.at[lo]]} HU` : '')
+    }
+    page.told()
+    const outlines = page.fields.map(name => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-outline': name, checked: !!page.outlines.get(name), change: e => { page.outlines.set(name, e.target.checked), page.redraw() } }), swatch(page.colourOf(name)), make('span', { text: label(name) }))))
+    const info = page.info || {}, figures = info.built ? Object.entries(info.built.figures) : []
+    return [
+      make('h2', { text: t('at') }), where,
+      make('h2', { text: t('window_') }),
+      make('div', { class: 'row' }, presets.map(([key, l, w]) => make('button', { text: t(key), click: () => page.setWindow(l, w) })), field('level', level), field('width', width),
+        button('reset', () => { if (page.volume) for (const p of page.volume.planes) p.zoom = 1, p.panX = p.panY = 0; page.redraw() })),
+      make('h2', { text: t('outlines') }), outlines.length ? outlines : make('p', { class: 'faint', text: t('no_field') }),
+      make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', checked: page.marks, change: e => { page.marks = e.target.checked, page.redraw() } }), make('span', { text: t('marks') }))),
+      page.measures.length ? [make('h2', { text: t('measures') }), make('div', { class: 'row' }, page.measures.map(m => make('span', { class: 'tag', text: `${t(m.plane)} ${digits(m.mm, 1)} mm` })), button('clear', () => { page.measures = [], page.show_('look'), page.redraw() }))] : null,
+      make('h2', { text: t('profile') }), page.line ? chartOf(page) : make('p', { class: 'faint', text: t('no_profile') }),
+      make('h2', { text: t('warnings') }), !info.built ? make('p', { class: 'warn', text: t('not_built') }) : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
+      info.fault ? make('p', { class: 'bad', text: info.fault }) : null,
+      figures.length ? [make('h2', { text: t('figures') }), table([['', 0], ['', 1]], figures.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: 'number', text: typeof v === 'number' ? digits(v, 2) : v }))))] : null
+    ].flat()
+  })
+}
+const swatch = colour => {
+  const s = make('span', { class: 'swatch' })
+  s.style.background = colour
+  return s
+}
+
+// A warning leads to its place: the point that it names in mm, else the landmark or hole that it names.
+function warningLine(page, text) {
+  const mm = text.match(/\(?\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?)\s*\)?\s*mm/), mark = page.allMarks().find(m => text.includes(m.name))
+  const at = mm ? mm.slice(1).map(Number) : mark && mark.position_mm
+  const named = page.fields.find(f => text.includes(f))
+  const go = async () => {
+    if (named) page.outlines.set(named, true), page.redraw()
+    if (at) page.goWorld(at)
+    else if (named) await goToField(page, named)
+  }
+  return at || named ? make('p', { class: 'warn' }, make('a', { href: '#', text, click: doing(async e => { e.preventDefault(); await go() }) })) : make('p', { class: 'warn', text })
+}
+// Looks at the slice in which most of an anatomy's outline is seen.
+async function goToField(page, name) {
+  const p = page.volume.planes[0], n = page.volume.size[p.n]
+  let best = null
+  for (let i = n >> 4; i < n; i += Math.max(1, n >> 4)) {
+    const line = await page.volume.outline(name, p.n, i)
+    if (line.length && (!best || line.length > best.line.length)) best = { line, i }
+  }
+  if (!best) return
+  let a = 0, b = 0
+  for (let k = 0; k < best.line.length; k += 2) a += best.line[k], b += best.line[k + 1]
+  const to = [...page.at], [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
+  to[p.n] = best.i, to[lo] = 2 * a / best.line.length, to[hi] = 2 * b / best.line.length
+  page.go(to)
+}
+
+// HU along the line, nearest voxel, drawn over its length in mm.
+function chartOf(page) {
+  const canvas = make('canvas', { class: 'chart', id: 'chart' }), m = page.line
+  requestAnimationFrame(() => {
+    const p = page.volume.planes.find(q => q.id === m.plane), data = page.volume.has(p.n, m.index)
+    if (!data) return
+    const r = Math.min(2, devicePixelRatio || 1), w = canvas.width = canvas.clientWidth * r | 0, h = canvas.height = canvas.clientHeight * r | 0, c = canvas.getContext('2d')
+    const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u], n = Math.max(2, Math.min(1000, Math.ceil(m.mm / Math.min(...page.volume.spacing) * 2))), values = []
+    for (let i = 0; i < n; ++i) {
+      const at = [0, 1, 2].map(k => Math.round(m.from[k] + (m.to[k] - m.from[k]) * i / (n - 1)))
+      values.push(page.volume.inside(at) ? data[at[hi] * page.volume.size[lo] + at[lo]] : -1024)
+    }
+    const low = Math.min(...values), high = Math.max(...values, low + 1), y = v => h - 20 * r - (v - low) / (high - low) * (h - 40 * r)
+    c.strokeStyle = '#f0c45c'
+    c.lineWidth = 1.5 * r
+    c.beginPath()
+    values.forEach((v, i) => c.lineTo(8 * r + i / (n - 1) * (w - 16 * r), y(v)))
+    c.stroke()
+    c.font = `${11 * r}px system-ui, sans-serif`
+    for (const [text, left, base] of [[high + ' HU', 6 * r, 14 * r], [low + ' HU', 6 * r, h - 6 * r], [digits(m.mm, 1) + ' mm', w - 60 * r, h - 6 * r]]) page.inked(c, text, left, base, '#c5d4e3', r)
+    canvas.dataset.values = values.length
+  })
+  return canvas
+}

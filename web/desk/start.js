@@ -1,0 +1,32 @@
+// Part 12: which page is shown follows the address, so that a reload and a link lead to the same place.
+addEventListener('DOMContentLoaded', () => {
+  const root = document.documentElement
+  desk.language = kept('language') === 'de' || !kept('language') && navigator.language.startsWith('de') ? 'de' : 'en'
+  root.classList.toggle('light', kept('theme') === 'light')
+  root.classList.toggle('large', kept('letters') === 'large')
+  $('who').value = kept('who')
+  $('who').addEventListener('input', () => keep('who', $('who').value))
+  const show = async () => {
+    if (desk.page) desk.page.leave()
+    problem('')
+    const [name, token] = location.hash.slice(1).split('/')
+    desk.page = name === 'case' && token ? casePage(decodeURIComponent(token)) : name === 'new' ? newPage() : libraryPage()
+    words()
+    await doing(desk.page.show)()
+    root.dataset.ready = desk.page.name
+  }
+  addEventListener('hashchange', () => { delete root.dataset.ready; show() })
+  $('home').addEventListener('click', () => { location.hash = 'library' })
+  $('problem-close').addEventListener('click', () => problem(''))
+  $('language').addEventListener('click', () => {
+    desk.language = desk.language === 'en' ? 'de' : 'en'
+    keep('language', desk.language)
+    show()
+  })
+  $('letters').addEventListener('click', () => keep('letters', root.classList.toggle('large') ? 'large' : 'small'))
+  $('theme').addEventListener('click', () => {
+    keep('theme', root.classList.toggle('light') ? 'light' : 'dark')
+    words()
+  })
+  show()
+})
