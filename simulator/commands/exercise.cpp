@@ -101,7 +101,7 @@ class Exercise {
     return file_of(fmt::format("-{:02}-{}{}", n + 1, plan_.cases[n].token, extension));
   }
 
-  fs::path public_key() const { return parsed_.has("signed-by") ? parsed_.path("signed-by") : fs::path(); }
+  fs::path public_key() const { return parsed_.has("signed_by") ? parsed_.path("signed_by") : fs::path(); }
 
   // The plan that is there, or a new one.
   void take_plan() {
@@ -214,7 +214,7 @@ class Exercise {
       const PlannedCase& c = plan_.cases[n];
       std::string result = "to do";
       if (fs::exists(log_) && fs::exists(file_of(n, ".json"))) result = result_of(file_of(n, ".lesson"));
-      if (parsed_.has("signed-by") && fs::exists(file_of(n, ".lesson")))
+      if (parsed_.has("signed_by") && fs::exists(file_of(n, ".lesson")))
         result += ", " + lessons::signature_state(file_of(n, ".lesson"), public_key());
       std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", n + 1, c.token,
                                c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level,
@@ -271,7 +271,7 @@ cli::Command exercise_command() {
       out,
       cli::argument("script", Kind::in_file, "What the simulated hand does (.json)."),
       cli::argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
-      cli::argument("signed-by", Kind::in_file, "A teacher's public key (PEM): say which attempts are signed."),
+      cli::argument("signed_by", Kind::in_file, "A teacher's public key (PEM): say which attempts are signed."),
       cli::argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
   c.groups = {cli::ParameterGroup::of<ExerciseParams>("Parameters"),
               cli::ParameterGroup::of<lessons::CurriculumParams>("The choice of cases"),

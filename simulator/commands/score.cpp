@@ -23,7 +23,7 @@ ExitCode run_score(const cli::ParsedCommand& parsed) {
   const lessons::ScoredLesson lesson =
       lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric,
                                trust ? lessons::Answers::trusted : lessons::Answers::replayed,
-                               parsed.has("signed-by") ? parsed.path("signed-by") : "");
+                               parsed.has("signed_by") ? parsed.path("signed_by") : "");
   const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
                                                     {parsed.path("json"), parsed.path("page"), parsed.path("log")});
   if (!repeats.empty()) std::cout << "the motion is that of " << repeats << "\n";
@@ -56,7 +56,7 @@ cli::Command score_command() {
   c.arguments = {recording,
                  folder,
                  rubric,
-                 cli::argument("signed-by", Kind::in_file,
+                 cli::argument("signed_by", Kind::in_file,
                                "A teacher's public key (PEM): say whether the recording is signed, and refuse a wrong "
                                "signature."),
                  cli::argument("json", Kind::out_file, "Write the report to this file."),
