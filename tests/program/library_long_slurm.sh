@@ -23,7 +23,7 @@ want=$(for c in "$work"/local/*/case.json; do c=${c%/case.json}; echo "${c##*/} 
 cluster_start
 sbatch --version
 mkdir -p "$work/out"
-mount -t tmpfs -o size=64m tmpfs "$work/out" 2>/dev/null && disk=1 || { disk=0; echo "no tmpfs can be mounted: the full disk is left out"; }
+mount -t tmpfs -o size=400m tmpfs "$work/out" 2>/dev/null && disk=1 || { disk=0; echo "no tmpfs can be mounted: the full disk is left out"; }
 "$TREPHINE" library build l.yaml --out "$work/out" --no-pictures --no-wait | tee said
 grep -q "$cases on the cluster" said || fail "not submitted"
 batch=$(ls -d "$work"/out/.library/slurm/*)
