@@ -30,9 +30,9 @@ batch=$(ls -d "$work"/out/.library/slurm/*)
 [[ $(stat -c %a "$batch/jobs.jsonl") == 600 && $(stat -c %a "$batch") == 700 ]] || fail "others may read the words of the jobs"
 expect 75 'a cluster works on this library' "$TREPHINE" library build l.yaml --engine ninja --out "$work/out" --quiet --no-pictures
 # No word of any process is a series' path.
-watch_words() { while :; do cat /proc/[0-9]*/cmdline 2>/dev/null | tr '\0' '\n' | grep -a DOE_ | grep -av 'grep' >>"$work/told" || true; sleep 0.05; done; }
+watch_words() { while :; do cat /proc/[0-9]*/cmdline 2>/dev/null | tr '\0' '\n' | grep -a 'D[O]E_' >>"$work/told" || true; sleep 0.05; done; }
 watch_words & watcher=$!
-trap 'kill $watcher 2>/dev/null; cluster_stop; umount "$work/out" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'set +e; kill $watcher 2>/dev/null; cluster_stop; umount "$work/out" 2>/dev/null; rm -rf "$work"' EXIT
 
 built() { ls "$batch"/ended 2>/dev/null | wc -l; }
 until_true 300 bash -c "[[ \$(ls '$batch/begun' | wc -l) -ge 2 ]]" || fail "nothing began: $(squeue; cat "$batch"/*.log)"
