@@ -43,12 +43,32 @@ const char* name_of(LogLevel level) {
   }
 }
 
-// The text is printable already: what JSON asks for beside that is the quotes and backslashes.
+// How many bytes of UTF-8 make the character that begins there; 0 where none does.
+std::size_t length_of_character(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(at);
+  const std::size_t length = first < 0x80   ? 1
+                             : first < 0xC2 ? 0
+                             : first < 0xE0 ? 2
+                             : first < 0xF0 ? 3
+                             : first < 0xF5 ? 4
+                                            : 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte(at + i) & 0xC0) != 0x80) return 0;
+  const unsigned second = byte(at + 1);
+  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+  const bool none = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);  // surrogates, too large
+  return overlong || none ? 0 : length;
+}
+
+// The text is printable already: JSON asks beside that for escaped quotes and backslashes, and for sound UTF-8.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = length_of_character(text, at);
+    if (text[at] == '"' || text[at] == '\\') out += '\\';
+    out += length == 0 ? "?" : text.substr(at, length);
+    at += length == 0 ? 1 : length;
   }
   return out + "\"";
 }

@@ -147,6 +147,9 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     std::cout << command_help(program, command);
     return ExitCode::ok;
   }
+  // What is wrong with the words is told in the form that they ask for, too.
+  const auto end_of_options = std::find(own.begin(), own.end(), "--");
+  if (std::find(own.begin(), end_of_options, "--json-log") != end_of_options) set_log_form({LogLevel::info, true, who});
   const ParsedCommand parsed = parse_command(command, own);
   const CommonParams& common = parsed.params<CommonParams>();
   set_thread_count(common.threads);

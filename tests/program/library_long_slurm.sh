@@ -23,16 +23,16 @@ want=$(for c in "$work"/local/*/case.json; do c=${c%/case.json}; echo "${c##*/} 
 cluster_start
 sbatch --version
 mkdir -p "$work/out"
-mount -t tmpfs -o size=64m tmpfs "$work/out" 2>/dev/null && disk=1 || { disk=0; echo "no tmpfs can be mounted: the full disk is left out"; }
+mount -t tmpfs -o size=400m tmpfs "$work/out" 2>/dev/null && disk=1 || { disk=0; echo "no tmpfs can be mounted: the full disk is left out"; }
 "$TREPHINE" library build l.yaml --out "$work/out" --no-pictures --no-wait | tee said
 grep -q "$cases on the cluster" said || fail "not submitted"
 batch=$(ls -d "$work"/out/.library/slurm/*)
 [[ $(stat -c %a "$batch/jobs.jsonl") == 600 && $(stat -c %a "$batch") == 700 ]] || fail "others may read the words of the jobs"
 expect 75 'a cluster works on this library' "$TREPHINE" library build l.yaml --engine ninja --out "$work/out" --quiet --no-pictures
 # No word of any process is a series' path.
-watch_words() { while :; do cat /proc/[0-9]*/cmdline 2>/dev/null | tr '\0' '\n' | grep -a DOE_ | grep -av 'grep' >>"$work/told" || true; sleep 0.05; done; }
+watch_words() { while :; do cat /proc/[0-9]*/cmdline 2>/dev/null | tr '\0' '\n' | grep -a 'D[O]E_' >>"$work/told" || true; sleep 0.05; done; }
 watch_words & watcher=$!
-trap 'kill $watcher 2>/dev/null; cluster_stop; umount "$work/out" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'set +e; kill $watcher 2>/dev/null; cluster_stop; umount "$work/out" 2>/dev/null; rm -rf "$work"' EXIT
 
 built() { ls "$batch"/ended 2>/dev/null | wc -l; }
 until_true 300 bash -c "[[ \$(ls '$batch/begun' | wc -l) -ge 2 ]]" || fail "nothing began: $(squeue; cat "$batch"/*.log)"

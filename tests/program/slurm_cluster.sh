@@ -99,4 +99,4 @@ cluster_stop() {
   done
   rm -rf "$cluster"
 }
-trap 'cluster_stop; umount "$work/out" 2>/dev/null; chmod -R u+w "$work" 2>/dev/null; rm -rf "$work"' EXIT
+trap 'set +e; cluster_stop; umount "$work/out" 2>/dev/null; chmod -R u+w "$work" 2>/dev/null; rm -rf "$work"' EXIT
