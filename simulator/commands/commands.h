@@ -13,6 +13,7 @@ cli::Command score_command();
 cli::Command fluoro_command();
 cli::Command exercise_command();
 cli::Command calibrate_command();
+cli::Command compare_command();
 /// Not in a build with TREPHINE_HEADLESS.
 cli::Command render_command();
 cli::Command play_command();
