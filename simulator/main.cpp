@@ -22,7 +22,8 @@ cli::Program declare() {
                       commands::sign_command(),
                       commands::study_command(),
                       commands::export_recording_command(),
-                      commands::explain_command()};
+                      commands::explain_command(),
+                      commands::compare_command()};
 #ifdef TREPHINE_WITH_DISPLAY
   program.commands.push_back(commands::play_command());
   program.commands.push_back(commands::render_command());

@@ -29,7 +29,7 @@ int trephine_peer_client(void* peer, const double device_mm[3]) {
 }
 int trephine_peer_step(void* peer, const double device_mm[3], double dt_s, double proxy_mm[3], double force_n[3]) {
   const double deep = device_mm[2] < 0 ? -device_mm[2] : 0;
-  if (!(dt_s > 0) || deep > 100) return 1;
+  if (!(dt_s > 0) || deep > 1000) return 1;
   proxy_mm[0] = device_mm[0];
   proxy_mm[1] = device_mm[1];
   proxy_mm[2] = device_mm[2] + deep;

@@ -6,4 +6,7 @@ set_target_properties(peer_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${
 target_include_directories(peer_stub PRIVATE ${PROJECT_SOURCE_DIR}/simulator)
 target_compile_definitions(peers_test PRIVATE PEER_STUB="$<TARGET_FILE:peer_stub>")
 add_dependencies(peers_test peer_stub)
+add_test(NAME program.compare COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/compare.sh)
+set_tests_properties(program.compare PROPERTIES TIMEOUT 1800
+  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;PEER_STUB=$<TARGET_FILE:peer_stub>")
 endif()

@@ -317,7 +317,7 @@ TEST(Peers, ALibraryIsAPeer) {
   EXPECT_EQ(s.force_n, (Vec3{0, 0, 2}));
   EXPECT_EQ(s.proxy_mm, origin + (Vec3{4, 0, 0}));
   try {
-    a->update(at(origin - Vec3{0, 0, 200}));
+    a->update(at(origin - Vec3{0, 0, 2000}));
     FAIL() << "the stub fails that deep";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::io);

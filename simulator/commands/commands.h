@@ -17,6 +17,7 @@ cli::Command exercise_command();
 cli::Command calibrate_command();
 cli::Command study_command();
 cli::Command export_recording_command();
+cli::Command compare_command();
 /// Not in a build with TREPHINE_HEADLESS.
 cli::Command render_command();
 cli::Command play_command();

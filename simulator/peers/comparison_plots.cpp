@@ -85,11 +85,14 @@ Figure servo_histogram(const Comparison& c) {
 
 Figure anomalies(const Comparison& c) {
   std::string coefficient, without, tics;
+  double most_coefficient = 0.0005, most_without = 0.01;  // what the axes show at least
   int n = 0;
   for (const AlgorithmKind& kind : c.kinds) {
     const Spread a = spread_of(c, kind.name, true, [](const RunFigures& f) { return f.force.anomaly_ratio; });
     const Spread z = spread_of(c, kind.name, true, [](const RunFigures& f) { return f.force.zero_force_ratio; });
     if (a.runs == 0) continue;
+    most_coefficient = std::max(most_coefficient, 1.05 * a.most);
+    most_without = std::max(most_without, 1.05 * z.most);
     coefficient += fmt::format("{} {:.6g} {:.6g} {:.6g}\n", n, a.mean, a.least, a.most);
     without += fmt::format("{} {:.6g} {:.6g} {:.6g}\n", n, z.mean, z.least, z.most);
     tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", kind.title, n++);
@@ -105,10 +108,11 @@ Figure anomalies(const Comparison& c) {
   };
   return {"anomalies", block("coefficient", coefficient) + block("without", without) +
                            fmt::format("set xtics ({}) rotate by -25\nset xrange [-0.6:{}]\nset boxwidth 0.6\n"
-                                       "set style fill solid\nset yrange [0:*]\nset multiplot layout 2,1\n",
+                                       "set style fill solid\nset multiplot layout 2,1\n",
                                        tics, n - 0.4) +
+                           fmt::format("set yrange [0:{:.6g}]\n", most_coefficient) +
                            "set title 'Force anomaly coefficient: mean, least and most of the runs'\n" +
-                           panel("$coefficient") +
+                           panel("$coefficient") + fmt::format("set yrange [0:{:.6g}]\n", most_without) +
                            "set title 'Frames without force: mean, least and most of the runs'\n" + panel("$without") +
                            "unset multiplot"};
 }
@@ -117,9 +121,10 @@ Figure anomalies(const Comparison& c) {
 void draw(const Figure& figure, const fs::path& out, const std::string& ending, const std::string& terminal) {
   const fs::path picture = out / (figure.name + ending);
   const fs::path script = out / ("." + figure.name + ".gp"), drawn = out / ("." + figure.name + ending + ".new");
-  write_file(script, "set terminal " + terminal + "\nset output '" + drawn.filename().string() +
-                         "'\nset encoding utf8\nset grid lc rgb '#dddddd'\nset key outside right top\n" +
-                         figure.commands + "\n");
+  write_file(script,
+             "set terminal " + terminal + "\nset output '" + drawn.filename().string() +
+                 "'\nset encoding utf8\nset format y '%g'\nset grid lc rgb '#dddddd'\nset key outside right top\n" +
+                 figure.commands + "\n");
   SpawnRequest gnuplot;
   gnuplot.argv = {"gnuplot", script.filename().string()};
   gnuplot.folder = out;  // so that no name of a folder stands in the script

@@ -161,6 +161,7 @@ std::vector<haptics::ServoFrame> run_closed(ContactAlgorithm& algorithm, const d
     hand.send(state.force_n);
     frames[n].tick = n;
     frames[n].time_s = double(n + 1) * tick_s;
+    frames[n].dt_s = tick_s;
     haptics::put_input(in, frames[n]);
     haptics::put_answer(state, frames[n]);
   }
@@ -182,7 +183,8 @@ std::vector<haptics::ServoFrame> run_open(ContactAlgorithm& algorithm, const std
 
 RunFigures judge(const std::vector<haptics::ServoFrame>& frames, const PeerScene& truth) {
   RunFigures out;
-  const haptics::ForceWindow window = haptics::force_window(frames);
+  haptics::ForceWindow window = haptics::force_window(frames);
+  if (window.begin >= window.end) window = {frames.size() / 2, frames.size()};  // it never touched, which is the worst
   out.force = haptics::force_figures(frames, window);
   bool fell = false;
   std::size_t fallen = 0;

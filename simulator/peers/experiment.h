@@ -52,7 +52,8 @@ struct RunFigures {
 };
 /// A device that is deeper than this within the shape and feels nothing has fallen through.
 constexpr double fall_mm = 0.5;
-/// Judges the frames from half a second after the first contact (haptics::force_window). `truth` is the felt surface
+/// Judges the frames from half a second after the first contact (haptics::force_window), without any contact the second
+/// half. `truth` is the felt surface
 /// in full, `contact` says what is inside.
 RunFigures judge(const std::vector<haptics::ServoFrame>& frames, const PeerScene& truth);
 

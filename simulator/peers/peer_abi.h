@@ -26,7 +26,7 @@ typedef struct {
   uint64_t points;
   const uint32_t* triangles; /* three points each, counter-clockwise from outside */
   uint64_t triangle_count;
-  double spring_n_per_mm, radius_mm; /* of the proxy, where the algorithm has one; else 0 means a point */
+  double spring_n_per_mm, radius_mm; /* radius: of the proxy, where the algorithm has one */
 } trephine_peer_mesh;
 
 int trephine_peer_version(void);                          /* TREPHINE_PEER_VERSION */
