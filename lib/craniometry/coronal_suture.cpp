@@ -19,8 +19,14 @@ using mask::HuView;
 constexpr int half_planes = 40, planes = 2 * half_planes + 1;  ///< 1 mm apart
 constexpr double first_deg = 40, last_deg = 150, turn_deg = 0.25;
 constexpr int columns = int((last_deg - first_deg) / turn_deg) + 1;
-constexpr double reach_mm = 160;                            ///< bone farther from the centre is not seen
-constexpr double table_from_mm = 1, table_to_mm = 3;        ///< the depth at which the bone is looked at
+constexpr double reach_mm = 160;  ///< bone farther from the centre is not seen
+/// The depth at which the bone is looked at: the outer table, and the vault's thickness, in which a suture that has
+/// grown together in the table may still show.
+struct Depth {
+  double from_mm, to_mm;
+};
+constexpr Depth outer_table{1, 3}, whole_vault{0.5, 6.5};
+constexpr double agreeing_mm = 8, of_a_contradicted_one = 0.4, of_the_vault_alone = 0.6;
 constexpr double min_arc_mm = 85, max_arc_mm = 175;         ///< over the bone, from the nasion's level
 constexpr double cleft_beside_mm = 3, ridge_beside_mm = 8;  ///< where the bone is that a line is compared with
 constexpr double max_cleft = 0.3, max_ridge = 0.25;         ///< a burr hole is not worth more than a suture
@@ -65,7 +71,7 @@ struct Unrolled {
   std::size_t at(int row, int column) const { return std::size_t(row) * columns + column; }
 };
 
-Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone) {
+Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone, Depth looked_at) {
   Unrolled u;
   u.table_mm.resize(std::size_t(planes) * columns);
   u.known.assign(u.table_mm.size(), 0);
@@ -81,7 +87,7 @@ Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone) {
         if (!met) continue;
         double sum = 0;
         int n = 0;
-        for (double depth = table_from_mm; depth <= table_to_mm + 0.01; depth += 0.5, ++n)
+        for (double depth = looked_at.from_mm; depth <= looked_at.to_mm + 0.01; depth += 0.5, ++n)
           sum += hu_at(hu, *met - out * depth);
         u.table_mm[u.at(row, c)] = *met;
         u.known[u.at(row, c)] = 1;
@@ -223,11 +229,9 @@ std::vector<double> arcs_of(const Unrolled& u, Vec3 nasion) {
   return arc;
 }
 
-}  // namespace
-
-std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, const CalvariaFrame& frame,
-                                                 const BoneRay& bone) {
-  const Unrolled u = unroll(HuView(volume), frame, bone);
+std::optional<CoronalSuture> suture_in(const grid::HuVolume& volume, const CalvariaFrame& frame, const BoneRay& bone,
+                                       Depth looked_at) {
+  const Unrolled u = unroll(HuView(volume), frame, bone, looked_at);
   const std::vector<double> arc = arcs_of(u, frame.nasion_mm);
   grid::Grid<float> contrast = contrast_of(u);
   take_rings_off(contrast, u, grid::lattice_of(volume));
@@ -263,6 +267,24 @@ std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, c
   out.confidence = std::min(mask::ramp(out.visible_ratio, 0.4, 0.7), mask::ramp(out.distinct_ratio, 1.2, 2));
   if (out.halves_apart_mm > max_halves_apart_mm) out.confidence *= 0.4;
   return out;
+}
+
+}  // namespace
+
+std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, const CalvariaFrame& frame,
+                                                 const BoneRay& bone) {
+  auto table = suture_in(volume, frame, bone, outer_table), vault = suture_in(volume, frame, bone, whole_vault);
+  if (!table || !vault) return table ? table : vault;
+  CoronalSuture& clear = vault->confidence > table->confidence ? *vault : *table;
+  const CoronalSuture& other = &clear == &*vault ? *table : *vault;
+  if (norm(clear.bregma_mm - other.bregma_mm) <= agreeing_mm) return clear;
+  // Two clear lines at different places: one of them is no suture, and which is not known. One that the outer table
+  // does not show is less sure.
+  if (other.confidence >= 0.5)
+    clear.confidence *= of_a_contradicted_one;
+  else if (&clear == &*vault)
+    clear.confidence = std::min(clear.confidence, of_the_vault_alone);
+  return clear;
 }
 
 }  // namespace trephine::craniometry

@@ -28,12 +28,14 @@ struct CoronalSuture {
   double halves_apart_mm = 0;  ///< distance of the places at which its left and right half would cross the midline
 };
 
-/// Unrolls the outer 3 mm of the calvaria within 40 mm of the midline, and looks there, 85 to 175 mm from the nasion,
-/// for the one line from side to side that stands out most. An open suture is a dark cleft, one that grew together a
-/// dense ridge of some 5 mm, and many are a dark cleft between dense margins: what is darker than 3 mm in front and
-/// behind, and what is denser than 8 mm in front and behind, both count, as a share of the bone around. The rings that
-/// thick slices leave on a vault are taken off first: they are alike wherever the bone crosses the slices alike. The
-/// line is the best of all that run from plane to plane by at most a millimetre (dynamic programming).
+/// Unrolls the outer 3 mm of the calvaria within 40 mm of the midline, and again its outer 6.5 mm, in which a suture
+/// that has grown together outside may still show. In each it looks, 85 to 175 mm from the nasion, for the one line
+/// from side to side that stands out most, and takes the clearer one; where both are clear and more than 8 mm apart,
+/// its confidence stays below 0.5. An open suture is a dark cleft, one that grew together a dense ridge of some 5 mm,
+/// and many are a dark cleft between dense margins: what is darker than 3 mm in front and behind, and what is denser
+/// than 8 mm in front and behind, both count, as a share of the bone around. The rings that thick slices leave on a
+/// vault are taken off first: they are alike wherever the bone crosses the slices alike. The line is the best of all
+/// that run from plane to plane by at most a millimetre (dynamic programming).
 ///
 /// The two halves are independent of each other: where they would cross the midline more than 10 mm apart, the
 /// confidence stays below 0.5. It is 1 where the line shows in 70 % of the planes and is twice as clear as any other

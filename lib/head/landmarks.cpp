@@ -26,9 +26,7 @@ constexpr double min_symmetry = 0.15;                          ///< below this t
 constexpr double min_leap_mm = 2, max_leap_mm = 5;             ///< of the midline's skin between neighbouring points
 constexpr double max_vertices_apart_mm = 15;                   ///< 6 degrees of another level
 constexpr double max_estimates_apart_mm = 10, of_an_estimate = 0.45;
-const char* const how_to_give =
-    "give nasion, inion, tragus_left and tragus_right (`landmarks: {nasion: [x, y, z], ...}`, mm, LPS; or a "
-    "`landmarks_file`, .mrk.json or .fcsv of 3D Slicer)";
+constexpr double max_covered_ratio = 0.3;
 
 class Finder {
  public:
@@ -54,19 +52,20 @@ class Finder {
     if (!by_points) plane_by_symmetry(skin, skull, progress.part(0, 0.7));
     progress.report(0.7);
     check_sides(in_.given, out_.midsagittal);
-    set_frame(skull);
+    head_ = frame_in(out_.midsagittal, skull);
     const auto nasion = find_nasion(skin, skull, head_);
     if (const cases::CaseLandmark* given = out_.find("nasion"))
       doubt_given(*given, nasion, report_);
     else
       add("nasion", nasion, "found", "no hollow between brow and nose");
-    level_roughly();
+    if (const Vec3* p = known("nasion", 0.5)) level_by_nasion(head_, *p);
     for (const int side : {1, -1}) {
       progress.check();
       const char* name = side > 0 ? "tragus_left" : "tragus_right";
       if (!out_.find(name)) add(name, find_tragus(skin, head_, side), "found", "no ear with its concha");
     }
     doubt_lopsided_tragi();
+    doubt_covered_tragi(skin);
     progress.report(0.8);
     level_frame();
     if (!out_.find("inion")) {
@@ -91,6 +90,8 @@ class Finder {
       }
     }
     judge_together(out_, given_names(), why_);
+    hold_to_scan(out_, given_names(), mask::measure_scan(volume_, progress.part(0.95, 1)), why_);
+    hold_to_bregma(out_, given_names(), why_);
     leave_out_what_is_none(out_, given_names(), why_, report_);
     tell();
     return std::move(out_);
@@ -148,40 +149,8 @@ class Finder {
                     fmt::format("no symmetric skull was found (residual {:.1f} mm of at most 4, {:.0f} % match of at "
                                 "least 50, sharpness {:.2f} mm of at least 0.1)",
                                 plane.residual_mm, 100 * plane.matched, plane.rise_mm),
-                    {how_to_give});
+                    {how_to_give_landmarks});
     out_.midsagittal = {plane.point_mm, plane.normal, plane.confidence};
-  }
-
-  /// Axes in the plane, the superior one nearest to the scan's; the origin is the centre of the skull's bones.
-  void set_frame(const craniometry::FieldView& skull) {
-    const MidsagittalPlane& p = out_.midsagittal;
-    head_.left = p.normal;
-    head_.back = normalized(Vec3{0, 1, 0} - p.normal * p.normal.y);
-    head_.up = cross(head_.left, head_.back);
-    Vec3 sum;
-    std::size_t count = 0;
-    const grid::Field& f = skull.field();
-    for (int k = 0; k < f.size[2]; k += 3)
-      for (int j = 0; j < f.size[1]; j += 4)
-        for (int i = 0; i < f.size[0]; i += 4)
-          if (f.at(i, j, k) > 0) sum += f.to_world_mm({double(i), double(j), double(k)}), ++count;
-    if (!count) throw refusal("skull", "is empty", {how_to_give});
-    const Vec3 middle = sum / double(count);
-    head_.origin_mm = middle - head_.left * dot(middle - p.point_mm, head_.left);
-  }
-
-  /// The ears are searched for with the nasion level with the skull's centre, or up to 20 degrees above it (the centre
-  /// is too low where the vertex was not scanned). In a head that is tilted further forwards, the hollow of the cheek
-  /// looks like a concha.
-  void level_roughly() {
-    const Vec3* nasion = known("nasion", 0.5);
-    if (!nasion) return;
-    const Vec3 way = *nasion - head_.origin_mm;
-    const double degree = std::acos(-1.0) / 180, angle = std::atan2(dot(way, head_.up), -dot(way, head_.back));
-    const double turn = angle - std::clamp(angle, 0.0, 20 * degree);
-    if (std::abs(turn) > 40 * degree) return;
-    head_.back = head_.back * std::cos(turn) - head_.up * std::sin(turn);
-    head_.up = cross(head_.left, head_.back);
   }
 
   /// The ears of a head differ less than a wrong rim is off, but which of the two is wrong is not known.
@@ -197,6 +166,19 @@ class Finder {
     for (cases::CaseLandmark* l : tragi)
       lower(*l, mask::ramp(apart_mm, max_lopsided_mm, min_lopsided_mm),
             fmt::format("{:.0f} mm from the mirror image of the other tragus", apart_mm));
+  }
+
+  /// Under a sheet or a pad an ear is pressed flat, and what was taken off with it may be a part of the ear.
+  void doubt_covered_tragi(const craniometry::FieldView& skin) {
+    if (!in_.as_read) return;
+    for (cases::CaseLandmark& l : out_.landmarks) {
+      if (l.name != "tragus_left" && l.name != "tragus_right") continue;
+      const double side = l.name == "tragus_left" ? 1 : -1;
+      const double covered = covered_ratio(*in_.as_read, volume_, skin, l.position_mm, head_.left * side);
+      report_.add(l.name + "_covered_ratio", covered);
+      lower(l, mask::ramp(covered, 1.2 * max_covered_ratio, 0.5 * max_covered_ratio),
+            fmt::format("something that was taken off lies on {:.0f} % of the skin about it", 100 * covered));
+    }
   }
 
   /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees towards the front, as it does

@@ -33,6 +33,7 @@ struct LandmarkInputs {
   const grid::Field* skull = nullptr;       ///< required
   const grid::Field* brain = nullptr;       ///< may be null
   const grid::Field* ventricles = nullptr;  ///< may be null: then the foramina of Monro are not found
+  const grid::HuVolume* as_read = nullptr;  ///< the scan before anything was taken off it; may be null
   std::vector<cases::CaseLandmark>
       given;  ///< given by a person; they replace found ones, others are measured from them
 };

@@ -147,8 +147,11 @@ std::optional<FoundPoint> find_tragus(const craniometry::FieldView& skin, const 
   const auto on_skin = skin.enter(from, head.left * (-1.0 * side), 100);
   if (!on_skin) return {};
   found.position_mm = *on_skin;
+  // An ear that the scan cuts off below shows the root of the helix as a rim: the whole auricle must be there.
+  constexpr double lobe_mm = 24;
   found.confidence = std::min({mask::ramp(mean_depth_mm, 0.3, 1), mask::ramp(best, 0.3, 1),
-                               mask::ramp(skin.depth_in_scan_mm(found.position_mm), 2, 12)});
+                               mask::ramp(skin.depth_in_scan_mm(found.position_mm), 2, 12),
+                               mask::ramp(scanned_below_mm(skin, found.position_mm, head.up, lobe_mm), 10, lobe_mm)});
   return found;
 }
 

@@ -10,7 +10,7 @@
 
 namespace trephine::head {
 namespace {
-constexpr double of_a_lone_tragus = 0.45;
+constexpr double of_a_lone_tragus = 0.45, of_a_lone_foramen = 0.65;
 }
 
 void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons) {
@@ -37,6 +37,19 @@ void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons
         lower_confidence(l, of_a_lone_tragus, against[s], reasons);
 }
 
+void judge_foramina(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
+  const std::array<const char*, 2> names{"monro_left", "monro_right"};
+  std::array<bool, 2> sure{false, false};
+  for (int s = 0; s < 2; ++s)
+    if (const cases::CaseLandmark* l = all.find(names[s]))
+      sure[s] = given.count(names[s]) || l->confidence >= doubtful_confidence;
+  for (cases::CaseLandmark& l : all.landmarks)
+    for (int s = 0; s < 2; ++s)
+      if (l.name == names[s] && sure[s] && !sure[1 - s] && !given.count(l.name))
+        lower_confidence(l, of_a_lone_foramen, "the other foramen is doubtful or missing and does not confirm it",
+                         reasons);
+}
+
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
   std::vector<cases::CaseLandmark> marks = all.landmarks;
   for (cases::CaseLandmark& m : marks)
@@ -52,6 +65,7 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
                          reasons);
     }
   judge_tragi(all, given, reasons);
+  judge_foramina(all, given, reasons);
 }
 
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,

@@ -12,6 +12,8 @@
 #include "craniometry/near_distance.h"
 #include "craniometry/skin_arc.h"
 #include "head/head_landmarks.h"
+#include "mask/hu_view.h"
+#include "mask/scan_figures.h"
 
 namespace trephine::head {
 
@@ -19,6 +21,15 @@ namespace trephine::head {
 struct HeadFrame {
   Vec3 origin_mm, left{1, 0, 0}, back{0, 1, 0}, up{0, 0, 1};
 };
+
+/// Axes in the plane, the superior one nearest to the scan's; the origin is the centre of the skull's bones. Throws
+/// Error 80 where there are none.
+HeadFrame frame_in(const MidsagittalPlane& plane, const craniometry::FieldView& skull);
+/// The ears are searched for with the nasion level with the skull's centre, or up to 20 degrees above it (the centre is
+/// too low where the vertex was not scanned). In a head that is tilted further forwards, the hollow of the cheek looks
+/// like a concha.
+void level_by_nasion(HeadFrame& head, Vec3 nasion_mm);
+extern const char* const how_to_give_landmarks;
 
 /// A point and its confidence from 0 to 1.
 struct FoundPoint {
@@ -50,6 +61,8 @@ void lower_confidence(cases::CaseLandmark& landmark, double factor, const std::s
 /// An ear is recognized by its shape alone, and a fold of a mask or the edge of the scan can look like one: a tragus
 /// whose other one was not found, or is doubtful, becomes doubtful too. What was given stays, and confirms the other.
 void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
+/// A foramen of Monro is confirmed by the other one: where that is missing or doubtful, it is less sure.
+void judge_foramina(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// What cannot belong to one head together becomes doubtful (craniometry/plausible.h), and with the nasion all that is
 /// measured from it; the tragi are judged as a pair. What was given stays.
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
@@ -57,6 +70,22 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
 /// doubtful one, with the reason and how to give it.
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report);
+
+/// How sure a landmark that is looked for in a scan of such slices and noise can be at most: the share of 1 that is
+/// left where half of the slices' distance is an error beside the 5 mm within which readers agree, and noise one beside
+/// the contrast by which the landmark is seen (skin 500 HU, a suture 250, fluid of a ventricle 20 in a cube of 2 mm).
+double allowed_by_scan(const std::string& name, const mask::ScanFigures& scan);
+/// Lowers what was found in the scan by that.
+void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const mask::ScanFigures& scan,
+                  Reasons& reasons);
+/// Kocher's points are where they are because the coronal suture lies behind them: none is surer than the bregma.
+void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
+/// How far the scan goes on below the point, at most so far.
+double scanned_below_mm(const craniometry::FieldView& skin, Vec3 point_mm, Vec3 up, double most_mm);
+/// Share of the skin within 12 mm of the point on which something lies within 9 mm (a mask, a pad, a cushion) that was
+/// taken off the scan.
+double covered_ratio(const grid::HuVolume& as_read, const grid::HuVolume& cleaned, const craniometry::FieldView& skin,
+                     Vec3 point_mm, Vec3 outwards);
 
 /// The skin of the midline from the vertex down over the face, or over the back of the head: smoothed points every 0.5
 /// mm.

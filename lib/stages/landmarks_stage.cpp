@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
-  s.version = 8;
+  s.version = 9;
   s.typical_s = 1.5;
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";
@@ -25,15 +25,20 @@ StageType landmarks_stage() {
       "landmarks.json",
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --given points.mrk.json --output "
       "landmarks.json"};
-  s.ports = {port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
-             port("skin", DataKind::field).help("the head's skin"),
-             port("skull", DataKind::field).help("the head's skull"),
-             port("brain", DataKind::field).optional().help("the head's brain"),
-             port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
-             port("given", DataKind::landmarks)
-                 .from(From::given_landmarks)
-                 .optional()
-                 .help("landmarks that a person placed; they replace found ones")};
+  s.ports = {
+      port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
+      port("as_read", DataKind::volume)
+          .from(From::import)
+          .optional()
+          .help("the scan before anything was taken off it: what lay on the skin makes landmarks there doubtful"),
+      port("skin", DataKind::field).help("the head's skin"),
+      port("skull", DataKind::field).help("the head's skull"),
+      port("brain", DataKind::field).optional().help("the head's brain"),
+      port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
+      port("given", DataKind::landmarks)
+          .from(From::given_landmarks)
+          .optional()
+          .help("landmarks that a person placed; they replace found ones")};
   // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
   s.points = {{"nasion", picture::SlicePlane::sagittal},     {"inion", picture::SlicePlane::sagittal},
               {"vertex", picture::SlicePlane::sagittal},     {"bregma", picture::SlicePlane::sagittal},
@@ -44,6 +49,7 @@ StageType landmarks_stage() {
   s.make_params = [] { return AnyParams::make<head::LandmarkParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     head::LandmarkInputs inputs;
+    inputs.as_read = in.get<grid::HuVolume>("as_read");
     inputs.skin = in.get<grid::Field>("skin");
     inputs.skull = in.get<grid::Field>("skull");
     inputs.brain = in.get<grid::Field>("brain");

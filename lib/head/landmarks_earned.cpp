@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a scan allows to be sure of: how far apart its slices are, its noise, where it ends, and what lies on the skin.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "head/landmarks_parts.h"
+#include "mask/filters.h"
+
+namespace trephine::head {
+namespace {
+
+constexpr double tolerance_mm = 5;  ///< how far a reader's own points of one landmark lie apart
+/// The contrast by which a landmark is seen: skin against air, bone against what lies beside it, fluid against brain.
+constexpr double skin_hu = 500, suture_hu = 250, fluid_hu = 20;
+constexpr double worth_telling = 0.85;
+constexpr double beside_mm = 12, apart_mm = 3;  ///< where and how densely the skin about a point is looked at
+constexpr double above_skin_mm = 9;
+constexpr float apparatus_hu = -700, air_hu = -900;
+
+double share_of(double error, double tolerance) { return 1 / (1 + error * error / (tolerance * tolerance)); }
+
+/// The value of the voxel at the point; air outside.
+float hu_near(const mask::HuView& hu, Vec3 world_mm) {
+  const Vec3 p = hu.lattice().to_index(world_mm);
+  const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
+  return hu.lattice().contains(i, j, k) ? hu(i, j, k) : -1000.f;
+}
+
+}  // namespace
+
+double allowed_by_scan(const std::string& name, const mask::ScanFigures& scan) {
+  const double of_slices = share_of(scan.slice_step_mm / 2, tolerance_mm);
+  if (!scan.known()) return of_slices;
+  if (name.rfind("monro", 0) == 0) return of_slices * share_of(scan.cube_noise_hu, fluid_hu);
+  return of_slices * share_of(scan.noise_hu, name == "bregma" ? suture_hu : skin_hu);
+}
+
+void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const mask::ScanFigures& scan,
+                  Reasons& reasons) {
+  for (cases::CaseLandmark& l : all.landmarks) {
+    if (given.count(l.name) || l.source == "estimated") continue;
+    const double allowed = allowed_by_scan(l.name, scan);
+    if (allowed > worth_telling)
+      l.confidence *= allowed;
+    else
+      lower_confidence(l, allowed,
+                       fmt::format("slices of {:.1f} mm and noise of {:.0f} HU show it no better", scan.slice_step_mm,
+                                   scan.noise_hu),
+                       reasons);
+  }
+}
+
+void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
+  const cases::CaseLandmark* bregma = all.find("bregma");
+  const double most = !bregma ? 0.45 : given.count("bregma") ? 1 : bregma->confidence;
+  for (cases::CaseLandmark& l : all.landmarks)
+    if (l.name.rfind("kocher", 0) == 0 && !given.count(l.name) && l.confidence > most)
+      lower_confidence(
+          l, most / l.confidence,
+          bregma ? "the bregma, which it lies before, is no surer" : "the bregma, which it lies before, is not known",
+          reasons);
+}
+
+double scanned_below_mm(const craniometry::FieldView& skin, Vec3 point_mm, Vec3 up, double most_mm) {
+  double depth = 0;
+  while (depth < most_mm && skin.depth_in_scan_mm(point_mm - up * (depth + 1)) >= 0) depth += 1;
+  return depth;
+}
+
+double covered_ratio(const grid::HuVolume& as_read, const grid::HuVolume& cleaned, const craniometry::FieldView& skin,
+                     Vec3 point_mm, Vec3 outwards) {
+  const mask::HuView before(as_read), after(cleaned);
+  const Vec3 across = normalized(cross(outwards, std::abs(outwards.z) < 0.8 ? Vec3{0, 0, 1} : Vec3{0, 1, 0})),
+             along = cross(outwards, across);
+  int looked = 0, covered = 0;
+  for (double u = -beside_mm; u <= beside_mm; u += apart_mm)
+    for (double v = -beside_mm; v <= beside_mm; v += apart_mm) {
+      if (std::hypot(u, v) > beside_mm) continue;
+      const auto on_skin = skin.enter(point_mm + across * u + along * v + outwards * 25, -outwards, 45, 0.7);
+      if (!on_skin) continue;
+      ++looked;
+      for (double d = 1; d <= above_skin_mm; d += 1) {
+        const Vec3 p = *on_skin + outwards * d;
+        if (hu_near(before, p) < apparatus_hu || hu_near(after, p) > air_hu) continue;
+        ++covered;
+        break;
+      }
+    }
+  return looked ? double(covered) / looked : 0;
+}
+
+}  // namespace trephine::head

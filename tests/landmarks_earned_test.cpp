@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The confidence of landmarks is held to what the scan shows.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "landmarks_found.h"
+
+namespace trephine {
+namespace {
+
+using namespace landmarks_test;
+
+TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
+  const head::HeadLandmarks seen = find(scene());
+  ASSERT_TRUE(seen.find("bregma"));
+  for (const char* name : {"kocher_left", "kocher_right"})
+    EXPECT_LE(confidence(seen, name), confidence(seen, "bregma")) << name;
+  // Without a vault there is nothing of a suture, and what is left of the bregma is an estimate.
+  LandmarkScene s = scene();
+  std::visit(
+      [](auto& g) {
+        for (auto& v : g.voxels)
+          if (v > 400) v = 900;  // bone of one density: no suture shows
+      },
+      s.volume);
+  Report report;
+  const head::HeadLandmarks none = find(s, report);
+  ASSERT_TRUE(none.find("bregma") && none.find("kocher_left"));
+  EXPECT_EQ(none.find("bregma")->source, "estimated");
+  for (const char* name : {"kocher_left", "kocher_right"})
+    EXPECT_LE(confidence(none, name), confidence(none, "bregma")) << name;
+  // A bregma that a person placed is sure.
+  head::LandmarkInputs in = s.inputs();
+  in.given = {{"bregma", none.find("bregma")->position_mm, 1, "given"}};
+  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, as_the_truth(), report), "kocher_left"), 0.8);
+}
+
+/// Every n-th slice as a scan of slices so thick.
+LandmarkScene of_thick_slices(int n) {
+  phantom::HeadParams who;
+  who.seed = 3;
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 180;
+  how.slices_count = 190 / n;
+  how.pixel_mm = 1.3;
+  how.slice_step_mm = how.slice_thickness_mm = n;
+  how.subvoxel_mm = 1.3;
+  return make_scene(who, how);
+}
+
+TEST(LandmarksEarned, ThickSlicesAllowNoCertainty) {
+  for (const int slice_mm : {5, 7}) {
+    const head::HeadLandmarks found = find(of_thick_slices(slice_mm));
+    const double most = 1 / (1 + slice_mm * slice_mm / 100.0);
+    EXPECT_FALSE(found.landmarks.empty());
+    for (const cases::CaseLandmark& l : found.landmarks) {
+      EXPECT_LE(l.confidence, most + 1e-9) << l.name << " in slices of " << slice_mm << " mm";
+      for (const auto& [name, at] : scene().head.landmarks())
+        if (name == l.name && l.confidence >= 0.5) EXPECT_LT(norm(l.position_mm - at), 8) << name;
+    }
+  }
+}
+
+TEST(LandmarksEarned, AnEarThatIsCutOffBelowIsDoubtful) {
+  const double all = 1e4;
+  for (const double z : {-18.0, -12.0, -6.0}) {
+    const head::HeadLandmarks found = find(cut(scene(), {-all, -all, z}, {all, all, all}));
+    for (const char* name : {"tragus_left", "tragus_right"})
+      if (confidence(found, name) >= 0.5)
+        EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 4) << name << " " << z;
+  }
+  const head::HeadLandmarks rim = find(cut(scene(), {-all, -all, 2}, {all, all, all}));
+  for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_LT(confidence(rim, name), 0.5) << name;
+}
+
+TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
+  const LandmarkScene& s = scene();
+  grid::HuVolume as_read = s.volume;
+  const Vec3 ear = s.head.landmark("tragus_left");
+  std::visit(
+      [&](auto& g) {
+        for (int k = 0; k < g.size[2]; ++k)
+          for (int j = 0; j < g.size[1]; ++j)
+            for (int i = 0; i < g.size[0]; ++i) {
+              const Vec3 p = g.to_world_mm({double(i), double(j), double(k)});
+              if (p.x > 60 && norm(p - ear) < 45 && g.at(i, j, k) < -900) g.at(i, j, k) = 100;  // a pad on the ear
+            }
+      },
+      as_read);
+  head::LandmarkInputs in = s.inputs();
+  in.as_read = &as_read;
+  Report report;
+  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  EXPECT_LT(confidence(found, "tragus_left"), 0.5);
+  in.as_read = &s.volume;  // nothing was taken off
+  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
+}
+
+}  // namespace
+}  // namespace trephine
