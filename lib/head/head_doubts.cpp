@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "head/scan_verdict.h"
 #include "mask/bits.h"
 #include "mask/filters.h"
 
@@ -143,6 +144,31 @@ std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& par
         "cannot be seen",
         scan.noise_hu, scan.cube_noise_hu, params.most_noise_hu, params.most_cube_noise_hu);
   return "";
+}
+
+std::string close_call(const HeadFigures& f, const mask::ScanFigures& scan, const HeadClassParams& p) {
+  const ScanVerdict verdict = judge_scan(scan, {});
+  if (verdict.ventricles != Suitability::doubtful && verdict.ventricles != Suitability::unsuited) return "";
+  std::string why;
+  for (const std::string& reason : verdict.reasons)
+    if (why.empty() && reason.find("ventricles") != std::string::npos) why = reason.substr(0, reason.find(';'));
+  if (verdict.ventricles == Suitability::unsuited) return "the scan is " + why;
+  std::string near;
+  if (f.midline_shift_mm && std::abs(std::abs(*f.midline_shift_mm) - p.shifted_mm) < p.doubtful_shift_mm)
+    near =
+        fmt::format("a midline shift of {:.1f} mm is near to the limit of {:.1f}", *f.midline_shift_mm, p.shifted_mm);
+  else if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) > p.shifted_mm)
+    return "";
+  else if (f.evans_index_ratio && std::abs(*f.evans_index_ratio - p.hydrocephalic_evans_ratio) < p.doubtful_evans_ratio)
+    near = fmt::format("Evans' index of {:.2f} is near to the limit of {:.2f}", *f.evans_index_ratio,
+                       p.hydrocephalic_evans_ratio);
+  else if (f.evans_index_ratio && *f.evans_index_ratio <= p.small_evans_ratio + p.doubtful_evans_ratio && f.brain_ml &&
+           f.ventricles_ml) {
+    const double limit_ml = p.small_ventricles_ratio * *f.brain_ml;
+    if (std::abs(*f.ventricles_ml - limit_ml) < p.doubtful_share_ratio * limit_ml)
+      near = fmt::format("ventricles of {:.1f} ml are near to the limit of {:.1f}", *f.ventricles_ml, limit_ml);
+  }
+  return near.empty() ? "" : near + ", and the scan is " + why;
 }
 
 }  // namespace trephine::head

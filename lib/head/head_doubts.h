@@ -34,4 +34,9 @@ std::vector<std::string> ventricle_doubts(const grid::Field& ventricles, const V
 /// them away with it. Empty where neither is so, or the noise is not known.
 std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params);
 
+/// Why a class would be a guess in a scan that is doubtful for ventricles by the usual limits (scan_verdict.h): a
+/// figure lies so near to the border of its class that what is not seen may lie beyond it. Of an unsuited scan every
+/// class is one. Empty where neither is so.
+std::string close_call(const HeadFigures& figures, const mask::ScanFigures& scan, const HeadClassParams& params);
+
 }  // namespace trephine::head

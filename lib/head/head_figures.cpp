@@ -337,7 +337,8 @@ bool doubt(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, c
   auto doubts = ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
                                  landmarks, f, params, report, horns_whole);
   if (fields.scan)
-    if (const std::string d = scan_doubt(*fields.scan, params); !d.empty()) doubts.push_back(d);
+    for (const std::string& d : {scan_doubt(*fields.scan, params), close_call(f, *fields.scan, params)})
+      if (!d.empty()) doubts.push_back(d);
   for (const std::string& d : doubts) report.warn("the class is uncertain: " + d);
   if (!horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
   return !doubts.empty();

@@ -38,6 +38,7 @@ struct HeadClassParams {
   double least_evans_ratio = 0.12, most_evans_ratio = 0.75;
   double most_shift_mm = 25;
   double least_cube_noise_hu = 1.2, most_cube_noise_hu = 23, most_noise_hu = 80;
+  double doubtful_evans_ratio = 0.04, doubtful_shift_mm = 2, doubtful_share_ratio = 0.3;
 
   template <class V>
   static void describe(V& v) {
@@ -74,6 +75,15 @@ struct HeadClassParams {
              "The class is uncertain above this noise of the scan in a cube of 2 mm.");
     v.number(&P::most_noise_hu, "most_noise_hu", Range{0, 2000},
              "The class is uncertain above this noise of a voxel of the scan.");
+    v.number(
+        &P::doubtful_evans_ratio, "doubtful_evans_ratio", Range{0, 1},
+        "In a scan that is doubtful for ventricles (thick slices, noise), the class is uncertain where Evans' index "
+        "is this near to hydrocephalic_evans_ratio.");
+    v.number(&P::doubtful_shift_mm, "doubtful_shift_mm", Range{0, 50},
+             "In such a scan it is uncertain where the midline's shift is this near to shifted_mm.");
+    v.number(&P::doubtful_share_ratio, "doubtful_share_ratio", Range{0, 1},
+             "In such a scan it is uncertain where the ventricles' share of the brain's volume is so near to "
+             "small_ventricles_ratio, as a share of that.");
   }
 };
 

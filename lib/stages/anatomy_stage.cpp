@@ -7,7 +7,7 @@ namespace trephine::stages {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 4;
+  s.version = 5;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
