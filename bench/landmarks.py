@@ -77,6 +77,9 @@ class Bench:
     def __init__(self, trephine):
         self.trephine = trephine
 
+    def help_of_landmarks(self):
+        return subprocess.run([self.trephine, "landmarks", "--help"], capture_output=True, text=True).stdout
+
     def run(self, *words, may_fail=False):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run([self.trephine, *words, "--quiet"], stderr=subprocess.PIPE, text=True)
@@ -111,7 +114,9 @@ class Bench:
 
     def landmarks(self, at):
         f = lambda name: os.path.join(at, name + ".nrrd")
-        words = ["landmarks", f("head"), "--as-read", f("volume"), "--skin", f("skin"), "--skull", f("skull")]
+        words = ["landmarks", f("head"), "--skin", f("skin"), "--skull", f("skull")]
+        if "--as-read" in self.help_of_landmarks():  # a program of before knows it not
+            words += ["--as-read", f("volume")]
         for name in ("brain", "ventricles"):
             if os.path.exists(f(name)):
                 words += ["--" + name, f(name)]
