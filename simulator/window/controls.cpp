@@ -9,7 +9,8 @@ namespace {
 
 using How = KeyUse::How;
 
-constexpr double ask_again_s = 4;                           // within which a key is pressed twice
+constexpr double ask_again_s = 4;                 // within which a key is pressed twice
+constexpr double tap_s = 0.05, tap_wait_s = 0.2;  // a key that is tapped acts for so long; held, it goes on after that
 constexpr double first_again_s = 0.5, next_again_s = 0.15;  // until a key that is held acts again
 
 // Calls `what` for each action that the key stands for, with how it does.
@@ -72,9 +73,16 @@ void Controls::drag(int part, double x, double y, Player& player, const Screen& 
 
 void Controls::press(int key, Player& player, Screen& screen) {
   down_.insert(key);
+  const auto is_down = [&](int left, int right) { return down_.count(left) || down_.count(right); };
+  down_with_[key] = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT)       ? KeyUse::With::shift
+                    : is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL) ? KeyUse::With::control
+                                                                             : KeyUse::With::nothing;
   if (key < mouse::left) screen.answer.reset();
+  down_since_s_[key] = held_s_;
   each_use(key, [&](const Action& a, const KeyUse& use) {
     std::string words = use.words;
+    if (use.how == How::held && key < mouse::left && acts(use) && !a.why_not(player))
+      a.during(player, screen, {use.x, use.y, tap_s});
     if (use.how == How::held || use.how == How::drag) return;
     if (use.how == How::numbered) {
       const std::vector<std::string> choices = a.choices(player);
@@ -94,6 +102,8 @@ void Controls::press(int key, Player& player, Screen& screen) {
   });
 }
 
+bool Controls::acts(const KeyUse& use) { return use.with == KeyUse::With::any || use.with == down_with_[use.key]; }
+
 void Controls::release(int key, Player& player, Screen& screen) {
   down_.erase(key);
   each_use(key, [&](const Action& a, const KeyUse& use) {
@@ -103,16 +113,13 @@ void Controls::release(int key, Player& player, Screen& screen) {
 
 void Controls::hold(double wall_s, Player& player, Screen& screen) {
   held_s_ += wall_s;
-  const auto is_down = [&](int left, int right) { return down_.count(left) || down_.count(right); };
-  const bool shift = is_down(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT),
-             control = is_down(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
-  const KeyUse::With with = shift ? KeyUse::With::shift : control ? KeyUse::With::control : KeyUse::With::nothing;
   for (const Action& a : all_actions()) {
     Gesture gesture{0, 0, wall_s};
     bool held = false;
     for (const KeyUse& use : a.keys) {
       if (!down_.count(use.key)) continue;
-      if (use.how == How::held && (use.with == KeyUse::With::any || use.with == with)) {
+      if (use.how == How::held && acts(use) &&
+          (use.key >= mouse::left || held_s_ - down_since_s_[use.key] >= tap_wait_s)) {
         held = true;
         gesture.x += use.x;
         gesture.y += use.y;

@@ -20,9 +20,12 @@ class Controls {
 
  private:
   void press(int key, Player& player, Screen& screen);
+  bool acts(const KeyUse& use);  ///< with what is held beside its key
   void release(int key, Player& player, Screen& screen);
   void drag(int part, double x, double y, Player& player, const Screen& screen);
   std::set<int> down_;  // keys, and parts of the mouse
+  std::map<int, double> down_since_s_;
+  std::map<int, KeyUse::With> down_with_;  // as it was pressed: Shift may be released first
   bool cursor_known_ = false;
   double held_s_ = 0, again_s_ = 0;
   std::map<const Action*, double> asked_s_;  // when a key that must be pressed twice was
