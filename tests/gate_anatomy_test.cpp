@@ -184,6 +184,8 @@ TEST(AnatomyGate, TheRemedyFollowedWorks) {
   } catch (const consistency::AnatomyError& e) {
     text = e.what();
   }
+  if (const std::size_t end = text.find(" for `accepted_places_mm`"); end != std::string::npos)
+    params.accepted_places_mm = text.substr(text.rfind(' ', end - 1) + 1, end - text.rfind(' ', end - 1) - 1);
   const auto follow = [&](const char* key, double& value) {
     const std::size_t at = text.find(std::string(" for `") + key + "`");
     if (at == std::string::npos) return false;
@@ -197,6 +199,42 @@ TEST(AnatomyGate, TheRemedyFollowedWorks) {
   follow("max_loose_brain_ml", params.max_loose_brain_ml);
   const consistency::AnatomyFindings now = consistency::examine_anatomy(head.fields(), nullptr, params, report);
   EXPECT_TRUE(now.faults.empty()) << text << "\n" << now.faults[0].what;
+}
+
+// A place that a person has looked at passes; the same fault at another place is refused as before.
+TEST(AnatomyGate, AnAcceptedPlaceIsNoAcceptedLimit) {
+  const auto message_of = [](const Head& head, const consistency::AnatomyGateParams& params) {
+    Report report;
+    try {
+      consistency::require_anatomy(consistency::examine_anatomy(head.fields(), nullptr, params, report));
+    } catch (const consistency::AnatomyError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  Head head;
+  head.skull_at = head.brain_at = {6.9, 0, 0};
+  head.make();
+  consistency::AnatomyGateParams params;
+  params.min_skin_skull_gap_mm = 0.5;
+  const std::string text = message_of(head, params);
+  EXPECT_EQ(text.find("max_near_mm2"), std::string::npos) << text;
+  const std::size_t end = text.find(" for `accepted_places_mm` of the stage `anatomy`");
+  ASSERT_NE(end, std::string::npos) << text;
+  const std::size_t from = text.rfind(' ', end - 1) + 1;
+  params.accepted_places_mm = text.substr(from, end - from);
+  EXPECT_EQ(message_of(head, params), "");
+  head.skull_at = head.brain_at = {-6.9, 0, 0};
+  head.make();
+  const std::string other = message_of(head, params);
+  const std::size_t both = other.find(" for `accepted_places_mm`");
+  ASSERT_NE(both, std::string::npos) << other;
+  EXPECT_NE(other.find(params.accepted_places_mm + ";-"), std::string::npos) << "the earlier place stays: " << other;
+  for (const char* bad : {"1,2", "1,2,3,4", "a,b,c", "1,2,3;;4,5,6"}) {
+    params.accepted_places_mm = bad;
+    Report report;
+    EXPECT_THROW(consistency::examine_anatomy(head.fields(), nullptr, params, report), Error) << bad;
+  }
 }
 
 TEST(AnatomyGate, BrainOutsideOfTheSkull) {

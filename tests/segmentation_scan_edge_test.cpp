@@ -75,12 +75,34 @@ TEST(ScanEdge, ABodyWithinTheFieldHasAllOfItAndOneCutAtTheSidesMost) {
   EXPECT_LT(cut, expected / staircase + 0.13);  // skin that leaves the field there runs beside its circle for a while
 }
 
-TEST(ScanEdge, NotAskedForNothingIsSaid) {
+TEST(ScanEdge, WhereItIsNotRefusedItIsStillTold) {
   segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = 1;
-  Report report;
+  Report report, whole;
   EXPECT_NO_THROW(segmentation::segment(scanned(170, 110, 140, -1024, true), {}, p, report));
-  EXPECT_EQ(report.find("scan_edge_ratio"), nullptr);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("100 % of its rim"), std::string::npos) << report.warnings[0];
+  EXPECT_NO_THROW(segmentation::segment(scanned(150, 100, 400, -1024, true), {}, p, whole));
+  EXPECT_TRUE(whole.warnings.empty());
+  EXPECT_EQ(whole.find("scan_edge_ratio"), nullptr);
+}
+
+// The value that the refusal names lets the shape pass, and it is told what it is.
+TEST(ScanEdge, TheRemedyWorks) {
+  const grid::HuVolume scan = scanned(170, 110, 140, -2000, true);
+  Report report, after;
+  std::string what;
+  try {
+    segmentation::segment(scan, {}, skin(), report);
+  } catch (const Error& e) {
+    what = e.what();
+  }
+  const std::size_t at = what.find("set ");
+  ASSERT_NE(at, std::string::npos) << what;
+  segmentation::SegmentParams p = skin();
+  p.max_scan_edge_ratio = std::stod(what.substr(at + 4));
+  EXPECT_NO_THROW(segmentation::segment(scan, {}, p, after));
+  EXPECT_EQ(after.warnings.size(), 1u);
 }
 
 }  // namespace

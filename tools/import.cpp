@@ -11,6 +11,7 @@
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "dicom/input_files.h"
+#include "look/look.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -23,7 +24,8 @@ struct ListParams {
   template <class V>
   static void describe(V& v) {
     v.flag(&ListParams::list, "list",
-           "Say which series there are, and what import would make of each, without reading a volume.");
+           "Say which series there are, what import would make of each, and what the picture of the one that would be "
+           "read shows: how a head lies in it, where the scan cuts the body.");
   }
 };
 
@@ -31,7 +33,7 @@ void check_usage(const cli::ParsedCommand& parsed) {
   const bool list = parsed.params<ListParams>().list;
   const auto contradicts = [](const char* field, const char* what) { throw Error(ExitCode::usage, "", field, what); };
   if (!list && !parsed.has("output")) contradicts("output", "is needed: give --output FILE.nrrd, or --list");
-  if (list && parsed.has("output")) contradicts("output", "contradicts --list, which reads no volume");
+  if (list && parsed.has("output")) contradicts("output", "contradicts --list, which writes no volume");
   if (list && parsed.has("report")) contradicts("report", "contradicts --list: give --json");
   if (!list && parsed.has("file_map")) contradicts("file_map", "is for --list");
   if (!list && parsed.has("json")) contradicts("json", "is for --list: give --report");
@@ -44,6 +46,39 @@ void write_private_file(const std::filesystem::path& file, const std::string& by
   ::umask(before);
 }
 
+/// What the picture shows against what its files say.
+void look_at_result(const dicom::ImportResult& read, Report& report, const Progress& progress) {
+  const auto said = [&](const char* figure) {
+    const ParameterValue* value = read.report.find(figure);
+    return value ? std::get<std::string>(*value) : std::string();
+  };
+  if (said("modality") == "CT") look::tell(look::look_at(read.volume, said("patient_position"), progress), report);
+}
+
+/// The series that would be read, or none.
+dicom::SeriesSummary* meant(dicom::SeriesList& list, const std::string& token) {
+  for (dicom::SeriesSummary& s : list.series) {
+    const bool is_named = s.token == token || s.token.substr(0, s.token.find('-')) == token;
+    if (s.usable && (token.empty() ? s.proposed || list.series.size() == 1 : is_named)) return &s;
+  }
+  return nullptr;
+}
+
+void look_at_meant(const cli::ParsedCommand& parsed, dicom::SeriesList& list, const Progress& progress) {
+  dicom::ImportParams params = parsed.params<dicom::ImportParams>();
+  dicom::SeriesSummary* series = meant(list, params.series);
+  if (!series) return;
+  params.series = series->token;
+  try {
+    look_at_result(dicom::import_series(parsed.path("input"), params, progress.part(0, 0.8)), series->seen,
+                   progress.part(0.8, 1));
+  } catch (const Error& e) {  // found where pixels are decoded
+    if (e.code() != ExitCode::bad_input) throw;
+    series->usable = false;
+    series->verdict = "refused: " + e.field() + ": " + e.what();
+  }
+}
+
 ExitCode list(const cli::ParsedCommand& parsed) {
   // First, so that it is there also where the list is refused.
   if (parsed.has("file_map")) write_private_file(parsed.path("file_map"), dicom::scan_file_map(parsed.path("input")));
@@ -52,9 +87,13 @@ ExitCode list(const cli::ParsedCommand& parsed) {
     cli::ProgressDisplay display(parsed.quiet);
     found = dicom::list_series(parsed.path("input"), parsed.params<dicom::ImportParams>(), display.start("list"));
     display.finish("list", "");
+    look_at_meant(parsed, found, display.start("look"));
+    display.finish("look", "");
   }
   if (parsed.has("json")) write_file(parsed.path("json"), dicom::list_json(found));
   for (const std::string& w : found.folder.warnings) log_warning(w);
+  for (const dicom::SeriesSummary& s : found.series)
+    for (const std::string& w : s.seen.warnings) log_warning(s.token + ": " + w);
   if (!parsed.quiet || !parsed.has("json")) std::cout << dicom::list_text(found);
   return ExitCode::ok;
 }
@@ -67,7 +106,8 @@ cli::Command import_command() {
   c.summary = "reads a CT series (DICOM folder, ZIP archive) or a volume file into a volume in HU";
   c.description =
       "With --list it only says which series there are, and whether each is usable, usable after rectification, or "
-      "refused and why. Otherwise it reads one series: slices are ordered and placed by their positions, HU are "
+      "refused and why, and looks at the one that is named or proposed. Otherwise it reads one series: slices are "
+      "ordered and placed by their positions, HU are "
       "computed slice by slice, a tilted gantry and uneven spacing are rectified by resampling, and padding becomes "
       "air. A series that cannot be read correctly is refused, naming file and tag. Names, IDs and UIDs of the patient "
       "are never written anywhere. A volume file that is no DICOM (NIfTI, MetaImage, NRRD, GIPL, VTK, MINC), or a "
@@ -102,8 +142,12 @@ cli::Command import_command() {
     run_with_report(parsed, [&](const Progress& progress) {
       dicom::ImportResult result =
           dicom::import_series(parsed.path("input"), parsed.params<dicom::ImportParams>(), progress);
+      Report seen;
+      look_at_result(result, seen, progress);
       stages::save_data(parsed.path("output"), std::make_shared<const grid::HuVolume>(std::move(result.volume)));
       Report all = std::move(result.report);
+      for (auto& f : seen.figures) all.figures.push_back(std::move(f));
+      for (auto& w : seen.warnings) all.warnings.push_back(std::move(w));
       for (auto& f : result.folder.figures) all.figures.push_back(std::move(f));
       for (auto& w : result.folder.warnings) all.warnings.push_back(std::move(w));
       return all;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "base/refusal.h"
@@ -42,6 +43,7 @@ struct Gate {
   const AnatomyGateParams& params;
   Report& report;
   const Progress& progress;
+  const std::vector<Vec3>& accepted;
   struct Ranked {
     double badness;  ///< ml
     AnatomyFault fault;
@@ -49,10 +51,16 @@ struct Gate {
   std::vector<Ranked> faults;
 
   using Values = std::vector<std::pair<std::string, double>>;
+  /// Where `places` hold all of it, these alone may be accepted, and no limit changes.
   void add(double badness, std::string what, Remedy remedy, Values values_to_set, Vec3 place, const char* first,
-           const char* second) {
+           const char* second, std::vector<Vec3> places = {}) {
+    if (!places.empty()) {
+      values_to_set.clear();
+      places.insert(places.begin(), accepted.begin(), accepted.end());
+    }
     faults.push_back(
-        {badness, {std::move(what), std::move(remedy.text), std::move(values_to_set), place, first, second}});
+        {badness,
+         {std::move(what), std::move(remedy.text), std::move(values_to_set), std::move(places), place, first, second}});
   }
   static double above(double ml) { return std::ceil(10 * ml + 0.5) / 10; }
 
@@ -60,7 +68,7 @@ struct Gate {
   void check_pair(const char* name, const grid::Field* one, const char* other_name, const grid::Field* other,
                   Relation relation, double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
     if (!one || !other) return;
-    const Clearance c = clearance(*one, *other, relation, gap_mm, progress);
+    const Clearance c = clearance(*one, *other, relation, gap_mm, accepted, progress);
     const bool inside = relation == Relation::inside;
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
@@ -68,14 +76,14 @@ struct Gate {
       add(c.wrong_ml,
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
-          wrong_shape, {{"max_outside_ml", above(c.wrong_ml)}}, c.deepest_mm, name, other_name);
+          wrong_shape, {{"max_outside_ml", above(c.wrong_ml)}}, c.deepest_mm, name, other_name, c.places_mm);
     } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
           std::string(other_name) == "skin" ? wrong_or_cut_skin : wrong_shape,
-          {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name);
+          {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name, c.places_mm);
     }
   }
 
@@ -158,17 +166,52 @@ std::string all_of(const std::vector<AnatomyFault>& faults) {
   return text;
 }
 
+std::vector<Vec3> places_of(const std::string& text) {
+  std::vector<Vec3> places;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t end = std::min(text.find(';', at), text.size());
+    std::string word = text.substr(at, end - at);
+    at = end + 1;
+    Vec3 p;
+    bool good = std::count(word.begin(), word.end(), ',') == 2;
+    for (int a = 0; good && a < 3; ++a) {
+      const std::size_t comma = std::min(word.find(','), word.size());
+      const std::optional<double> value = parse_number(trimmed(word.substr(0, comma)));
+      good = value.has_value();
+      if (good) p[a] = *value;
+      word = word.substr(std::min(comma + 1, word.size()));
+    }
+    if (!good)
+      throw Error(ExitCode::usage, "", "accepted_places_mm",
+                  printable(text) + ": must be places as x,y,z in mm, with semicolons between them");
+    places.push_back(p);
+  }
+  return places;
+}
+
+std::string text_of(const std::vector<Vec3>& places) {
+  std::string text;
+  for (const Vec3 p : places)
+    text += (text.empty() ? "" : ";") + fixed(p.x, 0) + "," + fixed(p.y, 0) + "," + fixed(p.z, 0);
+  return text;
+}
+
 /// Each remedy once, and each key once, with the value that all faults need.
 Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
   std::set<std::string> said;
   std::map<std::string, double> values;
   std::string text, keys;
+  std::vector<Vec3> places;
   for (const AnatomyFault& f : faults) {
+    for (const Vec3 p : f.places_to_accept_mm)
+      if (std::none_of(places.begin(), places.end(), [&](Vec3 q) { return q == p; })) places.push_back(p);
     if (said.insert(f.remedy).second) text += (text.empty() ? "" : "; ") + f.remedy;
     for (const auto& [key, value] : f.values_to_set) values[key] = std::max(values[key], value);
   }
   for (const auto& [key, value] : values)
     keys += (keys.empty() ? "" : " and ") + fixed(value, value < 1000 ? 1 : 0) + " for `" + key + "`";
+  if (!places.empty()) keys = text_of(places) + " for `accepted_places_mm`" + (keys.empty() ? "" : " and ") + keys;
   return {text + (keys.empty() ? "" : "; where it is right, set " + keys + " of the stage `anatomy`")};
 }
 
@@ -182,7 +225,10 @@ AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::Head
                                 const AnatomyGateParams& params, Report& report, const Progress& progress) {
   AnatomyFindings out;
   out.figures = head::measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
-  Gate gate{fields, params, report, progress, {}};
+  const std::vector<Vec3> accepted = places_of(params.accepted_places_mm);
+  if (!accepted.empty())
+    report.warn("what is wrong within 20 mm of " + params.accepted_places_mm + " was accepted and not checked");
+  Gate gate{fields, params, report, progress, accepted, {}};
   gate.check_empty("skin", fields.skin, out.figures.skin_ml);
   gate.check_empty("skull", fields.skull, out.figures.skull_ml);
   gate.check_empty("brain", fields.brain, out.figures.brain_ml);

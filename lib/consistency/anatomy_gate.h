@@ -17,6 +17,7 @@ struct AnatomyGateParams : head::HeadClassParams {
   double max_outside_ml = 0.1;
   double max_outside_skull_ml = 20;
   double max_loose_brain_ml = 2;
+  std::string accepted_places_mm;
 
   template <class V>
   static void describe(V& v) {
@@ -35,6 +36,10 @@ struct AnatomyGateParams : head::HeadClassParams {
              "How much of the brain may lie outside of the cranial cavity (the brainstem below the foramen magnum).");
     v.number(&P::max_loose_brain_ml, "max_loose_brain_ml", Range{0, 10000},
              "How much of the brain may be in pieces beside the largest.");
+    v.text(
+        &P::accepted_places_mm, "accepted_places_mm",
+        "Places (LPS, x,y,z with semicolons between places) about which a person has looked and found the surfaces "
+        "right: within 20 mm of them nothing is refused for lying outside or too near. The rest is checked as ever.");
     head::HeadClassParams::describe(v);
   }
 };
@@ -47,6 +52,8 @@ struct AnatomyFault {
   /// alone; of several faults each key is said once, with the largest.
   std::string remedy;
   std::vector<std::pair<std::string, double>> values_to_set;
+  /// What to add to accepted_places_mm so that this fault passes, and no other; empty where it is too wide for that.
+  std::vector<Vec3> places_to_accept_mm;
   Vec3 place_mm;              ///< where it is worst
   std::string first, second;  ///< the anatomies it is about; second may be empty
 };

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "consistency/accepted_places.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "surface/point_triangle.h"
@@ -340,7 +341,7 @@ double exact_mm(const Fan& fan, const Side& other, const Candidate& c, double li
 }  // namespace
 
 Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
-                    const Progress& progress) {
+                    const std::vector<Vec3>& accepted_mm, const Progress& progress) {
   std::array<int, 3> one_at{}, other_at{};
   const grid::Lattice l = around_both(one, other, one_at, other_at);
   const mask::BitMask one_in = mask::positive(one, l), other_in = mask::positive(other, l);
@@ -349,8 +350,10 @@ Clearance clearance(const grid::Field& one, const grid::Field& other, Relation r
   if (relation == Relation::apart) allowed.invert();
   mask::BitMask wrong = one_in;
   wrong.remove(allowed);
+  accept(wrong, accepted_mm);
   measure_wrong(wrong, allowed, out, progress);
   if (out.wrong_ml > 0) {
+    out.places_mm = covering(points_of(wrong), out.deepest_mm);
     out.gap_mm = 0;
     out.gap_at_mm = out.deepest_mm;
     return out;
@@ -360,6 +363,15 @@ Clearance clearance(const grid::Field& one, const grid::Field& other, Relation r
   const double cell_mm = norm(l.spacing_mm);
   std::vector<Candidate> near =
       candidates_of(a, b, 0.35 * cell_mm, asked_mm > 0 ? asked_mm + 0.35 * cell_mm : 0, progress);
+  const auto world_of = [&](Vec3 p) {
+    return l.to_world_mm({p.x / l.spacing_mm.x, p.y / l.spacing_mm.y, p.z / l.spacing_mm.z});
+  };
+  if (!accepted_mm.empty())
+    near.erase(std::remove_if(near.begin(), near.end(),
+                              [&](const Candidate& c) {
+                                return is_accepted(l.to_world_mm({c.i + 0.5, c.j + 0.5, c.k + 0.5}), accepted_mm);
+                              }),
+               near.end());
   std::stable_sort(near.begin(), near.end(), [](const Candidate& p, const Candidate& q) { return p.mm < q.mm; });
   Vec3 at;
   for (std::size_t n = 0; n < std::min(near.size(), max_exact_count); ++n) {
@@ -367,19 +379,21 @@ Clearance clearance(const grid::Field& one, const grid::Field& other, Relation r
     const double mm = exact_mm(a.fan(c.i, c.j, c.k), b, c, std::min<double>(out.gap_mm, c.mm + 1e-3), -1, at);
     if (mm < out.gap_mm) {
       out.gap_mm = mm;
-      const Vec3 s = l.spacing_mm;
-      out.gap_at_mm = l.to_world_mm({at.x / s.x, at.y / s.y, at.z / s.z});
+      out.gap_at_mm = world_of(at);
     }
   }
   if (!(out.gap_mm < asked_mm)) return out;
   const std::size_t step = near.size() / max_exact_count + 1;
+  std::vector<Vec3> too_near;
   for (std::size_t n = 0; n < near.size(); n += step) {
     const Candidate& c = near[n];
     const Fan fan = a.fan(c.i, c.j, c.k);
     if (exact_mm(fan, b, c, asked_mm, asked_mm, at) >= asked_mm) continue;
+    too_near.push_back(l.to_world_mm({c.i + 0.5, c.j + 0.5, c.k + 0.5}));
     for (int e = 0; e < fan.count; ++e)
       out.near_mm2 += 0.5 * double(step) * norm(cross(fan.edges[e][0] - fan.middle, fan.edges[e][1] - fan.middle));
   }
+  out.places_mm = covering(std::move(too_near), out.gap_at_mm);
   return out;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <vector>
+
 #include "mask/bits.h"
 
 namespace trephine::consistency {
@@ -15,6 +17,8 @@ struct Clearance {
   Vec3 gap_at_mm;
   /// The area of the first surface that is nearer than the required distance.
   double near_mm2 = 0;
+  /// Where a person would have to accept it (consistency/accepted_places.h); empty where it is too wide for that.
+  std::vector<Vec3> places_mm;
 };
 
 enum class Relation { inside, apart };
@@ -23,9 +27,10 @@ enum class Relation { inside, apart };
 /// it. The surface of a field consists of triangles in each cell between the points where the field crosses 0 on the
 /// cell's edges and the mean of these points. The nearest places are found by these means; there, the distance from
 /// points of one surface to the triangles of the other is exact. near_mm2 is the area of the surface nearer than
-/// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. The result has the same bits
-/// whatever the thread count.
+/// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. What lies within
+/// accepted_radius_mm of a place in `accepted_mm` does not count. The result has the same bits whatever the thread
+/// count.
 Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
-                    const Progress& progress = {});
+                    const std::vector<Vec3>& accepted_mm = {}, const Progress& progress = {});
 
 }  // namespace trephine::consistency

@@ -9,6 +9,7 @@ namespace {
 // Sheets of polycaprolactone and the blocks' plastic are about as dense as water; the couch is carbon fibre on foam.
 constexpr double air = -1000, sheet_hu = 30, plate_core_hu = -455, plate_skin_hu = -60, cradle_hu = -60, foam_hu = -962,
                  rest_skin_hu = -700, block_hu = 140, rail_hu = 1500, marker_hu = 2800;
+constexpr double board_hu = -40, board_mm = 18, board_nearer_mm = 8.6;  // than the couch: the head lies on it
 constexpr double sheet_mm = 2.0, hole_mm = 2.1, lattice_mm = 6.4, lowest_mask_mm = -100;
 constexpr double behind_mm = 4;          // behind this place the sheets go straight on
 constexpr double narrowing = 0.0018;     // for each mm towards the blocks
@@ -112,6 +113,10 @@ ApparatusSample apparatus_at(const Model& model, Vec3 p, double width_mm) {
       const double top = model.hard.couch_mm;
       out.lay(block_hu, box(q, {62, top - 13, -95}, {90, top, 130}), Thing::clamp);
     }
+  if (is.board) {
+    const double top = model.hard.couch_mm - board_nearer_mm;
+    out.lay(board_hu, box(p, {-200, top, -1e3}, {200, top + board_mm, 1e3}), Thing::board);
+  }
   if (is.mask) lay_mask(out, model, p);
   return {out.hu, out.clearance, out.thing};
 }

@@ -12,7 +12,7 @@ enum class Blood { none, intracerebral, subdural, intraventricular };
 /// knows cervical vertebrae and apparatus, and `Head::thing` says which thing lies where. The patient lies supine:
 /// couch and clamps are at the back.
 struct HardParams {
-  bool mask = false, couch = false, clamps = false, shoulders = false;
+  bool mask = false, couch = false, clamps = false, board = false, shoulders = false;
   bool burr_hole = false, craniectomy = false, shunt = false, plexus = false, contrast = false, clip = false;
   Blood blood = Blood::none;
   double asymmetry_ratio = 0, motion_mm = 0, motion_z_mm = 45;
@@ -27,6 +27,8 @@ struct HardParams {
     v.flag(&P::couch, "couch", "Level hard: a couch with its cradle and a head rest, instead of the table's holder.");
     v.flag(&P::clamps, "clamps",
            "Level hard: the blocks that hold the mask, beside the head, and balls of metal on it.");
+    v.flag(&P::board, "board",
+           "Level hard: a flat board of plastic under head and shoulders, which touch it, as long as the scan.");
     v.flag(&P::shoulders, "shoulders", "Level hard: shoulders below the neck.");
     v.flag(&P::burr_hole, "burr_hole", "Level hard: an old burr hole, right frontal, of 14 mm.");
     v.flag(&P::craniectomy, "craniectomy", "Level hard: a piece of the left calvaria of 9 cm is missing.");
@@ -65,6 +67,7 @@ enum class Thing : std::uint8_t {
   head_rest = 3,
   clamp = 4,
   marker = 5,
+  board = 6,
   blood = 10,
   calcification = 11,
   catheter = 12,

@@ -32,8 +32,8 @@ void check_hard(const PhantomParams& params) {
   const HardParams& hard = params.head.hard;
   const bool supine =
       params.scan.position == Position::head_first_supine || params.scan.position == Position::feet_first_supine;
-  if (!supine && (hard.couch || hard.clamps || hard.mask))
-    throw Error(ExitCode::usage, "", "position", "couch, clamps and mask are those of a patient on the back");
+  if (!supine && (hard.couch || hard.clamps || hard.mask || hard.board))
+    throw Error(ExitCode::usage, "", "position", "couch, clamps, board and mask are those of a patient on the back");
 }
 
 const SeriesNames second_series{2, "sharp"};

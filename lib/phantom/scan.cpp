@@ -88,7 +88,7 @@ class Exposure {
         out_(out),
         pixel_(pixel_spacing_mm(params)),
         thickness_(params.slice_thickness_mm),
-        table_(params.table && !head.params().hard.couch),
+        table_(params.table && !head.params().hard.couch && !head.params().hard.board),
         prone_(params.position == Position::head_first_prone || params.position == Position::feet_first_prone) {
     normal_ = normalized(cross(pose.row, pose.column));
     in_plane_ = std::max(1, static_cast<int>(std::ceil(pixel_ / params.subvoxel_mm - 1e-9)));

@@ -264,6 +264,8 @@ Preview preview_stage(const PreviewRequest& request, pipeline::RunObserver& obse
     const std::string cell = to_text(request.params.cell_mm);
     overrides.set.insert(overrides.set.begin(), "resample.spacing_mm=[" + cell + "," + cell + "," + cell + "]");
   }
+  // A head that lies otherwise than said is to be looked at, too; the warning stays.
+  overrides.set.insert(overrides.set.begin(), "import.orientation_reason=preview");
   config::CaseConfig config = config::read_case_config(request.config, overrides);
   show_anatomy_of(request.params.stage, config);
   if (config.series.empty())

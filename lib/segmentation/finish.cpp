@@ -44,16 +44,22 @@ grid::Field moved(const grid::Field& field, const grid::Lattice& volume, double 
   return out;
 }
 
-/// Checks whether the surface is that of a body.
+/// Checks whether the surface is that of a body. Where that is not asked for, a shape that mostly is not is told of.
 void check_scan_edge(const mask::HuView& hu, const grid::Field& field, const FinishParams& params, Report& report) {
+  constexpr double told = 0.1, told_unasked = 0.5;
+  const bool asked = params.max_scan_edge_ratio < 1;
   const double ratio = scan_edge_ratio(hu, field);
-  report.add("scan_edge_ratio", ratio);
+  if (asked || ratio > told_unasked) report.add("scan_edge_ratio", ratio);
   if (ratio > params.max_scan_edge_ratio)
     throw refusal("max_scan_edge_ratio",
                   fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %", 100 * ratio,
                               100 * params.max_scan_edge_ratio),
-                  {"leave it out of the scene, take a scan with a wider field of view, or raise "
-                   "`max_scan_edge_ratio`"});
+                  {fmt::format("leave it out of the scene, take a scan with a wider field of view, or, where a surface "
+                               "that ends at the field will do, set {:.2f} for `max_scan_edge_ratio`",
+                               std::min(1.0, std::ceil(100 * ratio + 1) / 100))});
+  if (ratio > (asked ? told : told_unasked))
+    report.warn(fmt::format(
+        "{:.0f} % of its rim in the slices are the edge of the scanned field, and no surface of a body", 100 * ratio));
 }
 
 /// The field cropped to its positive part and two voxels more.
@@ -84,7 +90,7 @@ grid::Field found_and_finished(const grid::HuVolume& volume, const FinishParams&
   }
   of_thresholds([&] { mask::check_mask(mask::positive(field, field), lattice.count(), report); });
   field = trimmed(std::move(field));
-  if (params.max_scan_edge_ratio < 1) check_scan_edge(hu, field, params, report);
+  check_scan_edge(hu, field, params, report);
   progress.report(1);
   return field;
 }

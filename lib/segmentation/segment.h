@@ -67,7 +67,7 @@ struct SegmentParams {
              "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");
     v.number(&P::max_scan_edge_ratio, "max_scan_edge_ratio", Range{0, 1},
              "Refuse a shape if a larger share of its rim in the slices is the edge of the scanned field, as with a "
-             "skin that was not scanned completely; 1 turns the check off.");
+             "skin that was not scanned completely; 1: none is refused, but one that is mostly that edge is told.");
     v.number(&P::coarse_mm, "coarse_mm", Range{0, 10},
              "Work on cells of about this size, each as bright as its brightest voxel, in a fraction of the time. It "
              "is for an anatomy that others only lie within: the result is up to a cell too large, and its surface has "

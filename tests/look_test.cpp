@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a head lies in a scan, by its picture; and where the scan cuts it.
+#include "look/look.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "grid/axes.h"
+#include "phantom_heads.h"
+
+namespace trephine {
+namespace {
+
+using Volume = grid::Grid<std::int16_t>;
+using look::Seen;
+
+/// A hard head on its table, on coarse voxels.
+const Volume& head() {
+  static const Volume v = [] {
+    phantom::ScanParams how = phantom_heads::scan_of(150, 100, 10, 200, 270);
+    how.subvoxel_mm = 1.8;
+    return phantom::volume_of(phantom::scan(phantom_heads::head_of(phantom::Level::hard, 7), how));
+  }();
+  return v;
+}
+
+/// The head with some of its axes reversed.
+Volume reversed(bool x, bool y, bool z) {
+  Volume out(head());
+  for (int k = 0; k < out.size[2]; ++k)
+    for (int j = 0; j < out.size[1]; ++j)
+      for (int i = 0; i < out.size[0]; ++i)
+        out.at(i, j, k) =
+            head().at(x ? out.size[0] - 1 - i : i, y ? out.size[1] - 1 - j : j, z ? out.size[2] - 1 - k : k);
+  return out;
+}
+
+TEST(Look, AHeadThatLiesAsSaidIsNotDoubted) {
+  const look::ScanLook seen = look::look_at(head(), "HFS");
+  EXPECT_EQ(seen.head, Seen::as_said);
+  EXPECT_TRUE(seen.sayings.empty()) << seen.sayings[0];
+  EXPECT_NO_THROW(look::require_orientation(seen, ""));
+}
+
+TEST(Look, TurnedAndMirroredHeadsAreSeenAndTheRemediesWork) {
+  struct Case {
+    bool x, y, z;
+    const char *mirrored, *turned;
+  };
+  for (const Case& c : {Case{false, false, true, "LPI", "RPI"}, Case{true, false, true, "LPI", "RPI"},
+                        Case{false, true, false, "LAS", "RAS"}, Case{true, true, false, "LAS", "RAS"},
+                        Case{false, true, true, "RAI", "LAI"}}) {
+    const Volume stored = reversed(c.x, c.y, c.z);
+    const look::ScanLook seen = look::look_at(stored, "");
+    ASSERT_EQ(seen.head, Seen::otherwise) << c.mirrored;
+    EXPECT_EQ(seen.axes_if_mirrored, c.mirrored);
+    EXPECT_EQ(seen.axes_if_turned, c.turned);
+    std::string what;
+    try {
+      look::require_orientation(seen, "");
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      what = e.what();
+    }
+    for (const char* key : {"import.axes=", "orientation_reason"}) EXPECT_NE(what.find(key), std::string::npos) << what;
+    EXPECT_NO_THROW(look::require_orientation(seen, "looked at"));
+    for (const std::string& axes : {seen.axes_if_mirrored, seen.axes_if_turned})
+      EXPECT_EQ(look::look_at(grid::with_axes(stored, axes), "").head, Seen::as_said) << axes;
+  }
+}
+
+TEST(Look, AHeadOnItsSideIsSeen) {
+  Volume out(head());
+  std::swap(out.size[0], out.size[1]);
+  for (int k = 0; k < out.size[2]; ++k)
+    for (int j = 0; j < out.size[1]; ++j)
+      for (int i = 0; i < out.size[0]; ++i) out.at(i, j, k) = head().at(j, i, k);
+  EXPECT_EQ(look::look_at(out, "").head, Seen::otherwise);
+}
+
+// Nothing in a head says which side is left.
+TEST(Look, AHeadMirroredFromLeftToRightCannotBeTold) {
+  EXPECT_EQ(look::look_at(reversed(true, false, false), "").head, Seen::as_said);
+}
+
+TEST(Look, SidesThatTheFieldCutsAreSaid) {
+  grid::Box box = grid::whole_box(head());
+  box.end[0] -= 60;
+  const look::ScanLook seen = look::look_at(grid::crop(head(), box), "HFS");
+  ASSERT_EQ(seen.sayings.size(), 1u);
+  EXPECT_NE(seen.sayings[0].find("cuts the body"), std::string::npos) << seen.sayings[0];
+  EXPECT_NE(seen.sayings[0].find("left"), std::string::npos) << seen.sayings[0];
+  EXPECT_TRUE(
+      std::any_of(seen.ends.begin(), seen.ends.end(), [](const std::string& e) { return e.rfind("left ", 0) == 0; }));
+}
+
+TEST(Look, TheSameWithOneAndFourThreads) {
+  set_thread_count(1);
+  const look::ScanLook one = look::look_at(head(), "HFP");
+  set_thread_count(4);
+  const look::ScanLook four = look::look_at(head(), "HFP");
+  set_thread_count(0);
+  EXPECT_EQ(one.ends, four.ends);
+  EXPECT_EQ(one.sayings, four.sayings);
+}
+
+}  // namespace
+}  // namespace trephine
