@@ -33,12 +33,14 @@ Desk::Desk(DeskOptions options) : library_(std::move(options)), builder_(library
 const std::map<std::string, Desk::Route>& Desk::routes() {
   static const std::map<std::string, Route> all = {
       {"", {"GET", &Desk::page}},
+      {"icon", {"GET", &Desk::icon}},
       {"api/library", {"GET", &Desk::library_cases}},
       {"api/plan", {"GET", &Desk::plan}},
       {"api/build", {"POST", &Desk::build}},
       {"api/stop", {"POST", &Desk::stop_build}},
       {"api/status", {"GET", &Desk::build_status}},
       {"api/log", {"GET", &Desk::log}},
+      {"api/compare", {"GET", &Desk::compare}},
       {"api/approve", {"POST", &Desk::approve}},
       {"api/open", {"GET", &Desk::open}},
       {"api/slice", {"GET", &Desk::slice}},

@@ -33,6 +33,7 @@ class Desk {
 
   // routes_library.cpp
   Reply page(const Request&);
+  Reply icon(const Request&);
   Reply report_file(const Request&);
   Reply library_cases(const Request&);
   Reply plan(const Request&);
@@ -41,6 +42,7 @@ class Desk {
   Reply build_status(const Request&);
   Reply log(const Request&);
   Reply approve(const Request&);
+  Reply compare(const Request&);  // routes_compare.cpp
   // routes_look.cpp
   Reply open(const Request&);
   Reply slice(const Request&);
@@ -71,5 +73,8 @@ class Desk {
   std::mutex mutex_;
   std::vector<std::pair<std::string, std::shared_ptr<OpenCase>>> open_;  ///< the one looked at last is the last
 };
+
+/// Keeps what the case is now beside the library, until it is kept again, for a comparison with what it becomes.
+void keep_before(const DeskLibrary& library, const std::string& token);
 
 }  // namespace trephine::desk

@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 
 #include "base/base64.h"
 #include "base/file_descriptor.h"
@@ -20,6 +20,7 @@
 #include "library/sheet.h"
 #include "page/html.h"
 #include "page/page_notes.h"
+#include "picture/image.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
@@ -75,6 +76,21 @@ Reply Desk::page(const Request&) {
   return reply;
 }
 
+// A skull with a burr hole, from above.
+Reply Desk::icon(const Request&) {
+  constexpr int side = 32;
+  picture::Image image(side, side, {0.08, 0.09, 0.11});
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const double bone = std::hypot((x - 15.5) / 12.0, (y - 15.5) / 14.5), hole = std::hypot(x - 20.5, y - 10.5);
+      if (bone > 1 || hole < 3.5) continue;
+      image.at(x, y)[0] = 236;
+      image.at(x, y)[1] = 228;
+      image.at(x, y)[2] = 200;
+    }
+  return bytes_reply(picture::encode_png(image), "image/png");
+}
+
 // case/TOKEN/report/NAME: pictures and the page of a case, and nothing else of the library's folder. The page may be a
 // stranger's: it gets an origin of its own, which can ask the desk for nothing.
 Reply Desk::report_file(const Request& request) {
@@ -121,6 +137,7 @@ Reply Desk::build(const Request& request) {
   const auto json = desk::json_of(request);
   const auto only = json.value("only", std::vector<std::string>());
   for (const std::string& token : only) library_.find(token);
+  if (only.size() == 1 && !builder_.status().running) keep_before(library_, only[0]);
   builder_.start(only);
   return json_reply({{"started", true}});
 }

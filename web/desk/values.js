@@ -26,7 +26,7 @@ function valuesPanel(page) {
 }
 
 function rerunPanel(page) {
-  let before = null, timer = 0, log = ''
+  let before = null, timer = 0, log = '', difference = ''
   const volumes = () => Object.fromEntries(((desk.cases.find(c => c.case === page.token) || {}).anatomies || []).map(a => [a.name, a]))
   const watch = async () => {
     clearTimeout(timer)
@@ -60,6 +60,8 @@ function rerunPanel(page) {
       make('div', { class: 'row' }, button('rerun', run, { id: 'rerun', class: 'main', disabled: !desk.config }), button('stop', () => tell('stop', {}))),
       make('pre', { id: 'rerun-log', class: 'faint', text: log }),
       rows.length ? [make('h2', { text: t('change') }), table([[t('volume'), 0], [t('before'), 1], [t('after'), 1], [t('change'), 1]], rows)] : null,
+      button('compare', async () => { difference = '…', page.show_('build'); difference = (await askJson('compare', { case: page.token })).text; if (page.tab === 'build') page.show_('build') }, { id: 'compare' }),
+      difference ? make('pre', { id: 'difference', text: difference }) : null,
       button('log', async () => { $('rerun-log').textContent = (await askJson('log', { case: page.token })).log })].flat()
   })
 }
