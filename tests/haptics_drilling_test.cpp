@@ -143,8 +143,8 @@ TEST(HapticsDrilling, BoneThatVanishesUnderTheTip) {
         if (v / 1000 == 1) v = voxel::haptic_empty;
       s.contact.loosen(grid::whole_box(s.volume.voxels));
     }
-    in.extra_n = drilling->force_n();
     in.buttons = n > 1000 && n < 1500 ? haptics::Drilling::pedal : 0;
+    drilling->prepare(in);
     const Vec3 before = force;
     const haptics::HapticState& is = proxy.update(in);
     drilling->tick(in, is);
@@ -194,8 +194,8 @@ TEST(HapticsDrilling, AMinuteThroughCellularBone) {
     const double t = 0.001 * tick, r = 4 + 0.12 * t;
     haptics::HapticInput in = pose({r * std::cos(2.3 * t), r * std::sin(2.1 * t), 4 - 0.25 * t + 0.8 * std::sin(5 * t)},
                                    {0.2 * std::sin(t), 0.2, 1});
-    in.extra_n = drilling.force_n();
     in.buttons = haptics::Drilling::pedal;
+    drilling.prepare(in);
     if (tick > 0) energy -= dot(sent, in.tip_mm - last);
     least = std::min(least, energy);
     last = in.tip_mm;
@@ -275,7 +275,7 @@ TEST(HapticsDrilling, ATickWithABurrOf7Mm) {
       in.buttons = haptics::Drilling::pedal;
       timespec before{}, after{};
       clock_gettime(CLOCK_THREAD_CPUTIME_ID, &before);
-      in.extra_n = drilling.force_n();
+      drilling.prepare(in);
       const haptics::HapticState& is = proxy.update(in);
       drilling.tick(in, is);
       clock_gettime(CLOCK_THREAD_CPUTIME_ID, &after);

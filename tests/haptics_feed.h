@@ -14,7 +14,7 @@ struct FeedRun {
   double rate_hz = 1000;
   haptics::DrillingParams drilling;
   drill::DrillParams law;
-  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::second;
+  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::third;
 };
 
 struct Feed {
@@ -76,7 +76,7 @@ inline Feed feed_of(FeedRun run) {
     haptics::HapticInput given = pose(body.position_mm, axis);
     given.buttons = haptics::Drilling::pedal;
     given.dt_s = dt;
-    given.extra_n = drilling.force_n();
+    drilling.prepare(given);
     const haptics::HapticState& is = proxy.update(given);
     body.feel(is.force_n);
     drilling.tick(given, is);

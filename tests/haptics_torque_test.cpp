@@ -179,7 +179,7 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   haptics::Proxy again = new_proxy();
   const std::vector<haptics::ServoFrame> replayed = haptics::replay_frames(read.frames, 1000, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(replayed[n], frames[n])) << n;
-  EXPECT_EQ(read_file(file)[8], 5) << "its version";
+  EXPECT_EQ(read_file(file)[8], 6) << "its version";
   header.force.force_law = haptics::ForceParams::Law::first;
   write(frames);
   EXPECT_EQ(read_file(file)[8], 4) << "as before, for the law of before";
@@ -195,6 +195,7 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   haptics::RecordingHeader header;
   header.drilling.drill = true;
   header.drilling.cut_at = haptics::DrillingParams::At::device;  // of version 2
+  header.drilling.undo_steps = 0;
   header.force.force_law = haptics::ForceParams::Law::first;
   haptics::RecordingWriter writer(file, header);
   writer.add({haptics::ServoFrame()});

@@ -155,6 +155,7 @@ TEST(HapticsUndo, ARecordingKnowsOfIt) {
   haptics::RecordingHeader h;
   h.drilling.drill = true;
   h.drilling.cut_at = haptics::DrillingParams::At::tool;
+  h.force.force_law = haptics::ForceParams::Law::second;
   const auto file = std::filesystem::temp_directory_path() / ("undo-" + std::to_string(getpid()) + ".servo");
   for (const std::int64_t steps : {std::int64_t(0), std::int64_t(7)}) {
     h.drilling.undo_steps = steps;
@@ -258,8 +259,7 @@ TEST(HapticsUndo, ItsTicksMakeNoSystemCall) {
     for (const haptics::ServoFrame& f : way) {
       haptics::HapticInput in = pose({f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, {0, 0, 1});
       in.buttons = f.buttons;
-      in.extra_n = s.drilling->force_n();
-      in.away = s.drilling->putting_back();
+      s.drilling->prepare(in);
       s.drilling->tick(in, s.proxy->update(in));
     }
     counting_allocations = false;

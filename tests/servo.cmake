@@ -5,14 +5,16 @@ set_target_properties(adaptor_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY
 target_include_directories(adaptor_stub PRIVATE ${PROJECT_SOURCE_DIR}/simulator)
 add_library(gamepad_stub MODULE gamepad_stub.c)
 target_link_libraries(gamepad_stub PRIVATE ${CMAKE_DL_LIBS})
+add_library(asound_stub MODULE asound_stub.c)
 add_library(spnav_stub MODULE spnav_stub.c)  # found by its name, as the one of a system would be
 set_target_properties(gamepad_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+set_target_properties(asound_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 set_target_properties(spnav_stub PROPERTIES OUTPUT_NAME spnav SUFFIX ".so.0"
   LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/stubs)
-foreach(script calibrate servo servo_adaptor servo_drill servo_pushed servo_udp)
+foreach(script calibrate servo servo_adaptor servo_drill servo_pushed servo_sound servo_udp)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
-  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=$<TARGET_FILE:adaptor_stub>;PAD_STUB=$<TARGET_FILE:gamepad_stub>;SPNAV_STUB=$<TARGET_FILE:spnav_stub>")
+  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=$<TARGET_FILE:adaptor_stub>;PAD_STUB=$<TARGET_FILE:gamepad_stub>;SPNAV_STUB=$<TARGET_FILE:spnav_stub>;ASOUND_STUB=$<TARGET_FILE:asound_stub>")
 endforeach()
 add_test(NAME program.flags_sim COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/flags.sh)
 set_tests_properties(program.flags_sim PROPERTIES TIMEOUT 1800

@@ -10,6 +10,7 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "commands/session_options.h"
+#include "haptics/force_changes.h"
 #include "haptics/recording.h"
 #include "session/playback.h"
 #include "sound/drill_sound.h"
@@ -34,6 +35,25 @@ Json json_of(const haptics::ForceFigures& f) {
           {"most_force_n", f.most_force_n},
           {"mean_lag_mm", f.mean_lag_mm},
           {"most_lag_mm", f.max_lag_mm}};
+}
+
+Json json_of(const haptics::ForceChanges& c) {
+  Json above = Json::object();
+  for (std::size_t n = 0; n < c.above.size(); ++n)
+    above[fmt::format("{:g}", haptics::ForceChanges::limits_n_per_ms[n])] = c.above[n];
+  return {{"ticks", c.ticks},
+          {"above_n_per_ms", above},
+          {"named", c.named},
+          {"most_n_per_ms", c.max_n_per_ms},
+          {"turns", c.turns}};
+}
+
+void print(const char* what, const haptics::ForceChanges& c) {
+  std::string above;
+  for (std::size_t n = 0; n < c.above.size(); ++n)
+    above += fmt::format("{} {} above {:g}", n == 0 ? "" : ",", c.above[n], haptics::ForceChanges::limits_n_per_ms[n]);
+  std::cout << fmt::format("changes of the force in N/ms, {}: of {}{}; {} of them in a named event, at most {:.3f}\n",
+                           what, c.ticks, above, c.named, c.max_n_per_ms);
 }
 
 void print(const char* what, const haptics::ForceFigures& f) {
@@ -119,9 +139,14 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
                               is = haptics::force_figures(replayed, window);
   print("recorded", was);
   if (other) print("replayed", is);
+  const haptics::ForceChanges all = haptics::force_changes(recording.frames, false),
+                              drilled = haptics::force_changes(recording.frames, true);
+  print("all ticks", all);
+  if (drilled.ticks > 0) print("while drilling", drilled);
   if (parsed.has("json")) {
     Json j = {{"frames", replayed.size()}, {"missing", missing}, {"different", different}, {"recorded", json_of(was)}};
     j["replayed"] = json_of(is);
+    j["force_changes"] = {{"all", json_of(all)}, {"drilling", json_of(drilled)}};
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
   if (parsed.has("sound")) write_sound(parsed, h, heard);

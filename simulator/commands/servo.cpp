@@ -45,14 +45,6 @@ std::map<std::string, double> max_forces(const session::SessionResult& r) {
   return out;
 }
 
-double late_mm3(const session::SessionResult& r) {
-  double units = 0;
-  for (const std::int64_t of_shape : r.drilled->units) units += double(of_shape);
-  double mm3 = 0;
-  for (const auto& [name, removed] : r.outcome->removed_mm3) mm3 += removed;
-  return units > 0 ? mm3 * double(r.drilled->late_units) / units : 0;
-}
-
 Json drilled_json(const session::SessionResult& r) {
   const haptics::DrillingOutcome& d = *r.drilled;
   Json j = {{"seconds", d.drilled_s},
@@ -61,7 +53,7 @@ Json drilled_json(const session::SessionResult& r) {
             {"incisions", d.incisions},
             {"undone", d.undone},
             {"resets", d.resets},
-            {"late_mm3", late_mm3(r)},
+            {"late_mm3", r.outcome->late_mm3},
             {"max_bone_c", d.max_bone_c},
             {"above_47_c_s", d.above_harm_s},
             {"heat_dose_min", d.heat_dose_min},
@@ -159,7 +151,7 @@ void print_drilled(const session::SessionResult& r) {
   if (d.undone + d.resets > 0)
     std::cout << fmt::format("{} strokes or incisions taken back, and {} times all\n", d.undone, d.resets);
   if (d.late_units > 0)
-    std::cout << fmt::format("{:.2f} mm3 of that removed late, from behind the tool\n", late_mm3(r));
+    std::cout << fmt::format("{:.2f} mm3 of that removed late, from behind the tool\n", r.outcome->late_mm3);
   if (d.energy_j > 0)
     std::cout << fmt::format("bone at most {:.1f} degrees, {:.1f} s above {:g}; as {:.2g} minutes at 43\n",
                              d.max_bone_c, d.above_harm_s, haptics::BoneHeat::harm_c, d.heat_dose_min);

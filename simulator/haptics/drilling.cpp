@@ -179,6 +179,13 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   return r.power_w;
 }
 
+void Drilling::prepare(HapticInput& in) const {
+  in.extra_n = in.extra_n == Vec3{} ? force_ : in.extra_n + force_;
+  in.drilling = in.buttons & pedal;
+  in.breached = came_through_;
+  in.away = putting_back();
+}
+
 void Drilling::tick(const HapticInput& in, const HapticState& state) {
   time_s_ += in.dt_s;
   if (state.faults != 0) {
@@ -247,11 +254,12 @@ bool Drilling::was_bone(Vec3 at) const {
 }
 
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
+  came_through_ = false;
   if (outcome_.breached || !(in.buttons & pedal)) return;
   const bool is = was_bone(tip);
   if (is && !in_bone_) entry_mm_ = tip;
   if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
-    outcome_.breached = true;
+    outcome_.breached = came_through_ = true;
     outcome_.breach_time_s = time_s_;
     outcome_.breach_mm = tip;
   }

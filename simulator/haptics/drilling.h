@@ -101,6 +101,9 @@ class Drilling {
   /// The force on the hand since the last tick: against the motion, and a vibration across the tool. But for the
   /// vibration it never gives energy to a device at rest.
   Vec3 force_n() const { return force_; }
+  /// What the drill adds to the input of a tick, whose buttons are known: its force, whether it runs, came through in
+  /// the last tick, or is put back.
+  void prepare(HapticInput& in) const;
   void tick(const HapticInput& in, const HapticState& state);
   /// Begins an incision there.
   void incise_at(Vec3 point_mm);
@@ -164,7 +167,7 @@ class Drilling {
   std::vector<Stand> stands_;  ///< by the steps' places
   Stand back_to_;
   std::atomic<bool> putting_back_{false};
-  bool begun_ = false, in_bone_ = false;
+  bool begun_ = false, in_bone_ = false, came_through_ = false;
   Vec3 entry_mm_;
   DrillingOutcome outcome_;
   std::array<std::atomic<std::int64_t>, voxel::haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads

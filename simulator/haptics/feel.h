@@ -31,13 +31,15 @@ inline contact::TouchableFaces touchable_of(const Feels& feels) {
 
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
-  enum class Law { second, first };
+  enum class Law { third, second, first };
+  enum class Shape { cosine, line, snap };
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
-  Law force_law = Law::second;
-  double release_s = 0.02;
+  Law force_law = Law::third;
+  double release_s = 0.02, event_s = 0.01;
+  Shape event_shape = Shape::cosine;
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
@@ -54,13 +56,20 @@ struct ForceParams {
              "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.")
         .is_since(5);
     v.choice(
-         &P::force_law, "force_law", {{"second", Law::second}, {"first", Law::first}},
-         "How contacts give way. second: forces change smoothly where a membrane or bone gives way, and a tool that "
-         "is drawn out of a hole is never locked. first: as in recordings before version 5.")
+         &P::force_law, "force_law", {{"third", Law::third}, {"second", Law::second}, {"first", Law::first}},
+         "How contacts give way. third: as second, and the force of a running drill changes by less than 0.1 N in a "
+         "millisecond, but where a membrane pops or bone is breached. second: forces change smoothly where a membrane "
+         "or bone gives way, and a tool that is drawn out of a hole is never locked. first: as before version 5.")
         .is_since(5);
     v.number(&P::release_s, "release_s", Range{0, 0.1},
              "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.")
         .is_since(5);
+    v.number(&P::event_s, "event_s", Range{0.005, 0.02},
+             "Time that the pop of a membrane or the breach of bone takes under a drill, by the third law.")
+        .is_since(6);
+    v.choice(&P::event_shape, "event_shape", {{"cosine", Shape::cosine}, {"line", Shape::line}, {"snap", Shape::snap}},
+             "How the force changes in that time; snap: at once most, then slowly.")
+        .is_since(6);
     v.number(&P::max_step_s, "max_step_s", Range{0.001, 3600},
              "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.")
         .is_since(5);

@@ -26,9 +26,15 @@ std::string fault_names(std::uint32_t faults) {
 
 Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
              const ShaftParams& shaft, const Tool& tool)
-    : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {
+    : contact_(contact),
+      feels_(feels),
+      force_(force),
+      shaft_(shaft),
+      faces_(touchable_of(feels)),
+      slew_(force),
+      tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
-  if (!tool.round.empty()) round_.emplace(contact, tool.round);
+  if (!tool.round.empty()) round_.emplace(contact, tool.round, third_law());
   if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
@@ -49,6 +55,7 @@ void Proxy::reset() {
   begun_ = sliding_ = false;
   count_ = 0;
   ease_.reset();
+  slew_.reset();
   exit_mm_ = nearest_exit_mm;
   next_exit_ = -1;
 }
@@ -117,6 +124,11 @@ const HapticState& Proxy::update(const HapticInput& given) {
   else
     force += inside_force(in) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
+  if (third_law()) {
+    if (in.breached) state_.events |= haptic_event::breach;
+    const bool event = state_.events & (haptic_event::breach | haptic_event::popped);
+    force = slew_.follow(force, in.drilling, event, 2 * stiffest_n_per_mm_ * moved_mm, in.dt_s);
+  }
   const double size = norm(force);
   if (!(size <= force_.max_force_n)) {
     if (!std::isfinite(size)) {

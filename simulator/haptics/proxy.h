@@ -9,6 +9,7 @@
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
 #include "haptics/force_ease.h"
+#include "haptics/force_slew.h"
 #include "haptics/round_body.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
@@ -22,8 +23,10 @@ struct HapticInput {
   Vec3 across;         ///< unit, turns with the tool about its axis; zero: not known
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
-  bool away = false;    ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
-  double dt_s = 0.001;  ///< since the previous frame
+  bool drilling = false;  ///< the tool runs and may cut
+  bool breached = false;  ///< in the last tick it came through (Drilling)
+  bool away = false;      ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
+  double dt_s = 0.001;    ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 
@@ -32,8 +35,10 @@ namespace haptic_button {
 constexpr std::uint32_t lifted = 1u << 31;  ///< the hand took the tool away and comes again wherever the pose is
 }
 namespace haptic_event {
-constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16, locked = 32, unlocked = 64;
-constexpr const char* names[] = {"touch", "untouch", "motion", "popped", "left", "locked", "unlocked"};  ///< by bit
+constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16, locked = 32, unlocked = 64,
+                        breach = 128;
+constexpr const char* names[] = {"touch", "untouch", "motion",   "popped",
+                                 "left",  "locked",  "unlocked", "breach"};  ///< by bit
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_event
 /// The faults that make the force zero: until reset(), and those of a DevicePort that pass in the ticks that have them.
@@ -126,7 +131,8 @@ class Proxy {
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
-  bool second_law() const { return force_.force_law == ForceParams::Law::second; }
+  bool second_law() const { return force_.force_law != ForceParams::Law::first; }
+  bool third_law() const { return force_.force_law == ForceParams::Law::third; }
   void hold_corner(Vec3 device_mm);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
@@ -160,6 +166,7 @@ class Proxy {
   void turn_round(Vec3 axis);
   RoundBody::Touch move_round(Vec3 goal_mm);
   RoundBody::Touch close_to(Vec3 next_mm, RoundBody::Touch touch);
+  Held held_of(const RoundBody::Touch& touch) const;
   bool meet_round(const RoundBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
 
   static constexpr double same_surface =
@@ -181,6 +188,7 @@ class Proxy {
   HapticState state_;
   bool begun_ = false, sliding_ = false, solved_ = false;
   ForceEase ease_;
+  ForceSlew slew_;
   double stiffest_n_per_mm_ = 0;
   double since_s_ = 0, since_slid_s_ = 0;
   Vec3 device_mm_, velocity_, moved_from_mm_;

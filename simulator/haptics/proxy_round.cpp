@@ -139,6 +139,26 @@ void Proxy::follow_round(const HapticInput& in) {
   if (count_ == 0) sliding_ = false;
 }
 
+// Where two shapes are touched at once, as the floor of a hole that is thin in places and what lies behind it, both are
+// felt, by how deep the tool is in either. The one that was named before stays named as long as it has two fifths.
+Proxy::Held Proxy::held_of(const RoundBody::Touch& touch) const {
+  Held is = held(touch.contact);
+  if (!touch.beside.hit || !(touch.beside_share > 0)) return is;
+  const Held other = held(touch.beside);
+  const auto mixed = [&](double cases::CaseFace::*value) {
+    is.feel.*value += (other.feel.*value - is.feel.*value) * touch.beside_share;
+  };
+  mixed(&cases::CaseFace::stiffness_n_per_mm);
+  mixed(&cases::CaseFace::damping_n_s_per_mm);
+  mixed(&cases::CaseFace::static_friction_ratio);
+  mixed(&cases::CaseFace::dynamic_friction_ratio);
+  if (other.shape == state_.touched && touch.beside_share > 0.4) {
+    is.shape = other.shape;
+    is.face = other.face;
+  }
+  return is;
+}
+
 // As meet(), for a round tool.
 bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const contact::Contact& c = touch.contact;
@@ -152,7 +172,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   if (at < count_ && !alone && dot(plane.normal, planes_[at].point_mm - plane.point_mm) > 0)
     plane.point_mm = planes_[at].point_mm;
   planes_[at] = plane;
-  held_[at] = held(c);
+  held_[at] = held_of(touch);
   held_[at].arm_mm = state_.axis * (round_->centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
   count_ = std::max(count_, at + 1);
   solved_ = nearest_before(planes_, count_, device, nearest_);

@@ -24,6 +24,7 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
 int version_of(const RecordingHeader& h) {
+  if (h.force.force_law == ForceParams::Law::third) return recording_version;
   if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))
     return recording_version;
   if (h.force.force_law == ForceParams::Law::second ||
@@ -227,6 +228,13 @@ RecordingHeader::Outcome outcome_of(const voxel::HapticVolume& volume, const Dri
   for (const voxel::HapticShape& s : volume.shapes)
     if (const std::int64_t units = outcome.units[std::size_t(s.number)]; units > 0)
       o.removed_mm3[s.name] = double(units) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
+  if (outcome.energy_j > 0) {
+    o.max_bone_c = outcome.max_bone_c;
+    o.heat_dose_min = outcome.heat_dose_min;
+  }
+  o.late_mm3 = double(outcome.late_units) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
+  o.undone = outcome.undone;
+  o.resets = outcome.resets;
   o.breached = outcome.breached;
   o.breach_time_s = outcome.breach_time_s;
   o.breach_mm = outcome.breach_mm;
@@ -332,10 +340,7 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, d
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in = input_of(f, rate_hz);
-    if (drilling) {
-      in.extra_n = drilling->force_n();
-      in.away = drilling->putting_back();
-    }
+    if (drilling) drilling->prepare(in);
     if (port) port->again(in, f.faults);
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& felt = proxy.update(in);

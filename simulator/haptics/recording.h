@@ -54,6 +54,8 @@ struct RecordingHeader {
     bool breached = false;
     double breach_time_s = 0;
     Vec3 breach_mm;
+    double max_bone_c = 0, heat_dose_min = 0, late_mm3 = 0;
+    std::int64_t undone = 0, resets = 0;
     template <class V>
     static void describe(V& v) {
       using P = Outcome;
@@ -62,6 +64,11 @@ struct RecordingHeader {
       v.flag(&P::breached, "breached", "Whether the tip left drilled bone on the other side than it came in.");
       v.number(&P::breach_time_s, "breach_time_s", Range{}, "When.").not_always();
       v.numbers(&P::breach_mm, "breach_mm", Range{}, "Where.").not_always();
+      v.number(&P::max_bone_c, "max_bone_c", Range{}, "How warm the bone became.").not_always();
+      v.number(&P::heat_dose_min, "heat_dose_min", Range{}, "As minutes at 43 degrees.").not_always();
+      v.number(&P::late_mm3, "late_mm3", Range{}, "What was removed from behind the tool.").not_always();
+      v.integer(&P::undone, "undone", Range{}, "Strokes and incisions that were taken back.").not_always();
+      v.integer(&P::resets, "resets", Range{}, "How often all was taken back.").not_always();
     }
   };
   std::optional<Outcome> outcome;

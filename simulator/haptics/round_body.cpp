@@ -7,9 +7,12 @@
 namespace trephine::haptics {
 namespace {
 
-constexpr int frames_known = 16;    // after which it looks again, for another thread may have cut
-constexpr double together = 0.05;   // of a voxel: contacts of a rod that touch as deep as the deepest
-constexpr double same_side = 0.95;  // cosine between their normals
+constexpr int frames_known = 16;     // after which it looks again, for another thread may have cut
+constexpr double together = 0.05;    // of a voxel: contacts of a rod that touch as deep as the deepest
+constexpr double beside = 0.25;      // of a voxel: how much less deep another shape may be and still be felt
+constexpr double faces_alike = 0.8;  // cosine between the normals of two shapes that are felt together
+constexpr double no_edge = 0.94;     // cosine: discs that face the way of the touch, as those of a smooth surface do
+constexpr double same_side = 0.95;   // cosine between their normals
 
 // A disc in space, and the nearest of its points to another.
 struct Disc {
@@ -49,8 +52,8 @@ double nearest_on_line(const Disc& disc, Vec3 begin, Vec3 axis, double lo, doubl
 
 }  // namespace
 
-RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts)
-    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm) {
+RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both)
+    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm), both_(both) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
   margin_mm_ = 0.5 * contact.smallest_side_mm();
@@ -97,7 +100,8 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       const bool rod = p.to_mm > p.from_mm;
       double at = rod ? std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm) : p.from_mm;
       Vec3 middle = centre_mm + axis * at, r = middle - s.point_mm;
-      const double shallowest = rod ? t.depth_mm - together * 2 * margin_mm_ : t.depth_mm;
+      const double room = both_ ? beside : rod ? together : 0;
+      const double shallowest = room > 0 ? t.depth_mm - room * 2 * margin_mm_ : t.depth_mm;
       const double far = p.radius_mm - std::max(0.0, shallowest) + disc_mm_;
       if (dot(r, r) > far * far) continue;
       if (s.normal == Vec3{}) {
@@ -120,7 +124,8 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       if (!(depth > 0)) continue;
       const Vec3 normal = distance > 1e-9 ? d / distance : above >= 0 ? s.normal : -s.normal;
       Near& near = near_[std::size_t(n)];
-      if (depth > near.depth_mm) near = {depth, at, normal};
+      if (depth > near.depth_mm)
+        near = {depth, at, normal, above >= 0 ? s.normal : -s.normal, std::uint8_t(from), std::uint8_t(into), front};
       if (!(depth > t.depth_mm)) continue;
       t.hit = t.contact.hit = true;
       t.depth_mm = depth;
@@ -134,6 +139,10 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       t.contact.shape = front ? into : from;
     }
   }
+  if (t.hit && both_) {
+    find_beside(t);
+    smooth_normal(t);
+  }
   if (!t.hit || alone) return t;
   // A rod that lies on a surface presses between the first and the last place where it touches.
   double first = t.along_mm, last = t.along_mm;
@@ -146,6 +155,47 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
   }
   t.pressed_mm = 0.5 * (first + last);
   return t;
+}
+
+// Of a surface without an edge the discs around the deepest place are its tangent planes. Their mean leans less than
+// the way to the one disc that is deepest, which a few hundredths of a voxel decide. At an edge the way itself is
+// right.
+void RoundBody::smooth_normal(Touch& t) const {
+  const double room = beside * 2 * margin_mm_;
+  Vec3 sum;
+  int count = 0;
+  for (int n = 0; n < count_; ++n) {
+    const Near& near = near_[std::size_t(n)];
+    const double weight = near.depth_mm > 0 ? 1 - (t.depth_mm - near.depth_mm) / room : 0;
+    if (!(weight > 0) || std::abs(near.along_mm - t.along_mm) > 4 * margin_mm_) continue;
+    if (dot(near.face, t.contact.normal) < no_edge) return;
+    sum += near.face * weight;
+    ++count;
+  }
+  if (count < 2) return;
+  const Vec3 normal = normalized(sum);
+  t.contact.point_mm += (t.contact.normal - normal) * (t.radius_mm - t.depth_mm);
+  t.contact.normal = normal;
+}
+
+void RoundBody::find_beside(Touch& t) const {
+  const double room = beside * 2 * margin_mm_;
+  double deepest = std::max(0.0, t.depth_mm - room);
+  for (int n = 0; n < count_; ++n) {
+    const Near& near = near_[std::size_t(n)];
+    const int shape = near.front ? near.into : near.from;
+    if (!(near.depth_mm > deepest) || shape == t.contact.shape || dot(near.normal, t.contact.normal) < faces_alike)
+      continue;
+    deepest = near.depth_mm;
+    t.beside.hit = true;
+    t.beside.normal = near.normal;
+    t.beside.from = near.from;
+    t.beside.into = near.into;
+    t.beside.face = near.front ? contact::ContactFace::front : contact::ContactFace::back;
+    t.beside.shape = shape;
+    const double weight = 1 - (t.depth_mm - near.depth_mm) / room;
+    t.beside_share = weight / (1 + weight);
+  }
 }
 
 bool RoundBody::reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes) {

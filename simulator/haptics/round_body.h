@@ -19,7 +19,9 @@ namespace trephine::haptics {
 class RoundBody {
  public:
   /// `parts`: at least one.
-  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts);
+  /// `both`: Touch also says which other shape is touched beside the deepest, and its normal is the mean of the discs
+  /// that are touched about as deep and face about the same way (ForceParams::Law::third).
+  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both = false);
   /// From the tip to the centre.
   double centre_mm() const { return centre_mm_; }
   /// A ball alone: it may turn as it likes.
@@ -40,6 +42,10 @@ class RoundBody {
     double along_mm = 0;    ///< where on the middle line, from the centre
     double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep: a rod may lie on a surface
     contact::Contact contact;
+    /// Of another shape whose disc faces the same way and is less deep by at most a quarter of a voxel: its contact,
+    /// and its share of what is felt, 0 to 1/2, which grows as it comes as deep.
+    contact::Contact beside;
+    double beside_share = 0;
   };
   Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
   /// Whether it reaches any surface of one of these shapes (bit n: shape n).
@@ -48,8 +54,12 @@ class RoundBody {
  private:
   struct Near {
     double depth_mm, along_mm;  // of this call; depth below 0: not near
-    Vec3 normal;
+    Vec3 normal, face;          // towards the tool; the disc's own
+    std::uint8_t from, into;
+    bool front;
   };
+  void find_beside(Touch& t) const;
+  void smooth_normal(Touch& t) const;
   void look(Vec3 centre_mm, Vec3 axis);
   const contact::ContactVolume& contact_;
   std::vector<RoundPart> parts_;
@@ -61,6 +71,7 @@ class RoundBody {
   std::uint32_t seen_ = 0;
   int frames_ = 0;
   bool known_ = false;
+  const bool both_;
 };
 
 }  // namespace trephine::haptics

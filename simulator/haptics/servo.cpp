@@ -102,10 +102,7 @@ void Servo::tick(double dt_s, double late_ns) {
   in.buttons = reading.buttons;
   in.dt_s = dt_s;
   in.period_s = 1 / params_.rate_hz;
-  if (drilling_) {
-    in.extra_n = drilling_->force_n();
-    in.away = drilling_->putting_back();
-  }
+  if (drilling_) drilling_->prepare(in);
   if (port_) port_->before(in, there && reading.silent);
   if (!there || (reading.silent && !port_))
     belt_ ? belt_->latch(haptic_fault::device_lost) : proxy_->latch(haptic_fault::device_lost);

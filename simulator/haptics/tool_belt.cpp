@@ -94,9 +94,10 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
   } else {
     if (faults != 0) proxy.latch(faults);
     HapticInput in = given;
-    in.away = drilling_ && drilling_->putting_back();
     if (drilling_ && tools_[std::size_t(in_hand_)].cuts)
-      in.extra_n = given.extra_n == Vec3{} ? drilling_->force_n() : given.extra_n + drilling_->force_n();
+      drilling_->prepare(in);
+    else
+      in.away = drilling_ && drilling_->putting_back();
     state_ = proxy.update(in);
   }
   settle_force(given, sent);

@@ -31,6 +31,10 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
     facts.end = LessonEnd::device_lost;
     return close();
   }
+  if (const haptics::Drilling* drill = belt.drilling(); drill && drill->outcome().energy_j > 0) {
+    facts.max_bone_c = drill->outcome().max_bone_c;
+    facts.heat_dose_min = drill->outcome().heat_dose_min;
+  }
   if (belt.paused()) {
     facts.pauses += !was_paused_;
     facts.paused_s += f.dt_s;

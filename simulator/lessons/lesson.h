@@ -18,7 +18,8 @@ struct LessonFacts {
   double begin_s = 0, end_s = 0, paused_s = 0;
   int pauses = 0;
   int undone = 0;  ///< how often the last stroke or incision was to be taken back, or all that was cut
-  LessonEnd end = LessonEnd::running;  ///< running: the recording ends before the lesson did
+  double max_bone_c = 0, heat_dose_min = 0;  ///< BoneHeat, where the one who watches cuts again; else 0
+  LessonEnd end = LessonEnd::running;        ///< running: the recording ends before the lesson did
   double most_force_n = 0;
 
   double procedure_s() const;  ///< to a microsecond: sums of steps are no exact multiples

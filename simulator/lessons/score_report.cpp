@@ -35,8 +35,16 @@ Json json_of(const CriticalError& e) {
 
 // What every lesson has, and the module's own.
 Json json_of(const LessonType& module, const LessonFacts& f) {
-  Json out = {{"end", name_of(f.end)},  {"begin_s", f.begin_s}, {"end_s", f.end_s},   {"procedure_s", f.procedure_s()},
-              {"paused_s", f.paused_s}, {"pauses", f.pauses},   {"undone", f.undone}, {"most_force_n", f.most_force_n}};
+  Json out = {{"end", name_of(f.end)},
+              {"begin_s", f.begin_s},
+              {"end_s", f.end_s},
+              {"procedure_s", f.procedure_s()},
+              {"paused_s", f.paused_s},
+              {"pauses", f.pauses},
+              {"undone", f.undone},
+              {"max_bone_c", f.max_bone_c},
+              {"heat_dose_min", f.heat_dose_min},
+              {"most_force_n", f.most_force_n}};
   out.update(module.facts_json(f));
   return out;
 }
@@ -116,6 +124,9 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   const ScoreSum sum = sum_of(score);
   for (const CriticalError& e : score.critical)
     text += fmt::format("CRITICAL: {}{}\n", e.what, e.at_s ? fmt::format(", at {:.1f} s", *e.at_s) : "");
+  if (facts.max_bone_c > 0)
+    text +=
+        fmt::format("bone at most {:.1f} degrees, as {:.2g} minutes at 43\n", facts.max_bone_c, facts.heat_dose_min);
   if (facts.undone > 0) text += fmt::format("TAKEN BACK: {} times what was cut\n", facts.undone);
   if (!head.replayed) text += "TRUSTED: the recording was not replayed\n";
   if (head.seal == haptics::Seal::absent) text += "NOT SEALED: made into a pipe or by an older program\n";

@@ -22,7 +22,7 @@ assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["m
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
-assert (magic, version, length) == (b"TREPHSRV", 5, 8192)
+assert (magic, version, length) == (b"TREPHSRV", 6, 8192)
 header = json.loads(data[16:16 + length])
 assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
 frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
@@ -149,8 +149,8 @@ printf '\x01' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 "$TREPHINE" replay "$work/sample" "$work/v1.servo" | grep -q '^replayed bit for bit$' || fail "version 1 is not read"
 printf '\x04' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 expect 65 'frame_bytes: ' "$TREPHINE" replay "$work/sample" "$work/v1.servo"  # of version 4 they are longer
-printf '\x06' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 6, this program reads 1 to 5' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
+printf '\x07' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+expect 65 'version: 7, this program reads 1 to 6' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
