@@ -54,7 +54,8 @@ cli::Command export_recording_command() {
   c.summary = "writes a recorded session as CSV, as plain JSON, or as a picture of force, position and events";
   c.description =
       "Writes what a recording holds for programs that do not know its form: each tick's pose, force, contact, buttons "
-      "and events, in millimetres (LPS), newtons and seconds, with nothing rounded. examples/python_reader/read_recording.py reads "
+      "and events, in millimetres (LPS), newtons and seconds, with nothing rounded. "
+      "examples/python_reader/read_recording.py reads "
       "the "
       "JSON and the recording itself. A recording whose seal is broken is written with a warning, and the JSON says "
       "so. "
