@@ -20,6 +20,7 @@ cli::Program declare() {
                       diff_command(),         correction_command(),     preview_command(),
                       export_command(),       convert_command(),        phantom_command(),
                       rubric_command(),       library_approve_command()};
+  program.commands.push_back(questionnaire_command());
   // Stages as their declarations say, except those whose commands do more than run the stage.
   std::vector<cli::Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
                                    voxelize_command(), repair_command(),  register_command()};

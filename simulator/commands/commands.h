@@ -14,6 +14,7 @@ cli::Command fluoro_command();
 cli::Command exercise_command();
 cli::Command calibrate_command();
 cli::Command study_command();
+cli::Command group_command();
 cli::Command export_recording_command();
 /// Not in a build with TREPHINE_HEADLESS.
 cli::Command render_command();

@@ -48,7 +48,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             h.haptic_sha256,
             motion_digest(s.recording.frames),
             answers == Answers::replayed,
-            s.recording.seal};
+            s.recording.seal,
+            motion_figures(s.recording.frames)};
   return s;
 }
 

@@ -4,6 +4,7 @@
 
 #include "haptics/recording.h"
 #include "lessons/lesson.h"
+#include "lessons/motion_figures.h"
 #include "lessons/score.h"
 
 namespace trephine::lessons {
@@ -15,6 +16,8 @@ struct ReportHead {
   std::string motion_sha256 = {};                            ///< motion_digest()
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
+  std::vector<std::pair<std::string, double>> motion = {};   ///< motion_figures()
+  std::vector<ExpertBand> experts = {};                      ///< beside which they are shown; none: by themselves
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 
