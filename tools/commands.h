@@ -19,6 +19,7 @@ cli::Command diff_command();
 cli::Command correction_command();
 cli::Command preview_command();
 cli::Command rubric_command();
+cli::Command questionnaire_command();
 cli::Command boolean_command();
 cli::Command voxelize_command();
 cli::Command repair_command();

@@ -38,7 +38,8 @@ cli::Program declare() {
                       phantom_command(),
                       rubric_command(),
                       library_approve_command(),
-                      desk_command()};
+                      desk_command(),
+                      questionnaire_command()};
   // Stages as their declarations say, except those whose commands do more than run the stage.
   std::vector<cli::Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
                                    voxelize_command(), repair_command(),  register_command()};

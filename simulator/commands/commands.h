@@ -16,6 +16,7 @@ cli::Command fluoro_command();
 cli::Command exercise_command();
 cli::Command calibrate_command();
 cli::Command study_command();
+cli::Command group_command();
 cli::Command export_recording_command();
 cli::Command compare_command();
 /// Not in a build with TREPHINE_HEADLESS.

@@ -5,16 +5,14 @@
 #include <iostream>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/progress.h"
-#include "base/text.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "json/declared_json.h"
 #include "lesson/approval.h"
-#include "lessons/curriculum.h"
+#include "lessons/exercise_plan.h"
 #include "lessons/lesson_run.h"
+#include "lessons/results.h"
 #include "lessons/score_recording.h"
 #include "lessons/signature.h"
 
@@ -24,44 +22,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExerciseParams {
-  std::string module = "ventriculostomy", participant;
-  bool all = true, play = false;
+  std::string module = "ventriculostomy", participant, group, level;
+  bool all = true, play = false, again = false, retention = false;
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
     v.word(&P::module, "module", lessons::lesson_names(), "Which lesson.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
+    v.text(&P::group, "group", "Token of the group that the participant is in, for studies; kept in the plan.");
+    v.text(&P::level, "level",
+           "Token of the level of training, such as student, resident or expert; kept in the plan.");
+    v.flag(&P::again, "again", "Go through the practice once more: it is added to the plan.");
+    v.flag(&P::retention, "retention", "Do the tests once more, later: they are added to the plan.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
     v.flag(&P::play, "play", "Open a window in which the next case that is to be done is done by hand.");
-  }
-};
-
-// The plan as it lies in the participant's folder, so that it stays the same when the library grows.
-struct PlannedCase {
-  std::string token, patient_class, task;  // the task is empty in plans of before tasks existed
-  int difficulty_level = 3;
-  template <class V>
-  static void describe(V& v) {
-    using P = PlannedCase;
-    v.text(&P::token, "case", "The case's token.").is_required();
-    v.text(&P::patient_class, "class", "The patient's class.").is_required();
-    v.integer(&P::difficulty_level, "difficulty_level", Range{1, 5}, "How difficult.").is_required();
-    v.text(&P::task, "task", "What is asked for.");
-  }
-};
-struct PlanFile {
-  int trephine_exercise = 1;
-  std::string participant, module;
-  lessons::CurriculumParams curriculum;
-  std::vector<PlannedCase> cases;
-  template <class V>
-  static void describe(V& v) {
-    using P = PlanFile;
-    v.integer(&P::trephine_exercise, "trephine_exercise", Range{1, 1}, "The version of the format: 1.").is_required();
-    v.text(&P::participant, "participant", "Who does it.").is_required();
-    v.text(&P::module, "module", "Which lesson.").is_required();
-    v.group(&P::curriculum, "curriculum", "By what the cases were chosen.").is_required();
-    v.list(&P::cases, "cases", "The cases in their order.").is_required();
   }
 };
 
@@ -78,6 +52,8 @@ class Exercise {
         module_(lessons::lesson_type(params_.module)),
         log_(out_ / ("attempts-" + params_.module + ".csv")) {
     lesson::validate_token(params_.participant, "--participant");
+    if (!params_.group.empty()) lesson::validate_token(params_.group, "--group");
+    if (!params_.level.empty()) lesson::validate_token(params_.level, "--level");
     if ((parsed.has("script") || params_.play) != parsed.has("rubric"))
       throw Error(ExitCode::usage, "", "--rubric", "is given with --script or --play, and only with one of them");
     if (parsed.has("script") && params_.play)
@@ -90,52 +66,69 @@ class Exercise {
     cases_ = lessons::cases_for_lessons(parsed_.path("library"), module_);
     make_output_folder(out_);
     take_plan();
+    lengthen_plan();
     if (parsed_.has("rubric")) do_cases();
     print_table();
     return ExitCode::ok;
   }
 
  private:
-  fs::path file_of(const std::string& rest) const { return out_ / (params_.participant + "-" + params_.module + rest); }
   fs::path file_of(std::size_t n, const char* extension) const {
-    return file_of(fmt::format("-{:02}-{}{}", n + 1, plan_.cases[n].token, extension));
+    return lessons::planned_file(out_, plan_, n, extension);
   }
 
   fs::path public_key() const { return parsed_.has("signed_by") ? parsed_.path("signed_by") : fs::path(); }
 
   // The plan that is there, or a new one.
   void take_plan() {
-    const fs::path file = file_of(".plan.json");
+    const fs::path file = lessons::plan_file(out_, params_.participant, params_.module);
     const lessons::CurriculumParams& asked = parsed_.params<lessons::CurriculumParams>();
     if (fs::exists(file)) {
-      with_file(file.string(), [&] {
-        const std::vector<char> bytes = read_file(file, 1 << 20);
-        json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<PlanFile>(), &plan_);
-        // They become parts of file names.
-        for (const PlannedCase& c : plan_.cases) cases::validate_case_token(c.token, ExitCode::bad_input);
-      });
+      plan_ = lessons::read_plan(file);
       bool other = false;
       for (const Parameter& p : parameters_of<lessons::CurriculumParams>().parameters)
         other |= parsed_.given.count(p.name) > 0;
       if (other && text_of(asked) != text_of(plan_.curriculum))
         throw Error(ExitCode::usage, file.string(), "curriculum",
                     "the participant has a plan by other parameters; leave them out to go on with it");
+      const auto same = [&](const char* what, const std::string& asked_for, std::string& planned) {
+        if (!asked_for.empty() && !planned.empty() && asked_for != planned)
+          throw Error(ExitCode::usage, file.string(), what, "the participant's plan says " + planned);
+        if (asked_for.empty() || !planned.empty()) return;
+        planned = asked_for;  // a plan of before may say none
+        lessons::write_plan(file, plan_);
+      };
+      same("--group", params_.group, plan_.group);
+      same("--level", params_.level, plan_.level);
       std::cout << "goes on with " << file.string() << "\n";
       return;
     }
     plan_.participant = params_.participant;
     plan_.module = params_.module;
+    plan_.group = params_.group;
+    plan_.level = params_.level;
     plan_.curriculum = asked;
     lessons::CurriculumParams assigned = asked;  // a script that names its task can do no other
     if (assigned.task.empty() && parsed_.has("script"))
       assigned.task = lessons::read_lesson_script(parsed_.path("script")).task;
     for (const lessons::CurriculumCase& c : lessons::plan_curriculum(cases_.approved, asked, module_))
-      plan_.cases.push_back({c.token, c.patient_class, lessons::assigned_task(c, assigned), c.difficulty_level});
+      plan_.cases.push_back({c.token, c.patient_class, lessons::assigned_task(c, assigned), "", c.difficulty_level});
+    plan_.cases = lessons::phased(plan_.cases, asked);
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
     if (plan_.cases.empty())
       throw Error(ExitCode::no_input, parsed_.text("library"), "",
                   "holds no approved case of these classes and difficulties: trephine library approve CASE --by TOKEN");
-    write_file(file, json::declared_json(AnyParams::make<PlanFile>(plan_)) + "\n");
+    lessons::write_plan(file, plan_);
+  }
+
+  void lengthen_plan() {
+    if (!params_.again && !params_.retention) return;
+    std::size_t done = 0;
+    for (std::size_t n = 0; n < plan_.cases.size(); ++n)
+      if (fs::exists(file_of(n, ".json")) || fs::exists(file_of(n, ".lesson"))) done = n + 1;
+    if (params_.again) lessons::add_round(plan_, done);
+    if (params_.retention) lessons::add_retention(plan_);
+    lessons::write_plan(lessons::plan_file(out_, params_.participant, params_.module), plan_);
   }
 
   const lessons::CurriculumCase* find(const std::string& token) const {
@@ -209,34 +202,31 @@ class Exercise {
   }
 
   void print_table() const {
-    std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", "", "case", "class", "difficulty", "task", "result");
+    std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{:<11}{}\n", "", "case", "class", "difficulty", "task",
+                             "phase", "result");
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
-      const PlannedCase& c = plan_.cases[n];
-      std::string result = "to do";
-      if (fs::exists(log_) && fs::exists(file_of(n, ".json"))) result = result_of(file_of(n, ".lesson"));
+      const lessons::PlannedCase& c = plan_.cases[n];
+      const auto or_none = [](const std::string& s) { return s.empty() ? std::string("-") : s; };
+      std::string result = result_of(file_of(n, ".json"));
       if (parsed_.has("signed_by") && fs::exists(file_of(n, ".lesson")))
         result += ", " + lessons::signature_state(file_of(n, ".lesson"), public_key());
-      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", n + 1, c.token,
-                               c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level,
-                               c.task.empty() ? "-" : c.task, result);
+      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{:<11}{}\n", n + 1, c.token, or_none(c.patient_class),
+                               c.difficulty_level, or_none(c.task), or_none(c.phase), result);
     }
   }
 
-  std::string result_of(const fs::path& recording) const {
-    const std::string sha256 = sha256_of_file(recording);
-    const std::vector<char> bytes = read_file(log_, 1 << 28);
-    std::string result = "done";
-    const std::vector<std::string> lines = split_at({bytes.data(), bytes.size()}, '\n');
-    const std::vector<std::string> names = split_at(lines.front(), ',');
-    const std::size_t outcome = std::size_t(std::find(names.begin(), names.end(), "outcome") - names.begin());
-    for (const std::string& line : lines) {
-      const std::vector<std::string> cells = split_at(line, ',');
-      if (cells.size() < 9 + module_.rows.size() || cells[4] != sha256) continue;
-      result = cells[7] + " of " + cells[8] + " points:";
-      for (std::size_t n = 9; n < 9 + module_.rows.size(); ++n) result += " " + (cells[n].empty() ? "-" : cells[n]);
-      if (outcome < cells.size()) result += ", " + cells[outcome];
+  // By the report alone, which stays when the recording is deleted.
+  static std::string result_of(const fs::path& report) {
+    if (!fs::exists(report)) return "to do";
+    try {
+      const lessons::AttemptResult r = lessons::read_report(report);
+      std::string result = fmt::format("{} of {} points:", r.points, r.most_points);
+      for (const lessons::ResultRow& row : r.rows) result += " " + (row.score ? std::to_string(*row.score) : "-");
+      if (!r.outcome.empty()) result += ", " + r.outcome;
+      return result + (r.recording_is_there ? "" : " (its recording is gone: it cannot be judged again)");
+    } catch (const Error& e) {
+      return std::string("done; its report cannot be read: ") + e.what();
     }
-    return result;
   }
 
   const cli::ParsedCommand& parsed_;
@@ -245,7 +235,7 @@ class Exercise {
   const lessons::LessonType& module_;
   const fs::path log_;
   lessons::LibraryCases cases_;
-  PlanFile plan_;
+  lessons::ExercisePlan plan_;
 };
 
 }  // namespace
@@ -262,7 +252,10 @@ cli::Command exercise_command() {
       "changed since, or whose class is uncertain, are left out, and it says why. With a script and a rubric each case "
       "is done, scored and reported; what was done before is not done again. With --play the next case is done by hand "
       "in "
-      "a window (`trephine-sim play`). Without either it says what is to be done.";
+      "a window (`trephine-sim play`). Without either it says what is to be done. With --test-cases-count some cases "
+      "are "
+      "withheld for tests before and after practice; --again and --retention lengthen a plan. `trephine-sim group` "
+      "shows what a group did.";
   const cli::Argument library = cli::positional_argument("library", Kind::in_folder, "The library's folder.");
   const cli::Argument out =
       cli::required_argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");

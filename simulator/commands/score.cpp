@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 
+#include "base/error.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
+#include "lessons/results.h"
 #include "lessons/score_recording.h"
 
 namespace trephine::commands {
@@ -20,10 +22,18 @@ struct ScoreParams {
 ExitCode run_score(const cli::ParsedCommand& parsed) {
   const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed.path("rubric"));
   const bool trust = parsed.params<ScoreParams>().trust_recording;
-  const lessons::ScoredLesson lesson =
+  lessons::ScoredLesson lesson =
       lessons::score_recording(parsed.path("recording"), parsed.path("case"), rubric,
                                trust ? lessons::Answers::trusted : lessons::Answers::replayed,
                                parsed.has("signed_by") ? parsed.path("signed_by") : "");
+  std::vector<std::vector<std::pair<std::string, double>>> experts;
+  for (const std::string& file : parsed.all("expert")) {
+    const lessons::AttemptResult report = lessons::read_report(file);
+    if (report.module != lesson.head.module)
+      throw Error(ExitCode::usage, file, "module", report.module + ", but the recording is of " + lesson.head.module);
+    experts.push_back(report.motion);
+  }
+  lesson.head.experts = lessons::expert_bands(experts);
   const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
                                                     {parsed.path("json"), parsed.path("page"), parsed.path("log")});
   if (!repeats.empty()) std::cout << "the motion is that of " << repeats << "\n";
@@ -53,6 +63,11 @@ cli::Command score_command() {
   cli::Argument rubric =
       cli::argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json).");
   folder.required = rubric.required = true;
+  cli::Argument expert =
+      cli::argument("expert", Kind::in_file,
+                    "Report (.json) of a recording that the teacher calls an expert's: figures of the "
+                    "hand's motion are shown beside those of all that are given.");
+  expert.repeated = true;
   c.arguments = {recording,
                  folder,
                  rubric,
@@ -61,7 +76,8 @@ cli::Command score_command() {
                                "signature."),
                  cli::argument("json", Kind::out_file, "Write the report to this file."),
                  cli::argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
-                 cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
+                 cli::argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics."),
+                 expert};
   c.groups = {cli::ParameterGroup::of<ScoreParams>("Parameters")};
   c.examples = {
       "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json "

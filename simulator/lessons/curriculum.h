@@ -18,6 +18,7 @@ struct CurriculumParams {
   int least_difficulty_level = 1, most_difficulty_level = 5;
   Order order = Order::difficulty;
   std::int64_t order_seed = 1;
+  int test_cases_count = 0, rounds_count = 1;
   template <class V>
   static void describe(V& v) {
     using P = CurriculumParams;
@@ -33,6 +34,10 @@ struct CurriculumParams {
              "Within a class: the easier ones first, of equals by the seed; or all by the seed.");
     v.integer(&P::order_seed, "order_seed", Range{0, 1e9},
               "Of what is left to chance; the same seed gives the same order.");
+    v.integer(&P::test_cases_count, "test_cases_count", Range{0, 1000},
+              "So many of the cases are withheld for the tests before and after practice, and are not practised; 0: "
+              "there are no tests.");
+    v.integer(&P::rounds_count, "rounds_count", Range{1, 100}, "How often each case that is practised is done.");
   }
 };
 

@@ -49,6 +49,16 @@ std::filesystem::path plan_file(const std::filesystem::path& folder, const std::
 std::filesystem::path planned_file(const std::filesystem::path& folder, const ExercisePlan& plan, std::size_t n,
                                    const char* extension);
 
+/// The cases in the order in which they are done, with their phases: the tests before, the practice as often as there
+/// are rounds, the same tests after. The withheld ones are spread evenly over the order. Without tests no case has a
+/// phase. Throws Error 64 where more are withheld than there are.
+std::vector<PlannedCase> phased(const std::vector<PlannedCase>& chosen, const CurriculumParams& params);
+/// Once more through the practice: before the tests that come after it, where none of them is `done` yet, else at the
+/// end. `done` counts the cases of the plan from its begin up to the last one that is done.
+void add_round(ExercisePlan& plan, std::size_t done);
+/// The tests once more, at the end, as phase retention. Throws Error 64 where the plan has no tests.
+void add_retention(ExercisePlan& plan);
+
 /// Throws Error 65, 66. The tokens of its cases can be parts of file names.
 ExercisePlan read_plan(const std::filesystem::path& file);
 void write_plan(const std::filesystem::path& file, const ExercisePlan& plan);

@@ -110,6 +110,23 @@ std::string forces_html(const LessonScore& score, const haptics::Recording& reco
   return out + "<p class=\"faint\">Below: " + tools + ". Red lines: the moments at which rows were decided.</p>\n";
 }
 
+// How the hand moved, beside what experts did where there are any.
+std::string motion_html(const ReportHead& head) {
+  if (head.motion.empty()) return "";
+  std::string out = "<h2>How the hand moved</h2>\n<table><tr><th>figure<th>measured<th>experts</tr>\n";
+  for (const auto& [name, value] : head.motion) {
+    std::string band;
+    for (const ExpertBand& b : head.experts)
+      if (b.name == name) band = fmt::format("{:.3g} to {:.3g}", b.low, b.high);
+    out += fmt::format("<tr><td>{}<td>{:.3g} {}<td class=\"faint\">{}</tr>\n", escaped(title_of(name)), value,
+                       unit_of(name), band);
+  }
+  out += "</table>\n";
+  for (const std::string& sentence : motion_advice(head.motion, head.experts))
+    out += "<p>" + escaped(sentence) + "</p>\n";
+  return out + "<p class=\"faint\">These figures score nothing. docs/study.md says how they are measured.</p>\n";
+}
+
 }  // namespace
 
 std::string report_page(const ReportHead& head, const LessonFacts& facts, const LessonScore& score,
@@ -137,6 +154,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   out += rows_html(score);
   out += steps_html(guide_of(module, facts), texts::Language::english);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
+  out += motion_html(head);
   out += module.pictures(facts, loaded);
   out += fmt::format(
       "<h2>Made of</h2>\n<p class=\"faint\">recording {} ({}, {})<br>motion {}<br>haptic volume {}<br>rubric "

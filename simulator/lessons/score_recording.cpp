@@ -52,7 +52,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             motion_digest(s.recording.frames),
             answers == Answers::replayed,
             s.recording.seal,
-            signature};
+            signature,
+            motion_figures(s.recording.frames)};
   return s;
 }
 

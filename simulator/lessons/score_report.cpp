@@ -85,28 +85,36 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
   const ScoreSum sum = sum_of(score);
   Json critical = Json::array();
   for (const CriticalError& e : score.critical) critical.push_back(json_of(e));
-  const Json out = {{"trephine_score", 2},
-                    {"module", head.module},
-                    {"case", head.case_token},
-                    {"participant", head.participant},
-                    {"recording_sha256", head.recording_sha256},
-                    {"motion_sha256", head.motion_sha256},
-                    {"checked", head.checked()},
-                    {"seal", haptics::name_of(head.seal)},
-                    {"signature", head.signature.empty() ? Json(nullptr) : Json(head.signature)},
-                    {"haptic_sha256", head.case_sha256},
-                    {"rubric_sha256", head.rubric_sha256},
-                    {"task", facts.task},
-                    {"outcome", name_of(score.outcome())},
-                    {"reason", score.reason()},
-                    {"critical", critical},
-                    {"points", sum.points},
-                    {"most_points", sum.most},
-                    {"table_points", sum.of_table},
-                    {"most_table_points", sum.max_of_table},
-                    {"rows", rows},
-                    {"figures", figures},
-                    {"facts", json_of(lesson_type(head.module), facts)}};
+  Json motion = Json::object(), experts = Json::object();
+  for (const auto& [name, value] : head.motion) motion[name] = value;
+  for (const ExpertBand& b : head.experts)
+    experts[b.name] = {{"low", b.low}, {"high", b.high}, {"recordings", b.count}};
+  Json out = {{"trephine_score", 2},
+              {"module", head.module},
+              {"case", head.case_token},
+              {"participant", head.participant},
+              {"recording_sha256", head.recording_sha256},
+              {"motion_sha256", head.motion_sha256},
+              {"checked", head.checked()},
+              {"seal", haptics::name_of(head.seal)},
+              {"haptic_sha256", head.case_sha256},
+              {"rubric_sha256", head.rubric_sha256},
+              {"task", facts.task},
+              {"outcome", name_of(score.outcome())},
+              {"reason", score.reason()},
+              {"critical", critical},
+              {"points", sum.points},
+              {"most_points", sum.most},
+              {"table_points", sum.of_table},
+              {"most_table_points", sum.max_of_table},
+              {"rows", rows},
+              {"figures", figures},
+              {"facts", json_of(lesson_type(head.module), facts)}};
+  out["motion"] = motion;
+  if (!head.experts.empty()) {
+    out["experts"] = experts;
+    out["advice"] = motion_advice(head.motion, head.experts);
+  }
   return out.dump(1) + "\n";
 }
 
@@ -132,6 +140,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (head.seal == haptics::Seal::absent) text += "NOT SEALED: made into a pipe or by an older program\n";
   if (head.seal == haptics::Seal::broken) text += "BROKEN SEAL: the recording was changed after it was written\n";
   if (!head.signature.empty()) text += head.signature + "\n";
+  for (const std::string& sentence : motion_advice(head.motion, head.experts)) text += sentence + "\n";
   text += headline_of(score) + "\n";
   text += fmt::format("{} of {} points{}; {}, {}\n", sum.points, sum.most,
                       sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.max_of_table) : "",

@@ -4,6 +4,7 @@
 
 #include "haptics/recording.h"
 #include "lessons/lesson.h"
+#include "lessons/motion_figures.h"
 #include "lessons/score.h"
 
 namespace trephine::lessons {
@@ -16,6 +17,8 @@ struct ReportHead {
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
   std::string signature = {};                                ///< signature_state()
+  std::vector<std::pair<std::string, double>> motion = {};   ///< motion_figures()
+  std::vector<ExpertBand> experts = {};                      ///< beside which they are shown; none: by themselves
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 

@@ -30,8 +30,8 @@ expect 64 'is given with --script or --play' "${exercise[@]}" --script "$work/sc
 
 "${exercise[@]}" >"$work/text"
 grep -Eq '^left out: copy: its folder has another name' "$work/text" || { cat "$work/text"; fail "a copy is taken for a case"; }
-grep -Eq '^1 +head-drilled +normal +2 +right +to do$' "$work/text" || { cat "$work/text"; fail "the easier case is not first"; }
-grep -Eq '^2 +head +normal +4 +right +to do$' "$work/text" || { cat "$work/text"; fail "the harder case is not second"; }
+grep -Eq '^1 +head-drilled +normal +2 +right +- +to do$' "$work/text" || { cat "$work/text"; fail "the easier case is not first"; }
+grep -Eq '^2 +head +normal +4 +right +- +to do$' "$work/text" || { cat "$work/text"; fail "the harder case is not second"; }
 expect 64 'has a plan by other parameters' "${exercise[@]}" --cases-count 1
 
 # One case, then the others; what is done stays as it is.

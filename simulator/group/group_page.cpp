@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/base64.h"
+#include "base/html_text.h"
+#include "group/group_view.h"
+#include "study/words.h"
+
+namespace trephine::group {
+namespace {
+
+constexpr const char* style = R"(
+:root { color-scheme: light dark; --faint: #75828f; --line: #a9b6c3; --bad: #d55e00; --good: #009e73 }
+body { font: 14px/1.45 system-ui, sans-serif; max-width: 78em; margin: 1em auto; padding: 0 1em }
+h1 { font-size: 1.4em; margin: 0 } h2 { font-size: 1.2em; margin: 2em 0 .3em; border-bottom: 2px solid var(--line) }
+h3 { font-size: 1em; margin: 1.4em 0 .3em } .faint, figcaption { color: var(--faint); font-size: .9em }
+table { border-collapse: collapse; margin: .4em 0 } td, th { text-align: left; vertical-align: top; padding: .25em .9em .25em 0; border-bottom: 1px solid var(--line) }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
+.plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; flex: 1 1 26em; max-width: 40em } img { width: 100%; background: #fff }
+.note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
+)";
+
+std::string cell(const std::string& text, const char* kind = "n") {
+  return fmt::format("<td class=\"{}\">{}", kind, html_text(text));
+}
+std::string percent(double ratio) { return fmt::format("{:.0f} %", 100 * ratio); }
+
+std::string title_of(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+std::string table_begin(const std::vector<std::string>& heads, std::size_t texts) {
+  std::string out = "<div class=\"wide\"><table><tr>";
+  for (std::size_t n = 0; n < heads.size(); ++n)
+    out += fmt::format("<th{}>{}", n < texts ? "" : " class=\"n\"", html_text(heads[n]));
+  return out + "</tr>\n";
+}
+constexpr const char* table_end = "</table></div>\n";
+
+std::vector<std::string> shown_phases(const ModuleView& m) {
+  return m.phases.empty() ? std::vector<std::string>{""} : m.phases;
+}
+std::string phase_title(const std::string& phase) { return phase.empty() ? "all" : phase; }
+
+std::string participants_html(const ModuleView& m) {
+  std::vector<std::string> heads = {"participant", "group", "level", "done of planned", "completed", "failed"};
+  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase));
+  heads.insert(heads.end(), {"first", "last", "kept"});
+  std::string out = table_begin(heads, 3);
+  for (const ParticipantView& p : m.participants) {
+    out += "<tr><td>" + html_text(p.participant) + "<td>" + html_text(p.group) + "<td>" + html_text(p.level);
+    out += cell(p.planned > 0 ? fmt::format("{} of {}", p.done, p.planned) : std::to_string(p.done),
+                p.done < p.planned ? "n faint" : "n");
+    out += cell(std::to_string(p.completed)) + cell(std::to_string(p.failed), p.failed > 0 ? "n bad" : "n");
+    for (const std::string& phase : shown_phases(m)) {
+      const auto at = p.share_by_phase.find(phase);
+      out += cell(at == p.share_by_phase.end() ? "" : percent(at->second));
+    }
+    out += cell(p.done > 0 ? percent(p.first_share) : "") + cell(p.done > 0 ? percent(p.last_share) : "");
+    out += cell(p.retained_ratio ? percent(*p.retained_ratio) : "") + "</tr>\n";
+  }
+  return out + table_end +
+         "<p class=\"faint\">Shares of the points that could be had, as means over attempts. Kept: (retention - "
+         "before) "
+         "/ (after - before), where there was a gain.</p>\n";
+}
+
+std::string rows_html(const ModuleView& m) {
+  std::vector<std::string> heads = {"row"};
+  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase));
+  std::string out = "<h3>Rows of the score: mean of 1 to 5, and how often it was judged</h3>\n" + table_begin(heads, 1);
+  for (const RowView& row : m.rows) {
+    out += "<tr><td>" + html_text(row.title);
+    for (const std::string& phase : shown_phases(m)) {
+      const auto at = row.by_phase.find(phase);
+      out += cell(at == row.by_phase.end() ? "not judged"
+                                           : fmt::format("{:.1f} ({})", at->second.first, at->second.second));
+    }
+    out += "</tr>\n";
+  }
+  return out + table_end;
+}
+
+std::string failures_html(const ModuleView& m) {
+  if (m.failures.empty()) return "<h3>Critical errors</h3>\n<p>None happened.</p>\n";
+  std::string out = "<h3>Critical errors</h3>\n" + table_begin({"error", "by whom", "how often"}, 2);
+  for (const auto& [error, by] : m.failures) {
+    std::string who;
+    std::size_t count = 0;
+    for (const auto& [participant, times] : by) {
+      who += (who.empty() ? "" : ", ") + participant + (times > 1 ? fmt::format(" ({})", times) : "");
+      count += times;
+    }
+    out += "<tr><td>" + html_text(title_of(error)) + "<td>" + html_text(who) + cell(std::to_string(count)) + "</tr>\n";
+  }
+  return out + table_end;
+}
+
+std::string pass_mark_html(const ModuleView& m) {
+  if (!m.pass_mark) return "";
+  const PassMark& p = *m.pass_mark;
+  std::string out = "<h3>Pass mark, by contrasting groups</h3>\n";
+  if (!p.why_not.empty()) return out + "<p class=\"note\">not set: " + html_text(p.why_not) + "</p>\n";
+  out += fmt::format(
+      "<p>By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean {:.1f} %, sd "
+      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross.</p>\n",
+      html_text(p.of), 100 * p.mark_ratio, html_text(p.less), p.less_summary.count, 100 * p.less_summary.mean,
+      100 * *p.less_summary.sd, html_text(p.more), p.more_summary.count, 100 * p.more_summary.mean,
+      100 * *p.more_summary.sd);
+  out += fmt::format(
+      "<p class=\"faint\">{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and {:.1f} %). "
+      "A mark from few participants is uncertain.</p>\n",
+      percent(p.less_pass_ratio), html_text(p.less), percent(p.more_fail_ratio), html_text(p.more),
+      100 * p.less_pass_expected_ratio, 100 * p.more_fail_expected_ratio);
+  std::string passed, not_passed;
+  for (const auto& [participant, pass] : p.passed) {
+    std::string& list = pass ? passed : not_passed;
+    list += (list.empty() ? "" : ", ") + participant;
+  }
+  return out + "<p><span class=\"good\">Passed:</span> " + html_text(passed.empty() ? "nobody" : passed) +
+         "<br><span class=\"bad\">Not passed:</span> " + html_text(not_passed.empty() ? "nobody" : not_passed) +
+         "</p>\n";
+}
+
+// The last attempt of each participant beside what experts do.
+std::string motion_html(const ModuleView& m) {
+  if (m.bands.empty()) return "";
+  std::vector<std::string> heads = {"figure of the hand's motion", "experts"};
+  std::vector<const lessons::AttemptResult*> last;
+  for (const ParticipantView& p : m.participants) {
+    const lessons::AttemptResult* found = nullptr;
+    for (const lessons::AttemptResult& r : m.attempts)
+      if (r.participant == p.participant) found = &r;
+    if (!found || found->motion.empty()) continue;
+    last.push_back(found);
+    heads.push_back(p.participant);
+  }
+  std::string out =
+      fmt::format("<h3>Motion in the last attempt, beside {} recordings of experts</h3>\n", m.bands.front().count) +
+      table_begin(heads, 1);
+  for (const lessons::ExpertBand& band : m.bands) {
+    out += "<tr><td>" + html_text(title_of(band.name)) + cell(fmt::format("{:.4g} to {:.4g}", band.low, band.high));
+    for (const lessons::AttemptResult* r : last) {
+      const std::optional<double> value = r->figure(band.name);
+      const bool within = value && *value >= band.low && *value <= band.high;
+      out += cell(value ? fmt::format("{:.4g}", *value) : "", !value || within ? "n" : "n bad");
+    }
+    out += "</tr>\n";
+  }
+  return out + table_end + "<p class=\"faint\">Coloured: outside of the experts' band.</p>\n";
+}
+
+// Each question by phase: the mean answer, how many gave one, and whether it changed in those who answered twice.
+std::string answers_html(const study::Study& answers) {
+  std::string out = "<h2>Questionnaire</h2>\n";
+  for (const std::string& note : answers.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
+  out += table_begin({"question", "phase", "answers", "mean", "median", "change in those who answered in both"}, 2);
+  for (const study::MeasureStudy& m : answers.measures)
+    for (const study::Comparison& c : m.comparisons) {
+      if (c.by != "phase") continue;
+      for (std::size_t n = 0; n < c.samples.size(); ++n) {
+        const study::Summary& s = c.samples[n].summary;
+        std::string change;
+        for (const study::PairTests& pair : c.pairs)
+          for (const study::NamedTest& test : pair.tests)
+            if (pair.first == 0 && pair.second == n && test.name == "signed rank") change = study::sentence(test);
+        out += "<tr><td>" + html_text(n == 0 ? title_of(m.name) : "") + "<td>" + html_text(c.samples[n].name) +
+               cell(std::to_string(s.count)) + cell(s.count > 0 ? study::figure(s.mean) : "") +
+               cell(s.count > 0 ? study::figure(s.median) : "") + cell(change) + "</tr>\n";
+      }
+    }
+  return out + table_end;
+}
+
+}  // namespace
+
+std::string group_page(const GroupView& view, const GroupPageParts& parts) {
+  std::string out = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src '{}'; "
+      "base-uri 'none'; form-action 'none'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Trephine: a group</title>\n"
+      "<style>{}</style></head><body>\n",
+      policy_hash(style), style);
+  std::size_t attempts = 0;
+  std::map<std::string, bool> participants;
+  for (const ModuleView& m : view.modules) {
+    attempts += m.attempts.size();
+    for (const ParticipantView& p : m.participants) participants[p.participant] = true;
+  }
+  out += fmt::format("<h1>A group of {} participants, {} attempts</h1>\n<p class=\"faint\">not a medical device</p>\n",
+                     participants.size(), attempts);
+  for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
+  for (const ModuleView& m : view.modules) {
+    out += "<h2>" + html_text(title_of(m.module)) + "</h2>\n" + participants_html(m);
+    if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
+      out += "<div class=\"plots\">\n";
+      for (const auto& [title, svg] : at->second)
+        out += "<figure><img alt=\"" + html_text(title) + "\" src=\"data:image/svg+xml;base64," + base64(svg) +
+               "\"><figcaption>" + html_text(title) + "</figcaption></figure>\n";
+      out += "</div>\n";
+    }
+    out += rows_html(m) + failures_html(m) + pass_mark_html(m) + motion_html(m);
+  }
+  if (parts.answers) out += answers_html(*parts.answers);
+  return out + "</body></html>\n";
+}
+
+}  // namespace trephine::group
