@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "window/action_when.h"
 #include "window/texts.h"
 
 namespace trephine::window {
@@ -22,31 +23,6 @@ constexpr double orbit_rad_per_px = 0.006, max_head_mm = 1e5;
 constexpr std::size_t answered_notes = 8;
 
 double rad(double deg) { return deg * M_PI / 180; }
-
-texts::Answer without_recording(const Player& p) {
-  if (p.shown()) return texts::NoteId::recording_shown;
-  return p.lesson() && !(p.live() && p.live()->begun()) ? texts::Answer(texts::NoteId::not_now) : texts::Answer();
-}
-texts::Answer outside_lesson(const Player& p) {
-  return p.in_lesson() ? texts::Answer(texts::NoteId::after_lesson) : texts::Answer();
-}
-texts::Answer of_lesson(const Player& p) {
-  if (!p.lesson()) return texts::NoteId::no_lesson;
-  return p.live() && p.live()->begun() ? texts::Answer() : texts::Answer(texts::NoteId::not_now);
-}
-texts::Answer of_arm(const Player& p) {
-  if (!p.lesson()) return texts::NoteId::no_lesson;
-  if (!p.lesson()->has_arm()) return texts::NoteId::no_arm;
-  return p.xrays() ? of_lesson(p) : texts::Answer(texts::NoteId::no_ct);
-}
-texts::Answer with_drill(const Player& p) {
-  if (p.shown()) return texts::NoteId::recording_shown;
-  if (p.lesson()) return of_lesson(p);
-  return p.live() && p.live()->cuts() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
-}
-texts::Answer with_marker(const Player& p) {
-  return p.live() && p.live()->draws() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
-}
 
 // A command of the lesson that has the action's own name.
 Reply command(Player& p, Words& w) { return p.lesson()->give(w.verb()); }
