@@ -111,7 +111,8 @@ TEST(Suture, WhereNoneIsSeenTheBregmaIsADoubtfulEstimate) {
   EXPECT_EQ(bregma->source, "estimated");
   EXPECT_LT(bregma->confidence, 0.5);
   EXPECT_TRUE(warns(report, "bregma", "is doubtful"));
-  EXPECT_GT(confidence(found, "kocher_right"), 0.8);  // nothing speaks against them
+  EXPECT_LE(confidence(found, "kocher_right"), bregma->confidence);  // they lie where they do because of the bregma
+  EXPECT_GT(confidence(found, "kocher_right"), 0.3);                 // and nothing else speaks against them
 }
 
 TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
@@ -137,7 +138,8 @@ TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
     EXPECT_TRUE(warns(report, name, "doubtful") || !found.find(name)) << name;
   }
   EXPECT_TRUE(warns(report, "nasion", "the midline's skin leaps"));
-  EXPECT_GE(confidence(found, "inion"), 0.5);  // the back of the head is not judged by its front
+  // The back of the head is not judged by its front; slices of 1.8 mm take 0.03 from what it has.
+  EXPECT_GE(confidence(found, "inion"), 0.47);
 }
 
 TEST(Judged, ALandmarkOfWhichNothingSpeaksIsNone) {

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gaps in the vault, metal and tubes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "findings/findings_parts.h"
+#include "mask/filters.h"
+
+namespace trephine::findings {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr int rays = 16000;
+constexpr double least_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
+constexpr double step_mm = 0.5, reach_mm = 45;
+constexpr float skin_hu = -400;
+constexpr double scalp_mm = 4;
+constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
+constexpr double above_base_mm = -5;
+constexpr double min_metal_mm3 = 15;
+constexpr double suture_mm = 4;  ///< a gap of bone that is narrower is a suture or a thin place
+
+float hu_near(const mask::HuView& hu, Vec3 lps) {
+  const Vec3 p = hu.lattice().to_index(lps);
+  const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
+  return hu.lattice().contains(i, j, k) ? hu(i, j, k) : -3000.f;
+}
+
+/// What a ray from the middle of the head meets beyond the brain.
+enum class Ray { bone, gap, unknown };
+struct Met {
+  Ray is = Ray::unknown;
+  Vec3 at_mm;  ///< where it leaves the inside of the head
+};
+
+Met along(const Inside& in, const mask::HuView& hu, const grid::Field& skull, Vec3 from, Vec3 way) {
+  const grid::Lattice& cells = in.cells();
+  double inner = 0;
+  bool inside = false;
+  for (double d = 0; d < 130; d += 1) {
+    const Vec3 p = cells.to_index(from + way * d);
+    const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
+    if (!cells.contains(i, j, k)) break;
+    if (in.all.get(i, j, k)) inner = d, inside = true;
+  }
+  Met met;
+  if (!inside) return met;
+  met.at_mm = from + way * inner;
+  for (double d = inner - 6; d < inner + reach_mm; d += step_mm) {
+    const Vec3 lps = from + way * d;
+    const float value = hu_near(hu, lps);
+    if (value < -2500) return met;  // the scan ends
+    const Vec3 p = skull.to_index(lps);
+    const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
+    if (skull.contains(i, j, k) && skull.at(i, j, k) > 0) return met.is = Ray::bone, met;
+    // Where the scan or its field cuts the head, the brain ends in air, without a scalp over it.
+    if (d > inner && value < skin_hu) return met.is = d > inner + scalp_mm ? Ray::gap : Ray::unknown, met;
+  }
+  return met;
+}
+
+}  // namespace
+
+std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+                            const FindingsParams& params) {
+  const mask::HuView hu(volume);
+  const Vec3 middle = in.envelope.centre_mm();
+  std::vector<Vec3> ways, at;
+  std::vector<double> area;         // mm^2 of a ray's share of the vault
+  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
+    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
+    const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
+    const Vec3 about = middle + way * 70;
+    if (in.place.sure ? in.place.to_template(about).z < least_up_mm + 20 : z < 0.35) continue;
+    const Met met = along(in, hu, skull, middle, way);
+    if (met.is != Ray::gap) continue;
+    const double out = norm(met.at_mm - middle);
+    ways.push_back(way);
+    at.push_back(met.at_mm);
+    area.push_back(4 * pi / rays * out * out);
+  }
+  // Rays that lie beside each other are one gap.
+  const double near_mm = 2.2 * 75 * std::sqrt(4 * pi / rays);
+  std::vector<int> of(ways.size(), -1);
+  std::vector<Seen> all;
+  int gaps = 0;
+  for (std::size_t first = 0; first < ways.size(); ++first) {
+    if (of[first] >= 0) continue;
+    std::vector<std::size_t> members{first};
+    of[first] = gaps;
+    for (std::size_t m = 0; m < members.size(); ++m)
+      for (std::size_t o = 0; o < ways.size(); ++o)
+        if (of[o] < 0 && norm(at[o] - at[members[m]]) < near_mm) of[o] = gaps, members.push_back(o);
+    ++gaps;
+    std::vector<Vec3> points;
+    double mm2 = 0;
+    for (const std::size_t m : members) points.push_back(at[m]), mm2 += area[m];
+    const Extent e = extent_of(points);
+    if (mm2 / 100 < params.min_gap_cm2 || 3.46 * e.sigma_mm[1] < suture_mm) continue;
+    Seen s;
+    s.finding.kind = FindingKind::bone_gap;
+    s.finding.where = "in the vault";
+    s.finding.position_mm = e.middle_mm;
+    const double slice =
+        std::max({in.raster.fine.spacing_mm.x, in.raster.fine.spacing_mm.y, in.raster.fine.spacing_mm.z});
+    s.finding.confidence = 0.95 * mask::ramp(mm2 / 100, 0.3 * params.min_gap_cm2, 3 * params.min_gap_cm2) *
+                           mask::ramp(slice, 8, 3) * (in.place.sure ? 1 : 0.5);
+    s.finding.figures = {{"area_cm2", mm2 / 100}, {"longest_mm", 3.46 * e.sigma_mm[0]}};
+    s.finding.text = fmt::format("the vault has a gap of {:.1f} cm2, {:.0f} mm long", mm2 / 100, 3.46 * e.sigma_mm[0]);
+    if (mm2 > 500) s.finding.concerns = {"brain"};  // the brain bulges or sinks there, and no bone bounds it
+    s.finding.concerns.push_back("skull");
+    all.push_back(std::move(s));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Seen& a, const Seen& b) {
+    return a.finding.figures[0].second > b.finding.figures[0].second;
+  });
+  return all;
+}
+
+std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+                           const FindingsParams& params, const Progress& progress) {
+  const mask::HuView hu(volume);
+  const grid::Lattice& l = hu.lattice();
+  std::vector<Seen> all;
+  // Teeth and their fillings lie below the base; the template says where that is.
+  const mask::Components metal = mask::components(mask::above(hu, params.metal_hu), true);
+  double metal_ml = 0;
+  std::vector<Vec3> points;
+  int pieces = 0;
+  for (std::size_t c = 0; c < metal.list.size(); ++c) {
+    const grid::Box& b = metal.list[c].box;
+    Vec3 at;
+    for (int a = 0; a < 3; ++a) at[a] = 0.5 * (b.begin[a] + b.end[a] - 1);
+    const Vec3 lps = l.to_world_mm(at);
+    const double mm3 = double(metal.list[c].voxels) * l.voxel_volume_mm3();
+    const bool above =
+        in.place.sure ? in.place.to_template(lps).z > above_base_mm : lps.z > in.envelope.centre_mm().z - 35;
+    if (!above || mm3 < min_metal_mm3) continue;
+    metal_ml += mm3 / 1000, ++pieces;
+    points.push_back(lps);
+  }
+  if (pieces > 0) {
+    Seen s;
+    s.finding.kind = FindingKind::metal;
+    s.finding.where = "in the head";
+    s.finding.position_mm = extent_of(points).middle_mm;
+    s.finding.confidence = 0.9 * mask::ramp(1000 * metal_ml, 0.5 * min_metal_mm3, 3 * min_metal_mm3);
+    s.finding.figures = {{"volume_ml", metal_ml}, {"pieces_count", double(pieces)}};
+    s.finding.text = fmt::format("{} piece{} of metal above the base of the skull, {}", pieces, pieces == 1 ? "" : "s",
+                                 ml_text(metal_ml));
+    all.push_back(std::move(s));
+  }
+  // Tubes: dense, thin, long and straight, in the brain.
+  const double slice = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
+  mask::BitMask deep = mask::fine_mask(in.envelope, in.raster);
+  deep.remove(mask::dilated(mask::positive(skull, l), std::max(off_bone_mm, 1.05 * slice), progress));
+  mask::BitMask dense = mask::above(hu, params.tube_hu);
+  dense &= deep;
+  const mask::Components tubes = mask::components(dense, true);
+  std::vector<std::vector<Vec3>> of(tubes.list.size());
+  mask::for_each_voxel(tubes, [&](int c, int i, int j, int k) {
+    of[std::size_t(c)].push_back(l.to_world_mm({double(i), double(j), double(k)}));
+  });
+  for (std::size_t c = 0; c < of.size(); ++c) {
+    const Extent e = extent_of(of[c]);
+    if (e.count < 8 || e.longest_mm() < params.min_tube_mm || e.sigma_mm[1] > straight_mm) continue;
+    const double mm3 = e.count * l.voxel_volume_mm3(), thick = std::sqrt(mm3 / e.longest_mm() * 4 / pi);
+    if (thick > thick_mm) continue;
+    // The basilar artery and the sinuses run along the midline and the base.
+    if (in.place.sure && in.place.to_template(e.middle_mm).z < 20) continue;
+    if (std::abs(in.place.sure ? in.place.to_template(e.middle_mm).x : 10) < 3) continue;
+    Seen s;
+    s.finding.kind = FindingKind::tube;
+    s.finding.where = "in the brain";
+    s.finding.position_mm = e.middle_mm;
+    s.finding.confidence = in.contrast_ml > vessels_ml ? 0.4 : in.place.sure ? 0.85 * mask::ramp(slice, 5, 1.5) : 0.45;
+    s.finding.figures = {{"longest_mm", e.longest_mm()}, {"width_mm", thick}};
+    s.finding.concerns = {"ventricles"};
+    s.finding.text =
+        fmt::format("a tube of {:.0f} mm, about {:.1f} mm thick, lies in the brain", e.longest_mm(), thick);
+    mask::BitMask own(l);
+    for (const Vec3& p : of[c]) {
+      const Vec3 q = l.to_index(p);
+      own.set(int(std::lround(q.x)), int(std::lround(q.y)), int(std::lround(q.z)));
+    }
+    s.cells = mask::coarse_mask(own, in.raster, 0);
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
+}  // namespace trephine::findings

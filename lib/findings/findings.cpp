@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "findings/findings.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "findings/findings_parts.h"
+#include "head/head_figures.h"
+#include "mask/filters.h"
+
+namespace trephine::findings {
+namespace {
+
+/// The shift and the width of the ventricles, as a case's figures have them.
+std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& p, const Progress& progress) {
+  std::vector<Seen> all;
+  if (!shapes.ventricles) return all;
+  Report ignored;
+  const head::HeadFields fields{nullptr, shapes.skull, shapes.brain, shapes.ventricles, nullptr};
+  const head::HeadFigures f = head::measure_head(fields, shapes.landmarks, {}, ignored, progress);
+  const double plane = shapes.landmarks ? shapes.landmarks->midsagittal.confidence : 0.4;
+  if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) >= p.min_shift_mm) {
+    Seen s;
+    s.finding.kind = FindingKind::shift;
+    s.finding.where = std::string("of the ") + f.midline_of;
+    s.finding.position_mm = f.midline_place_mm;
+    s.finding.confidence =
+        0.9 * plane * mask::ramp(std::abs(*f.midline_shift_mm), 0.5 * p.min_shift_mm, 1.7 * p.min_shift_mm);
+    s.finding.figures = {{"shift_mm", std::abs(*f.midline_shift_mm)}};
+    s.finding.text = fmt::format("the midline is shifted by {:.1f} mm to the {} ({})", std::abs(*f.midline_shift_mm),
+                                 *f.midline_shift_mm > 0 ? "left" : "right", f.midline_of);
+    all.push_back(std::move(s));
+  }
+  if (f.evans_index_ratio && *f.evans_index_ratio > p.wide_evans_ratio) {
+    Seen s;
+    s.finding.kind = FindingKind::wide_ventricles;
+    s.finding.where = "of the ventricles";
+    s.finding.position_mm = f.evans_place_mm;
+    s.finding.confidence = 0.9 * mask::ramp(*f.evans_index_ratio, p.wide_evans_ratio - 0.03, p.wide_evans_ratio + 0.04);
+    s.finding.figures = {{"evans_index_ratio", *f.evans_index_ratio}, {"volume_ml", f.ventricles_ml.value_or(0)}};
+    s.finding.text = fmt::format("the ventricles are wide (Evans' index {:.2f}, {})", *f.evans_index_ratio,
+                                 ml_text(f.ventricles_ml.value_or(0)));
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
+std::string side_of(Vec3 p, const head::HeadLandmarks* landmarks, Vec3 middle) {
+  const bool known = landmarks && landmarks->midsagittal.confidence > 0;
+  const double left = known ? dot(p - landmarks->midsagittal.point_mm, landmarks->midsagittal.normal) : p.x - middle.x;
+  return left > 6 ? "left" : left < -6 ? "right" : "middle";
+}
+
+void report_one(const Finding& f, std::size_t number, Report& report) {
+  const std::string n = std::to_string(number) + ".";
+  std::string concerns;
+  for (const std::string& c : f.concerns) concerns += (concerns.empty() ? "" : " ") + c;
+  report.add(n + "kind", std::string(to_text(f.kind)));
+  report.add(n + "where", f.where);
+  report.add(n + "side", f.side);
+  report.figures.emplace_back(n + "position_mm",
+                              std::vector<double>{f.position_mm.x, f.position_mm.y, f.position_mm.z});
+  report.add(n + "confidence", f.confidence);
+  report.add(n + "concerns", concerns);
+  report.add(n + "text", f.text);
+  for (const auto& [name, value] : f.figures)
+    if (name.size() > 6 && name.compare(name.size() - 6, 6, "_count") == 0)
+      report.add(n + name, std::int64_t(value));
+    else
+      report.add(n + name, value);
+}
+
+}  // namespace
+
+const char* to_text(FindingKind kind) {
+  switch (kind) {
+    case FindingKind::dense:
+      return "dense_tissue";
+    case FindingKind::dark:
+      return "dark_tissue";
+    case FindingKind::shift:
+      return "midline_shift";
+    case FindingKind::wide_ventricles:
+      return "wide_ventricles";
+    case FindingKind::bone_gap:
+      return "bone_gap";
+    case FindingKind::metal:
+      return "metal";
+    case FindingKind::tube:
+      break;
+  }
+  return "tube";
+}
+
+Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
+                       Report& report, const Progress& progress) {
+  const grid::Lattice& l = grid::lattice_of(volume);
+  const auto check = [&](const grid::Field* f, const char* name, bool required) {
+    if (required && !f) throw Error(ExitCode::usage, "", name, "is needed");
+    if (f) with_field(name, [&] { grid::place_in(*f, l); });
+  };
+  check(shapes.skull, "skull", true);
+  check(shapes.brain, "brain", true);
+  check(shapes.ventricles, "ventricles", false);
+  mask::check_finite(volume);
+  const Inside in = inside_of(volume, shapes, params, progress.part(0, 0.5));
+  report.add("template_sure", in.place.sure ? "yes" : "no");
+  report.add("tissue_noise_hu", in.noise_hu);
+  report.add("contrast_ml", in.contrast_ml);
+  std::vector<Seen> seen_implants = implants(in, volume, *shapes.skull, params, progress.part(0.5, 0.55));
+  std::vector<Seen> all = dense_tissue(in, seen_implants, params, progress.part(0.55, 0.6));
+  const auto append = [&](std::vector<Seen> more) {
+    for (Seen& s : more) all.push_back(std::move(s));
+  };
+  append(dark_tissue(in, params, progress.part(0.6, 0.7)));
+  append(of_figures(shapes, params, progress.part(0.7, 0.8)));
+  append(bone_gaps(in, volume, *shapes.skull, params));
+  append(std::move(seen_implants));
+
+  Findings out;
+  grid::Mask labels(in.cells());
+  const Vec3 middle = in.envelope.centre_mm();
+  for (Seen& s : all) {
+    if (out.list.size() == 200) break;
+    s.finding.side = side_of(s.finding.position_mm, shapes.landmarks, middle);
+    out.list.push_back(s.finding);
+    const int value = int(out.list.size());
+    report_one(out.list.back(), out.list.size(), report);
+    report.warn(
+        "to be looked at: " + s.finding.text +
+        (s.finding.confidence < 0.5 ? fmt::format(" (doubtful, confidence {:.2f})", s.finding.confidence) : ""));
+    if (s.cells.lattice().count() == 0) continue;
+    for (int k = 0; k < labels.size[2]; ++k)
+      for (int j = 0; j < labels.size[1]; ++j)
+        for (int i = 0; i < labels.size[0]; ++i)
+          if (s.cells.get(i, j, k)) labels.at(i, j, k) = std::uint8_t(value);
+    grid::LabelSegment segment;
+    segment.id = "finding_" + std::to_string(value);
+    segment.name = std::string(to_text(s.finding.kind)) + " " + std::to_string(value);
+    segment.value = value;
+    out.labels.segments.push_back(segment);
+  }
+  report.add("findings_count", std::int64_t(out.list.size()));
+  out.labels.lattice = labels;
+  out.labels.samples = std::move(labels);
+  out.labels.format = "seg.nrrd";
+  progress.report(1);
+  return out;
+}
+
+}  // namespace trephine::findings

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// What of a head's scan a person should look at before its case is used. It is measured, and nothing is diagnosed.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "grid/labels.h"
+#include "head/head_landmarks.h"
+
+namespace trephine::findings {
+
+struct FindingsParams {
+  double blood_hu = 48, most_blood_hu = 100, min_blood_ml = 1.5;
+  double dark_hu = 20, min_dark_ml = 5;
+  double min_shift_mm = 3;
+  double wide_evans_ratio = 0.3;
+  double min_gap_cm2 = 1;
+  double metal_hu = 2500, tube_hu = 110, min_tube_mm = 25;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = FindingsParams;
+    v.number(&P::blood_hu, "blood_hu", Range{32, 90},
+             "From this on soft tissue inside the skull is as dense as fresh blood, where brain has 30 HU.");
+    v.number(&P::most_blood_hu, "most_blood_hu", Range{50, 200},
+             "What is denser than this is no blood: calcification, contrast medium, metal.");
+    v.number(&P::min_blood_ml, "min_blood_ml", Range{0.2, 100}, "Less of it is not told.");
+    v.number(&P::dark_hu, "dark_hu", Range{8, 29},
+             "Below this brain tissue is dark (oedema, an old infarct, a cyst), where brain has 30 HU.");
+    v.number(&P::min_dark_ml, "min_dark_ml", Range{0.5, 500}, "Less of it is not told.");
+    v.number(&P::min_shift_mm, "min_shift_mm", Range{0.5, 50}, "A smaller shift of the midline is not told.");
+    v.number(&P::wide_evans_ratio, "wide_evans_ratio", Range{0.1, 1},
+             "Ventricles of a larger Evans' index are told to be wide.");
+    v.number(&P::min_gap_cm2, "min_gap_cm2", Range{0.2, 400}, "A smaller gap in the bone of the vault is not told.");
+    v.number(&P::metal_hu, "metal_hu", Range{1500, 30000}, "From this on something is metal.");
+    v.number(&P::tube_hu, "tube_hu", Range{60, 2000}, "A tube inside the brain is denser than this.");
+    v.number(&P::min_tube_mm, "min_tube_mm", Range{5, 200}, "A shorter one is not told.");
+  }
+  std::string fault() const { return blood_hu >= most_blood_hu ? "blood_hu: is not below most_blood_hu" : ""; }
+};
+
+enum class FindingKind { dense, dark, shift, wide_ventricles, bone_gap, metal, tube };
+const char* to_text(FindingKind kind);
+
+/// One thing to look at.
+struct Finding {
+  FindingKind kind = FindingKind::dense;
+  std::string where;      ///< "in the ventricles", "in the brain", "beside the brain", "in the vault", ...
+  std::string side;       ///< left, right or middle; of the patient
+  Vec3 position_mm;       ///< its middle, LPS
+  double confidence = 0;  ///< 0 to 1; below 0.5 it may be something usual (a sinus, streaks, contrast medium)
+  std::vector<std::pair<std::string, double>> figures;  ///< volume_ml, longest_mm, mean_hu, area_cm2, shift_mm, ...
+  std::vector<std::string> concerns;                    ///< brain, ventricles, skull: what may be wrong because of it
+  std::string text;                                     ///< a whole sentence
+};
+
+/// The shapes of the head, on the scan's raster.
+struct FindingShapes {
+  const grid::Field* skull = nullptr;              ///< required
+  const grid::Field* brain = nullptr;              ///< required
+  const grid::Field* ventricles = nullptr;         ///< may be null
+  const head::HeadLandmarks* landmarks = nullptr;  ///< may be null: then sides are those of the scan's axes
+};
+
+struct Findings {
+  std::vector<Finding> list;  ///< the largest of each kind first, kinds in their order
+  grid::LabelFile labels;  ///< voxels of about 1.5 mm: n in the voxels of list[n - 1]; shift, width and gap have none
+};
+
+/// Looks for what speaks against a usual head:
+/// - dense: tissue inside the skull, not thinner than 3 mm, that is as dense as fresh blood (the brain's tissue
+///   levelled to 30 HU). Where sinuses and the tentorium lie (a template's places), near the base and along the falx it
+///   is not looked for. In the ventricles, beside the brain (half of it lies within 8 mm of the inner table), or in the
+///   brain.
+///   Its confidence is below 0.5 where vessels are as bright as contrast medium makes them, where it keeps to a few
+///   slices, and where the tissue jumps from slice to slice more than elsewhere in the scan, as streaks do.
+/// - dark: tissue of the brain, not thinner than 7 mm, that is darker than white matter, away from ventricles, cisterns
+///   and fissures.
+/// - shift: of the midline at the foramina of Monro; wide_ventricles: by Evans' index (head/head_figures.h).
+/// - bone_gap: rays from the brain through the vault that meet no bone before they leave the skin; the area at
+///   the skull.
+/// - metal: above the base of the skull; tube: straight, thin and long, in the brain.
+///
+/// Adds findings_count and, for each, "N.kind", "N.where", "N.side", "N.position_mm", "N.confidence", "N.concerns"
+/// (separated by blanks), "N.text" and its figures to the report, and its text as a warning. The same bits whatever the
+/// thread count. Throws Error 64 without skull or brain, 65 where a field is on another raster, 80 where the brain is
+/// empty; Cancelled.
+Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
+                       Report& report, const Progress& progress = {});
+
+}  // namespace trephine::findings

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The inside of the head on coarse cells, and what its tissue is like.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/refusal.h"
+#include "findings/findings_parts.h"
+#include "head/cranium.h"
+#include "head/soft_tissue.h"
+#include "mask/filters.h"
+
+namespace trephine::findings {
+namespace {
+
+constexpr double cell_mm = 1.5, smooth_mm = 1.2;
+constexpr double envelope_mm = 8;                ///< by which the brain's sulci are closed
+constexpr double bone_blur_mm = 1.5;             ///< HU this near to bone are not reliable
+constexpr float soft_from = -30, soft_to = 120;  ///< HU of tissue, fluid and blood
+constexpr float vessel_from = 130, vessel_to = 500;
+constexpr double dense_blur_mm = 2;
+const char* const remedy = "take a series that shows the brain, or give another field of it";
+
+mask::BitMask cavity_of(const mask::BitMask& bone, const Progress& progress) {
+  Report ignored;
+  try {
+    return head::cranial_cavity(bone, ignored, progress);
+  } catch (const Error& e) {  // an open skull encloses nothing: the brain's envelope is all there is
+    if (e.code() != ExitCode::quality) throw;
+    return mask::BitMask(bone.lattice());
+  }
+}
+
+}  // namespace
+
+Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
+                 const Progress& progress) {
+  const mask::HuView hu(volume);
+  const grid::Lattice& l = hu.lattice();
+  const mask::BitMask bone = mask::positive(*shapes.skull, l), brain = mask::positive(*shapes.brain, l);
+  if (!brain.any()) throw refusal("brain", "is empty", {remedy});
+  Inside in;
+  in.raster = mask::coarse_raster(l, cell_mm, true);
+  in.skull = mask::coarse_mask(bone, in.raster, 0);
+  in.envelope = mask::closed(mask::coarse_mask(brain, in.raster, 0.5), envelope_mm, progress);
+  in.ventricles = shapes.ventricles ? mask::coarse_mask(mask::positive(*shapes.ventricles, l), in.raster, 0.5)
+                                    : mask::BitMask(in.cells());
+  in.all = mask::coarse_mask(cavity_of(bone, progress), in.raster, 0.5);
+  progress.report(0.3);
+  in.all |= in.envelope;
+  mask::BitMask beyond = in.all;
+  in.depth_mm = mask::distance_mm(beyond.invert(), progress);
+
+  const mask::BitMask whole = mask::fine_mask(in.all, in.raster);
+  const auto within = [&](float from, float to) {
+    mask::BitMask m = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      const std::size_t start = l.index(0, j, k);
+      for (int i = 0; i < l.size[0]; ++i) row[i] = hu(start + i) > from && hu(start + i) < to;
+    });
+    return m &= whole;
+  };
+  // In thick slices what bone shows of itself in the slice above or below is no vessel.
+  const double thick_mm = 1.05 * std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
+  const mask::BitMask soft = within(soft_from, soft_to);
+  in.dense = mask::coarse_mask(within(soft_to, 1e6f), in.raster, 0.3);
+  in.dense.remove(mask::dilated(in.skull, std::max(1.5 * bone_blur_mm, thick_mm), progress));
+  mask::BitMask vessels = mask::coarse_mask(within(vessel_from, vessel_to), in.raster, 0.5);
+  vessels.remove(mask::dilated(in.skull, std::max(2 * bone_blur_mm, thick_mm), progress));
+  in.contrast_ml = double(vessels.count()) * in.cell_ml();
+
+  mask::BitMask known = mask::coarse_mask(soft, in.raster, 0.5);
+  known.remove(mask::dilated(in.skull, bone_blur_mm, progress));
+  known.remove(mask::dilated(in.dense, dense_blur_mm, progress));
+  in.tissue = mask::coarse_mean(hu, soft, in.raster, -1000);
+  Report ignored;
+  mask::BitMask of_brain = known;
+  of_brain &= in.envelope;
+  if (!of_brain.any()) throw refusal("brain", "has no soft tissue", {remedy});
+  const double level = [&] {
+    std::vector<float> values;
+    for (int k = 0; k < in.cells().size[2]; ++k)
+      for (int j = 0; j < in.cells().size[1]; ++j)
+        for (int i = 0; i < in.cells().size[0]; ++i)
+          if (of_brain.get(i, j, k)) values.push_back(in.tissue.at(i, j, k));
+    return double(mask::median(values, 30));
+  }();
+  // By one value and not by a surface: a large bleed must not bend the level about itself.
+  for (float& v : in.tissue.voxels)
+    if (v > -1000) v += float(head::tissue_level_hu - level);
+  const double white = head::tissue_noise(in.tissue, of_brain, progress);  // HU mm^1.5
+  in.tissue = mask::masked_gaussian(std::move(in.tissue), known, smooth_mm, -1000, 0.15, progress);
+  const double effective_mm3 = std::pow(3.545 * smooth_mm, 3) + in.cells().voxel_volume_mm3();
+  in.noise_hu = white / std::sqrt(effective_mm3);
+  in.place = place::place_head(in.envelope, in.ventricles.any() ? &in.ventricles : nullptr, l, progress);
+  progress.report(1);
+  (void)params;
+  return in;
+}
+
+Extent extent_of(const std::vector<Vec3>& points) {
+  Extent e;
+  e.count = double(points.size());
+  if (points.empty()) return e;
+  for (const Vec3& p : points) e.middle_mm += p;
+  e.middle_mm = e.middle_mm / e.count;
+  double c[3][3] = {};
+  for (const Vec3& p : points) {
+    const Vec3 d = p - e.middle_mm;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) c[a][b] += d[a] * d[b] / e.count;
+  }
+  // The axes of a symmetric matrix, by Jacobi's turns.
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 12; ++sweep)
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (std::abs(c[p][q]) < 1e-12) continue;
+        const double theta = 0.5 * (c[q][q] - c[p][p]) / c[p][q];
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double cosine = 1 / std::sqrt(t * t + 1), sine = t * cosine;
+        for (int r = 0; r < 3; ++r) {
+          const double a = c[r][p], b = c[r][q];
+          c[r][p] = cosine * a - sine * b, c[r][q] = sine * a + cosine * b;
+        }
+        for (int r = 0; r < 3; ++r) {
+          const double a = c[p][r], b = c[q][r];
+          c[p][r] = cosine * a - sine * b, c[q][r] = sine * a + cosine * b;
+          const double x = v[r][p], y = v[r][q];
+          v[r][p] = cosine * x - sine * y, v[r][q] = sine * x + cosine * y;
+        }
+      }
+  std::array<int, 3> order{0, 1, 2};
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return c[a][a] > c[b][b]; });
+  for (int a = 0; a < 3; ++a) e.sigma_mm[a] = std::sqrt(std::max(0.0, c[order[a]][order[a]]));
+  e.axis = {v[0][order[0]], v[1][order[0]], v[2][order[0]]};
+  return e;
+}
+
+}  // namespace trephine::findings

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "findings/findings.h"
+
+#include "stages/stage.h"
+
+namespace trephine::stages {
+
+StageType findings_stage() {
+  StageType s;
+  s.name = "findings";
+  s.version = 1;
+  s.typical_s = 3;
+  s.place = StagePlace::scene;
+  s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
+  s.description =
+      "Measures what speaks against a usual head: tissue as dense as fresh blood in the ventricles, in the brain or "
+      "beside it, dark tissue of the brain, a shift of the midline, wide ventricles, gaps in the bone of the vault, "
+      "metal and tubes. Each has a place, its size in ml, mm or cm2, a confidence, and the anatomies that may be wrong "
+      "because of it. Nothing is diagnosed, and a head without findings is not healthy because of that: it is for a "
+      "person to look at. The output has a label for the voxels of each.";
+  s.examples = {
+      "trephine findings head.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd --landmarks "
+      "landmarks.json --output findings.seg.nrrd"};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU"), port("skull", DataKind::field).help("the skull"),
+      port("brain", DataKind::field).help("the brain"),
+      port("ventricles", DataKind::field)
+          .optional()
+          .help("the ventricles; without them neither shift nor width is measured"),
+      port("landmarks", DataKind::landmarks)
+          .optional()
+          .help("landmarks and the midsagittal plane; without them left and right are those of the scan's axes")};
+  s.output = DataKind::labels;
+  s.make_params = [] { return AnyParams::make<findings::FindingsParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const findings::FindingShapes shapes{in.get<grid::Field>("skull"), in.get<grid::Field>("brain"),
+                                         in.get<grid::Field>("ventricles"), in.get<head::HeadLandmarks>("landmarks")};
+    return std::make_shared<const grid::LabelFile>(
+        std::move(findings::find_findings(*in.get<grid::HuVolume>("volume"), shapes,
+                                          params.as<findings::FindingsParams>(), report, progress)
+                      .labels));
+  };
+  return s;
+}
+
+}  // namespace trephine::stages

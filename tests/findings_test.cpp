@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is to be looked at in heads of which the truth is known.
+#include "findings/findings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+
+namespace trephine {
+namespace {
+
+using findings::Finding, findings::FindingKind;
+
+/// A head in voxels of 1.5 x 1.5 x 2 mm, with its true shapes as fields, and how much of it is blood.
+struct Scene {
+  grid::HuVolume volume;
+  grid::Field skull, brain, ventricles;
+  double blood_ml = 0;
+  Vec3 blood_mm;
+  std::vector<Finding> found;
+  Report report;
+  grid::LabelFile labels;
+
+  explicit Scene(const phantom::HardParams& hard, phantom::Variant variant = phantom::Variant::normal,
+                 double slice_mm = 2, std::int64_t seed = 5,
+                 const std::function<void(Scene&, const phantom::Head&)>& spoil = {}) {
+    phantom::HeadParams who;
+    who.level = phantom::Level::hard;
+    who.seed = seed;
+    who.variant = variant;
+    who.hard = hard;
+    who.hard.fillings_count = 0;
+    const phantom::Head head(who);
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 144;
+    how.pixel_mm = 1.6;
+    how.slices_count = int(176 / slice_mm);
+    how.slice_step_mm = how.slice_thickness_mm = slice_mm;
+    how.subvoxel_mm = 1.6;
+    how.noise_hu = 8;
+    volume = phantom::volume_of(phantom::scan(head, how));
+    const grid::Lattice l = grid::lattice_of(volume);
+    const auto field_of = [&](phantom::Anatomy a) {
+      grid::Field f(l, -1.f);
+      parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
+        for (int j = 0; j < l.size[1]; ++j)
+          for (int i = 0; i < l.size[0]; ++i)
+            f.at(i, j, int(k)) = float(-head.implicit_mm(a, l.to_world_mm({double(i), double(j), double(k)})));
+      });
+      return f;
+    };
+    skull = field_of(phantom::Anatomy::skull);
+    brain = field_of(phantom::Anatomy::brain);
+    ventricles = field_of(phantom::Anatomy::ventricles);
+    std::vector<double> ml(std::size_t(l.size[2]), 0);
+    parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i)
+          ml[std::size_t(k)] += head.thing(l.to_world_mm({double(i), double(j), double(k)})) == phantom::Thing::blood;
+    });
+    for (const double m : ml) blood_ml += m * l.voxel_volume_mm3() / 1000;
+    for (const auto& [name, at] : head.things_mm())
+      if (name == "blood") blood_mm = at;
+    if (spoil) spoil(*this, head);
+    findings::Findings all = findings::find_findings(volume, {&skull, &brain, &ventricles, nullptr}, {}, report);
+    found = all.list;
+    labels = std::move(all.labels);
+  }
+
+  /// Adds `hu` to the voxels of the brain in the box about a point.
+  void brighten(Vec3 middle_mm, Vec3 half_mm, int hu) {
+    auto& v = std::get<grid::Grid<std::int16_t>>(volume);
+    for (int k = 0; k < v.size[2]; ++k)
+      for (int j = 0; j < v.size[1]; ++j)
+        for (int i = 0; i < v.size[0]; ++i) {
+          const Vec3 d = v.to_world_mm({double(i), double(j), double(k)}) - middle_mm;
+          if (brain.at(i, j, k) > 2 && std::abs(d.x) < half_mm.x && std::abs(d.y) < half_mm.y &&
+              std::abs(d.z) < half_mm.z)
+            v.at(i, j, k) = std::int16_t(v.at(i, j, k) + hu);
+        }
+  }
+
+  std::vector<Finding> of(FindingKind kind) const {
+    std::vector<Finding> some;
+    for (const Finding& f : found)
+      if (f.kind == kind) some.push_back(f);
+    return some;
+  }
+  static double figure(const Finding& f, const std::string& name) {
+    for (const auto& [n, value] : f.figures)
+      if (n == name) return value;
+    return -1;
+  }
+};
+
+bool concerns(const Finding& f, const std::string& what) {
+  return std::find(f.concerns.begin(), f.concerns.end(), what) != f.concerns.end();
+}
+
+TEST(Findings, AHealthyHeadHasNone) {
+  const Scene s({});
+  for (const Finding& f : s.found) ADD_FAILURE() << to_text(f.kind) << ": " << f.text << " " << f.confidence;
+  ASSERT_TRUE(s.report.find("findings_count"));
+  EXPECT_EQ(std::get<std::int64_t>(*s.report.find("findings_count")), 0);
+}
+
+/// The blood is measured, its place is said, and it is sure.
+void expect_blood(phantom::Blood blood, phantom::Variant variant, const std::string& where, const char* concerned) {
+  phantom::HardParams hard;
+  hard.blood = blood;
+  const Scene s(hard, variant);
+  ASSERT_GT(s.blood_ml, 3);
+  double ml = 0;
+  for (const Finding& f : s.of(FindingKind::dense)) {
+    EXPECT_EQ(f.where, where);
+    EXPECT_GE(f.confidence, 0.5);
+    EXPECT_TRUE(concerns(f, concerned));
+    ml += Scene::figure(f, "volume_ml");
+  }
+  EXPECT_NEAR(ml, s.blood_ml, 0.4 * s.blood_ml);
+}
+
+TEST(Findings, BloodInTheBrainIsMeasured) {
+  expect_blood(phantom::Blood::intracerebral, phantom::Variant::normal, "in the brain", "brain");
+}
+
+TEST(Findings, BloodBesideTheBrainIsMeasured) {
+  expect_blood(phantom::Blood::subdural, phantom::Variant::normal, "beside the brain", "brain");
+}
+
+TEST(Findings, BloodInTheVentriclesIsMeasured) {
+  expect_blood(phantom::Blood::intraventricular, phantom::Variant::hydrocephalic, "in or at the ventricles",
+               "ventricles");
+}
+
+/// What a healthy head has where a box in its brain, there where others of its seed bleed, is as dense as blood.
+std::vector<Finding> brightened(Vec3 half_mm) {
+  phantom::HeadParams who;
+  who.level = phantom::Level::hard;
+  who.seed = 5;
+  who.hard.blood = phantom::Blood::intracerebral;
+  Vec3 at;
+  for (const auto& [name, place] : phantom::Head(who).things_mm())
+    if (name == "blood") at = place;
+  const Scene s({}, phantom::Variant::normal, 2, 5,
+                [&](Scene& scene, const phantom::Head&) { scene.brighten(at, half_mm, 40); });
+  return s.of(FindingKind::dense);
+}
+
+TEST(Findings, AStreakThatKeepsToItsSlicesIsDoubtful) {
+  const std::vector<Finding> dense = brightened({12, 40, 3});
+  ASSERT_FALSE(dense.empty());
+  for (const Finding& f : dense) {
+    EXPECT_LT(f.confidence, 0.5) << f.text;
+    EXPECT_LT(Scene::figure(f, "flat_ratio"), 0.35) << f.text;
+  }
+}
+
+TEST(Findings, WhatIsAsHighAsItIsWideIsNoStreak) {
+  const std::vector<Finding> dense = brightened({10, 10, 10});
+  ASSERT_EQ(dense.size(), 1u);
+  EXPECT_GE(dense[0].confidence, 0.5) << dense[0].text;
+}
+
+TEST(Findings, WhereThereIsContrastMediumBloodIsDoubtful) {
+  phantom::HardParams hard;
+  hard.blood = phantom::Blood::intracerebral;
+  const Scene s(hard, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
+    for (int n = 0; n < 3; ++n) scene.brighten(scene.blood_mm + Vec3{0, -24.0 - 10 * n, 10}, {25, 3, 3}, 170);
+  });
+  ASSERT_TRUE(s.report.find("contrast_ml"));
+  EXPECT_GT(std::get<double>(*s.report.find("contrast_ml")), 0.65);
+  ASSERT_FALSE(s.of(FindingKind::dense).empty());
+  for (const Finding& f : s.of(FindingKind::dense)) EXPECT_LT(f.confidence, 0.5) << f.text;
+}
+
+TEST(Findings, AGapOfTheVaultIsMeasured) {
+  phantom::HardParams hard;
+  hard.craniectomy = true;
+  const Scene s(hard);
+  const auto gaps = s.of(FindingKind::bone_gap);
+  ASSERT_FALSE(gaps.empty());
+  EXPECT_GT(Scene::figure(gaps[0], "area_cm2"), 25);
+  EXPECT_LT(Scene::figure(gaps[0], "area_cm2"), 90);
+  EXPECT_EQ(gaps[0].side, "left");
+  EXPECT_GE(gaps[0].confidence, 0.5);
+  EXPECT_TRUE(concerns(gaps[0], "brain"));
+}
+
+TEST(Findings, ShiftAndWidthAreThoseOfTheFigures) {
+  const Scene shifted({}, phantom::Variant::shifted), wide({}, phantom::Variant::hydrocephalic);
+  const auto shift = shifted.of(FindingKind::shift);
+  ASSERT_EQ(shift.size(), 1u);
+  EXPECT_NE(shift[0].text.find("to the right"), std::string::npos) << shift[0].text;
+  EXPECT_GT(Scene::figure(shift[0], "shift_mm"), 5);
+  EXPECT_EQ(wide.of(FindingKind::wide_ventricles).size(), 1u);
+  EXPECT_TRUE(shifted.of(FindingKind::wide_ventricles).empty());
+}
+
+TEST(Findings, TheReportListsThemAndTheLabelsOutlineThem) {
+  phantom::HardParams hard;
+  hard.blood = phantom::Blood::intracerebral;
+  const Scene s(hard, phantom::Variant::normal, 5);
+  ASSERT_FALSE(s.found.empty());
+  ASSERT_TRUE(s.report.find("1.kind"));
+  EXPECT_EQ(std::get<std::string>(*s.report.find("1.kind")), "dense_tissue");
+  ASSERT_TRUE(s.report.find("1.volume_ml"));
+  const double ml = std::get<double>(*s.report.find("1.volume_ml"));
+  const auto& map = std::get<grid::Mask>(s.labels.samples);
+  const auto voxels = std::count(map.voxels.begin(), map.voxels.end(), std::uint8_t{1});
+  EXPECT_NEAR(double(voxels) * map.voxel_volume_mm3() / 1000, ml, 1e-6);
+  EXPECT_LT(norm(s.found[0].position_mm - s.blood_mm), 8);
+  EXPECT_EQ(s.report.warnings.size(), s.found.size());
+}
+
+TEST(Findings, WhatIsNotThereIsRefused) {
+  grid::Lattice l;
+  l.size = {20, 20, 20};
+  const grid::HuVolume volume = grid::Grid<std::int16_t>(l, std::int16_t{30});
+  const grid::Field none(l, -1.f);
+  Report report;
+  const auto code_of = [&](const findings::FindingShapes& shapes) {
+    try {
+      findings::find_findings(volume, shapes, {}, report);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(code_of({nullptr, &none, nullptr, nullptr}), ExitCode::usage);
+  EXPECT_EQ(code_of({&none, nullptr, nullptr, nullptr}), ExitCode::usage);
+  EXPECT_EQ(code_of({&none, &none, nullptr, nullptr}), ExitCode::quality);
+}
+
+}  // namespace
+}  // namespace trephine
