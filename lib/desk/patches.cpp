@@ -155,7 +155,7 @@ grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan) {
     if (v > removed) throw Error(ExitCode::bad_input, "", "patch", "holds a byte that is not 0, 1 or 2");
     any = any || v;
   }
-  if (!any) throw Error(ExitCode::quality, "", "patch", "nothing is painted");
+  if (!any) throw Error(ExitCode::usage, "", "patch", "nothing is painted");
   return out;
 }
 

@@ -17,7 +17,7 @@ struct Painted {
 };
 
 /// The painted bytes of a page: six little-endian int32 (first voxel and size, i j k), then a byte a voxel, i fastest.
-/// Throws Error 65 where they are something else, or lie beyond the scan; 80 where nothing is painted.
+/// Throws Error 65 where they are something else, or lie beyond the scan; 64 where nothing is painted.
 grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan);
 
 /// What the person says of a change.

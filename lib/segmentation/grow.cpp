@@ -34,7 +34,7 @@ grid::Mask grow_in_ball(const grid::HuVolume& volume, const GrowRequest& request
         };
         std::vector<std::array<int, 3>> open = {{i0 - box.begin[0], j0 - box.begin[1], k0 - box.begin[2]}};
         if (!fits(open[0][0], open[0][1], open[0][2]))
-          throw Error(ExitCode::quality, "", "seed", "the voxel that was clicked is not in the range of HU");
+          throw Error(ExitCode::usage, "", "seed", "the voxel that was clicked is not in the range of HU");
         out.at(open[0][0], open[0][1], open[0][2]) = 1;
         while (!open.empty()) {
           const auto [i, j, k] = open.back();

@@ -14,7 +14,7 @@ struct GrowRequest {
 
 /// What hangs together with the seed by faces within the ball and the range of HU: 1 where it is, on the voxels of the
 /// box around it. Throws Error 64 for a seed that is no voxel, a radius that is not 0 to 200 mm, or a lower end above
-/// the upper one; 80 where the seed itself is not in the range.
+/// the upper one; 64 where the seed itself is not in the range.
 grid::Mask grow_in_ball(const grid::HuVolume& volume, const GrowRequest& request);
 
 }  // namespace trephine::segmentation

@@ -29,6 +29,7 @@ StageType landmarks_stage() {
       port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
       port("as_read", DataKind::volume)
           .from(From::import)
+          .where([](const AnyParams&) { return false; })  // of cases: on coarse scans it takes skin for what was taken off
           .optional()
           .help("the scan before anything was taken off it: what lay on the skin makes landmarks there doubtful"),
       port("skin", DataKind::field).help("the head's skin"),

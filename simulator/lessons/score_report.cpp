@@ -97,6 +97,7 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
               {"motion_sha256", head.motion_sha256},
               {"checked", head.checked()},
               {"seal", haptics::name_of(head.seal)},
+              {"signature", head.signature.empty() ? Json(nullptr) : Json(head.signature)},
               {"haptic_sha256", head.case_sha256},
               {"rubric_sha256", head.rubric_sha256},
               {"task", facts.task},

@@ -52,7 +52,7 @@ std::string signature_state(const std::filesystem::path& recording, const std::f
     const std::vector<char> bytes = read_file(file, 1 << 16);
     json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<SignatureFile>(), &s);
   });
-  const Remedy remedy{"ask the teacher to sign it anew, or take the .sig away: it is then judged as not signed"};
+  const Remedy remedy{"let the teacher `sign` it anew, or take the .sig away: it is then judged as not signed"};
   if (s.recording_sha256 != sha256_of_file(recording))
     throw refusal("recording_sha256", "is not of the recording beside it, which was changed or replaced", remedy)
         .in_file(file.string());

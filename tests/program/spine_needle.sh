@@ -40,7 +40,7 @@ for c in spine head-drilled; do "$OFFLINE" library approve "$library/$c" --by pr
 "$TREPHINE" exercise "$library" --module spine_needle --participant r-01 --out "$work/results" \
   --script "$SOURCE/examples/lessons/spine_needle.json" --rubric "$rubric" >"$work/text"
 grep -Eq '^left out: head-drilled: .*needs a pedicle' "$work/text" || { cat "$work/text"; fail "a head is exercised"; }
-grep -Eq '^1 +spine +- +3 +pedicle_2_left +35 of 35 points: 5 5 5 5 5 5 5, completed$' "$work/text" || { cat "$work/text"; fail "the exercise is not done"; }
+grep -Eq '^1 +spine +- +3 +pedicle_2_left +- +35 of 35 points: 5 5 5 5 5 5 5, completed$' "$work/text" || { cat "$work/text"; fail "the exercise is not done"; }
 [[ $(wc -l <"$work/results/attempts-spine_needle.csv") == 2 ]] || fail "no attempt is logged"
 # The open exercise, by its own rubric.
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output "$work/screw.json" >/dev/null
