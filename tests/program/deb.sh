@@ -35,6 +35,7 @@ dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
+  -e '\./usr/share/trephine/pipelines/Snakefile' \
   -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z0-9_.-]+\.(md|json)' \
   -e '\./usr/share/doc/trephine/((README|CONTRIBUTING|CHANGELOG)\.md|CITATION\.cff|LICENSE|copyright|changelog\.gz|docs/[a-z-]+\.(md|schema\.json|svg)|docs/pictures/[a-z_]+\.(png|svg))' \
   -e '\./usr/share/man/man1/trephine[a-z0-9-]*\.1\.gz' \
