@@ -26,7 +26,7 @@ exercise() { "$TREPHINE" exercise "$library" --out "$results" --participant "$@"
 
 # Experts miss little, students much; after practice everybody misses less.
 for level in student resident expert; do
-  case $level in student) noise=14 ;; resident) noise=5 ;; expert) noise=1 ;; esac
+  case $level in student) noise=14 ;; resident) noise=8 ;; expert) noise=5 ;; esac
   for n in 1 2 3 4; do
     first=(--level "$level" --group "g$((n % 2))" --test-cases-count 1)
     for attempt in 1 2 3; do
