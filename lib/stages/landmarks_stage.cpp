@@ -25,21 +25,23 @@ StageType landmarks_stage() {
       "landmarks.json",
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --given points.mrk.json --output "
       "landmarks.json"};
-  s.ports = {
-      port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
-      port("as_read", DataKind::volume)
-          .from(From::import)
-          .where([](const AnyParams&) { return false; })  // of cases: on coarse scans it takes skin for what was taken off
-          .optional()
-          .help("the scan before anything was taken off it: what lay on the skin makes landmarks there doubtful"),
-      port("skin", DataKind::field).help("the head's skin"),
-      port("skull", DataKind::field).help("the head's skull"),
-      port("brain", DataKind::field).optional().help("the head's brain"),
-      port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
-      port("given", DataKind::landmarks)
-          .from(From::given_landmarks)
-          .optional()
-          .help("landmarks that a person placed; they replace found ones")};
+  s.ports = {port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
+             port("as_read", DataKind::volume)
+                 .from(From::import)
+                 .where([](const AnyParams&) {
+                   return false;
+                 })  // of cases: on coarse scans it takes skin for what was taken off
+                 .optional()
+                 .help("the scan as it was read, before anything was taken off it: what lay on the skin makes "
+                       "landmarks there doubtful"),
+             port("skin", DataKind::field).help("the head's skin"),
+             port("skull", DataKind::field).help("the head's skull"),
+             port("brain", DataKind::field).optional().help("the head's brain"),
+             port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
+             port("given", DataKind::landmarks)
+                 .from(From::given_landmarks)
+                 .optional()
+                 .help("landmarks that a person placed; they replace found ones")};
   // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
   s.points = {{"nasion", picture::SlicePlane::sagittal},     {"inion", picture::SlicePlane::sagittal},
               {"vertex", picture::SlicePlane::sagittal},     {"bregma", picture::SlicePlane::sagittal},
