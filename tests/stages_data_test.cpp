@@ -82,6 +82,7 @@ TEST(Stages, EveryPortsHelpSaysWhatThePortIs) {
       {"within", {"inside of", "box about", "outside of it"}},
       {"without", {"outside of", "leave out", "taken for"}},
       {"given", {"a person placed"}},
+      {"as_read", {"as it was read"}},
       {"map", {"labels"}},
       {"reference", {"compare with", "deviation"}}};
   const auto lower = [](std::string text) {
