@@ -168,7 +168,7 @@ void read_nrrd_mutants(std::uint64_t count, std::uint64_t seed) {
 
 }  // namespace
 
-TEST(Mutants, OfNifti) { read_nifti_mutants(3000, 11); }
-TEST(Mutants, OfNrrd) { read_nrrd_mutants(1500, 11); }
+TEST(Mutants, OfNifti) { read_nifti_mutants(300, 11); }
+TEST(Mutants, OfNrrd) { read_nrrd_mutants(300, 11); }
 TEST(Mutants, LongTenThousandOfNifti) { read_nifti_mutants(10000, 12); }
 TEST(Mutants, LongTenThousandOfNrrd) { read_nrrd_mutants(10000, 12); }
