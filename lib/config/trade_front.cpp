@@ -35,6 +35,23 @@ double excess(const TradePoint& p, const TradeRule& rule) {
   return worst;
 }
 
+// The limits of a rule that a point exceeds, as the configuration must say them to find it: rounded up to three digits.
+std::string limits_that_keep(const TradePoint& p, const TradeRule& rule) {
+  std::string text;
+  const auto hold = [&](const char* name, double value, double limit) {
+    if (limit <= 0 || value <= limit) return;
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+    text += (text.empty() ? "`" : " and `") + std::string(name) + "` to " + number(std::ceil(value / unit) * unit);
+  };
+  hold("accuracy.max_deviation_mm", p.deviation_max_mm, rule.max_deviation_mm);
+  hold("accuracy.p99_deviation_mm", p.deviation_p99_mm, rule.p99_deviation_mm);
+  hold("accuracy.rms_deviation_mm", p.deviation_rms_mm, rule.rms_deviation_mm);
+  hold("budget.seconds", p.seconds, rule.seconds);
+  hold("budget.triangles", double(p.triangles_count), double(rule.triangles_count));
+  hold("budget.bytes", double(p.bytes), double(rule.bytes));
+  return text;
+}
+
 // The cost of voxels other than the scan's differs from scan to scan, and a run cannot see it: what was 0.17 mm RMS on
 // one head was 0.44 mm on another.
 bool keeps_voxels(const TradePoint& p) {
@@ -206,10 +223,12 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
     if (!best || better(p, *best)) best = &p;
   }
   if (!best)
-    throw refusal("trade",
-                  "no point of the front keeps " + rule.text() +
-                      (nearest ? "; the nearest is " + nearest->name + ": " + figures(*nearest) : ""),
-                  {"relax `accuracy` or `budget` to that, or choose a `profile`"});
+    throw refusal(
+        "trade",
+        "no point of the front keeps " + rule.text() +
+            (nearest ? "; the nearest is " + nearest->name + ": " + figures(*nearest) : ""),
+        {nearest ? "set " + limits_that_keep(*nearest, rule) + ", which finds that point, or choose a `profile`"
+                 : "measure a front with `trade`, or choose a `profile`"});
   return {*best, std::string(accuracy ? "the fastest" : "the most accurate") + " of " + std::to_string(keep) + " of " +
                      std::to_string(points.size()) + " points that keep " + rule.text() + ": " + figures(*best)};
 }
