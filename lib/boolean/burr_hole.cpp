@@ -159,7 +159,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const surface::Tr
   if (off > farthest_nasion_mm)
     refuse(fmt::format("the nasion {} lies {:.1f} mm from the {}, at most {} mm", text_of(m.nasion), off, surface_name,
                        farthest_nasion_mm),
-           {"give the right one: `landmarks: {nasion: [x, y, z]}`, mm, LPS"});
+           {"give the right one in the case's configuration: `landmarks: {nasion: [x, y, z]}`, mm, LPS"});
   check_walk(midline, top, faces, "midline", report);
   const Vec3 behind = along(midline, r.along_mm + tangent_mm, "midline");
   const Vec3 ahead = along(midline, std::max(0.0, r.along_mm - tangent_mm), "midline");

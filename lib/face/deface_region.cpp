@@ -14,7 +14,9 @@ constexpr double nasion_ascent_deg = 20;
 // From small children to the largest adults.
 constexpr double tragi_apart_mm[2] = {70, 220}, nasion_ahead_mm[2] = {45, 160}, nasion_off_midline_mm = 25;
 
-const char* how_to_give = "; give it: `landmarks: {nasion: [x, y, z], tragus_left: ..., tragus_right: ...}` (mm, LPS)";
+const char* how_to_give =
+    "; give it in the case's configuration: `landmarks: {nasion: [x, y, z], tragus_left: ..., tragus_right: ...}` (mm, "
+    "LPS)";
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::privacy, "", "landmarks." + field, what);

@@ -9,8 +9,8 @@
 namespace trephine::head {
 
 const char* const how_to_give_landmarks =
-    "give nasion, inion, tragus_left and tragus_right (`landmarks: {nasion: [x, y, z], ...}`, mm, LPS; or a "
-    "`landmarks_file`, .mrk.json or .fcsv of 3D Slicer)";
+    "give nasion, inion, tragus_left and tragus_right in the case's configuration (`landmarks: {nasion: [x, y, z], "
+    "...}`, mm, LPS; or a `landmarks_file`, .mrk.json or .fcsv of 3D Slicer)";
 
 HeadFrame frame_in(const MidsagittalPlane& p, const craniometry::FieldView& skull) {
   HeadFrame head;

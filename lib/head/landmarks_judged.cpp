@@ -78,8 +78,8 @@ void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& giv
     const auto reason = reasons.find(l.name);
     const std::string because = reason == reasons.end() ? "" : ": " + reason->second;
     report.warn(is_none(l) ? fmt::format("{} not found{}", l.name, because)
-                           : fmt::format("{} is doubtful (confidence {:.2f}){}; look at it, or give it: landmarks: "
-                                         "{{{}: [x, y, z]}}, mm, LPS",
+                           : fmt::format("{} is doubtful (confidence {:.2f}){}; look at it, or give it in the case's "
+                                         "configuration: landmarks: {{{}: [x, y, z]}}, mm, LPS",
                                          l.name, l.confidence, because, l.name));
   }
   all.landmarks.erase(std::remove_if(all.landmarks.begin(), all.landmarks.end(), is_none), all.landmarks.end());

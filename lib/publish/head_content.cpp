@@ -35,13 +35,14 @@ void require(const config::SceneLandmark& wanted, const std::vector<cases::CaseL
                   "none was found surely (best: " + l->name + " with confidence " + two_digits(l->confidence) +
                       ", the scene needs " + two_digits(wanted.min_confidence) +
                       "); is this a scan of what the scene is of",
-                  {"if it is, give it in mm, LPS: `landmarks: {" + l->name +
+                  {"if it is, give it in the case's configuration, in mm, LPS: `landmarks: {" + l->name +
                    ": [x, y, z]}` and the points that belong to it, or a `landmarks_file`"});
   throw refusal("landmarks." + wanted.name,
                 l ? "was found with confidence " + two_digits(l->confidence) + ", the scene needs " +
                         two_digits(wanted.min_confidence)
                   : std::string("was not found and the scene needs it"),
-                {"give it in mm, LPS: `landmarks: {" + wanted.name + ": [x, y, z]}`, or a `landmarks_file`"});
+                {"give it in the case's configuration, in mm, LPS: `landmarks: {" + wanted.name +
+                 ": [x, y, z]}`, or a `landmarks_file`"});
 }
 
 // Of the patient, of what was checked, and of what changed the scan.

@@ -67,8 +67,9 @@ void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole
       fmt::format("Kocher's point lies {:.0f} mm {} the coronal suture, {:.0f} to {:.0f} mm before it are allowed",
                   std::abs(before_mm), before_mm < 0 ? "behind" : "before", params.min_before_suture_mm,
                   params.max_before_suture_mm),
-      {fmt::format("set `along_mm` to {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in mm, "
-                   "LPS: `landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}`, or a `landmarks_file` (.mrk.json or "
+      {fmt::format("set `along_mm` to {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in the "
+                   "case's configuration, in mm, LPS: `landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}`, or a "
+                   "`landmarks_file` (.mrk.json or "
                    ".fcsv of 3D Slicer)",
                    std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0))});
 }
