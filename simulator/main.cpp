@@ -15,7 +15,7 @@ cli::Program declare() {
                       commands::lesson_command(),   commands::score_command(),     commands::fluoro_command(),
                       commands::exercise_command(), commands::calibrate_command(), commands::sign_command(),
                       commands::study_command(),    commands::group_command(),     commands::export_recording_command(),
-                      commands::explain_command(),  commands::compare_command()};
+                      commands::explain_command(),  commands::compare_command(),   commands::lessons_command()};
 #ifdef TREPHINE_WITH_DISPLAY
   program.commands.push_back(commands::play_command());
   program.commands.push_back(commands::render_command());

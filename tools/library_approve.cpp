@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 
+#include "base/spawn.h"
 #include "cli/argument.h"
 #include "commands.h"
 #include "library/approve.h"
@@ -19,6 +20,21 @@ struct ApproveParams {
   }
 };
 
+// Which lessons the case can serve, as the simulator says it: it alone knows the lessons.
+void tell_lessons(const std::filesystem::path& case_folder) {
+  const std::filesystem::path simulator = own_program().parent_path() / "trephine-sim";
+  std::error_code ignored;
+  if (!std::filesystem::exists(simulator, ignored)) {
+    std::cout << "which lessons it serves is not said: trephine-sim does not lie beside trephine\n";
+    return;
+  }
+  std::cout << std::flush;
+  SpawnRequest request;
+  request.argv = {simulator.string(), "lessons", case_folder.string()};
+  request.shares_stdout = request.shares_stderr = true;
+  wait_for(spawn(request), until_it_ends_s);
+}
+
 }  // namespace
 
 cli::Command library_approve_command() {
@@ -29,7 +45,7 @@ cli::Command library_approve_command() {
   c.description =
       "Writes approved.json beside the case, with the reviewer's token, the case's difficulty and the SHA-256 of "
       "case.json: when the case changes, the approval is void. `trephine-sim exercise` uses approved cases only. The "
-      "case is checked as a simulator checks it.";
+      "case is checked as a simulator checks it, and it is said which lessons it can serve, and why others it cannot.";
   c.examples = {"trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2",
                 "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
   const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "The case's folder.");
@@ -39,6 +55,7 @@ cli::Command library_approve_command() {
   c.groups = {cli::ParameterGroup::of<ApproveParams>("Parameters")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const ApproveParams& p = parsed.params<ApproveParams>();
+    if (!p.withdraw && !parsed.quiet) tell_lessons(parsed.path("case"));
     const std::string done = p.withdraw
                                  ? library::withdraw_approval(parsed.path("case"), parsed.text("by"))
                                  : library::approve_case(parsed.path("case"), parsed.text("by"), p.difficulty_level);

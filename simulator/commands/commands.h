@@ -10,6 +10,7 @@ cli::Command servo_command();
 cli::Command replay_command();
 cli::Command explain_command();
 cli::Command lesson_command();
+cli::Command lessons_command();
 cli::Command score_command();
 cli::Command sign_command();
 cli::Command fluoro_command();

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "lessons/lessons_served.h"
+
+namespace trephine::commands {
+namespace {
+
+struct LessonsParams {
+  bool json = false;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&LessonsParams::json, "json", "Print one JSON object instead of text.");
+  }
+};
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& w : words) text += (text.empty() ? "" : ", ") + w;
+  return text;
+}
+
+void print_text(const std::vector<lessons::LessonService>& all) {
+  for (const lessons::LessonService& s : all)
+    std::cout << (s.why_not.empty() ? fmt::format("{}: serves: {}\n", s.lesson, joined(s.tasks))
+                                    : fmt::format("{}: cannot serve: {}\n", s.lesson, s.why_not));
+}
+
+void print_json(const std::string& token, const std::vector<lessons::LessonService>& all) {
+  nlohmann::ordered_json out = {{"case", token}, {"lessons", nlohmann::ordered_json::array()}};
+  for (const lessons::LessonService& s : all)
+    out["lessons"].push_back({{"name", s.lesson},
+                              {"summary", s.summary},
+                              {"serves", s.why_not.empty()},
+                              {"tasks", s.tasks},
+                              {"why_not", s.why_not}});
+  std::cout << out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+}
+
+ExitCode run_lessons(const cli::ParsedCommand& parsed) {
+  const std::filesystem::path file = parsed.path("case") / "case.json";
+  const cases::CaseManifest manifest = with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, 1 << 26);
+    return cases::parse_case_json({bytes.data(), bytes.size()});
+  });
+  const std::vector<lessons::LessonService> all = lessons::lessons_served(manifest);
+  if (parsed.params<LessonsParams>().json)
+    print_json(manifest.case_token, all);
+  else
+    print_text(all);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+cli::Command lessons_command() {
+  using Kind = cli::Argument::Kind;
+  cli::Command c;
+  c.name = "lessons";
+  c.summary = "says which lessons a case can serve, what each may ask for, and why another cannot be done in it";
+  c.description =
+      "Reads case.json alone. `trephine library approve` prints the same before a reviewer's token stands beside the "
+      "case. What a lesson measures from a doubtful landmark is not judged; the lesson's report says so.";
+  c.arguments = {cli::positional_argument("case", Kind::in_folder, "Folder of the case.")};
+  c.groups = {cli::ParameterGroup::of<LessonsParams>("Parameters")};
+  c.examples = {"trephine-sim lessons library/sample", "trephine-sim lessons library/sample --json"};
+  c.run = run_lessons;
+  return c;
+}
+
+}  // namespace trephine::commands
