@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <atomic>
 #include <iostream>
 
 #include "base/log.h"
@@ -6,13 +7,27 @@
 #include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
+#include "library/sheet.h"
 #include "named_values.h"
 #include "publish/run_case.h"
 
 namespace trephine::tools {
 namespace {
 
-// Shows the run's stages on the terminal.
+// A library that has an overview keeps it true. The case is published, whatever becomes of its overview.
+void refresh_sheet(const std::filesystem::path& library) {
+  if (!library::has_sheet(library)) return;
+  try {
+    library::make_sheet(library);
+  } catch (const Error& e) {
+    log_warning("index.html and contact_sheet.png are of before this run: " + std::string(e.what()) +
+                "; make them with `trephine library list " + library.string() + " --sheet`");
+  }
+}
+
+constexpr double least_line_s = 1;  // stages that take less are told by the table at the end alone
+
+// Shows the run's stages on the terminal: those that take long or have something to say.
 class DisplayObserver : public pipeline::RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : quiet_(quiet), display_(quiet) {}
@@ -20,26 +35,36 @@ class DisplayObserver : public pipeline::RunObserver {
     if (!quiet_) log_line("what was made is kept for looking in " + folder.string());
   }
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override { display_.plan(expected_s); }
-  void publishing() override { display_.start(publish::publishing_step); }
+  void publishing() override {
+    if (cached_ > 0 && !quiet_)
+      log_line(std::to_string(cached_) + (cached_ == 1 ? " stage" : " stages") + " came from the cache");
+    cached_ = 0;
+    display_.start(publish::publishing_step);
+  }
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
   void finished(const std::string& node, const std::string& how, double, const Report& report) override {
-    std::string note = how == "cached" ? "from the cache" : "";
+    const bool cached = how == "cached";
+    cached_ += cached;
+    std::string note;
     if (const ParameterValue* verdict = report.find("verdict"))
-      note = std::get<std::string>(*verdict) + (note.empty() ? "" : ", " + note);
-    display_.finish(node, note);
+      note = std::get<std::string>(*verdict) + (cached ? ", from the cache" : "");
+    display_.finish(node, note, least_line_s);
   }
 
  private:
   bool quiet_;
+  std::atomic<int> cached_{0};
   cli::ProgressDisplay display_;
 };
 
-struct ExplainParams {
-  bool explain = false;
+struct BesideParams {
+  bool explain = false, sheet = true;
   template <class V>
   static void describe(V& v) {
-    v.flag(&ExplainParams::explain, "explain",
+    v.flag(&BesideParams::sheet, "sheet",
+           "Make index.html and contact_sheet.png of the library again, where it has them.");
+    v.flag(&BesideParams::explain, "explain",
            "Say what would be computed, what is cached or skipped, how long it took last time, and why; compute "
            "nothing (as JSON with --json).");
   }
@@ -95,8 +120,8 @@ cli::Command run_command() {
       cli::argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
       cli::argument("json", Kind::out_file, "Also write run.json (times, reports, memory) here.")};
   c.groups = {cli::ParameterGroup::of<publish::RunParams>("Parameters"),
-              cli::ParameterGroup::of<ExplainParams>("Explanation")};
-  c.only_looks = [](const cli::ParsedCommand& parsed) { return parsed.params<ExplainParams>().explain; };
+              cli::ParameterGroup::of<BesideParams>("Beside the case")};
+  c.only_looks = [](const cli::ParsedCommand& parsed) { return parsed.params<BesideParams>().explain; };
   c.run = [](const cli::ParsedCommand& parsed) {
     publish::RunRequest request;
     request.config = parsed.path("config");
@@ -114,7 +139,7 @@ cli::Command run_command() {
     request.cache = parsed.path("cache");
     request.json = parsed.path("json");
     request.program_version = TREPHINE_VERSION;
-    if (parsed.params<ExplainParams>().explain) {
+    if (parsed.params<BesideParams>().explain) {
       const publish::Explanation explanation = publish::explain_case(request);
       std::cout << publish::explanation_table(explanation);
       if (parsed.has("json")) write_file(parsed.path("json"), publish::explanation_json(explanation));
@@ -125,6 +150,7 @@ cli::Command run_command() {
       DisplayObserver observer(parsed.quiet);
       result = publish::run_case(request, observer);
     }
+    if (parsed.params<BesideParams>().sheet) refresh_sheet(request.library);
     if (!parsed.quiet) std::cout << "\n" << result.table << "\n" << (result.case_folder / "case.json").string() << "\n";
     if (parsed.has("json")) write_file(parsed.path("json"), result.json);
     return ExitCode::ok;

@@ -203,17 +203,20 @@ void ProgressDisplay::report(const std::string& stage, double fraction) {
   state_->line((whole.empty() ? "" : whole + " | ") + State::stage_text(*s, now));
 }
 
-void ProgressDisplay::finish(const std::string& stage, const std::string& note) {
+void ProgressDisplay::finish(const std::string& stage, const std::string& note, double least_line_s) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   std::string text = stage + ":";
+  double seconds = 0;
   if (const State::Stage* s = state_->find(stage)) {
-    text += " " + duration_text(seconds_between(s->started, Clock::now()));
+    seconds = seconds_between(s->started, Clock::now());
+    text += " " + duration_text(seconds);
     if (!note.empty()) text += ",";
     state_->running.erase(state_->running.begin() + (s - state_->running.data()));
   }
   if (!note.empty()) text += " " + note;
   if (const auto e = state_->expected_s.find(stage); e != state_->expected_s.end()) state_->done_s += e->second;
-  if (!state_->quiet) state_->line(text);
+  const bool short_one = note.empty() && seconds < least_line_s && !state_->json;
+  if (!state_->quiet && !short_one) state_->line(text);
 }
 
 }  // namespace trephine::cli

@@ -28,7 +28,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t max_reasons = 3;
 
 std::string rounded(double v) { return to_text(std::round(v * 10) / 10); }
-std::string megabytes(double mb) { return mb < 1000 ? rounded(mb) + " MB" : rounded(mb / 1000) + " GB"; }
 
 // What the kernel says is free, and the group's limit where the build runs in one.
 double free_memory_mb() {
@@ -127,14 +126,7 @@ class Build {
   }
 
   void check_disk() const {
-    if (!request_.params.check_disk) return;
-    const double need_mb = needed_disk_mb();
-    std::error_code error;
-    const double free_mb = static_cast<double>(fs::space(state_.library(), error).available) / 1e6;
-    if (error || need_mb <= free_mb) return;
-    throw Error(ExitCode::cannot_create, request_.library.string(), "disk",
-                megabytes(need_mb) + " are needed by estimate, " + megabytes(free_mb) +
-                    " are free; --no-check-disk begins all the same");
+    if (request_.params.check_disk) publish::require_disk(state_.library(), needed_disk_mb());
   }
 
   void work(const std::vector<NinjaJob>& jobs) {
@@ -321,7 +313,7 @@ class Build {
     }
     result_.table = std::to_string(stale) + " of " + std::to_string(result_.cases) + " cases would be built, " +
                     std::to_string(result_.failed) + " cannot be";
-    if (stale > 0) result_.table += "; " + megabytes(needed_disk_mb()) + " of disk by estimate";
+    if (stale > 0) result_.table += "; " + publish::megabytes_text(needed_disk_mb()) + " of disk by estimate";
     result_.table += "\n" + lines;
     result_.json = counts().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   }

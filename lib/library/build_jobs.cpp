@@ -99,11 +99,13 @@ class JobMaker {
                      "--case",
                      c.token,
                      "--threads=1",
+                     "--no-sheet",
                      "--cache",
                      (state_.library() / library_cache_name).string(),
                      "--cache-limit-mb=" + std::to_string(params_.cache_limit_mb)};
     if (!params_.pictures) job.arguments.insert(job.arguments.end(), {"--no-pictures", "--no-page"});
     if (params_.allow_external) job.arguments.emplace_back("--allow-external");
+    if (!params_.check_disk) job.arguments.emplace_back("--no-check-disk");
     for (const std::string& s : c.entry.set) job.arguments.push_back("--set=" + s);
     if (!c.entry.landmarks.empty()) job.arguments.push_back("--landmarks=" + c.entry.landmarks.string());
     for (const fs::path& root : config_.roots) job.arguments.push_back("--root=" + fs::absolute(root).string());

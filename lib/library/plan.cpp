@@ -22,17 +22,8 @@ namespace {
 
 constexpr int token_digits = 10;
 
-// Measured values. Memory: 368 MB at 6.3 million voxels, 1.1 GB at 50 million. A case: 2 MB at 16,000 voxels, 37 MB at
-// 50 million, with a page (6 MB) and a CT (noise hardly compresses) 47, 65, 80 and 82 MB at 24, 28, 42 and 46. Its
-// stages in the cache, fields (growing with volume) and surfaces (growing with area): 80 MB at 6.3 million, 560 MB at
-// 50 million.
-Estimate case_estimate(std::uint64_t voxels, bool with_ct, bool with_page) {
-  const double mega = static_cast<double>(voxels) / 1e6;
-  const double ct_mb = with_ct ? 0.85 * mega : 0, page_mb = with_page ? std::min(6.0, 1 + mega) : 0;
-  return {250 + 20 * mega, 3 + 0.8 * mega + ct_mb + page_mb, 6 * mega + 20 * std::cbrt(mega * mega)};
-}
 // Measured at 512 x 512 x 192: 0.5 GB. Lossless JPEG-LS of noisy slices takes about one byte for each voxel.
-Estimate phantom_estimate(const phantom::ScanParams& scan) {
+publish::CaseNeeds phantom_estimate(const phantom::ScanParams& scan) {
   const double mega = 1e-6 * scan.columns_count * scan.rows_count * scan.slices_count;
   return {100 + 12 * mega, 5 + 2 * mega, 0};
 }
@@ -250,7 +241,7 @@ class Planner {
   void find_reasons_of(PlannedCase& c) {
     if (c.fault) return;
     const bool with_ct = c.settings && c.settings->values.count("scene.ct.margin_mm") > 0;
-    c.estimate = case_estimate(c.voxels, with_ct, options_.pictures);
+    c.estimate = publish::case_needs(c.voxels, with_ct, options_.pictures);
     const fs::path folder = state_.library() / c.token;
     const auto built = read_built(state_, c.token);
     if (options_.rebuild) c.reasons.emplace_back("everything is built anew");

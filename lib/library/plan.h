@@ -9,21 +9,16 @@
 #include "library/library_config.h"
 #include "library/library_state.h"
 #include "library/settings.h"
+#include "publish/case_needs.h"
 
 namespace trephine::library {
-
-/// What one case or phantom needs: a rough estimate from its voxels, or from its last build where that is known.
-struct Estimate {
-  double memory_mb = 0, disk_mb = 0;
-  double cache_mb = 0;  ///< on disk as well, but the cache has a limit
-};
 
 struct PlannedPhantom {
   std::string name, identity;        ///< identity: SHA-256 of everything that it is made of
   std::string series_sha256;         ///< of the series that was made; empty where it must be made
   std::vector<std::string> reasons;  ///< why it must be made; empty: it exists
   bool needed = false;               ///< a case that will be built needs it
-  Estimate estimate;
+  publish::CaseNeeds estimate;
 };
 
 struct PlannedCase {
@@ -35,7 +30,7 @@ struct PlannedCase {
   std::vector<std::string> reasons;  ///< why it must be built; empty: it is up to date
   std::optional<Error> fault;        ///< its series or configuration cannot be used, so it is not built
   std::uint64_t voxels = 0;
-  Estimate estimate;
+  publish::CaseNeeds estimate;
 };
 
 struct LibraryPlan {

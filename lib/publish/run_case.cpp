@@ -15,7 +15,9 @@
 #include "cases/case.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
+#include "publish/case_needs.h"
 #include "publish/case_place.h"
+#include "publish/early_warnings.h"
 #include "publish/left_out.h"
 #include "publish/page_files.h"
 #include "publish/refused.h"
@@ -95,11 +97,6 @@ void require_outside(const fs::path& case_folder, const fs::path& output, const 
   throw Error(ExitCode::usage, output.string(), flag, "lies in the case's own folder, choose another");
 }
 
-bool tells_at_once(const std::string& node) {
-  const stages::StageType* type = stages::find_stage(node);
-  return type && type->tells_at_once;
-}
-
 // What was made for a case on the way to its content.
 struct Made {
   pipeline::Graph graph;
@@ -124,30 +121,6 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
     if (!tells_at_once(w.substr(0, w.find(": ")))) log_warning(token + ": " + w);
   return all;
 }
-
-// Tells at once what the scan is not suited for: a run that is refused later may be refused because of it.
-class EarlyWarnings : public pipeline::RunObserver {
- public:
-  EarlyWarnings(pipeline::RunObserver& observer, std::string token, double publishing_s)
-      : observer_(observer), token_(std::move(token)), publishing_s_(publishing_s) {}
-  void planned(const std::vector<std::pair<std::string, double>>& expected_s) override {
-    auto all = expected_s;
-    all.emplace_back(publishing_step, publishing_s_);
-    observer_.planned(all);
-  }
-  void started(const std::string& node) override { observer_.started(node); }
-  void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override {
-    if (tells_at_once(node))
-      for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
-    observer_.finished(node, how, seconds, report);
-  }
-
- private:
-  pipeline::RunObserver& observer_;
-  std::string token_;
-  double publishing_s_;
-};
 
 // The seconds of what was computed in this run, by node.
 std::map<std::string, double> seconds_of(const Made& made) {
@@ -352,7 +325,14 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
-    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);
+    const auto check_disk = [&](const Report& scan) {
+      if (!request.params.check_disk) return;
+      const CaseNeeds needs = case_needs(voxels_by_report(scan), config.ct.has_value(), request.params.page);
+      const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
+      require_disk(request.library,
+                   needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
+    };
+    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second, check_disk);
     CaseContent content;
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);

@@ -19,7 +19,7 @@ struct RunParams {
   std::string profile;
   bool use_cache = true;
   std::int64_t cache_limit_mb = 8192;
-  bool pictures = true, page = true, allow_external = false;
+  bool pictures = true, page = true, check_disk = true, allow_external = false;
 
   template <class V>
   static void describe(V& v) {
@@ -36,6 +36,8 @@ struct RunParams {
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
     v.flag(&P::page, "page",
            "Make the case's page, report/view.html, which shows it in a browser; trephine page makes it later.");
+    v.flag(&P::check_disk, "check_disk",
+           "Refuse to go on, once the scan has been read, where the disk is too small for its case by estimate.");
     v.flag(&P::allow_external, "allow_external",
            "Allow the stage external to run the programs that the recipe names. They run as you, with limits; say it "
            "only where you trust the recipe.");
@@ -71,11 +73,12 @@ void require_face_policy(const config::CaseConfig& config);
 
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
 /// the configuration, refuses outputs inside the case's folder (64), checks the face policy (81), makes and checks the
-/// folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what the scene
-/// demands, logs the warnings of every stage, checks the results against the scene's limits (80), and publishes. What a
-/// refused run (80, 81) has made is kept for looking beside the case (publish/refused.h).
-/// Pictures of the previous run and files that case.json no longer names are removed afterwards: a program that is
-/// still reading the older case may get Error 66 for such a file, and should read case.json again.
+/// folders (73) and takes the case's lock (75 where another run builds the same case). Then it reads the scan and,
+/// where the disk is too small for its case by estimate, ends (73); else it computes what the scene demands, logs the
+/// warnings of every stage, checks the results against the scene's limits (80), and publishes. What a refused run (80,
+/// 81) has made is kept for looking beside the case (publish/refused.h). Pictures of the previous run and files that
+/// case.json no longer names are removed afterwards: a program that is still reading the older case may get Error 66
+/// for such a file, and should read case.json again.
 RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer);
 
 /// Says what run_case would compute, what it would take from its cache, what it would skip, and why. Reads the

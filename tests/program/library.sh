@@ -150,6 +150,11 @@ mkdir "$work/out/mine" && touch "$work/out/mine/letter.txt"
 [[ $before == "$(digests)" ]] || fail "gc harmed a case"
 build l.yaml --dry-run | grep -q '^0 of 4' || fail "gc made cases stale"
 
+# A case that is made beside the build is in the overview at once.
+cp -r "$work/out" "$work/beside"
+"$TREPHINE" run c.yaml --series scans/a --out "$work/beside" --case by_hand --no-pictures --no-page --quiet 2>/dev/null
+grep -q by_hand "$work/beside/index.html" || fail "index.html does not show the case that a run made"
+
 # list and show.
 "$TREPHINE" library list "$work/out" --json list.json >said
 grep -q '^4 cases$' said || { cat said; fail "list"; }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/early_warnings.h"
+
+#include "base/log.h"
+#include "publish/run_case.h"
+
+namespace trephine::publish {
+
+bool tells_at_once(const std::string& node) {
+  const stages::StageType* type = stages::find_stage(node);
+  return type && type->tells_at_once;
+}
+
+EarlyWarnings::EarlyWarnings(pipeline::RunObserver& observer, std::string token, double publishing_s,
+                             std::function<void(const Report&)> scan_is_read)
+    : observer_(observer),
+      token_(std::move(token)),
+      publishing_s_(publishing_s),
+      scan_is_read_(std::move(scan_is_read)) {}
+
+void EarlyWarnings::planned(const std::vector<std::pair<std::string, double>>& expected_s) {
+  auto all = expected_s;
+  all.emplace_back(publishing_step, publishing_s_);
+  observer_.planned(all);
+}
+
+void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds, const Report& report) {
+  if (tells_at_once(node))
+    for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
+  observer_.finished(node, how, seconds, report);
+  if (node == "import") scan_is_read_(report);
+}
+
+}  // namespace trephine::publish

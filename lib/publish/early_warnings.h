@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Inside of publish: a run's observer between the stages and whoever looks on.
+#include <functional>
+#include <string>
+
+#include "pipeline/executor.h"
+
+namespace trephine::publish {
+
+/// Whether the warnings of that stage are told as soon as it ends.
+bool tells_at_once(const std::string& node);
+
+/// Tells at once what the scan is not suited for: a run that is refused later may be refused because of it. Calls
+/// `scan_is_read` with the report of the import; what that throws ends the run. All else goes on to `observer`.
+class EarlyWarnings : public pipeline::RunObserver {
+ public:
+  EarlyWarnings(pipeline::RunObserver& observer, std::string token, double publishing_s,
+                std::function<void(const Report&)> scan_is_read);
+  void planned(const std::vector<std::pair<std::string, double>>& expected_s) override;
+  void publishing() override { observer_.publishing(); }
+  void started(const std::string& node) override { observer_.started(node); }
+  void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
+  void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override;
+
+ private:
+  pipeline::RunObserver& observer_;
+  const std::string token_;
+  const double publishing_s_;
+  const std::function<void(const Report&)> scan_is_read_;
+};
+
+}  // namespace trephine::publish
