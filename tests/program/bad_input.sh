@@ -47,6 +47,17 @@ if [[ $(id -u) != 0 ]]; then
   expect 73 'trephine run: .*readonly' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/readonly"
 fi
 
+# A disk that is too small for the case, once the scan's size is known, before anything is made of it.
+if mkdir "$work/small" && mount -t tmpfs -o size=2m none "$work/small" 2>/dev/null; then
+  expect 73 'trephine run: sample: .*disk: [0-9.]+ MB are needed by estimate, [0-9.]+ MB are free' \
+    "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/small"
+  left=$(find "$work/small" -type f -not -path '*/.trephine-cache/*')
+  umount "$work/small"
+  [[ -z $left ]] || fail "a run without disk left $left"
+else
+  echo "no tmpfs can be mounted here: the small disk is left out"
+fi
+
 # A threshold that no voxel reaches.
 expect 80 'trephine run: sample: skull.segment: .*voxel' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/gate" \
   --set skull.segment.lower_hu=30000 --set skull.segment.seed_lower_hu=30000
@@ -104,8 +115,10 @@ echo >"$work/file.vtp"
 expect 64 '--anatomy: is needed with --truth' "$TREPHINE" measure "$work/file.vtp" --truth "$work/file.vtp"
 expect 64 '--anatomy: is of the truth' "$TREPHINE" measure "$work/file.vtp" --anatomy skull
 expect 64 '--label: .*--labels' "$TREPHINE" measure "$work/file.vtp" --label 3
-"$TREPHINE" help run | grep -q 'Usage: trephine run' || fail "trephine help run"
-"$TREPHINE" --help | grep -q completion || fail "--help does not list completion"
+"$TREPHINE" help run >"$work/help"  # all of it: a reader that stops early would be an error of its own
+grep -q 'Usage: trephine run' "$work/help" || fail "trephine help run"
+"$TREPHINE" --help >"$work/help"
+grep -q completion "$work/help" || fail "--help does not list completion"
 
 find "$work" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
 echo ok

@@ -18,13 +18,23 @@ pages=("$SOURCE/README.md")
 for page in own-scan configurations single-tools install; do pages+=("$SOURCE/docs/$page.md"); done
 
 # Blocks: one a line, FOLDER and LIBRARY filled in.
-sed -E '/<!-- (chain|package) -->/,/<!-- end -->/d' "${pages[@]}" "$SOURCE/docs/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
+sed -E '/<!-- (chain|package|own) -->/,/<!-- end -->/d' "${pages[@]}" "$SOURCE/docs/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
   sed 's,FOLDER,sample_dicom,; s,LIBRARY,library,g' >blocks.sh
 grep -q 'trephine run' blocks.sh || fail "the pages show no run"
 grep -q 'library build' blocks.sh || fail "the pages show no library"
 printf 'trephine: 1\nconfig: configs/ct_head.yaml\ncases: [{case: head-01, series: sample_dicom}]\n' >library.yaml
 bash -euo pipefail blocks.sh >/dev/null
 case_digest library/head-01 >/dev/null
+
+# A library of one's own, in a home where Trephine lies in ~/trephine; outside of $work, whose trephine.root would allow all.
+home=$(mktemp -d)
+trap 'rm -rf "$work" "$home"' EXIT
+ln -s "$work" "$home/trephine"
+sed -n '/<!-- own -->/,/<!-- end -->/p' "$SOURCE/docs/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' >own.sh
+HOME=$home bash -euo pipefail own.sh >own.said 2>&1 || { cat own.said; fail "the library of one's own"; }
+[[ -s $home/patients/library/index.html ]] && grep -q 'brain.decimate.max_deviation_mm.*0\.4' own.said &&
+  grep -q '^1 of 1 cases would be built' own.said || { cat own.said; fail "what is stale is not said"; }
+expect 78 'root' "$TREPHINE" library build "$home/patients/LIBRARY.yaml" --out "$home/other"
 
 # Commands within the text. A small head: that the command works is what counts here.
 sed '/^```sh$/,/^```$/d' "${pages[@]}" | tr '\n' ' ' | grep -oE '`[^`]*trephine [a-zA-Z][^`]*`' | tr -d '`' |
