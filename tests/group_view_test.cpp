@@ -55,7 +55,9 @@ TEST(GroupPlan, ARoundGoesBeforeTestsThatAreToDo) {
 
 class Group {
  public:
-  void participant(const std::string& name, const std::string& level, const std::vector<int>& points) {
+  // Fewer than 10 points are a failed attempt, and so is the one of `failed`, whatever its points.
+  void participant(const std::string& name, const std::string& level, const std::vector<int>& points,
+                   std::size_t failed = 99) {
     ExercisePlan plan;
     plan.participant = name;
     plan.module = "ventriculostomy";
@@ -65,10 +67,11 @@ class Group {
     write_plan(plan_file(folder, name, plan.module), plan);
     for (std::size_t n = 0; n < points.size(); ++n) {
       const std::filesystem::path report = planned_file(folder, plan, n, ".json");
+      const bool fails = points[n] < 10 || n == failed;
       std::ofstream(report) << R"({"trephine_score": 2, "module": "ventriculostomy", "case": "case", "participant": ")"
                             << name << R"(", "motion_sha256": ")" << name << n << R"(", "outcome": ")"
-                            << (points[n] < 10 ? "failed" : "completed") << R"(", "critical": [)"
-                            << (points[n] < 10 ? R"({"error": "wrong_side"})" : "") << R"(], "points": )" << points[n]
+                            << (fails ? "failed" : "completed") << R"(", "critical": [)"
+                            << (fails ? R"({"error": "wrong_side"})" : "") << R"(], "points": )" << points[n]
                             << R"(, "most_points": 30, "rows": [{"name": "depth", "title": "Depth", "score": )"
                             << 1 + points[n] / 8
                             << R"(, "measured": {"depth_mm": 55.5}}], "figures": {"in_ventricle": true},)"
@@ -100,6 +103,23 @@ TEST(GroupView, AFolderOfResultsIsRead) {
   EXPECT_TRUE(says("p1-ventriculostomy-02-case: the recording is gone"));
   EXPECT_FALSE(says("other.json"));
   EXPECT_THROW(read_results(g.scratch.path() / "nowhere"), Error);
+}
+
+TEST(GroupView, PointsAloneDoNotPass) {
+  Group g;
+  g.participant("s1", "student", {9, 15, 21});
+  g.participant("s2", "student", {12, 13, 17});
+  g.participant("e1", "expert", {28, 29, 30});
+  g.participant("e2", "expert", {26, 28, 28}, 2);  // 28 of 30 points, and the wrong side
+  group::GroupParams params;
+  params.less_level = "student";
+  params.more_level = "expert";
+  const group::GroupView view = group::view_of(read_results(g.folder), params);
+  const group::PassMark& mark = *view.modules.at(0).pass_mark;
+  ASSERT_TRUE(mark.why_not.empty()) << mark.why_not;
+  EXPECT_LT(mark.mark_ratio, 28 / 30.0);
+  for (const auto& [participant, pass] : mark.passed) EXPECT_EQ(pass, participant == "e1") << participant;
+  EXPECT_EQ(mark.more_fail_ratio, 0.5);
 }
 
 TEST(GroupView, RetentionFailuresAndThePassMark) {

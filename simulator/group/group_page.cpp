@@ -106,7 +106,8 @@ std::string pass_mark_html(const ModuleView& m) {
   if (!p.why_not.empty()) return out + "<p class=\"note\">not set: " + html_text(p.why_not) + "</p>\n";
   out += fmt::format(
       "<p>By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean {:.1f} %, sd "
-      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross.</p>\n",
+      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed "
+      "by a critical error or did not finish has not passed, whatever the points.</p>\n",
       html_text(p.of), 100 * p.mark_ratio, html_text(p.less), p.less_summary.count, 100 * p.less_summary.mean,
       100 * *p.less_summary.sd, html_text(p.more), p.more_summary.count, 100 * p.more_summary.mean,
       100 * *p.more_summary.sd);

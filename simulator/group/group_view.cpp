@@ -41,6 +41,7 @@ ParticipantView participant_of(const std::vector<const AttemptResult*>& attempts
     p.completed += r->outcome == "completed";
     p.failed += r->outcome == "failed";
     shares[r->phase].push_back(share_of(*r));
+    p.completed_by_phase[r->phase] = p.completed_by_phase["all"] = r->outcome == "completed";
     all.push_back(share_of(*r));
     p.critical.insert(p.critical.end(), r->critical.begin(), r->critical.end());
     if (!r->recording_is_there) p.recordings_gone.push_back(r->report);
@@ -111,18 +112,20 @@ PassMark pass_mark_of(const ModuleView& m, const GroupParams& params) {
     return out;
   }
   out.mark_ratio = *mark;
-  const auto share = [&](const std::vector<double>& v, bool pass) {
-    return double(std::count_if(v.begin(), v.end(), [&](double x) { return (x >= *mark) == pass; })) / double(v.size());
-  };
-  out.less_pass_ratio = share(less, true);
-  out.more_fail_ratio = share(more, false);
   out.less_pass_expected_ratio = 1 - study::normal_share_below(*mark, out.less_summary.mean, *out.less_summary.sd);
   out.more_fail_expected_ratio = study::normal_share_below(*mark, out.more_summary.mean, *out.more_summary.sd);
+  std::size_t less_passed = 0, more_failed = 0;
   for (const ParticipantView& p : m.participants) {
     const auto at = p.share_by_phase.find(chosen);
     if (p.done == 0 || (chosen != "all" && at == p.share_by_phase.end())) continue;
-    out.passed.emplace_back(p.participant, (chosen == "all" ? p.mean_share : at->second) >= *mark);
+    const bool enough = (chosen == "all" ? p.mean_share : at->second) >= *mark;
+    const bool pass = enough && p.completed_by_phase.at(chosen);
+    out.passed.emplace_back(p.participant, pass);
+    less_passed += p.level == out.less && pass;
+    more_failed += p.level == out.more && !pass;
   }
+  out.less_pass_ratio = double(less_passed) / double(less.size());
+  out.more_fail_ratio = double(more_failed) / double(more.size());
   return out;
 }
 

@@ -29,7 +29,8 @@ struct GroupParams {
 struct ParticipantView {
   std::string participant, group, level;
   std::size_t planned = 0, done = 0, completed = 0, failed = 0;
-  std::map<std::string, double> share_by_phase;  ///< "" where the plan has no phases
+  std::map<std::string, double> share_by_phase;    ///< "" where the plan has no phases
+  std::map<std::string, bool> completed_by_phase;  ///< the last attempt of the phase, and of all under "all"
   double first_share = 0, last_share = 0, mean_share = 0;
   std::vector<std::string> critical;  ///< with repetitions
   std::vector<std::string> recordings_gone;
@@ -49,7 +50,9 @@ struct PassMark {
   std::string less, more, of;  ///< the levels, and whose performances: "phase after"
   study::Summary less_summary, more_summary;
   double mark_ratio = 0;
-  double less_pass_ratio = 0, more_fail_ratio = 0;                    ///< as they are
+  /// As they are. Points alone pass nobody: the last of the performances must be completed, so neither left unfinished
+  /// nor failed by a critical error.
+  double less_pass_ratio = 0, more_fail_ratio = 0;
   double less_pass_expected_ratio = 0, more_fail_expected_ratio = 0;  ///< by the normal distributions
   std::vector<std::pair<std::string, bool>> passed;                   ///< every participant with such a performance
 };
