@@ -157,14 +157,24 @@ void fill(Image& image, const std::vector<Segment>& segments, Rgb colour, double
 
 constexpr double legend_step = 1.75;  ///< of its lines, in the text's heights
 
-void draw_legend(Image& image, const std::vector<OverlayShape>& shapes, double y, double text_px) {
-  for (const auto& s : shapes) {
+// Beside the picture, so that it covers nothing of it. Images without names stay as they are.
+void add_legend(Image& image, const std::vector<OverlayShape>& shapes, double text_px) {
+  int width = 0, lines = 0;
+  for (const OverlayShape& s : shapes)
+    if (!s.name.empty()) width = std::max(width, text_width(s.name, text_px)), ++lines;
+  if (lines == 0) return;
+  const int strip = static_cast<int>(std::ceil(width + text_px * 3.6));
+  const int height = std::max(image.height, static_cast<int>(std::ceil(text_px * (1 + legend_step * lines))));
+  Image wider(image.width + strip, height, outside);
+  for (int y = 0; y < image.height; ++y) std::copy_n(image.at(0, y), 3 * image.width, wider.at(0, y));
+  double y = text_px;
+  for (const OverlayShape& s : shapes) {
     if (s.name.empty()) continue;
-    detail::fill_rectangle(image, text_px - 1, y - 1, text_px * 2 + 1, y + text_px + 1, halo, 0.6);
-    detail::fill_rectangle(image, text_px, y, text_px * 2, y + text_px, s.colour_rgb, 1);
-    draw_text(image, text_px * 2.6, y, s.name, text_px, s.colour_rgb, halo);
+    detail::fill_rectangle(wider, image.width + text_px, y, image.width + text_px * 2, y + text_px, s.colour_rgb, 1);
+    draw_text(wider, image.width + text_px * 2.6, y, s.name, text_px, ink, halo);
     y += text_px * legend_step;
   }
+  image = std::move(wider);
 }
 
 std::string rounded_text(double v) { return to_text(std::round(v * 10) / 10 + 0.0); }
@@ -173,22 +183,20 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
   const double text_px = std::clamp(std::max(image.width, image.height) * 0.019, 7.0, 24.0);
   const PlaneAxes& a = axes_of(p.plane);
   detail::draw_edge_letters(image, a.at_left, a.at_right, a.at_top, a.at_bottom, text_px * 1.25, ink, halo);
-  const auto lines = std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return !s.name.empty(); });
-  const double needed = text_px * (1 + legend_step * double(lines) + (p.note.empty() ? 4 : 6));
-  const int above = needed > image.height ? image.height : 0;
-  if (above > 0) {  // too low: below it then
-    Image taller(image.width, above + static_cast<int>(std::ceil(needed)), outside);
+  const double needed = text_px * (p.note.empty() ? 5 : 7);
+  if (needed > image.height / 2) {  // too low: below it then
+    Image taller(image.width, image.height + static_cast<int>(std::ceil(needed)), outside);
     std::copy(image.rgb.begin(), image.rgb.end(), taller.rgb.begin());
     image = std::move(taller);
   }
   detail::draw_scale_bar(image, g.mm_per_px, image.width * 0.25, text_px * 0.9, ink, halo);
-  draw_legend(image, shapes, above + text_px, text_px);
   const std::string place = std::string(a.name) + "  " + a.letter + " = " + rounded_text(p.position_mm) + " mm";
   const std::string window = "C " + rounded_text(p.window_center_hu) + "  W " + rounded_text(p.window_width_hu) + " HU";
   const double small = text_px * 0.9, last = image.height - text_px - small;
   draw_text(image, text_px, last - small * 3.6, p.note, small, ink, halo);
   draw_text(image, text_px, last - small * 1.8, place, small, ink, halo);
   draw_text(image, text_px, last, window, small, ink, halo);
+  add_legend(image, shapes, text_px);
 }
 
 }  // namespace

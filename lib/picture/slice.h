@@ -43,8 +43,9 @@ SliceGeometry slice_geometry(const grid::Lattice& volume, const SliceParams& par
 /// The CT resampled in the plane (trilinear), in radiological convention: axial slices as seen from the feet and
 /// coronal ones from the front, with the patient's right on the left; sagittal ones with the nose on the left. The
 /// exact cuts of the meshes with the plane are drawn over it. Places outside the volume are dark blue. Where the
-/// picture is too low for its marks they stand in a strip below it, which slice_geometry() does not count. The same
-/// bytes whatever the thread count. Throws Error 65 where the plane does not meet the volume, or a mesh is damaged.
+/// picture is too low for its marks they stand in a strip below it, and the legend stands in one on its right; neither
+/// is counted by slice_geometry(). The same bytes whatever the thread count. Throws Error 65 where the plane does not
+/// meet the volume, or a mesh is damaged.
 Image slice_overlay(const grid::HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
 
 /// The coordinates along the plane's normal that the volume reaches.

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "boolean/cutter.h"
 #include "picture/image.h"
+#include "picture/palette.h"
 #include "picture/render.h"
 #include "picture/slice.h"
 #include "stages/stage.h"
@@ -58,13 +59,15 @@ std::vector<picture::SurfaceView> see_through(const std::vector<PictureAnatomy>&
   return views;
 }
 
-// The same hue at full saturation: tissue colours are too pale for lines on a grey picture.
-std::array<double, 3> vivid(std::array<double, 3> rgb) {
-  const auto [low, high] = std::minmax_element(rgb.begin(), rgb.end());
-  const double from = *low, range = *high - *low;
-  if (range < 0.02) return {1, 1, 1};
-  for (double& c : rgb) c = 0.1 + 0.9 * (c - from) / range;
-  return rgb;
+// Their outlines for slices, with their names or without.
+std::vector<picture::OverlayShape> outlines_of(const std::vector<PictureAnatomy>& anatomies, bool named) {
+  std::vector<picture::Rgb> colours;
+  for (const PictureAnatomy& a : anatomies) colours.push_back(a.colour_rgb);
+  colours = picture::line_colours(colours);
+  std::vector<picture::OverlayShape> shapes;
+  for (std::size_t i = 0; i < anatomies.size(); ++i)
+    shapes.push_back({anatomies[i].surface, colours[i], named ? anatomies[i].name : ""});
+  return shapes;
 }
 
 // Where to cut: through the middle of the smallest shape, which is the innermost one.
@@ -153,7 +156,7 @@ Sheet landmarks_sheet(Sheets& sheets, const grid::HuVolume& volume, const std::v
   scene->views = see_through(anatomies);
   for (std::size_t i = 0; i < landmarks.size(); ++i)
     scene->views.push_back({&scene->balls[i], colour_of(landmarks[i]), 1});
-  for (const PictureAnatomy& a : anatomies) scene->outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
+  scene->outlines = outlines_of(anatomies, false);
 
   Sheet sheet{"landmarks.png", {}};
   for (const picture::View v : {picture::View::front, picture::View::left, picture::View::oblique_right})
@@ -223,8 +226,7 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
     sheets.add(std::move(sides));
   }
 
-  std::vector<picture::OverlayShape> shapes;
-  for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, vivid(a.colour_rgb), a.name});
+  const std::vector<picture::OverlayShape> shapes = outlines_of(anatomies, true);
   constexpr picture::SlicePlane planes[] = {picture::SlicePlane::axial, picture::SlicePlane::coronal,
                                             picture::SlicePlane::sagittal};
   constexpr const char* names[] = {"axial", "coronal", "sagittal"};
