@@ -25,7 +25,11 @@ constexpr std::chrono::hours kept_incomplete{24};
 
 fs::path folder_of(const DeskLibrary& library) {
   if (library.options().config.empty()) throw Error(ExitCode::usage, "", "--config", "is needed: LIBRARY.yaml");
-  return fs::absolute(library.options().config).lexically_normal().parent_path() / dropped_folder;
+  const fs::path folder = fs::absolute(library.options().config).lexically_normal().parent_path() / dropped_folder;
+  std::error_code ignored;
+  if (fs::is_symlink(folder, ignored))
+    throw Error(ExitCode::cannot_create, "", dropped_folder, "is a link: what is dropped stays beside LIBRARY.yaml");
+  return folder;
 }
 
 /// Where the pieces of one drop lie. `drop` is a name that the page made: hexadecimal digits.

@@ -183,7 +183,7 @@ Reply Desk::lessons(const Request& request) {
   check.own_group = true;
   const Ended ended = wait_for(spawn(check), until_it_ends_s);
   const std::vector<char> said = read_file(check.output, max_file_bytes);
-  if (ended.code != 0) throw Error(ExitCode::quality, "", "", printable({said.data(), said.size()}));
+  if (ended.code != 0) throw Error(ExitCode::bad_input, "", "", printable({said.data(), said.size()}));
   const Json all = Json::parse(said.begin(), said.end());
   return json_reply({{"lessons", all.at("lessons")}});
 }

@@ -81,6 +81,6 @@ function valuesPanel(page) {
   page.addPanel('history', () => {
     const journal = page.info && page.info.journal || []
     return [make('h2', { text: t('history') }), journal.length ? table([[t('when'), 0], [t('what'), 0]], [...journal].reverse().map(e => make('tr', {}, make('td', {}, e.when.replace('T', ' ').replace('Z', ' UTC'), make('br'), make('span', { class: 'faint', text: `${t('by')} ${e.by}` })), make('td', {}, e.what, e.why ? [make('br'), make('span', { class: 'faint', text: e.why })] : null)))) : make('p', { class: 'faint', text: t('empty_history') }),
-      page.info && page.info.yaml ? [make('h2', { text: `${t('yaml')} ${page.info.config}` }), make('pre', { id: 'yaml', class: 'file', text: page.info.yaml })] : null].flat()
+      page.info && page.info.yaml ? [make('h2', { text: t('yaml') }), make('p', { class: 'faint', text: page.info.shared ? `${t('own')} ${page.info.config}` : page.info.config }), make('pre', { id: 'yaml', class: 'file', text: page.info.yaml })] : null].flat()
   })
 }
