@@ -56,7 +56,7 @@ TEST(desk_between, AShapeThatLeansIsFollowed) {
   disc(painted, 8, 45, 15, 6);  // the two do not overlap
   const grid::Mask made = mask::between_slices(painted, 1, 2);
   for (int k = 1; k < 8; ++k) {
-    EXPECT_NEAR(count_in(made, k), count_in(painted, 0), 12) << k;
+    EXPECT_NEAR(count_in(made, k), count_in(painted, 0), 15) << k;  // half a voxel of its rim
     EXPECT_EQ(made.at(int(std::lround(10 + 35 * k / 8.0)), 15, k), 1) << k;
   }
 }

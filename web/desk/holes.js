@@ -32,7 +32,8 @@ function holesOf(page) {
   // Where a saved hole lies: as the case was built, else as the configuration says.
   const placed = (h, i) => {
     const built = page.info && page.info.built && page.info.built.holes.find(b => b.name === (h.name || `burr_hole_${i + 1}`))
-    const toward = h.toward && page.info.now.landmarks[h.toward]
+    const found = name => ((page.info.built ? [...page.info.built.landmarks, ...page.info.built.targets] : []).find(l => l.name === name) || {}).position_mm
+    const toward = h.toward && (page.info.now.landmarks[h.toward] || found(h.toward))
     const entry = h.position_mm ? h.position_mm.map(Number) : built && built.position_mm
     if (!entry) return null
     const d = h.direction ? h.direction.map(Number) : toward ? toward.map((v, k) => v - entry[k]) : built ? built.direction : null
