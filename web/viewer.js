@@ -58,6 +58,8 @@ async function start() {
   if (!wanted) $('mode').textContent = (location.hash === '#processor' ? '' : 'no WebGL2 here: ') + 'drawn by the processor'
   // A library's page leads here with this word. Whoever opens the page alone may have no library beside it.
   $('library').hidden = location.hash !== '#library'
+  // The desk shows the surfaces alone while its frame is small: it has slices of its own.
+  root.classList.toggle('framed', location.hash === '#framed')
   let heat = null, scale = 1, moving = false
   const render = () => {
     const r = Math.min(2, devicePixelRatio || 1), w = Math.max(1, view.clientWidth * r | 0), h = Math.max(1, view.clientHeight * r | 0), t = performance.now()

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
+#include "base/hex.h"
 #include "base/write_file.h"
 
 namespace trephine {
@@ -67,12 +68,7 @@ std::string Sha256::hex() {
   unsigned size = 0;
   check(EVP_DigestFinal_ex(context_->md, digest, &size));
   context_.reset();
-  std::string out;
-  for (unsigned i = 0; i < size; ++i) {
-    out += "0123456789abcdef"[digest[i] >> 4];
-    out += "0123456789abcdef"[digest[i] & 15];
-  }
-  return out;
+  return hex_text(digest, size);
 }
 
 std::string sha256_of_bytes(std::string_view bytes) { return Sha256().bytes(bytes.data(), bytes.size()).hex(); }

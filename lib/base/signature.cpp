@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/hex.h"
 #include "base/write_file.h"
 
 namespace trephine {
@@ -50,12 +51,7 @@ std::string signature_of_bytes(std::string_view bytes, const std::filesystem::pa
   std::size_t size = sizeof signature;
   check(EVP_DigestSignInit(context.get(), nullptr, nullptr, nullptr, key.get()));
   check(EVP_DigestSign(context.get(), signature, &size, raw(bytes), bytes.size()));
-  std::string hex;
-  for (const unsigned char byte : signature) {
-    hex += "0123456789abcdef"[byte >> 4];
-    hex += "0123456789abcdef"[byte & 15];
-  }
-  return hex;
+  return hex_text(signature, sizeof signature);
 }
 
 bool is_signed(std::string_view bytes, std::string_view signature, const std::filesystem::path& public_key) {

@@ -40,17 +40,22 @@ const std::map<std::string, Desk::Route>& Desk::routes() {
       {"api/stop", {"POST", &Desk::stop_build}},
       {"api/status", {"GET", &Desk::build_status}},
       {"api/log", {"GET", &Desk::log}},
+      {"api/lessons", {"GET", &Desk::lessons}},
       {"api/compare", {"GET", &Desk::compare}},
+      {"api/cut", {"GET", &Desk::cut}},
       {"api/approve", {"POST", &Desk::approve}},
       {"api/open", {"GET", &Desk::open}},
       {"api/slice", {"GET", &Desk::slice}},
       {"api/field", {"GET", &Desk::field}},
       {"api/plane", {"GET", &Desk::plane}},
       {"api/grow", {"GET", &Desk::grow}},
+      {"api/between", {"POST", &Desk::between}},
       {"api/case", {"GET", &Desk::case_info}},
       {"api/landmark", {"POST", &Desk::landmark}},
       {"api/holes", {"POST", &Desk::holes}},
       {"api/value", {"POST", &Desk::value}},
+      {"api/try", {"POST", &Desk::try_change}},
+      {"api/tried", {"GET", &Desk::tried}},
       {"api/patch", {"POST", &Desk::patch}},
       {"api/switch", {"POST", &Desk::switch_patch_route}},
       {"api/draft", {"GET", &Desk::draft}},
@@ -59,6 +64,8 @@ const std::map<std::string, Desk::Route>& Desk::routes() {
       {"api/series", {"GET", &Desk::series}},
       {"api/picture", {"GET", &Desk::series_picture}},
       {"api/new", {"POST", &Desk::new_case}},
+      {"api/drop", {"POST", &Desk::drop}},
+      {"api/dropped", {"POST", &Desk::dropped}},
   };
   return all;
 }
@@ -79,7 +86,9 @@ Reply Desk::answer(const Request& request) {
 
 void Desk::stop() {
   builder_.stop();
+  std::shared_ptr<Trial> gone;
   const std::lock_guard<std::mutex> lock(mutex_);
+  gone = std::move(trial_);
   open_.clear();
 }
 
@@ -109,11 +118,17 @@ std::shared_ptr<OpenCase> Desk::opened(const std::string& token, bool again) {
   return made;
 }
 
-std::shared_ptr<OpenCase> Desk::looked_at(const Request& request) {
+std::shared_ptr<OpenCase> Desk::looked_at_case(const std::string& token) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (const auto& [token, one] : open_)
-    if (token == request.value("case") && one->scan()) return one;
+  for (const auto& [name, one] : open_)
+    if (name == token && one->scan()) return one;
   throw Error(ExitCode::no_input, "", "case", "is not open");
+}
+
+std::shared_ptr<Trial> Desk::trial_of(const std::string& token) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!trial_ || trial_of_ != token) throw Error(ExitCode::no_input, "", "case", "nothing was tried of it");
+  return trial_;
 }
 
 }  // namespace trephine::desk

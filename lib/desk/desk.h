@@ -10,6 +10,8 @@
 #include "desk/desk_library.h"
 #include "desk/message.h"
 #include "desk/open_case.h"
+#include "desk/trial.h"
+#include "surface/trimesh.h"
 
 namespace trephine::desk {
 
@@ -42,18 +44,24 @@ class Desk {
   Reply build_status(const Request&);
   Reply log(const Request&);
   Reply approve(const Request&);
-  Reply compare(const Request&);  // routes_compare.cpp
+  Reply lessons(const Request&);
+  // routes_compare.cpp
+  Reply compare(const Request&);
+  Reply cut(const Request&);
   // routes_look.cpp
   Reply open(const Request&);
   Reply slice(const Request&);
   Reply field(const Request&);
   Reply plane(const Request&);
   Reply grow(const Request&);
+  Reply between(const Request&);
   // routes_change.cpp
   Reply case_info(const Request&);
   Reply landmark(const Request&);
   Reply holes(const Request&);
   Reply value(const Request&);
+  Reply try_change(const Request&);
+  Reply tried(const Request&);
   Reply patch(const Request&);
   Reply switch_patch_route(const Request&);
   Reply draft(const Request&);
@@ -63,15 +71,29 @@ class Desk {
   Reply series(const Request&);
   Reply series_picture(const Request&);
   Reply new_case(const Request&);
+  // routes_drop.cpp
+  Reply drop(const Request&);
+  Reply dropped(const Request&);
 
   std::shared_ptr<OpenCase> opened(const std::string& token, bool again);
   /// Of a case that was opened before; throws Error 66 where it was not, or its scan is not there yet.
-  std::shared_ptr<OpenCase> looked_at(const Request& request);
+  std::shared_ptr<OpenCase> looked_at(const Request& request) { return looked_at_case(request.value("case")); }
+  std::shared_ptr<OpenCase> looked_at_case(const std::string& token);
+  /// Throws Error 66 where nothing was tried of that case.
+  std::shared_ptr<Trial> trial_of(const std::string& token);
 
   DeskLibrary library_;
   BuildRunner builder_;
   std::mutex mutex_;
   std::vector<std::pair<std::string, std::shared_ptr<OpenCase>>> open_;  ///< the one looked at last is the last
+  /// The surfaces of a case before its last rebuild and now, by anatomy.
+  struct Compared {
+    std::string token;
+    std::map<std::string, surface::TriMesh> was, is;
+  };
+  std::shared_ptr<const Compared> compared_;
+  std::shared_ptr<Trial> trial_;
+  std::string trial_of_;
 };
 
 /// Keeps what the case is now beside the library, until it is kept again, for a comparison with what it becomes.

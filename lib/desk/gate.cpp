@@ -6,6 +6,7 @@
 #include <array>
 
 #include "base/error.h"
+#include "base/hex.h"
 #include "base/text.h"
 
 namespace trephine::desk {
@@ -17,12 +18,7 @@ std::string random_token() {
   std::array<unsigned char, 16> bytes{};
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     throw Error(ExitCode::internal, "", "token", "the system gives no random bytes");
-  std::string text;
-  for (const unsigned char b : bytes) {
-    text += "0123456789abcdef"[b >> 4];
-    text += "0123456789abcdef"[b & 15];
-  }
-  return text;
+  return hex_text(bytes.data(), bytes.size());
 }
 
 /// In a time that does not depend on where they differ.

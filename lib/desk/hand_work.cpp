@@ -14,6 +14,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "desk/draft.h"
 #include "lesson/approval.h"
 
 namespace trephine::desk {
@@ -28,46 +29,6 @@ std::string read_text(const fs::path& file) {
   const std::vector<char> bytes = read_file(file, max_config_bytes);
   return {bytes.begin(), bytes.end()};
 }
-
-/// A text beside a configuration, under a name of its own, that is gone with the object: so the reader of
-/// configurations judges it where its paths mean what they will mean.
-class Draft {
- public:
-  Draft(const fs::path& target, const std::string& text)
-      : file_(target.parent_path() / (std::string(temporary_prefix) + "desk-" + target.filename().string())),
-        name_(target) {
-    write_file(file_, text);
-  }
-  ~Draft() {
-    std::error_code ignored;
-    fs::remove(file_, ignored);
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-
-  /// Calls read(file); what it throws names the target.
-  template <class Read>
-  auto judged(const Read& read) const {
-    try {
-      return read(file_);
-    } catch (const ErrorList& list) {
-      std::vector<Error> all;
-      for (const Error& e : list.all()) all.push_back(renamed(e));
-      throw ErrorList(all);
-    } catch (const Error& e) {
-      throw renamed(e);
-    }
-  }
-
- private:
-  Error renamed(const Error& e) const {
-    std::string file = e.file();
-    if (const std::size_t at = file.find(file_.string()); at != std::string::npos)
-      file.replace(at, file_.string().size(), name_.filename().string());
-    return Error(e.code(), file, e.field(), e.what());
-  }
-  fs::path file_, name_;
-};
 
 std::string now_utc() {
   const std::time_t now = std::time(nullptr);

@@ -13,9 +13,18 @@
 #include "publish/series_hashes.h"
 
 namespace trephine::desk {
-namespace {
 
-DrawnField drawn(const grid::Field& field, const grid::Lattice& scan) {
+CaseGraph graph_of_case(config::CaseConfig config, const Progress& progress) {
+  if (config.series.empty()) throw Error(ExitCode::usage, "", "series", "the configuration names none");
+  CaseGraph out;
+  out.graph = publish::SeriesHashes(progress).graph_of(config);
+  publish::require_one_patient(config, publish::names_of_scans(out.graph), progress);
+  pipeline::require_allowed(out.graph, false);
+  out.config = std::make_shared<const config::CaseConfig>(std::move(config));
+  return out;
+}
+
+DrawnField drawn_field(const grid::Field& field, const grid::Lattice& scan) {
   float most = 0;
   for (const float v : field.voxels) most = std::max(most, std::abs(v));
   const float scale = most > 0 ? 32767 / most : 1;
@@ -29,7 +38,27 @@ DrawnField drawn(const grid::Field& field, const grid::Lattice& scan) {
   return out;
 }
 
-}  // namespace
+int field_node(const CaseGraph& of, const std::string& anatomy) {
+  if (const int corrected = of.graph.find(anatomy + ".correct"); corrected >= 0) return corrected;
+  const std::string made = config::corrected_field(*of.config, anatomy);
+  return made.empty() ? -1 : of.graph.find(made);
+}
+
+std::string fault_of_exception() {
+  try {
+    throw;
+  } catch (const ErrorList& list) {
+    std::string text;
+    for (const Error& e : list.all()) text += (text.empty() ? "" : "\n") + e.line("").substr(2);
+    return text;
+  } catch (const Error& e) {
+    return e.line("").substr(2);
+  } catch (const Cancelled&) {
+    return "stopped";
+  } catch (const std::exception&) {
+    return "not enough memory";
+  }
+}
 
 class OpenCase::Watcher : public pipeline::RunObserver {
  public:
@@ -47,14 +76,8 @@ OpenCase::OpenCase(const DeskLibrary& library, DeskCase one) : library_(library)
     std::string fault;
     try {
       work();
-    } catch (const ErrorList& list) {
-      for (const Error& e : list.all()) fault += (fault.empty() ? "" : "\n") + e.line("").substr(2);
-    } catch (const Error& e) {
-      fault = e.line("").substr(2);
-    } catch (const Cancelled&) {
-      fault = "stopped";
-    } catch (const std::exception&) {
-      fault = "not enough memory";
+    } catch (...) {
+      fault = fault_of_exception();
     }
     const std::lock_guard<std::mutex> lock(mutex_);
     now_.state = fault.empty() ? State::ready : State::failed;
@@ -77,16 +100,12 @@ void OpenCase::set_doing(const std::string& what, double fraction) {
 void OpenCase::work() {
   const Progress progress({}, &cancel_);
   set_doing("series", 0);
-  auto config = std::make_shared<const config::CaseConfig>(
-      config::read_case_config(one_.text_file(), library_.overrides_of(one_)));
+  const CaseGraph of = graph_of_case(config::read_case_config(one_.text_file(), library_.overrides_of(one_)), progress);
+  const pipeline::Graph& graph = of.graph;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    config_ = config;
+    config_ = of.config;
   }
-  if (config->series.empty()) throw Error(ExitCode::usage, "", "series", "the configuration names none");
-  const pipeline::Graph graph = publish::SeriesHashes(progress).graph_of(*config);
-  publish::require_one_patient(*config, publish::names_of_scans(graph), progress);
-  pipeline::require_allowed(graph, false);
   const pipeline::StageCache cache(library_.options().library / library::library_cache_name);
   pipeline::ExecuteOptions options;
   options.cache = &cache;
@@ -100,16 +119,14 @@ void OpenCase::work() {
     scan_ = scan;
     now_.has_scan = true;
   }
-  for (const config::RecipeAnatomy& anatomy : config->anatomies) {
-    const std::string corrected = anatomy.name + ".correct", made = config::corrected_field(*config, anatomy.name);
-    int node = graph.find(corrected);
-    if (node < 0 && !made.empty()) node = graph.find(made);
+  for (const config::RecipeAnatomy& anatomy : of.config->anatomies) {
+    const int node = field_node(of, anatomy.name);
     if (node < 0) continue;
     try {
       auto results = pipeline::execute(graph, {node}, options, watcher);
       const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&results[std::size_t(node)].data);
       if (!field || !*field) continue;
-      auto one = std::make_shared<const DrawnField>(drawn(**field, grid::lattice_of(*scan)));
+      auto one = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*scan)));
       const std::lock_guard<std::mutex> lock(mutex_);
       fields_[anatomy.name] = std::move(one);
       now_.fields.push_back(anatomy.name);

@@ -11,14 +11,31 @@
 #include "config/config.h"
 #include "desk/desk_library.h"
 #include "grid/grid.h"
+#include "pipeline/graph.h"
 
 namespace trephine::desk {
+
+/// A case's configuration, and what would be computed for it.
+struct CaseGraph {
+  std::shared_ptr<const config::CaseConfig> config;
+  pipeline::Graph graph;
+};
+/// Reads the series' content for the keys of the cache. Throws what run throws before its first stage: 64 where there
+/// is no series, 65 for scans of two patients, what make_graph throws.
+CaseGraph graph_of_case(config::CaseConfig config, const Progress& progress);
 
 /// A field for outlines: 16 bits a voxel, scaled so that the surface at 0 stays where it is.
 struct DrawnField {
   grid::Box place;  ///< in the scan's voxels
   grid::Grid<std::int16_t> samples;
 };
+
+/// `scan`: on whose voxels it is drawn. Throws Error 65 where the field does not lie on them.
+DrawnField drawn_field(const grid::Field& field, const grid::Lattice& scan);
+/// The node whose field says what the anatomy is, after any correction; -1: it has none.
+int field_node(const CaseGraph& graph, const std::string& anatomy);
+/// What went wrong, in the words of an Error's line, a line for each; for use within a catch (...).
+std::string fault_of_exception();
 
 /// A case that a page looks at: the scan that its anatomies are made of (without the face, where the scene takes it
 /// away) and the field of each anatomy, from the cache of stages or computed now, in a thread of its own.

@@ -16,15 +16,13 @@ namespace trephine::desk {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint8_t added = 1, removed = 2;
-
 /// As `trephine correction` writes it (segmentation/correct.h reads it).
 grid::LabelFile correction_of(grid::Mask voxels) {
   grid::LabelFile out;
   out.lattice = voxels;
   out.samples = std::move(voxels);
   out.format = "seg.nrrd";
-  for (const auto& [name, value] : {std::pair{"added", added}, {"removed", removed}}) {
+  for (const auto& [name, value] : {std::pair{"added", added_byte}, {"removed", removed_byte}}) {
     grid::LabelSegment segment;
     segment.id = segment.name = name;
     segment.value = value;
@@ -36,7 +34,7 @@ grid::LabelFile correction_of(grid::Mask voxels) {
 grid::Mask voxels_of(const fs::path& file) {
   const grid::LabelFile labels = grid::read_labels(file);
   grid::Mask out(labels.lattice);
-  for (const auto& [name, value] : {std::pair{"added", added}, {"removed", removed}}) {
+  for (const auto& [name, value] : {std::pair{"added", added_byte}, {"removed", removed_byte}}) {
     const grid::Mask one = grid::pick_label(labels, name).mask;
     for (std::size_t i = 0; i < out.voxels.size(); ++i)
       if (one.voxels[i]) out.voxels[i] = value;
@@ -152,11 +150,23 @@ grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan) {
   std::memcpy(out.voxels.data(), bytes.data() + sizeof head, count);
   bool any = false;
   for (const std::uint8_t v : out.voxels) {
-    if (v > removed) throw Error(ExitCode::bad_input, "", "patch", "holds a byte that is not 0, 1 or 2");
+    if (v > removed_byte) throw Error(ExitCode::bad_input, "", "patch", "holds a byte that is not 0, 1 or 2");
     any = any || v;
   }
   if (!any) throw Error(ExitCode::usage, "", "patch", "nothing is painted");
   return out;
+}
+
+std::string encode_painted(const grid::Mask& voxels, const grid::Lattice& scan) {
+  const grid::Box place = grid::place_in(voxels, scan);
+  std::int32_t head[6];
+  for (std::size_t a = 0; a < 3; ++a) {
+    head[a] = place.begin[a];
+    head[a + 3] = voxels.size[a];
+  }
+  std::string bytes(reinterpret_cast<const char*>(head), sizeof head);
+  bytes.append(reinterpret_cast<const char*>(voxels.voxels.data()), voxels.voxels.size());
+  return bytes;
 }
 
 void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said) {
@@ -170,7 +180,7 @@ void save_patch(DeskLibrary& library, const std::string& token, const Painted& p
   make_output_folder(one.hand_folder());
   keep_foreign(library, one, painted.anatomy, journal);
   std::size_t plus = 0, minus = 0;
-  for (const std::uint8_t v : painted.voxels.voxels) plus += v == added, minus += v == removed;
+  for (const std::uint8_t v : painted.voxels.voxels) plus += v == added_byte, minus += v == removed_byte;
   const double ml = painted.voxels.voxel_volume_mm3() / 1000;
   HandEntry entry;
   entry.by = said.by;

@@ -10,7 +10,9 @@
 
 namespace trephine::desk {
 
-/// What a person painted of one anatomy, as a box of bytes on the scan's voxels: 0 nothing, 1 added, 2 removed.
+constexpr std::uint8_t added_byte = 1, removed_byte = 2;
+
+/// What a person painted of one anatomy, as a box of bytes on the scan's voxels; 0: nothing.
 struct Painted {
   std::string anatomy;
   grid::Mask voxels;
@@ -19,6 +21,9 @@ struct Painted {
 /// The painted bytes of a page: six little-endian int32 (first voxel and size, i j k), then a byte a voxel, i fastest.
 /// Throws Error 65 where they are something else, or lie beyond the scan; 64 where nothing is painted.
 grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan);
+
+/// What such a page takes: the same form. `voxels` lies on the scan's voxels.
+std::string encode_painted(const grid::Mask& voxels, const grid::Lattice& scan);
 
 /// What the person says of a change.
 struct Said {

@@ -54,6 +54,7 @@ Json json_of(const cases::CaseManifest& m) {
 Json json_of(const config::CaseConfig& config) {
   Json out = {{"landmarks", Json::object()}, {"holes", Json::array()},           {"values", Json::array()},
               {"anatomies", Json::array()},  {"known_landmarks", Json::array()}, {"face", config.face}};
+  out["cuts_holes"] = !config.drilled.empty();
   for (const cases::CaseLandmark& l : config.landmarks) out["landmarks"][l.name] = json_of(l.position_mm);
   for (const config::CaseDrill& h : config.burr_holes) {
     const auto& p = h.params.as<boolean::BurrHoleParams>();
@@ -126,6 +127,27 @@ std::string value_of(const config::CaseConfig& config, const std::string& path) 
   return "";
 }
 
+config::YamlChange holes_line(const nlohmann::json& holes) {
+  if (!holes.is_array()) throw Error(ExitCode::usage, "", "holes", "must be a list");
+  if (holes.empty()) return {{"burr_holes"}, {}};
+  return {{"burr_holes"}, yaml_of_json(holes)};
+}
+
+void check_holes_count(const config::CaseConfig& now, std::size_t count) {
+  if (now.burr_holes.size() != count)
+    throw Error(ExitCode::usage, "", "burr_holes",
+                "have no effect: the scene cuts none (`burr_holes` of its anatomies)");
+}
+
+config::YamlChange value_line(const std::string& path, const nlohmann::json& value) {
+  if (value.is_null()) return {{"set", path}, {}};
+  const std::string text = value;
+  // A list or a number stays what it is; anything else is a text.
+  const bool is_list = text.size() > 1 && text.front() == '[' && text.back() == ']' &&
+                       text.find_first_not_of("[]0123456789+-.eE, ") == std::string::npos;
+  return {{"set", path}, is_list || parse_number(text) ? text : config::yaml_scalar(text)};
+}
+
 }  // namespace
 
 Reply Desk::case_info(const Request& request) {
@@ -191,18 +213,9 @@ Reply Desk::holes(const Request& request) {
   HandChange change = change_of(json);
   change.kind = "burr_holes";
   const auto& holes = json.at("holes");
-  if (!holes.is_array()) throw Error(ExitCode::usage, "", "holes", "must be a list");
-  if (holes.empty())
-    change.changes = {{{"burr_holes"}, {}}};
-  else
-    change.changes = {{{"burr_holes"}, yaml_of_json(holes)}};
+  change.changes = {holes_line(holes)};
   change.what = holes.empty() ? "no burr hole" : yaml_of_json(holes);
-  const std::size_t count = holes.size();
-  change.check = [count](const config::CaseConfig& now) {
-    if (now.burr_holes.size() != count)
-      throw Error(ExitCode::usage, "", "burr_holes",
-                  "have no effect: the scene cuts none (`burr_holes` of its anatomies)");
-  };
+  change.check = [count = holes.size()](const config::CaseConfig& now) { check_holes_count(now, count); };
   save(library_, json.at("case"), change);
   return json_reply({{"done", change.what}});
 }
@@ -212,17 +225,13 @@ Reply Desk::value(const Request& request) {
   const std::string path = json.at("path"), token = json.at("case");
   HandChange change = change_of(json);
   change.kind = "value";
-  const DeskCase one = library_.find(token);
+  change.changes = {value_line(path, json.at("value"))};
   if (json.at("value").is_null()) {
-    change.changes = {{{"set", path}, {}}};
     change.what = path + ": as the recipe says";
   } else {
     const std::string text = json.at("value");
-    // A list or a number stays what it is; anything else is a text.
-    const bool is_list = text.size() > 1 && text.front() == '[' && text.back() == ']' &&
-                         text.find_first_not_of("[]0123456789+-.eE, ") == std::string::npos;
-    change.changes = {{{"set", path}, is_list || parse_number(text) ? text : config::yaml_scalar(text)}};
     change.what = path + ": " + text;
+    const DeskCase one = library_.find(token);
     const config::CaseConfig before = config::read_case_config(one.text_file(), library_.overrides_of(one));
     change.check = [path, was = value_of(before, path), text](const config::CaseConfig& now) {
       if (value_of(now, path) == was && was != text)
@@ -231,6 +240,46 @@ Reply Desk::value(const Request& request) {
   }
   save(library_, token, change);
   return json_reply({{"done", change.what}});
+}
+
+// What would come of a value or of burr holes, before they are saved. One at a time: a newer one ends the one before.
+Reply Desk::try_change(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string token = json.at("case");
+  const std::shared_ptr<OpenCase> looked_at = looked_at_case(token);
+  TrialWish wish;
+  if (json.contains("holes")) {
+    wish.changes.push_back(holes_line(json.at("holes")));
+    wish.holes = true;
+  } else {
+    wish.changes.push_back(value_line(json.at("path"), json.at("value")));
+    wish.anatomy = json.at("anatomy");
+  }
+  std::shared_ptr<Trial> gone;  // ends its thread after the lock is released
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    gone = std::move(trial_);
+  }
+  gone.reset();
+  auto made = std::make_shared<Trial>(library_, library_.find(token), looked_at, std::move(wish));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  trial_ = std::move(made);
+  trial_of_ = token;
+  return json_reply({{"started", true}});
+}
+
+Reply Desk::tried(const Request& request) {
+  const std::shared_ptr<Trial> trial = trial_of(request.value("case"));
+  const Trial::Now now = trial->now();
+  Json out = {{"running", now.running}, {"doing", now.doing},         {"fraction", now.fraction},
+              {"fault", now.fault},     {"has_field", now.has_field}, {"reports", Json::array()}};
+  for (const auto& [node, report] : now.reports) {
+    Json figures = Json::object();
+    for (const auto& [name, value] : report.figures)
+      figures[name] = std::visit([](const auto& v) { return Json(v); }, value);
+    out["reports"].push_back({{"name", node}, {"figures", figures}, {"warnings", report.warnings}});
+  }
+  return json_reply(out);
 }
 
 Reply Desk::patch(const Request& request) {

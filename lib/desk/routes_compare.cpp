@@ -9,6 +9,7 @@
 #include "compare/compare_cases.h"
 #include "desk/desk.h"
 #include "desk/json_reply.h"
+#include "surface/plane_cut.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
@@ -52,7 +53,48 @@ Reply Desk::compare(const Request& request) {
   const Progress progress([](double) {}, &cancel_requested());
   const cases::LoadedCase was = cases::load_case(before), is = cases::load_case(library_.options().library / token);
   const compare::CaseComparison made = compare::compare_cases(was, is, {}, progress);
-  return json_reply({{"identical", made.identical}, {"text", compare::comparison_text(made)}});
+  auto surfaces = std::make_shared<Compared>();
+  surfaces->token = token;
+  for (const auto& [loaded, to] : {std::pair{&was, &surfaces->was}, {&is, &surfaces->is}})
+    for (std::size_t i = 0; i < loaded->surfaces.size(); ++i)
+      (*to)[loaded->manifest.anatomies[i].name] = loaded->surfaces[i];
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    compared_ = std::move(surfaces);
+  }
+  Json out = Json::parse(compare::comparison_json(made));
+  out["text"] = compare::comparison_text(made);
+  return json_reply(out);
+}
+
+// Where a surface of the comparison meets a plane of the scan's voxels: four float32 a line, its ends in voxels, the
+// lower of the plane's axes first.
+Reply Desk::cut(const Request& request) {
+  const auto one = looked_at(request);
+  std::shared_ptr<const Compared> of;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    of = compared_;
+  }
+  if (!of || of->token != request.value("case")) throw Error(ExitCode::no_input, "", "case", "was not compared");
+  const auto& surfaces = request.value("which") == "was" ? of->was : of->is;
+  const auto found = surfaces.find(request.value("name"));
+  const grid::Lattice& lattice = grid::lattice_of(*one->scan());
+  const int axis = number_of(request, "axis"), index = number_of(request, "index");
+  if (axis < 0 || axis > 2) throw Error(ExitCode::usage, "", "axis", "must be 0, 1 or 2");
+  if (found == surfaces.end()) return bytes_reply("");
+  Vec3 at;
+  at[axis] = index;
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  std::string bytes;
+  for (const auto& ends :
+       surface::plane_cut(found->second, lattice.to_world_mm(at), lattice.direction.column[std::size_t(axis)]))
+    for (const Vec3& end : ends) {
+      const Vec3 place = lattice.to_index(end);
+      for (const float value : {float(place[u]), float(place[v])})
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  return bytes_reply(std::move(bytes));
 }
 
 }  // namespace trephine::desk

@@ -8,6 +8,8 @@
 #include "base/base64.h"
 #include "base/file_descriptor.h"
 #include "base/open_beneath.h"
+#include "base/spawn.h"
+#include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "desk/desk.h"
@@ -163,6 +165,27 @@ Reply Desk::log(const Request& request) {
   const std::vector<char> bytes = read_file(file, max_file_bytes);
   const std::size_t from = bytes.size() > max_log_bytes ? bytes.size() - max_log_bytes : 0;
   return json_reply({{"log", std::string(bytes.begin() + std::ptrdiff_t(from), bytes.end())}});
+}
+
+// For which lessons the case serves is the simulator's to say; it lies beside this program, or in PATH.
+Reply Desk::lessons(const Request& request) {
+  const std::string token = request.value("case");
+  const fs::path folder = library_.options().library / token;
+  std::error_code ignored;
+  if (token.empty() || !fs::exists(folder / "case.json", ignored))
+    throw Error(ExitCode::no_input, "", "case", "has not been built yet");
+  const TemporaryFolder temporary;
+  SpawnRequest check;
+  const fs::path beside = own_program().parent_path() / "trephine-sim";
+  check.program = fs::exists(beside, ignored) ? beside.string() : "trephine-sim";
+  check.argv = {"trephine-sim", "check", folder.string(), "--json", "--quiet"};
+  check.output = temporary.path() / "said";
+  check.own_group = true;
+  const Ended ended = wait_for(spawn(check), until_it_ends_s);
+  const std::vector<char> said = read_file(check.output, max_file_bytes);
+  if (ended.code != 0) throw Error(ExitCode::bad_input, "", "", printable({said.data(), said.size()}));
+  const Json all = Json::parse(said.begin(), said.end());
+  return json_reply({{"lessons", all.at("lessons")}});
 }
 
 Reply Desk::approve(const Request& request) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Looking: the voxels of an opened case.
-#include <cmath>
-#include <cstring>
-
+#include "base/progress.h"
 #include "desk/desk.h"
 #include "desk/json_reply.h"
+#include "desk/patches.h"
+#include "mask/between_slices.h"
 #include "segmentation/grow.h"
 
 namespace trephine::desk {
@@ -50,7 +50,8 @@ Reply Desk::slice(const Request& request) {
 
 Reply Desk::field(const Request& request) {
   const auto one = looked_at(request);
-  const auto field = one->field(request.value("name"));
+  const std::string name = request.value("name");
+  const auto field = name == "~tried" ? trial_of(request.value("case"))->field() : one->field(name);
   if (!field) throw Error(ExitCode::no_input, "", "name", "the case has no such field");
   return bytes_reply(slice_bytes(*field, number_of(request, "axis"), number_of(request, "index")));
 }
@@ -69,12 +70,17 @@ Reply Desk::grow(const Request& request) {
   how.lower_hu = real_of(request, "lower_hu");
   how.upper_hu = real_of(request, "upper_hu");
   const grid::Mask grown = segmentation::grow_in_ball(*one->scan(), how);
-  const Vec3 at = grid::lattice_of(*one->scan()).to_index(grown.to_world_mm({0, 0, 0}));
-  std::int32_t head[6] = {0, 0, 0, grown.size[0], grown.size[1], grown.size[2]};
-  for (int a = 0; a < 3; ++a) head[a] = static_cast<std::int32_t>(std::lround(at[a]));
-  std::string bytes(reinterpret_cast<const char*>(head), sizeof head);
-  bytes.append(reinterpret_cast<const char*>(grown.voxels.data()), grown.voxels.size());
-  return bytes_reply(std::move(bytes));
+  return bytes_reply(encode_painted(grown, grid::lattice_of(*one->scan())));
+}
+
+// The slices between those that were painted.
+Reply Desk::between(const Request& request) {
+  const auto one = looked_at(request);
+  const Progress progress({}, &cancel_requested());
+  grid::Mask voxels = decode_painted(request.body, grid::lattice_of(*one->scan()));
+  const auto value = static_cast<std::uint8_t>(number_of(request, "value") == removed_byte ? removed_byte : added_byte);
+  voxels = mask::between_slices(voxels, value, number_of(request, "axis"), progress);
+  return bytes_reply(encode_painted(voxels, grid::lattice_of(*one->scan())));
 }
 
 }  // namespace trephine::desk

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A new case: a folder or archive below the roots, its series, and a configuration.
 #include <algorithm>
+#include <fstream>
 
 #include "base/hash.h"
 #include "base/progress.h"
@@ -10,6 +11,7 @@
 #include "config/yaml_document.h"
 #include "config/yaml_edit.h"
 #include "desk/desk.h"
+#include "desk/draft.h"
 #include "desk/hand_work.h"
 #include "desk/json_reply.h"
 #include "dicom/import.h"
@@ -37,6 +39,15 @@ fs::path chosen_path(const DeskLibrary& library, const std::string& text) {
   return path;
 }
 
+/// What a file says of itself: the lines of comment at its begin.
+std::string first_comment(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string out;
+  for (std::string line; std::getline(in, line) && line.rfind('#', 0) == 0 && out.size() < 500;)
+    out += (out.empty() ? "" : " ") + trimmed(printable(line.substr(1)));
+  return out;
+}
+
 dicom::ImportParams import_of(const std::string& series) {
   dicom::ImportParams params;
   params.series = series;
@@ -54,6 +65,7 @@ Reply Desk::folders(const Request& request) {
     return json_reply(out);
   }
   const fs::path folder = chosen_path(library_, request.value("path"));
+  out["name"] = folder.filename().string();
   std::vector<std::string> folders, archives;
   int files = 0;
   std::error_code error;
@@ -92,7 +104,8 @@ Reply Desk::series(const Request& request) {
       if (file.find("pipeline") && file.find("scene"))
         recipes.push_back({{"file", it->path().filename().string()},
                            {"pipeline", file.find("pipeline")->text},
-                           {"scene", file.find("scene")->text}});
+                           {"scene", file.find("scene")->text},
+                           {"about", first_comment(it->path())}});
     } catch (const Error&) {  // another file, or one that its own commands will explain
     }
   }
@@ -135,15 +148,12 @@ Reply Desk::new_case(const Request& request) {
   if (!series.empty()) entry["set"] = {{"import.series", series}};
   const std::string text =
       config::edited_yaml({bytes.begin(), bytes.end()}, {{{"cases", "+"}, yaml_of_json(entry)}}, file);
-  const fs::path draft = folder / (std::string(temporary_prefix) + "desk-" + file.filename().string());
-  write_file(draft, text);
-  try {
-    library::read_library_config(draft, {{}, {}, library_.options().roots});
-  } catch (...) {
-    fs::remove(draft);
-    throw;
+  {
+    const Draft draft(file, text);
+    draft.judged([&](const fs::path& f) {
+      return library::read_library_config(f, {{}, {}, library_.options().roots});
+    });
   }
-  fs::remove(draft);
   write_file(file, text);
   library_.plan();
   return json_reply({{"done", token}});

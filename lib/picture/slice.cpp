@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "picture/stroke.h"
 #include "surface/bounds.h"
+#include "surface/plane_cut.h"
 
 namespace trephine::picture {
 namespace {
@@ -67,27 +68,15 @@ struct Segment {
   double x0, y0, x1, y1;  // pixels
 };
 
-// Where the triangles meet the plane. A point that lies in it counts as above, so that the lines close.
 std::vector<Segment> cut(const surface::TriMesh& mesh, const SliceGeometry& g, int normal, double position) {
   std::vector<Segment> out;
   const double k = 1 / g.mm_per_px;
-  for (const auto& t : mesh.triangles) {
-    const Vec3 p[3] = {mesh.world_mm(t[0]), mesh.world_mm(t[1]), mesh.world_mm(t[2])};
-    const double h[3] = {p[0][normal] - position, p[1][normal] - position, p[2][normal] - position};
-    if ((h[0] >= 0) == (h[1] >= 0) && (h[1] >= 0) == (h[2] >= 0)) continue;
-    double ends[2][2];
-    int found = 0;
-    for (int e = 0; e < 3 && found < 2; ++e) {
-      // The edge is always followed from the same end, so that both of its triangles find the same point.
-      int a = e, b = (e + 1) % 3;
-      if ((h[a] >= 0) == (h[b] >= 0)) continue;
-      if (h[a] >= 0) std::swap(a, b);
-      const Vec3 q = p[a] + (p[b] - p[a]) * (h[a] / (h[a] - h[b])) - g.corner_mm;
-      ends[found][0] = dot(q, g.right) * k;
-      ends[found][1] = dot(q, g.down) * k;
-      ++found;
-    }
-    if (found == 2) out.push_back({ends[0][0], ends[0][1], ends[1][0], ends[1][1]});
+  Vec3 point, axis;
+  point[normal] = position;
+  axis[normal] = 1;
+  for (const auto& [from, to] : surface::plane_cut(mesh, point, axis)) {
+    const Vec3 a = from - g.corner_mm, b = to - g.corner_mm;
+    out.push_back({dot(a, g.right) * k, dot(a, g.down) * k, dot(b, g.right) * k, dot(b, g.down) * k});
   }
   return out;
 }

@@ -41,16 +41,9 @@ std::string why_left_out(const fs::path& folder, const LessonType& module, Curri
   if (!approval->holds) return "changed since " + approval->by + " approved it";
   const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
   const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
-  for (const auto& [name, value] : m.figures)
-    if (const std::string* text = std::get_if<std::string>(&value); text && name == "class") out.patient_class = *text;
   module.require(m);
-  const std::vector<std::string>& known = module.classes;
-  if (known.empty())
-    out.patient_class.clear();
-  else if (out.patient_class.empty())
-    return "has no class";
-  else if (std::find(known.begin(), known.end(), out.patient_class) == known.end())
-    return "its class is " + printable(out.patient_class);
+  if (!module.classes.empty()) out.patient_class = class_of(m);
+  if (const std::string fault = class_fault(module, out.patient_class); !fault.empty()) return fault;
   if (m.case_token != folder.filename().string()) return "its folder has another name than the case, " + m.case_token;
   for (const LessonTask& t : module.tasks(m)) out.tasks.push_back(t.name);
   out.token = m.case_token;

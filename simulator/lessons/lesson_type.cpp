@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/lesson_type.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/text.h"
 
@@ -21,6 +23,35 @@ LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, 
   throw Error(
       ExitCode::bad_input, "", "task",
       printable(name) + " is no task of " + type.name + " in this case; it has " + (known.empty() ? "none" : known));
+}
+
+std::string class_fault(const LessonType& type, const std::string& patient_class) {
+  const std::vector<std::string>& known = type.classes;
+  if (known.empty()) return "";
+  if (patient_class.empty()) return "has no class";
+  if (std::find(known.begin(), known.end(), patient_class) == known.end())
+    return "its class is " + printable(patient_class);
+  return "";
+}
+
+LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
+  LessonUse out;
+  try {
+    type.require(manifest);
+    out.why_not = class_fault(type, class_of(manifest));
+    if (!out.why_not.empty()) return out;
+    for (const LessonTask& task : type.tasks(manifest)) out.tasks.push_back(task.name);
+    if (out.tasks.empty()) out.why_not = "the case holds no task of it";
+  } catch (const Error& e) {
+    out.why_not = e.line("").substr(2);
+  }
+  return out;
+}
+
+std::string class_of(const cases::CaseManifest& manifest) {
+  for (const auto& [name, value] : manifest.figures)
+    if (const std::string* text = std::get_if<std::string>(&value); text && name == "class") return *text;
+  return "";
 }
 
 std::vector<std::string> lesson_names() {

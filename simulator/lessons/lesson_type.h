@@ -140,6 +140,16 @@ const std::vector<LessonType>& lesson_types();
 const LessonType& lesson_type(const std::string& name);
 /// The task of that name; throws Error 65 with the field `task` where the case holds no such task.
 LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name);
+/// What a case offers to a lesson: its tasks, or why it cannot be exercised.
+struct LessonUse {
+  std::vector<std::string> tasks;
+  std::string why_not;  ///< empty: it can
+};
+LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest);
+/// The patient's class, as the case's figures have it; "": none.
+std::string class_of(const cases::CaseManifest& manifest);
+/// Why no case of that patient's class is exercised ("": it has none); empty where such cases are.
+std::string class_fault(const LessonType& type, const std::string& patient_class);
 /// The values of --module.
 std::vector<std::string> lesson_names();
 

@@ -16,7 +16,8 @@ CANARY = "canary-5d1f0c"
 
 
 def state_of(folder):
-    return {str(f): (f.stat().st_size, f.stat().st_mtime_ns) for f in sorted(folder.rglob("*")) if f.is_file()}
+    """Of every file but those that were dropped on the page, which have a folder of their own."""
+    return {str(f): (f.stat().st_size, f.stat().st_mtime_ns) for f in sorted(folder.rglob("*")) if f.is_file() and "/configs/dropped/" not in str(f)}
 
 
 class Generator:
@@ -26,9 +27,11 @@ class Generator:
         self.paths = ["", "api/library", "api/plan", "api/status", "api/log?case=head-01", "api/case?case=head-01", "api/open?case=nobody",
                       "api/slice?case=head-01&axis=0&index=1", "api/field?case=head-01&name=skull&axis=0&index=1", "api/draft?case=head-01&what=view",
                       "api/folders?path=0", "api/series?path=0/configs", "api/picture?path=0/configs&series=s1", "case/head-01/report/view.html",
-                      "case/head-01/report/axial.png", "api/plane?case=head-01&side=5", "api/grow?case=head-01&i=0&j=0&k=0"]
+                      "case/head-01/report/axial.png", "api/plane?case=head-01&side=5", "api/grow?case=head-01&i=0&j=0&k=0",
+                      "api/tried?case=head-01", "api/cut?case=head-01&which=was&name=skull&axis=0&index=1", "api/lessons?case=head-01"]
         self.posts = ["api/landmark", "api/holes", "api/value", "api/patch?case=head-01&anatomy=skull&by=x&why=&base=", "api/switch", "api/approve",
-                      "api/keep?case=head-01&what=view", "api/new", "api/stop"]
+                      "api/keep?case=head-01&what=view", "api/new", "api/stop", "api/try",
+                      "api/between?case=head-01&axis=2&value=1", "api/drop?drop=0123456789abcdef&file=0&offset=0", "api/dropped"]
         self.ways = ["../", "..%2f", "%2e%2e/", "..\\", "....//", "/etc/", "%00", "0/../..", "0/outside", "./", "//", "%c0%ae%c0%ae/", "file:///", "0/link", "-1", "1e9",
                      "outside/secret.txt", "..%252f", "nan", "a" * 3000]
         self.values = [None, True, -1, 1e300, "", "../outside/secret", "head-01", "a: b\nc: d", "[1", {"a": {"b": 1}}, [], [[[[1]]]], [1, 2, 3], "x" * 2000, "${HOME}", "\u0000"]
@@ -54,7 +57,7 @@ class Generator:
             return bytes(r.randrange(256) for _ in range(r.randrange(200)))
         if r.random() < 0.1:
             return b"[" * 5000
-        keys = ["case", "by", "why", "base", "name", "position_mm", "holes", "path", "value", "id", "on", "recipe", "series", "difficulty_level", "only", "checks"]
+        keys = ["case", "by", "why", "base", "name", "position_mm", "holes", "path", "value", "id", "on", "recipe", "series", "difficulty_level", "only", "checks", "drop", "files", "archive", "anatomy"]
         return json.dumps({k: r.choice(self.values) for k in keys if r.random() < 0.8}).encode()
 
     def request(self):

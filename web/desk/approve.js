@@ -1,11 +1,25 @@
-// Part 10: approval, after what a case of this recipe has was looked at.
+// Part 12: approval, after what a case of this recipe has was looked at.
 function approvePanel(page) {
   const ticked = new Set()
+  let seen = 0
+  // The simulator says for which lessons the case serves; asked once for each state of the case.
+  let uses = null, usesOf = '', fill = () => {}
+  const lessons = c => {
+    const of = String(desk.stats.rebuilt || 0), box = make('div', { id: 'lessons' })
+    fill = () => box.replaceChildren(...!uses ? [make('p', { class: 'faint', text: t('asking_lessons') })] : uses.fault ? [make('p', { class: 'warn', text: uses.fault })] : [uses.lessons.some(l => !l.why_not) ? null : make('p', { class: 'warn', text: t('no_lesson') }), table([[t('lesson'), 0], [t('tasks'), 0]], uses.lessons.map(l => make('tr', { 'data-lesson': l.name }, make('td', { text: label(l.name) }), l.why_not ? make('td', { class: 'faint', text: `${t('not_served')} ${l.why_not}` }) : make('td', { class: 'good', text: l.tasks.map(label).join(', ') }))))].filter(x => x))
+    if (usesOf !== of) {
+      uses = null, usesOf = of
+      askJson('lessons', { case: page.token }).then(said => { uses = said }, e => { uses = { fault: e.message } }).then(() => fill())
+    }
+    fill()
+    return box
+  }
   page.addPanel('approve', () => {
     const c = desk.cases.find(c => c.case === page.token), info = page.info || {}, built = info.built
-    if (!built || !c) return [make('p', { class: 'warn', text: t('not_built') })]
+    if (!built || !c) return [make('p', { class: 'warn', text: t('not_built') }), make('p', { class: 'faint', text: t('build_first') })]
+    if (seen !== (desk.stats.rebuilt || 0)) seen = desk.stats.rebuilt || 0, ticked.clear()  // another case now: it is looked at anew
     const has = name => c.anatomies.some(a => a.name.includes(name))
-    const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && 'c_face', info.warnings.length && 'c_warnings'].filter(x => x)
+    const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && (info.now && /crop|deface/.test(info.now.face) ? 'c_face' : 'c_face_kept'), info.warnings.length && 'c_warnings'].filter(x => x)
     const level = make('select', { id: 'difficulty' }, [1, 2, 3, 4, 5].map(n => make('option', { value: String(n), text: String(n) })))
     level.value = String(c.approval ? c.approval.difficulty_level : 3)
     const stale = info.reasons && info.reasons.length > 0
@@ -23,6 +37,8 @@ function approvePanel(page) {
       stale ? make('p', { class: 'warn', text: t('stale_case') }) : null,
       make('h2', { text: t('checklist') }), list,
       make('div', { class: 'row' }, field('difficulty', level), approve, c.approval ? button('withdraw', async () => { await tell('approve', { case: page.token, by: who(), withdraw: true }); await again() }) : null), todo,
+      // Below what is clicked, which must not move when the answer comes.
+      make('h2', { text: t('lessons') }), lessons(c),
       info.warnings.length ? [make('h2', { text: t('warnings') }), info.warnings.map(w => warningLine(page, w))] : null
     ].flat(2)
   })

@@ -20,7 +20,9 @@ const make = (tag, given = {}, ...children) => {
 const desk = { language: 'en', cases: [], plan: new Map(), page: null, stats: {} }
 const t = key => TEXTS[desk.language][key] || '?' + key
 const digits = (v, n) => typeof v === 'number' && isFinite(v) ? v.toLocaleString(desk.language, { minimumFractionDigits: n, maximumFractionDigits: n }) : ''
-const label = name => name.replace(/_/g, ' ')
+// Whole numbers stay whole.
+const figure = v => typeof v !== 'number' ? String(v) : digits(v, Number.isInteger(v) ? 0 : 2)
+const label = name => name.replace(/[_.]/g, ' ')
 
 // ---- requests
 class Refused extends Error {}
@@ -41,7 +43,8 @@ const ask = (path, query = {}) => answered(fetch('api/' + path + '?' + new URLSe
 const askJson = async (path, query) => (await ask(path, query)).json()
 const askBytes = async (path, query) => (await ask(path, query)).arrayBuffer()
 const tell = async (path, body) => (await answered(fetch('api/' + path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) }))).json()
-const tellBytes = async (path, query, body) => (await answered(fetch('api/' + path + '?' + new URLSearchParams(query), { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body }))).json()
+const tellForBytes = async (path, query, body) => (await answered(fetch('api/' + path + '?' + new URLSearchParams(query), { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body }))).arrayBuffer()
+const tellBytes = async (path, query, body) => JSON.parse(new TextDecoder().decode(await tellForBytes(path, query, body)))
 
 // ---- what went wrong, and what went well
 const problem = text => { $('problem').hidden = !text, $('problem-text').textContent = text || '' }

@@ -36,13 +36,13 @@ function libraryPage() {
     const plan = desk.plan.get(c.case), s = stateOf(c), pair = make('div', { class: 'pair' }), text = make('div', { class: 'text' })
     c.pictures.forEach((file, i) => pair.append(make('img', { alt: '', loading: 'lazy', class: i ? 'dark' : '', src: 'case/' + file })))
     if (!c.pictures.length) pair.append(make('div', { class: 'none', text: t('built_not') }))
-    text.append(make('strong', { text: c.case }), make('span', { class: 'faint', text: [c.class, ...c.anatomies.slice(-2).map(a => `${label(a.name)} ${digits(a.volume_ml, 1)} ml`), c.figures.evans_index_ratio !== undefined ? 'Evans ' + digits(c.figures.evans_index_ratio, 2) : ''].filter(x => x).join(' · ') }))
+    text.append(make('strong', { text: c.case }), make('span', { class: 'faint', text: [c.class, c.anatomies.length ? `${c.anatomies.length} ${t('anatomies')}` : '', c.triangles ? `${digits(c.triangles, 0)} ${t('triangles')}` : '', c.figures.evans_index_ratio !== undefined ? 'Evans ' + digits(c.figures.evans_index_ratio, 2) : ''].filter(x => x).join(' · ') }))
     const faults = [c.fault, c.last_code ? `${c.last_code}: ${c.last_reason}` : '', plan && plan.fault].filter(x => x)
     for (const f of new Set(faults)) text.append(make('span', { class: 'bad', text: f }))
     if (plan && plan.reasons.length) text.append(make('span', { class: 'warn', text: t('why_stale') }), make('ul', { class: 'faint' }, plan.reasons.slice(0, 3).map(r => make('li', { text: r })), plan.reasons.length > 3 ? make('li', { text: `+ ${plan.reasons.length - 3}` }) : null))
     text.append(make('div', { class: 'foot' },
       s.failed ? tag(t('failed'), 'bad') : s.stale ? tag(t('stale'), 'warn') : s.fresh ? tag(t('fresh'), 'good') : null,
-      c.warnings.length ? tag(`${c.warnings.length} ${t('warnings').toLowerCase()}`, 'warn') : null,
+      c.warnings.length ? tag(`${t('warning_count')} ${c.warnings.length}`, 'warn') : null,
       c.approval ? tag(c.approval.holds ? `${t('approved')} ${t('by')} ${c.approval.by}` : t('void_'), c.approval.holds ? 'good' : 'bad') : tag(t('unapproved'))))
     return make('button', { class: 'card', 'data-case': c.case, click: () => { location.hash = 'case/' + c.case } }, pair, text)
   }
@@ -56,7 +56,7 @@ function libraryPage() {
     const cases = all().filter(fits), by = { name: c => c.case, age: c => c.age_s, warnings: c => -c.warnings.length }[shown.sort] || (c => c.case)
     cases.sort((a, b) => by(a) < by(b) ? -1 : by(a) > by(b) ? 1 : a.case < b.case ? -1 : 1)
     count.textContent = `${cases.length} ${t('of')} ${all().length} ${t('cases')}`
-    cards.replaceChildren(...cases.map(card))
+    cards.replaceChildren(...cases.length ? cases.map(card) : [make('p', { class: 'faint', text: all().length ? t('none_fits') : t('empty_library') })])
   }
   const load = async () => {
     await loadLibrary()
@@ -71,12 +71,12 @@ function libraryPage() {
     clearTimeout(page.timer)
     const s = await askJson('status')
     const was = page.building
-    page.building = s.running
+    page.building = s.running, page.ended = s.ever && !s.running ? s.code : null
     if ($('stop')) $('stop').hidden = !s.running, $('build') && ($('build').disabled = s.running)
     $('busy').textContent = s.running ? (s.stopping ? t('stopping') : t('working')) + ' ' + digits(s.seconds, 0) + ' s' : ''
     jobs.replaceChildren(...s.at_work.map(j => make('div', { class: 'job' }, make('span', { text: j.case }), make('span', { class: 'faint', text: j.stage || '…' }))))
     log.hidden = !s.ever
-    log.textContent = s.lines.join('\n') + (s.ever && !s.running ? `\n${s.code ? t('ended') + ' ' + s.code : t('done_in') + ' ' + digits(s.seconds, 1) + ' s'}` : '')
+    log.textContent = s.lines.join('\n') + (s.ever && !s.running ? `\n${endOf(s)}` : '')
     log.scrollTop = log.scrollHeight
     if (was && !s.running) await load()
     if (s.running && desk.page === page) page.timer = setTimeout(doing(watch), 500)

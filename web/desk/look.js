@@ -8,7 +8,7 @@ function casePage(token) {
   // ---- views
   const canvases = {}
   const box = (id, content) => {
-    const b = make('div', { class: 'view', 'data-view': id }, content, make('button', { class: 'most', text: '⛶', title: t('bigger'), 'aria-label': t('bigger'), click: () => {
+    const b = make('div', { class: 'view', 'data-view': id }, content, make('button', { class: 'most', title: t('bigger'), 'aria-label': t('bigger'), click: () => {
       const one = views.classList.contains('one') && b.classList.contains('chosen')
       views.classList.toggle('one', !one)
       for (const other of views.children) other.classList.toggle('chosen', !one && other === b)
@@ -23,15 +23,17 @@ function casePage(token) {
   views.firstChild.append(wait)
   page.showSolid = () => {
     const c = desk.cases.find(c => c.case === token)
-    solidBox.querySelector('iframe, .wait').replaceWith(c && c.page ? make('iframe', { title: t('solid'), src: `case/${token}/report/view.html`, sandbox: 'allow-scripts' }) : make('div', { class: 'wait', text: t('no_page') }))
+    solidBox.querySelector('iframe, .wait').replaceWith(c && c.page ? make('iframe', { title: t('solid'), src: `case/${token}/report/view.html#framed`, sandbox: 'allow-scripts' }) : make('div', { class: 'wait', text: t('no_page') }))
   }
 
   // ---- drawing
   let due = 0
   page.redraw = () => { due = due || requestAnimationFrame(() => { due = 0; draw() }) }
+  let colours = new Map(), coloursOf = null
   const colourOf = name => {
-    const a = page.info && page.info.now && page.info.now.anatomies.find(a => a.name === name)
-    return a ? strong(a.colour_rgb) : '#ffffff'
+    const all = page.info && page.info.now ? page.info.now.anatomies : []
+    if (coloursOf !== all) coloursOf = all, colours = toldApart(all.filter(a => a.field))
+    return colours.get(name) || '#ffffff'
   }
   page.colourOf = colourOf
   const draw = () => { if (page.volume) for (const p of page.volume.planes) drawPlane(p) }
@@ -82,13 +84,14 @@ function casePage(token) {
     if (page.marks) drawMarks(p, c)
     for (const m of page.measures) if (m.plane === p.id && m.index === index) drawMeasure(p, c, m)
     if (page.line && page.line.plane === p.id && page.line.index === index) drawMeasure(p, c, page.line)
-    const w = volume.toWorld(page.at), place = `${t(p.id)} ${'LPS'[p.patient]} ${w[p.patient].toFixed(1)} mm  ${index + 1}/${volume.size[p.n]}`
+    const w = volume.toWorld(page.at), place = `${t(p.id)}  ${sided(w[p.patient], p.patient)} mm  ${index + 1}/${volume.size[p.n]}`
     for (const [text, x, y] of [[p.ends[0], 5 * p.r, p.h / 2], [p.ends[1], p.w - 15 * p.r, p.h / 2], [p.ends[2], p.w / 2, 15 * p.r], [p.ends[3], p.w / 2, p.h - 6 * p.r], [place, 5 * p.r, p.h - 6 * p.r]]) inked(c, text, x, y, '#c5d4e3', p.r)
     desk.stats.draw = performance.now() - began
     desk.stats.draws = (desk.stats.draws || 0) + 1
   }
-  const strokeOutline = (c, p, line, colour) => {
+  const strokeOutline = page.strokeOutline = (c, p, line, colour, dash = []) => {
     const swap = p.u > p.v
+    c.setLineDash(dash.map(d => d * p.r))
     c.strokeStyle = colour
     c.lineWidth = 1.4 * p.r
     c.beginPath()
@@ -97,7 +100,13 @@ function casePage(token) {
       c.moveTo(p.X(line[i + a]), p.Y(line[i + b]))
       c.lineTo(p.X(line[i + 2 + a]), p.Y(line[i + 2 + b]))
     }
+    // What is dashed lies on bone and on air: a dark rim lets it be seen on both.
+    if (dash.length) {
+      c.lineWidth = 3.4 * p.r, c.strokeStyle = 'rgba(0,0,0,.75)', c.stroke()
+      c.lineWidth = 1.6 * p.r, c.strokeStyle = colour
+    }
     c.stroke()
+    c.setLineDash([])
   }
   const inked = (c, text, x, y, colour, r) => {
     c.lineWidth = 3 * r
@@ -108,6 +117,7 @@ function casePage(token) {
   }
   page.inked = inked
   const drawMarks = (p, c) => {
+    const taken = []
     for (const m of page.allMarks()) {
       const at = page.volume.toIndex(m.position_mm), off = Math.abs(at[p.n] - page.at[p.n]) * page.volume.spacing[p.n]
       if (off > 3) continue
@@ -115,7 +125,12 @@ function casePage(token) {
       c.globalAlpha = off < 1 ? 1 : .55
       c.beginPath(), c.arc(p.X(at[p.u]), p.Y(at[p.v]), 4 * p.r, 0, 7), c.fill()
       c.globalAlpha = 1
-      inked(c, label(m.name), p.X(at[p.u]) + 7 * p.r, p.Y(at[p.v]) + 4 * p.r, '#fff', p.r)
+      // Labels of neighbours stand below each other.
+      const text = label(m.name), x = p.X(at[p.u]) + 7 * p.r, wide = c.measureText(text).width, high = 14 * p.r
+      let y = p.Y(at[p.v]) + 4 * p.r
+      while (taken.some(b => x < b.x + b.wide && b.x < x + wide && Math.abs(y - b.y) < high)) y += high / 2
+      taken.push({ x, y, wide })
+      inked(c, text, x, y, '#fff', p.r)
     }
   }
   const drawMeasure = (p, c, m) => {
@@ -162,6 +177,7 @@ function casePage(token) {
   let remembering = 0
   const remember = () => {
     clearTimeout(remembering)
+    if (!page.restored) return  // what was kept is not read yet
     remembering = setTimeout(() => desk.config && tellBytes('keep', { case: token, what: 'view' }, JSON.stringify({ at: page.at, window: page.window, tool: page.tool, tab: page.tab, off: [...page.outlines].filter(o => !o[1]).map(o => o[0]) })).catch(() => {}), 700)
   }
 
@@ -263,13 +279,22 @@ function casePage(token) {
   // ---- panels
   page.addPanel = (name, build) => { page.panels[name] = build }
   page.show_ = name => {
+    // Whoever works by keyboard keeps the place: what had the focus is found again by its name.
+    const had = panel.contains(document.activeElement) ? document.activeElement : null, scrolled = page.tab === name ? panel.scrollTop : 0
+    const named = had && (had.id ? '#' + had.id : [...had.attributes].filter(a => a.name.startsWith('data-')).map(a => `[${a.name}="${CSS.escape(a.value)}"]`).join(''))
     page.tab = name
     for (const b of tabs.children) b.setAttribute('aria-selected', b.dataset.tab === name)
     page.told = null
-    panel.replaceChildren(...[].concat(page.panels[name]()).filter(x => x))
+    panel.replaceChildren(...[].concat(page.panels[name]()).flat(3).filter(x => x))
+    panel.scrollTop = scrolled
+    const again = named && panel.querySelector(named)
+    if (again) again.focus({ preventScroll: true })
     remember()
   }
-  page.listTabs = () => tabs.replaceChildren(...Object.keys(page.panels).map(name => make('button', { role: 'tab', 'data-tab': name, 'aria-selected': String(page.tab === name), text: t('tab_' + name), click: () => page.show_(name) })))
+  page.listTabs = () => tabs.replaceChildren(...Object.keys(page.panels).map(name => make('button', { role: 'tab', 'data-tab': name, 'aria-selected': String(page.tab === name), text: t('tab_' + name), click: () => page.show_(name), keydown: e => {
+    const to = e.key === 'ArrowRight' ? e.target.nextSibling : e.key === 'ArrowLeft' ? e.target.previousSibling : null
+    if (to) e.preventDefault(), to.focus(), to.click()
+  } })))
 
   page.reloadInfo = async () => {
     page.info = await askJson('case', { case: token })
@@ -287,16 +312,19 @@ function casePage(token) {
 
   // ---- opening
   page.opening = async again => {
-    wait.hidden = false
+    wait.hidden = !!page.volume
+    let fresh = again
     const query = again ? { case: token, again: 1 } : { case: token }
     for (let first = true; desk.page === page; first = false) {
       const now = await askJson('open', first ? query : { case: token })
       if (now.state === 'failed' && !now.lattice) throw wait.textContent = now.fault, new Refused(now.fault)
-      if (now.lattice && (!page.volume || first && again)) {
+      if (now.lattice && (!page.volume || fresh)) {
         const old = page.volume
+        fresh = false
         page.volume = makeVolume(token, now.lattice)
         if (!old || String(old.size) !== String(page.volume.size)) page.at = page.volume.size.map(n => n >> 1)
-        await restore()
+        if (old) page.redraw()
+        else await restore()
         wait.hidden = true
         page.opened && page.opened()
       }
@@ -324,6 +352,7 @@ function casePage(token) {
       if (page.tools[view.tool]) page.pick(view.tool)
       if (page.panels[view.tab]) page.tab = view.tab
     } catch (e) {}
+    page.restored = true
     page.show_(page.tab)
   }
   page.leave = () => {
@@ -350,8 +379,26 @@ function casePage(token) {
   return page
 }
 
-// The hue of a colour at full strength: tissue is too pale for lines on grey.
-function strong(rgb) {
-  const low = Math.min(...rgb), range = Math.max(...rgb) - low
-  return `rgb(${(range < .02 ? [1, 1, 1] : rgb.map(c => .15 + .85 * (c - low) / range)).map(c => Math.round(255 * c))})`
+// 12.3 mm to the left is L 12.3, and to the right R 12.3.
+const sided = (v, axis) => `${(v < 0 ? 'RAI' : 'LPS')[axis]} ${Math.abs(v).toFixed(1)}`
+
+// Lines on grey: the recipe's hues at full strength, for tissue is too pale. Of two of nearly one hue the second is lighter.
+function toldApart(anatomies) {
+  const hue = rgb => {
+    const low = Math.min(...rgb), range = Math.max(...rgb) - low
+    if (range < .02) return null
+    const [r, g, b] = rgb.map(c => (c - low) / range)
+    return (r === 1 ? (g - b + 6) % 6 : g === 1 ? b - r + 2 : r - g + 4) * 60
+  }
+  const out = new Map(), taken = []
+  for (const { name, colour_rgb } of anatomies) {
+    const own = hue(colour_rgb)
+    let step = 0
+    while (taken.some(([h, s]) => s === step && (h === null || own === null ? h === own : Math.min(Math.abs(h - own), 360 - Math.abs(h - own)) < 15)) && step < 3) ++step
+    taken.push([own, step])
+    const low = Math.min(...colour_rgb), range = Math.max(...colour_rgb) - low
+    const full = own === null ? [1, 1, 1] : colour_rgb.map(c => .15 + .85 * (c - low) / range)
+    out.set(name, `rgb(${full.map(c => Math.round(255 * (own === null ? c * (1 - .3 * step) : c + (1 - c) * Math.min(.8, .5 * step))))})`)
+  }
+  return out
 }

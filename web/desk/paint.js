@@ -1,7 +1,7 @@
-// Part 8: correcting by brush. What is painted is a byte a voxel of the scan: 1 added, 2 removed. It stays in the page, and as a
+// Part 9: correcting by brush. What is painted is a byte a voxel of the scan: 1 added, 2 removed. It stays in the page, and as a
 // draft on the desk, until it is saved as a patch of the case.
 function paintPanel(page) {
-  const brush = { radius: 3, ball: false, within: false, low: 226, high: 3071, grow: 15 }
+  const brush = { radius: 3, ball: false, within: false, low: 226, high: 3071, grow: 15, plane: 'axial' }
   let anatomy = '', bytes = null, count = [0, 0], stroke = null, keeping = 0, restored = false
   const box = { low: [1e9, 1e9, 1e9], high: [-1, -1, -1] }, done = [], undone = []
   const choices = () => page.info && page.info.now ? page.info.now.anatomies.filter(a => a.field && page.fields.includes(a.name)) : []
@@ -22,22 +22,42 @@ function paintPanel(page) {
   }
   const placeOf = n => [n % page.volume.size[0], Math.floor(n / page.volume.size[0]) % page.volume.size[1], Math.floor(n / page.volume.size[0] / page.volume.size[1])]
   const huAt = (p, data, at) => { const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]; return data[at[hi] * page.volume.size[lo] + at[lo]] }
+  const inRange = hu => hu >= brush.low && hu <= brush.high
 
   // A disc in the plane, or a ball; voxel centres within the radius, and always the one that is pointed at.
-  const dab = (p, centre, value) => {
-    const { volume } = page, { size, spacing } = volume, c = centre.map(Math.round), data = volume.has(p.n, page.at[p.n])
+  const dab = ({ p, centre, value }) => {
+    const { volume } = page, { size, spacing } = volume, c = centre.map(Math.round)
     const reach = [0, 1, 2].map(a => a === p.n && !brush.ball ? 0 : Math.floor(brush.radius / spacing[a])), at = [0, 0, 0], lo = [], hi = []
     for (let a = 0; a < 3; ++a) lo[a] = Math.max(0, c[a] - reach[a]), hi[a] = Math.min(size[a] - 1, c[a] + reach[a])
     for (at[2] = lo[2]; at[2] <= hi[2]; ++at[2]) for (at[1] = lo[1]; at[1] <= hi[1]; ++at[1]) for (at[0] = lo[0]; at[0] <= hi[0]; ++at[0]) {
       let d = 0
       for (let a = 0; a < 3; ++a) d += ((at[a] - (a === p.n && !brush.ball ? c[a] : centre[a])) * spacing[a]) ** 2
       if (d > brush.radius ** 2 && (at[0] !== c[0] || at[1] !== c[1] || at[2] !== c[2])) continue
-      if (brush.within && value && !brush.ball) {
-        const hu = huAt(p, data, at)
-        if (hu < brush.low || hu > brush.high) continue
-      }
+      if (brush.within && value && !inRange(huAt(p, volume.has(p.n, at[p.n]), at))) continue
       write(volume.at(...at), value, at)
     }
+  }
+  // A ball in a range of HU reaches into slices that were not fetched yet: dabs wait for them, in their order.
+  const waiting = []
+  let fetching = false, over = true
+  const slicesOf = ({ p, centre, value }) => {
+    const reach = brush.ball ? Math.floor(brush.radius / page.volume.spacing[p.n]) : 0, c = Math.round(centre[p.n]), all = []
+    if (brush.within && value) for (let i = Math.max(0, c - reach); i <= Math.min(page.volume.size[p.n] - 1, c + reach); ++i) if (!page.volume.has(p.n, i)) all.push(page.volume.slice(p.n, i))
+    return all
+  }
+  const paintWaiting = async () => {
+    if (fetching) return
+    while (waiting.length) {
+      const missing = slicesOf(waiting[0])
+      if (missing.length) {
+        fetching = true
+        try { await Promise.all(missing) } catch (e) { waiting.length = 0, problem(e.message) } finally { fetching = false }
+        continue
+      }
+      dab(waiting.shift())
+    }
+    page.redraw()
+    if (over) finish()
   }
   const painter = (key, value) => {
     let last = null
@@ -46,19 +66,25 @@ function paintPanel(page) {
       down: (p, at) => {
         ready()
         const began = performance.now()
-        stroke = new Map(), last = at
-        dab(p, at, value)
-        page.redraw()
+        if (!over || fetching) return
+        stroke = new Map(), last = at, over = false
+        waiting.push({ p, centre: at, value })
+        paintWaiting()
         requestAnimationFrame(() => requestAnimationFrame(() => { desk.stats.brush = performance.now() - began }))
       },
       move: (p, at) => {
         if (!stroke || !last) return
         const way = Math.hypot(...[0, 1, 2].map(a => (at[a] - last[a]) * page.volume.spacing[a])), n = Math.max(1, Math.ceil(way / Math.max(.3, brush.radius / 2)))
-        for (let i = 1; i <= n; ++i) dab(p, last.map((v, a) => v + (at[a] - v) * i / n), value)
+        const from = last
+        for (let i = 1; i <= n; ++i) waiting.push({ p, centre: from.map((v, a) => v + (at[a] - v) * i / n), value })
         last = at
-        page.redraw()
+        paintWaiting()
       },
-      up: () => { last = null, finish() }
+      up: () => {
+        if (!last) return
+        last = null, over = true
+        if (!fetching) paintWaiting()
+      }
     }
   }
   const finish = () => {
@@ -80,7 +106,7 @@ function paintPanel(page) {
       ready()
       const { volume } = page, start = at.map(Math.round), data = volume.has(p.n, page.at[p.n])
       if (!volume.inside(start)) return
-      const was = bytes[volume.at(...start)], fits = q => bytes[volume.at(...q)] === was && (!brush.within || (huAt(p, data, q) >= brush.low && huAt(p, data, q) <= brush.high))
+      const was = bytes[volume.at(...start)], fits = q => bytes[volume.at(...q)] === was && (!brush.within || inRange(huAt(p, data, q)))
       const open = [start], found = []
       const seen = new Set([volume.at(...start)])
       while (open.length) {
@@ -90,7 +116,7 @@ function paintPanel(page) {
         for (const [a, d] of [[p.u, 1], [p.u, -1], [p.v, 1], [p.v, -1]]) {
           const next = [...q]
           next[a] += d
-          if (next[a] < 0 || next[a] >= volume.size[a]) { if (!brush.within) throw new Refused('What would be filled reaches the edge of the slice: close its border, or set a range of HU.') }
+          if (next[a] < 0 || next[a] >= volume.size[a]) { if (!brush.within) throw new Refused(t('fill_open')) }
           else if (!seen.has(volume.at(...next))) seen.add(volume.at(...next)), open.push(next)
         }
       }
@@ -107,16 +133,30 @@ function paintPanel(page) {
       const [i, j, k] = at.map(Math.round), { volume } = page
       if (!volume.inside([i, j, k])) return
       const answer = await askBytes('grow', { case: page.token, i, j, k, radius_mm: brush.grow, lower_hu: brush.low, upper_hu: brush.high })
-      const [x, y, z, nx, ny, nz] = new Int32Array(answer, 0, 6), grown = new Uint8Array(answer, 24)
-      stroke = new Map()
-      for (let n = 0; n < grown.length; ++n) if (grown[n]) {
-        const q = [x + n % nx, y + Math.floor(n / nx) % ny, z + Math.floor(n / nx / ny)]
-        write(volume.at(...q), 1, q)
-      }
-      finish()
-      page.redraw()
-      void nz
+      take(answer, () => 1)
     }
+  }
+  // What the desk made of it, as one stroke.
+  const take = (answer, valueOf) => {
+    const [x, y, z, nx, ny] = new Int32Array(answer, 0, 6), made = new Uint8Array(answer, 24)
+    const before = count[0] + count[1]
+    stroke = new Map()
+    for (let n = 0; n < made.length; ++n) if (made[n]) {
+      const q = [x + n % nx, y + Math.floor(n / nx) % ny, z + Math.floor(n / nx / ny)]
+      write(page.volume.at(...q), valueOf(made[n]), q)
+    }
+    finish()
+    page.redraw()
+    return count[0] + count[1] - before
+  }
+  // The slices between painted ones, along the axis of the chosen plane.
+  const between = async () => {
+    ready()
+    const body = packed(), p = page.volume.planes.find(p => p.id === brush.plane)
+    if (!body) throw new Refused(t('nothing'))
+    const value = count[0] ? 1 : 2
+    const answer = await tellForBytes('between', { case: page.token, axis: p.n, value }, body)
+    hint(`${t('filled')} ${take(answer, v => v)}`)
   }
   page.resize = factor => {
     brush.radius = Math.max(.3, Math.min(60, Math.round(brush.radius * factor * 10) / 10))
@@ -190,7 +230,7 @@ function paintPanel(page) {
       try {
         await tellBytes('keep', { case: page.token, what: 'paint' }, body ? new Blob([head, body]) : new Blob([]))
         desk.stats.kept = (desk.stats.kept || 0) + 1
-      } catch (e) {}
+      } catch (e) { problem(`${t('not_kept')} ${e.message}`) }
     }, 800)
   }
   page.opened = async () => {
@@ -214,7 +254,7 @@ function paintPanel(page) {
   const tellCount = () => {
     desk.stats.painted = [...count]
     const ml = page.volume ? page.volume.spacing[0] * page.volume.spacing[1] * page.volume.spacing[2] / 1000 : 0
-    if (counted) counted.textContent = count[0] + count[1] ? `+ ${digits(count[0] * ml, 2)} ml, − ${digits(count[1] * ml, 2)} ml (${count[0]} + ${count[1]})` : t('nothing')
+    if (counted) counted.textContent = count[0] + count[1] ? [[count[0], t('added')], [count[1], t('removed')]].filter(c => c[0]).map(([n, what]) => `${digits(n * ml, 2)} ml ${what} (${n} ${t('voxels')})`).join(', ') : t('nothing')
   }
 
   page.addPanel('paint', () => {
@@ -222,9 +262,11 @@ function paintPanel(page) {
     if (!anatomy && list.length) anatomy = (list.find(a => a.shown) || list[0]).name
     const select = make('select', { id: 'anatomy', change: e => { anatomy = e.target.value } }, list.map(a => make('option', { value: a.name, text: label(a.name) })))
     select.value = anatomy
-    const number = (key, given) => make('input', { type: 'number', value: brush[key], ...given, change: e => { brush[key] = +e.target.value, range(), page.redraw() } })
+    const number = (key, name, given) => make('input', { type: 'number', value: brush[key], 'aria-label': t(name), ...given, change: e => { if (isFinite(e.target.valueAsNumber)) brush[key] = e.target.valueAsNumber; range(), page.redraw() } })
     const showing = make('input', { type: 'checkbox', id: 'show-range', checked: !!page.range, change: () => { range(), page.redraw() } })
     const range = () => { page.range = showing.checked ? [brush.low, brush.high] : null }
+    const plane = make('select', { id: 'plane', change: e => { brush.plane = e.target.value } }, PLANES.map(p => make('option', { value: p.id, text: t(p.id) })))
+    plane.value = brush.plane
     counted = make('span', { id: 'painted' })
     tellCount()
     const why = make('textarea', { id: 'why', maxLength: 400 }), fixed = !page.info || page.info.fixed || !page.info.now
@@ -241,12 +283,15 @@ function paintPanel(page) {
       fixed && page.info && page.info.fixed ? make('p', { class: 'warn', text: page.info.fixed }) : null,
       make('h2', { text: t('anatomy') }), make('div', { class: 'row' }, list.length ? select : make('span', { class: 'faint', text: t('no_field') })),
       make('h2', { text: t('brush') }),
-      make('div', { class: 'row' }, field('brush', number('radius', { id: 'radius', min: .3, max: 60, step: .5 })), make('span', { class: 'faint', text: t('mm') }), make('label', {}, make('input', { type: 'checkbox', id: 'ball', checked: brush.ball, change: e => { brush.ball = e.target.checked } }), make('span', { text: t('ball') }))),
-      make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', id: 'within', checked: brush.within, change: e => { brush.within = e.target.checked } }), make('span', { text: t('within') })), number('low', { id: 'low' }), make('span', { text: t('to') }), number('high', { id: 'high' }), make('label', {}, showing, make('span', { text: t('show_range') }))),
-      make('div', { class: 'row' }, make('span', { text: `${t('t_grow')}: ${t('radius')}` }), number('grow', { min: 1, max: 200 }), make('span', { class: 'faint', text: t('mm') })),
+      make('div', { class: 'row' }, field('radius_', number('radius', 'radius_', { id: 'radius', min: .3, max: 60, step: .5 }), make('span', { class: 'faint', text: t('mm') })), make('label', {}, make('input', { type: 'checkbox', id: 'ball', checked: brush.ball, change: e => { brush.ball = e.target.checked } }), make('span', { text: t('ball') }))),
+      make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', id: 'within', checked: brush.within, change: e => { brush.within = e.target.checked } }), make('span', { text: t('within') })), number('low', 'hu_low', { id: 'low' }), make('span', { text: t('to') }), number('high', 'hu_high', { id: 'high' }), make('span', { class: 'faint', text: 'HU' })),
+      make('div', { class: 'row' }, make('label', {}, showing, make('span', { text: t('show_range') }))),
+      make('div', { class: 'row' }, field('grow_within', number('grow', 'grow_within', { id: 'grow', min: 1, max: 200 }), make('span', { class: 'faint', text: t('mm') }))),
+      make('p', { class: 'faint', text: t('grow_how') }),
+      make('div', { class: 'row' }, field('between_', plane), button('between', between, { id: 'between' })),
       make('h2', { text: t('painted') }), make('div', { class: 'row' }, counted), field('why', why),
-      make('div', { class: 'row' }, button('save_patch', save, { id: 'save-patch', class: 'main', disabled: !!fixed }), button('throw_', () => { clearAll(), page.show_('paint') })),
-      make('h2', { text: t('patches') }), patches.length ? patches.map(e => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-patch': String(e.id), checked: e.on, change: doing(ev => page.save('switch', { id: e.id, on: ev.target.checked })) }), make('span', { text: t('on') })), make('span', { text: e.what }), make('span', { class: 'faint', text: `${e.by} ${e.when}${e.why ? ': ' + e.why : ''}` }))) : make('p', { class: 'faint', text: t('nothing') })
+      make('div', { class: 'row' }, button('save_patch', save, { id: 'save-patch', class: 'main', disabled: !!fixed }), button('throw_', () => { clearAll(), page.show_('paint') }, { id: 'throw' })),
+      make('h2', { text: t('patches') }), patches.length ? make('p', { class: 'faint', text: t('patches_how') }) : null, patches.length ? patches.map(e => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-patch': String(e.id), checked: e.on, change: doing(ev => page.save('switch', { id: e.id, on: ev.target.checked })) }), make('span', { text: t('on') })), make('span', { text: e.what }), make('span', { class: 'faint', text: `${e.by} ${e.when}${e.why ? ': ' + e.why : ''}` }))) : make('p', { class: 'faint', text: t('nothing') })
     ].flat()
   })
 }

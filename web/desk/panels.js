@@ -10,7 +10,7 @@ function lookPanel(page) {
       if (!page.volume) return
       const w = page.volume.toWorld(page.at), p = page.volume.planes[0], data = page.volume.has(p.n, page.at[p.n])
       const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
-      where.textContent = `L ${w[0].toFixed(1)}, P ${w[1].toFixed(1)}, S ${w[2].toFixed(1)} mm · ${page.at.join(', ')}` + (data ? ` · ${data[page.at[hi] * page.volume.size[lo] + page.at[lo]]} HU` : '')
+      where.textContent = `${[0, 1, 2].map(a => sided(w[a], a)).join(', ')} mm · ${t('voxel')} ${page.at.join(', ')}` + (data ? ` · ${data[page.at[hi] * page.volume.size[lo] + page.at[lo]]} HU` : '')
     }
     page.told()
     const outlines = page.fields.map(name => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-outline': name, checked: !!page.outlines.get(name), change: e => { page.outlines.set(name, e.target.checked), page.redraw() } }), swatch(page.colourOf(name)), make('span', { text: label(name) }))))
@@ -26,7 +26,7 @@ function lookPanel(page) {
       make('h2', { text: t('profile') }), page.line ? chartOf(page) : make('p', { class: 'faint', text: t('no_profile') }),
       make('h2', { text: t('warnings') }), !info.built ? make('p', { class: 'warn', text: t('not_built') }) : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
       info.fault ? make('p', { class: 'bad', text: info.fault }) : null,
-      figures.length ? [make('h2', { text: t('figures') }), table([['', 0], ['', 1]], figures.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: 'number', text: typeof v === 'number' ? digits(v, 2) : v }))))] : null
+      figures.length ? [make('h2', { text: t('figures') }), table([['', 0], ['', 1]], figures.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: typeof v === 'number' ? 'number' : '', text: figure(v) }))))] : null
     ].flat()
   })
 }

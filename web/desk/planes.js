@@ -39,12 +39,14 @@ function makeVolume(token, lattice) {
     const [u0, v0, nu, nv] = new Int32Array(bytes, 0, 4)
     return contourOf(new Int16Array(bytes, 16), u0, v0, nu, nv)
   })
-  const forgetOutlines = () => { for (const key of [...slices.keys()]) if (!/^\d:/.test(key)) slices.delete(key) }
+  // A surface of the comparison where it meets the plane.
+  const cut = (which, name, axis, index) => fetched(`${which} ${name}:${axis}:${index}`, 'cut', { which, name, axis, index }, bytes => new Float32Array(bytes))
+  const forget = begin => { for (const key of [...slices.keys()]) if (key.startsWith(begin)) slices.delete(key) }
   const ready = value => value && !value.then ? value : null
   const has = (axis, index) => ready(slices.get(`${axis}:${index}`))
   const inside = p => p.every((v, a) => v >= 0 && v < size[a])
   const at = (i, j, k) => i + size[0] * (j + size[1] * k)
-  return { token, size, spacing, toWorld, toIndex, planes, slice, outline, has, ready, inside, at, forgetOutlines, count: size[0] * size[1] * size[2] }
+  return { token, size, spacing, toWorld, toIndex, planes, slice, outline, cut, forget, has, ready, inside, at, count: size[0] * size[1] * size[2] }
 }
 
 // The line at 0 of a slice of a field, in the slice's own places: pairs of ends, u along the lower axis. Beyond the field all is

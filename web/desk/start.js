@@ -1,4 +1,4 @@
-// Part 12: which page is shown follows the address, so that a reload and a link lead to the same place.
+// Part 14: which page is shown follows the address, so that a reload and a link lead to the same place.
 addEventListener('DOMContentLoaded', () => {
   const root = document.documentElement
   desk.language = kept('language') === 'de' || !kept('language') && navigator.language.startsWith('de') ? 'de' : 'en'

@@ -1,67 +1,86 @@
-// Part 9: parameters of the case, what was done by hand, and a rebuild of the one case.
+// Part 10: parameters of the case with a preview, what was done by hand, and a rebuild of the one case.
 function valuesPanel(page) {
-  let find = ''
+  let find = '', live = true, tried = { path: '', text: '', kind: 'faint', rows: [] }, later = 0, number = 0
+
+  // The run's own computation with that value, up to the field of the anatomy; nothing is saved.
+  page.tryIt = async (wish, told) => {
+    const mine = ++number
+    await tell('try', { case: page.token, ...wish })
+    for (;;) {
+      const now = await askJson('tried', { case: page.token })
+      if (mine !== number || desk.page !== page) return null
+      if (!now.running) return now
+      told(`${now.doing} ${now.fraction ? digits(now.fraction * 100, 0) + ' %' : ''}`)
+      await new Promise(done => setTimeout(done, 200))
+    }
+  }
+  const anatomyOf = path => page.fields.find(f => path.startsWith(f + '.'))
+  const say = () => {
+    const at = $('tried')
+    if (!at) return
+    at.replaceChildren(...tried.path ? [make('p', { class: tried.kind, text: tried.text }), tried.rows.length ? table([['', 0], ['', 1]], tried.rows.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: 'number', text: figure(v) })))) : null, make('div', { class: 'row' }, button('no_preview', forget, { id: 'no-preview' }))].filter(x => x) : [])
+  }
+  const forget = () => {
+    ++number
+    tried = { path: '', text: '', kind: 'faint', rows: [] }
+    page.tried = null
+    page.redraw()
+    say()
+  }
+  const preview = async (path, value) => {
+    const anatomy = anatomyOf(path)
+    page.tried = null
+    tried = { path, text: t('previewing'), kind: 'faint', rows: [] }
+    say()
+    const now = await page.tryIt({ path, value, anatomy }, what => { tried.text = `${t('previewing')}: ${what}`, say() })
+    if (!now) return
+    const figures = now.reports.length ? Object.entries(now.reports[0].figures).filter(([, v]) => typeof v === 'number').slice(0, 8) : []
+    tried = now.fault ? { path, text: now.fault, kind: 'bad', rows: [] } : { path, text: `${path} = ${value}: ${t('preview_line')}`, kind: 'good', rows: figures }
+    page.volume.forget('~tried')
+    page.tried = now.has_field ? anatomy : null
+    desk.stats.tried = (desk.stats.tried || 0) + 1
+    page.redraw()
+    say()
+  }
+  page.overlays.push((p, c) => {
+    if (!page.tried) return
+    const line = page.volume.outline('~tried', p.n, page.at[p.n])
+    if (line.then) return line.then(page.redraw, () => { page.tried = null })
+    page.strokeOutline(c, p, line, '#ffffff', [5, 4])
+  })
+
   page.addPanel('values', () => {
     const now = page.info && page.info.now
     if (!now) return [make('p', { class: 'warn', text: t('no_config') })]
     const rows = make('div'), fixed = !!page.info.fixed
     const list = () => {
-      const parts = find.toLowerCase().split(/\s+/).filter(x => x), fit = now.values.filter(v => parts.every(p => v.path.toLowerCase().includes(p))).slice(0, 120)
-      rows.replaceChildren(table([[t('values'), 0], [t('value'), 0], [t('source'), 0]], fit.map(v => {
-        const value = make('input', { value: v.value, size: 12, 'data-value': v.path, disabled: fixed }), by = v.source === 'set'
-        const save = doing(async () => { if (value.value.trim() !== v.value) await page.save('value', { path: v.path, value: value.value.trim() }) })
+      const parts = find.toLowerCase().split(/\s+/).filter(x => x), all = now.values.filter(v => parts.every(p => v.path.toLowerCase().includes(p))), fit = all.slice(0, 120)
+      rows.replaceChildren(table([[t('value_name'), 0], [t('value'), 0]], fit.map(v => {
+        const by = v.source === 'set', is_place = /^\[?\s*-?[\d.e+]+(\s*,\s*-?[\d.e+]+){2}\s*\]?$/.test(v.value) && /(_mm|seed|point|centre)/.test(v.path)
+        const value = make('input', { value: v.value, size: 12, 'data-value': v.path, 'aria-label': v.path, disabled: fixed })
+        const save = doing(async () => {
+          clearTimeout(later)
+          if (value.value.trim() === v.value) return hint(t('same_value'))
+          await page.change('value', { path: v.path, value: by ? v.value : null }, { path: v.path, value: value.value.trim() })
+          forget()
+        })
+        const look = () => { if (value.value.trim()) doing(() => preview(v.path, value.value.trim()))() }
         value.addEventListener('keydown', e => { if (e.key === 'Enter') save() })
-        return make('tr', {}, make('td', { text: v.path }), make('td', {}, value, make('button', { text: t('set'), disabled: fixed, click: save })), make('td', {}, make('span', { text: v.source }), by ? make('button', { text: t('unset'), disabled: fixed, click: doing(() => page.save('value', { path: v.path, value: null })) }) : null))
-      })))
+        value.addEventListener('input', () => { clearTimeout(later); if (live && anatomyOf(v.path)) later = setTimeout(look, 600) })
+        return make('tr', {}, make('td', {}, v.path, make('br'), make('span', { class: 'faint', text: `${t('source')} ${v.source}` })), make('td', {}, value, make('div', { class: 'row' }, make('button', { text: t('set'), disabled: fixed, click: save }), anatomyOf(v.path) ? make('button', { text: t('preview'), 'data-preview': v.path, click: look }) : null,
+          is_place && page.volume ? make('button', { text: t('at_cross'), disabled: fixed, click: () => { value.value = `[${page.volume.toWorld(page.at).map(x => Math.round(x * 100) / 100).join(', ')}]`; look() } }) : null,
+          by ? make('button', { text: t('unset'), disabled: fixed, click: doing(() => page.change('value', { path: v.path, value: v.value }, { path: v.path, value: null })) }) : null)))
+      })), ...all.length > fit.length ? [make('p', { class: 'faint', text: `${fit.length} ${t('of')} ${all.length}: ${t('narrow')}` })] : [])
     }
     list()
+    setTimeout(say, 0)
     return [page.info.fixed ? make('p', { class: 'warn', text: page.info.fixed }) : page.info.shared ? make('p', { class: 'faint', text: `${t('own')} ${page.info.config}` }) : null,
-      make('input', { type: 'search', class: 'wide', id: 'find-value', placeholder: t('find_value'), 'aria-label': t('find_value'), value: find, input: e => { find = e.target.value, list() } }), rows]
+      make('input', { type: 'search', class: 'wide', id: 'find-value', placeholder: t('find_value'), 'aria-label': t('find_value'), value: find, input: e => { find = e.target.value, list() } }),
+      make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', id: 'live', checked: live, change: e => { live = e.target.checked } }), make('span', { text: t('live') }))), make('div', { id: 'tried' }), rows]
   })
   page.addPanel('history', () => {
     const journal = page.info && page.info.journal || []
-    return [make('h2', { text: t('history') }), journal.length ? table([['', 0], [t('by'), 0], ['', 0]], [...journal].reverse().map(e => make('tr', {}, make('td', { text: e.when.replace('T', ' ').replace('Z', '') }), make('td', { text: e.by }), make('td', { text: e.what + (e.why ? ` (${e.why})` : '') })))) : make('p', { class: 'faint', text: t('empty_history') }),
-      page.info && page.info.yaml ? [make('h2', { text: `${t('yaml')} ${page.info.config}` }), make('pre', { id: 'yaml', text: page.info.yaml })] : null].flat()
-  })
-}
-
-function rerunPanel(page) {
-  let before = null, timer = 0, log = '', difference = ''
-  const volumes = () => Object.fromEntries(((desk.cases.find(c => c.case === page.token) || {}).anatomies || []).map(a => [a.name, a]))
-  const watch = async () => {
-    clearTimeout(timer)
-    if (desk.page !== page) return
-    const s = await askJson('status')
-    $('busy').textContent = s.running ? `${t('working')} ${digits(s.seconds, 0)} s` + s.at_work.map(j => ` · ${j.case} ${j.stage}`).join('') : ''
-    log = s.lines.join('\n') + (s.running || !s.ever ? '' : `\n${s.code ? t('ended') + ' ' + s.code : t('done_in') + ' ' + digits(s.seconds, 1) + ' s'}`)
-    if ($('rerun-log')) $('rerun-log').textContent = log
-    if (s.running) return timer = setTimeout(doing(watch), 400)
-    desk.stats.rebuilt = (desk.stats.rebuilt || 0) + 1
-    await loadLibrary()
-    page.showSolid()
-    await page.reloadInfo()
-    await page.opening(true)
-    $('busy').textContent = ''
-    if (page.tab === 'build') page.show_('build')
-  }
-  const run = async () => {
-    before = volumes()
-    await tell('build', { only: [page.token] })
-    watch()
-  }
-  page.addPanel('build', () => {
-    const plan = desk.plan.get(page.token), reasons = page.info && page.info.reasons || [], now = volumes()
-    const rows = before ? Object.keys({ ...before, ...now }).map(name => {
-      const a = before[name], b = now[name], d = a && b ? b.volume_ml - a.volume_ml : NaN
-      return make('tr', {}, make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)), make('td', { class: 'number', text: a ? digits(a.volume_ml, 2) : '' }), make('td', { class: 'number', text: b ? digits(b.volume_ml, 2) : '' }), make('td', { class: 'number', text: isNaN(d) ? '' : (d > 0 ? '+' : '') + digits(d, 3) }))
-    }) : []
-    return [make('p', { text: t('rerun_text') }),
-      reasons.length ? [make('p', { class: 'warn', text: t('why_stale') }), make('ul', {}, reasons.map(r => make('li', { text: r })))] : plan && plan.fault ? make('p', { class: 'bad', text: plan.fault }) : make('p', { class: 'good', text: t('fresh') }),
-      make('div', { class: 'row' }, button('rerun', run, { id: 'rerun', class: 'main', disabled: !desk.config }), button('stop', () => tell('stop', {}))),
-      make('pre', { id: 'rerun-log', class: 'faint', text: log }),
-      rows.length ? [make('h2', { text: t('change') }), table([[t('volume'), 0], [t('before'), 1], [t('after'), 1], [t('change'), 1]], rows)] : null,
-      button('compare', async () => { difference = '…', page.show_('build'); difference = (await askJson('compare', { case: page.token })).text; if (page.tab === 'build') page.show_('build') }, { id: 'compare' }),
-      difference ? make('pre', { id: 'difference', text: difference }) : null,
-      button('log', async () => { $('rerun-log').textContent = (await askJson('log', { case: page.token })).log })].flat()
+    return [make('h2', { text: t('history') }), journal.length ? table([[t('when'), 0], [t('what'), 0]], [...journal].reverse().map(e => make('tr', {}, make('td', {}, e.when.replace('T', ' ').replace('Z', ' UTC'), make('br'), make('span', { class: 'faint', text: `${t('by')} ${e.by}` })), make('td', {}, e.what, e.why ? [make('br'), make('span', { class: 'faint', text: e.why })] : null)))) : make('p', { class: 'faint', text: t('empty_history') }),
+      page.info && page.info.yaml ? [make('h2', { text: t('yaml') }), make('p', { class: 'faint', text: page.info.shared ? `${t('own')} ${page.info.config}` : page.info.config }), make('pre', { id: 'yaml', class: 'file', text: page.info.yaml })] : null].flat()
   })
 }

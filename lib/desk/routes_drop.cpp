@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A folder or archive that was dropped on the page: it comes in pieces, and lies beside LIBRARY.yaml when all are
+// there.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+#include "base/hash.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "config/config_root.h"
+#include "desk/desk.h"
+#include "desk/json_reply.h"
+
+namespace trephine::desk {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* dropped_folder = "dropped";
+constexpr const char* incoming_prefix = ".incoming-";
+constexpr int max_files = 20000;
+constexpr std::chrono::hours kept_incomplete{24};
+
+fs::path folder_of(const DeskLibrary& library) {
+  if (library.options().config.empty()) throw Error(ExitCode::usage, "", "--config", "is needed: LIBRARY.yaml");
+  const fs::path folder = fs::absolute(library.options().config).lexically_normal().parent_path() / dropped_folder;
+  std::error_code ignored;
+  if (fs::is_symlink(folder, ignored))
+    throw Error(ExitCode::cannot_create, "", dropped_folder, "is a link: what is dropped stays beside LIBRARY.yaml");
+  return folder;
+}
+
+/// Where the pieces of one drop lie. `drop` is a name that the page made: hexadecimal digits.
+fs::path incoming_of(const DeskLibrary& library, const std::string& drop) {
+  if (drop.size() != 16 || drop.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw Error(ExitCode::usage, "", "drop", "must be 16 hexadecimal digits");
+  return folder_of(library) / (incoming_prefix + drop);
+}
+
+/// Never the name that the file had: it may be a patient's.
+std::string file_name(int number) {
+  const std::string digits = std::to_string(number);
+  return std::string(6 - std::min<std::size_t>(6, digits.size()), '0') + digits;
+}
+
+void remove_abandoned(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (it->path().filename().string().rfind(incoming_prefix, 0) == 0 &&
+        fs::file_time_type::clock::now() - it->last_write_time(ignored) > kept_incomplete)
+      fs::remove_all(it->path(), ignored);
+  }
+}
+
+}  // namespace
+
+// A piece of a file, after all that came of it before.
+Reply Desk::drop(const Request& request) {
+  const fs::path incoming = incoming_of(library_, request.value("drop"));
+  const int number = number_of(request, "file");
+  const auto offset = parse_integer(request.value("offset"));
+  if (number < 0 || number >= max_files)
+    throw Error(ExitCode::usage, "", "file", "is one of more than " + std::to_string(max_files));
+  if (!offset || *offset < 0) throw Error(ExitCode::usage, "", "offset", "must be a whole number");
+  std::error_code ignored;
+  if (!fs::exists(incoming, ignored)) {
+    make_output_folder(incoming.parent_path());
+    ::chmod(incoming.parent_path().c_str(), 0700);
+    remove_abandoned(incoming.parent_path());
+    make_output_folder(incoming);
+  }
+  const fs::path file = incoming / file_name(number);
+  const std::uintmax_t there = fs::exists(file, ignored) ? fs::file_size(file, ignored) : 0;
+  if (there != std::uintmax_t(*offset)) throw Error(ExitCode::usage, "", "offset", "is not where the file ends so far");
+  std::ofstream out(file, std::ios::binary | std::ios::app);
+  out.write(request.body.data(), std::streamsize(request.body.size()));
+  out.close();
+  if (!out) {
+    fs::remove_all(incoming, ignored);
+    throw Error(ExitCode::io, "", "drop", "cannot be written: is the disk full?");
+  }
+  return json_reply({{"bytes", there + request.body.size()}});
+}
+
+// All pieces are there: the whole gets a name by its content, so that the same scan is there once.
+Reply Desk::dropped(const Request& request) {
+  const auto json = desk::json_of(request);
+  const fs::path incoming = incoming_of(library_, json.at("drop"));
+  const int count = json.at("files").get<int>();
+  const bool archive = json.at("archive").get<bool>();
+  if (count < 1 || count > max_files || (archive && count != 1))
+    throw Error(ExitCode::usage, "", "files", "must be 1 to " + std::to_string(max_files) + ", and 1 of an archive");
+  Sha256 hash;
+  for (int i = 0; i < count; ++i) {
+    std::error_code error;
+    const fs::path file = incoming / file_name(i);
+    if (!fs::is_regular_file(file, error)) throw Error(ExitCode::usage, "", "files", "are not all there");
+    hash.text(sha256_of_file(file));
+  }
+  const std::string name = hash.hex().substr(0, 16) + (archive ? ".zip" : "");
+  const fs::path target = incoming.parent_path() / name;
+  std::error_code error;
+  if (!fs::exists(target, error)) {
+    fs::rename(archive ? incoming / file_name(0) : incoming, target, error);
+    if (error && !fs::exists(target)) throw Error(ExitCode::io, "", "drop", "cannot be put into its place");
+  }
+  fs::remove_all(incoming, error);
+  const fs::path below =
+      config::absolute_path(target).lexically_relative(config::absolute_path(library_.roots().at(0)));
+  return json_reply({{"path", "0/" + below.string()}, {"archive", archive}});
+}
+
+}  // namespace trephine::desk

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "desk/trial.h"
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/write_file.h"
+#include "desk/draft.h"
+#include "library/build_jobs.h"
+#include "pipeline/executor.h"
+
+namespace trephine::desk {
+namespace {
+
+config::CaseConfig config_with(const DeskLibrary& library, const DeskCase& one,
+                               const std::vector<config::YamlChange>& changes) {
+  const std::vector<char> text = read_file(one.text_file(), 1 << 20);
+  const Draft draft(one.config, config::edited_yaml({text.begin(), text.end()}, changes, one.config.filename()));
+  return draft.judged([&](const auto& file) { return config::read_case_config(file, library.overrides_of(one)); });
+}
+
+}  // namespace
+
+class Trial::Watcher : public pipeline::RunObserver {
+ public:
+  explicit Watcher(Trial& of) : of_(of) {}
+  void started(const std::string& node) override { progressed(node, 0); }
+  void progressed(const std::string& node, double fraction) override {
+    const std::lock_guard<std::mutex> lock(of_.mutex_);
+    of_.now_.doing = node;
+    of_.now_.fraction = fraction;
+  }
+  void finished(const std::string&, const std::string&, double, const Report&) override {}
+
+ private:
+  Trial& of_;
+};
+
+Trial::Trial(const DeskLibrary& library, DeskCase one, std::shared_ptr<const OpenCase> looked_at, TrialWish wish)
+    : library_(library), looked_at_(std::move(looked_at)), config_(config_with(library, one, wish.changes)) {
+  thread_ = std::thread([this, wish = std::move(wish)] {
+    std::string fault;
+    try {
+      work(wish);
+    } catch (...) {
+      fault = fault_of_exception();
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now_.running = false;
+    now_.doing.clear();
+    now_.fault = fault;
+  });
+}
+
+Trial::~Trial() {
+  cancel_ = true;
+  thread_.join();
+}
+
+void Trial::work(const TrialWish& wish) {
+  const Progress progress({}, &cancel_);
+  const CaseGraph of = graph_of_case(std::move(config_), progress);
+  std::vector<int> wanted;
+  if (!wish.anatomy.empty()) {
+    wanted.push_back(field_node(of, wish.anatomy));
+    if (wanted.back() < 0)
+      throw Error(ExitCode::usage, "", wish.anatomy, "the scene does not need it, so nothing of it is computed");
+  }
+  if (wish.holes)
+    for (const config::CaseDrill& hole : of.config->burr_holes)
+      if (const int node = of.graph.find(hole.name); node >= 0) wanted.push_back(node);
+  const pipeline::StageCache cache(library_.options().library / library::library_cache_name);
+  pipeline::ExecuteOptions options;
+  options.cache = &cache;
+  options.cancel = &cancel_;
+  Watcher watcher(*this);
+  // One after the other, so that a hole which cannot be placed does not hide the others.
+  std::vector<Error> faults;
+  for (const int node : wanted) {
+    try {
+      auto results = pipeline::execute(of.graph, {node}, options, watcher);
+      pipeline::NodeResult& made = results[std::size_t(node)];
+      std::shared_ptr<const DrawnField> drawn;
+      if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data); field && *field)
+        drawn = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*looked_at_->scan())));
+      const std::lock_guard<std::mutex> lock(mutex_);
+      now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, std::move(made.report));
+      if (drawn) {
+        field_ = std::move(drawn);
+        now_.has_field = true;
+      }
+    } catch (const Error& e) {
+      faults.push_back(e);
+    }
+  }
+  if (!faults.empty()) throw ErrorList(std::move(faults));
+}
+
+Trial::Now Trial::now() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return now_;
+}
+
+std::shared_ptr<const DrawnField> Trial::field() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return field_;
+}
+
+}  // namespace trephine::desk

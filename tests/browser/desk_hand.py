@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""desk_hand.py: what a technician does by hand at the desk, in chromium with real clicks: a build stopped and gone on with, a burr hole
+placed, checked and taken back, the brush as a ball, in a range of HU, filled, grown, rubbed out and carried between slices, patches
+switched, a threshold previewed, the rebuild drawn over what it was, lessons that the case cannot serve, a ZIP and a folder brought in.
+What was written makes the same bytes in an empty folder. TREPHINE is the program."""
+import json
+import math
+import pathlib
+import tempfile
+import zipfile
+
+from desk import SOURCE, Desk, Page, digest, make_root, run
+from webdriver import Browser, Checks
+
+SCENE = """trephine: 1
+anatomies:
+  skull: {max_triangles: 40000, max_deviation_mm: 2.5}
+burr_holes:
+  skull: {}
+face: {policy: keep, reason: only bone is shown; cases stay where the scans are kept}
+"""
+LEFT_HOLE = "burr_holes: [{at: position, position_mm: [27, -39, 120], diameter_mm: 8}]  # the scene cuts one at least\n"
+ROUGH = "skin.segment.fill: none, skin.segment.coarse_mm: 1.5, resample.spacing_mm: [2.5, 2.5, 2.5]"
+# What the page has painted and not saved, as the desk keeps it: for each slice, how many voxels and their least and greatest HU.
+PAINTED = """
+const page = desk.page, bytes = new Uint8Array(await askBytes('draft', { case: page.token, what: 'paint' }))
+if (bytes.length < 88) return { count: 0, slices: {} }
+const box = new Int32Array(bytes.slice(64, 88).buffer), [x, y, z, nx, ny, nz] = box, out = { count: 0, slices: {}, low: 1e9, high: -1e9 }
+for (let k = 0, n = 88; k < nz; ++k) {
+  const hu = await page.volume.slice(2, z + k)
+  for (let j = 0; j < ny; ++j) for (let i = 0; i < nx; ++i, ++n) if (bytes[n]) {
+    const v = hu[(y + j) * page.volume.size[0] + x + i]
+    ++out.count, out.slices[z + k] = (out.slices[z + k] || 0) + 1
+    out.low = Math.min(out.low, v), out.high = Math.max(out.high, v)
+  }
+}
+return out"""
+
+
+class Hand(Page):
+    def painted(self, at_least=0):
+        """Once the draft that is kept is what is on the page."""
+        for _ in range(600):
+            got = self.b.call("/execute/async", {"script": f"const done = arguments[arguments.length - 1]; (async () => {{ {PAINTED} }})().then(done, e => done({{ fault: String(e) }}))", "args": []})
+            if "fault" in got:
+                raise RuntimeError(got["fault"])
+            if got["count"] == sum(self.b.js("return desk.stats.painted || [0, 0]")) and got["count"] >= at_least:
+                return got
+        raise RuntimeError(f"the draft never was what is painted: {got}")
+
+    def point(self, plane, at, button=0):
+        x, y = self.place(plane, at)
+        self.b.click(x, y)
+
+    def go(self, at):
+        self.b.js("desk.page.go(arguments[0])", at)
+        self.until("desk.page.volume.planes.every(p => p.shown === desk.page.at[p.n])", "the slices")
+
+    def choose_file(self, selector, *paths):
+        element = self.b.call("/element", {"using": "css selector", "value": selector})
+        self.b.call(f"/element/{next(iter(element.values()))}/value", {"text": "\n".join(map(str, paths))})
+
+
+def build(page, check, library):
+    page.click("#build")
+    page.until("desk.page.building", "a build that runs")
+    page.click("#stop")
+    page.until("!desk.page.building && desk.page.ended !== null", "the end of the stopped build")
+    check(page.b.js("return desk.page.ended") == 130, f"it was stopped: {page.b.js('return desk.page.ended')}")
+    check("The next build goes on where it was." in page.b.js("return document.getElementById('log').textContent"), "and says so in words")
+    check(not (library / "head-01/case.json").exists(), "nothing half made lies there")
+    page.click("#build")
+    page.until("desk.page.building", "the next build")
+    page.until("document.querySelector('.card .tag.good') && desk.cases.length === 1 && !desk.page.building", "the case")
+    check((library / "head-01/case.json").exists(), "the next build goes on")
+
+
+def holes(page, check, own):
+    browser = page.b
+    page.click("[data-tab=place]")
+    top = browser.js("return desk.page.volume.toIndex([-27, -39, 120])")
+    deep = browser.js("return desk.page.volume.toIndex([-3, -12, 55])")
+    page.go([round(v) for v in top])
+    page.click("[data-tool=entry]")
+    page.point("coronal", top)
+    page.go([round(v) for v in deep])
+    page.click("[data-tool=target]")
+    page.point("coronal", deep)
+    page.until("!!document.querySelector('canvas.cut') && +document.querySelector('canvas.cut').dataset.drawn > 0", "the plane of the trajectory")
+    shown = browser.js("const c = document.querySelector('canvas.cut'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] > 200; return n")
+    check(shown > 300, f"the plane of the trajectory shows bone: {shown}")
+    page.click("#check-hole")
+    page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad, #hole-tried.warn')", "what the run makes of the hole")
+    said = browser.js("return document.getElementById('panel').textContent")
+    check(browser.js("return !document.querySelector('#hole-tried.bad')") and "bone thickness mm" in said, f"the hole can be placed: {said[-400:]}")
+    check(not own.exists(), "checking writes nothing")
+    page.click("#save-hole")
+    page.until("desk.page.info.journal.length === 1", "the hole is saved")
+    text = own.read_text()
+    check("burr_holes: [{at: position" in text and text.count("at: position") == 2 and text.count("direction: [") == 1, f"as a line: {text[-300:]}")
+    page.click("#undo")
+    page.until("desk.page.info.journal.length === 2", "undo")
+    check(own.read_text().count("at: position") == 1 and "direction" not in own.read_text(), "undo takes it out of the line")
+    page.click("#redo")
+    page.until("desk.page.info.journal.length === 3", "redo")
+    check(own.read_text() == text, "redo writes the same line")
+    page.click("[data-change='1']")
+    page.write("#diameter", "11\ue007")
+    page.click("#save-hole")
+    page.until("desk.page.info.journal.length === 4", "the changed hole")
+    check(own.read_text().count("at: position") == 2 and "diameter_mm: 11" in own.read_text(), "a hole is changed in its place")
+    # one that no skull is under
+    size = browser.js("return desk.page.volume.size")
+    page.go([2, 2, size[2] - 2])
+    page.click("#entry-here")
+    page.go([size[0] - 3, 2, size[2] - 2])
+    page.click("#target-here")
+    page.click("#check-hole")
+    page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad')", "what is wrong with it")
+    check(browser.js("return !!document.querySelector('#hole-tried.bad')"), "a hole that meets no bone is told before it is saved")
+    page.click("#cancel-hole")
+
+
+def brush(page, check, own):
+    browser = page.b
+    spacing = browser.js("return desk.page.volume.spacing")
+    mm3 = spacing[0] * spacing[1] * spacing[2]
+    page.click("[data-tab=paint]")
+    browser.js("const s = document.getElementById('anatomy'); s.value = 'skull'; s.dispatchEvent(new Event('change'))")
+    middle = [round(v) for v in browser.js("return desk.page.volume.toIndex([0, 0, 60])")]
+    page.go(middle)
+    page.write("#radius", "9\ue007")
+    page.click("#ball")
+    page.click("[data-tool=add]")
+    page.point("axial", middle)
+    ball = page.painted(1)
+    check(abs(ball["count"] * mm3 / (4 / 3 * math.pi * 9 ** 3) - 1) < 0.25 and len(ball["slices"]) >= 3, f"a ball: {ball['count']} voxels in {len(ball['slices'])} slices")
+    page.click("#undo")
+    check(page.painted()["count"] == 0, "undo of the ball")
+    # a ball at the skull, in its range of HU alone
+    bone = [round(v) for v in browser.js("return desk.page.volume.toIndex([-68, 0, 60])")]
+    page.click("#within")
+    page.go(bone)
+    page.point("axial", bone)
+    ranged = page.painted(1)
+    check(ranged["low"] >= 226 and 0 < ranged["count"] < 0.9 * ball["count"] and len(ranged["slices"]) >= 3, f"a ball in a range of HU: {ranged}")
+    page.click("[data-tool=erase]")
+    page.point("axial", bone)
+    check(page.painted()["count"] < ranged["count"], "rubbed out")
+    page.click("#throw")
+    page.click("[data-tool=grow]")
+    seed = browser.js("""const v = desk.page.volume, at = arguments[0], hu = v.has(2, at[2])
+        for (let i = 0; i < v.size[0] / 2; ++i) if (hu[at[1] * v.size[0] + i] > 700) return [i, at[1], at[2]]""", bone)
+    page.point("axial", seed)
+    grown = page.painted(1)
+    check(grown["low"] >= 226 and len(grown["slices"]) >= 3, f"grown within the ball and the range: {grown}")
+    page.click("#throw")
+    page.click("#within")
+    # a frame by four strokes, filled
+    page.click("#ball")
+    page.write("#radius", "1\ue007")
+    page.go(middle)
+    page.click("[data-tool=add]")
+    a, b = 6, 5
+    corners = [[middle[0] + x, middle[1] + y, middle[2]] for x, y in ((-a, -b), (a, -b), (a, b), (-a, b), (-a, -b))]
+    for p, q in zip(corners, corners[1:]):
+        browser.drag(*page.place("axial", p), *page.place("axial", q))
+    frame = page.painted(30)["count"]
+    page.click("[data-tool=fill]")
+    page.point("axial", middle)
+    filled = page.painted(frame + 1)
+    check(filled["count"] >= (2 * a + 1) * (2 * b + 1), f"filled: {frame} and then {filled['count']}")
+    page.point("axial", [middle[0] + 20, middle[1], middle[2]])
+    page_problem = "document.getElementById('problem').hidden ? '' : document.getElementById('problem-text').textContent"
+    for _ in range(600):
+        if browser.js("return " + page_problem):
+            break
+    check("reaches the edge" in browser.js("return " + page_problem) and page.painted()["count"] == filled["count"], "what has no border is not filled")
+    page.click("#problem-close")
+    # the same shape five slices on, and between them
+    page.go([middle[0], middle[1], middle[2] + 5])
+    page.click("[data-tool=add]")
+    page.write("#radius", "6\ue007")
+    page.point("axial", [middle[0] + 2, middle[1], middle[2] + 5])
+    two = page.painted(filled["count"] + 1)
+    check(len(two["slices"]) == 2, f"two painted slices: {two['slices']}")
+    page.click("#between")
+    all_of = page.painted(two["count"] + 1)
+    least = min(two["slices"].values())
+    check(sorted(map(int, all_of["slices"])) == list(range(middle[2], middle[2] + 6)) and min(all_of["slices"].values()) >= 0.7 * least, f"the slices between are filled: {all_of['slices']}")
+    page.click("#undo")
+    check(page.painted()["count"] == two["count"], "and undone in one step")
+    page.click("#redo")
+    page.write("#why", "a bridge")
+    page.click("#save-patch")
+    page.until("desk.page.info.journal.length === 5 && desk.stats.painted[0] === 0", "the patch")
+    union = own.parent / "head-01.desk/skull.nrrd"
+    one = union.read_bytes()
+    page.point("axial", [middle[0] - 12, middle[1], middle[2] + 5])
+    page.painted(1)
+    page.click("#save-patch")
+    page.until("desk.page.info.journal.length === 6", "a second patch")
+    both = union.read_bytes()
+    check(both != one and "corrections: {skull: head-01.desk/skull.nrrd}" in own.read_text(), "both count")
+    page.click("[data-patch='6']")
+    page.until("desk.page.info.journal.length === 7", "the second is switched off")
+    check(union.read_bytes() == one, "switched off, it has no effect")
+    page.click("[data-patch='5']")
+    page.until("desk.page.info.journal.length === 8", "the first too")
+    check("corrections" not in own.read_text(), "none counts: no line")
+    page.click("[data-patch='5']")
+    page.until("desk.page.info.journal.length === 9", "on again")
+    check(union.read_bytes() == one and "corrections: {skull: head-01.desk/skull.nrrd}" in own.read_text(), "on again, it is what it was")
+
+
+def preview(page, check, own):
+    before = own.read_text()
+    page.click("[data-tab=values]")
+    page.write("#find-value", "skull.segment.lower_hu")
+    page.until("document.querySelectorAll('[data-value]').length === 1", "one parameter")
+    page.write("[data-value]", "600")
+    page.until("desk.stats.tried >= 1 && !!document.querySelector('#tried .good')", "the preview while one types")
+    page.until("desk.page.volume.has(2, desk.page.at[2]) && desk.page.volume.outline('~tried', 2, desk.page.at[2]).length > 100", "its outline")
+    sizes = page.b.js("const v = desk.page.volume, k = desk.page.at[2]; return [v.outline('~tried', 2, k), v.outline('skull', 2, k)].map(l => { let s = 0; for (let i = 0; i < l.length; i += 4) s += Math.hypot(l[i] - l[i + 2], l[i + 1] - l[i + 3]); return s })")
+    check(sizes[0] > 20 and sizes[0] != sizes[1], f"it is another outline: {sizes}")
+    check(own.read_text() == before, "a preview writes nothing")
+    page.click("#no-preview")
+    page.write("[data-value]", "-5e9")
+    page.until("!!document.querySelector('#tried .bad') || !document.getElementById('problem').hidden || null", "a value that cannot be")
+    check(own.read_text() == before, "nor does one that cannot be")
+
+
+def main():
+    check = Checks()
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        root, library = make_root(folder, ("skull_drilled", ROUGH)), folder / "library"
+        (root / "configs/scenes/skull_drilled.yaml").write_text(SCENE)
+        coarse = root / "configs/coarse.yaml"
+        coarse.write_text(coarse.read_text() + LEFT_HOLE)
+        own = root / "configs/head-01.yaml"
+        desk = Desk(root, library)
+        try:
+            with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1600, height=1000) as browser:
+                browser.open(desk.url)
+                page = Hand(browser, check)
+                page.until("document.documentElement.dataset.ready === 'library' && !!document.querySelector('.card')", "the library's page")
+                page.write("#who", "anna-2")
+                build(page, check, library)
+                page.click(".card")
+                page.until("desk.page && desk.page.volume && desk.page.fields.includes('skull') && !document.getElementById('busy').textContent && document.documentElement.dataset.ready === 'case'", "the opened case")
+                holes(page, check, own)
+                brush(page, check, own)
+                preview(page, check, own)
+                browser.js("problem('')")
+
+                page.click("[data-tab=build]")
+                page.click("#rerun")
+                page.until("desk.stats.rebuilt >= 1 && desk.page.info.reasons.length === 0", "the rebuild")
+                page.click("#compare")
+                page.until("!!document.getElementById('changes')", "the comparison")
+                page.until("!!document.querySelector('[data-drawn=skull]') && document.querySelector('[data-drawn=skull]').checked", "the skull is drawn as it was and is")
+                page.until("['was', 'is'].every(w => desk.page.volume.cut(w, 'skull', 2, desk.page.at[2]).length > 100)", "both lines on the slice")
+                manifest = json.loads((library / "head-01/case.json").read_text())
+                check([h["diameter_mm"] for h in manifest["burr_holes"]] == [8, 11], "the case has both holes")
+                page.click("[data-tab=approve]")
+                page.until("!!document.querySelector('[data-lesson=ventriculostomy]')", "what the simulator says of lessons")
+                check("cannot serve" in browser.js("return document.querySelector('[data-lesson=ventriculostomy]').textContent"), "a skull alone serves no ventriculostomy, and that is said before approval")
+                made = digest(library / "head-01")
+
+                # a ZIP, and a folder, from this computer
+                packed = folder / "Name of a patient.zip"
+                with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as z:
+                    for f in sorted((SOURCE / "sample_dicom").iterdir()):
+                        z.write(f, f.name)
+                browser.js("location.hash = 'new'")
+                page.until("!!document.getElementById('pick-zip')", "the page of a new case")
+                page.choose_file("#pick-zip", packed)
+                page.until("!!document.querySelector('.thumb') && document.querySelector('.thumb').naturalWidth > 100", "the series of the ZIP with its middle slices")
+                lying = [f.name for f in (root / "configs/dropped").iterdir()]
+                check(len(lying) == 1 and lying[0].endswith(".zip") and "patient" not in lying[0] and (root / "configs/dropped" / lying[0]).read_bytes() == packed.read_bytes(), f"it lies under a name of its content: {lying}")
+                page.write("#token", "head-02")
+                browser.js("document.getElementById('recipe').value = 'coarse.yaml'")
+                page.click("#create")
+                page.until("document.documentElement.dataset.ready === 'library' && document.querySelectorAll('.card').length === 2", "the new case's card")
+                check(f"series: dropped/{lying[0]}" in (root / "configs/LIBRARY.yaml").read_text(), "LIBRARY.yaml names it")
+                browser.js("location.hash = 'new'")
+                page.until("!!document.getElementById('pick-folder')", "the page of a new case again")
+                page.choose_file("#pick-folder", root / "sample_dicom")
+                page.until("!!document.querySelector('.thumb') && document.querySelector('.thumb').naturalWidth > 100", "the series of the folder")
+                check(len([f for f in (root / "configs/dropped").iterdir() if f.is_dir()]) == 1, "a folder is there too")
+                severe = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE" and "422" not in e["message"]]
+                check(not severe, f"no error in the console: {severe}")
+            run("library", "build", root / "configs/LIBRARY.yaml", "--out", folder / "again", "--case", "head-01", "--quiet", "--no-pictures")
+            check(digest(folder / "again/head-01") == made, "the written configuration makes the same bytes")
+            check(desk.end() == 0, "Ctrl-C ends the desk")
+        finally:
+            if desk.process.poll() is None:
+                desk.process.kill()
+    check.end()
+
+
+if __name__ == "__main__":
+    main()
