@@ -178,7 +178,7 @@ Reply Desk::lessons(const Request& request) {
   SpawnRequest check;
   const fs::path beside = own_program().parent_path() / "trephine-sim";
   check.program = fs::exists(beside, ignored) ? beside.string() : "trephine-sim";
-  check.argv = {"trephine-sim", "check", folder.string(), "--json", "--quiet"};
+  check.argv = {"trephine-sim", "lessons", folder.string(), "--json", "--quiet"};
   check.output = temporary.path() / "said";
   check.own_group = true;
   const Ended ended = wait_for(spawn(check), until_it_ends_s);

@@ -12,7 +12,6 @@
 #include "commands/commands.h"
 #include "commands/drilled_case.h"
 #include "commands/session_options.h"
-#include "lessons/lesson_type.h"
 #include "surface/bounds.h"
 
 namespace trephine::commands {
@@ -121,17 +120,6 @@ void print_places(const cases::CaseManifest& m) {
   }
 }
 
-// For which lessons the case serves, and why it does not for the others.
-void print_lessons(const cases::CaseManifest& m) {
-  for (const lessons::LessonType& type : lessons::lesson_types()) {
-    const lessons::LessonUse use = lessons::use_of(type, m);
-    std::string tasks;
-    for (const std::string& task : use.tasks) tasks += (tasks.empty() ? "" : ", ") + task;
-    std::cout << fmt::format("lesson {:<16} {}\n", type.name,
-                             use.why_not.empty() ? printable(tasks) : "not of this case: " + use.why_not);
-  }
-}
-
 void print_text(const cases::LoadedCase& c, double seconds) {
   const cases::CaseManifest& m = c.manifest;
   std::cout << fmt::format("case {}, format {}.{}, made by {}\n", m.case_token, m.version_major, m.version_minor,
@@ -145,7 +133,6 @@ void print_text(const cases::LoadedCase& c, double seconds) {
   print_anatomies(c);
   print_haptic(c);
   print_places(m);
-  print_lessons(m);
   std::cout << fmt::format("{} files, {} bytes, verified and loaded in {:.3f} s\n", m.files.size(),
                            grouped_text(static_cast<long long>(c.bytes)), seconds);
 }
@@ -197,11 +184,6 @@ void print_json(const cases::LoadedCase& c, double seconds) {
                      {"spacing_mm", list_of(m.haptic.spacing_mm)},
                      {"hardness", !c.haptic.hardness.voxels.empty()},
                      {"shapes", shapes}};
-  }
-  out["lessons"] = Json::array();
-  for (const lessons::LessonType& type : lessons::lesson_types()) {
-    const lessons::LessonUse use = lessons::use_of(type, m);
-    out["lessons"].push_back({{"name", type.name}, {"tasks", use.tasks}, {"why_not", use.why_not}});
   }
   std::cout << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
 }

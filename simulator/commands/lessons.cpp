@@ -5,11 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "lessons/lessons_served.h"
+#include "lessons/lesson_type.h"
 
 namespace trephine::commands {
 namespace {
@@ -28,20 +29,20 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-void print_text(const std::vector<lessons::LessonService>& all) {
-  for (const lessons::LessonService& s : all)
-    std::cout << (s.why_not.empty() ? fmt::format("{}: serves: {}\n", s.lesson, joined(s.tasks))
-                                    : fmt::format("{}: cannot serve: {}\n", s.lesson, s.why_not));
+void print_text(const cases::CaseManifest& manifest) {
+  for (const lessons::LessonType& type : lessons::lesson_types()) {
+    const lessons::LessonUse use = lessons::use_of(type, manifest);
+    std::cout << (use.why_not.empty() ? fmt::format("{}: serves: {}\n", type.name, printable(joined(use.tasks)))
+                                      : fmt::format("{}: cannot serve: {}\n", type.name, use.why_not));
+  }
 }
 
-void print_json(const std::string& token, const std::vector<lessons::LessonService>& all) {
-  nlohmann::ordered_json out = {{"case", token}, {"lessons", nlohmann::ordered_json::array()}};
-  for (const lessons::LessonService& s : all)
-    out["lessons"].push_back({{"name", s.lesson},
-                              {"summary", s.summary},
-                              {"serves", s.why_not.empty()},
-                              {"tasks", s.tasks},
-                              {"why_not", s.why_not}});
+void print_json(const cases::CaseManifest& manifest) {
+  nlohmann::ordered_json out = {{"case", manifest.case_token}, {"lessons", nlohmann::ordered_json::array()}};
+  for (const lessons::LessonType& type : lessons::lesson_types()) {
+    const lessons::LessonUse use = lessons::use_of(type, manifest);
+    out["lessons"].push_back({{"name", type.name}, {"tasks", use.tasks}, {"why_not", use.why_not}});
+  }
   std::cout << out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
 
@@ -51,11 +52,10 @@ ExitCode run_lessons(const cli::ParsedCommand& parsed) {
     const std::vector<char> bytes = read_file(file, 1 << 26);
     return cases::parse_case_json({bytes.data(), bytes.size()});
   });
-  const std::vector<lessons::LessonService> all = lessons::lessons_served(manifest);
   if (parsed.params<LessonsParams>().json)
-    print_json(manifest.case_token, all);
+    print_json(manifest);
   else
-    print_text(all);
+    print_text(manifest);
   return ExitCode::ok;
 }
 

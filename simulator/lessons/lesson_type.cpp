@@ -37,6 +37,7 @@ std::string class_fault(const LessonType& type, const std::string& patient_class
 LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
   LessonUse out;
   try {
+    if (manifest.haptic.file.empty()) throw Error(ExitCode::bad_input, "", "", "the case has no haptic volume");
     type.require(manifest);
     out.why_not = class_fault(type, class_of(manifest));
     if (!out.why_not.empty()) return out;
