@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A device behind a shared library of somebody else (adaptor.h).
-#include <dlfcn.h>
 #include <time.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/shared_library.h"
 #include "base/text.h"
 #include "cli/argument.h"
 #include "device/adaptor.h"
@@ -36,10 +36,8 @@ struct AdaptorParams {
   }
 };
 
-// The library and its ten functions. It stays loaded to the end of the process, for SDKs keep threads of their own.
-struct Library {
-  std::string file;
-  decltype(&trephine_adaptor_version) version = nullptr;
+// The library and its ten functions.
+struct Library : SharedLibrary {
   decltype(&trephine_adaptor_count) count = nullptr;
   decltype(&trephine_adaptor_name) name = nullptr;
   decltype(&trephine_adaptor_open) open = nullptr;
@@ -50,30 +48,19 @@ struct Library {
   decltype(&trephine_adaptor_close) close = nullptr;
   decltype(&trephine_adaptor_error) error = nullptr;
 
-  explicit Library(const std::filesystem::path& path) : file(path.string()) {
-    void* handle = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle)
-      throw Error(ExitCode::bad_input, file, "", "is no library that can be loaded: " + printable(dlerror()));
-    find(handle, "version", version);
-    if (version() != TREPHINE_ADAPTOR_VERSION)
-      throw Error(ExitCode::bad_input, file, "version",
-                  std::to_string(version()) + ", this program uses " + std::to_string(TREPHINE_ADAPTOR_VERSION));
-    find(handle, "count", count);
-    find(handle, "name", name);
-    find(handle, "open", open);
-    find(handle, "limits", limits);
-    find(handle, "start", start);
-    find(handle, "read", read);
-    find(handle, "send", send);
-    find(handle, "close", close);
-    find(handle, "error", error);
+  explicit Library(const std::filesystem::path& path) : SharedLibrary(path, "trephine_adaptor_") {
+    require_version(TREPHINE_ADAPTOR_VERSION);
+    find("count", count);
+    find("name", name);
+    find("open", open);
+    find("limits", limits);
+    find("start", start);
+    find("read", read);
+    find("send", send);
+    find("close", close);
+    find("error", error);
   }
-  template <class F>
-  void find(void* handle, const std::string& what, F& function) const {
-    function = reinterpret_cast<F>(dlsym(handle, ("trephine_adaptor_" + what).c_str()));
-    if (!function) throw Error(ExitCode::bad_input, file, "trephine_adaptor_" + what, "is missing");
-  }
-  [[noreturn]] void fail(const std::string& what) const { throw Error(ExitCode::io, file, what, printable(error())); }
+  [[noreturn]] void fail(const std::string& what) const { throw Error(ExitCode::io, file(), what, printable(error())); }
   std::string name_of(int index) const {
     char text[64] = {};
     if (name(index, text, int(sizeof text)) != 0) fail("name");
@@ -92,7 +79,7 @@ class AdaptorDevice : public Device {
     if (params.adaptor_index >= there) {
       std::string names;
       for (int n = 0; n < there; ++n) names += (n > 0 ? ", " : "") + std::to_string(n) + " " + library_.name_of(n);
-      throw Error(ExitCode::no_input, library_.file, "adaptor_index",
+      throw Error(ExitCode::no_input, library_.file(), "adaptor_index",
                   std::to_string(params.adaptor_index) + ": " +
                       (there == 0 ? "no device is there" : "the devices that are there: " + names));
     }
@@ -126,7 +113,7 @@ class AdaptorDevice : public Device {
   void wait(const Progress& progress) const {
     for (int n = 0; !connected_; ++n) {
       progress.check();
-      if (failed_ || n > 2000) throw Error(ExitCode::no_input, library_.file, name_, "gives no pose");
+      if (failed_ || n > 2000) throw Error(ExitCode::no_input, library_.file(), name_, "gives no pose");
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }

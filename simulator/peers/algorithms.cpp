@@ -27,7 +27,7 @@ std::vector<AlgorithmKind> all_algorithms() {
       kind<VolumeProxy>("ours", "Trephine", "docs/haptics.md", false),
       kind<SteppedProxy>("stepped", "IR, as in chapter 3", "Rizzi, chapter 3", false),
       kind<ScalarSurface>("scalar_surface", "scalar surface (VHTK)", "Lundin2002", false),
-      kind<GodObject>("god_object", "god-object", "Zilles1995", true),
+      kind<GodObject>("god_object", "god-object, bare", "Zilles1995", true),
       kind<RoundProxy>("ruspini", "Ruspini", "Ruspini1997", true),
       kind<DepthBuffer>("depth_buffer", "depth buffer", "OpenHaptics", true),
       kind<TangentPlane>("tangent_planes", "intermediate planes", "Adachi1995, Mark1996", true)};

@@ -201,11 +201,15 @@ Spread spread_of(const Comparison& c, const std::string& algorithm, bool closed,
 
 namespace {
 
+bool counts(const ServoRow& row) { return keeps_contact(row); }
+bool counts(const ClientRow&) { return true; }
+
 template <class Row>
 const Row* row_of(const std::vector<Row>& rows, const std::string& algorithm, bool largest) {
   const Row* found = nullptr;
   for (const Row& row : rows)
-    if (row.algorithm == algorithm && (!found || (row.triangles > found->triangles) == largest)) found = &row;
+    if (row.algorithm == algorithm && counts(row) && (!found || (row.triangles > found->triangles) == largest))
+      found = &row;
   return found;
 }
 

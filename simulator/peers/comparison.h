@@ -104,7 +104,10 @@ struct Spread {
 };
 Spread spread_of(const Comparison& c, const std::string& algorithm, bool closed,
                  const std::function<double(const RunFigures&)>& figure);
-/// The least and the largest mesh's row of an algorithm; null where there is none.
+/// Whether it touched in nine of ten ticks. Else its time is that of ticks that touch nothing, which says nothing.
+inline bool keeps_contact(const ServoRow& row) { return row.times.touching_ratio >= 0.9; }
+/// The least and the largest mesh's row of an algorithm, of a servo's those that keep contact; null where there is
+/// none.
 const ServoRow* servo_of(const Comparison& c, const std::string& algorithm, bool largest);
 const ClientRow* client_of(const Comparison& c, const std::string& algorithm, bool largest);
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/gnuplot.h"
 #include "base/log.h"
-#include "base/spawn.h"
 #include "base/write_file.h"
 #include "peers/comparison.h"
 
@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* colours[] = {"#0072b2", "#56b4e9", "#cc79a7", "#d55e00", "#e69f00", "#009e73",
                                    "#8c564b", "#444444", "#7f7f00", "#b2182b", "#542788", "#1b7837"};
+constexpr double least_us = 0.01;  // the clock tells no less
 constexpr int symbols[] = {7, 6, 9, 5, 4, 13, 11, 3};
 
 struct Figure {
@@ -119,26 +120,10 @@ Figure anomalies(const Comparison& c) {
 
 // Throws Error 70 where gnuplot fails or is missing.
 void draw(const Figure& figure, const fs::path& out, const std::string& ending, const std::string& terminal) {
-  const fs::path picture = out / (figure.name + ending);
-  const fs::path script = out / ("." + figure.name + ".gp"), drawn = out / ("." + figure.name + ending + ".new");
-  write_file(script,
-             "set terminal " + terminal + "\nset output '" + drawn.filename().string() +
-                 "'\nset encoding utf8\nset format y '%g'\nset grid lc rgb '#dddddd'\nset key outside right top\n" +
-                 figure.commands + "\n");
-  SpawnRequest gnuplot;
-  gnuplot.argv = {"gnuplot", script.filename().string()};
-  gnuplot.folder = out;  // so that no name of a folder stands in the script
-  gnuplot.shares_stdout = gnuplot.shares_stderr = true;
-  const bool done = wait_for(spawn(gnuplot), until_it_ends_s).code == 0;
-  std::error_code ignored;
-  fs::remove(script, ignored);
-  if (!done) {
-    fs::remove(drawn, ignored);
-    throw Error(ExitCode::internal, "gnuplot", "", "failed on " + figure.name);
-  }
-  const std::vector<char> bytes = read_file(drawn);
-  write_file(picture, {bytes.data(), bytes.size()});
-  fs::remove(drawn, ignored);
+  write_file(
+      out / (figure.name + ending),
+      gnuplot_picture(terminal, "set format y '%g'\nset grid lt 1 lc rgb '#dddddd'\nset key outside right top\n" +
+                                    figure.commands + "\n"));
 }
 
 }  // namespace
@@ -150,8 +135,10 @@ std::vector<std::string> plot_comparison(const Comparison& c, const fs::path& ou
   const std::vector<Figure> figures = {
       over_polygons<ServoRow>(
           "servo_polygons", "Servo loop: mean time of a tick, what feels polygons", "ms", c, c.servo,
-          [](const ServoRow& r) { return std::optional<double>(1e-3 * r.times.mean_us); },
-          limit + "set yrange [1e-5:3]\n"),
+          [](const ServoRow& r) {
+            return keeps_contact(r) ? std::optional<double>(1e-3 * std::max(least_us, r.times.mean_us)) : std::nullopt;
+          },
+          limit + "set yrange [5e-6:3]\n"),
       servo_histogram(c), anomalies(c),
       over_polygons<ClientRow>(
           "client_haptics", "Client thread: haptics", "ms a picture", c, c.client,
@@ -166,8 +153,8 @@ std::vector<std::string> plot_comparison(const Comparison& c, const fs::path& ou
   try {
     for (const Figure& figure : figures) {
       if (figure.name.empty()) continue;
-      draw(figure, out, ".png", "pngcairo size 1100,700 font 'sans,11'");
-      draw(figure, out, ".svg", "svg size 1100,700 font 'sans,11' background '#ffffff'");
+      draw(figure, out, ".png", gnuplot_png(1100, 700));
+      draw(figure, out, ".svg", gnuplot_svg(1100, 700));
       names.push_back(figure.name + ".png");
     }
   } catch (const Error& e) {

@@ -39,7 +39,7 @@ struct PeerScene {
 struct PeerParams {
   double spring_n_per_mm = 0.5;
   double god_object_lift_mm = 0;
-  double proxy_radius_mm = 1, local_set_mm = 10;
+  double proxy_radius_mm = 1, local_set_mm = 15, look_ahead_ratio = 3;
   int depth_pixels = 512;
   double depth_side_mm = 40, depth_lift_mm = 0.2;
   double most_strength_n = 5;
@@ -50,10 +50,12 @@ struct PeerParams {
     v.number(&P::spring_n_per_mm, "spring_n_per_mm", Range{0.001, 10},
              "Spring between device and proxy, of all algorithms.");
     v.number(&P::god_object_lift_mm, "god_object_lift_mm", Range{0, 0.1},
-             "How far above its facets the god-object is put against rounding; 0: as published.");
+             "How far above its facets the bare god-object is put against rounding as well; 0: not at all.");
     v.number(&P::proxy_radius_mm, "proxy_radius_mm", Range{0.01, 20}, "Radius of Ruspini's proxy.");
     v.number(&P::local_set_mm, "local_set_mm", Range{0.1, 100},
-             "Ruspini's proxy feels the triangles that were this near to it when the last picture was made.");
+             "Ruspini's proxy feels the triangles that were this near to its way when the last picture was made.");
+    v.number(&P::look_ahead_ratio, "look_ahead_ratio", Range{0, 100},
+             "How many pictures ahead that way goes, at the speed since the picture before.");
     v.integer(&P::depth_pixels, "depth_pixels", Range{16, 4096}, "Side of the depth picture, in pixels.");
     v.number(&P::depth_side_mm, "depth_side_mm", Range{1, 500}, "Side of what the depth picture shows.");
     v.number(&P::depth_lift_mm, "depth_lift_mm", Range{0, 10},

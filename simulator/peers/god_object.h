@@ -10,8 +10,9 @@ namespace trephine::peers {
 /// for as long as the device is behind it and the god-object within its sides, for its own place is then on the facet's
 /// plane but for rounding.
 ///
-/// As published it may fall through: where it slides from one facet to a neighbour, rounding decides whether it is in
-/// front of that one. `god_object_lift_mm` mends it, by the distance that it is kept above its facets.
+/// Without any tolerance (bare) it falls through: where it slides from one facet to a neighbour, rounding decides
+/// whether it is in front of that one. `god_object_lift_mm` mends it, by the distance that it is kept above its facets,
+/// as HAPI does whose implementation the dissertation measured.
 class GodObject : public ContactAlgorithm {
  public:
   GodObject(const PeerScene& scene, const PeerParams& params) : scene_(scene), params_(params) {}

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "peers/loaded_peer.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstring>
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/shared_library.h"
 #include "peers/peer_abi.h"
 
 namespace trephine::peers {
 namespace {
 
-struct PeerLibrary {
-  std::string file;
-  decltype(&trephine_peer_version) version = nullptr;
+struct PeerLibrary : SharedLibrary {
   decltype(&trephine_peer_name) name = nullptr;
   decltype(&trephine_peer_open) open = nullptr;
   decltype(&trephine_peer_reset) reset = nullptr;
@@ -23,25 +19,14 @@ struct PeerLibrary {
   decltype(&trephine_peer_step) step = nullptr;
   decltype(&trephine_peer_close) close = nullptr;
 
-  explicit PeerLibrary(const std::filesystem::path& path) : file(path.string()) {
-    void* handle = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle)
-      throw Error(ExitCode::bad_input, file, "", "is no library that can be loaded: " + printable(dlerror()));
-    find(handle, "version", version);
-    if (version() != TREPHINE_PEER_VERSION)
-      throw Error(ExitCode::bad_input, file, "version",
-                  std::to_string(version()) + ", this program uses " + std::to_string(TREPHINE_PEER_VERSION));
-    find(handle, "name", name);
-    find(handle, "open", open);
-    find(handle, "reset", reset);
-    find(handle, "client", client);
-    find(handle, "step", step);
-    find(handle, "close", close);
-  }
-  template <class F>
-  void find(void* handle, const std::string& what, F& function) const {
-    function = reinterpret_cast<F>(dlsym(handle, ("trephine_peer_" + what).c_str()));
-    if (!function) throw Error(ExitCode::bad_input, file, "trephine_peer_" + what, "is missing");
+  explicit PeerLibrary(const std::filesystem::path& path) : SharedLibrary(path, "trephine_peer_") {
+    require_version(TREPHINE_PEER_VERSION);
+    find("name", name);
+    find("open", open);
+    find("reset", reset);
+    find("client", client);
+    find("step", step);
+    find("close", close);
   }
 };
 
@@ -84,7 +69,7 @@ class LoadedPeer : public ContactAlgorithm {
 
  private:
   [[noreturn]] void fail(const std::string& what, const std::string& how) const {
-    throw Error(ExitCode::io, library_->file, "trephine_peer_" + what, how);
+    throw Error(ExitCode::io, library_->file(), library_->prefix() + what, how);
   }
   void must(const std::string& what, int result) const {
     if (result != 0) fail(what, "failed");

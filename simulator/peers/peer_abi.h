@@ -9,11 +9,7 @@
  *
  * The program opens an algorithm on a mesh, and then calls reset once, client once a picture, and step 1,000 times a
  * second of its own time. Forces shall be those of a plain spring between device and proxy, without friction, damping
- * and limits. How the calls map to CHAI3D 3.3:
- *   open    a cWorld with one cMesh: newVertex, newTriangle, computeAllNormals, createAABBCollisionDetector(radius_mm),
- *           and a cAlgorithmFingerProxy: setProxyRadius(radius_mm), initialize(world, device)
- *   client  cWorld::computeGlobalPositions
- *   step    cAlgorithmFingerProxy::computeForces(device, zero), getProxyGlobalPosition; the force of its spring */
+ * and limits. examples/chai3d_peer is such a library. */
 
 #ifdef __cplusplus
 extern "C" {

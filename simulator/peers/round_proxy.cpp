@@ -46,6 +46,22 @@ double side_time(Vec3 p, Vec3 way, double radius, Vec3 from, Vec3 to) {
   return std::min({best, sphere_time(p, way, radius, from), sphere_time(p, way, radius, to)});
 }
 
+// Whether the box comes so near to the way: the nearest points of both, found by turns, for each is convex.
+bool is_within(const surface::FloatBox& box, Vec3 from, Vec3 to, double reach_mm) {
+  const Vec3 way = to - from;
+  const double length2 = dot(way, way);
+  Vec3 on_way = from;
+  for (int turn = 0; turn < 8; ++turn) {
+    if (box.squared_distance(on_way) <= reach_mm * reach_mm) return true;
+    if (!(length2 > 0)) break;
+    Vec3 in_box;
+    for (int a = 0; a < 3; ++a)
+      in_box[a] = std::clamp(on_way[a], double(box.min[std::size_t(a)]), double(box.max[std::size_t(a)]));
+    on_way = from + way * std::clamp(dot(in_box - from, way) / length2, 0.0, 1.0);
+  }
+  return false;
+}
+
 }  // namespace
 
 double touch_time(Vec3 p, Vec3 way, double radius, Vec3 a, Vec3 b, Vec3 c, Vec3 normal) {
@@ -72,15 +88,21 @@ double touch_time(Vec3 p, Vec3 way, double radius, Vec3 a, Vec3 b, Vec3 c, Vec3 
 void RoundProxy::client(Vec3 device_mm) {
   const FeltMesh& mesh = *scene_.mesh;
   const Vec3 at = begun_ ? centre_ : device_mm - mesh.mesh().origin_mm;
+  const Vec3 ahead = seen_ ? at + (at - seen_at_) * params_.look_ahead_ratio : at;
+  seen_ = true;
+  seen_at_ = at;
   const double reach = params_.local_set_mm + params_.proxy_radius_mm;
+  const Vec3 around{reach, reach, reach};
   surface::FloatBox box;
-  box.add(at - Vec3{reach, reach, reach});
-  box.add(at + Vec3{reach, reach, reach});
+  for (const Vec3 end : {at, ahead}) {
+    box.add(end - around);
+    box.add(end + around);
+  }
   local_.clear();
   mesh.tree().for_each_leaf(box, 0, [&](std::size_t leaf) {
     const std::size_t end = std::min(surface::TriangleTree::width * (leaf + 1), mesh.tree().order().size());
     for (std::size_t n = surface::TriangleTree::width * leaf; n < end; ++n) {
-      if (!(mesh.tree().box(n).squared_distance(at) <= reach * reach)) continue;
+      if (!is_within(mesh.tree().box(n), at, ahead, reach)) continue;
       const std::uint32_t t = mesh.tree().order()[n];
       local_.push_back({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2), mesh.normal(t)});
     }

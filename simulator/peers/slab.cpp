@@ -6,12 +6,13 @@
 #include <functional>
 
 #include "base/splitmix64.h"
-#include "peers/experiment.h"
 
 namespace trephine::peers {
 namespace {
 
-constexpr double before_mm = 10;  // of the plate, where a poke begins; and as far beyond it ends
+constexpr double nearest_mm = 2;  // to the plate, where a poke begins
+constexpr double behind_mm = 6;   // the plate, where it ends: a spring of 0.5 N/mm then presses with 3 N
+constexpr int rests_ticks = 6;    // there, for algorithms that take a constraint a tick
 constexpr double beyond_mm = 2;   // of the middle plane: then the proxy has passed
 
 std::unique_ptr<Slab> oriented(double thickness_mm, double voxel_mm) {
@@ -103,35 +104,34 @@ std::unique_ptr<Slab> make_voxel_wall(double voxel_mm) {
   return slab;
 }
 
-int count_falls(ContactAlgorithm& algorithm, const Slab& slab, double mm_a_tick, int pokes) {
+int count_falls(ContactAlgorithm& algorithm, const Slab& slab, double mm_a_tick, int pokes, const PokeParams& params) {
   std::uint64_t count = 0;
   const auto between = [&](double low, double high) {
     return low + (high - low) * unit_of_bits(splitmix64_mixed(++count * splitmix64_step));
   };
   int falls = 0;
   for (int poke = 0; poke < pokes; ++poke) {
-    const double tilt = between(0, M_PI / 3), turn = between(0, 2 * M_PI);
-    const Vec3 way =
-        -slab.normal * std::cos(tilt) + (slab.along * std::cos(turn) + slab.across * std::sin(turn)) * std::sin(tilt);
+    const double tilt = between(0, params.most_tilt_rad), turn = between(0, 2 * M_PI);
+    const Vec3 aside = slab.along * std::cos(turn) + slab.across * std::sin(turn);
+    const Vec3 way = -slab.normal * std::cos(tilt) + aside * std::sin(tilt);
     // Aimed so that the proxy, which slides along, stays over the plate.
-    const double slides = before_mm * std::tan(tilt);
-    const Vec3 aim = slab.middle_mm - (slab.along * std::cos(turn) + slab.across * std::sin(turn)) * (0.5 * slides) +
-                     slab.along * between(-2, 2) + slab.across * between(-2, 2);
-    const double length = before_mm / std::cos(tilt);
-    const double phase = between(0, 1);
+    const Vec3 aim = slab.middle_mm - aside * (0.5 * behind_mm * std::tan(tilt)) + slab.along * between(-2, 2) +
+                     slab.across * between(-2, 2);
+    const double begins = between(nearest_mm, params.farthest_mm), length = begins + behind_mm / std::cos(tilt);
+    const int first_picture = 1 + int(between(0, params.ticks_a_picture));
     algorithm.reset();
     haptics::HapticInput in;
     in.dt_s = in.period_s = tick_s;
-    in.tip_mm = aim - way * length;
+    in.tip_mm = aim - way * begins;
     algorithm.update(in);
     algorithm.client(in.tip_mm);
     Vec3 proxy = in.tip_mm;
-    for (int n = 0;; ++n) {
-      const double gone = std::min(2 * length, (n + phase) * mm_a_tick);
-      in.tip_mm = aim + way * (gone - length);
-      if (n > 0 && n % ticks_a_picture == 0) algorithm.client(in.tip_mm);
+    for (int n = 1, resting = 0; resting < rests_ticks; ++n) {
+      const double gone = std::min(length, n * mm_a_tick);
+      in.tip_mm = aim + way * (gone - begins);
+      if (n >= first_picture && (n - first_picture) % params.ticks_a_picture == 0) algorithm.client(in.tip_mm);
       proxy = algorithm.update(in).proxy_mm;
-      if (gone >= 2 * length) break;
+      resting += gone >= length;
     }
     falls += dot(proxy - slab.middle_mm, slab.normal) < -beyond_mm;
   }

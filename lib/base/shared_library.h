@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace trephine {
+
+/// A shared library that a user names, and whose C functions we call. It stays loaded to the end of the process, for
+/// such libraries keep threads of their own.
+class SharedLibrary {
+ public:
+  /// `prefix` is what the names of all its functions begin with, as in "trephine_peer_". Throws Error 65 where the file
+  /// cannot be loaded.
+  SharedLibrary(const std::filesystem::path& file, std::string prefix);
+
+  /// Sets `function` to the library's function of that name, given without the prefix. Throws Error 65 naming it where
+  /// it is missing.
+  template <class F>
+  void find(const std::string& name, F& function) const {
+    function = reinterpret_cast<F>(address_of(name));
+  }
+  /// Calls the library's function `version`. Throws Error 65 where it gives another number than `used`.
+  void require_version(int used) const;
+
+  const std::string& file() const { return file_; }
+  const std::string& prefix() const { return prefix_; }
+
+ private:
+  void* address_of(const std::string& name) const;
+
+  std::string file_, prefix_;
+  void* handle_ = nullptr;
+};
+
+}  // namespace trephine
