@@ -60,6 +60,26 @@ TEST(SegmentationBits, DilationIsABallInMillimetres) {
   }
 }
 
+// Rows that are empty or full are told from the others beforehand.
+TEST(SegmentationBits, DilationOfEmptyFullAndMixedRows) {
+  const grid::Lattice l = anisotropic(70, 12, 10);
+  mask::BitMask m = scatter(l, 500);
+  for_voxels(l, [&](int i, int j, int k) {
+    if (k >= 3 && k <= 6) m.clear(i, j, k);
+    if ((j == 2 && k == 4) || (j >= 9 && k >= 8) || (j == 7 && k == 5 && i < 64)) m.set(i, j, k);
+  });
+  m.clear(69, 11, 9);  // full but for its last voxel
+  for (double radius : {0.4, 1.3, 2.6}) {
+    const mask::BitMask d = mask::dilated(m, radius);
+    for_voxels(l, [&](int i, int j, int k) {
+      ASSERT_EQ(d.get(i, j, k), distance_by_search(m, i, j, k) <= radius + 1e-6)
+          << radius << " " << i << " " << j << " " << k;
+    });
+    mask::BitMask beyond = d;
+    EXPECT_EQ(beyond.invert().count(), l.count() - d.count());  // no bits lie beyond the rows' ends
+  }
+}
+
 TEST(SegmentationBits, ErosionKeepsWhatTheEdgeCuts) {
   const grid::Lattice l = anisotropic(40, 12, 8);
   mask::BitMask m(l);

@@ -7,8 +7,11 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "surface/inside.h"
+#include "surface/point_triangle.h"
 #include "voxel/cut.h"
 #include "voxel/decode.h"
+#include "voxel/shape_occupancy.h"
 #include "voxel_shapes.h"
 
 namespace trephine {
@@ -18,6 +21,36 @@ using shapes::Offsets;
 using shapes::offsets_of;
 using shapes::Solid;
 using shapes::uniform;
+
+// Each voxel's share by the nearest of all triangles, against the search of the program, which passes over most of
+// them.
+TEST(Voxelize, TheNearestTriangleIsFound) {
+  std::mt19937_64 rng(40);
+  surface::TriMesh mesh = shapes::sphere(3, 6);
+  for (Vec3& p : mesh.points_mm) p = p * uniform(rng, 0.85, 1.15);  // bumps, and triangles of many sizes
+  const grid::Lattice l = shapes::lattice_around(surface::bounds_of(mesh), {0.9, 0.7, 1.3});
+  const grid::Grid<std::uint8_t> found = voxel::detail::solid_occupancy(mesh, l, {});
+  const grid::Mask inside = surface::voxelize_inside(mesh, l);
+  std::size_t ramps = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
+        surface::ClosestPoint best;
+        best.squared_mm2 = 1e300;
+        for (const auto& t : mesh.triangles) {
+          const auto n =
+              surface::nearest_on_triangle(p, mesh.points_mm[t[0]], mesh.points_mm[t[1]], mesh.points_mm[t[2]]);
+          if (n.squared_mm2 < best.squared_mm2) best = n;
+        }
+        const double d = std::sqrt(best.squared_mm2), ramp = voxel::detail::ramp_mm(l, normalized(p - best.point));
+        const int share = voxel::detail::share_at(inside.at(i, j, k) ? -d : d, ramp);
+        if (share == 0 || share == 255) continue;  // beyond its ramp: no triangle needs to have looked at it
+        ++ramps;
+        ASSERT_EQ(int(found.at(i, j, k)), share) << i << " " << j << " " << k;
+      }
+  EXPECT_GT(ramps, 1000u);
+}
 
 TEST(Voxelize, ClearOfASurface) {
   std::mt19937_64 rng(8);

@@ -22,10 +22,11 @@ struct Chunk {
 
 // Raw deflate blocks of one chunk; all but the last end at a byte boundary, so that they can be put one after the
 // other.
-Chunk deflate_chunk(std::string_view bytes, int level, bool last) {
+Chunk deflate_chunk(std::string_view bytes, int level, GzipSearch search, bool last) {
   Chunk out;
   z_stream z{};
-  if (deflateInit2(&z, level, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+  const int strategy = search == GzipSearch::runs ? Z_RLE : Z_DEFAULT_STRATEGY;
+  if (deflateInit2(&z, level, Z_DEFLATED, -15, 8, strategy) != Z_OK)
     throw Error(ExitCode::internal, "", "gzip", "cannot start");
   out.deflated.resize(deflateBound(&z, bytes.size()) + 64);
   z.next_in = reinterpret_cast<const Bytef*>(bytes.data());
@@ -47,12 +48,13 @@ void append_le32(std::string& out, std::uint64_t v) {
 
 }  // namespace
 
-std::string gzip_compress(std::string_view bytes, int level) {
+std::string gzip_compress(std::string_view bytes, int level, GzipSearch search) {
   const std::size_t count = std::max<std::size_t>(1, (bytes.size() + chunk_bytes - 1) / chunk_bytes);
   std::vector<Chunk> chunks(count);
   parallel_for(0, static_cast<std::int64_t>(count), 1, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t c = from; c < to; ++c)
-      chunks[c] = deflate_chunk(bytes.substr(c * chunk_bytes, chunk_bytes), level, c + 1 == std::int64_t(count));
+      chunks[c] =
+          deflate_chunk(bytes.substr(c * chunk_bytes, chunk_bytes), level, search, c + 1 == std::int64_t(count));
   });
   std::string out("\x1f\x8b\x08\0\0\0\0\0\x04\x03", 10);  // no name, no time; fastest, Unix
   uLong crc = crc32(0, nullptr, 0);

@@ -256,7 +256,7 @@ grid::Field find_brain(const grid::HuVolume& volume, const BrainMasks& masks, co
       volume, {params.grow_mm, 1},
       [&](const mask::HuView& hu) {
         mask::check_varies(volume);
-        if (params.smoothing_sigma_mm == 0) check_scan_noise(volume, progress);
+        if (params.smoothing_sigma_mm == 0) check_scan_noise(volume, masks.scan_figures, progress);
         return brain_in(hu, masks, params, report, progress);
       },
       report, progress);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
+
 #include "head/tissue_params.h"
+#include "mask/scan_figures.h"
 
 namespace trephine::head {
 
@@ -38,6 +41,8 @@ struct BrainMasks {
   const grid::Field* skull = nullptr;    ///< the bone around the brain; without it, bone is every voxel above 226 HU
   const grid::Field* within = nullptr;   ///< the brain lies inside it
   const grid::Field* without = nullptr;  ///< the brain lies outside it
+  /// Gives what measure_scan says of the volume, for callers who know it already; empty: it is measured here.
+  std::function<mask::ScanFigures(const Progress& progress)> scan_figures;
 };
 
 /// The brain's outer surface with sulci, fissures and cisterns, as a field like that of segment().

@@ -90,7 +90,9 @@ class Finder {
       }
     }
     judge_together(out_, given_names(), why_);
-    hold_to_scan(out_, given_names(), mask::measure_scan(volume_, progress.part(0.95, 1)), why_);
+    const Progress last = progress.part(0.95, 1);
+    hold_to_scan(out_, given_names(), in_.scan_figures ? in_.scan_figures(last) : mask::measure_scan(volume_, last),
+                 why_);
     hold_to_bregma(out_, given_names(), why_);
     leave_out_what_is_none(out_, given_names(), why_, report_);
     tell();

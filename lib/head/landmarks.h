@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "base/params.h"
@@ -7,6 +8,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
+#include "mask/scan_figures.h"
 
 namespace trephine::head {
 
@@ -36,6 +38,8 @@ struct LandmarkInputs {
   const grid::HuVolume* as_read = nullptr;  ///< the scan before anything was taken off it; may be null
   std::vector<cases::CaseLandmark>
       given;  ///< given by a person; they replace found ones, others are measured from them
+  /// Gives what measure_scan says of the volume, for callers who know it already; empty: it is measured here.
+  std::function<mask::ScanFigures(const Progress& progress)> scan_figures;
 };
 
 /// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. docs/landmarks.md

@@ -171,10 +171,12 @@ void check_noise(double noise, const grid::Lattice& lattice, double smoothed_mm)
   check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())), smoothed_mm);
 }
 
-void check_scan_noise(const grid::HuVolume& volume, const Progress& progress) {
+void check_scan_noise(const grid::HuVolume& volume,
+                      const std::function<mask::ScanFigures(const Progress& progress)>& measured,
+                      const Progress& progress) {
   // In coarser voxels the tissue's own detail looks like noise.
   if (grid::lattice_of(volume).voxel_volume_mm3() > structure_mm3) return;
-  const mask::ScanFigures scan = mask::measure_scan(volume, progress);
+  const mask::ScanFigures scan = measured ? measured(progress) : mask::measure_scan(volume, progress);
   if (scan.known()) check_cube_noise(scan.cube_noise_hu, 0);
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
+
 #include "base/progress.h"
 #include "base/report.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
+#include "mask/scan_figures.h"
 
 namespace trephine::head {
 
@@ -30,8 +33,11 @@ void check_noise(double noise, const grid::Lattice& lattice, double smoothed_mm)
 double smoothing_for_noise(double noise, double smoothed_mm, double wanted);
 /// The same of a scan as measure_scan sees it, whatever the colour of its noise: so much that the skull itself is found
 /// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where
-/// measure_scan does not know the noise, and in voxels of more than 8 mm^3.
-void check_scan_noise(const grid::HuVolume& volume, const Progress& progress = {});
+/// measure_scan does not know the noise, and in voxels of more than 8 mm^3. `measured` gives what measure_scan says of
+/// the volume; empty: it is asked here.
+void check_scan_noise(const grid::HuVolume& volume,
+                      const std::function<mask::ScanFigures(const Progress& progress)>& measured = {},
+                      const Progress& progress = {});
 
 /// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
 /// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the

@@ -227,6 +227,24 @@ BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress)
   const grid::Lattice& lattice = mask.lattice();
   const auto chords = ball(lattice, radius_mm);
   const int words = mask.words();
+  if (words == 0) return mask;
+  const Word last = lattice.size[0] & 63 ? (Word{1} << (lattice.size[0] & 63)) - 1 : ~Word{0};
+  const auto is_full = [&](const Word* row) {
+    Word all = row[words - 1] | ~last;
+    for (int w = 0; w + 1 < words; ++w) all &= row[w];
+    return all == ~Word{0};
+  };
+  // Most rows of a mask are empty, and most of what is around it is full.
+  enum Kind : std::uint8_t { empty, mixed, full };
+  std::vector<Kind> kinds(std::size_t(lattice.size[1]) * lattice.size[2], mixed);
+  for_each_row(lattice, [&](int j, int k) {
+    const Word* row = mask.row(j, k);
+    Kind& kind = kinds[std::size_t(k) * lattice.size[1] + j];
+    if (std::all_of(row, row + words, [](Word w) { return w == 0; }))
+      kind = empty;
+    else if (is_full(row))
+      kind = full;
+  });
   BitMask out(lattice);
   parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -235,21 +253,31 @@ BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress)
       for (int j = 0; j < lattice.size[1]; ++j) {
         // Rows of equal width are joined before they are widened.
         Word* result = out.row(j, k);
-        for (std::size_t c = 0; c < chords.size();) {
+        bool done = false;
+        for (std::size_t c = 0; c < chords.size() && !done;) {
           const int half = chords[c].half;
-          std::fill(acc.begin(), acc.end(), 0);
-          Word any = 0;
+          bool any = false;
           for (; c < chords.size() && chords[c].half == half; ++c) {
             const int sj = j + chords[c].dj, sk = k + chords[c].dk;
             if (sj < 0 || sk < 0 || sj >= lattice.size[1] || sk >= lattice.size[2]) continue;
+            const Kind kind = kinds[std::size_t(sk) * lattice.size[1] + sj];
+            if (kind == empty) continue;
             const Word* in = mask.row(sj, sk);
-            for (int w = 0; w < words; ++w) any |= acc[w] |= in[w];
+            if (kind == full) {
+              std::copy(in, in + words, result);
+              done = true;
+              break;
+            }
+            if (!any) std::fill(acc.begin(), acc.end(), 0);
+            any = true;
+            for (int w = 0; w < words; ++w) acc[w] |= in[w];
           }
-          if (!any) continue;
+          if (!any || done) continue;
           dilate_row(acc.data(), scratch.data(), words, half);
           for (int w = 0; w < words; ++w) result[w] |= acc[w];
+          done = is_full(result);
         }
-        if (const int rest = lattice.size[0] & 63) result[words - 1] &= (Word{1} << rest) - 1;
+        result[words - 1] &= last;
       }
   });
   return out;

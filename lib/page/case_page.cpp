@@ -115,7 +115,7 @@ class PageMaker {
     int side = page_volume_side;
     for (;;) {
       const PackedVolume packed = pack_ct(volume, side, progress_);
-      PageBlock block = page_block("ct", predicted_bytes(packed));
+      PageBlock block = page_block("ct", predicted_bytes(packed), true);
       const int longest = *std::max_element(packed.lattice.size.begin(), packed.lattice.size.end());
       const double share = room / double(block.bytes_in_page());
       if (share >= 1 || longest <= page_volume_side / 2) {

@@ -45,8 +45,9 @@ std::string blocks_html(const std::vector<PageBlock>& blocks) {
 
 }  // namespace
 
-PageBlock page_block(std::string id, const std::string& bytes) {
-  return {std::move(id), bytes.size(), grid::detail::gzip_compress(bytes, compression_level)};
+PageBlock page_block(std::string id, const std::string& bytes, bool noise) {
+  const auto search = noise ? grid::detail::GzipSearch::runs : grid::detail::GzipSearch::strings;
+  return {std::move(id), bytes.size(), grid::detail::gzip_compress(bytes, compression_level, search)};
 }
 
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,

@@ -15,7 +15,8 @@ struct PageBlock {
 
   std::size_t bytes_in_page() const { return (gzip.size() + 2) / 3 * 4; }
 };
-PageBlock page_block(std::string id, const std::string& bytes);
+/// `noise`: nothing in the bytes repeats but runs.
+PageBlock page_block(std::string id, const std::string& bytes, bool noise = false);
 
 /// One HTML file that needs nothing beside it: a template of web/ with its style, script and data in the places
 /// @STYLE@,

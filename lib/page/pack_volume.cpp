@@ -71,7 +71,7 @@ std::uint8_t level_of(double hu) {
   for (std::size_t i = 1; i < levels.size(); ++i)
     if (hu < levels[i][1]) {
       const double share = (hu - levels[i - 1][1]) / (levels[i][1] - levels[i - 1][1]);
-      return static_cast<std::uint8_t>(std::lround(levels[i - 1][0] + share * (levels[i][0] - levels[i - 1][0])));
+      return static_cast<std::uint8_t>(levels[i - 1][0] + share * (levels[i][0] - levels[i - 1][0]) + 0.5);
     }
   return static_cast<std::uint8_t>(levels.back()[0]);
 }
@@ -109,6 +109,43 @@ bool nearest(const grid::Lattice& lattice, Vec3 index, std::array<int, 3>& voxel
   return true;
 }
 
+// Along the axes every voxel is one of the volume's own: nothing is interpolated.
+template <class T>
+PackedVolume along_axes(const grid::Grid<T>& from, const grid::Lattice& to, const Progress& progress) {
+  PackedVolume out;
+  out.lattice = to;
+  out.bytes.assign(to.count(), '\0');
+  // For each axis of the page how far on in the volume each of its voxels lies; -1: beyond it.
+  std::array<std::vector<std::ptrdiff_t>, 3> at;
+  const std::ptrdiff_t stride[3] = {1, from.size[0], std::ptrdiff_t(from.size[0]) * from.size[1]};
+  const Vec3 start = from.to_index(to.origin_mm);
+  for (int k = 0; k < 3; ++k) {
+    const int axis = *patient_axis(from, k);
+    Vec3 next = to.origin_mm;
+    next[axis] += to.spacing_mm[axis];
+    const double step = from.to_index(next)[k] - start[k];
+    for (int n = 0; n < to.size[axis]; ++n) {
+      const double index = start[k] + step * n;
+      at[std::size_t(axis)].push_back(
+          index > -0.5 && index < from.size[k] - 0.5 ? stride[k] * std::ptrdiff_t(std::lround(index)) : -1);
+    }
+  }
+  parallel_for(0, to.size[2], 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = static_cast<int>(begin); k < end; ++k) {
+      progress.check();
+      for (int j = 0; j < to.size[1]; ++j) {
+        const std::ptrdiff_t y = at[1][std::size_t(j)], z = at[2][std::size_t(k)];
+        if (y < 0 || z < 0) continue;
+        char* row = &out.bytes[to.index(0, j, k)];
+        for (int i = 0; i < to.size[0]; ++i)
+          if (const std::ptrdiff_t x = at[0][std::size_t(i)]; x >= 0)
+            row[i] = static_cast<char>(level_of(from.voxels[std::size_t(x + y + z)]));
+      }
+    }
+  });
+  return out;
+}
+
 constexpr double edge_slack = 1e-6;  // voxels: a lattice rounded to the volume's own end still lies in it
 
 template <class T>
@@ -142,13 +179,10 @@ PackedVolume pack_ct(const grid::HuVolume& volume, int side, const Progress& pro
   return std::visit(
       [&](const auto& grid) {
         const grid::Lattice to = page_lattice(grid, side);
-        const bool straight = to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1);
-        return sample(grid, to, progress, [&](Vec3 index) -> std::uint8_t {
-          std::array<int, 3> voxel{};
-          // Along the axes every voxel is one of the volume's own: nothing is interpolated.
-          if (straight) return nearest(grid, index, voxel) ? level_of(grid.at(voxel[0], voxel[1], voxel[2])) : 0;
-          return level_of(trilinear(grid, index, page_hu_levels.front()[1]));
-        });
+        if (to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1) && patient_axis(grid, 2))
+          return along_axes(grid, to, progress);
+        return sample(grid, to, progress,
+                      [&](Vec3 index) { return level_of(trilinear(grid, index, page_hu_levels.front()[1])); });
       },
       small);
 }

@@ -142,14 +142,19 @@ Projected project(const surface::TriMesh& mesh, const Camera& camera, int sample
 
 void draw_band(const Projected& surface, int band, int width, int rows, bool clipped, Layer& layer) {
   const int begin = band * band_rows, end = std::min(rows, begin + band_rows);
-  layer.depth.assign(std::size_t(width) * (end - begin), std::numeric_limits<float>::lowest());
-  layer.triangle.assign(layer.depth.size(), Layer::none);
-  for (const std::uint32_t t : surface.tall)
-    if (surface.last_band[t] >= band) draw_triangle(surface, t, width, begin, end, clipped, layer);
+  layer.empty = true;
+  const auto draw = [&](std::uint32_t t) {
+    if (surface.last_band[t] < band) return;
+    if (layer.empty) {
+      layer.depth.assign(std::size_t(width) * (end - begin), std::numeric_limits<float>::lowest());
+      layer.triangle.assign(layer.depth.size(), Layer::none);
+      layer.empty = false;
+    }
+    draw_triangle(surface, t, width, begin, end, clipped, layer);
+  };
+  for (const std::uint32_t t : surface.tall) draw(t);
   for (int b = std::max(0, band - 1); b <= band; ++b)
-    for (std::uint32_t i = surface.band_begin[b]; i < surface.band_begin[b + 1]; ++i)
-      if (surface.last_band[surface.in_band[i]] >= band)
-        draw_triangle(surface, surface.in_band[i], width, begin, end, clipped, layer);
+    for (std::uint32_t i = surface.band_begin[b]; i < surface.band_begin[b + 1]; ++i) draw(surface.in_band[i]);
 }
 
 std::array<double, 3> weights_at(const Projected& s, std::uint32_t triangle, int x, int y, bool perspective) {

@@ -33,6 +33,7 @@ struct Layer {
   static constexpr std::uint32_t none = 0xffffffffu;
   std::vector<float> depth;
   std::vector<std::uint32_t> triangle;  ///< twice its number, plus 1 where its inner side is seen
+  bool empty = true;                    ///< no triangle reaches into the band, and the lists say nothing of it
 };
 
 /// Fills the layer for rows [band * band_rows, ...) of `width` samples.

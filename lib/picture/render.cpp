@@ -152,8 +152,11 @@ class BandPainter {
   void paint(int band) {
     const int width = s_.params.width * s_.samples, rows = s_.params.height * s_.samples;
     const int begin = band * detail::band_rows, end = std::min(rows, begin + detail::band_rows);
-    for (std::size_t i = 0; i < layers_.size(); ++i)
+    seen_.clear();
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
       detail::draw_band(s_.projected[i], band, width, rows, s_.params.clip.has_value(), layers_[i]);
+      if (!layers_[i].empty) seen_.push_back(i);
+    }
     for (int y = begin; y < end; ++y)
       for (int x = 0; x < width; ++x) paint_sample(x, y, std::size_t(y - begin) * width + x);
   }
@@ -161,8 +164,7 @@ class BandPainter {
  private:
   void collect(int x, int y, std::size_t at) {
     found_.clear();
-    if (layers_.size() == 1 && layers_[0].triangle[at] == Layer::none) return;
-    for (std::size_t i = 0; i < layers_.size(); ++i) {
+    for (const std::size_t i : seen_) {
       const std::uint32_t value = layers_[i].triangle[at];
       if (value == Layer::none) continue;
       Fragment f{layers_[i].depth[at], static_cast<int>(i), value / 2, (value & 1) != 0, false};
@@ -175,6 +177,7 @@ class BandPainter {
       }
       found_.push_back(f);
     }
+    if (found_.size() < 2) return;
     // Sorted from near to far. Of surfaces at equal depth (caps) the later one comes first.
     std::sort(found_.begin(), found_.end(), [](const Fragment& a, const Fragment& b) {
       return a.depth != b.depth ? a.depth > b.depth : a.surface > b.surface;
@@ -230,7 +233,8 @@ class BandPainter {
   const Scene& s_;
   Pixels& pixels_;
   std::vector<Layer> layers_;
-  std::vector<Last> last_;  // of each column of pixels
+  std::vector<std::size_t> seen_;  // those that are not empty
+  std::vector<Last> last_;         // of each column of pixels
   std::vector<Fragment> found_;
 };
 

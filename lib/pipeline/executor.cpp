@@ -301,7 +301,11 @@ class Executor {
   void compute(const Node& node, NodeResult& result) {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
     stages::StageInputs inputs;
-    for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
+    inputs.shared = &shared_;
+    for (const auto& [port, source] : node.sources) {
+      inputs.by_port[port] = results_[source].data;
+      inputs.key_by_port[port] = graph_.nodes[source].key;
+    }
     try {
       result.data = compute_node(node, std::move(inputs), result.report, progress);
     } catch (const Error& e) {
@@ -319,6 +323,7 @@ class Executor {
   RunObserver& observer_;
   std::vector<NodeResult> results_;
   std::vector<Task> tasks_;
+  stages::SharedWork shared_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::atomic<bool> stop_{false}, cache_failed_{false};

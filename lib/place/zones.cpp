@@ -13,7 +13,6 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
-#include "place/place_head.h"
 
 namespace trephine::place {
 namespace {
@@ -148,10 +147,14 @@ grid::Box box_of_template(const grid::Lattice& l, const grid::Box& box, const He
   return roomy;
 }
 
+HeadPlace place_of(const mask::BitMask& cavity, const ZoneShapes& shapes, bool with_ventricles,
+                   const Progress& progress) {
+  if (shapes.place) return shapes.place(with_ventricles, progress);
+  return place_in_cavity(cavity, with_ventricles ? shapes.ventricles : nullptr, progress);
+}
+
 /// Cuts off the dura what lies beyond the template's cavity and the way of the brainstem out of it.
-void keep_near_template(grid::Field& wall, const mask::BitMask& cavity, const ZoneParams& params, Report& report,
-                        const Progress& progress) {
-  const HeadPlace place = place_head(cavity, nullptr, cavity.lattice(), progress);
+void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZoneParams& params, Report& report) {
   if (!place.sure) return;
   std::vector<std::int64_t> cut(std::size_t(wall.size[2]));
   parallel_for(0, wall.size[2], 1, [&](std::int64_t from, std::int64_t to) {
@@ -231,6 +234,12 @@ void check(const grid::Lattice& l, const ZoneShapes& shapes, const ZoneParams& p
 
 }  // namespace
 
+HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventricles, const Progress& progress) {
+  mask::BitMask fluid;
+  if (ventricles) fluid = mask::positive(*ventricles, cavity.lattice());
+  return place_head(cavity, ventricles ? &fluid : nullptr, cavity.lattice(), progress);
+}
+
 grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& said, Report& report,
                       const Progress& progress) {
   check(cavity.lattice(), shapes, said);
@@ -239,7 +248,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   const grid::Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
     grid::Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
-    if (params.max_beyond_mm > 0) keep_near_template(wall, cavity, params, report, progress);
+    if (params.max_beyond_mm > 0) keep_near_template(wall, place_of(cavity, shapes, false, progress), params, report);
     if (params.smooth_mm > 0) {
       mask::gaussian(wall, params.smooth_mm);
       for (float& v : wall.voxels)
@@ -251,10 +260,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
     return trimmed(wall, report, name_of(params.what));
   }
-  mask::BitMask fluid;
-  if (shapes.ventricles) fluid = mask::positive(*shapes.ventricles, cavity.lattice());
-  const HeadPlace place =
-      place_head(cavity, shapes.ventricles ? &fluid : nullptr, cavity.lattice(), progress.part(0, 0.4));
+  const HeadPlace place = place_of(cavity, shapes, true, progress.part(0, 0.4));
   report_place(place, report);
   if (!place.sure)
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
+
 #include "base/params.h"
 #include "base/progress.h"
 #include "base/report.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
+#include "place/place_head.h"
 
 namespace trephine::place {
 
@@ -57,7 +60,13 @@ struct ZoneParams {
 struct ZoneShapes {
   const grid::Field* skull = nullptr;       ///< may be null: then the cavity's surface is that of its voxels
   const grid::Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
+  /// Gives what place_in_cavity gives of this cavity and, unless it is to be without them, the ventricles, for callers
+  /// who know it already. Empty: the template is registered here.
+  std::function<HeadPlace(bool with_ventricles, const Progress& progress)> place;
 };
+
+/// Where the template lies by the cavity and, where they are given, the ventricles on the cavity's raster.
+HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventricles, const Progress& progress = {});
 
 /// The zone as a field in mm (positive inside) on the part of the cavity's lattice, or of its cells, where it lies.
 ///

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "consistency/anatomy_gate.h"
+#include "stages/scan_figures_of.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -41,7 +42,7 @@ StageType anatomy_stage() {
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto* volume = in.get<grid::HuVolume>("volume");
     mask::ScanFigures scan;
-    if (volume) scan = mask::measure_scan(*volume, progress);
+    if (volume) scan = scan_figures_of(in, progress);
     const head::HeadFields fields{in.get<grid::Field>("skin"), in.get<grid::Field>("skull"),
                                   in.get<grid::Field>("brain"), in.get<grid::Field>("ventricles"),
                                   volume ? &scan : nullptr};

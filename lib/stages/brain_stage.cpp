@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/brain.h"
 
+#include "stages/scan_figures_of.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -26,7 +27,8 @@ StageType brain_stage() {
   s.make_params = [] { return AnyParams::make<head::BrainParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const head::BrainMasks masks{in.get<grid::Field>("skull"), in.get<grid::Field>("within"),
-                                 in.get<grid::Field>("without")};
+                                 in.get<grid::Field>("without"),
+                                 [&in](const Progress& rest) { return scan_figures_of(in, rest); }};
     return std::make_shared<const grid::Field>(
         head::find_brain(*in.get<grid::HuVolume>("volume"), masks, params.as<head::BrainParams>(), report, progress));
   };

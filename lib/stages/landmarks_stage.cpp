@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/landmarks.h"
 
+#include "stages/scan_figures_of.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -58,6 +59,7 @@ StageType landmarks_stage() {
     inputs.brain = in.get<grid::Field>("brain");
     inputs.ventricles = in.get<grid::Field>("ventricles");
     if (const auto* given = in.get<head::HeadLandmarks>("given")) inputs.given = given->landmarks;
+    inputs.scan_figures = [&in](const Progress& rest) { return scan_figures_of(in, rest); };
     return std::make_shared<const head::HeadLandmarks>(head::find_landmarks(
         *in.get<grid::HuVolume>("volume"), inputs, params.as<head::LandmarkParams>(), report, progress));
   };

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <typeinfo>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "grid/labels.h"
 #include "head/head_landmarks.h"
 #include "picture/slice.h"
+#include "stages/shared_work.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
@@ -133,6 +135,25 @@ struct StageInputs {
   std::map<std::string, StageData> by_port;
   /// The hash that the content of a file parameter must have; no entry where it is not known beforehand.
   std::map<std::string, std::string> file_sha256;
+  /// In a run: what its stages share, and by port what says which data lie there (the key of the node that made them).
+  SharedWork* shared = nullptr;
+  std::map<std::string, std::string> key_by_port;
+
+  /// What `make` gives, a std::shared_ptr<const T>, where it depends on nothing but the data of these ports: in a run
+  /// it is made once for all stages that ask for `what` of the same data, else here. `make` may not use the stage's
+  /// parameters.
+  template <class T, class Make>
+  std::shared_ptr<const T> once(const std::string& what, const std::vector<std::string>& ports,
+                                const Progress& progress, const Make& make) const {
+    if (!shared) return make();
+    std::string key = what + ' ' + typeid(T).name();
+    for (const std::string& port : ports) {
+      const auto of = key_by_port.find(port);
+      key += ' ' + (of == key_by_port.end() ? "open" : of->second);
+    }
+    return std::static_pointer_cast<const T>(
+        shared->once(key, progress, [&]() -> std::shared_ptr<const void> { return make(); }));
+  }
 
   /// The data of a port, or null where the port was left open. The kind is that of the port, checked before the stage
   /// runs.

@@ -5,6 +5,24 @@
 #include "stages/stage.h"
 
 namespace trephine::stages {
+namespace {
+
+// The cranial cavity, and what finding it reported.
+struct Cavity {
+  mask::BitMask mask;
+  Report report;
+};
+
+std::shared_ptr<const Cavity> cavity_of(const StageInputs& in, const Progress& progress) {
+  const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
+  const grid::Field* skull = in.get<grid::Field>("skull");
+  const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+  const auto found = std::make_shared<Cavity>();
+  found->mask = head::cranial_cavity(bone, found->report, progress);
+  return found;
+}
+
+}  // namespace
 
 StageType zone_stage() {
   StageType s;
@@ -33,13 +51,23 @@ StageType zone_stage() {
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<place::ZoneParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
-    const grid::Field* skull = in.get<grid::Field>("skull");
-    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
-    const mask::BitMask cavity = head::cranial_cavity(bone, report, progress.part(0, 0.3));
-    return std::make_shared<const grid::Field>(place::find_zone(cavity, {skull, in.get<grid::Field>("ventricles")},
-                                                                any.as<place::ZoneParams>(), report,
-                                                                progress.part(0.3, 1)));
+    place::ZoneShapes shapes;
+    shapes.skull = in.get<grid::Field>("skull");
+    shapes.ventricles = in.get<grid::Field>("ventricles");
+    const auto cavity = in.once<Cavity>("cranial cavity", {"volume", "skull"}, progress,
+                                        [&] { return cavity_of(in, progress.part(0, 0.3)); });
+    for (const auto& figure : cavity->report.figures) report.figures.push_back(figure);
+    for (const std::string& warning : cavity->report.warnings) report.warn(warning);
+    shapes.place = [&](bool with_ventricles, const Progress& rest) {
+      const grid::Field* ventricles = with_ventricles ? shapes.ventricles : nullptr;
+      std::vector<std::string> of{"volume", "skull"};
+      if (ventricles) of.push_back("ventricles");
+      return *in.once<place::HeadPlace>("place in the cranial cavity", of, rest, [&] {
+        return std::make_shared<const place::HeadPlace>(place::place_in_cavity(cavity->mask, ventricles, rest));
+      });
+    };
+    return std::make_shared<const grid::Field>(
+        place::find_zone(cavity->mask, shapes, any.as<place::ZoneParams>(), report, progress.part(0.3, 1)));
   };
   return s;
 }

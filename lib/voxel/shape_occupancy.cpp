@@ -67,8 +67,8 @@ class Slab {
         k_begin_(k_begin),
         k_end_(k_end),
         rows_(std::size_t(k_end - k_begin) * std::size_t(on.lattice.size[1])),
-        squared_(rows_ * std::size_t(on.lattice.size[0]), std::pow(largest_ramp_mm(on.lattice), 2)),
-        triangle_(squared_.size(), none),
+        nearest_(rows_ * std::size_t(on.lattice.size[0]),
+                 {std::pow(largest_ramp_mm(on.lattice), 2), float(1.001 * largest_ramp_mm(on.lattice)), none}),
         origin_(lattice_.origin_mm - on.mesh.origin_mm) {
     for (int a = 0; a < 3; ++a) step_[a] = lattice_.direction.column[std::size_t(a)] * lattice_.spacing_mm[a];
   }
@@ -77,28 +77,35 @@ class Slab {
     const auto& v = on_.mesh.triangles[t];
     const Vec3 a = on_.mesh.points_mm[v[0]], b = on_.mesh.points_mm[v[1]], c = on_.mesh.points_mm[v[2]];
     const Vec3 normal = normalized(surface::triangle_normal(on_.mesh, t));
+    const Vec3 middle = (a + b + c) / 3;
+    const double around =
+        std::sqrt(std::max({squared(a - middle), squared(b - middle), squared(c - middle)})) + rounding_mm;
     const double widest = largest_ramp_mm(lattice_), rise = dot(normal, step_[0]);
     int begin[3], end[3];
     for (int axis = 0; axis < 3; ++axis) on_.range(t, axis, begin[axis], end[axis]);
     for (int k = std::max(begin[2], k_begin_); k < std::min(end[2], k_end_); ++k)
       for (int j = begin[1]; j < end[1]; ++j) {
-        const std::size_t row = index(0, j, k);
+        Nearest* row = &nearest_[index(0, j, k)];
         const Vec3 start = local(0, j, k);
         const double height = dot(normal, start - a);
         // The part of the row that is near the triangle's plane.
         int first = begin[0], last = end[0];
         if (std::abs(rise) > 1e-6 * lattice_.spacing_mm.x) {
-          const double middle = -height / rise, half = widest / std::abs(rise);
-          first = std::max(first, whole(std::floor(middle - half), lattice_.size[0]));
-          last = std::min(last, whole(std::ceil(middle + half) + 1, lattice_.size[0]));
+          const double at = -height / rise, half = widest / std::abs(rise);
+          first = std::max(first, whole(std::floor(at - half), lattice_.size[0]));
+          last = std::min(last, whole(std::ceil(at + half) + 1, lattice_.size[0]));
         }
         for (int i = first; i < last; ++i) {
+          Nearest& best = row[i];
           const double h = height + rise * i;
-          if (h * h * (1 - 1e-9) >= squared_[row + std::size_t(i)]) continue;
-          const surface::ClosestPoint n = surface::nearest_on_triangle(start + step_[0] * i, a, b, c);
-          if (n.squared_mm2 >= squared_[row + std::size_t(i)]) continue;
-          squared_[row + std::size_t(i)] = n.squared_mm2;
-          triangle_[row + std::size_t(i)] = t;
+          if (h * h * (1 - 1e-9) >= best.squared) continue;
+          const Vec3 p = start + step_[0] * i;
+          // No point of the triangle is nearer than the ball around it.
+          const double reach = best.mm + around;
+          if (squared(p - middle) >= reach * reach) continue;
+          const surface::ClosestPoint n = surface::nearest_on_triangle(p, a, b, c);
+          if (n.squared_mm2 >= best.squared) continue;
+          best = {n.squared_mm2, float(std::sqrt(n.squared_mm2) * 1.000001), t};
         }
       }
   }
@@ -108,7 +115,7 @@ class Slab {
     for (int k = k_begin_; k < k_end_; ++k)
       for (int j = 0; j < lattice_.size[1]; ++j)
         for (int i = 0; i < lattice_.size[0]; ++i) {
-          const std::uint32_t t = triangle_[index(i, j, k)];
+          const std::uint32_t t = nearest_[index(i, j, k)].triangle;
           if (t == none) continue;
           const auto& v = on_.mesh.triangles[t];
           const Vec3 p = local(i, j, k);
@@ -123,6 +130,13 @@ class Slab {
 
  private:
   static constexpr std::uint32_t none = 0xffffffff;
+  static constexpr double rounding_mm = 1e-6;  ///< far above that of distances
+  struct Nearest {
+    double squared;
+    float mm;  ///< its root, rounded up
+    std::uint32_t triangle;
+  };
+  static double squared(Vec3 v) { return dot(v, v); }
   std::size_t index(int i, int j, int k) const {
     return (std::size_t(k - k_begin_) * std::size_t(lattice_.size[1]) + std::size_t(j)) *
                std::size_t(lattice_.size[0]) +
@@ -134,8 +148,7 @@ class Slab {
   const grid::Lattice& lattice_;
   int k_begin_, k_end_;
   std::size_t rows_;
-  std::vector<double> squared_;
-  std::vector<std::uint32_t> triangle_;
+  std::vector<Nearest> nearest_;
   Vec3 origin_, step_[3];  ///< in the mesh's own coordinates
 };
 
