@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""desk.py [PICTURES]: the desk in chromium, with real clicks: a case of the sample phantom is opened, a landmark moved, a patch
+"""desk.py: the desk in chromium, with real clicks: a case of the sample phantom is opened, a landmark moved, a patch
 painted, the case rebuilt and approved; what was written makes the same bytes in an empty folder. Then requests that nobody should
-send. With PICTURES, a folder, it leaves a picture of every page there (docs/desk.md). TREPHINE is the program."""
+send (desk_requests.py). TREPHINE is the program."""
 import hashlib
 import json
 import os
@@ -31,9 +31,8 @@ landmarks:  # mm, LPS
   monro_right: [-2.7, -11.9, 53.5]
 set: {%s}
 """
-# The skull alone, on coarse voxels, for the default test; for pictures all that the recipe has.
+# The skull alone, on coarse voxels.
 SMALL = ("skull", "skin.segment.fill: none, skin.segment.coarse_mm: 1.5, resample.spacing_mm: [2.5, 2.5, 2.5]")
-WHOLE = ("ventriculostomy", "resample.spacing_mm: [1.6, 1.6, 1.6], haptic.spacing_mm: [2, 2, 2]")
 
 
 def make_root(folder, what=SMALL):
@@ -131,11 +130,6 @@ class Page:
         u, v = self.b.js("const p = desk.page.volume.planes.find(p => p.id === arguments[0]), at = arguments[1]; return p.place(at[p.u], at[p.v])", plane, at)
         return round(x + u), round(y + v)
 
-    def picture(self, folder, name):
-        if folder:
-            time.sleep(0.7)
-            self.b.screenshot(folder / f"desk_{name}.png")
-
 
 def digest(case):
     manifest = (case / "case.json").read_bytes()
@@ -144,8 +138,8 @@ def digest(case):
     return hashlib.sha256(manifest).hexdigest()
 
 
-def work(check, folder, pictures):
-    root, library = make_root(folder, WHOLE if pictures else SMALL), folder / "library"
+def work(check, folder):
+    root, library = make_root(folder), folder / "library"
     desk = Desk(root, library)
     try:
         with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1600, height=1000) as browser:
@@ -158,7 +152,6 @@ def work(check, folder, pictures):
             page.until("document.querySelector('.card .tag.good') && desk.cases.length === 1 && !desk.page.building", "the build")
             check((library / "head-01/case.json").exists(), "the build made the case")
             first = digest(library / "head-01")
-            page.picture(pictures, "library")
 
             page.click(".card")
             page.until("desk.page && desk.page.volume && desk.page.fields.includes('skull') && !document.getElementById('busy').textContent && document.documentElement.dataset.ready === 'case'", "the opened case")
@@ -166,7 +159,6 @@ def work(check, folder, pictures):
             page.until("desk.page.volume.planes.every(p => p.shown === desk.page.at[p.n])", "the slices")
             check(browser.js("""const c = document.getElementById('axial'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data
                 let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] > 60; return n""") > 5000, "the axial slice shows a head")
-            page.picture(pictures, "look")
 
             # a measure and a profile over the head
             size = browser.js("return desk.page.volume.size")
@@ -194,7 +186,6 @@ def work(check, folder, pictures):
             check("  inion: [0, 89.4, 5.8]\n" not in text and "  inion: [" in text and "  nasion: [0, -93.2, 40.1]\n" in text, "one line is another")
             check((root / "configs/coarse.yaml").read_text().count("inion: [0, 89.4, 5.8]") == 1, "the shared configuration is as it was")
             check("{case: head-01, series: ../sample_dicom, config: head-01.yaml}  # the phantom" in (root / "configs/LIBRARY.yaml").read_text(), "LIBRARY.yaml names the case's own")
-            page.picture(pictures, "place")
             page.click("#undo")
             page.until("desk.page.info.journal.length === 2", "undone")
             check("  inion: [0, 89.4, 5.8]\n" in own.read_text(), "undo brings the line back")
@@ -218,7 +209,6 @@ def work(check, folder, pictures):
             page.until("desk.stats.painted[1] === 0", "undo of a stroke")
             page.click("#redo")
             page.until("JSON.stringify(desk.stats.painted) === arguments[0]", "and redo", json.dumps(painted).replace(" ", ""))
-            page.picture(pictures, "paint")
 
             # the draft survives a reload, and a desk that is killed
             page.until("desk.stats.kept >= 1 && desk.page.volume", "the draft is kept")
@@ -258,7 +248,6 @@ def work(check, folder, pictures):
             page.until("desk.page.fields.includes('skull') && !document.getElementById('busy').textContent", "the fields after it")
             page.click("#compare")
             page.until("!!document.getElementById('difference') && document.getElementById('difference').textContent.includes('skull')", "the comparison with what it was")
-            page.picture(pictures, "rerun")
             second = digest(library / "head-01")
             check(second != first, "the case is another")
             recorded = json.loads((library / "head-01/case.json").read_text())["provenance"]["parameters"]
@@ -269,13 +258,11 @@ def work(check, folder, pictures):
             check(browser.js("return document.getElementById('approve').disabled"), "no approval before every line is ticked")
             for line in browser.js("return [...document.querySelectorAll('[data-check]')].map(e => e.dataset.check)"):
                 page.click(f"[data-check={line}]")
-            page.picture(pictures, "approve")
             page.click("#approve")
             page.until("desk.cases[0].approval && desk.cases[0].approval.holds", "the approval")
             check(json.loads((library / "head-01/approved.json").read_text())["by"] == "anna-2", "signed by the token")
             page.click("[data-tab=history]")
             page.until("document.querySelectorAll('#panel tr').length >= 6", "the history")
-            page.picture(pictures, "history")
 
             # a new case of the same scan
             browser.js("location.hash = 'new'")
@@ -286,7 +273,6 @@ def work(check, folder, pictures):
             page.until("!!document.querySelector('.thumb') && document.querySelector('.thumb').naturalWidth > 100", "the middle slices")
             page.write("#token", "head-02")
             browser.js("document.getElementById('recipe').value = 'coarse.yaml'")
-            page.picture(pictures, "new")
             page.click("#create")
             page.until("document.documentElement.dataset.ready === 'library' && document.querySelectorAll('.card').length === 2", "the new case's card")
             page.click("#language")
@@ -310,9 +296,8 @@ def work(check, folder, pictures):
 
 def main():
     check = Checks()
-    pictures = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
     with tempfile.TemporaryDirectory() as folder:
-        work(check, pathlib.Path(folder), pictures)
+        work(check, pathlib.Path(folder))
     check.end()
 
 

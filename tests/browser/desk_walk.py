@@ -14,6 +14,7 @@ import time
 import zipfile
 
 from desk import CASE, SOURCE, Desk, Page, digest, run
+from small_picture import shrink
 from webdriver import Browser, Checks
 
 COARSE = "resample.spacing_mm: [1.6, 1.6, 1.6], haptic.spacing_mm: [2, 2, 2]"
@@ -208,6 +209,10 @@ def main():
                 rerun_and_approve(page, library)
                 severe = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE" and "422" not in e["message"]]
                 check(not severe, f"no error in the console: {severe}")
+                if pictures:
+                    browser.open("about:blank")
+                    for picture in sorted(pictures.glob("desk_*.png")):
+                        shrink(browser, picture)
             manifest = json.loads((library / "head-01/case.json").read_text())
             recorded = manifest["provenance"]["parameters"]
             check(recorded["ventricles.correct.added_ml"] > 0, "the horn is in the case")

@@ -17,8 +17,10 @@ function holesOf(page) {
     page.redraw()
     page.heldHole && page.heldHole()
   }
-  for (const which of ['entry', 'target'])
-    page.tools[which] = { key: which === 'entry' ? 'e' : 'z', down: (p, at) => set(which, page.volume.toWorld(at)), move: (p, at) => set(which, page.volume.toWorld(at)), up: () => page.show_('place') }
+  for (const which of ['entry', 'target']) {
+    const put = (p, at) => set(which, page.volume.toWorld(page.withinSlice(p, at, hole[which])))
+    page.tools[which] = { key: which === 'entry' ? 'e' : 'z', down: put, move: put, up: () => page.show_('place') }
+  }
 
   // As a line of the configuration says it.
   const line = () => {

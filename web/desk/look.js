@@ -71,7 +71,7 @@ function casePage(token) {
     c.drawImage(p.voxels, p.left, p.top, p.wide, p.high)
     for (const overlay of page.overlays) overlay(p, c)
     for (const [name, on] of page.outlines) {
-      if (!on || !page.fields.includes(name)) continue
+      if (!on || !page.fields.includes(name) || page.compared && page.compared.has(name)) continue  // drawn as it was and is
       const line = volume.outline(name, p.n, index)
       if (line.then) line.then(page.redraw, () => {})
       else strokeOutline(c, p, line, colourOf(name))

@@ -31,14 +31,21 @@ function placePanel(page) {
 
   const put = (name, position_mm) => page.change('landmark', { name, position_mm: given()[name] || null }, { name, position_mm })
   const needed = () => { if (!chosen) throw page.show_('place'), new Refused(t('choose_first')) }
+  // What is dragged on a slice that it lies in keeps its place across the slice, to a fraction of a voxel.
+  page.withinSlice = (p, at, was) => {
+    const old = was && page.volume.toIndex(was), to = [...at]
+    if (old && Math.round(old[p.n]) === page.at[p.n]) to[p.n] = old[p.n]
+    return to
+  }
+  const drag = (p, at) => { page.dragged = page.withinSlice(p, at, placeOf(chosen)), page.redraw() }
   page.tools.landmark = {
     key: 'l',
-    down: (p, at) => { needed(), page.dragged = at, page.redraw() },
-    move: (p, at) => { page.dragged = at, page.redraw() },
-    up: async (p, at) => {
-      if (!page.dragged) return
+    down: (p, at) => { needed(), drag(p, at) },
+    move: (p, at) => { if (page.dragged) drag(p, at) },
+    up: async () => {
+      const at = page.dragged
       page.dragged = null
-      if (page.volume.inside(at.map(Math.round))) await put(chosen, page.volume.toWorld(at))
+      if (at && page.volume.inside(at.map(Math.round))) await put(chosen, page.volume.toWorld(at))
     }
   }
   const holes = holesOf(page)

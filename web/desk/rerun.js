@@ -4,7 +4,7 @@ const endOf = s => s.code === 0 ? `${t('done_in')} ${digits(s.seconds, 1)} s` : 
 
 function rerunPanel(page) {
   let before = null, timer = 0, log = '', ended = null, difference = null, comparing = false
-  const drawn = new Set()
+  const drawn = page.compared = new Set()
   const mine = () => desk.cases.find(c => c.case === page.token) || {}
   const volumes = () => Object.fromEntries((mine().anatomies || []).map(a => [a.name, a]))
   const watch = async () => {
@@ -36,7 +36,7 @@ function rerunPanel(page) {
     try {
       difference = await askJson('compare', { case: page.token })
       drawn.clear()
-      for (const a of difference.anatomies) if (!a.same_bytes) drawn.add(a.name)
+      for (const a of difference.anatomies) if (!a.same_bytes && (!a.deviation || a.deviation.max_mm > .5)) drawn.add(a.name)
       page.volume && page.volume.forget('was '), page.volume && page.volume.forget('is ')
     } finally {
       comparing = false
@@ -57,17 +57,17 @@ function rerunPanel(page) {
     if (d.identical) return [make('p', { class: 'good', text: t('identical') })]
     const rows = d.anatomies.map(a => make('tr', {}, make('td', {}, make('label', {}, make('input', { type: 'checkbox', 'data-drawn': a.name, checked: drawn.has(a.name), change: e => { e.target.checked ? drawn.add(a.name) : drawn.delete(a.name), page.redraw() } }), ' ', label(a.name))),
       ...a.same_bytes ? [make('td', { class: 'faint', colSpan: 3, text: t('same') })] : a.deviation ? [a.deviation.max_mm, a.deviation.p99_mm].map(v => make('td', { class: 'number', text: digits(v, 2) })).concat(make('td', { class: 'number', text: a.volume_ml.old === null || a.volume_ml.new === null ? '' : signed(a.volume_ml.new - a.volume_ml.old) })) : [make('td', { class: 'faint', colSpan: 3, text: a.not_measured || a.in })]))
-    const moved = d.points.filter(p => p.moved_mm === null || p.moved_mm > 0).map(p => make('tr', { class: 'jump', tabIndex: 0, click: () => page.goWorld(p.position_mm.new || p.position_mm.old) }, make('td', { text: label(p.name) }), make('td', { class: 'number', text: p.moved_mm === null ? p.in : digits(p.moved_mm, 2) })))
-    const values = d.parameters.map(v => make('tr', {}, make('td', { text: v.name }), make('td', { text: text(v.old) }), make('td', { text: text(v.new) })))
+    const moved = d.points.filter(p => p.moved_mm === null || p.moved_mm > 0).map(p => make('tr', { class: 'jump', tabIndex: 0, click: () => page.goWorld(p.position_mm.new || p.position_mm.old) }, make('td', {}, label(p.name), make('span', { class: 'faint', text: ` (${t(p.kind)})` })), make('td', { class: 'number', text: p.moved_mm === null ? p.in : digits(p.moved_mm, 2) })))
+    const values = d.parameters.map(v => make('p', {}, v.name, make('br'), make('span', { class: 'faint', text: `${text(v.old)} → ${text(v.new)}` })))
     return [make('p', { class: 'faint' }, make('span', { class: 'was', text: t('was_line') }), ' ', make('span', { class: 'is', text: t('is_line') })),
       table([[t('anatomy'), 0], [t('largest_mm'), 1], ['p99 mm', 1], [t('change_ml'), 1]], rows),
       moved.length ? [make('h2', { text: t('moved') }), table([[t('name'), 0], [t('mm'), 1]], moved)] : null,
-      values.length ? [make('h2', { text: t('values') }), table([[t('name'), 0], [t('before'), 0], [t('after'), 0]], values)] : null,
+      values.length ? [make('h2', { text: t('values') }), values] : null,
       d.warnings.map(w => make('p', { class: 'warn', text: w })),
       make('details', {}, make('summary', { text: t('whole_text') }), make('pre', { id: 'difference', text: d.text }))].flat(2)
   }
   const signed = v => Math.abs(v) < .0005 ? '0' : (v > 0 ? '+' : '−') + digits(Math.abs(v), 3)
-  const text = v => v === null || v === undefined ? '–' : String(v)
+  const text = v => v === null || v === undefined ? '–' : Array.isArray(v) ? `[${v.join(', ')}]` : String(v)
   page.addPanel('build', () => {
     const plan = desk.plan.get(page.token), reasons = page.info && page.info.reasons || [], now = volumes()
     const rows = before ? Object.keys({ ...before, ...now }).map(name => {
