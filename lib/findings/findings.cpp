@@ -105,7 +105,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   check(shapes.brain, "brain", true);
   check(shapes.ventricles, "ventricles", false);
   mask::check_finite(volume);
-  const Inside in = inside_of(volume, shapes, params, progress.part(0, 0.5));
+  const Inside in = inside_of(volume, shapes, progress.part(0, 0.5));
   report.add("template_sure", in.place.sure ? "yes" : "no");
   report.add("tissue_noise_hu", in.noise_hu);
   report.add("contrast_ml", in.contrast_ml);

@@ -30,8 +30,7 @@ struct Inside {
   Vec3 lps(int i, int j, int k) const { return raster.cells.to_world_mm({double(i), double(j), double(k)}); }
   double cell_ml() const { return raster.cells.voxel_volume_mm3() / 1000; }
 };
-Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
-                 const Progress& progress);
+Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, const Progress& progress);
 
 /// The voxels of a finding: their middle, number, and extent along their principal axes (standard deviations, mm).
 struct Extent {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The inside of the head on coarse cells, and what its tissue is like.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -34,8 +34,7 @@ mask::BitMask cavity_of(const mask::BitMask& bone, const Progress& progress) {
 
 }  // namespace
 
-Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
-                 const Progress& progress) {
+Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, const Progress& progress) {
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
   const mask::BitMask bone = mask::positive(*shapes.skull, l), brain = mask::positive(*shapes.brain, l);
@@ -94,7 +93,6 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   in.noise_hu = white / std::sqrt(effective_mm3);
   in.place = place::place_head(in.envelope, in.ventricles.any() ? &in.ventricles : nullptr, l, progress);
   progress.report(1);
-  (void)params;
   return in;
 }
 
@@ -104,36 +102,16 @@ Extent extent_of(const std::vector<Vec3>& points) {
   if (points.empty()) return e;
   for (const Vec3& p : points) e.middle_mm += p;
   e.middle_mm = e.middle_mm / e.count;
-  double c[3][3] = {};
+  Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
   for (const Vec3& p : points) {
     const Vec3 d = p - e.middle_mm;
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) c[a][b] += d[a] * d[b] / e.count;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    c += v * v.transpose() / e.count;
   }
-  // The axes of a symmetric matrix, by Jacobi's turns.
-  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (int sweep = 0; sweep < 12; ++sweep)
-    for (int p = 0; p < 2; ++p)
-      for (int q = p + 1; q < 3; ++q) {
-        if (std::abs(c[p][q]) < 1e-12) continue;
-        const double theta = 0.5 * (c[q][q] - c[p][p]) / c[p][q];
-        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double cosine = 1 / std::sqrt(t * t + 1), sine = t * cosine;
-        for (int r = 0; r < 3; ++r) {
-          const double a = c[r][p], b = c[r][q];
-          c[r][p] = cosine * a - sine * b, c[r][q] = sine * a + cosine * b;
-        }
-        for (int r = 0; r < 3; ++r) {
-          const double a = c[p][r], b = c[q][r];
-          c[p][r] = cosine * a - sine * b, c[q][r] = sine * a + cosine * b;
-          const double x = v[r][p], y = v[r][q];
-          v[r][p] = cosine * x - sine * y, v[r][q] = sine * x + cosine * y;
-        }
-      }
-  std::array<int, 3> order{0, 1, 2};
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return c[a][a] > c[b][b]; });
-  for (int a = 0; a < 3; ++a) e.sigma_mm[a] = std::sqrt(std::max(0.0, c[order[a]][order[a]]));
-  e.axis = {v[0][order[0]], v[1][order[0]], v[2][order[0]]};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);  // ascending
+  for (int a = 0; a < 3; ++a) e.sigma_mm[a] = std::sqrt(std::max(0.0, axes.eigenvalues()[2 - a]));
+  const Eigen::Vector3d longest = axes.eigenvectors().col(2);
+  e.axis = {longest.x(), longest.y(), longest.z()};
   return e;
 }
 
