@@ -123,7 +123,7 @@ surface::TriMesh by_vtk(const surface::TriMesh& mesh, std::size_t triangles, dou
 }
 
 #ifdef BENCH_MESHOPTIMIZER
-TriMesh by_meshoptimizer(const TriMesh& mesh, std::size_t triangles, double& seconds) {
+surface::TriMesh by_meshoptimizer(const surface::TriMesh& mesh, std::size_t triangles, double& seconds) {
   std::vector<float> points;
   for (const Vec3 p : mesh.points_mm) points.insert(points.end(), {float(p.x), float(p.y), float(p.z)});
   const auto* indices = mesh.triangles.front().data();
@@ -132,11 +132,11 @@ TriMesh by_meshoptimizer(const TriMesh& mesh, std::size_t triangles, double& sec
     left.resize(meshopt_simplify(left.data(), indices, left.size(), points.data(), mesh.points_mm.size(), 12,
                                  3 * triangles, 1.0f, 0, nullptr));
   });
-  TriMesh out;
+  surface::TriMesh out;
   out.origin_mm = mesh.origin_mm;
   out.points_mm = mesh.points_mm;
   for (std::size_t n = 0; n < left.size(); n += 3) out.triangles.push_back({left[n], left[n + 1], left[n + 2]});
-  drop_unused_points(out);
+  surface::drop_unused_points(out);
   return out;
 }
 #endif
@@ -234,17 +234,18 @@ std::vector<Row> rows_of(std::size_t count, double bound_mm) {
       return out;
     };
   };
-  return {{"ours, count", ours(0)},
-          {"ours, count and bound", ours(bound_mm)},
-          {"vtkDecimatePro, topology preserved",
-           [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkDecimatePro>(input, count, s); }},
-          {"vtkQuadricDecimation",
-           [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); }},
+  return {
+      {"ours, count", ours(0)},
+      {"ours, count and bound", ours(bound_mm)},
+      {"vtkDecimatePro, topology preserved",
+       [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkDecimatePro>(input, count, s); }},
+      {"vtkQuadricDecimation",
+       [=](const surface::TriMesh& input, double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); }},
 #ifdef BENCH_MESHOPTIMIZER
-          {"meshoptimizer", [=](const TriMesh& input, double& s) { return by_meshoptimizer(input, count, s); }},
+      {"meshoptimizer", [=](const surface::TriMesh& input, double& s) { return by_meshoptimizer(input, count, s); }},
 #endif
-          {"CGAL edge_collapse, Garland-Heckbert",
-           [=](const surface::TriMesh& input, double& s) { return by_cgal(input, count, s); }}};
+      {"CGAL edge_collapse, Garland-Heckbert",
+       [=](const surface::TriMesh& input, double& s) { return by_cgal(input, count, s); }}};
 }
 
 /// Contouring and each row run in a process of their own, so that a row's peak of memory is its own (with the input's,

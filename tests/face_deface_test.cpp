@@ -43,10 +43,13 @@ const Scanned& small_head() {
 double figure(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
 
 /// The least distance from the analytic skin (at most 7 mm; below `enough` the first found) of any point, within P4's
-/// region in the patient's own axes, at which two neighbouring voxels differ: no code of the gate's.
+/// region (and the eyes above it, up to the nasion) in the patient's own axes, at which two neighbouring voxels differ:
+/// no code of the gate's.
 double min_distance_mm(const Head& head, const grid::Grid<std::int16_t>& g, Vec3& where, double enough = 0) {
   const double in_front = 0.5 * (head.landmark("tragus_left").y + head.landmark("tragus_right").y);
-  const double level = head.landmark("nasion").z - 10;
+  // Where the eyes are, up to the nasion; farther back the two axes part by some mm.
+  const Vec3 nasion = head.landmark("nasion");
+  const auto level = [&](Vec3 p) { return nasion.z - (p.y < nasion.y + 35 ? 2 : 10); };
   double least = 7;
   for (int k = 0; k < g.size[2]; ++k)
     for (int j = 0; j < g.size[1]; ++j)
@@ -57,14 +60,14 @@ double min_distance_mm(const Head& head, const grid::Grid<std::int16_t>& g, Vec3
           const auto at = [&](double t) {
             return g.to_world_mm({i + t * (axis == 0), j + t * (axis == 1), k + t * (axis == 2)});
           };
-          if (!(at(0.5).y < in_front + 2) || !(at(0.5).z < level + 3)) continue;
+          if (!(at(0.5).y < in_front + 2) || !(at(0.5).z < level(at(0.5)) + 3)) continue;
           if (std::abs(head.implicit_mm(Anatomy::skin, at(0.5))) > least + 1) continue;
           // Nearly all of an edge shows some value: its end that is nearer to the skin, in the region.
           Vec3 nearest;
           double implicit = 1e9;
           for (const double t : {0.02, 0.5, 0.98}) {
             const double d = std::abs(head.implicit_mm(Anatomy::skin, at(t)));
-            if (!(at(t).y < in_front && at(t).z < level) || d >= implicit) continue;
+            if (!(at(t).y < in_front && at(t).z < level(at(t))) || d >= implicit) continue;
             implicit = d;
             nearest = at(t);
           }

@@ -21,7 +21,8 @@ constexpr double node_mm = 1.5;                       // raster of the distances
 constexpr double smoothing_mm = 4;                    // of the cut's surface: dents of eyes and lips
 constexpr float level_reach_mm = 10;                  // distances beyond this have no effect
 constexpr double side_to_front_mm = 40;               // from the tragi on, over which the depth grows
-constexpr double landmark_off_skin_mm = 25;           // what is found lies a few mm off, a nasion in the brain more
+constexpr double crop_under_nasion_mm = 10;
+constexpr double landmark_off_skin_mm = 25;  // what is found lies a few mm off, a nasion in the brain more
 
 double longest_side_mm(const grid::Lattice& l) { return std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}); }
 
@@ -42,9 +43,10 @@ class Cut {
       front_ramp_ += std::abs(dot(lattice.direction.column[a], region.front)) * lattice.spacing_mm[a];
       up_ramp_ += std::abs(dot(lattice.direction.column[a], region.up)) * lattice.spacing_mm[a];
     }
-    const Vec3 low = region.tragi_mm - params.crop_under_tragi_mm * region.up;
+    const Vec3 low = region.tragi_mm - params.crop_under_tragi_mm * region.up,
+               high = region.nasion_mm - crop_under_nasion_mm * region.up;
     crop_point_ = low;
-    crop_normal_ = normalized(cross(region.top_mm - low, region.left));
+    crop_normal_ = normalized(cross(high - low, region.left));
   }
   double ramp_mm() const { return ramp_; }
   double margin_mm() const { return std::max(above_, behind_); }

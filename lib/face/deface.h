@@ -8,18 +8,17 @@
 
 namespace trephine::face {
 
-/// The region in which a head shows its face: in front of the plane through both tragi, and below the level 10 mm under
-/// the nasion, in the head's own axes, however it lies in the scanner. `left` runs from tragus to tragus. Seen from the
-/// side, the line from the midpoint between the tragi to the nasion ascends by 20 degrees relative to `front` (the
-/// Frankfurt plane is then level to about 10 degrees). `up` is perpendicular to both. The plane through the tragi holds
-/// `left` and `up`.
+/// The region in which a head shows its face: in front of the plane through both tragi, and below the level of the
+/// nasion (the slits of the eyes lie 2 to 12 mm under it), in the head's own axes, however it lies in the scanner.
+/// `left` runs from tragus to tragus. Seen from the side, the line from the midpoint between the tragi to the nasion
+/// ascends by 20 degrees relative to `front` (the Frankfurt plane is then level to about 10 degrees). `up` is
+/// perpendicular to both. The plane through the tragi holds `left` and `up`.
 struct FaceRegion {
   Vec3 nasion_mm, tragi_mm;  ///< tragi_mm: the midpoint between the two
-  Vec3 top_mm;               ///< 10 mm under the nasion
   Vec3 left{1, 0, 0}, front{0, -1, 0}, up{0, 0, 1};
 
   double in_front_mm(Vec3 p) const { return dot(p - tragi_mm, front); }  ///< of the plane through the tragi
-  double below_mm(Vec3 p) const { return dot(top_mm - p, up); }          ///< the level
+  double below_mm(Vec3 p) const { return dot(nasion_mm - p, up); }       ///< the level
   bool contains(Vec3 p) const { return in_front_mm(p) > 0 && below_mm(p) > 0; }
 };
 
@@ -59,7 +58,7 @@ struct DefaceParams : FaceBeliefParams {
   FaceRemoval policy = FaceRemoval::deface;
   double depth_mm = 12, side_depth_mm = 7;
   double rounding_mm = 15;
-  double above_mm = 10, behind_mm = 4;
+  double above_mm = 6, behind_mm = 4;
   double cover_mm = 3;
   double crop_under_tragi_mm = 15;
 
@@ -78,9 +77,10 @@ struct DefaceParams : FaceBeliefParams {
     v.number(&P::rounding_mm, "rounding_mm", Range{0, 30},
              "What is left has no bump narrower than twice this, so that nothing of nose, lips or chin can be "
              "reconstructed from it.");
-    v.number(&P::above_mm, "above_mm", Range{2, 25},
-             "How far above the level 10 mm under the nasion the removal begins: 10 is the nasion's level, and takes "
-             "the eyes.");
+    v.number(
+        &P::above_mm, "above_mm", Range{2, 25},
+        "How far above the nasion's level the removal begins, so that no eye stays where the nasion was found some "
+        "mm too low.");
     v.number(&P::behind_mm, "behind_mm", Range{2, 25},
              "How far behind the plane through the tragi the removal begins.");
     v.number(&P::cover_mm, "cover_mm", Range{0, 10},
@@ -95,7 +95,7 @@ struct DefaceParams : FaceBeliefParams {
 /// the face. In the region grown by `above_mm` and `behind_mm`, everything that lies outside the skin, or less than the
 /// depth under it, becomes air. What is left is rounded, ends in a ramp of a voxel and a half, so that a surface
 /// through it is smooth, and is covered by soft tissue. Everything else keeps its values to the last bit: cranium,
-/// brain, ears, and the field of an operation from the nasion upwards.
+/// brain, ears, and the field of an operation from `above_mm` over the nasion upwards.
 ///
 /// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. The report:
 /// face_policy, face_removed_ml (of the body), face_removed_voxels_count, face_depth_mm (the least depth under the

@@ -8,7 +8,6 @@
 namespace trephine::face {
 namespace {
 
-constexpr double below_nasion_mm = 10;
 // How steeply the line from the tragi to the nasion ascends against the Frankfurt plane; measured heads lie around it.
 constexpr double nasion_ascent_deg = 20;
 // From small children to the largest adults.
@@ -59,7 +58,6 @@ FaceRegion face_region(const head::HeadLandmarks& landmarks, double min_confiden
   const double angle = nasion_ascent_deg * 3.14159265358979323846 / 180;
   r.front = std::cos(angle) * v - std::sin(angle) * w;
   r.up = std::sin(angle) * v + std::cos(angle) * w;
-  r.top_mm = r.nasion_mm - below_nasion_mm * r.up;
   if (!(r.left.x > 0.3))
     refuse("tragus_left", "does not lie to the left of tragus_right (x grows to the patient's left)");
   if (!(r.up.z > 0.2)) refuse("nasion", "and the tragi give a head that is upside down (z grows to the head's top)");

@@ -126,9 +126,9 @@ fs::path named_for_itk(const fs::path& file, const fs::path& data_file, std::opt
 }
 
 VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* name, const Progress& progress) {
-  const VolumeHeader said = format == ItkFormat::meta_image ? check_meta_header(head_of(file), file)
-                            : format == ItkFormat::nrrd     ? check_nrrd_text(head_of(file), file)
-                                                            : VolumeHeader{};
+  VolumeHeader said = format == ItkFormat::meta_image ? check_meta_header(head_of(file), file)
+                      : format == ItkFormat::nrrd     ? check_nrrd_text(head_of(file), file)
+                                                      : VolumeHeader{};
   std::error_code none;
   std::uint64_t bytes = fs::file_size(file, none);
   if (!said.data_file.empty()) bytes += fs::file_size(said.data_file, none);
@@ -145,6 +145,7 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
   const ChildResult result = itk_child::run(read_worker_name, request, limits, progress);
   MessageReader in(read_worker_name, result.bytes());
   const auto head = in.value<ItkVolume>();
+  for (std::uint64_t left = in.number(); left > 0; --left) said.unknown.emplace_back(in.text());
   said.require_same(head);
   const grid::Lattice lattice = lattice_of(head);
   const auto take = [&](auto zero) {

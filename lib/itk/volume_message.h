@@ -15,8 +15,8 @@ enum class ItkFormat : std::int32_t { meta_image, nrrd, gipl, vtk, minc };
 /// What voxels are written as.
 enum class ItkSample : std::int32_t { int16, float32, uint8 };
 
-/// Head of the answer to a format and a file's path; then the voxels, int16 or float, i fastest. The geometry is as ITK
-/// gives it, unchecked.
+/// Head of the answer to a format and a file's path; then the keys that are not known (their number, and each as a
+/// text), and the voxels, int16 or float, i fastest. The geometry is as ITK gives it, unchecked.
 struct ItkVolume {
   std::array<std::int32_t, 3> size{};
   std::int32_t is_int16 = 0;

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType deface_stage() {
   StageType s;
   s.name = "deface";
-  s.version = 3;
+  s.version = 4;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.removes_face = true;
@@ -17,7 +17,7 @@ StageType deface_stage() {
   s.description =
       "In front of the plane through the tragi and below the nasion, everything near the skin of the original scan "
       "becomes air. The rest is rounded and closed, so that neither the volume nor any surface made of it shows the "
-      "face. The cranium, the brain and everything above the nasion keep their values.";
+      "face. The cranium, the brain and everything from 6 mm above the nasion upwards keep their values.";
   s.examples = {"trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --output defaced.nrrd",
                 "trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --policy crop "
                 "--output cropped.nrrd"};

@@ -32,7 +32,7 @@ StageData run_gate(const AnyParams& params, const StageInputs& in, Report& repor
 StageType face_gate_stage() {
   StageType s;
   s.name = "face_gate";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 2;
   s.place = StagePlace::scene;
   s.case_name = "face";

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "itk/volume_message.h"
 
@@ -15,6 +16,11 @@ namespace trephine::itk {
 /// Throws Error 65: not MINC 2, not three dimensions in space, irregular spacing, units that are not mm, a
 /// start, step or direction that is missing.
 ItkVolume minc_geometry(const std::string& file);
+
+/// Attributes and objects that MINC does not know, as they may be told (a file that minc_geometry has passed). Throws
+/// Error 65 for those that would change place or values: an alignment that is not the voxels' centre, an image that
+/// says it is not complete.
+std::vector<std::string> minc_unknown_keys(const std::string& file);
 
 /// What two readers of the same voxels must agree in.
 struct ValueFigures {

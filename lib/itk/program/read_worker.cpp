@@ -17,6 +17,7 @@
 #include "itk/volume_header.h"
 #include "itk/volume_message.h"
 #include "minc.h"
+#include "plain_header.h"
 
 namespace trephine::itk {
 namespace {
@@ -43,8 +44,10 @@ constexpr std::uint64_t max_voxels = 4000000000u;
   bad("", "no reader of that format");
 }
 
+/// The head, what was not known, and the voxels.
 template <class T>
-void put_voxels(ItkVolume head, const std::vector<char>& bytes, ChildRequest& to) {
+void put_voxels(ItkVolume head, const std::vector<std::string>& unknown, const std::vector<char>& bytes,
+                ChildRequest& to) {
   const std::size_t count = bytes.size() / sizeof(T);
   const T* from = reinterpret_cast<const T*>(bytes.data());
   const bool whole = std::all_of(from, from + count, [](T v) {
@@ -54,6 +57,8 @@ void put_voxels(ItkVolume head, const std::vector<char>& bytes, ChildRequest& to
   head.is_int16 = whole;
   MessageWriter out;
   out.value(head);
+  out.number(unknown.size());
+  for (const std::string& key : unknown) out.text(key);
   to.write(out.bytes());
   const auto in_pieces = [&](auto zero) {
     using Out = decltype(zero);
@@ -107,8 +112,21 @@ void require_values(const std::string& file, ::itk::ImageIOBase::IOComponentEnum
     bad("data", "its values are not what valid_range, image-min and image-max say, or are no numbers");
 }
 
+/// What we read of the file ourselves; refuses, with a reason, what ITK would stumble over or pass over. The text
+/// headers of MetaImage and NRRD were looked at by the parent (volume_header.h).
+VolumeHeader own_look(ItkFormat format, const std::string& file) {
+  if (format == ItkFormat::vtk) return check_vtk_file(file);
+  if (format == ItkFormat::gipl) return check_gipl_file(file);
+  VolumeHeader own;
+  if (format == ItkFormat::minc) {
+    own.said = minc_geometry(file);
+    own.unknown = minc_unknown_keys(file);
+  }
+  return own;
+}
+
 void read(ItkFormat format, const std::string& file, ChildRequest& request) {
-  if (format == ItkFormat::minc) minc_geometry(file);  // refuses, with a reason, what libminc would stumble over
+  const VolumeHeader own = own_look(format, file);
   const ::itk::ImageIOBase::Pointer io = reader_of(format);
   io->SetFileName(file);
   if (!io->CanReadFile(file.c_str())) bad("", "is not of the format that its name says");
@@ -134,13 +152,9 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
       head.origin[r] = 0 - head.origin[r];
       for (auto& axis : head.axis) axis[r] = 0 - axis[r];
     }
-    VolumeHeader own;
-    own.said = minc_geometry(file);
-    own.require_same(head);
-    const std::int32_t whole = head.is_int16;
-    head = *own.said;  // ITK holds the directions in single precision
-    head.is_int16 = whole;
   }
+  own.require_same(head);
+  if (format == ItkFormat::minc) head = *own.said;  // ITK holds the directions in single precision
   ::itk::ImageIORegion region(io->GetNumberOfDimensions());
   for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) {
     region.SetIndex(a, 0);
@@ -164,7 +178,7 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   request.report(0.6);
   if (format == ItkFormat::minc) require_values(file, io->GetComponentType(), bytes);
   request.report(0.8);
-  with_type(io->GetComponentType(), [&](auto zero) { put_voxels<decltype(zero)>(head, bytes, request); });
+  with_type(io->GetComponentType(), [&](auto zero) { put_voxels<decltype(zero)>(head, own.unknown, bytes, request); });
 }
 
 const ChildWorker worker(read_worker_name, [](ChildRequest& request) {
