@@ -5,7 +5,7 @@
 # anatomies in pipelines/*.yaml and of the landmarks that a stage declares (s.points), without left, right and the
 # like, which are directions, and other. A name is found in a string literal as a whole word with a quote, a
 # dot or an underscore on at least one side ("skull", "mesh.skull.", "ventricles_ml"). Comments do not count, nor do words
-# of a sentence.
+# of a sentence and names of included files.
 set -u
 cd "$1" || exit 2
 names=$({
@@ -21,7 +21,7 @@ find "${folders[@]}" -type f \( -name '*.cpp' -o -name '*.h' \) -print0 | sort -
   BEGIN { $names = shift @ARGV; $faults = 0; }
   # Comments go, lines stay; literals are kept whole, so that no // within one begins a comment.
   my ($text, $line) = ($_, 1);
-  while ($text =~ m{\G(?:(//[^\n]*|/\*.*?\*/)|(R"([^()\s\\]*)\(.*?\)\3")|("(?:\\.|[^"\\\n])*")|(\x27(?:\\.|[^\x27\\\n])+\x27)|(.))}gs) {
+  while ($text =~ m{\G(?:(//[^\n]*|/\*.*?\*/|(?m:^)\#include[^\n]*)|(R"([^()\s\\]*)\(.*?\)\3")|("(?:\\.|[^"\\\n])*")|(\x27(?:\\.|[^\x27\\\n])+\x27)|(.))}gs) {
     my ($whole, $literal) = ($&, defined $2 ? $2 : $4);
     if (defined $literal && $literal =~ /(?:(?<=["._])(?:$names)(?![A-Za-z0-9])|(?<![A-Za-z0-9])(?:$names)(?=["._]))/) {
       print "$ARGV:$line: $literal names an anatomy or a landmark\n";
