@@ -4,7 +4,6 @@
 // to one plane as a fan.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "base/parallel.h"
 #include "meshing/exact.h"
@@ -119,19 +118,10 @@ struct Boxes {
     for (std::size_t n = first; n < count; ++n)
       h[n] = (x0[n] <= bx1) & (bx0 <= x1[n]) & (y0[n] <= by1) & (by0 <= y1[n]) & (z0[n] <= bz1) & (bz0 <= z1[n]);
     met_count = 0;
-    const auto take = [&](std::size_t n) {
+    for (std::size_t n = first; n < count; ++n) {
       met[met_count] = number[n];
       met_count += static_cast<std::size_t>(h[n]);
-    };
-    // Most do not meet it: eight are passed over at once.
-    std::size_t n = first;
-    for (; n + 8 <= count; n += 8) {
-      std::uint64_t eight[4];
-      std::memcpy(eight, h + n, sizeof eight);
-      if ((eight[0] | eight[1] | eight[2] | eight[3]) == 0) continue;
-      for (std::size_t m = n; m < n + 8; ++m) take(m);
     }
-    for (; n < count; ++n) take(n);
   }
 };
 

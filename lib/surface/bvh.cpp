@@ -241,17 +241,7 @@ Bvh::Bvh(const TriMesh& mesh, const Progress& progress) : mesh_(mesh) {
   nodes_.reserve(binary.size() / 2);
   merge(binary, 0, nodes_);
   order_.resize(refs.size());
-  balls_.resize(refs.size());
-  parallel_for(0, std::int64_t(refs.size()), 1 << 16, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t i = from; i < to; ++i) {
-      order_[i] = refs[i].triangle;
-      const auto& t = mesh.triangles[order_[i]];
-      const Vec3 a = mesh.points_mm[t[0]] - centre_, b = mesh.points_mm[t[1]] - centre_,
-                 c = mesh.points_mm[t[2]] - centre_, middle = (a + b + c) / 3;
-      const double radius = std::max({norm(a - middle), norm(b - middle), norm(c - middle)});
-      balls_[i] = {float(middle.x), float(middle.y), float(middle.z), float(radius * (1 + 1e-6))};
-    }
-  });
+  for (std::size_t i = 0; i < refs.size(); ++i) order_[i] = refs[i].triangle;
 }
 
 ClosestPoint Bvh::closest_on(Vec3 local, std::uint32_t triangle) const {
@@ -268,17 +258,15 @@ ClosestPoint Bvh::nearest(Vec3 local, std::uint32_t seed, double enough_mm, std:
   const float q[3] = {float(p.x), float(p.y), float(p.z)};
   // An upper bound of the error from rounding the point, the boxes and their distance to float.
   const double margin = 1e-6 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z) + radius_);
-  float reach = 0, limit = 0;  // no box or ball whose nearest point is farther holds anything nearer; and its square
-  const auto set_limit = [&](double squared) {
+  const auto limit_of = [&](double squared) {
     const double d = std::sqrt(squared) * (1 + 2e-6) + margin;
-    reach = float(d * (1 + 1e-6));
-    limit = float(d * d);
+    return float(d * d);
   };
   triangle = seed;
   ClosestPoint best = closest_on(local, seed);
   const double enough2 = enough_mm * enough_mm;
   if (best.squared_mm2 <= enough2) return best;
-  set_limit(best.squared_mm2);
+  float limit = limit_of(best.squared_mm2);
 
   std::array<Entry, 256> stack;  // 3 for each of at most 80 levels
   int size = 0;
@@ -305,16 +293,13 @@ ClosestPoint Bvh::nearest(Vec3 local, std::uint32_t seed, double enough_mm, std:
         continue;
       }
       for (std::uint32_t k = 0; k < node.count[i]; ++k) {
-        const auto& ball = balls_[node.child[i] + k];
-        const float dx = ball[0] - q[0], dy = ball[1] - q[1], dz = ball[2] - q[2], far = reach + ball[3];
-        if (dx * dx + dy * dy + dz * dz > far * far) continue;
         const std::uint32_t t = order_[node.child[i] + k];
         const ClosestPoint c = closest_on(local, t);
         if (c.squared_mm2 >= best.squared_mm2) continue;
         best = c;
         triangle = t;
         if (best.squared_mm2 <= enough2) return best;
-        set_limit(best.squared_mm2);
+        limit = limit_of(best.squared_mm2);
       }
     }
     for (int i = 0; i < inner_count; ++i) stack[size++] = {node.child[inner[i]], squared[inner[i]]};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // A bounding volume hierarchy over a mesh's triangles for nearest-point queries.
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,9 +25,8 @@ class Bvh {
   explicit Bvh(const TriMesh& mesh, const Progress& progress = {});
 
   /// The triangle nearest to the point (in the mesh's own coordinates, about its origin). `seed` is a triangle that is
-  /// likely near: it only saves time. Where a triangle within `enough_mm` has been met the search ends there. Boxes,
-  /// and balls around triangles, are compared in float with a margin, triangles in double: the distance is the least of
-  /// all triangles' own.
+  /// likely near: it only saves time. Where a triangle within `enough_mm` has been met the search ends there. Boxes are
+  /// compared in float with a margin, triangles in double: the distance is the least of all triangles' own.
   ClosestPoint nearest(Vec3 local, std::uint32_t seed, double enough_mm, std::uint32_t& triangle) const;
 
  private:
@@ -38,7 +36,6 @@ class Bvh {
   double radius_ = 0;  ///< of the box about centre_, by the largest coordinate
   std::vector<BvhNode> nodes_;
   std::vector<std::uint32_t> order_;
-  std::vector<std::array<float, 4>> balls_;  ///< around the triangles, as in order_: centre about centre_, and radius
 };
 
 }  // namespace trephine::surface
