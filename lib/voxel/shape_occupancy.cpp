@@ -9,6 +9,7 @@
 #include "surface/bvh.h"
 #include "surface/inside.h"
 #include "surface/point_triangle.h"
+#include "surface/triangle_frame.h"
 
 namespace trephine::voxel::detail {
 namespace {
@@ -81,29 +82,33 @@ class Slab {
     const double around =
         std::sqrt(std::max({squared(a - middle), squared(b - middle), squared(c - middle)})) + rounding_mm;
     const double widest = largest_ramp_mm(lattice_), rise = dot(normal, step_[0]);
+    // Over the triangle's plane, of the first voxel of row (0, 0), and how it changes from row to row.
+    const double height_0 = dot(normal, origin_ - a), rise_j = dot(normal, step_[1]), rise_k = dot(normal, step_[2]);
+    const bool meets = std::abs(rise) > 1e-6 * lattice_.spacing_mm.x;
+    const double inverse = meets ? 1 / rise : 0, half = widest * std::abs(inverse);
+    const surface::TriangleFrame frame(a, b, c);
     int begin[3], end[3];
     for (int axis = 0; axis < 3; ++axis) on_.range(t, axis, begin[axis], end[axis]);
     for (int k = std::max(begin[2], k_begin_); k < std::min(end[2], k_end_); ++k)
       for (int j = begin[1]; j < end[1]; ++j) {
-        Nearest* row = &nearest_[index(0, j, k)];
-        const Vec3 start = local(0, j, k);
-        const double height = dot(normal, start - a);
+        const double height = height_0 + rise_j * j + rise_k * k;
         // The part of the row that is near the triangle's plane.
         int first = begin[0], last = end[0];
-        if (std::abs(rise) > 1e-6 * lattice_.spacing_mm.x) {
-          const double at = -height / rise, half = widest / std::abs(rise);
-          first = std::max(first, whole(std::floor(at - half), lattice_.size[0]));
-          last = std::min(last, whole(std::ceil(at + half) + 1, lattice_.size[0]));
+        if (meets) {
+          const double at = -height * inverse;
+          first = std::max(first, whole(at - half, lattice_.size[0]));
+          last = std::min(last, whole(at + half + 2, lattice_.size[0]));
         }
+        Nearest* row = &nearest_[index(0, j, k)];
+        const Vec3 start = local(0, j, k);
         for (int i = first; i < last; ++i) {
           Nearest& best = row[i];
-          const double h = height + rise * i;
-          if (h * h * (1 - 1e-9) >= best.squared) continue;
+          if (std::abs(height + rise * i) >= best.mm + rounding_mm) continue;
           const Vec3 p = start + step_[0] * i;
           // No point of the triangle is nearer than the ball around it.
           const double reach = best.mm + around;
           if (squared(p - middle) >= reach * reach) continue;
-          const surface::ClosestPoint n = surface::nearest_on_triangle(p, a, b, c);
+          const surface::ClosestPoint n = frame.nearest(p);
           if (n.squared_mm2 >= best.squared) continue;
           best = {n.squared_mm2, float(std::sqrt(n.squared_mm2) * 1.000001), t};
         }
