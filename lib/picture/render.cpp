@@ -10,6 +10,7 @@
 #include "picture/camera.h"
 #include "picture/occlusion.h"
 #include "picture/raster.h"
+#include "surface/vertex_normals.h"
 
 namespace trephine::picture {
 namespace {
@@ -259,6 +260,8 @@ void check(const std::vector<SurfaceView>& surfaces, const RenderParams& p) {
 }
 
 }  // namespace
+
+void give_normals(surface::TriMesh& mesh) { mesh.normals = surface::vertex_normals(mesh); }
 
 Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderParams& params, const Progress& progress) {
   check(surfaces, params);

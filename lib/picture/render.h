@@ -44,4 +44,7 @@ struct RenderParams {
 Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderParams& params,
                       const Progress& progress = {});
 
+/// Gives the mesh the normals that render_surfaces computes where it has none: once, for many pictures of it.
+void give_normals(surface::TriMesh& mesh);
+
 }  // namespace trephine::picture

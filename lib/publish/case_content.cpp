@@ -14,12 +14,12 @@
 #include "meshing/contour.h"
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
+#include "picture/render.h"
 #include "publish/ct_content.h"
 #include "publish/haptic_content.h"
 #include "publish/head_content.h"
 #include "surface/bounds.h"
 #include "surface/results.h"
-#include "surface/vertex_normals.h"
 #include "voxel/shape_field.h"
 
 namespace trephine::publish {
@@ -324,7 +324,7 @@ class Builder {
       if (shape.displayed == "haptic") {
         progress.check();
         felt.push_back(felt_surface(shape.number));
-        felt.back().normals = surface::vertex_normals(felt.back());  // once for all pictures
+        picture::give_normals(felt.back());  // once for all pictures
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
     const auto volume = [&](int node) { return std::get<std::shared_ptr<const grid::HuVolume>>(at(node).data).get(); };
