@@ -158,6 +158,7 @@ TEST_F(VolumeKeys, OfACompressedGiplFile) {
   EXPECT_EQ(fault("x.gipl.gz", packed.substr(0, packed.size() - 3)), "data") << "of its checksum";
   EXPECT_EQ(fault("x.gipl.gz", put(packed, packed.size() - 6, char(packed[packed.size() - 6] ^ 1))), "data");
   EXPECT_EQ(fault("x.gipl.gz", grid::detail::gzip_compress(put(good, 236, 1.0f))), "pixval_offset");
+  EXPECT_EQ(fault("x.gipl.gz", packed + "x"), "data");
   EXPECT_EQ(fault("x.gipl.gz", packed + packed), "data");
   std::string zeros =
       put(put(put(good.substr(0, 256), 0, std::uint16_t(1024)), 2, std::uint16_t(1024)), 4, std::uint16_t(1000));

@@ -2,7 +2,6 @@
 // ITK 5.2 reads a GIPL file's size, type, voxels' size and origin, and passes over everything else.
 #include <zlib.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -11,7 +10,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "base/write_file.h"
 #include "grid/gzip_limit.h"
+#include "grid/nrrd_header.h"
 #include "itk/header_numbers.h"
 #include "plain_header.h"
 
@@ -70,30 +71,23 @@ void require_plain(const std::array<unsigned char, header_bytes>& header) {
     bad("interslice_gap", "must be 0: the slices may lie farther apart than pixdim says");
 }
 
-/// The bytes of a file, inflated where they are compressed.
-struct Stream {
-  explicit Stream(const std::string& file) : at(gzopen(file.c_str(), "rb")) {
-    if (!at) bad("", "cannot be opened");
-    gzbuffer(at, 1 << 18);
-  }
-  ~Stream() {
-    if (at) gzclose_r(at);
-  }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  /// Throws Error 65 where there are fewer, or they are damaged.
-  void take(void* out, unsigned count) {
-    if (gzread(at, out, count) != static_cast<int>(count)) bad("data", "is cut short or damaged");
-  }
-  gzFile at;
-};
+/// The header of a file, inflated where it is compressed.
+std::array<unsigned char, header_bytes> header_of(const std::string& file, bool& compressed) {
+  std::array<unsigned char, header_bytes> header{};
+  const gzFile in = gzopen(file.c_str(), "rb");
+  if (!in) bad("", "cannot be opened");
+  const bool whole = gzread(in, header.data(), header_bytes) == static_cast<int>(header_bytes);
+  compressed = gzdirect(in) == 0;
+  gzclose_r(in);
+  if (!whole) bad("data", "is cut short or damaged");
+  return header;
+}
 
 }  // namespace
 
 VolumeHeader check_gipl_file(const std::string& file) {
-  Stream in(file);
-  std::array<unsigned char, header_bytes> header{};
-  in.take(header.data(), header_bytes);
+  bool compressed = false;
+  const std::array<unsigned char, header_bytes> header = header_of(file, compressed);
   if (const auto m = number_at<std::uint32_t>(header, magic_at); m != magic && m != other_magic)
     bad("magic_number", "is not GIPL's");
   VolumeHeader out;
@@ -117,23 +111,14 @@ VolumeHeader check_gipl_file(const std::string& file) {
   const std::uint64_t bytes = count * bytes_of_type(number_at<std::uint16_t>(header, type_at));
   std::error_code none;
   const std::uint64_t stored = std::filesystem::file_size(file, none);
-  const bool compressed = gzdirect(in.at) == 0;
   if (!compressed && stored != bytes + header_bytes)
     bad("data", "holds " + to_text(double(stored) - double(header_bytes)) + " bytes, the header says " +
                     to_text(double(bytes)));
   if (!compressed) return out;
   if (bytes > grid::scan_limit.bytes(stored))
     bad("data", to_text(double(stored)) + " bytes would grow to " + to_text(double(bytes)) + ", which no scan's do");
-  std::vector<char> piece(std::size_t{1} << 20);
-  for (std::uint64_t left = bytes; left > 0;) {
-    const auto part = static_cast<unsigned>(std::min<std::uint64_t>(left, piece.size()));
-    in.take(piece.data(), part);
-    left -= part;
-  }
-  if (gzread(in.at, piece.data(), 1) != 0) bad("data", "more follows than the header says");
-  gzFile ended = in.at;
-  in.at = nullptr;
-  if (gzclose_r(ended) != Z_OK) bad("data", "is cut short or damaged");
+  const std::vector<char> packed = read_file(file);  // gzread would pass over what follows the stream
+  grid::detail::gzip_expand({packed.data(), packed.size()}, nullptr, header_bytes + bytes);
   return out;
 }
 
