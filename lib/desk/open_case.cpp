@@ -44,6 +44,25 @@ int field_node(const CaseGraph& of, const std::string& anatomy) {
   return made.empty() ? -1 : of.graph.find(made);
 }
 
+pipeline::NodeResult computed(const pipeline::Graph& graph, int node, const pipeline::ExecuteOptions& options,
+                              pipeline::RunObserver& observer) {
+  std::vector<bool> needed(graph.nodes.size(), false);
+  needed[std::size_t(node)] = true;
+  for (std::size_t i = graph.nodes.size(); i-- > 0;)  // sources stand before their readers
+    if (needed[i])
+      for (const auto& [port, source] : graph.nodes[i].sources) needed[std::size_t(source)] = true;
+  std::vector<int> place(graph.nodes.size(), -1);
+  pipeline::Graph part;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    if (!needed[i]) continue;
+    place[i] = int(part.nodes.size());
+    part.nodes.push_back(graph.nodes[i]);
+    for (auto& [port, source] : part.nodes.back().sources) source = place[std::size_t(source)];
+  }
+  const int last = place[std::size_t(node)];
+  return std::move(pipeline::execute(part, {last}, options, observer)[std::size_t(last)]);
+}
+
 std::string fault_of_exception() {
   try {
     throw;
@@ -113,8 +132,7 @@ void OpenCase::work() {
   Watcher watcher(*this);
   std::shared_ptr<const grid::HuVolume> scan;
   {
-    auto results = pipeline::execute(graph, {graph.scan}, options, watcher);
-    scan = std::get<std::shared_ptr<const grid::HuVolume>>(results[std::size_t(graph.scan)].data);
+    scan = std::get<std::shared_ptr<const grid::HuVolume>>(computed(graph, graph.scan, options, watcher).data);
     const std::lock_guard<std::mutex> lock(mutex_);
     scan_ = scan;
     now_.has_scan = true;
@@ -123,8 +141,8 @@ void OpenCase::work() {
     const int node = field_node(of, anatomy.name);
     if (node < 0) continue;
     try {
-      auto results = pipeline::execute(graph, {node}, options, watcher);
-      const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&results[std::size_t(node)].data);
+      const pipeline::NodeResult made = computed(graph, node, options, watcher);
+      const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data);
       if (!field || !*field) continue;
       auto one = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*scan)));
       const std::lock_guard<std::mutex> lock(mutex_);

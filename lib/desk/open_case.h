@@ -11,6 +11,7 @@
 #include "config/config.h"
 #include "desk/desk_library.h"
 #include "grid/grid.h"
+#include "pipeline/executor.h"
 #include "pipeline/graph.h"
 
 namespace trephine::desk {
@@ -34,6 +35,10 @@ struct DrawnField {
 DrawnField drawn_field(const grid::Field& field, const grid::Lattice& scan);
 /// The node whose field says what the anatomy is, after any correction; -1: it has none.
 int field_node(const CaseGraph& graph, const std::string& anatomy);
+/// Computes that node and what it needs, and nothing else of the case: so a stage that is refused hides no other one,
+/// as where a landmark is missing that a person is about to place.
+pipeline::NodeResult computed(const pipeline::Graph& graph, int node, const pipeline::ExecuteOptions& options,
+                              pipeline::RunObserver& observer);
 /// What went wrong, in the words of an Error's line, a line for each; for use within a catch (...).
 std::string fault_of_exception();
 

@@ -77,8 +77,7 @@ void Trial::work(const TrialWish& wish) {
   std::vector<Error> faults;
   for (const int node : wanted) {
     try {
-      auto results = pipeline::execute(of.graph, {node}, options, watcher);
-      pipeline::NodeResult& made = results[std::size_t(node)];
+      pipeline::NodeResult made = computed(of.graph, node, options, watcher);
       std::shared_ptr<const DrawnField> drawn;
       if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data); field && *field)
         drawn = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*looked_at_->scan())));
