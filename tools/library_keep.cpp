@@ -131,7 +131,9 @@ cli::Command library_gc_command() {
   c.summary = "removes from a library what nothing refers to any more";
   c.description =
       "Removes files of older states of a case, remains of killed runs, outputs of stages that were not used for long, "
-      "and records of cases that are gone. It is safe beside running builds: a case that is being built is left alone. "
+      "records of cases that are gone, and what batches of Slurm left that ended an hour ago or more. It is safe "
+      "beside "
+      "running builds: a case that is being built is left alone. "
       "No case is ever removed.";
   c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
   c.arguments = {library_argument()};

@@ -13,6 +13,7 @@
 #include "base/write_file.h"
 #include "cases/load_case.h"
 #include "cases/new_case.h"
+#include "library/batch.h"
 #include "library/catalogue.h"
 #include "pipeline/stage_cache.h"
 #include "publish/case_lock.h"
@@ -90,11 +91,13 @@ class Collector {
         case_folder(folders[i]);
     }
     records();
+    batches();
     cache();
     out_.table = (params_.dry_run ? "would remove " : "removed ") + std::to_string(out_.case_files) +
                  " files of cases, " + std::to_string(out_.folders) + " folders without a case, " +
                  std::to_string(out_.cache_entries) + " entries of the cache, " + std::to_string(out_.records) +
-                 " records, " + std::to_string(out_.temporaries) + " temporary files; " +
+                 " records, " + std::to_string(out_.batches) + " ended batches of Slurm, " +
+                 std::to_string(out_.temporaries) + " temporary files; " +
                  fixed_text(static_cast<double>(out_.bytes) / 1e6, 1) + " MB\n";
     if (out_.busy > 0) out_.table += std::to_string(out_.busy) + " cases are being built: left alone\n";
     return std::move(out_);
@@ -182,6 +185,9 @@ class Collector {
   }
   void whole_folder(const fs::path& folder) {
     ++out_.folders;
+    remove_folder(folder);
+  }
+  void remove_folder(const fs::path& folder) {
     std::error_code error;
     for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
       if (it->is_regular_file(error)) out_.bytes += it->file_size(error);
@@ -212,6 +218,21 @@ class Collector {
       if (!settings.count(it->path().stem().string()) && age_of(it->path()) > torn_s)
         out_.records += remove(it->path());
     for (const char* below : {"", "cases", "settings", "phantoms", "logs"}) temporaries(state_.folder() / below);
+  }
+
+  // Whoever waits for a batch looks at it every few seconds, and reads there how it ended; so it stays for a while. One
+  // whose submission was broken off holds the words of jobs and no batch.json.
+  void batches() {
+    std::error_code error;
+    std::vector<fs::path> folders;
+    for (fs::directory_iterator it(batches_folder(state_), error), end; !error && it != end; it.increment(error))
+      if (it->is_directory() && !it->is_symlink()) folders.push_back(it->path());
+    for (const fs::path& folder : folders) {
+      const auto batch = read_batch(folder);
+      if ((batch && batch->is_open()) || age_of(batch ? folder / "batch.json" : folder) <= torn_s) continue;
+      ++out_.batches;
+      remove_folder(folder);
+    }
   }
 
   void cache() {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* colours[] = {"#0072b2", "#56b4e9", "#cc79a7", "#d55e00", "#e69f00", "#009e73",
                                    "#8c564b", "#444444", "#7f7f00", "#b2182b", "#542788", "#1b7837"};
-constexpr double least_us = 0.01;  // the clock tells no less
+constexpr double least_us = 0.1;  // the clock tells no less
 constexpr int symbols[] = {7, 6, 9, 5, 4, 13, 11, 3};
 
 struct Figure {
@@ -138,7 +138,7 @@ std::vector<std::string> plot_comparison(const Comparison& c, const fs::path& ou
           [](const ServoRow& r) {
             return keeps_contact(r) ? std::optional<double>(1e-3 * std::max(least_us, r.times.mean_us)) : std::nullopt;
           },
-          limit + "set yrange [5e-6:3]\n"),
+          limit + "set yrange [5e-5:3]\n"),
       servo_histogram(c), anomalies(c),
       over_polygons<ClientRow>(
           "client_haptics", "Client thread: haptics", "ms a picture", c, c.client,

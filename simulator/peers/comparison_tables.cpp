@@ -248,7 +248,8 @@ std::string comparison_page(const Comparison& c, const std::vector<std::string>&
     text += fmt::format("| {} | {} | {} | **{}** |\n", claim.where, claim.claim, claim.here, name_of(claim.verdict));
   text +=
       "\n## Servo loop\n\nTime of a tick in us: mean / median / p99, by polygons. In brackets: it touched in less than "
-      "nine ticks of ten, so that most of these are ticks without contact; they are in no figure and no claim.\n\n" +
+      "nine ticks of ten, so that most of these are ticks without contact; they are in no figure and no claim. Below "
+      "0.1 us the clock tells nothing, and the figure shows 0.1.\n\n" +
       servo_table(c);
   text += picture(pictures, "servo_polygons.png", "Servo time by polygons (figure 11)");
   text += picture(pictures, "servo_voxels.png", "Servo time of what feels voxels (figure 12)");

@@ -136,6 +136,22 @@ build l.yaml --no-wait --rebuild >/dev/null 2>&1
 "$TREPHINE" library status "$work/out" | grep -q 'no cluster works' || fail "status after cancel"
 until [[ -z $(pgrep -f "$FAKE/jobs" || true) ]]; do sleep 0.1; done
 
+# gc removes batches an hour after they ended, and none that is open.
+mapfile -t batches < <(ls -d "$work"/out/.library/slurm/*/)
+[[ ${#batches[@]} == 2 ]] || fail "batches: ${batches[*]}"
+"$TREPHINE" library gc "$work/out" | grep -q ' 0 ended batches' || fail "gc removes a batch that ended just now"
+touch -d '2 hours ago' "${batches[0]}batch.json" "${batches[1]}batch.json"
+sed -i 's/"cancelled":true/"cancelled":false/' "${batches[1]}batch.json"  # as if it were open
+touch -d '2 hours ago' "${batches[1]}batch.json"
+mkdir "$work/out/.library/slurm/broken"  # a submission that was broken off before it had a batch.json
+echo '{}' >"$work/out/.library/slurm/broken/jobs.jsonl"
+touch -d '2 hours ago' "$work/out/.library/slurm/broken"
+"$TREPHINE" library gc "$work/out" --dry-run | grep -q ' 2 ended batches' || fail "gc --dry-run does not count them"
+[[ -e ${batches[0]} ]] || fail "gc --dry-run removes a batch"
+"$TREPHINE" library gc "$work/out" | grep -q ' 2 ended batches' || fail "gc does not count them"
+[[ ! -e ${batches[0]} && ! -e $work/out/.library/slurm/broken && -e ${batches[1]}batch.json ]] || fail "gc: $(ls "$work/out/.library/slurm")"
+"$TREPHINE" library verify "$work/out" --quiet >/dev/null
+
 # The same by the plans for other engines.
 sed -i '/case: bad/d' l.yaml
 want=$(grep -v '^bad ' <<<"$want")
