@@ -17,5 +17,6 @@ YAML
 cat >root/configs/scene.yaml <<'YAML'
 trephine: 1
 anatomies: {brain: {}, ventricles: {}}
+face: {policy: keep, reason: a phantom whose coarse brain reaches within 5 mm of the skin behind the nasion}
 YAML
 both() { "$TREPHINE" run root/configs/both.yaml --series head/dicom --out out --quiet --no-pictures --no-page "$@"; }
