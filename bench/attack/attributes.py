@@ -75,7 +75,9 @@ def main():
                "--noise-hu", 3, "--mesh-step-mm", 0, "--no-labels", "--seed", attack.args.seed, "--quiet")
     slices = [(f.name, dicom.split(f.read_bytes())) for f in sorted((head / "dicom").iterdir())]
     out = attack.work / "out.nrrd"
-    attack.run("the series as it is", "import", head / "dicom", "--output", out, "--quiet", allowed={0})
+    # What is said of the series as it is (so small a field cuts the head) tells nothing of what was changed.
+    _, _, err = attack.run("the series as it is", "import", head / "dicom", "--output", out, allowed={0})
+    known = set(err.splitlines())
     before = hashlib.sha256(out.read_bytes()).hexdigest()
     table = [row for row in rows() if row[2] not in ("SQ", "UR")]
     places = [(row, where) for row in table for where in ("first", "middle", "last", "all")]
@@ -102,7 +104,7 @@ def main():
                 attack.find(what + ": refused, but there is an output")
             continue
         same = hashlib.sha256(out.read_bytes()).hexdigest() == before
-        told = "warning" in err
+        told = any("warning" in line for line in set(err.splitlines()) - known)
         if same_as_before or where == "all":
             continue
         if rule == "own" and name != "ImagePositionPatient":
