@@ -54,7 +54,9 @@ struct ExecuteOptions {
 /// longer the one for which the graph was made.
 stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress);
 
-/// Computes the wanted nodes and what they need that is not in the cache. Independent nodes run at the same time on up
+/// Computes the wanted nodes and what they need that is not in the cache, and any other node of the graph whose report
+/// is not in the cache: the report of every node is part of the results. Who wants a few nodes alone gives a graph of
+/// these. Independent nodes run at the same time on up
 /// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
 /// the thread count. If nodes fail, the others are stopped and the error of the first one in the graph's order is

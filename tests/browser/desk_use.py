@@ -14,7 +14,7 @@ from webdriver import Browser, Checks
 
 TOOLS = ("cross", "measure", "profile", "entry", "target", "add", "remove", "erase", "fill", "grow")
 TABS = ("look", "place", "paint", "values", "history", "build", "approve")
-FULL = "skin.segment.fill: none, skin.segment.coarse_mm: 1.5, haptic.spacing_mm: [3, 3, 3]"
+FULL = "skin.segment.fill: none, skin.segment.coarse_mm: 1.5"
 
 
 def memory_mb(pid):
