@@ -79,13 +79,14 @@ function holesOf(page) {
   const drawCut = async (canvas, clear) => {
     const d = whole() && page.volume && direction()
     if (!d) return
+    const mine = hole, { entry } = hole, all = between()  // what is drawn; meanwhile the hole may be cancelled
     const side = 180, turn = hole.angle * Math.PI / 180
     const up = Math.abs(d[2]) < .9 ? [0, 0, 1] : [0, 1, 0], cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], unit = a => a.map(v => v / Math.hypot(...a))
-    const e = unit(cross(d, up)), f = cross(d, e), right = e.map((v, k) => v * Math.cos(turn) + f[k] * Math.sin(turn)), corner = hole.entry.map((v, k) => v - right[k] * side / 2 - d[k] * 40)
+    const e = unit(cross(d, up)), f = cross(d, e), right = e.map((v, k) => v * Math.cos(turn) + f[k] * Math.sin(turn)), corner = entry.map((v, k) => v - right[k] * side / 2 - d[k] * 40)
     const query = { case: page.token, side }
     for (const [name, v] of [['corner', corner], ['right', right], ['down', d]]) 'xyz'.split('').forEach((axis, k) => { query[`${name}_${axis}`] = v[k] })
     const number = ++asked, data = new Int16Array(await askBytes('plane', query))
-    if (number !== asked) return
+    if (number !== asked || mine !== hole) return
     const image = new ImageData(side, side), px = new Uint32Array(image.data.buffer), { level, width } = page.window
     for (let i = 0; i < px.length; ++i) {
       const g = Math.max(0, Math.min(255, Math.round(((data[i] - level) / width + .5) * 255)))
@@ -94,7 +95,7 @@ function holesOf(page) {
     const small = make('canvas', { width: side, height: side }), c = canvas.getContext('2d'), k = canvas.width / side
     small.getContext('2d').putImageData(image, 0, 0)
     c.drawImage(small, 0, 0, canvas.width, canvas.height)
-    const x = side / 2 * k, r = hole.diameter_mm / 2 * k, end = 40 + between()
+    const x = side / 2 * k, r = hole.diameter_mm / 2 * k, end = 40 + all
     c.lineWidth = 1.5
     c.strokeStyle = '#7cc4ff'
     c.beginPath(), c.moveTo(x, 0), c.lineTo(x, end * k), c.stroke()
@@ -107,16 +108,16 @@ function holesOf(page) {
     page.inked(c, '10 mm', 10, canvas.height - 14, '#c5d4e3', 1)
     c.strokeStyle = '#c5d4e3'
     c.beginPath(), c.moveTo(10, canvas.height - 8), c.lineTo(10 + 10 * k, canvas.height - 8), c.stroke()
-    clear.replaceChildren(...await distances(d))
+    clear.replaceChildren(...await distances(d, entry, all))
     canvas.dataset.drawn = number
   }
   // How near the line from entry to target comes to the outline of each anatomy that is shown, in the axial slices that it passes.
-  const distances = async d => {
-    const { volume } = page, p = volume.planes[0], rows = [], [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u], all = between()
+  const distances = async (d, entry, all) => {
+    const { volume } = page, p = volume.planes[0], rows = [], [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
     for (const name of page.fields.filter(f => page.outlines.get(f))) {
       let least = Infinity
       for (let s = 0; s <= 24; ++s) {
-        const at = volume.toIndex(hole.entry.map((v, k) => v + d[k] * all * s / 24)), index = Math.round(at[p.n])
+        const at = volume.toIndex(entry.map((v, k) => v + d[k] * all * s / 24)), index = Math.round(at[p.n])
         if (index < 0 || index >= volume.size[p.n]) continue
         const line = await volume.outline(name, p.n, index)
         for (let i = 0; i < line.length; i += 2) least = Math.min(least, Math.hypot((line[i] - at[lo]) * volume.spacing[lo], (line[i + 1] - at[hi]) * volume.spacing[hi]))
