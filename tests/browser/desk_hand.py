@@ -9,7 +9,7 @@ import pathlib
 import tempfile
 import zipfile
 
-from desk import SOURCE, Desk, Page, digest, make_root, run
+from desk import SOURCE, Desk, Page, digest, make_root, no_console_errors, run
 from webdriver import Browser, Checks
 
 SCENE = """trephine: 1
@@ -239,8 +239,7 @@ def main():
         coarse = root / "configs/coarse.yaml"
         coarse.write_text(coarse.read_text() + LEFT_HOLE)
         own = root / "configs/head-01.yaml"
-        desk = Desk(root, library)
-        try:
+        with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1600, height=1000) as browser:
                 browser.open(desk.url)
                 page = Hand(browser, check)
@@ -289,14 +288,10 @@ def main():
                 page.choose_file("#pick-folder", root / "sample_dicom")
                 page.until("!!document.querySelector('.thumb') && document.querySelector('.thumb').naturalWidth > 100", "the series of the folder")
                 check(len([f for f in (root / "configs/dropped").iterdir() if f.is_dir()]) == 1, "a folder is there too")
-                severe = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE" and "422" not in e["message"]]
-                check(not severe, f"no error in the console: {severe}")
+                no_console_errors(browser, check)
             run("library", "build", root / "configs/LIBRARY.yaml", "--out", folder / "again", "--case", "head-01", "--quiet", "--no-pictures")
             check(digest(folder / "again/head-01") == made, "the written configuration makes the same bytes")
             check(desk.end() == 0, "Ctrl-C ends the desk")
-        finally:
-            if desk.process.poll() is None:
-                desk.process.kill()
     check.end()
 
 

@@ -119,8 +119,7 @@ def main():
         (report / "axial.png").symlink_to(outside / "secret.txt")  # a link in the library that leads out of it
         (report / "view.html").write_text("<p>a page</p>")
         (library / "evil").symlink_to(outside)
-        desk = Desk(root, library)
-        try:
+        with Desk(root, library) as desk:
             before = state_of(outside), state_of(root)
             good = desk.get("api/status")
             check(good.startswith(b"HTTP/1.1 200"), "the desk answers")
@@ -155,9 +154,6 @@ def main():
             check(answers.get("200", 0) > count // 50, "some requests were answered")
             check(desk.process.poll() is not None or desk.get("api/status").startswith(b"HTTP/1.1 200"), "the desk still answers")
             check(desk.process.poll() is not None or desk.end() == 0, "and ends by Ctrl-C")
-        finally:
-            if desk.process.poll() is None:
-                desk.process.kill()
     check.end()
 
 

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 
-from desk import Desk, Page, make_root, run
+from desk import Desk, Page, make_root, no_console_errors, run
 from desk_hand import LEFT_HOLE, SCENE
 from webdriver import Browser, Checks
 
@@ -89,8 +89,7 @@ def main():
         listed = root / "configs/LIBRARY.yaml"
         listed.write_text(listed.read_text().replace("../sample_dicom", "../big"))
         run("library", "build", listed, "--out", library, "--quiet")
-        desk = Desk(root, library)
-        try:
+        with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--enable-precise-memory-info", "--lang=en", width=1600, height=1000) as browser:
                 browser.open(desk.url + "#case/head-01")
                 page = Page(browser, check)
@@ -105,12 +104,8 @@ def main():
                 for n, what in ((0, "desk"), (1, "page")):
                     a, b = max(v[n] for v in early), min(v[n] for v in late)
                     check(b < 1.25 * a + 60, f"memory of the {what}: {a:.0f} MB early, {b:.0f} MB late, {actions} actions")
-                severe = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE" and "422" not in e["message"]]
-                check(not severe, f"no error in the console: {severe[:3]}")
+                no_console_errors(browser, check)
             check(desk.end() == 0, "Ctrl-C ends the desk")
-        finally:
-            if desk.process.poll() is None:
-                desk.process.kill()
     check.end()
 
 

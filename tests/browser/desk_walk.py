@@ -13,7 +13,7 @@ import tempfile
 import time
 import zipfile
 
-from desk import CASE, SOURCE, Desk, Page, digest, run
+from desk import CASE, SOURCE, Desk, Page, digest, no_console_errors, run
 from small_picture import shrink
 from webdriver import Browser, Checks
 
@@ -189,8 +189,7 @@ def main():
         pictures = pathlib.Path(given.pictures).resolve() if given.pictures else None
         root, library = make_root(folder, given.zip, given.config), folder / "library"
         library.mkdir()
-        desk = Desk(root, library)
-        try:
+        with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1500, height=940) as browser:
                 browser.open(desk.url)
                 page = Walk(browser, check, pictures)
@@ -207,8 +206,7 @@ def main():
                 paint_horn(page)
                 preview(page)
                 rerun_and_approve(page, library)
-                severe = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE" and "422" not in e["message"]]
-                check(not severe, f"no error in the console: {severe}")
+                no_console_errors(browser, check)
                 if pictures:
                     browser.open("about:blank")
                     for picture in sorted(pictures.glob("desk_*.png")):
@@ -222,9 +220,6 @@ def main():
             run("library", "build", root / "configs/LIBRARY.yaml", "--out", folder / "again", "--quiet", "--no-pictures")
             check(digest(folder / "again/head-01") == digest(library / "head-01"), "the written configuration makes the same bytes in an empty folder")
             check(desk.end() == 0, "Ctrl-C ends the desk")
-        finally:
-            if desk.process.poll() is None:
-                desk.process.kill()
     cpu = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"{time.monotonic() - begin:.0f} s, {cpu.ru_utime + cpu.ru_stime:.0f} CPU s")
     check.end()
