@@ -58,6 +58,9 @@ const std::map<std::string, Desk::Route>& Desk::routes() {
       {"api/tried", {"GET", &Desk::tried}},
       {"api/patch", {"POST", &Desk::patch}},
       {"api/switch", {"POST", &Desk::switch_patch_route}},
+      {"api/snake", {"POST", &Desk::snake}},
+      {"api/try_edit", {"POST", &Desk::try_edit}},
+      {"api/edit", {"POST", &Desk::edit}},
       {"api/draft", {"GET", &Desk::draft}},
       {"api/keep", {"POST", &Desk::keep_draft}},
       {"api/folders", {"GET", &Desk::folders}},
@@ -89,6 +92,7 @@ void Desk::stop() {
   std::shared_ptr<Trial> gone;
   const std::lock_guard<std::mutex> lock(mutex_);
   gone = std::move(trial_);
+  live_.forget();
   open_.clear();
 }
 

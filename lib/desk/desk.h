@@ -8,6 +8,7 @@
 
 #include "desk/build_runner.h"
 #include "desk/desk_library.h"
+#include "desk/live_edit.h"
 #include "desk/message.h"
 #include "desk/open_case.h"
 #include "desk/trial.h"
@@ -66,6 +67,10 @@ class Desk {
   Reply switch_patch_route(const Request&);
   Reply draft(const Request&);
   Reply keep_draft(const Request&);
+  // routes_edit.cpp
+  Reply snake(const Request&);
+  Reply try_edit(const Request&);
+  Reply edit(const Request&);
   // routes_new.cpp
   Reply folders(const Request&);
   Reply series(const Request&);
@@ -94,6 +99,7 @@ class Desk {
   std::shared_ptr<const Compared> compared_;
   std::shared_ptr<Trial> trial_;
   std::string trial_of_;
+  LiveEdit live_;
 };
 
 /// Keeps what the case is now beside the library, until it is kept again, for a comparison with what it becomes.

@@ -69,6 +69,7 @@ std::vector<HandEntry> read_journal(const DeskCase& one) {
                                     {"anatomy", &entry.anatomy},
                                     {"file", &entry.file}})
         *to = e.value(key, "");
+      if (e.contains("edit")) entry.edit = e.at("edit").dump();
       entry.on = e.value("on", true);
       if (entry.file.find('/') != std::string::npos || (!entry.file.empty() && entry.file.front() == '.'))
         throw Error(ExitCode::bad_input, "", "file", "leads out of the folder");
@@ -85,10 +86,9 @@ void write_journal(const DeskCase& one, const std::vector<HandEntry>& entries) {
   for (const HandEntry& e : entries) {
     Json out = {{"id", e.id}, {"when", e.when}, {"by", e.by}, {"why", e.why}, {"kind", e.kind}, {"what", e.what}};
     if (!e.anatomy.empty()) out["anatomy"] = e.anatomy;
-    if (!e.file.empty()) {
-      out["file"] = e.file;
-      out["on"] = e.on;
-    }
+    if (!e.file.empty()) out["file"] = e.file;
+    if (!e.edit.empty()) out["edit"] = Json::parse(e.edit);
+    if (e.is_correction()) out["on"] = e.on;
     json["entries"].push_back(std::move(out));
   }
   make_output_folder(one.hand_folder());

@@ -19,10 +19,12 @@ struct HandEntry {
   int id = 0;
   std::string when;           ///< UTC: 2026-11-25T18:30:00Z
   std::string by, why;        ///< a token, and free words
-  std::string kind;           ///< landmark, burr_holes, value, patch, import, approval
+  std::string kind;           ///< landmark, burr_holes, value, patch, snake, cut, smooth, switch, import, approval
   std::string what;           ///< in words: "nasion: [0, -93.2, 40.1]"
   std::string anatomy, file;  ///< of a patch: the file's name in the folder
-  bool on = true;             ///< of a patch: whether it counts
+  std::string edit;           ///< of an edit that is no patch, as JSON: {"snake": {...}} (segmentation/edit_list.h)
+  bool on = true;             ///< of a patch or edit: whether it counts
+  bool is_correction() const { return !file.empty() || !edit.empty(); }
 };
 std::vector<HandEntry> read_journal(const DeskCase& one);
 void write_journal(const DeskCase& one, const std::vector<HandEntry>& entries);

@@ -6,30 +6,19 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "config/config_root.h"
 #include "config/yaml_document.h"
 #include "grid/labels.h"
+#include "json/declared_json.h"
+#include "segmentation/correct.h"
+#include "segmentation/hand_edits.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
 namespace {
-
-/// As `trephine correction` writes it (segmentation/correct.h reads it).
-grid::LabelFile correction_of(grid::Mask voxels) {
-  grid::LabelFile out;
-  out.lattice = voxels;
-  out.samples = std::move(voxels);
-  out.format = "seg.nrrd";
-  for (const auto& [name, value] : {std::pair{"added", added_byte}, {"removed", removed_byte}}) {
-    grid::LabelSegment segment;
-    segment.id = segment.name = name;
-    segment.value = value;
-    out.segments.push_back(segment);
-  }
-  return out;
-}
 
 grid::Mask voxels_of(const fs::path& file) {
   const grid::LabelFile labels = grid::read_labels(file);
@@ -70,32 +59,61 @@ grid::Mask together(const std::vector<grid::Mask>& patches) {
 }
 
 std::string union_name(const std::string& anatomy) { return anatomy + ".nrrd"; }
+std::string list_name(const std::string& anatomy) { return anatomy + ".json"; }
 
 /// A correction that the configuration names, and that the desk did not make.
 std::optional<std::string> foreign_correction(const DeskCase& one, const std::string& anatomy) {
   const config::YamlNode file = config::read_yaml(one.text_file());
   const config::YamlNode* all = file.find("corrections");
   const config::YamlNode* named = all ? all->find(anatomy) : nullptr;
-  if (!named || named->text == one.token + ".desk/" + union_name(anatomy)) return {};
+  if (!named) return {};
+  for (const std::string& ours : {union_name(anatomy), list_name(anatomy)})
+    if (named->text == one.token + ".desk/" + ours) return {};
   return named->text;
 }
 
-/// Makes the union of the patches that count and the line that names it.
+std::string union_of(const DeskCase& one, const std::vector<HandEntry>& patches) {
+  std::vector<grid::Mask> all;
+  for (const HandEntry& e : patches) all.push_back(voxels_of(one.hand_folder() / e.file));
+  return grid::encode_labels(segmentation::correction_of(together(all)));
+}
+
+std::string list_of(const DeskCase& one, const std::vector<HandEntry>& entries) {
+  segmentation::EditList list;
+  for (const HandEntry& e : entries) {
+    if (e.edit.empty()) {
+      list.edits.emplace_back(
+          "patch", AnyParams::make(segmentation::PatchEdit{e.file, sha256_of_file(one.hand_folder() / e.file)}));
+      continue;
+    }
+    segmentation::EditList single;
+    json::read_declared_json(R"({"trephine_edits": 1, "edits": [)" + e.edit + "]}",
+                             parameters_of<segmentation::EditList>(), &single);
+    list.edits.push_back(single.edits.at(0));
+  }
+  return segmentation::encode_edit_list(std::move(list));
+}
+
+/// Makes the file of all that counts, patches together or a list, and the line that names it.
 HandChange combined(const DeskCase& one, const std::string& anatomy, const std::vector<HandEntry>& journal) {
-  std::vector<grid::Mask> patches;
-  for (const HandEntry& e : journal)
-    if (e.on && e.anatomy == anatomy && !e.file.empty()) patches.push_back(voxels_of(one.hand_folder() / e.file));
+  std::vector<HandEntry> all;
+  bool edits = false;
+  for (const HandEntry& e : journal) {
+    if (!e.on || e.anatomy != anatomy || !e.is_correction()) continue;
+    all.push_back(e);
+    edits = edits || !e.edit.empty();
+  }
   HandChange change;
-  const std::string name = union_name(anatomy);
-  if (!patches.empty()) {
-    write_file(one.hand_folder() / name, grid::encode_labels(correction_of(together(patches))));
+  const std::string name = edits ? list_name(anatomy) : union_name(anatomy);
+  if (!all.empty()) {
+    write_file(one.hand_folder() / name, edits ? list_of(one, all) : union_of(one, all));
     change.changes = {{{"corrections", anatomy}, config::yaml_scalar(one.token + ".desk/" + name)}};
   } else {
     const config::YamlNode file = config::read_yaml(one.text_file());
     const config::YamlNode* all = file.find("corrections");
     if (all && all->find(anatomy)) change.changes = {{{"corrections", anatomy}, {}}};
   }
-  change.check = [anatomy, wanted = !patches.empty()](const config::CaseConfig& now) {
+  change.check = [anatomy, wanted = !all.empty()](const config::CaseConfig& now) {
     const config::RecipeAnatomy* found = now.find_anatomy(anatomy);
     if (wanted && (!found || !found->find_step("correct")))
       throw Error(ExitCode::bad_config, "", "corrections." + anatomy, "has no effect in this recipe");
@@ -110,13 +128,16 @@ void keep_foreign(const DeskLibrary& library, const DeskCase& one, const std::st
   std::string fault;
   const fs::path file = config::path_in_roots(one.config.parent_path(), *named, library.roots(), fault);
   if (!fault.empty()) throw Error(ExitCode::bad_config, one.config.filename().string(), "corrections", fault);
+  if (segmentation::is_edit_list(file))
+    throw Error(ExitCode::usage, one.config.filename().string(), "corrections." + anatomy,
+                "names a list of edits that this desk did not make: it can be gone on with by an editor alone");
   HandEntry entry;
   entry.kind = "patch";
   entry.what = "the correction that was there";
   entry.anatomy = anatomy;
   HandEntry& made = add_entry(journal, entry);
   made.file = anatomy + "-" + std::to_string(made.id) + ".nrrd";
-  write_file(one.hand_folder() / made.file, grid::encode_labels(correction_of(voxels_of(file))));
+  write_file(one.hand_folder() / made.file, grid::encode_labels(segmentation::correction_of(voxels_of(file))));
 }
 
 void finish(DeskLibrary& library, const DeskCase& one, const std::string& anatomy, const Said& said,
@@ -128,6 +149,32 @@ void finish(DeskLibrary& library, const DeskCase& one, const std::string& anatom
   change.kind = kind;
   change.what = what;
   save_change(library, one, change, journal);
+}
+
+void require_unchanged(const DeskCase& one, const Said& said) {
+  if (!one.fixed.empty()) throw Error(ExitCode::usage, "", one.token, one.fixed);
+  if (config_sha256(one) != said.base_sha256)
+    throw Error(ExitCode::busy, one.text_file().filename().string(), "",
+                "was changed meanwhile, by another desk or an editor: open the case again");
+}
+
+std::string in_words(const std::string& name, const AnyParams& params) {
+  const auto place = [](const std::array<double, 3>& v) {
+    std::string text;
+    for (const double x : v) text += (text.empty() ? "" : ", ") + to_text(double(std::llround(x * 10)) / 10);
+    return "(" + text + ") mm";
+  };
+  if (name == "snake") {
+    const auto& p = params.as<segmentation::SnakeEdit>();
+    return "snake from " + place(p.seed_mm) + ", " + std::to_string(p.steps_count) + " steps, " +
+           (p.removes ? "removed" : "added");
+  }
+  if (name == "cut") {
+    const auto& p = params.as<segmentation::CutEdit>();
+    return "cut by a plane at " + place(p.point_mm) + ", within " + to_text(p.within_mm) + " mm";
+  }
+  const auto& p = params.as<segmentation::SmoothEdit>();
+  return "smoothed within " + to_text(p.within_mm) + " mm of " + place(p.point_mm);
 }
 
 }  // namespace
@@ -172,10 +219,7 @@ std::string encode_painted(const grid::Mask& voxels, const grid::Lattice& scan) 
 void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said) {
   const DeskLock lock(library);
   const DeskCase one = library.find(token);
-  if (!one.fixed.empty()) throw Error(ExitCode::usage, "", one.token, one.fixed);
-  if (config_sha256(one) != said.base_sha256)
-    throw Error(ExitCode::busy, one.text_file().filename().string(), "",
-                "was changed meanwhile, by another desk or an editor: open the case again");
+  require_unchanged(one, said);
   std::vector<HandEntry> journal = read_journal(one);
   make_output_folder(one.hand_folder());
   keep_foreign(library, one, painted.anatomy, journal);
@@ -191,8 +235,28 @@ void save_patch(DeskLibrary& library, const std::string& token, const Painted& p
   entry.what = painted.anatomy + ": " + rounded(plus) + " ml added, " + rounded(minus) + " ml removed";
   HandEntry& made = add_entry(journal, entry);
   made.file = painted.anatomy + "-" + std::to_string(made.id) + ".nrrd";
-  write_file(one.hand_folder() / made.file, grid::encode_labels(correction_of(painted.voxels)));
+  write_file(one.hand_folder() / made.file, grid::encode_labels(segmentation::correction_of(painted.voxels)));
   finish(library, one, painted.anatomy, said, journal, "", "");
+}
+
+void save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
+               const segmentation::EditList& edit, const Said& said) {
+  const DeskLock lock(library);
+  const DeskCase one = library.find(token);
+  require_unchanged(one, said);
+  std::vector<HandEntry> journal = read_journal(one);
+  make_output_folder(one.hand_folder());
+  keep_foreign(library, one, anatomy, journal);
+  const auto& [name, params] = edit.edits.at(0);
+  HandEntry entry;
+  entry.by = said.by;
+  entry.why = said.why;
+  entry.kind = name;
+  entry.anatomy = anatomy;
+  entry.what = anatomy + ": " + in_words(name, params);
+  entry.edit = R"({")" + name + R"(": )" + json::declared_json(params, -1) + "}";
+  add_entry(journal, entry);
+  finish(library, one, anatomy, said, journal, "", "");
 }
 
 void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said) {
@@ -200,7 +264,7 @@ void switch_patch(DeskLibrary& library, const std::string& token, int id, bool o
   const DeskCase one = library.find(token);
   std::vector<HandEntry> journal = read_journal(one);
   for (HandEntry& e : journal)
-    if (e.id == id && !e.file.empty()) {
+    if (e.id == id && e.is_correction()) {
       if (e.on == on) return;
       e.on = on;
       const std::string what = std::string(on ? "on" : "off") + ": " + e.what, anatomy = e.anatomy;

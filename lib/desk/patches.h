@@ -7,6 +7,7 @@
 
 #include "desk/hand_work.h"
 #include "grid/grid.h"
+#include "segmentation/edit_list.h"
 
 namespace trephine::desk {
 
@@ -36,7 +37,12 @@ struct Said {
 /// what save_change throws.
 void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said);
 
-/// Lets a patch count, or not.
+/// The same of an edit that is no patch: the one that `edit` holds. Where one of them counts, the configuration names a
+/// list of all edits and patches, in the order in which they were saved (CASE.desk/ANATOMY.json).
+void save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
+               const segmentation::EditList& edit, const Said& said);
+
+/// Lets a patch or an edit count, or not.
 void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said);
 
 }  // namespace trephine::desk

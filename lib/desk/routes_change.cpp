@@ -22,10 +22,11 @@ Json json_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
 Json json_of(const HandEntry& e) {
   Json out = {{"id", e.id}, {"when", e.when}, {"by", e.by}, {"why", e.why}, {"kind", e.kind}, {"what", e.what}};
-  if (!e.file.empty()) {
+  if (e.is_correction()) {
     out["anatomy"] = e.anatomy;
-    out["file"] = e.file;
     out["on"] = e.on;
+    if (!e.file.empty()) out["file"] = e.file;
+    if (!e.edit.empty()) out["edit"] = Json::parse(e.edit);
   }
   return out;
 }
@@ -73,6 +74,12 @@ Json json_of(const config::CaseConfig& config) {
                                 {"colour_rgb", a.colour_rgb},
                                 {"shown", config.is_shown(a.name)},
                                 {"field", config::corrected_field(config, a.name)}});
+  // The steps whose fields can be drawn on the scan's voxels.
+  out["steps"] = Json::array();
+  for (const config::RecipeAnatomy& a : config.anatomies)
+    for (const config::RecipeStep& step : a.steps)
+      if (step.type->output == stages::DataKind::field && !step.type->changes_raster)
+        out["steps"].push_back(a.name + "." + step.type->name);
   if (const config::RecipeStep* step = config.landmarks_step())
     for (const stages::StagePoint& point : step->type->points) out["known_landmarks"].push_back(point.name);
   return out;
@@ -137,6 +144,15 @@ void check_holes_count(const config::CaseConfig& now, std::size_t count) {
   if (now.burr_holes.size() != count)
     throw Error(ExitCode::usage, "", "burr_holes",
                 "have no effect: the scene cuts none (`burr_holes` of its anatomies)");
+}
+
+/// One value, or several that mean something together alone, as the corners of a box.
+nlohmann::json values_of(const nlohmann::json& json) {
+  if (!json.contains("values")) return nlohmann::json::array({json});
+  const auto& all = json.at("values");
+  if (!all.is_array() || all.empty() || all.size() > 16)
+    throw Error(ExitCode::usage, "", "values", "must be a list of 1 to 16");
+  return all;
 }
 
 config::YamlChange value_line(const std::string& path, const nlohmann::json& value) {
@@ -222,22 +238,33 @@ Reply Desk::holes(const Request& request) {
 
 Reply Desk::value(const Request& request) {
   const auto json = desk::json_of(request);
-  const std::string path = json.at("path"), token = json.at("case");
+  const std::string token = json.at("case");
   HandChange change = change_of(json);
   change.kind = "value";
-  change.changes = {value_line(path, json.at("value"))};
-  if (json.at("value").is_null()) {
-    change.what = path + ": as the recipe says";
-  } else {
-    const std::string text = json.at("value");
-    change.what = path + ": " + text;
-    const DeskCase one = library_.find(token);
-    const config::CaseConfig before = config::read_case_config(one.text_file(), library_.overrides_of(one));
-    change.check = [path, was = value_of(before, path), text](const config::CaseConfig& now) {
-      if (value_of(now, path) == was && was != text)
-        throw Error(ExitCode::usage, "", path, "has no effect: what LIBRARY.yaml or the scene says of it is stronger");
-    };
+  const nlohmann::json all = values_of(json);
+  const DeskCase one = library_.find(token);
+  const config::CaseConfig before = config::read_case_config(one.text_file(), library_.overrides_of(one));
+  struct Wanted {
+    std::string path, was, text;
+  };
+  std::vector<Wanted> wanted;
+  for (const auto& item : all) {
+    const std::string path = item.at("path");
+    change.changes.push_back(value_line(path, item.at("value")));
+    change.what += change.what.empty() ? "" : "; ";
+    if (item.at("value").is_null()) {
+      change.what += path + ": as the recipe says";
+    } else {
+      wanted.push_back({path, value_of(before, path), item.at("value")});
+      change.what += path + ": " + wanted.back().text;
+    }
   }
+  change.check = [wanted](const config::CaseConfig& now) {
+    for (const Wanted& w : wanted)
+      if (value_of(now, w.path) == w.was && w.was != w.text)
+        throw Error(ExitCode::usage, "", w.path,
+                    "has no effect: what LIBRARY.yaml or the scene says of it is stronger");
+  };
   save(library_, token, change);
   return json_reply({{"done", change.what}});
 }
@@ -251,8 +278,10 @@ Reply Desk::try_change(const Request& request) {
   if (json.contains("holes")) {
     wish.changes.push_back(holes_line(json.at("holes")));
     wish.holes = true;
+  } else if (json.contains("step")) {
+    wish.step = json.at("step");
   } else {
-    wish.changes.push_back(value_line(json.at("path"), json.at("value")));
+    for (const auto& item : values_of(json)) wish.changes.push_back(value_line(item.at("path"), item.at("value")));
     wish.anatomy = json.at("anatomy");
   }
   std::shared_ptr<Trial> gone;  // ends its thread after the lock is released

@@ -51,7 +51,9 @@ Reply Desk::slice(const Request& request) {
 Reply Desk::field(const Request& request) {
   const auto one = looked_at(request);
   const std::string name = request.value("name");
-  const auto field = name == "~tried" ? trial_of(request.value("case"))->field() : one->field(name);
+  const auto field = name == "~tried"  ? trial_of(request.value("case"))->field()
+                     : name == "~edit" ? live_.field(request.value("case"))
+                                       : one->field(name);
   if (!field) throw Error(ExitCode::no_input, "", "name", "the case has no such field");
   return bytes_reply(slice_bytes(*field, number_of(request, "axis"), number_of(request, "index")));
 }

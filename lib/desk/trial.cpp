@@ -65,6 +65,10 @@ void Trial::work(const TrialWish& wish) {
     if (wanted.back() < 0)
       throw Error(ExitCode::usage, "", wish.anatomy, "the scene does not need it, so nothing of it is computed");
   }
+  if (!wish.step.empty()) {
+    wanted.push_back(of.graph.find(wish.step));
+    if (wanted.back() < 0) throw Error(ExitCode::usage, "", wish.step, "is no step that this case needs");
+  }
   if (wish.holes)
     for (const config::CaseDrill& hole : of.config->burr_holes)
       if (const int node = of.graph.find(hole.name); node >= 0) wanted.push_back(node);

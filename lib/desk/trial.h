@@ -19,6 +19,7 @@ namespace trephine::desk {
 struct TrialWish {
   std::vector<config::YamlChange> changes;  ///< of the case's configuration, as they would be saved
   std::string anatomy;                      ///< whose field is wanted; empty: none
+  std::string step;                         ///< a step of an anatomy whose field is wanted as it gives it; empty: none
   bool holes = false;                       ///< whether the burr holes are
 };
 

@@ -173,9 +173,13 @@ grid::LabelFile correction_between(const grid::LabelFile& before, const grid::La
                                           : minus.get(at[0], at[1], at[2]) ? removed
                                                                            : 0);
       }
+  return correction_of(std::move(change));
+}
+
+grid::LabelFile correction_of(grid::Mask voxels) {
   grid::LabelFile out;
-  out.lattice = change;
-  out.samples = std::move(change);
+  out.lattice = voxels;
+  out.samples = std::move(voxels);
   out.format = "seg.nrrd";
   for (const auto& [name, value] : {std::make_pair("added", added), {"removed", removed}}) {
     grid::LabelSegment segment;

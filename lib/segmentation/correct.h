@@ -22,11 +22,16 @@ namespace trephine::segmentation {
 grid::LabelFile correction_between(const grid::LabelFile& before, const grid::LabelFile& after,
                                    const std::string& label, const std::string& painted_label, Report& report);
 
+/// The correction whose voxels hold 1 where they are added, 2 where they are removed, 0 elsewhere.
+grid::LabelFile correction_of(grid::Mask voxels);
+
 struct CorrectParams {
   std::string file;
   template <class V>
   static void describe(V& v) {
-    v.text(&CorrectParams::file, "file", "The correction, as trephine correction writes it.").names("file");
+    v.text(&CorrectParams::file, "file",
+           "The correction, as trephine correction writes it, or a list of edits by hand (.json).")
+        .names("file");
   }
 };
 

@@ -30,7 +30,7 @@ class Generator:
                       "case/head-01/report/axial.png", "api/plane?case=head-01&side=5", "api/grow?case=head-01&i=0&j=0&k=0",
                       "api/tried?case=head-01", "api/cut?case=head-01&which=was&name=skull&axis=0&index=1", "api/lessons?case=head-01"]
         self.posts = ["api/landmark", "api/holes", "api/value", "api/patch?case=head-01&anatomy=skull&by=x&why=&base=", "api/switch", "api/approve",
-                      "api/keep?case=head-01&what=view", "api/new", "api/stop", "api/try",
+                      "api/keep?case=head-01&what=view", "api/new", "api/stop", "api/try", "api/snake", "api/try_edit", "api/edit",
                       "api/between?case=head-01&axis=2&value=1", "api/drop?drop=0123456789abcdef&file=0&offset=0", "api/dropped"]
         self.ways = ["../", "..%2f", "%2e%2e/", "..\\", "....//", "/etc/", "%00", "0/../..", "0/outside", "./", "//", "%c0%ae%c0%ae/", "file:///", "0/link", "-1", "1e9",
                      "outside/secret.txt", "..%252f", "nan", "a" * 3000]
@@ -57,7 +57,7 @@ class Generator:
             return bytes(r.randrange(256) for _ in range(r.randrange(200)))
         if r.random() < 0.1:
             return b"[" * 5000
-        keys = ["case", "by", "why", "base", "name", "position_mm", "holes", "path", "value", "id", "on", "recipe", "series", "difficulty_level", "only", "checks", "drop", "files", "archive", "anatomy"]
+        keys = ["case", "by", "why", "base", "name", "position_mm", "holes", "path", "value", "id", "on", "recipe", "series", "difficulty_level", "only", "checks", "drop", "files", "archive", "anatomy", "edit", "snake", "steps", "values"]
         return json.dumps({k: r.choice(self.values) for k in keys if r.random() < 0.8}).encode()
 
     def request(self):

@@ -124,7 +124,14 @@ function holesOf(page) {
       }
       if (isFinite(least)) rows.push(make('tr', {}, make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)), make('td', { class: 'number', text: digits(least, 1) })))
     }
-    return rows.length ? [make('h2', { text: t('clearances') }), table([[t('anatomy'), 0], [t('mm'), 1]], rows)] : []
+    // Where no outline is: points, such as the bregma, in which the sutures meet.
+    const near = page.allMarks().filter(m => m.name !== t('entry') && m.name !== t('target') && m.colour !== '#ff6a5c').map(m => {
+      const to = m.position_mm.map((v, k) => v - entry[k]), s = Math.max(0, Math.min(all, to.reduce((sum, v, k) => sum + v * d[k], 0)))
+      return { name: m.name, from: Math.hypot(...to), line: Math.hypot(...to.map((v, k) => v - d[k] * s)) }
+    }).sort((a, b) => a.line - b.line)
+    const points = near.map(m => make('tr', { 'data-near': m.name }, make('td', { text: label(m.name) }), make('td', { class: 'number', text: digits(m.from, 1) }), make('td', { class: 'number', text: digits(m.line, 1) })))
+    return [...rows.length ? [make('h2', { text: t('clearances') }), table([[t('anatomy'), 0], [t('mm'), 1]], rows)] : [],
+      ...points.length ? [make('h2', { text: t('to_points') }), table([[t('name'), 0], [t('from_entry'), 1], [t('from_line'), 1]], points)] : []]
   }
 
   const panel = fixed => {

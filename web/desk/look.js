@@ -108,6 +108,8 @@ function casePage(token) {
     c.stroke()
     c.setLineDash([])
   }
+  // Until an outline is there on all three planes.
+  page.outlinesDrawn = name => Promise.all(page.volume.planes.map(p => page.volume.outline(name, p.n, page.at[p.n])))
   const inked = (c, text, x, y, colour, r) => {
     c.lineWidth = 3 * r
     c.strokeStyle = 'rgba(0,0,0,.8)'
@@ -156,6 +158,7 @@ function casePage(token) {
     for (let a = 0; a < 3; ++a) page.at[a] = Math.max(0, Math.min(page.volume.size[a] - 1, Math.round(p[a])))
     page.redraw()
     page.told && page.told()
+    if (page.begun && page.begun.tool.move) page.begun.tool.move(page.begun.p, [...page.at])
     remember()
   }
   page.goWorld = w => page.volume && page.go(page.volume.toIndex(w))
@@ -175,75 +178,21 @@ function casePage(token) {
     remember()
   }
   let remembering = 0
-  const remember = () => {
+  const remember = page.remember = () => {
     clearTimeout(remembering)
     if (!page.restored) return  // what was kept is not read yet
-    remembering = setTimeout(() => desk.config && tellBytes('keep', { case: token, what: 'view' }, JSON.stringify({ at: page.at, window: page.window, tool: page.tool, tab: page.tab, off: [...page.outlines].filter(o => !o[1]).map(o => o[0]) })).catch(() => {}), 700)
+    remembering = setTimeout(() => desk.config && tellBytes('keep', { case: token, what: 'view' }, JSON.stringify({ at: page.at, window: page.window, tool: page.tool, tab: page.tab, off: [...page.outlines].filter(o => !o[1]).map(o => o[0]), edit: page.heldEdit ? page.heldEdit() : null })).catch(() => {}), 700)
   }
 
-  // ---- the mouse and the keys on a plane
-  for (const id of Object.keys(canvases)) {
-    const canvas = canvases[id], plane = () => page.volume && page.volume.planes.find(p => p.id === id)
-    let drag = null
-    const point = (p, e) => {
-      const b = canvas.getBoundingClientRect(), [u, v] = p.back(e.clientX - b.left, e.clientY - b.top), at = [...page.at]
-      at[p.u] = u, at[p.v] = v
-      return at
-    }
-    canvas.addEventListener('pointerdown', e => {
-      const p = plane()
-      if (!p || !p.drawn) return
-      canvas.setPointerCapture(e.pointerId)
-      canvas.focus()
-      e.preventDefault()
-      drag = { x: e.clientX, y: e.clientY, window: { ...page.window }, pan: [p.panX, p.panY], how: e.button === 2 ? 'window' : e.button === 1 || e.shiftKey ? 'pan' : 'tool' }
-      if (drag.how === 'tool') doing(() => page.tools[page.tool].down(p, point(p, e), e))()
-    })
-    canvas.addEventListener('pointermove', e => {
-      const p = plane()
-      if (!p || !p.drawn) return
-      const at = point(p, e)
-      page.pointer = { plane: p, at }
-      if (!drag) {
-        if (page.tools[page.tool].hover) page.redraw()
-      } else if (drag.how === 'window') page.setWindow(drag.window.level + (e.clientY - drag.y) * 2, drag.window.width + (e.clientX - drag.x) * 2)
-      else if (drag.how === 'pan') p.panX = drag.pan[0] + e.clientX - drag.x, p.panY = drag.pan[1] + e.clientY - drag.y, page.redraw()
-      else if (page.tools[page.tool].move) for (const one of e.getCoalescedEvents ? [...e.getCoalescedEvents(), e] : [e]) page.tools[page.tool].move(p, point(p, one), one)
-    })
-    const end = e => {
-      const p = plane()
-      if (drag && drag.how === 'tool' && p && page.tools[page.tool].up) doing(() => page.tools[page.tool].up(p, point(p, e), e))()
-      drag = null
-    }
-    canvas.addEventListener('pointerup', end)
-    canvas.addEventListener('pointercancel', end)
-    canvas.addEventListener('contextmenu', e => e.preventDefault())
-    canvas.addEventListener('wheel', e => {
-      const p = plane()
-      e.preventDefault()
-      if (!p) return
-      if (!e.ctrlKey) return step(p, e.deltaY > 0 ? 1 : -1)
-      p.zoom = Math.max(.5, Math.min(30, p.zoom * (e.deltaY > 0 ? 1 / 1.15 : 1.15)))
-      page.redraw()
-    }, { passive: false })
-    canvas.addEventListener('keydown', e => {
-      const p = plane(), s = e.shiftKey ? 5 : 1
-      if (!p || e.ctrlKey || e.metaKey || e.altKey) return
-      const move = (axis, flip, n) => { const to = [...page.at]; to[axis] += flip ? -n : n; page.go(to) }
-      const keys = { PageUp: () => step(p, s), PageDown: () => step(p, -s), ArrowLeft: () => move(p.u, p.flipU, -s), ArrowRight: () => move(p.u, p.flipU, s), ArrowUp: () => move(p.v, p.flipV, -s), ArrowDown: () => move(p.v, p.flipV, s),
-        '+': () => { p.zoom *= 1.15 }, '-': () => { p.zoom = Math.max(.5, p.zoom / 1.15) }, 0: () => { p.zoom = 1, p.panX = p.panY = 0 }, Enter: () => doing(async () => { const tool = page.tools[page.tool]; await tool.down(p, [...page.at], e); tool.up && await tool.up(p, [...page.at], e) })() }
-      if (!keys[e.key]) return
-      e.preventDefault()
-      keys[e.key]()
-      page.redraw()
-    })
-  }
+  handsOf(page, canvases, step)
 
   // ---- tools
   const length = (a, b) => Math.hypot(...[0, 1, 2].map(k => (a[k] - b[k]) * page.volume.spacing[k]))
   const ruler = done => {
     let m = null
     return {
+      draws: true,
+      stop: () => { if (m) m.mm = 0, done(m, true), m = null },
       down: (p, at) => { m = { plane: p.id, index: page.at[p.n], from: at, to: at, mm: 0 }, done(m, false) },
       move: (p, at) => { if (m) m.to = at, m.mm = length(m.from, at), page.redraw() },
       up: (p, at) => { if (m) m.to = at, m.mm = length(m.from, at), done(m, true), m = null, page.redraw() }
@@ -349,6 +298,7 @@ function casePage(token) {
       if (view.at && page.volume.inside(view.at)) page.at = view.at
       if (view.window) page.window = view.window
       if (view.off) page.off = view.off
+      if (view.edit && page.holdEdit) page.holdEdit(view.edit)
       if (page.tools[view.tool]) page.pick(view.tool)
       if (page.panels[view.tab]) page.tab = view.tab
     } catch (e) {}

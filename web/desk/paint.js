@@ -84,6 +84,13 @@ function paintPanel(page) {
         if (!last) return
         last = null, over = true
         if (!fetching) paintWaiting()
+      },
+      // A second finger: the touch was meant for looking, and what it painted goes.
+      stop: () => {
+        if (!last) return
+        last = null, waiting.length = 0, over = true
+        if (stroke && stroke.size) finish(), page.undoPaint()
+        stroke = null
       }
     }
   }
@@ -200,6 +207,16 @@ function paintPanel(page) {
     }
   })
 
+  // ---- what edits that are no painting need of this panel
+  page.anatomy = () => anatomy
+  page.chooseAnatomy = name => { anatomy = name }
+  page.needAnatomy = () => {
+    if (!anatomy || page.tab !== 'paint') page.show_('paint')
+    if (!anatomy) throw new Refused(t('no_field'))
+  }
+  page.rangeWanted = () => brush.within ? { lower_hu: brush.low, upper_hu: brush.high } : {}
+  const edits = editsOf(page)
+
   // ---- as the desk takes it: where the box begins, its size, a byte a voxel
   const packed = () => {
     const low = [1e9, 1e9, 1e9], high = [-1, -1, -1], { size } = page.volume
@@ -270,7 +287,7 @@ function paintPanel(page) {
     counted = make('span', { id: 'painted' })
     tellCount()
     const why = make('textarea', { id: 'why', maxLength: 400 }), fixed = !page.info || page.info.fixed || !page.info.now
-    const patches = (page.info && page.info.journal || []).filter(e => e.file)
+    const patches = (page.info && page.info.journal || []).filter(e => e.file || e.edit)
     const save = async () => {
       const body = bytes && packed()
       if (!body) throw new Refused(t('nothing'))
@@ -291,7 +308,8 @@ function paintPanel(page) {
       make('div', { class: 'row' }, field('between_', plane), button('between', between, { id: 'between' })),
       make('h2', { text: t('painted') }), make('div', { class: 'row' }, counted), field('why', why),
       make('div', { class: 'row' }, button('save_patch', save, { id: 'save-patch', class: 'main', disabled: !!fixed }), button('throw_', () => { clearAll(), page.show_('paint') }, { id: 'throw' })),
+      edits.panel(why, fixed),
       make('h2', { text: t('patches') }), patches.length ? make('p', { class: 'faint', text: t('patches_how') }) : null, patches.length ? patches.map(e => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-patch': String(e.id), checked: e.on, change: doing(ev => page.save('switch', { id: e.id, on: ev.target.checked })) }), make('span', { text: t('on') })), make('span', { text: e.what }), make('span', { class: 'faint', text: `${e.by} ${e.when}${e.why ? ': ' + e.why : ''}` }))) : make('p', { class: 'faint', text: t('nothing') })
-    ].flat()
+    ].flat(2)
   })
 }

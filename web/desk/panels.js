@@ -14,6 +14,27 @@ function lookPanel(page) {
     }
     page.told()
     const outlines = page.fields.map(name => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-outline': name, checked: !!page.outlines.get(name), change: e => { page.outlines.set(name, e.target.checked), page.redraw() } }), swatch(page.colourOf(name)), make('span', { text: label(name) }))))
+    // What a step on the way to an anatomy gives, drawn as a dashed line; computed where it is in no cache.
+    const between = () => {
+      const steps = page.info && page.info.now ? page.info.now.steps : []
+      if (!steps.length || !page.volume) return null
+      const told = make('span', { class: 'faint', id: 'step-said', role: 'status', text: page.stepShown ? t('preview_line_step') : '' })
+      const select = make('select', { id: 'step-of', change: doing(async e => {
+        const step = page.stepShown = e.target.value
+        page.tried = null
+        page.redraw()
+        if (!step) return told.textContent = ''
+        const now = await page.tryIt({ step }, what => { told.textContent = what })
+        if (!now || page.stepShown !== step) return
+        if (now.fault) throw page.stepShown = '', new Refused(now.fault)
+        page.volume.forget('~tried')
+        page.tried = step
+        told.textContent = t('preview_line_step')
+        page.redraw()
+      }) }, make('option', { value: '', text: '–' }), steps.map(s => make('option', { value: s, text: label(s) })))
+      select.value = page.stepShown || ''
+      return make('div', { class: 'row' }, field('step_of', select), told)
+    }
     const info = page.info || {}, figures = info.built ? Object.entries(info.built.figures) : []
     return [
       make('h2', { text: t('at') }), where,
@@ -21,6 +42,7 @@ function lookPanel(page) {
       make('div', { class: 'row' }, presets.map(([key, l, w]) => make('button', { text: t(key), click: () => page.setWindow(l, w) })), field('level', level), field('width', width),
         button('reset', () => { if (page.volume) for (const p of page.volume.planes) p.zoom = 1, p.panX = p.panY = 0; page.redraw() })),
       make('h2', { text: t('outlines') }), outlines.length ? outlines : make('p', { class: 'faint', text: t('no_field') }),
+      between(),
       make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', checked: page.marks, change: e => { page.marks = e.target.checked, page.redraw() } }), make('span', { text: t('marks') }))),
       page.measures.length ? [make('h2', { text: t('measures') }), make('div', { class: 'row' }, page.measures.map(m => make('span', { class: 'tag', text: `${t(m.plane)} ${digits(m.mm, 1)} mm` })), button('clear', () => { page.measures = [], page.show_('look'), page.redraw() }))] : null,
       make('h2', { text: t('profile') }), page.line ? chartOf(page) : make('p', { class: 'faint', text: t('no_profile') }),

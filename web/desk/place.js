@@ -26,7 +26,9 @@ function placePanel(page) {
   page.undoPlace = () => step(done, undone, 'before', 'undo')
   page.redoPlace = () => step(undone, done, 'after', 'redo')
   const paints = () => /^(add|remove|erase|fill|grow)$/.test(page.tool)
-  page.undo = () => paints() ? page.undoPaint() : page.undoPlace()
+  // Of what is switched on and off, the other state is what was before.
+  page.canSwitch = id => { done.push({ path: 'switch', before: { id, on: false }, after: { id, on: true } }), undone.length = 0 }
+  page.undo = () => paints() ? page.undoPaint() : page.undoEdit(page.tool) || page.undoPlace()
   page.redo = () => paints() ? page.redoPaint() : page.redoPlace()
 
   const put = (name, position_mm) => page.change('landmark', { name, position_mm: given()[name] || null }, { name, position_mm })
@@ -42,13 +44,14 @@ function placePanel(page) {
     key: 'l',
     down: (p, at) => { needed(), drag(p, at) },
     move: (p, at) => { if (page.dragged) drag(p, at) },
+    stop: () => { page.dragged = null, page.redraw() },
     up: async () => {
       const at = page.dragged
       page.dragged = null
       if (at && page.volume.inside(at.map(Math.round))) await put(chosen, page.volume.toWorld(at))
     }
   }
-  const holes = holesOf(page)
+  const holes = holesOf(page), boxes = boxesOf(page)
   page.more = () => [...page.dragged ? [{ name: chosen, position_mm: page.volume.toWorld(page.dragged), colour: '#ffffff' }] : [], ...holes.marks()]
 
   page.addPanel('place', () => {
@@ -65,7 +68,7 @@ function placePanel(page) {
       fixed ? make('p', { class: 'warn', text: page.info.fixed || t('no_config') }) : null,
       make('h2', { text: t('landmarks') }), make('p', { class: 'faint', text: t('landmark_how') }), table([[t('name'), 0], [t('source'), 0], ['L, P, S mm', 1]], rows),
       make('div', { class: 'row' }, button('here', async () => { needed(); await put(chosen, page.volume.toWorld(page.at)) }, { id: 'here', disabled: !!fixed }), button('as_found', async () => { needed(); await put(chosen, null) }, { id: 'as-found', disabled: !!fixed })),
-      holes.panel(fixed)
+      holes.panel(fixed), boxes.panel(fixed)
     ].flat(2)
   })
 }

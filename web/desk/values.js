@@ -27,15 +27,16 @@ function valuesPanel(page) {
     page.redraw()
     say()
   }
-  const preview = async (path, value) => {
-    const anatomy = anatomyOf(path)
+  const preview = (path, value) => page.previewValues([{ path, value }], anatomyOf(path), `${path} = ${value}`)
+  page.previewValues = async (values, anatomy, name) => {
+    const path = name
     page.tried = null
     tried = { path, text: t('previewing'), kind: 'faint', rows: [] }
     say()
-    const now = await page.tryIt({ path, value, anatomy }, what => { tried.text = `${t('previewing')}: ${what}`, say() })
+    const now = await page.tryIt({ values, anatomy }, what => { tried.text = `${t('previewing')}: ${what}`, say() })
     if (!now) return
     const figures = now.reports.length ? Object.entries(now.reports[0].figures).filter(([, v]) => typeof v === 'number').slice(0, 8) : []
-    tried = now.fault ? { path, text: now.fault, kind: 'bad', rows: [] } : { path, text: `${path} = ${value}: ${t('preview_line')}`, kind: 'good', rows: figures }
+    tried = now.fault ? { path, text: now.fault, kind: 'bad', rows: [] } : { path, text: `${name}: ${t('preview_line')}`, kind: 'good', rows: figures }
     page.volume.forget('~tried')
     page.tried = now.has_field ? anatomy : null
     desk.stats.tried = (desk.stats.tried || 0) + 1

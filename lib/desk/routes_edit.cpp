@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Edits of a shape that are no painting: snakes that are watched while they grow, cuts, smoothing.
+#include "config/corrected_field.h"
+#include "desk/desk.h"
+#include "desk/json_reply.h"
+#include "desk/patches.h"
+#include "json/declared_json.h"
+
+namespace trephine::desk {
+namespace {
+
+/// {"snake": {...}}, as a list of one.
+segmentation::EditList edits_of(const nlohmann::json& edit) {
+  if (edit.is_object() && edit.contains("patch"))
+    throw Error(ExitCode::usage, "", "edit", "a patch is sent as what was painted");
+  segmentation::EditList list;
+  const nlohmann::json text = {{"trephine_edits", 1}, {"edits", nlohmann::json::array({edit})}};
+  json::read_declared_json(text.dump(), parameters_of<segmentation::EditList>(), &list);
+  return list;
+}
+
+}  // namespace
+
+Reply Desk::snake(const Request& request) {
+  const auto json = desk::json_of(request);
+  if (json.contains("forget")) {
+    live_.forget();
+    return json_reply({{"done", true}});
+  }
+  const std::string token = json.at("case");
+  const auto one = looked_at_case(token);
+  const segmentation::EditList list = edits_of({{"snake", json.at("snake")}});
+  const LiveEdit::Now now =
+      live_.snake(token, *one, list.edits[0].second.as<segmentation::SnakeEdit>(), json.at("steps").get<int>());
+  return json_reply({{"steps", now.steps}, {"change_mm", now.change_mm}, {"volume_ml", now.volume_ml}});
+}
+
+Reply Desk::try_edit(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string token = json.at("case");
+  const auto one = looked_at_case(token);
+  const Report report = live_.preview(token, *one, json.at("anatomy"), edits_of(json.at("edit")));
+  Json out = {{"warnings", report.warnings}};
+  for (const auto& [name, value] : report.figures) out[name] = std::visit([](const auto& v) { return Json(v); }, value);
+  return json_reply(out);
+}
+
+Reply Desk::edit(const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string token = json.at("case"), anatomy = json.at("anatomy");
+  const auto config = looked_at_case(token)->config();
+  if (!config || config::corrected_field(*config, anatomy).empty())
+    throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
+  save_edit(library_, token, anatomy, edits_of(json.at("edit")),
+            {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()});
+  live_.forget();
+  return json_reply({{"done", anatomy}});
+}
+
+}  // namespace trephine::desk

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/edit_list.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/result.h"
+#include "base/write_file.h"
+#include "json/declared_json.h"
+#include "segmentation/correct.h"
+#include "segmentation/hand_edits.h"
+
+namespace trephine::segmentation {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t max_list_bytes = 1 << 20;
+
+grid::Field patched(const grid::Field& field, const grid::HuVolume& volume, const PatchEdit& patch,
+                    const fs::path& folder, Report& report, const Progress& progress) {
+  // It is a name and no path: what a list says is all that it can reach.
+  if (patch.file.empty() || patch.file.front() == '.' || patch.file.find('/') != std::string::npos)
+    throw Error(ExitCode::bad_input, "", "file", "must be the name of a file beside the list");
+  const fs::path file = folder / patch.file;
+  if (sha256_of_file(file) != patch.sha256)
+    throw Error(ExitCode::bad_input, "", "sha256", "is not that of " + patch.file + ": the patch was changed since");
+  return corrected(field, grid::lattice_of(volume), grid::read_labels(file), report, progress);
+}
+
+}  // namespace
+
+std::vector<StepChoice> EditList::choices() {
+  return {{"patch", "A painted correction.", &parameters_of<PatchEdit>()},
+          {"snake", "A ball that grows over what has its HU.", &parameters_of<SnakeEdit>()},
+          {"cut", "One side of a plane is taken away.", &parameters_of<CutEdit>()},
+          {"smooth", "The shape is smoothed within a ball.", &parameters_of<SmoothEdit>()}};
+}
+
+bool is_edit_list(const fs::path& file) { return file.extension() == ".json"; }
+
+EditList read_edit_list(const fs::path& file) {
+  return with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, max_list_bytes);
+    EditList list;
+    json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<EditList>(), &list);
+    return list;
+  });
+}
+
+std::string encode_edit_list(EditList list) { return json::declared_json(parameters_of<EditList>(), &list) + "\n"; }
+
+grid::Field apply_edits(const grid::Field& field, const grid::HuVolume& volume, const EditList& list,
+                        const fs::path& folder, Report& report, const Progress& progress) {
+  grid::Field out = field;
+  double added = 0, removed = 0, already = 0;
+  for (std::size_t i = 0; i < list.edits.size(); ++i) {
+    const auto& [name, params] = list.edits[i];
+    const std::string which = "edits[" + std::to_string(i) + "]." + name;
+    const Progress part =
+        progress.part(double(i) / double(list.edits.size()), double(i + 1) / double(list.edits.size()));
+    Report made;
+    out = with_field(which, [&, &params = params, &name = name] {
+      if (name == "snake") return edited(out, volume, params.as<SnakeEdit>(), made, part);
+      if (name == "cut") return edited(out, volume, params.as<CutEdit>(), made, part);
+      if (name == "smooth") return edited(out, volume, params.as<SmoothEdit>(), made, part);
+      return patched(out, volume, params.as<PatchEdit>(), folder, made, part);
+    });
+    added += number_of(made, "added_ml");
+    removed += number_of(made, "removed_ml");
+    if (name == "patch") already = std::max(already, number_of(made, "already_ratio"));
+    for (const std::string& w : made.warnings) report.warn("edit " + std::to_string(i + 1) + " (" + name + "): " + w);
+  }
+  report.add("added_ml", added);
+  report.add("removed_ml", removed);
+  report.add("already_ratio", already);
+  report.add("edits_count", list.edits.size());
+  return out;
+}
+
+}  // namespace trephine::segmentation
