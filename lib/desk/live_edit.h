@@ -24,16 +24,17 @@ class LiveEdit {
   /// on from there; else it begins again, which gives the same. Throws what EditSnake throws, and Error 64 for more
   /// than 2,000 steps.
   Now snake(const std::string& token, const OpenCase& one, const segmentation::SnakeEdit& edit, int steps);
-  /// What the edits would make of the anatomy's shape, as it is drawn. Report as apply_edits() has it.
+  /// What the only edit of the list, which is no patch, would make of the anatomy's shape, as it is drawn. Only what
+  /// lies about it is computed. Report as apply_edits() has it. Throws Error 64 where it lies beyond the scan.
   Report preview(const std::string& token, const OpenCase& one, const std::string& anatomy,
-                 const segmentation::EditList& edits);
+                 const segmentation::EditList& edit);
   /// To be drawn; null where nothing of that case is watched.
   std::shared_ptr<const DrawnField> field(const std::string& token) const;
   /// Gives the memory back.
   void forget();
 
  private:
-  void show(const std::string& token, const grid::Field& field, const grid::HuVolume& scan);
+  void show(const std::string& token, DrawnField drawn);
 
   mutable std::mutex shown_mutex_;  ///< of the two members below
   std::string token_;

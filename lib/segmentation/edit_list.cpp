@@ -37,6 +37,17 @@ std::vector<StepChoice> EditList::choices() {
           {"smooth", "The shape is smoothed within a ball.", &parameters_of<SmoothEdit>()}};
 }
 
+EditReach reach_of(const std::string& name, const AnyParams& params) {
+  const auto at = [](const std::array<double, 3>& p, double radius_mm) {
+    return EditReach{{p[0], p[1], p[2]}, radius_mm};
+  };
+  if (name == "snake") return at(params.as<SnakeEdit>().seed_mm, params.as<SnakeEdit>().within_mm);
+  if (name == "cut") return at(params.as<CutEdit>().point_mm, params.as<CutEdit>().within_mm);
+  if (name != "smooth") throw Error(ExitCode::internal, "", name, "has no ball");
+  const auto& p = params.as<SmoothEdit>();
+  return at(p.point_mm, p.within_mm + 4 * p.sigma_mm);
+}
+
 bool is_edit_list(const fs::path& file) { return file.extension() == ".json"; }
 
 EditList read_edit_list(const fs::path& file) {

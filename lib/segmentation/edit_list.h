@@ -35,6 +35,13 @@ struct EditList {
   static std::vector<StepChoice> choices();
 };
 
+/// The ball beyond which an edit that is no patch changes nothing but what the smoothing of its rim needs.
+struct EditReach {
+  Vec3 centre_mm;
+  double radius_mm = 0;
+};
+EditReach reach_of(const std::string& name, const AnyParams& params);
+
 /// Whether a file of that name is a list of edits, and not one painted correction.
 bool is_edit_list(const std::filesystem::path& file);
 /// Throws Error 66, and 65 naming the file and the place in it.

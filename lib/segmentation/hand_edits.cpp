@@ -18,8 +18,9 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr int iterations_a_step = 5;
+constexpr int iterations_a_step = 2;  // at most about a voxel
 constexpr std::size_t max_voxels = 40'000'000;
+const Remedy elsewhere{"begin elsewhere, or with another range of HU (`lower_hu`, `upper_hu`)"};
 
 Vec3 vec(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -75,7 +76,7 @@ EditSnake::EditSnake(const grid::HuVolume& volume, const SnakeEdit& edit, const 
   const double most_mm = std::max({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
   const grid::Box near = box_about(lattice, centre_, within_mm_ + 4 * most_mm),
                   seen = box_about(lattice, centre_, within_mm_ + 8 * most_mm + 4 * edit.smoothing_sigma_mm);
-  if (near.empty()) throw Error(ExitCode::quality, "", "seed_mm", "lies beyond the scan");
+  if (near.empty()) throw refusal("snake", "its first ball lies beyond the scan", elsewhere);
   if (grid::cropped(lattice, seen).count() > max_voxels)
     throw Error(ExitCode::usage, "", "within_mm", "is too large for voxels as small as the scan's");
   PresegmentParams how;
@@ -113,14 +114,13 @@ void EditSnake::require_start(const grid::HuVolume& volume, const SnakeEdit& edi
   if (!positive)
     throw refusal(
         "snake", fmt::format("its first ball lies where the scan has {:.0f} to {:.0f} HU, beside its range", low, high),
-        {"begin elsewhere, or with another range of HU"});
+        elsewhere);
 }
 
 void EditSnake::advance(const Progress& progress) {
   const BandRun run = evolve_band(speed_, surface_, band_, progress);
   if (run.end == BandEnd::vanished || run.end == BandEnd::filled)
-    throw refusal("snake", run.end == BandEnd::filled ? "it fills all that it may" : "its surface vanishes",
-                  {"begin elsewhere, or with another range of HU"});
+    throw refusal("snake", run.end == BandEnd::filled ? "it fills all that it may" : "its surface vanishes", elsewhere);
   ++steps_;
   change_mm_ = run.change_mm;
 }

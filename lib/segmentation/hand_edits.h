@@ -22,7 +22,7 @@ struct SnakeEdit {
   double seed_radius_mm = 2, within_mm = 20;
   double lower_hu = -40, upper_hu = 8;
   double smoothing_sigma_mm = 0.7, curvature = 0.2;
-  int steps_count = 10;
+  int steps_count = 25;
   template <class V>
   static void describe(V& v) {
     using P = SnakeEdit;
@@ -34,7 +34,7 @@ struct SnakeEdit {
     v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000}, "And at most so many.");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5}, "Sigma of the Gaussian against noise.");
     v.number(&P::curvature, "curvature", Range{0, 10}, "Weight of the curvature, which keeps the surface smooth, mm.");
-    v.integer(&P::steps_count, "steps_count", Range{0, 2000}, "How many steps of five iterations it evolves.");
+    v.integer(&P::steps_count, "steps_count", Range{0, 2000}, "How many steps of two iterations it evolves.");
   }
   std::string fault() const { return lower_hu < upper_hu ? "" : "lower_hu: must be below upper_hu"; }
 };
@@ -77,7 +77,7 @@ class EditSnake {
   /// holds more than 40 million voxels; 80 where the ball that it begins with has none, or lies where the HU do not
   /// fit, and as presegment() does.
   EditSnake(const grid::HuVolume& volume, const SnakeEdit& edit, const Progress& progress = {});
-  /// One step of five iterations. Throws Error 80 where the surface vanishes or fills all; Cancelled.
+  /// One step of two iterations. Throws Error 80 where the surface vanishes or fills all; Cancelled.
   void advance(const Progress& progress = {});
 
   int steps() const { return steps_; }

@@ -12,7 +12,7 @@ from desk import Desk, Page, make_root, no_console_errors, run
 from desk_hand import LEFT_HOLE, SCENE
 from webdriver import Browser, Checks
 
-TOOLS = ("cross", "measure", "profile", "entry", "target", "add", "remove", "erase", "fill", "grow")
+TOOLS = ("cross", "measure", "profile", "entry", "target", "add", "remove", "erase", "fill", "grow", "region", "snake", "cut", "smooth")
 TABS = ("look", "place", "paint", "values", "history", "build", "approve")
 FULL = "skin.segment.fill: none, skin.segment.coarse_mm: 1.5"
 
@@ -48,7 +48,7 @@ def use(page, minutes, desk, seed=1):
     while time.monotonic() < end or len(rows) < 8:
         for _ in range(20):
             actions += 1
-            what = r.randrange(8)
+            what = r.randrange(9)
             plane = r.choice(("axial", "coronal", "sagittal"))
             x, y, w, h = page.box("#" + plane)
             at = lambda: (round(x + w * r.uniform(0.25, 0.75)), round(y + h * r.uniform(0.25, 0.75)))
@@ -63,6 +63,8 @@ def use(page, minutes, desk, seed=1):
                 browser.js("desk.page.go(arguments[0])", [r.randrange(n) for n in size])
             elif what == 6:
                 page.click(f"[data-tab={r.choice(TABS)}]")
+            elif what == 7:  # a snake goes on, or another edit is looked at; neither is where none is in hand
+                browser.js("for (const id of arguments[0]) { const b = document.getElementById(id); if (b && !b.disabled) b.click() }", r.choice((["snake-step"], ["snake-back"], ["edit-preview"], ["cancel-edit"])))
             else:
                 browser.js("desk.page.setWindow(arguments[0], arguments[1]); r = arguments[2] ? desk.page.undoPaint() : desk.page.redoPaint()", r.randrange(-200, 800), r.randrange(50, 3000), r.random() < 0.7)
             browser.js("problem('')")  # a fill that reaches the edge says so

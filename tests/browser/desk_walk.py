@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """desk_walk.py [--zip SERIES.zip] [--config CASE.yaml] [--work FOLDER] [--pictures FOLDER]: the whole way in chromium with real clicks, from
-a ZIP in an empty library to an approved case with a landmark moved, a burr hole placed and a horn of the ventricles painted; then the written
-configuration makes the same bytes in an empty folder. By default on the sample phantom. With --pictures it leaves a picture of every page
+a ZIP in an empty library to an approved case with a landmark moved, a burr hole placed, a horn of the ventricles painted and a snake grown in it;
+then the written configuration makes the same bytes in an empty folder. By default on the sample phantom. With --pictures it leaves a picture of every page
 there (docs/desk.md). TREPHINE is the program."""
 import argparse
 import contextlib
@@ -137,6 +137,35 @@ def paint_horn(page):
     page.until("desk.page.info.journal.length === 3 && desk.stats.painted[0] === 0", "the patch is saved")
 
 
+def grow_snake(page):
+    """From a place in the painted horn, over what has the HU that the scan has there."""
+    seed, hu = page.b.js("""const v = desk.page.volume, at = [...desk.page.at], s = v.spacing, data = v.has(2, at[2])
+        at[1] = Math.round(at[1] + 4 / s[1])
+        let sum = 0, n = 0
+        for (let j = -2; j <= 2; ++j) for (let i = -2; i <= 2; ++i) sum += data[(at[1] + j) * v.size[0] + at[0] + i], ++n
+        return [at, sum / n]""")
+    page.b.js("desk.page.setWindow(arguments[0] + 20, 120)", hu)
+    page.click("[data-tool=snake]")
+    page.b.click(*page.place("axial", seed))
+    page.until("!!document.getElementById('snake-run')", "a snake that can grow")
+    page.write("[data-edit=lower_hu]", f"{round(hu) - 60}\ue007")
+    page.write("[data-edit=upper_hu]", f"{round(hu) + 12}\ue007")
+    page.write("[data-edit=within_mm]", "12\ue007")
+    page.click("#snake-run")
+    page.until("desk.stats.snake >= 6", "its growth", seconds=600)
+    page.b.js("const b = document.getElementById('snake-pause'); if (b) b.click()")
+    page.until("!!document.getElementById('snake-run')", "the pause")
+    grown = page.b.js("return desk.stats.snake")
+    page.click("#snake-back")
+    page.until(f"desk.stats.snake === {grown - 1}", "a step back", seconds=600)
+    page.b.js("document.getElementById('edit-what').scrollIntoView({ block: 'start' })")
+    page.take("snake")
+    print("the snake:", page.b.js("return document.getElementById('edit-said').textContent"))
+    page.click("#save-edit")
+    page.until("desk.page.info.journal.length === 4", "the snake is saved")
+    page.b.js("desk.page.setWindow(40, 400)")
+
+
 def preview(page):
     page.b.js("desk.page.volume.planes[0].zoom = 1; desk.page.go(desk.page.at)")
     page.click("[data-tab=values]")
@@ -204,6 +233,7 @@ def main():
                 move_landmark(page)
                 place_hole(page)
                 paint_horn(page)
+                grow_snake(page)
                 preview(page)
                 rerun_and_approve(page, library)
                 no_console_errors(browser, check)

@@ -44,11 +44,14 @@ function editsOf(page) {
   }
   // Each step is drawn before the next is asked for.
   const run = async () => {
+    const volumes = []
     running = true
     told()
     try {
       while (running && kind === 'snake' && desk.page === page && await goTo(steps + 1)) {
-        if (grown.change_mm < .004 && steps > 3) { say(`${$('edit-said') ? $('edit-said').textContent : ''} · ${t('at_rest')}`, 'good'); break }
+        volumes.push(grown.volume_ml)
+        // Noise lets the surface flicker: it is at rest where its volume stays over ten steps.
+        if (volumes.length > 10 && Math.abs(grown.volume_ml - volumes[volumes.length - 11]) <= .002 * grown.volume_ml) { say(`${$('edit-said') ? $('edit-said').textContent : ''} · ${t('at_rest')}`, 'good'); break }
         if (steps >= 2000) break
         await page.outlinesDrawn('~edit')
         await new Promise(done => requestAnimationFrame(done))

@@ -198,8 +198,9 @@ function casePage(token) {
       up: (p, at) => { if (m) m.to = at, m.mm = length(m.from, at), done(m, true), m = null, page.redraw() }
     }
   }
+  let was = page.at
   page.tools = {
-    cross: { key: 'x', down: (p, at) => page.go(at), move: (p, at) => page.go(at) },
+    cross: { key: 'x', down: (p, at) => { was = [...page.at], page.go(at) }, move: (p, at) => page.go(at), stop: () => page.go(was) },
     measure: { key: 'm', ...ruler((m, over) => { if (!over) page.measures.push(m); else { if (m.mm < .5) page.measures.pop(); page.show_('look') } }) },
     profile: { key: 'p', ...ruler((m, over) => { page.line = m; if (over) page.show_('look') }) }
   }
