@@ -111,6 +111,10 @@ Reply Desk::series(const Request& request) {
   }
   std::sort(recipes.begin(), recipes.end(), [](const Json& a, const Json& b) { return a["file"] < b["file"]; });
   out["recipes"] = recipes;
+  // What LIBRARY.yaml makes of its cases where they say nothing else.
+  const config::YamlNode library = config::read_yaml(library_.options().config);
+  const config::YamlNode* usual = library.find("config");
+  out["recipe"] = usual ? usual->text : "";
   return json_reply(out);
 }
 

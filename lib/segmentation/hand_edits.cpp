@@ -85,11 +85,14 @@ EditSnake::EditSnake(const grid::HuVolume& volume, const SnakeEdit& edit, const 
   how.smoothing_sigma_mm = edit.smoothing_sigma_mm;
   Report ignored;
   const grid::HuVolume part = std::visit([&](const auto& v) -> grid::HuVolume { return grid::crop(v, seen); }, volume);
-  speed_ = presegment(part, {}, how, ignored, progress);
-  speed_ = grid::fit(speed_, grid::cropped(lattice, near), -1.f);
-  grid::Field wall(speed_, -1.f);
-  for_ball(speed_, centre_, within_mm_, [&](int i, int j, int k) { wall.at(i, j, k) = speed_.at(i, j, k); });
-  speed_ = std::move(wall);
+  grid::Field ball(grid::cropped(lattice, near), -1.f);
+  mask::for_box_about(ball, centre_, 2 * within_mm_, [&](int i, int j, int k, double distance_mm) {
+    ball.at(i, j, k) = float(within_mm_ - distance_mm);
+    return false;
+  });
+  PresegmentMasks masks;
+  masks.within = &ball;
+  speed_ = grid::fit(presegment(part, masks, how, ignored, progress), static_cast<const grid::Lattice&>(ball), -1.f);
   const std::vector<Bubble> seed = {{centre_, edit.seed_radius_mm}};
   surface_ = bubble_field(seed, speed_);
   require_start(volume, edit);

@@ -26,6 +26,7 @@ const label = name => name.replace(/[_.]/g, ' ')
 
 // ---- requests
 class Refused extends Error {}
+class Superseded extends Refused {}
 async function answered(request) {
   let reply
   try {

@@ -57,7 +57,7 @@ function casePage(token) {
     const c = canvas.getContext('2d')
     const data = volume.has(p.n, index)
     if (!data) {
-      volume.slice(p.n, index).then(page.redraw, e => problem(e.message))
+      volume.slice(p.n, index).then(page.redraw, e => { if (!(e instanceof Superseded)) problem(e.message) })
       if (!p.drawn) return
     } else if (p.shown !== index || p.window !== page.window.level + ':' + page.window.width || p.range !== page.range) {
       const table_ = greys(), range = page.range
@@ -168,7 +168,7 @@ function casePage(token) {
     page.go(to)
     for (const ahead of [1, 2]) {
       const index = page.at[p.n] + Math.sign(n) * ahead
-      if (index >= 0 && index < page.volume.size[p.n]) page.volume.slice(p.n, index)
+      if (index >= 0 && index < page.volume.size[p.n]) Promise.resolve(page.volume.slice(p.n, index)).catch(() => {})
     }
   }
   page.setWindow = (level, width) => {

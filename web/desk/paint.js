@@ -239,15 +239,19 @@ function paintPanel(page) {
       if (bytes_[n] && page.volume.inside([x + i, y + j, z + k])) write(page.volume.at(x + i, y + j, z + k), bytes_[n], [x + i, y + j, z + k])
   }
   // The draft begins with the anatomy's name in 64 bytes.
+  // One at a time: on a slow machine many of them would fill the page's memory.
+  let sending = false
   const keepDraft = () => {
     clearTimeout(keeping)
     keeping = setTimeout(async () => {
+      if (sending) return keepDraft()
+      sending = true
       const body = count[0] + count[1] ? packed() : null, head = new Uint8Array(64)
       new TextEncoder().encodeInto(anatomy, head)
       try {
         await tellBytes('keep', { case: page.token, what: 'paint' }, body ? new Blob([head, body]) : new Blob([]))
         desk.stats.kept = (desk.stats.kept || 0) + 1
-      } catch (e) { problem(`${t('not_kept')} ${e.message}`) }
+      } catch (e) { problem(`${t('not_kept')} ${e.message}`) } finally { sending = false }
     }, 800)
   }
   page.opened = async () => {

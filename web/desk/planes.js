@@ -25,9 +25,24 @@ function makeVolume(token, lattice) {
     if (slices.size > most) slices.delete(slices.keys().next().value)
     return value
   }
+  // A desk that is slower than the wheel: a few requests at a time, what was asked for last comes first, and what was asked for long ago
+  // is asked again where it is needed again.
+  const queue = []
+  let running = 0
+  const next = () => {
+    if (running >= 5 || !queue.length) return
+    const job = queue.pop()
+    ++running
+    job.ask().then(job.done, job.failed).finally(() => { --running, next() })
+  }
+  const soon = ask => new Promise((done, failed) => {
+    queue.push({ ask, done, failed })
+    if (queue.length > 400) queue.shift().failed(new Superseded(''))
+    next()
+  })
   const fetched = (key, path, query, read) => {
     if (slices.has(key)) return remember(key, slices.get(key))
-    const waiting = askBytes(path, { case: token, ...query }).then(bytes => {
+    const waiting = soon(() => askBytes(path, { case: token, ...query })).then(bytes => {
       const value = read(bytes)
       if (slices.get(key) === waiting) slices.set(key, value)
       return value
