@@ -54,6 +54,8 @@ Reply Desk::field(const Request& request) {
   const auto field = name == "~tried"  ? trial_of(request.value("case"))->field()
                      : name == "~edit" ? live_.field(request.value("case"))
                                        : one->field(name);
+  // A page that has just let go of an edit may still ask for it.
+  if (!field && name == "~edit") return bytes_reply(std::string(4 * sizeof(std::int32_t), '\0'));
   if (!field) throw Error(ExitCode::no_input, "", "name", "the case has no such field");
   return bytes_reply(slice_bytes(*field, number_of(request, "axis"), number_of(request, "index")));
 }
