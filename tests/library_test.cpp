@@ -249,17 +249,18 @@ TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   bad.fault = "was never built";
   scratch.write("a/report/view.html", "page");
   scratch.write("a/report/skull.png", "picture");
-  const std::string page = library::sheet_page(scratch.path(), {good, bad});
+  const auto row = [&](std::size_t i) { return i == 1 ? bad : good; };
+  const auto [png, page] = library::sheet_of(scratch.path(), 2, row);
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_NE(page.find("\\u003cscript>alert(1)\\u003c/script>"), std::string::npos);
   EXPECT_NE(page.find("12345"), std::string::npos);
   EXPECT_NE(page.find("\"pictures\":[\"report/skull.png\"],\"page\":true"), std::string::npos);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(page.find("was never built"), std::string::npos);
-  const picture::Image picture = library::sheet_picture(scratch.path(), {good, bad});
-  EXPECT_GT(picture.width, 400);
-  const picture::Image many = library::sheet_picture(scratch.path(), std::vector<library::CaseRow>(1000, good));
+  EXPECT_GT(picture::decode_png(png).width, 400);
+  const picture::Image many = picture::decode_png(library::sheet_of(scratch.path(), 1000, row).png);
   EXPECT_LT(double(many.width) * many.height, 6e7);
+  EXPECT_GT(picture::decode_png(library::sheet_of(scratch.path(), 0, row).png).width, 0);
 }
 
 }  // namespace

@@ -208,6 +208,21 @@ TEST(Png, RoundTripAndDamage) {
   EXPECT_THROW(picture::encode_png(picture::Image()), Error);
 }
 
+TEST(Png, ARowAtATimeGivesTheSameBytes) {
+  picture::Image whole(37, 23, {0.2, 0.4, 0.6});
+  for (std::size_t k = 0; k < whole.rgb.size(); ++k) whole.rgb[k] = static_cast<std::uint8_t>(k * 7 + k / 111);
+  picture::PngRows rows(37, 23);
+  const std::size_t cut = std::size_t{37} * 3 * 5;
+  picture::Image top(37, 5), rest(37, 18);
+  std::copy(whole.rgb.begin(), whole.rgb.begin() + static_cast<std::ptrdiff_t>(cut), top.rgb.begin());
+  std::copy(whole.rgb.begin() + static_cast<std::ptrdiff_t>(cut), whole.rgb.end(), rest.rgb.begin());
+  rows.add(top);
+  EXPECT_THROW(rows.add(whole), Error);  // more rows than there are
+  EXPECT_THROW(picture::PngRows(37, 23).take(), Error);
+  rows.add(rest);
+  EXPECT_EQ(rows.take(), picture::encode_png(whole));
+}
+
 TEST(Sheet, CellsInRows) {
   const picture::Image sheet = picture::contact_sheet(
       {picture::Image(10, 8, {1, 0, 0}), picture::Image(6, 8, {0, 1, 0}), picture::Image(10, 4, {0, 0, 1})}, 2,

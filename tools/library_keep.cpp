@@ -26,12 +26,10 @@ cli::Argument json_argument() {
   return a;
 }
 
-void tell(const cli::ParsedCommand& parsed, const std::string& table, const std::string& json) {
+// The text goes to stdout, unless the JSON does.
+void tell(const cli::ParsedCommand& parsed, const std::string& text, const std::string& json) {
   const bool to_stdout = parsed.path("json") == "/dev/stdout";
-  if (to_stdout)
-    std::cout << json;
-  else
-    std::cout << table;
+  std::cout << (to_stdout ? json : text);
   if (parsed.has("json") && !to_stdout) write_file(parsed.path("json"), json);
 }
 
@@ -69,14 +67,21 @@ cli::Command library_list_command() {
   c.groups = {cli::ParameterGroup::of<library::LibraryFilter>("Filter"),
               cli::ParameterGroup::of<SheetParams>("Output")};
   c.run = [](const cli::ParsedCommand& parsed) {
-    const std::vector<library::CaseRow> rows =
-        library::read_library(parsed.path("library"), parsed.params<library::LibraryFilter>());
+    const std::filesystem::path folder = parsed.path("library");
     const bool metrics = parsed.params<SheetParams>().metrics;
-    const library::LibraryState state(parsed.path("library"));
-    tell(parsed,
-         metrics ? library::library_metrics(rows, library::read_batches(state, true)) : library::library_table(rows),
-         library::library_json(rows));
-    if (parsed.params<SheetParams>().sheet) library::make_sheet(parsed.path("library"));
+    library::LibraryTable table;
+    library::LibraryMetrics figures;
+    library::LibraryJson json;
+    library::each_case(folder, parsed.params<library::LibraryFilter>(), [&](const library::CaseRow& row) {
+      if (metrics)
+        figures.add(row);
+      else
+        table.add(row);
+      if (parsed.has("json")) json.add(row);
+    });
+    tell(parsed, metrics ? figures.text(library::read_batches(library::LibraryState(folder), true)) : table.text(),
+         json.text());
+    if (parsed.params<SheetParams>().sheet) library::make_sheet(folder);
     return ExitCode::ok;
   };
   return c;
@@ -93,7 +98,9 @@ cli::Command library_show_command() {
   c.arguments = {library_argument(), token, json_argument()};
   c.run = [](const cli::ParsedCommand& parsed) {
     const library::CaseRow row = library::read_library_case(parsed.path("library"), parsed.text("case"));
-    tell(parsed, library::case_text(row), library::library_json({row}));
+    library::LibraryJson json;
+    json.add(row);
+    tell(parsed, library::case_text(row), json.text());
     return ExitCode::ok;
   };
   return c;

@@ -146,7 +146,8 @@ cli::Command library_timeline_command() {
     const library::LibraryState state(std::filesystem::absolute(parsed.path("library")).lexically_normal());
     const auto items = library::read_timeline(state);
     library::StagesOfCases stages;
-    for (const library::CaseRow& row : library::read_library(state.library())) stages[row.token] = row.stage_seconds;
+    library::each_case(state.library(), {},
+                       [&](const library::CaseRow& row) { stages[row.token] = row.stage_seconds; });
     write_file(parsed.path("output"), library::timeline_svg(items, stages));
     return ExitCode::ok;
   };

@@ -118,7 +118,7 @@ Reply Desk::library_cases(const Request&) {
               {"cases", Json::array()}};
   std::error_code ignored;
   if (fs::exists(folder, ignored))
-    for (const library::CaseRow& row : library::read_library(folder)) out["cases"].push_back(json_of(folder, row));
+    library::each_case(folder, {}, [&](const library::CaseRow& row) { out["cases"].push_back(json_of(folder, row)); });
   return json_reply(out);
 }
 

@@ -20,6 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr std::uint64_t max_bytes = std::uint64_t{16} << 20;
+constexpr std::size_t rows_at_once = 64;
 
 bool is_token(const std::string& name) {
   try {
@@ -72,21 +73,6 @@ void read_run(const fs::path& file, CaseRow& row) {
   }
 }
 
-CaseRow read_row(const LibraryState& state, const std::string& token) {
-  CaseRow row;
-  row.token = token;
-  const fs::path folder = state.library() / token;
-  std::error_code ignored;
-  if (fs::exists(folder / "case.json", ignored)) {
-    read_manifest_of(folder, row);
-    read_run(folder / "run.json", row);
-  } else {
-    row.fault = "was never built";
-  }
-  if (const auto last = read_result(state, token)) row.last = *last;
-  return row;
-}
-
 bool fits(const CaseRow& row, const LibraryFilter& filter) {
   if (filter.failed && row.fault.empty() && row.last.code == 0) return false;
   if (filter.patient_class != CaseClass::any) {
@@ -117,11 +103,10 @@ const ParameterValue* CaseRow::figure(const std::string& name) const {
   return nullptr;
 }
 
-std::vector<CaseRow> read_library(const fs::path& library, const LibraryFilter& filter) {
+std::vector<std::string> library_tokens(const fs::path& library) {
   std::error_code error;
   if (!fs::is_directory(library, error))
     throw Error(ExitCode::no_input, library.string(), "", "is no library's folder");
-  const LibraryState state(library);
   std::set<std::string> tokens;
   for (fs::directory_iterator it(library, error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
@@ -131,32 +116,47 @@ std::vector<CaseRow> read_library(const fs::path& library, const LibraryFilter& 
   if (error) throw Error(ExitCode::no_input, library.string(), "", error.message());
   std::error_code no_state;
   const std::string ending = ".result.json";
-  for (fs::directory_iterator it(state.folder() / "cases", no_state), end; !no_state && it != end;
+  for (fs::directory_iterator it(LibraryState(library).folder() / "cases", no_state), end; !no_state && it != end;
        it.increment(no_state)) {
     const std::string name = it->path().filename().string();
     if (name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0 &&
         is_token(name.substr(0, name.size() - ending.size())))
       tokens.insert(name.substr(0, name.size() - ending.size()));
   }
-  const std::vector<std::string> list(tokens.begin(), tokens.end());
-  std::vector<CaseRow> rows(list.size()), out;
-  parallel_for(0, static_cast<std::int64_t>(list.size()), 4, [&](std::int64_t from, std::int64_t to) {
-    for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i)
-      rows[i] = read_row(state, list[i]);
-  });
-  for (CaseRow& row : rows)
-    if (fits(row, filter)) out.push_back(std::move(row));
-  return out;
+  return {tokens.begin(), tokens.end()};
+}
+
+CaseRow read_row(const fs::path& library, const std::string& token) {
+  CaseRow row;
+  row.token = token;
+  std::error_code ignored;
+  if (fs::exists(library / token / "case.json", ignored)) {
+    read_manifest_of(library / token, row);
+    read_run(library / token / "run.json", row);
+  } else {
+    row.fault = "was never built";
+  }
+  if (const auto last = read_result(LibraryState(library), token)) row.last = *last;
+  return row;
+}
+
+void each_case(const fs::path& library, const LibraryFilter& filter, const std::function<void(const CaseRow&)>& visit) {
+  const std::vector<std::string> tokens = library_tokens(library);
+  for (std::size_t from = 0; from < tokens.size(); from += rows_at_once) {
+    std::vector<CaseRow> rows(std::min(rows_at_once, tokens.size() - from));
+    parallel_for(0, static_cast<std::int64_t>(rows.size()), 4, [&](std::int64_t begin, std::int64_t end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+        rows[i] = read_row(library, tokens[from + i]);
+    });
+    for (const CaseRow& row : rows)
+      if (fits(row, filter)) visit(row);
+  }
 }
 
 CaseRow read_library_case(const fs::path& library, const std::string& token) {
   cases::validate_case_token(token, ExitCode::usage);
-  const std::vector<CaseRow> rows = read_library(library);
-  std::vector<std::string> known;
-  for (const CaseRow& row : rows) {
-    if (row.token == token) return row;
-    known.push_back(row.token);
-  }
+  const std::vector<std::string> known = library_tokens(library);
+  if (std::binary_search(known.begin(), known.end(), token)) return read_row(library, token);
   const std::string near = nearest_name(token, known);
   throw Error(ExitCode::no_input, library.string(), token,
               "the library has no such case" + (near.empty() ? "" : ", did you mean " + near + "?"));
@@ -187,64 +187,64 @@ std::string figure_text(const CaseRow& row, const std::string& name, int decimal
   return to_text(*v);
 }
 
-std::string library_table(const std::vector<CaseRow>& rows) {
-  std::string classed_by;
-  for (const CaseRow& row : rows)
-    if (classed_by.empty()) classed_by = row.classed_by();
-  std::vector<std::vector<std::string>> cells = {
-      {"case", "class", classed_by.empty() ? "ml" : printable(classed_by) + " ml", "Evans", "shift mm", "triangles",
-       "max mm", "MB", "s", "warnings", "age", "version", ""}};
-  for (const CaseRow& row : rows) {
-    const bool good = row.fault.empty();
-    cells.push_back(
-        {row.token, printable(row.patient_class), printable(figure_text(row, row.classed_by() + "_ml", 1)),
-         printable(figure_text(row, "evans_index_ratio", 2)), printable(figure_text(row, "midline_shift_mm", 1)),
-         good ? grouped_text(static_cast<long long>(row.triangles)) : "",
-         good ? fixed_text(row.deviation_max_mm, 2) : "",
-         good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
-         good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "", good ? std::to_string(row.warnings.size()) : "",
-         good ? age_text(row.age_s) : "",
-         printable(row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)), state_of(row)});
-  }
-  return text_table(cells, "llrrrrrrrrrrl") + std::to_string(rows.size()) + (rows.size() == 1 ? " case\n" : " cases\n");
+void LibraryTable::add(const CaseRow& row) {
+  const bool good = row.fault.empty();
+  if (classed_by_.empty()) classed_by_ = row.classed_by();
+  cells_.push_back(
+      {row.token, printable(row.patient_class), printable(figure_text(row, row.classed_by() + "_ml", 1)),
+       printable(figure_text(row, "evans_index_ratio", 2)), printable(figure_text(row, "midline_shift_mm", 1)),
+       good ? grouped_text(static_cast<long long>(row.triangles)) : "", good ? fixed_text(row.deviation_max_mm, 2) : "",
+       good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
+       good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "", good ? std::to_string(row.warnings.size()) : "",
+       good ? age_text(row.age_s) : "",
+       printable(row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)), state_of(row)});
 }
 
-std::string library_json(const std::vector<CaseRow>& rows) {
-  Json all = Json::array();
-  for (const CaseRow& row : rows) {
-    Json json = {{"case", row.token}};
-    if (!row.fault.empty()) json["fault"] = row.fault;
-    if (row.last.code != 0) json["last_build"] = {{"code", row.last.code}, {"reason", row.last.reason}};
-    if (row.fault.empty()) {
-      json["class"] = row.patient_class;
-      json["figures"] = Json::object();
-      for (const auto& [name, value] : row.manifest.figures) json["figures"][name] = value_json(value);
-      for (const cases::CaseAnatomy& a : row.manifest.anatomies)
-        json["anatomies"][a.name] = {{"triangles", a.triangles},
-                                     {"volume_ml", a.volume_ml},
-                                     {"area_cm2", a.area_cm2},
-                                     {"deviation_max_mm", a.deviation.max_mm},
-                                     {"deviation_p99_mm", a.deviation.p99_mm}};
-      for (const cases::CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
-      for (const cases::CaseStandIn& a : row.manifest.stand_ins)
-        json["stand_ins"][a.anatomy] = {{"by", a.by}, {"why", a.why}};
-      for (const cases::CaseShape& s : row.manifest.haptic.shapes)
-        json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
-      json["burr_holes_count"] = row.manifest.burr_holes.size();
-      json["triangles"] = row.triangles;
-      json["deviation_max_mm"] = row.deviation_max_mm;
-      json["bytes"] = row.bytes;
-      json["seconds"] = row.seconds;
-      if (row.last.cpu_s > 0) json["cpu_s"] = row.last.cpu_s;
-      json["warnings"] = row.warnings;
-      json["age_s"] = std::max(0.0, row.age_s);
-      json["version"] = row.manifest.program_version;
-      json["input_sha256"] = row.manifest.input_sha256;
-    }
-    all.push_back(std::move(json));
-  }
-  return all.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";  // it may be printed
+std::string LibraryTable::text() const {
+  std::vector<std::vector<std::string>> cells = {
+      {"case", "class", classed_by_.empty() ? "ml" : printable(classed_by_) + " ml", "Evans", "shift mm", "triangles",
+       "max mm", "MB", "s", "warnings", "age", "version", ""}};
+  cells.insert(cells.end(), cells_.begin(), cells_.end());
+  return text_table(cells, "llrrrrrrrrrrl") + std::to_string(cells_.size()) +
+         (cells_.size() == 1 ? " case\n" : " cases\n");
 }
+
+void LibraryJson::add(const CaseRow& row) {
+  Json json = {{"case", row.token}};
+  if (!row.fault.empty()) json["fault"] = row.fault;
+  if (row.last.code != 0) json["last_build"] = {{"code", row.last.code}, {"reason", row.last.reason}};
+  if (row.fault.empty()) {
+    json["class"] = row.patient_class;
+    json["figures"] = Json::object();
+    for (const auto& [name, value] : row.manifest.figures) json["figures"][name] = value_json(value);
+    for (const cases::CaseAnatomy& a : row.manifest.anatomies)
+      json["anatomies"][a.name] = {{"triangles", a.triangles},
+                                   {"volume_ml", a.volume_ml},
+                                   {"area_cm2", a.area_cm2},
+                                   {"deviation_max_mm", a.deviation.max_mm},
+                                   {"deviation_p99_mm", a.deviation.p99_mm}};
+    for (const cases::CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
+    for (const cases::CaseStandIn& a : row.manifest.stand_ins)
+      json["stand_ins"][a.anatomy] = {{"by", a.by}, {"why", a.why}};
+    for (const cases::CaseShape& s : row.manifest.haptic.shapes)
+      json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
+    json["burr_holes_count"] = row.manifest.burr_holes.size();
+    json["triangles"] = row.triangles;
+    json["deviation_max_mm"] = row.deviation_max_mm;
+    json["bytes"] = row.bytes;
+    json["seconds"] = row.seconds;
+    if (row.last.cpu_s > 0) json["cpu_s"] = row.last.cpu_s;
+    json["warnings"] = row.warnings;
+    json["age_s"] = std::max(0.0, row.age_s);
+    json["version"] = row.manifest.program_version;
+    json["input_sha256"] = row.manifest.input_sha256;
+  }
+  text_ += text_.empty() ? "[\n  " : ",\n  ";
+  for (const char c : json.dump(2, ' ', true, Json::error_handler_t::replace))  // it may be printed
+    text_ += c == '\n' ? std::string("\n  ") : std::string(1, c);
+}
+
+std::string LibraryJson::text() const { return (text_.empty() ? "[]" : text_ + "\n]") + "\n"; }
 
 std::string case_text(const CaseRow& row) {
   std::string out = row.token + "\n";

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -59,13 +60,42 @@ struct CaseRow {
   std::string classed_by() const;
 };
 
-/// All folders of the library that hold a case.json, and those whose first build failed, by token. Throws Error 66
+/// All folders of the library that hold a case.json, and the cases whose first build failed, sorted. Throws Error 66
 /// where there is no library.
-std::vector<CaseRow> read_library(const std::filesystem::path& library, const LibraryFilter& filter = {});
+std::vector<std::string> library_tokens(const std::filesystem::path& library);
+
+/// Reads one of these; what is wrong with it stands in its row.
+CaseRow read_row(const std::filesystem::path& library, const std::string& token);
+
+/// Calls `visit` for each case that the filter lets pass, in the order of the tokens. Only a few rows are held at a
+/// time, so that a library may have any number of cases. Throws Error 66 where there is no library.
+void each_case(const std::filesystem::path& library, const LibraryFilter& filter,
+               const std::function<void(const CaseRow&)>& visit);
+
+/// Throws Error 64 where the token is none, and 66 where the library has no such case.
 CaseRow read_library_case(const std::filesystem::path& library, const std::string& token);
 
-std::string library_table(const std::vector<CaseRow>& rows);
-std::string library_json(const std::vector<CaseRow>& rows);
+/// The cases as a table, a line for each.
+class LibraryTable {
+ public:
+  void add(const CaseRow& row);
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> cells_;
+  std::string classed_by_;
+};
+
+/// The cases as a JSON array.
+class LibraryJson {
+ public:
+  void add(const CaseRow& row);
+  std::string text() const;
+
+ private:
+  std::string text_;
+};
+
 /// Everything that is known of one case, as text.
 std::string case_text(const CaseRow& row);
 

@@ -270,12 +270,12 @@ class Collector {
 VerifyResult verify_library(const fs::path& library, const std::vector<std::string>& only, bool load,
                             const Progress& progress) {
   std::vector<std::string> tokens;
-  for (const CaseRow& row : read_library(library)) {
+  for (const std::string& token : library_tokens(library)) {
     std::error_code ignored;
     // A case that was never published has no bytes that could be wrong.
-    if (fs::exists(library / row.token / "case.json", ignored) &&
-        (only.empty() || std::find(only.begin(), only.end(), row.token) != only.end()))
-      tokens.push_back(row.token);
+    if (fs::exists(library / token / "case.json", ignored) &&
+        (only.empty() || std::find(only.begin(), only.end(), token) != only.end()))
+      tokens.push_back(token);
   }
   for (const std::string& token : only)
     if (std::find(tokens.begin(), tokens.end(), token) == tokens.end())

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "library/metrics.h"
 
-#include <functional>
-#include <map>
-
 #include "base/text.h"
 #include "library/slurm_engine.h"
 
@@ -20,55 +17,40 @@ std::string label(const std::string& text) {
   return out + "\"";
 }
 
-class Text {
- public:
-  void begin(const std::string& name, const std::string& help) {
-    name_ = name;
-    text_ += "# HELP " + name + " " + help + "\n# TYPE " + name + " gauge\n";
-  }
-  void value(const std::string& labels, double v) {
-    text_ += name_ + (labels.empty() ? "" : "{" + labels + "}") + " " + to_text(v) + "\n";
-  }
-  std::string take() { return std::move(text_); }
+std::string head(const std::string& name, const std::string& help) {
+  return "# HELP " + name + " " + help + "\n# TYPE " + name + " gauge\n";
+}
 
- private:
-  std::string name_, text_;
+std::string line(const std::string& name, const std::string& labels, double v) {
+  return name + (labels.empty() ? "" : "{" + labels + "}") + " " + to_text(v) + "\n";
+}
+
+struct FigureOfCase {
+  const char *name, *help;
+  double (*value)(const CaseRow&);
+  bool published_only;
 };
 
-void of_each_case(Text& out, const std::vector<CaseRow>& rows, const std::string& name, const std::string& help,
-                  const std::function<double(const CaseRow&)>& value, bool published_only = true) {
-  out.begin(name, help);
-  for (const CaseRow& row : rows)
-    if (!published_only || row.fault.empty()) out.value("case=" + label(row.token), value(row));
-}
+const std::vector<FigureOfCase> figures = {
+    {"trephine_case_run_seconds", "Seconds of the case's last run, by the clock.",
+     [](const CaseRow& r) { return r.seconds; }, true},
+    {"trephine_case_cpu_seconds", "Seconds of CPU of its last build by the library.",
+     [](const CaseRow& r) { return r.last.cpu_s; }, true},
+    {"trephine_case_peak_memory_bytes", "Largest memory of its last run.",
+     [](const CaseRow& r) { return 1024 * 1024 * r.peak_memory_mb; }, true},
+    {"trephine_case_bytes", "Size of its files.", [](const CaseRow& r) { return static_cast<double>(r.bytes); }, true},
+    {"trephine_case_triangles", "Triangles of its surfaces.",
+     [](const CaseRow& r) { return static_cast<double>(r.triangles); }, true},
+    {"trephine_case_deviation_max_mm", "Largest deviation of a surface from its unreduced one.",
+     [](const CaseRow& r) { return r.deviation_max_mm; }, true},
+    {"trephine_case_warnings", "Warnings of its last run.",
+     [](const CaseRow& r) { return static_cast<double>(r.warnings.size()); }, true},
+    {"trephine_case_age_seconds", "Age of its case.json.", [](const CaseRow& r) { return r.age_s; }, true},
+    {"trephine_case_last_exit_code", "Exit code of its last build by the library.",
+     [](const CaseRow& r) { return static_cast<double>(r.last.code); }, false},
+};
 
-void add_counts(Text& out, const std::vector<CaseRow>& rows) {
-  std::map<std::string, int> states = {{"published", 0}, {"unreadable", 0}, {"last_build_failed", 0}}, classes;
-  for (const CaseRow& row : rows) {
-    ++states[row.fault.empty() ? "published" : "unreadable"];
-    states["last_build_failed"] += row.last.code != 0;
-    if (row.fault.empty()) ++classes[row.patient_class.empty() ? "unknown" : row.patient_class];
-  }
-  out.begin("trephine_library_cases", "Cases by state; one whose last build failed may be published too.");
-  for (const auto& [state, n] : states) out.value("state=" + label(state), n);
-  out.begin("trephine_library_cases_of_class", "Published cases by the patient's class.");
-  for (const auto& [name, n] : classes) out.value("class=" + label(name), n);
-}
-
-void add_stages(Text& out, const std::vector<CaseRow>& rows) {
-  std::map<std::string, std::pair<double, int>> stages;
-  for (const CaseRow& row : rows)
-    for (const auto& [stage, seconds] : row.stage_seconds) {
-      stages[stage].first += seconds;
-      ++stages[stage].second;
-    }
-  out.begin("trephine_stage_seconds", "Seconds of a stage, summed over the last runs of all cases that computed it.");
-  for (const auto& [stage, sum] : stages) out.value("stage=" + label(stage), sum.first);
-  out.begin("trephine_stage_runs", "In how many cases' last runs the stage was computed.");
-  for (const auto& [stage, sum] : stages) out.value("stage=" + label(stage), sum.second);
-}
-
-void add_cluster(Text& out, const std::vector<Batch>& open) {
+std::string cluster_text(const std::vector<Batch>& open) {
   std::map<std::string, int> states = {{"waiting", 0}, {"begun", 0}, {"built", 0}, {"failed", 0}};
   int tries = 0;
   for (const Batch& batch : open) {
@@ -81,39 +63,41 @@ void add_cluster(Text& out, const std::vector<Batch>& open) {
         ++states[read_task(batch.folder, task_begun, j.name) ? "begun" : "waiting"];
     }
   }
-  out.begin("trephine_cluster_jobs", "Jobs of open batches by state.");
-  for (const auto& [state, n] : states) out.value("state=" + label(state), n);
-  out.begin("trephine_cluster_submissions", "How often the jobs of open batches were submitted, together.");
-  out.value("", tries);
+  std::string out = head("trephine_cluster_jobs", "Jobs of open batches by state.");
+  for (const auto& [state, n] : states) out += line("trephine_cluster_jobs", "state=" + label(state), n);
+  return out + head("trephine_cluster_submissions", "How often the jobs of open batches were submitted, together.") +
+         line("trephine_cluster_submissions", "", tries);
 }
 
 }  // namespace
 
-std::string library_metrics(const std::vector<CaseRow>& rows, const std::vector<Batch>& open) {
-  Text out;
-  add_counts(out, rows);
-  of_each_case(out, rows, "trephine_case_run_seconds", "Seconds of the case's last run, by the clock.",
-               [](const CaseRow& r) { return r.seconds; });
-  of_each_case(out, rows, "trephine_case_cpu_seconds", "Seconds of CPU of its last build by the library.",
-               [](const CaseRow& r) { return r.last.cpu_s; });
-  of_each_case(out, rows, "trephine_case_peak_memory_bytes", "Largest memory of its last run.",
-               [](const CaseRow& r) { return 1024 * 1024 * r.peak_memory_mb; });
-  of_each_case(out, rows, "trephine_case_bytes", "Size of its files.",
-               [](const CaseRow& r) { return static_cast<double>(r.bytes); });
-  of_each_case(out, rows, "trephine_case_triangles", "Triangles of its surfaces.",
-               [](const CaseRow& r) { return static_cast<double>(r.triangles); });
-  of_each_case(out, rows, "trephine_case_deviation_max_mm", "Largest deviation of a surface from its unreduced one.",
-               [](const CaseRow& r) { return r.deviation_max_mm; });
-  of_each_case(out, rows, "trephine_case_warnings", "Warnings of its last run.",
-               [](const CaseRow& r) { return static_cast<double>(r.warnings.size()); });
-  of_each_case(out, rows, "trephine_case_age_seconds", "Age of its case.json.",
-               [](const CaseRow& r) { return r.age_s; });
-  of_each_case(
-      out, rows, "trephine_case_last_exit_code", "Exit code of its last build by the library.",
-      [](const CaseRow& r) { return static_cast<double>(r.last.code); }, false);
-  add_stages(out, rows);
-  add_cluster(out, open);
-  return out.take();
+void LibraryMetrics::add(const CaseRow& row) {
+  const bool good = row.fault.empty();
+  ++states_[good ? "published" : "unreadable"];
+  states_["last_build_failed"] += row.last.code != 0;
+  if (good) ++classes_[row.patient_class.empty() ? "unknown" : row.patient_class];
+  for (const auto& [stage, seconds] : row.stage_seconds) {
+    stages_[stage].first += seconds;
+    ++stages_[stage].second;
+  }
+  of_cases_.resize(figures.size());
+  for (std::size_t k = 0; k < figures.size(); ++k)
+    if (good || !figures[k].published_only)
+      of_cases_[k] += line(figures[k].name, "case=" + label(row.token), figures[k].value(row));
+}
+
+std::string LibraryMetrics::text(const std::vector<Batch>& open) const {
+  std::string out = head("trephine_library_cases", "Cases by state; one whose last build failed may be published too.");
+  for (const auto& [state, n] : states_) out += line("trephine_library_cases", "state=" + label(state), n);
+  out += head("trephine_library_cases_of_class", "Published cases by the patient's class.");
+  for (const auto& [name, n] : classes_) out += line("trephine_library_cases_of_class", "class=" + label(name), n);
+  for (std::size_t k = 0; k < figures.size(); ++k)
+    out += head(figures[k].name, figures[k].help) + (of_cases_.empty() ? "" : of_cases_[k]);
+  out += head("trephine_stage_seconds", "Seconds of a stage, summed over the last runs of all cases that computed it.");
+  for (const auto& [stage, sum] : stages_) out += line("trephine_stage_seconds", "stage=" + label(stage), sum.first);
+  out += head("trephine_stage_runs", "In how many cases' last runs the stage was computed.");
+  for (const auto& [stage, sum] : stages_) out += line("trephine_stage_runs", "stage=" + label(stage), sum.second);
+  return out + cluster_text(open);
 }
 
 }  // namespace trephine::library

@@ -13,6 +13,7 @@
 #include "page/html.h"
 #include "page/page_notes.h"
 #include "page/web_files.h"
+#include "picture/image.h"
 
 namespace trephine::library {
 namespace fs = std::filesystem;
@@ -125,21 +126,40 @@ Json to_json(const fs::path& library, const CaseRow& row) {
 
 constexpr std::size_t max_volume_columns = 6;
 
-// The anatomies whose volumes have a column: those that most cases have.
-std::vector<std::string> volume_columns(const std::vector<CaseRow>& rows) {
-  std::vector<std::pair<std::size_t, std::string>> counts;  // in the order in which the cases name them
-  std::map<std::string, std::size_t> place;
-  for (const CaseRow& row : rows)
+// Counts in how many cases an anatomy is, to find those whose volumes have a column: those that most cases have.
+class VolumeColumns {
+ public:
+  void add(const CaseRow& row) {
     for (const cases::CaseAnatomy& a : row.manifest.anatomies) {
-      const auto [at, is_new] = place.try_emplace(a.name, counts.size());
-      if (is_new) counts.emplace_back(0, a.name);
-      ++counts[at->second].first;
+      const auto [at, is_new] = place_.try_emplace(a.name, counts_.size());
+      if (is_new) counts_.emplace_back(0, a.name);
+      ++counts_[at->second].first;
     }
-  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(counts.size(), max_volume_columns); ++i) names.push_back(counts[i].second);
-  return names;
-}
+  }
+  std::vector<std::string> names() const {
+    auto counts = counts_;
+    std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < std::min(counts.size(), max_volume_columns); ++i) out.push_back(counts[i].second);
+    return out;
+  }
+
+ private:
+  std::vector<std::pair<std::size_t, std::string>> counts_;  // in the order in which the cases name them
+  std::map<std::string, std::size_t> place_;
+};
+
+// Where the cases stand in the picture: in rows of equally large cells.
+struct Layout {
+  int side = 0, columns = 0, lines = 0, gap = 0;
+  explicit Layout(std::size_t count) {
+    const double n = std::max<double>(1, static_cast<double>(count));
+    side = std::clamp(static_cast<int>(std::sqrt(max_pixels / n / 2.9)), min_side_px, max_side_px);
+    columns = static_cast<int>(std::min(n, std::max<double>(columns_count, std::floor(std::sqrt(n)))));
+    lines = static_cast<int>((count + columns - 1) / static_cast<std::size_t>(columns));
+    gap = side / 15;
+  }
+};
 
 }  // namespace
 
@@ -163,33 +183,40 @@ std::vector<std::string> overview_pictures(const fs::path& library, const CaseRo
   return out;
 }
 
-picture::Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
-  const double each = max_pixels / std::max<double>(1, static_cast<double>(rows.size()));
-  const int side = std::clamp(static_cast<int>(std::sqrt(each / 2.9)), min_side_px, max_side_px);
-  std::vector<picture::Image> cells(rows.size());
-  parallel_for(0, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t from, std::int64_t to) {
-    for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i)
-      cells[i] = cell_of(library, rows[i], side);
-  });
-  if (cells.empty()) return picture::Image(2 * side, side, {1, 1, 1});
-  const int columns =
-      std::min<int>(static_cast<int>(cells.size()),
-                    std::max(columns_count, static_cast<int>(std::sqrt(static_cast<double>(cells.size())))));
-  return picture::contact_sheet(cells, columns, {1, 1, 1}, side / 15);
-}
-
-std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows) {
-  Json json;
-  json["volumes"] = volume_columns(rows);
-  json["cases"] = Json::array();
-  for (const CaseRow& row : rows) json["cases"].push_back(to_json(library, row));
-  return page::html_page(page::web::index_html, page::web::index_css, page::web::index_js, json.dump(), {});
+Sheet sheet_of(const fs::path& library, std::size_t count, const std::function<CaseRow(std::size_t)>& row) {
+  const Layout layout(count);
+  const picture::Image empty = cell_of(library, {}, layout.side);
+  const int width = layout.columns * (empty.width + layout.gap) + layout.gap, height = empty.height + layout.gap;
+  picture::PngRows png(width, std::max(layout.lines, 1) * height + layout.gap);
+  png.add(picture::Image(width, layout.gap, {1, 1, 1}));
+  if (count == 0) png.add(picture::Image(width, height, {1, 1, 1}));
+  VolumeColumns columns;
+  std::string cases;
+  for (std::size_t from = 0; from < count; from += static_cast<std::size_t>(layout.columns)) {
+    std::vector<CaseRow> rows(std::min(static_cast<std::size_t>(layout.columns), count - from));
+    picture::Image band(width, height, {1, 1, 1});
+    parallel_for(0, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t begin, std::int64_t end) {
+      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+        rows[i] = row(from + i);
+        paste(cell_of(library, rows[i], layout.side), band,
+              layout.gap + static_cast<int>(i) * (empty.width + layout.gap), 0);
+      }
+    });
+    png.add(band);
+    for (const CaseRow& r : rows) {
+      columns.add(r);
+      cases += (cases.empty() ? "" : ",") + to_json(library, r).dump();
+    }
+  }
+  const std::string data = "{\"volumes\":" + Json(columns.names()).dump() + ",\"cases\":[" + cases + "]}";
+  return {png.take(), page::html_page(page::web::index_html, page::web::index_css, page::web::index_js, data, {})};
 }
 
 void make_sheet(const fs::path& library) {
-  const std::vector<CaseRow> rows = read_library(library);
-  write_file(library / picture_name, picture::encode_png(sheet_picture(library, rows)));
-  write_file(library / index_name, sheet_page(library, rows));
+  const std::vector<std::string> tokens = library_tokens(library);
+  const Sheet sheet = sheet_of(library, tokens.size(), [&](std::size_t i) { return read_row(library, tokens[i]); });
+  write_file(library / picture_name, sheet.png);
+  write_file(library / index_name, sheet.html);
 }
 
 bool has_sheet(const fs::path& library) {

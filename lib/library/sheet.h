@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "library/catalogue.h"
-#include "picture/image.h"
 
 namespace trephine::library {
 
@@ -20,7 +20,11 @@ bool has_sheet(const std::filesystem::path& library);
 /// that are there.
 std::vector<std::string> overview_pictures(const std::filesystem::path& library, const CaseRow& row);
 
-picture::Image sheet_picture(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
-std::string sheet_page(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
+/// The contents of the two files, of `count` cases that `row` reads by their place; they are read, painted and
+/// forgotten some at a time, so that a library may have any number of cases. `row` is called from several threads.
+struct Sheet {
+  std::string png, html;
+};
+Sheet sheet_of(const std::filesystem::path& library, std::size_t count, const std::function<CaseRow(std::size_t)>& row);
 
 }  // namespace trephine::library
