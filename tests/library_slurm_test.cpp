@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_folder.h"
+#include "library/memory_kills.h"
 #include "library/slurm.h"
 #include "library/slurm_engine.h"
 
@@ -79,14 +80,16 @@ TEST(LibrarySlurm, AJobWithoutAClassThatIsLargeEnoughGetsTheLargest) {
 TEST(LibrarySlurm, WhatMayPassNextTimeIsTriedAgainAndNothingElse) {
   BatchJob j;
   j.name = "case.a";
+  Batch batch;
+  batch.max_tries = 3;
   const auto final_with = [&](int code, const std::string& reason, int attempt) {
     std::map<std::string, TaskRecord> ended;
     ended["case.a"].result.code = code;
     ended["case.a"].result.reason = reason;
     ended["case.a"].attempt = attempt;
-    return is_final(j, ended, 3);
+    return is_final(batch, j, ended);
   };
-  EXPECT_FALSE(is_final(j, {}, 3));
+  EXPECT_FALSE(is_final(batch, j, {}));
   EXPECT_TRUE(final_with(0, "", 1));
   EXPECT_TRUE(final_with(80, "too coarse", 1));
   EXPECT_TRUE(final_with(65, "damaged", 1));
@@ -97,6 +100,75 @@ TEST(LibrarySlurm, WhatMayPassNextTimeIsTriedAgainAndNothingElse) {
   EXPECT_TRUE(final_with(66, "its series", 1));
   j.needs_phantom = true;
   EXPECT_FALSE(final_with(66, "its phantom", 1));
+}
+
+TEST(LibrarySlurm, WhatLackedMemoryOrTimeGetsTheNextClassThatGrantsMoreOfIt) {
+  EngineParams engine;
+  engine.classes = {{1000, 600, ""}, {4000, 600, "big"}, {4000, 1200, "long"}};
+  LibraryBuildParams params;
+  params.case_limit_s = 900;
+  Batch batch = plan_batch({job("case.a", 800)}, engine, params);
+  const auto memory = with_more(batch, batch.jobs[0], Lack::memory);
+  ASSERT_TRUE(memory);
+  EXPECT_EQ(memory->memory_mb, 4000);
+  EXPECT_EQ(memory->partition, "big");
+  EXPECT_FALSE(with_more(batch, *memory, Lack::memory));
+  const auto time = with_more(batch, batch.jobs[0], Lack::time);
+  ASSERT_TRUE(time);
+  EXPECT_EQ(time->partition, "long");
+  EXPECT_EQ(time->time_limit_s, 900);  // not above the limit of a case
+  EXPECT_FALSE(with_more(batch, *time, Lack::time));
+  EXPECT_FALSE(with_more(batch, batch.jobs[0], Lack::nothing));
+  // A record that says so is no end while a class grants more, and is one afterwards.
+  std::map<std::string, TaskRecord> ended;
+  ended["case.a"].attempt = 1;
+  ended["case.a"].result = {70, "stopped after 600 s, its time limit", 600, 0, 0, Lack::time};
+  batch.max_tries = 3;
+  EXPECT_FALSE(is_final(batch, batch.jobs[0], ended));
+  EXPECT_TRUE(is_final(batch, *time, ended));
+  batch.max_tries = 1;
+  EXPECT_TRUE(is_final(batch, batch.jobs[0], ended));
+  // Without classes memory doubles, and the time limit is the user's.
+  engine.classes.clear();
+  batch = plan_batch({job("case.a", 800)}, engine, params);
+  EXPECT_EQ(with_more(batch, batch.jobs[0], Lack::memory)->memory_mb, 2 * batch.jobs[0].memory_mb);
+  EXPECT_FALSE(with_more(batch, batch.jobs[0], Lack::time));
+}
+
+TEST(LibrarySlurm, WhatATaskLackedIsWhatItsLastTrySays) {
+  Batch batch;
+  batch.arrays = {{"7", 0, {"case.a", "case.b", "case.c"}}, {"9", 0, {"case.b"}}};
+  const auto lacks = lacks_of(batch, {{"7", 0, "TIMEOUT", "n1"},
+                                      {"7", 1, "OUT_OF_MEMORY", "n1"},
+                                      {"7", 2, "NODE_FAIL", ""},
+                                      {"9", 0, "FAILED", "n2"},
+                                      {"7", 9, "TIMEOUT", ""},
+                                      {"8", 0, "TIMEOUT", ""}});
+  EXPECT_EQ(lacks, (std::map<std::string, Lack>{{"case.a", Lack::time}}));
+  const auto tasks =
+      parse_accounts("7_0|TIMEOUT|n1\n7_1|OUT_OF_MEMORY|n2\n7_[2-5]|PENDING|None assigned\n7|FAILED|n1\n");
+  ASSERT_EQ(tasks.size(), 3u);
+  EXPECT_EQ(lack_of(tasks[1]), Lack::memory);
+  EXPECT_EQ(tasks[1].index, 1);
+  EXPECT_EQ(tasks[2].index, -1);  // tasks that wait stand together, and lack nothing
+  EXPECT_FALSE(is_alive(tasks[0]));
+}
+
+TEST(LibrarySlurm, KillsForWantOfMemoryAreReadOfEitherVersionOfControlGroups) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::filesystem::create_directories((folder.path() / name).parent_path());
+    std::ofstream(folder.path() / name) << text;
+    return folder.path() / name;
+  };
+  const auto second = write("second", "0::/system.slice/slurmstepd.scope/job_4/step_0\n");
+  EXPECT_EQ(memory_kills(second, folder.path()), 0u);
+  write("system.slice/slurmstepd.scope/job_4/step_0/memory.events", "low 0\nhigh 9\nmax 31\noom 5\noom_kill 3\n");
+  EXPECT_EQ(memory_kills(second, folder.path()), 3u);
+  const auto first = write("first", "9:name=systemd:/\n4:cpu,memory:/slurm/job_4\n0::/\n");
+  write("memory/slurm/job_4/memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 2\n");
+  EXPECT_EQ(memory_kills(first, folder.path()), 2u);
+  EXPECT_EQ(memory_kills(folder.path() / "none", folder.path()), 0u);
 }
 
 TEST(LibrarySlurm, ABatchIsReadAsItWasWritten) {

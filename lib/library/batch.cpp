@@ -56,6 +56,11 @@ BatchJob job_of(const Json& json) {
   return j;
 }
 
+const char* text_of(Lack lack) { return lack == Lack::memory ? "memory" : lack == Lack::time ? "time" : ""; }
+Lack lack_of(const std::string& text) {
+  return text == "memory" ? Lack::memory : text == "time" ? Lack::time : Lack::nothing;
+}
+
 // Only its owner may read it: it lies in a folder that only he may enter, too.
 void make_private(const fs::path& file) {
   std::error_code ignored;
@@ -84,6 +89,8 @@ std::optional<Batch> read_batch(const fs::path& folder) {
     for (const Json& j : json.at("jobs")) b.jobs.push_back(job_of(j));
     for (const Json& a : json.at("arrays"))
       b.arrays.push_back({a.at("slurm"), a.at("wave"), a.at("names").get<std::vector<std::string>>()});
+    for (const Json& c : json.value("classes", Json::array()))
+      b.classes.push_back({c.at("memory_mb"), c.at("time_limit_s"), c.at("partition")});
     b.finish = json.at("finish");
     b.partition = json.at("partition");
     b.account = json.at("account");
@@ -128,9 +135,11 @@ Batch new_batch(const LibraryState& state) {
 }
 
 void write_batch(const Batch& b) {
-  Json json, jobs = Json::array(), arrays = Json::array();
+  Json json, jobs = Json::array(), arrays = Json::array(), classes = Json::array();
   for (const BatchJob& j : b.jobs) jobs.push_back(json_of(j));
   for (const BatchArray& a : b.arrays) arrays.push_back({{"slurm", a.slurm}, {"wave", a.wave}, {"names", a.names}});
+  for (const BatchClass& c : b.classes)
+    classes.push_back({{"memory_mb", c.memory_mb}, {"time_limit_s", c.time_limit_s}, {"partition", c.partition}});
   json["finish"] = b.finish;
   json["partition"] = b.partition;
   json["account"] = b.account;
@@ -142,6 +151,7 @@ void write_batch(const Batch& b) {
   json["sheet"] = b.sheet;
   json["finished"] = b.finished;
   json["cancelled"] = b.cancelled;
+  json["classes"] = std::move(classes);
   json["arrays"] = std::move(arrays);
   json["jobs"] = std::move(jobs);
   write_file(b.folder / state_file, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -191,7 +201,8 @@ std::optional<TaskRecord> read_task(const fs::path& folder, const char* which, c
                       json.at("node"),
                       json.at("begin_s"),
                       json.at("end_s"),
-                      {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb"), json.at("cpu_s")}};
+                      {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb"), json.at("cpu_s"),
+                       lack_of(json.value("lack", ""))}};
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
@@ -204,11 +215,32 @@ void write_task(const fs::path& folder, const char* which, const std::string& na
                      {"begin_s", r.begin_s},        {"end_s", r.end_s},
                      {"code", r.result.code},       {"reason", r.result.reason},
                      {"seconds", r.result.seconds}, {"memory_mb", r.result.memory_mb},
-                     {"cpu_s", r.result.cpu_s}};
+                     {"cpu_s", r.result.cpu_s},     {"lack", text_of(r.result.lack)}};
   write_file(record_file(folder, which, name), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-bool may_pass_next_time(const BatchJob& job, const JobResult& result) {
+std::optional<BatchJob> with_more(const Batch& batch, const BatchJob& job, Lack lack) {
+  constexpr int most_mb = 1 << 30;
+  BatchJob more = job;
+  if (batch.classes.empty() && lack == Lack::memory && job.memory_mb < most_mb) {
+    more.memory_mb *= 2;
+    return more;
+  }
+  for (const BatchClass& c : batch.classes) {
+    const bool grants_more =
+        lack == Lack::memory ? c.memory_mb > job.memory_mb
+                             : lack == Lack::time && c.memory_mb >= job.memory_mb && c.time_limit_s > job.time_limit_s;
+    if (!grants_more) continue;
+    more.memory_mb = c.memory_mb;
+    more.time_limit_s = c.time_limit_s;
+    more.partition = c.partition;
+    return more;
+  }
+  return {};
+}
+
+bool may_pass_next_time(const Batch& batch, const BatchJob& job, const JobResult& result) {
+  if (result.lack != Lack::nothing) return with_more(batch, job, result.lack).has_value();
   switch (static_cast<ExitCode>(result.code)) {
     case ExitCode::internal:  // our own faults, and a time that is up, come again
       return result.reason.rfind("killed by signal", 0) == 0;

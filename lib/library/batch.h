@@ -37,12 +37,20 @@ struct BatchArray {
   std::vector<std::string> names;
 };
 
+/// What Slurm grants to a job.
+struct BatchClass {
+  int memory_mb = 0;
+  double time_limit_s = 0;  ///< 0: none
+  std::string partition;
+};
+
 struct Batch {
   std::string id;
   std::filesystem::path folder;
   std::vector<BatchJob> jobs;
   std::vector<BatchArray> arrays;
-  std::string finish;  ///< the number of the job that ends the batch
+  std::vector<BatchClass> classes;  ///< by memory, rising; none: any power of two of 256 MB
+  std::string finish;               ///< the number of the job that ends the batch
   std::string partition, account;
   std::vector<std::string> options;
   int max_array = 1000, at_once = 0, max_tries = 1;
@@ -88,7 +96,11 @@ void write_task(const std::filesystem::path& batch_folder, const char* which, co
                 const TaskRecord& record);
 constexpr const char *task_begun = "begun", *task_ended = "ended";
 
-/// Whether the same job may end otherwise when it is tried again: it did not fail by its data or configuration.
-bool may_pass_next_time(const BatchJob& job, const JobResult& result);
+/// The job in the next class that grants more of what it lacked; nothing where there is no such class.
+std::optional<BatchJob> with_more(const Batch& batch, const BatchJob& job, Lack lack);
+
+/// Whether the same job may end otherwise when it is tried again, in a larger class where it lacked something: it did
+/// not fail by its data or configuration.
+bool may_pass_next_time(const Batch& batch, const BatchJob& job, const JobResult& result);
 
 }  // namespace trephine::library

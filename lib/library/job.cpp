@@ -24,6 +24,7 @@
 #include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "library/memory_kills.h"
 #include "library/series_state.h"
 #include "publish/bring_case.h"
 
@@ -168,6 +169,10 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
   }
 }
 
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
 void record_phantom(const LibraryState& state, const LibraryJob& job) {
   const fs::path series = state.phantom_folder(job.token) / "dicom";
   const Json record = {{"identity", job.identity},
@@ -212,6 +217,7 @@ JobResult do_job(const LibraryJob& asked) {
   const auto start = Clock::now();
   JobResult result;
   Ended end;
+  const std::uint64_t killed_before = memory_kills();
   for (int attempt = 1;; ++attempt) {
     end = run_once(job, log);
     if (end.code != static_cast<int>(ExitCode::busy) || attempt == busy_tries || cancel_requested()) break;
@@ -240,12 +246,16 @@ JobResult do_job(const LibraryJob& asked) {
     if (end.code == stopped) {
       result.code = static_cast<int>(ExitCode::internal);
       result.reason = "stopped after " + to_text(job.time_limit_s) + " s, its time limit";
+      result.lack = Lack::time;
     } else if (end.signal == SIGINT || end.signal == SIGTERM || cancel_requested()) {
       result.code = static_cast<int>(ExitCode::cancelled);
     } else if (end.signal) {
       result.code = static_cast<int>(ExitCode::internal);
       result.reason = "killed by signal " + std::to_string(end.signal);
     }
+    const bool killed_for_memory = job.on_node && memory_kills() > killed_before;
+    if (killed_for_memory) result.reason = "the kernel killed it for want of memory: " + result.reason;
+    if (killed_for_memory || ends_with(result.reason, ": out of memory")) result.lack = Lack::memory;
   }
   result.seconds = seconds_since(start);
   return result;
@@ -311,7 +321,7 @@ JobResult do_library_job(const LibraryJob& job) {
     replace_all(result.reason, job.library.string() + "/", "");
     result.reason = printable(result.reason).substr(0, max_reason);
   } catch (const std::bad_alloc&) {
-    result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0};
+    result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0, Lack::memory};
   }
   return result;
 }

@@ -61,11 +61,15 @@ struct BuiltCase {
   std::vector<std::pair<std::string, std::uint64_t>> files;  ///< the files that case.json names, and their sizes
 };
 
+/// For want of what a job was ended.
+enum class Lack { nothing, memory, time };
+
 struct JobResult {
   int code = 0;
   std::string reason;  ///< the error's line; empty where there was none
   double seconds = 0, memory_mb = 0;
   double cpu_s = 0;  ///< of all its threads and processes
+  Lack lack = Lack::nothing;
 };
 
 /// Reads a record; nothing where the file is missing or damaged.

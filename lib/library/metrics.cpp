@@ -57,7 +57,7 @@ std::string cluster_text(const std::vector<Batch>& open) {
     const auto ended = ended_tasks(batch);
     for (const BatchJob& j : batch.jobs) {
       tries += j.tries;
-      if (is_final(j, ended, batch.max_tries))
+      if (is_final(batch, j, ended))
         ++states[ended.at(j.name).result.code == 0 ? "built" : "failed"];
       else
         ++states[read_task(batch.folder, task_begun, j.name) ? "begun" : "waiting"];

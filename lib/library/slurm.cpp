@@ -87,9 +87,15 @@ bool may_pass(const Said& said) {
 }  // namespace
 
 bool is_alive(const SlurmTask& task) {
-  for (const char* ended : {"COMPLET", "FAIL", "CANCEL", "TIMEOUT", "NODE_FAIL", "BOOT_FAIL", "OUT_OF", "DEADLINE"})
+  for (const char* ended :
+       {"COMPLET", "FAIL", "CANCEL", "TIMEOUT", "NODE_FAIL", "BOOT_FAIL", "OUT_OF", "DEADLINE", "PREEMPTED", "REVOKED"})
     if (task.state.rfind(ended, 0) == 0) return false;
   return true;
+}
+
+Lack lack_of(const SlurmTask& task) {
+  if (task.state.rfind("OUT_OF_ME", 0) == 0) return Lack::memory;
+  return task.state == "TIMEOUT" ? Lack::time : Lack::nothing;
 }
 
 std::string parse_submitted(const std::string& said) {
@@ -154,9 +160,35 @@ std::string submit_to_slurm(const std::vector<std::string>& options, const std::
 }
 
 std::optional<std::vector<SlurmTask>> tasks_of_slurm(const std::string& job_name) {
-  const Said said = ask({"squeue", "--noheader", "--array", "--name=" + job_name, "--format=%F|%K|%T|%N"});
+  const Said said =
+      ask({"squeue", "--noheader", "--array", "--states=all", "--name=" + job_name, "--format=%F|%K|%T|%N"});
   if (!said.ended || said.code != 0) return {};
   return parse_tasks(said.text);
+}
+
+std::vector<SlurmTask> parse_accounts(const std::string& said) {
+  std::string as_of_queue;  // 7_12|OUT_OF_MEMORY|n1 is 7|12|OUT_OF_MEMORY|n1 there
+  std::istringstream lines(said);
+  for (std::string line; std::getline(lines, line);) {
+    const auto end = line.find('|'), mark = line.find('_');
+    if (end == std::string::npos || mark == std::string::npos || mark > end) continue;
+    line[mark] = '|';
+    as_of_queue += line + "\n";
+  }
+  return parse_tasks(as_of_queue);
+}
+
+std::vector<SlurmTask> accounted_tasks(const std::vector<std::string>& arrays) {
+  std::string jobs;
+  for (const std::string& a : arrays) jobs += (jobs.empty() ? "" : ",") + a;
+  if (jobs.empty()) return {};
+  try {
+    const Said said =
+        ask({"sacct", "--noheader", "--parsable2", "--allocations", "--format=JobID,State,NodeList", "--jobs=" + jobs});
+    return said.ended && said.code == 0 ? parse_accounts(said.text) : std::vector<SlurmTask>();
+  } catch (const Error&) {  // it is a package's own program, and may be missing
+    return {};
+  }
 }
 
 void cancel_in_slurm(const std::string& job_name) {

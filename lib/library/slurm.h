@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "library/library_state.h"
+
 namespace trephine::library {
 
 /// Slurm, by its own programs: sbatch, squeue, scancel, scontrol. Nothing that they are given holds a path of a series.
@@ -29,9 +31,17 @@ long parse_max_array(const std::string& said);
 /// `patience_s`. Throws Error 70 where sbatch is missing or refuses, with its own words; Cancelled.
 std::string submit_to_slurm(const std::vector<std::string>& options, const std::string& script, double patience_s);
 
-/// The tasks of that name that wait or run; nothing where the controller does not answer. Throws Error 70 where squeue
-/// is missing.
+/// What Slurm ended the task for want of.
+Lack lack_of(const SlurmTask& task);
+
+/// The tasks of that name that wait or run, and those that ended as long as the controller remembers them (MinJobAge);
+/// nothing where it does not answer. Throws Error 70 where squeue is missing.
 std::optional<std::vector<SlurmTask>> tasks_of_slurm(const std::string& job_name);
+
+/// The same of these arrays, as Slurm's accounting knows them, which forgets nothing; none where it keeps no accounts.
+std::vector<SlurmTask> accounted_tasks(const std::vector<std::string>& arrays);
+/// What `sacct --allocations --format=JobID,State,NodeList` said, with --parsable2; other lines are left out.
+std::vector<SlurmTask> parse_accounts(const std::string& said);
 
 /// Ends all tasks of that name. Throws Error 70 where scancel is missing or refuses.
 void cancel_in_slurm(const std::string& job_name);

@@ -38,7 +38,7 @@ class SlurmBuild {
       }
       const auto ended = ended_tasks(open);
       for (const BatchJob& j : open.jobs)
-        if (const auto found = words.find(j.name); found != words.end() && !is_final(j, ended, open.max_tries))
+        if (const auto found = words.find(j.name); found != words.end() && !is_final(open, j, ended))
           under_way[j.name] = found->second;
     }
     std::vector<NinjaJob> fresh;
@@ -97,7 +97,7 @@ class SlurmBuild {
           event_({j.name, false, {}});
         std::map<std::string, TaskRecord> ended;
         if (const auto r = read_task(batch->folder, task_ended, j.name)) ended[j.name] = *r;
-        if (!is_final(j, ended, batch->max_tries) && !batch->cancelled) continue;
+        if (!is_final(*batch, j, ended) && !batch->cancelled) continue;
         if (begun_.insert(j.name).second) event_({j.name, false, {}});
         JobResult result{static_cast<int>(ExitCode::cancelled), "cancelled", 0, 0, 0};
         if (const auto r = ended.find(j.name); r != ended.end()) result = r->second.result;

@@ -60,31 +60,37 @@ BatchJob& job_named(Batch& batch, const std::string& name) {
 // Ends a batch of which nothing runs any more.
 class Ending {
  public:
-  Ending(const LibraryState& state, Batch& batch) : state_(state), batch_(batch), ended_(ended_tasks(batch)) {}
+  Ending(const LibraryState& state, Batch& batch, const std::vector<SlurmTask>& tasks)
+      : state_(state), batch_(batch), ended_(ended_tasks(batch)) {
+    std::vector<std::string> arrays;
+    for (const BatchArray& a : batch.arrays) arrays.push_back(a.slurm);
+    if (ended_.size() < batch.jobs.size()) lacks_ = lacks_of(batch, accounted_tasks(arrays));
+    for (const auto& [name, lack] : lacks_of(batch, tasks)) lacks_[name] = lack;
+  }
 
   // What must be submitted again; the others' records are final afterwards.
   std::set<std::string> lost() {
     std::set<std::string> names;
     const auto jobs = read_jobs(jobs_file(batch_));
-    for (const BatchJob& j : batch_.jobs) {
-      if (is_final(j, ended_, batch_.max_tries)) continue;
+    for (BatchJob& j : batch_.jobs) {
+      if (is_final(batch_, j, ended_)) continue;
       const auto job = jobs.find(j.name);
-      const auto record = ended_.find(j.name);
       // The node died after it had published, or could not write its record.
       if (job != jobs.end() && is_done_already(job->second)) {
         conclude(j, {});
-      } else if (job != jobs.end() && j.tries < batch_.max_tries) {
-        names.insert(j.name);
-      } else {
-        JobResult result{static_cast<int>(ExitCode::internal), "", 0, 0, 0};
-        if (record != ended_.end()) result = record->second.result;
-        if (record == ended_.end() || record->second.attempt < j.tries) {
-          result.code = static_cast<int>(ExitCode::internal);
-          result.reason = "lost " + to_text(j.tries) + (j.tries == 1 ? " time" : " times") +
-                          ": its node died, or Slurm ended it (array-*.log)";
-        }
-        conclude(j, result);
+        continue;
       }
+      const Lack lack = lack_of_last_try(j);
+      const auto more = lack == Lack::nothing ? std::optional<BatchJob>(j) : with_more(batch_, j, lack);
+      if (job == jobs.end() || !more || j.tries >= batch_.max_tries) {
+        conclude(j, last_result(j, lack));
+        continue;
+      }
+      if (lack != Lack::nothing)
+        log_line(j.name + ": " + wanted(j, lack) + "; again with " + to_text(more->memory_mb) + " MB" +
+                 (more->time_limit_s > 0 ? ", " + to_text(more->time_limit_s) + " s" : ""));
+      j = *more;
+      names.insert(j.name);
     }
     return names;
   }
@@ -132,6 +138,35 @@ class Ending {
   }
 
  private:
+  // The record of the last try, where there is one.
+  const TaskRecord* record_of_last_try(const BatchJob& j) const {
+    const auto found = ended_.find(j.name);
+    return found == ended_.end() || found->second.attempt < j.tries ? nullptr : &found->second;
+  }
+  Lack lack_of_last_try(const BatchJob& j) const {
+    const TaskRecord* record = record_of_last_try(j);
+    if (record && record->result.lack != Lack::nothing) return record->result.lack;
+    const auto said = lacks_.find(j.name);
+    return said == lacks_.end() ? Lack::nothing : said->second;
+  }
+  static std::string wanted(const BatchJob& j, Lack lack) {
+    return lack == Lack::memory ? "took more than the " + to_text(j.memory_mb) + " MB that Slurm grants it"
+                                : "took more than the " + to_text(j.time_limit_s) + " s that Slurm grants it";
+  }
+  JobResult last_result(const BatchJob& j, Lack lack) const {
+    const TaskRecord* record = record_of_last_try(j);
+    JobResult result = record ? record->result : JobResult{};
+    const std::string tries = to_text(j.tries) + (j.tries == 1 ? " try" : " tries");
+    if (lack != Lack::nothing)
+      result.reason = wanted(j, lack) + ", in " + tries +
+                      (j.tries >= batch_.max_tries ? "" : "; no class of the engine grants more");
+    else if (!record)
+      result.reason = "lost in " + tries + ": its node died, or Slurm ended it (array-*.log)";
+    if (lack != Lack::nothing || !record) result.code = static_cast<int>(ExitCode::internal);
+    result.lack = lack;
+    return result;
+  }
+
   void conclude(const BatchJob& j, const JobResult& result) {
     TaskRecord record;
     if (const auto before = ended_.find(j.name); before != ended_.end()) record = before->second;
@@ -146,6 +181,7 @@ class Ending {
   const LibraryState& state_;
   Batch& batch_;
   std::map<std::string, TaskRecord> ended_;
+  std::map<std::string, Lack> lacks_;
 };
 
 }  // namespace
@@ -157,11 +193,23 @@ std::map<std::string, TaskRecord> ended_tasks(const Batch& batch) {
   return all;
 }
 
-bool is_final(const BatchJob& job, const std::map<std::string, TaskRecord>& ended, int max_tries) {
+bool is_final(const Batch& batch, const BatchJob& job, const std::map<std::string, TaskRecord>& ended) {
   const auto found = ended.find(job.name);
   if (found == ended.end()) return false;
   const TaskRecord& r = found->second;
-  return r.result.code == 0 || !may_pass_next_time(job, r.result) || r.attempt >= max_tries;
+  return r.result.code == 0 || !may_pass_next_time(batch, job, r.result) || r.attempt >= batch.max_tries;
+}
+
+std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<SlurmTask>& tasks) {
+  std::map<std::string, Lack> lacks;
+  for (const BatchArray& a : batch.arrays) {  // in the order of the tries: the last one counts
+    for (const std::string& name : a.names) lacks.erase(name);
+    for (const SlurmTask& t : tasks)
+      if (t.array == a.slurm && t.index >= 0 && static_cast<std::size_t>(t.index) < a.names.size())
+        if (const Lack lack = lack_of(t); lack != Lack::nothing)
+          lacks[a.names[static_cast<std::size_t>(t.index)]] = lack;
+  }
+  return lacks;
 }
 
 void submit_jobs(Batch& batch, const std::set<std::string>& names, double patience_s) {
@@ -216,13 +264,13 @@ BatchStep advance_batch(const LibraryState& state, const std::string& id, bool a
   std::optional<Batch> batch = read_batch(folder);
   if (!batch) throw Error(ExitCode::io, folder.string(), "batch.json", "is missing or damaged: `library build` again");
   if (!batch->is_open()) return BatchStep::finished;
-  const auto alive = tasks_of_slurm(batch->slurm_name());
-  if (!alive) return BatchStep::not_known;
-  const bool waits = std::any_of(alive->begin(), alive->end(), [&](const SlurmTask& t) {
+  const auto tasks = tasks_of_slurm(batch->slurm_name());
+  if (!tasks) return BatchStep::not_known;
+  const bool waits = std::any_of(tasks->begin(), tasks->end(), [&](const SlurmTask& t) {
     return is_alive(t) && (!as_last_job || t.array != batch->finish);
   });
   if (waits) return BatchStep::under_way;
-  Ending ending(state, *batch);
+  Ending ending(state, *batch, *tasks);
   std::set<std::string> again = ending.lost();
   if (again.empty()) again = ending.damaged();
   if (again.empty()) {

@@ -8,13 +8,15 @@
 #include "library/batch.h"
 #include "library/build.h"
 #include "library/ninja.h"
+#include "library/slurm.h"
 
 namespace trephine::library {
 
 /// A library build by Slurm (docs/site.md). Stale cases become job arrays: first those that others wait for (phantoms;
 /// of one patient's cases the first), parted by classes of memory and time, in chunks that the cluster accepts. A task
 /// is one `trephine run` in the node's own temporary folder, whose case is then published in the library. A last job
-/// submits again what was lost, verifies every byte, and makes the index.
+/// submits again what was lost, with more memory or time where it was ended for want of it, verifies every byte, and
+/// makes the index.
 
 /// The batch that does these jobs, with its jobs' waves and classes; nothing is written and nothing submitted. A job
 /// without a class that is large enough gets the largest.
@@ -44,7 +46,9 @@ BatchStep advance_batch(const LibraryState& state, const std::string& id, bool a
 
 /// How each job of the batch stands: its last try's record, or nothing. A job whose record is final is done.
 std::map<std::string, TaskRecord> ended_tasks(const Batch& batch);
-bool is_final(const BatchJob& job, const std::map<std::string, TaskRecord>& ended, int max_tries);
+bool is_final(const Batch& batch, const BatchJob& job, const std::map<std::string, TaskRecord>& ended);
+/// What the last try of a job lacked, by its name, as Slurm's states of the tasks say; others are left out.
+std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<SlurmTask>& tasks);
 
 /// What a task of an array runs: the job of this index (SLURM_ARRAY_TASK_ID). Returns the job's exit code. Throws Error
 /// 64 where it was not started by Slurm.

@@ -13,20 +13,29 @@ constexpr int smallest_class_mb = 256, largest_default_array = 1000;
 constexpr double memory_margin = 1.15;  // Slurm kills what takes more than it was granted
 constexpr double grace_s = 180;         // our own limit is to be met first, and its reason told
 
-void classify(const EngineParams& engine, const LibraryBuildParams& params, double estimate_mb, BatchJob& job) {
+std::vector<BatchClass> classes_of(const EngineParams& engine, const LibraryBuildParams& params) {
+  std::vector<BatchClass> out;
+  for (const EngineClassParams& c : engine.classes)
+    out.push_back({static_cast<int>(c.memory_mb),
+                   params.case_limit_s > 0 ? std::min(c.time_limit_s, params.case_limit_s) : c.time_limit_s,
+                   c.partition});
+  return out;
+}
+
+void classify(const std::vector<BatchClass>& classes, double case_limit_s, double estimate_mb, BatchJob& job) {
   const double need_mb = memory_margin * estimate_mb;
-  job.time_limit_s = params.case_limit_s;
-  if (engine.classes.empty()) {
+  if (classes.empty()) {
+    job.time_limit_s = case_limit_s;
     job.memory_mb = smallest_class_mb;
     while (job.memory_mb < need_mb) job.memory_mb *= 2;
     return;
   }
-  const EngineClassParams* chosen = &engine.classes.back();
-  for (auto it = engine.classes.rbegin(); it != engine.classes.rend(); ++it)
-    if (static_cast<double>(it->memory_mb) >= need_mb) chosen = &*it;
-  job.memory_mb = static_cast<int>(chosen->memory_mb);
+  const BatchClass* chosen = &classes.back();
+  for (auto it = classes.rbegin(); it != classes.rend(); ++it)
+    if (it->memory_mb >= need_mb) chosen = &*it;
+  job.memory_mb = chosen->memory_mb;
   job.partition = chosen->partition;
-  if (job.time_limit_s <= 0 || chosen->time_limit_s < job.time_limit_s) job.time_limit_s = chosen->time_limit_s;
+  job.time_limit_s = chosen->time_limit_s;
 }
 
 std::string minutes(double limit_s) { return std::to_string(static_cast<long>(std::ceil((limit_s + grace_s) / 60))); }
@@ -43,6 +52,7 @@ Batch plan_batch(const std::vector<NinjaJob>& jobs, const EngineParams& engine, 
   batch.max_tries = 1 + static_cast<int>(engine.resubmissions_count);
   batch.cache_limit_mb = params.cache_limit_mb;
   batch.sheet = params.sheet;
+  batch.classes = classes_of(engine, params);
   std::map<std::string, int> waves;  // jobs stand after those that they wait for
   for (const NinjaJob& j : jobs) {
     BatchJob one;
@@ -53,7 +63,7 @@ Batch plan_batch(const std::vector<NinjaJob>& jobs, const EngineParams& engine, 
     for (const std::string& before : j.after)
       if (const auto found = waves.find(before); found != waves.end()) one.wave = std::max(one.wave, found->second + 1);
     waves[one.name] = one.wave;
-    classify(engine, params, j.memory_mb, one);
+    classify(batch.classes, params.case_limit_s, j.memory_mb, one);
     batch.jobs.push_back(std::move(one));
   }
   return batch;

@@ -48,7 +48,7 @@ class Looking {
         const bool waits = task->second.state == "PENDING";
         ++(waits ? out_.waiting : out_.running);
         add(j, waits ? "waits" : "runs", task->second.node, "");
-      } else if (is_final(j, ended, batch.max_tries)) {
+      } else if (is_final(batch, j, ended)) {
         const JobResult& r = ended.at(j.name).result;
         ++(r.code == 0 ? out_.built : out_.failed);
         add(j, r.code == 0 ? "built" : "failed", ended.at(j.name).node,

@@ -27,7 +27,7 @@ if [[ -e $FAKE/down ]]; then
 fi
 id=$(($(ls "$FAKE/jobs" | wc -l) + 1))
 job=$FAKE/jobs/$id
-mkdir -p "$job/tasks"
+mkdir -p "$job/tasks" "$job/ended"
 echo "$*" >"$job/words"
 echo "$name" >"$job/name"
 for ((i = 0; i <= ${array:-0}; i++)); do touch "$job/tasks/$i"; done
@@ -37,6 +37,9 @@ for before in ${dependency//:/ }; do until [[ -e $FAKE/jobs/\$before/done ]]; do
 for ((i = 0; i <= ${array:-0}; i++)); do
   if [[ -n "$array" ]] && read -r left <$FAKE/lose && ((left > 0)); then
     echo \$((left - 1)) >$FAKE/lose
+  elif [[ -n "$array" ]] && read -r how left <$FAKE/starve && ((left > 0)); then
+    echo \$how \$((left - 1)) >$FAKE/starve
+    echo \$how >$job/ended/\$i
   else
     [[ -z "$array" ]] || export SLURM_ARRAY_TASK_ID=\$i
     SLURMD_NODENAME=played sh "$script" >>$job/said 2>&1
@@ -54,7 +57,11 @@ cat >"$FAKE/bin/squeue" <<'S'
 for word; do [[ $word != --name=* ]] || name=${word#*=}; done
 [[ ! -e $FAKE/silent ]] || { echo "slurm_load_jobs error: Unable to contact slurm controller (connect failure)" >&2; exit 1; }
 for job in "$FAKE"/jobs/*/; do
-  [[ $(cat "$job/name") == "$name" && ! -e $job/done ]] || continue
+  [[ $(cat "$job/name") == "$name" ]] || continue
+  for task in "$job"/ended/*; do
+    [[ ! -e $task || " $* " != *" --states=all "* ]] || echo "$(basename "$job")|$(basename "$task")|$(cat "$task")|played"
+  done
+  [[ ! -e $job/done ]] || continue
   for task in "$job"/tasks/*; do
     [[ -e $task ]] || continue
     index=$(basename "$task")
@@ -68,7 +75,10 @@ cat >"$FAKE/bin/scancel" <<'S'
 for job in "$FAKE"/jobs/*/; do [[ --name=$(cat "$job/name") != "$1" ]] || touch "$job/done"; done
 S
 printf '#!/bin/sh\necho "MaxArraySize            = 4"\n' >"$FAKE/bin/scontrol"
+printf '#!/bin/sh\necho "Slurm accounting storage is disabled" >&2\nexit 1\n' >"$FAKE/bin/sacct"
 chmod +x "$FAKE"/bin/*
+echo 0 >"$FAKE/lose"
+echo none 0 >"$FAKE/starve"
 export PATH=$FAKE/bin:$PATH
 
 "$TREPHINE" phantom "$work/l/DOE_1" $tiny_flags --seed 7 --quiet >/dev/null
@@ -129,6 +139,31 @@ PY
 grep -q 'case.bad .*failed .*80' said && grep -q 'case.bad .*stale' said || fail "status: $(cat said)"
 "$TREPHINE" library timeline "$work/out" --output t.svg
 grep -q '<title>case\.[a-z]*: .* s; [a-z]' t.svg && python3 -c 'import xml.dom.minidom; xml.dom.minidom.parse("t.svg")' || fail "timeline"
+
+# What Slurm ended for want of memory or time gets the next class that grants more of it, until there is none.
+submitted() { ls "$FAKE/jobs" | wc -l; }
+words_since() { for ((n = $1 + 1; n <= $(submitted); n++)); do cat "$FAKE/jobs/$n/words"; done; }
+first=$(ls "$work/out/.library/slurm")
+before=$(submitted)
+echo OUT_OF_MEMORY 1 >"$FAKE/starve"
+again() { "$TREPHINE" library build l.yaml --case a --out "$work/out" --no-pictures >said 2>&1; }
+rm -r "$work/out/a"
+again || { cat said; fail "a case that lacked memory once"; }
+cat "$FAKE"/jobs/*/said said | grep -q 'case.a: took more than the 1024 MB that Slurm grants it; again with 9000 MB, 3000 s' ||
+  fail "the larger class is not told: $(cat said "$FAKE"/jobs/*/said | tail)"
+words_since "$before" | grep -e '--mem=9000M' | grep -e '--time=53' | grep -qe '--partition=big' || fail "no larger class: $(words_since "$before")"
+[[ $(case_digest "$work/out/a") == "$(grep '^a ' <<<"$want" | cut -d' ' -f2-)" ]] || fail "another case a"
+echo TIMEOUT 9 >"$FAKE/starve"
+rm -r "$work/out/a"
+code=0
+again || code=$?
+[[ $code == 70 ]] && grep -q '^a *70  took more than the 3000 s that Slurm grants it, in 2 tries; no class of the engine grants more' said ||
+  fail "no class grants more: $code $(cat said)"
+[[ $(cat "$FAKE/starve") == 'TIMEOUT 7' ]] || fail "tried otherwise than twice: $(cat "$FAKE/starve")"
+[[ ! -e $work/out/a/case.json ]] || fail "a case that was never built is there"
+echo none 0 >"$FAKE/starve"
+again || { cat said; fail "a case that failed for want of time is not built again"; }
+for batch in "$work"/out/.library/slurm/*; do [[ $batch == */$first ]] || rm -r "$batch"; done
 
 # A batch that is cancelled is no hindrance any more.
 build l.yaml --no-wait --rebuild >/dev/null 2>&1
