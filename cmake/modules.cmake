@@ -98,6 +98,21 @@ function(trephine_module name)
   endif()
 endfunction()
 
+# trephine_library_on_demand(NAME ROOM FOLDER sources...): the sources of the room's folder, and what they use of other rooms, in a
+# library of our own that programs of the room load when they first need it (own_library of base/shared_library.h).
+function(trephine_library_on_demand name room folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+  list(TRANSFORM ARGN PREPEND ${PROJECT_SOURCE_DIR}/lib/)
+  add_library(${name} MODULE ${sources} ${ARGN})
+  set_target_properties(${name} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/trephine
+                        CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/lib)
+  target_link_options(${name} PRIVATE LINKER:-z,defs)
+  target_compile_options(${name} PRIVATE ${TREPHINE_LIGHT})
+  add_dependencies(trephine_${room} ${name})
+  install(TARGETS ${name} LIBRARY DESTINATION lib/trephine COMPONENT programs)
+endfunction()
+
 # trephine_registry(TARGET TYPE SUFFIX HEADER [FOLDER]): every NAME_SUFFIX.cpp of the folder (of each, where FOLDER ends in /*)
 # defines `TYPE NAME_SUFFIX()`; this makes `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by
 # name. So adding one takes no list.

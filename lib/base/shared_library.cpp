@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/spawn.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -30,6 +31,24 @@ void SharedLibrary::require_version(int used) const {
   if (const int given = version(); given != used)
     throw Error(ExitCode::bad_input, file_, "version",
                 std::to_string(given) + ", this program uses " + std::to_string(used));
+}
+
+SharedLibrary own_library(const std::string& name, const std::string& prefix) {
+  const std::filesystem::path folder = own_program().parent_path();
+  std::error_code ignored;
+  for (const std::filesystem::path& file :
+       {folder / (name + ".so"), folder.parent_path() / "lib/trephine" / (name + ".so")}) {
+    if (!std::filesystem::exists(file, ignored)) continue;
+    try {
+      SharedLibrary library(file, prefix);
+      library.require_version(own_library_version);
+      return library;
+    } catch (Error& e) {
+      throw Error(ExitCode::internal, name + ".so", e.field(), e.what());
+    }
+  }
+  throw Error(ExitCode::internal, name + ".so", "",
+              "is missing: it must lie in the folder of the programs, or in ../lib/trephine from there");
 }
 
 }  // namespace trephine

@@ -32,4 +32,12 @@ class SharedLibrary {
   void* handle_ = nullptr;
 };
 
+/// What version() of a library of ours gives; raised where a function of one changes.
+constexpr int own_library_version = 1;
+
+/// A library of this program's own, which is loaded when it is first needed, for what it links takes long to load
+/// (cmake/modules.cmake, trephine_library_on_demand). It lies in the program's folder or in ../lib/trephine from there.
+/// Throws Error 70 where it is not there, cannot be loaded, or is of another version of the program.
+SharedLibrary own_library(const std::string& name, const std::string& prefix);
+
 }  // namespace trephine

@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only file that includes GDCM. It runs GDCM's codecs in the bounded child process, on fragments and shapes that
-// the parent process has checked.
-#include <fmt/format.h>
-#include <gdcmDataElement.h>
-#include <gdcmFragment.h>
-#include <gdcmImage.h>
-#include <gdcmSequenceOfFragments.h>
-#include <gdcmTrace.h>
-
-#include <cstring>
+// Runs GDCM's codecs in the bounded child process, on fragments and shapes that the parent process has checked.
 #include <system_error>
 
 #include "base/child.h"
 #include "base/child_message.h"
 #include "base/error.h"
+#include "codecs/codecs.h"
 #include "dicom/decode.h"
 
 namespace trephine::dicom {
@@ -105,40 +97,14 @@ std::vector<char> decode(Job& j) {
   const std::string fault = check_codestream(syntax.encoding, stream, j.columns, j.rows, j.bits_allocated);
   if (!fault.empty()) bad_stream(j, fault);
 
-  gdcm::Image image;
-  image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(j.columns));
-  image.SetDimension(1, static_cast<unsigned>(j.rows));
-  const gdcm::PixelFormat format(1, static_cast<unsigned short>(j.bits_allocated),
-                                 static_cast<unsigned short>(j.bits_stored),
-                                 static_cast<unsigned short>(j.bits_stored - 1), j.is_signed);
-  image.SetPixelFormat(format);
-  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(j.syntax.c_str()));
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
-  gdcm::Fragment fragment;
-  fragment.SetByteValue(stream.data(), static_cast<std::uint32_t>(stream.size()));
-  fragments->AddFragment(fragment);
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
-  pixels.SetVR(gdcm::VR::OW);
-  pixels.SetValue(*fragments);
-  image.SetDataElement(pixels);
-
-  const std::size_t wanted = std::size_t(j.columns) * std::size_t(j.rows) * std::size_t(j.bits_allocated / 8);
-  if (image.GetBufferLength() != wanted) bad_stream(j, "the decoder expects another size");
-  std::vector<char> out(wanted);
-  if (!image.GetBuffer(out.data())) bad_stream(j, "cannot be decoded");
-  // The codec sets the word size that its stream states. Another word size would be another image.
-  if (image.GetPixelFormat().GetBitsAllocated() != j.bits_allocated)
-    bad_stream(j, fmt::format("decodes to {} bits, BitsAllocated is {}", image.GetPixelFormat().GetBitsAllocated(),
-                              j.bits_allocated));
+  std::vector<char> out;
+  const codecs::CodedFrame frame{j.syntax, j.columns, j.rows, j.bits_allocated, j.bits_stored, j.is_signed};
+  std::string undecoded;
+  if (!codecs::codecs().decode(&frame, stream, &out, &undecoded)) bad_stream(j, undecoded);
   return out;
 }
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  gdcm::Trace::DebugOff();
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
   MessageReader in(worker_name, request.request());
   const std::uint64_t count = in.number();
   for (std::uint64_t i = 0; i < count; ++i) {

@@ -46,9 +46,10 @@ struct EngineParams {
               "Most tasks of one job array; 0: the cluster's MaxArraySize, at most 1000.");
     v.integer(&P::at_once_count, "at_once_count", Range{0, 1e6},
               "Most tasks of one job array at once; 0: as many as Slurm starts.");
-    v.integer(&P::resubmissions_count, "resubmissions_count", Range{0, 100},
-              "How often a case is submitted again whose node died, that was killed, that met a full disk, or that needs the "
-              "next class.");
+    v.integer(
+        &P::resubmissions_count, "resubmissions_count", Range{0, 100},
+        "How often a case is submitted again whose node died, that was killed, that met a full disk, or that needs the "
+        "next class.");
     v.number(
         &P::lease_s, "lease_s", Range{5, 3600},
         "Seconds after which a lock is taken over that its holder does not renew; above the attribute cache of NFS.");

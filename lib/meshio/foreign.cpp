@@ -3,6 +3,7 @@
 
 #include "base/child_message.h"
 #include "base/error.h"
+#include "meshio/formats.h"
 
 namespace trephine::meshio {
 namespace {
@@ -49,8 +50,10 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   const std::string_view bytes = in.text(), companion = in.text();
   std::vector<ForeignSurface> surfaces;
   try {
-    surfaces = reader.program == ForeignProgram::vtk ? read_with_vtk(reader, bytes)
-                                                     : read_with_assimp(reader, bytes, companion);
+    if (reader.program == ForeignProgram::vtk)
+      formats().read_with_vtk(&reader, bytes, &surfaces);
+    else
+      formats().read_with_assimp(&reader, bytes, companion, &surfaces);
   } catch (const std::exception& e) {
     // Whatever a reader throws, the bytes are at fault; this includes std::bad_alloc for a hostile count.
     if (const auto* known = dynamic_cast<const Error*>(&e)) throw *known;

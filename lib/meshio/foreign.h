@@ -36,9 +36,4 @@ std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::strin
 /// Limits for a file of that size.
 ChildLimits foreign_limits(std::size_t bytes);
 
-/// To be called in the child only, because they can crash or hang on damaged bytes. They throw Error 65.
-std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::string_view bytes,
-                                             std::string_view companion);
-std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::string_view bytes);
-
 }  // namespace trephine::meshio

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// GDCM is used here only. It writes into memory; our own writer puts the bytes on the disk.
+// GDCM writes into memory; our own writer puts the bytes on the disk.
 #include "phantom/series.h"
 
 #include <fmt/format.h>
-#include <gdcmFile.h>
-#include <gdcmImage.h>
-#include <gdcmImageChangeTransferSyntax.h>
-#include <gdcmWriter.h>
 
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
+#include "codecs/codecs.h"
 
 namespace trephine::phantom {
 namespace {
+
+struct VR {
+  static constexpr const char *CS = "CS", *DA = "DA", *DS = "DS", *IS = "IS", *LO = "LO", *PN = "PN", *SH = "SH",
+                              *SS = "SS", *TM = "TM", *UI = "UI", *US = "US";
+};
 
 /// A DICOM decimal string: at most 16 characters.
 std::string decimal(double v) {
@@ -62,22 +62,18 @@ std::string uid(const std::string& identity, const char* what, int number) {
 
 class Attributes {
  public:
-  explicit Attributes(gdcm::DataSet& set) : set_(set) {}
-  void text(std::uint16_t group, std::uint16_t element, gdcm::VR::VRType vr, std::string value) {
-    if (value.size() % 2) value += vr == gdcm::VR::UI ? '\0' : ' ';
-    gdcm::DataElement e(gdcm::Tag(group, element), 0, vr);
-    e.SetByteValue(value.data(), static_cast<std::uint32_t>(value.size()));
-    set_.Replace(e);
+  void text(std::uint16_t group, std::uint16_t element, const char* vr, std::string value) {
+    if (value.size() % 2) value += vr == VR::UI ? '\0' : ' ';
+    elements_.push_back({group, element, vr, std::move(value)});
   }
-  void word(std::uint16_t group, std::uint16_t element, int value, gdcm::VR::VRType vr = gdcm::VR::US) {
-    const char bytes[2] = {static_cast<char>(value & 0xff), static_cast<char>((value >> 8) & 0xff)};
-    gdcm::DataElement e(gdcm::Tag(group, element), 0, vr);
-    e.SetByteValue(bytes, 2);
-    set_.Replace(e);
+  void word(std::uint16_t group, std::uint16_t element, int value, const char* vr = VR::US) {
+    elements_.push_back(
+        {group, element, vr, {static_cast<char>(value & 0xff), static_cast<char>((value >> 8) & 0xff)}});
   }
+  const std::vector<codecs::FileElement>& elements() const { return elements_; }
 
  private:
-  gdcm::DataSet& set_;
+  std::vector<codecs::FileElement> elements_;
 };
 
 struct Storage {
@@ -116,41 +112,18 @@ std::vector<char> stored_pixels(const Scan& scan, int slice, const SeriesParams&
   return bytes;
 }
 
-gdcm::TransferSyntax::TSType syntax_of(Encoding e) {
+const char* syntax_of(Encoding e) {
   switch (e) {
     case Encoding::none:
-      return gdcm::TransferSyntax::ExplicitVRLittleEndian;
+      break;
     case Encoding::rle:
-      return gdcm::TransferSyntax::RLELossless;
+      return "1.2.840.10008.1.2.5";
     case Encoding::jpeg_ls:
-      return gdcm::TransferSyntax::JPEGLSLossless;
+      return "1.2.840.10008.1.2.4.80";
     case Encoding::jpeg_2000:
-      return gdcm::TransferSyntax::JPEG2000Lossless;
+      return "1.2.840.10008.1.2.4.90";
   }
-  return gdcm::TransferSyntax::ExplicitVRLittleEndian;
-}
-
-/// The PixelData element in the transfer syntax asked for.
-gdcm::DataElement encoded(const std::vector<char>& pixels, const Scan& scan, const Storage& storage,
-                          Encoding encoding) {
-  gdcm::DataElement raw(gdcm::Tag(0x7fe0, 0x0010), 0, gdcm::VR::OW);
-  raw.SetByteValue(pixels.data(), static_cast<std::uint32_t>(pixels.size()));
-  if (encoding == Encoding::none) return raw;
-  gdcm::SmartPointer<gdcm::Image> image = new gdcm::Image;
-  image->SetNumberOfDimensions(2);
-  image->SetDimension(0, static_cast<unsigned>(scan.columns));
-  image->SetDimension(1, static_cast<unsigned>(scan.rows));
-  image->SetPixelFormat(gdcm::PixelFormat(1, 16, static_cast<unsigned short>(storage.bits_stored),
-                                          static_cast<unsigned short>(storage.bits_stored - 1),
-                                          static_cast<unsigned short>(storage.representation)));
-  image->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-  image->SetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
-  image->SetDataElement(raw);
-  gdcm::ImageChangeTransferSyntax change;
-  change.SetTransferSyntax(syntax_of(encoding));
-  change.SetInput(*image);
-  if (!change.Change()) throw Error(ExitCode::internal, "", "encoding", "the encoder failed");
-  return change.GetOutput().GetDataElement();
+  return "1.2.840.10008.1.2.1";
 }
 
 const char* position_code(Position p) {
@@ -169,7 +142,6 @@ const char* position_code(Position p) {
 
 void describe_patient_and_series(Attributes& a, const std::string& identity, const ScanParams& p,
                                  const SeriesNames& names) {
-  using VR = gdcm::VR;
   a.text(0x0008, 0x0005, VR::CS, "ISO_IR 100");
   a.text(0x0008, 0x0008, VR::CS,
          p.plane == Plane::axial ? "ORIGINAL\\PRIMARY\\AXIAL" : "DERIVED\\SECONDARY\\REFORMATTED");
@@ -205,7 +177,6 @@ void describe_patient_and_series(Attributes& a, const std::string& identity, con
 
 void describe_slice(Attributes& a, const std::string& identity, const Scan& scan, int slice, const SeriesParams& params,
                     const SeriesNames& names) {
-  using VR = gdcm::VR;
   const SlicePose& s = scan.slices[slice];
   const Storage storage = storage_of(params.pixels);
   a.text(0x0008, 0x0018, VR::UI, uid(identity, names.number == 1 ? "instance" : "instance of a further series", slice));
@@ -255,18 +226,15 @@ std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan
   std::uint64_t total = 0;
   for (int k = 0; k < static_cast<int>(scan.slices.size()); ++k) {
     progress.report(k / static_cast<double>(scan.slices.size()));
-    gdcm::Writer writer;
-    gdcm::DataSet& set = writer.GetFile().GetDataSet();
-    Attributes attributes(set);
+    Attributes attributes;
     describe_patient_and_series(attributes, identity, scan_params, names);
     describe_slice(attributes, identity, scan, k, params, names);
-    set.Replace(encoded(stored_pixels(scan, k, params, storage), scan, storage, params.encoding));
-    writer.GetFile().GetHeader().SetDataSetTransferSyntax(syntax_of(params.encoding));
-    std::ostringstream stream(std::ios::binary);
-    writer.SetStream(stream);
-    if (!writer.Write())
-      throw Error(ExitCode::internal, "", "dicom", fmt::format("slice {} could not be encoded", k + 1));
-    const std::string bytes = stream.str();
+    const std::vector<char> pixels = stored_pixels(scan, k, params, storage);
+    const codecs::CodedFrame frame{syntax_of(params.encoding), scan.columns, scan.rows, 16, storage.bits_stored,
+                                   storage.representation == 1};
+    std::string bytes, fault;
+    if (!codecs::codecs().write(&attributes.elements(), &frame, &pixels, &bytes, &fault))
+      throw Error(ExitCode::internal, "", "dicom", fmt::format("slice {}: {}", k + 1, fault));
     write_file(slice_file(folder, names, static_cast<std::size_t>(k) + 1), bytes);
     total += bytes.size();
   }

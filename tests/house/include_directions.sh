@@ -21,7 +21,7 @@ owners=(
   'itk[A-Z]|itk_|itk'
   'vtk[A-Z]|vtk_|meshing meshio simulator'
   'CGAL/|meshing metrics boolean'
-  'gdcm|dicom phantom'
+  'gdcm|codecs'
   'yaml-cpp/|config'
   'CLI/|cli'
   'tiny_gltf|cases'

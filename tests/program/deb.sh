@@ -24,7 +24,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp libinsighttoolkit; do
+for library in ninja-build gnuplot-nox fonts-dejavu-core libc6 libstdc++6 libfmt libssl libvtk libassimp libgdcm libyaml-cpp libinsighttoolkit; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
@@ -34,6 +34,7 @@ done
 dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
+  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs)\.so' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
   -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z0-9_.-]+\.(md|json)' \
@@ -50,6 +51,10 @@ done
 for program in trephine trephine-sim trephine-itk; do
   is_hardened "$root/usr/bin/$program"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
+done
+for library in "$root"/usr/lib/trephine/{mesh_formats,dicom_codecs}.so; do
+  is_hardened "$library"
+  ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$library" || fail "$library knows where it was built"
 done
 
 chmod -R a-w "$root"

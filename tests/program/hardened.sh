@@ -8,6 +8,7 @@ command -v readelf >/dev/null || skip "no readelf"
 bin=$(dirname "$TREPHINE")
 
 for program in trephine trephine-sim trephine-itk; do is_hardened "$bin/$program"; done
+for library in mesh_formats dicom_codecs; do is_hardened "$BUILD/lib/trephine/$library.so"; done
 for path in '/a:' ':/a' '/a::/b' 'lib' '/a:lib' ''; do  # each of these is found
   ! (readelf() { echo " 0x1d (RUNPATH)            Library runpath: [$path]"; }; has_whole_run_path fake) 2>/dev/null || [[ -z $path ]] \
     || fail "a run path of '$path' was not found"
@@ -17,7 +18,7 @@ while IFS= read -r file; do
   readelf -h "$file" >/dev/null 2>&1 || continue
   has_whole_run_path "$file"
   count=$((count + 1))
-done < <(find "$bin" "$BUILD/tests" -type f \( -perm -u+x -o -name '*.so' \) 2>/dev/null)
+done < <(find "$bin" "$BUILD/tests" "$BUILD/lib/trephine" -type f \( -perm -u+x -o -name '*.so' \) 2>/dev/null)
 [[ $count -ge 3 ]] || fail "only $count binaries were looked at"
 
 # What the programs load is not taken from the working folder, whatever lies there: these are no libraries at all.
@@ -44,4 +45,5 @@ fi
 # Installed.
 cmake --install "$BUILD" --prefix "$work/installed" --component programs >"$work/log" 2>&1 || { cat "$work/log"; fail "cmake --install"; }
 for program in trephine trephine-sim trephine-itk; do is_hardened "$work/installed/bin/$program"; done
+for library in mesh_formats dicom_codecs; do is_hardened "$work/installed/lib/trephine/$library.so"; done
 echo ok

@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "meshio/foreign.h"
+#include "meshio/formats/formats_inside.h"
 
 namespace trephine::meshio {
 namespace {

@@ -21,7 +21,7 @@
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
-#include "meshio/foreign.h"
+#include "meshio/formats/formats_inside.h"
 
 namespace trephine::meshio {
 namespace {

@@ -25,6 +25,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "grid/length_unit.h"
+#include "meshio/formats/formats_inside.h"
 
 namespace trephine::meshio {
 namespace {
@@ -166,7 +167,7 @@ void scale_to_mm(surface::TriMesh& mesh, const std::string& unit) {
 
 }  // namespace
 
-surface::TriMesh parse_vtp(std::string&& bytes) {
+surface::TriMesh parse_with_vtk(std::string&& bytes) {
   const Declared declared = check_counts(bytes);
   const vtkSmartPointer<vtkPolyData> data = parse(std::move(bytes));
   if (std::uint64_t(data->GetNumberOfPoints()) != declared.points ||
@@ -201,7 +202,6 @@ surface::TriMesh parse_vtp(std::string&& bytes) {
     turn_to_lps(mesh);
   else if (!space.empty() && space.find("LPS") == std::string::npos)
     damaged(vtp_space_name, printable(space).substr(0, 40) + ", must be LPS or RAS");
-  surface::check_mesh(mesh);
   return mesh;
 }
 
