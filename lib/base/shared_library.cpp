@@ -40,6 +40,9 @@ SharedLibrary own_library(const std::string& name, const std::string& prefix) {
        {folder / (name + ".so"), folder.parent_path() / "lib/trephine" / (name + ".so")}) {
     if (!std::filesystem::exists(file, ignored)) continue;
     try {
+      // What it links is bound function by function when it is called, as it was when the program itself linked it; the
+      // constructor below, which finds it loaded, would bind all of VTK's at once.
+      dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
       SharedLibrary library(file, prefix);
       library.require_version(own_library_version);
       return library;
