@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <map>
 #include <thread>
 
 #include "base/error.h"
@@ -173,6 +174,22 @@ TEST(Fluoro, TheNeedlesTipIsWhereItIsProjected) {
     const double slant = std::abs(dot(normalized(needle.tail_mm - needle.tip_mm), arm.beam()));
     EXPECT_LT(inner, 0.5 + 1e-9) << orbit;
     EXPECT_GT(inner, -0.5 - slant * 1.25 * length / norm(needle.tail_mm - needle.tip_mm) * 2) << orbit;
+  }
+}
+
+// A point at the patient's left is seen at the edge that says L.
+TEST(Fluoro, TheLettersAreThePatientsSides) {
+  for (const double orbit : {0.0, 30.0, 90.0, 180.0, 210.0, 270.0, -90.0}) {
+    fluoro::CArmParams p;
+    p.view = fluoro::CArmParams::View::free;
+    p.orbit_deg = orbit;
+    const fluoro::CArm arm(p, 256);
+    const auto [at_left, at_right] = arm.side_letters();
+    const std::map<std::string, Vec3> sides = {
+        {"L", {40, 0, 0}}, {"R", {-40, 0, 0}}, {"A", {0, -40, 0}}, {"P", {0, 40, 0}}};
+    EXPECT_LT(arm.project(sides.at(at_left))[0], 128) << orbit;
+    EXPECT_GT(arm.project(sides.at(at_right))[0], 128) << orbit;
+    EXPECT_EQ(std::string(at_left) == "A" || std::string(at_left) == "P", std::abs(std::cos(orbit * M_PI / 180)) < 0.6);
   }
 }
 

@@ -157,6 +157,13 @@ TEST(GroupView, RetentionFailuresAndThePassMark) {
   const std::string page = group::group_page(view, {});
   EXPECT_NE(page.find("wrong side"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
+  const std::string german = group::group_page(view, {}, texts::Language::german);
+  for (const char* said : {"lang=\"de\"", "Eine Gruppe von 6 Teilnehmern, 21 Versuche", "falsche Seite", "nachher",
+                           "Bestehensgrenze", "Nach der Phase nachher", "Weg der Hand", "Bestanden:"})
+    EXPECT_NE(german.find(said), std::string::npos) << said;
+  for (const char* english :
+       {">participant", "Pass mark", "wrong side", "Critical", "Passed:", ">after", "of the points"})
+    EXPECT_EQ(german.find(english), std::string::npos) << english;
 }
 
 }  // namespace

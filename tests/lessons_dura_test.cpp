@@ -68,3 +68,26 @@ TEST(LessonsDura, ABreachIsMoreThanTheDuraBears) {
   watch.tick(f, false, facts);
   EXPECT_TRUE(facts->pops.empty());
 }
+
+// A burr hole ends at the dura: it is reached, and a moment's press as the inner table gives way is no breach.
+TEST(LessonsDura, ReachingTheDuraIsNoErrorAndPressingOnIs) {
+  const cases::CaseManifest m = head_case(Kind::drilled, 1, true).manifest;
+  haptics::ServoFrame f;
+  f.dt_s = 0.001;
+  f.touched = 5;
+  const auto breached = [&](const std::vector<double>& forces_n) {
+    std::optional<lessons::DuraFacts> facts;
+    lessons::DuraWatch watch(m, facts);
+    for (const double force_n : forces_n) {
+      f.force_n[2] = force_n;
+      watch.tick(f, true, facts);
+    }
+    return facts->breached;
+  };
+  EXPECT_FALSE(breached(std::vector<double>(60000, 0.99)));
+  std::vector<double> moment(9, 3.0);
+  moment.push_back(0.9);
+  moment.insert(moment.end(), 9, 3.0);
+  EXPECT_FALSE(breached(moment)) << "twice 9 ms, and let go between";
+  EXPECT_TRUE(breached(std::vector<double>(10, 1.1)));
+}

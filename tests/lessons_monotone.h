@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "lessons/lesson_words.h"
 #include "lessons/score_report.h"
 #include "lessons_run.h"
 #include "voxel/decode.h"
@@ -17,6 +18,36 @@ constexpr int steps_count = 10;
 
 inline int rank(const lessons::LessonScore& s) { return s.outcome() == lessons::LessonOutcome::completed ? 1 : 0; }
 
+// Whatever a score says, a German reader reads it in German.
+inline void expect_german(const lessons::LessonScore& s) {
+  const auto expect = [](const std::string& english) {
+    const std::string german = lessons::lesson_words(texts::Language::german, english);
+    EXPECT_TRUE(english.empty() || german != english) << english;
+    EXPECT_EQ(german.find('{'), std::string::npos) << german;
+  };
+  const auto expect_figure = [](const std::string& name) {
+    for (const char* same :
+         {"ideal_mm", "ideal_s", "ideal_deg", "ideal_count", "foramen_mm", "axial_deg", "sagittal_deg"})
+      if (name == same) return;
+    EXPECT_NE(lessons::figure_title(texts::Language::german, name),
+              lessons::figure_title(texts::Language::english, name))
+        << name;
+  };
+  for (const lessons::ScoreRow& row : s.rows) {
+    expect(row.title);
+    expect(row.why);
+    for (const auto& figure : row.measured) expect_figure(figure.first);
+    for (const auto& limit : row.limits) expect_figure(limit.first);
+  }
+  for (const lessons::CriticalError& e : s.critical) expect(e.what);
+  expect(s.unreached);
+  for (const lessons::Advice& a : s.advice) {
+    EXPECT_FALSE(a.in[0].empty());
+    EXPECT_FALSE(a.in[1].empty());
+    EXPECT_NE(a.in[0], a.in[1]);
+  }
+}
+
 // `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/lessons.md.
 inline void check(const std::string& lesson, const std::string& axis,
                   const std::function<lessons::LessonScore(int)>& spoilt, bool ends_completed) {
@@ -25,6 +56,7 @@ inline void check(const std::string& lesson, const std::string& axis,
   lessons::LessonScore score;
   for (int n = 0; n < steps_count; ++n) {
     score = spoilt(n);
+    expect_german(score);
     const int points = lessons::sum_of(score).points;
     sums += fmt::format("{}{}", n == 0 ? "" : " ", points);
     if (n > 0) {

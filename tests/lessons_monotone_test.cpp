@@ -2,68 +2,16 @@
 // No score is better for a worse performance, in a head and in a chest.
 #include "lessons_monotone.h"
 #include "lessons_chest.h"
-#include "lessons_head.h"
+#include "lessons_head_facts.h"
 
 using namespace lesson_cases;
 
 namespace {
 
-Head& head() {
-  static Head one(Kind::whole, 1, true);
-  return one;
-}
-
-struct HeadAim {
-  Vec3 tip_off;
-  double beyond_mm = 0;
-};
-
-lessons::VentriculostomyFacts perfect_head(bool left) {
-  lessons::VentriculostomyFacts f;
-  f.task = left ? "left" : "right";
-  f.end = lessons::LessonEnd::finished;
-  f.end_s = 120;
-  lessons::MarkerTrace midline, suture;
-  midline.length_mm = 110, suture.length_mm = 40;
-  for (int n = 0; n <= 110; ++n) midline.points_mm.push_back(towards(nasion_deg + deg_of(n), 0) * skin_mm);
-  for (int n = -20; n <= 20; ++n) suture.points_mm.push_back(towards(nasion_deg + deg_of(125), deg_of(n)) * skin_mm);
-  f.traces = {midline, suture};
-  f.incisions.emplace_back();
-  f.drill_begin_s = 20, f.drill_s = 15, f.through_s = 40;
-  lessons::BoneHole hole;
-  hole.out = normalized(kocher(left));
-  hole.outer_mm = hole.out * outer_mm;
-  hole.inner_mm = hole.out * inner_mm;
-  hole.removed_mm3 = 800;
-  hole.drilled = hole.through = true;
-  f.hole = hole;
-  f.dura.emplace();
-  return f;
-}
-
-void pass_into(lessons::VentriculostomyFacts& f, bool left, const HeadAim& aim) {
-  const Vec3 end = Vec3{left ? -foramen.x : foramen.x, foramen.y, foramen.z} + aim.tip_off;
-  const Vec3 way = normalized(end - f.hole->outer_mm);
-  const lessons::HeadShapes shapes = lessons::head_shapes_of(head().felt().loaded.manifest);
-  lessons::CatheterPass pass;
-  pass.out = -way;
-  double time_s = 60;
-  walk<lessons::PassPoint>(head().whole(), f.hole->outer_mm, end + way * (aim.beyond_mm - 1), [&](Vec3 at, int inside) {
-    time_s += 0.01;
-    if (pass.path.empty() && inside != shapes.brain && inside != shapes.ventricles) return;
-    if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
-    if (inside == shapes.ventricles && pass.csf_s < 0) pass.csf_s = time_s;
-    pass.path.push_back({time_s, at, inside});
-    pass.end_s = time_s;
-  });
-  if (pass.path.empty()) return;
-  pass.in_place = true;
-  f.passes.push_back(pass);
-}
-
 void check_head(bool left) {
   const auto score = [](const lessons::VentriculostomyFacts& f) {
-    return lessons::score_ventriculostomy(f, head().felt().loaded.manifest, head().whole(), Head::rubric());
+    return lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest, phantom_head().whole(),
+                                          Head::rubric());
   };
   using Spoil = std::function<void(lessons::VentriculostomyFacts&, int)>;
   const auto before = [&](const Spoil& spoil) {  // of what was done before the catheter

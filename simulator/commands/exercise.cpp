@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 struct ExerciseParams {
   std::string module = "ventriculostomy", participant, group, level;
   bool all = true, play = false, again = false, retention = false;
+  texts::Language language = texts::Language::english;
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
@@ -36,6 +37,7 @@ struct ExerciseParams {
     v.flag(&P::retention, "retention", "Do the tests once more, later: they are added to the plan.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
     v.flag(&P::play, "play", "Open a window in which the next case that is to be done is done by hand.");
+    v.choice(&P::language, "language", texts::languages(), "Language of the reports' pages, and of the window.");
   }
 };
 
@@ -160,8 +162,9 @@ class Exercise {
           return;
       }
       // The report is last: what is there is done.
-      const lessons::ScoredLesson scored =
+      lessons::ScoredLesson scored =
           lessons::score_recording(recording, c->folder, rubric, lessons::Answers::replayed, public_key());
+      scored.head.language = params_.language;
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);
       lessons::write_report(scored, c->folder, {report, {}, {}});
@@ -177,6 +180,7 @@ class Exercise {
                                       "--participant",        params_.participant, "--rubric",
                                       parsed_.text("rubric"), "--record",          recording.string()};
     if (!task.empty()) words.insert(words.end(), {"--task", task});
+    if (params_.language == texts::Language::german) words.insert(words.end(), {"--language", "de"});
     if (parsed_.has("settings")) words.insert(words.end(), {"--settings", parsed_.text("settings")});
     play.run(cli::parse_command(play, words));
 #else

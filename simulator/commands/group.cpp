@@ -72,7 +72,7 @@ ExitCode run_group(const cli::ParsedCommand& parsed) {
   if (parsed.has("answers"))
     with_file(parsed.text("answers"),
               [&] { parts.answers = study::evaluate(study::read_table(parsed.path("answers")), {}); });
-  write_file(parsed.path("page"), group::group_page(view, parts));
+  write_file(parsed.path("page"), group::group_page(view, parts, parsed.params<group::GroupParams>().language));
   if (!parsed.quiet)
     for (const group::ModuleView& m : view.modules)
       std::cout << m.module << ": " << m.participants.size() << " participants, " << m.attempts.size() << " attempts\n";

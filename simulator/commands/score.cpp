@@ -12,10 +12,12 @@ namespace {
 
 struct ScoreParams {
   bool trust_recording = false;
+  texts::Language language = texts::Language::english;
   template <class V>
   static void describe(V& v) {
     v.flag(&ScoreParams::trust_recording, "trust_recording",
            "Judge the forces, contacts and times that the recording says, without a replay; the report says so.");
+    v.choice(&ScoreParams::language, "language", texts::languages(), "Language of the page and of the table.");
   }
 };
 
@@ -33,6 +35,7 @@ ExitCode run_score(const cli::ParsedCommand& parsed) {
       throw Error(ExitCode::usage, file, "module", report.module + ", but the recording is of " + lesson.head.module);
     experts.push_back(report.motion);
   }
+  lesson.head.language = parsed.params<ScoreParams>().language;
   lesson.head.experts = lessons::expert_bands(experts);
   const std::string repeats = lessons::write_report(lesson, parsed.path("case"),
                                                     {parsed.path("json"), parsed.path("page"), parsed.path("log")});

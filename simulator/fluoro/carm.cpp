@@ -45,6 +45,12 @@ std::array<double, 2> CArm::project(Vec3 p) const {
   return {half + dot(d, right_) * larger / pixel_mm_, half - dot(d, up_) * larger / pixel_mm_};
 }
 
+std::array<const char*, 2> CArm::side_letters() const {
+  constexpr double mostly = 0.6;
+  if (std::abs(right_.x) >= mostly) return right_.x > 0 ? std::array{"R", "L"} : std::array{"L", "R"};
+  return right_.y > 0 ? std::array{"A", "P"} : std::array{"P", "A"};
+}
+
 double chord_mm(const MetalRod& rod, const CArm::Ray& ray) {
   const double length = norm(rod.tail_mm - rod.tip_mm), radius = 0.5 * rod.diameter_mm;
   if (!(length > 0)) return 0;

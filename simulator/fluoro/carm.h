@@ -56,6 +56,8 @@ class CArm {
   }
   int size() const { return size_; }
   Vec3 beam() const { return beam_; }
+  /// The patient's side at the picture's left and right edge: R and L, or where those lie along the beam, A and P.
+  std::array<const char*, 2> side_letters() const;
 
  private:
   Vec3 centre_, beam_, right_, up_;

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "base/base64.h"
 #include "base/html_text.h"
 #include "group/group_view.h"
+#include "lessons/lesson_words.h"
 #include "study/words.h"
 
 namespace trephine::group {
@@ -21,6 +23,76 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } .wide { ove
 .plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; flex: 1 1 26em; max-width: 40em } img { width: 100%; background: #fff }
 .note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
 )";
+
+// What the page says, in each language.
+constexpr texts::Wording words[] = {
+    {{"participant", "Teilnehmer"}},
+    {{"group", "Gruppe"}},
+    {{"level", "Stufe"}},
+    {{"done of planned", "erledigt von geplant"}},
+    {{"completed", "vollendet"}},
+    {{"failed", "nicht bestanden"}},
+    {{"first", "erster"}},
+    {{"last", "letzter"}},
+    {{"kept", "behalten"}},
+    {{"all", "alle"}},
+    {{"before", "vorher"}},
+    {{"practice", "Übung"}},
+    {{"after", "nachher"}},
+    {{"retention", "später"}},
+    {{"{} of {}", "{} von {}"}},
+    {{"Shares of the points that could be had, as means over attempts. Kept: (retention - before) / (after - before), "
+      "where there was a gain.",
+      "Anteile der möglichen Punkte, als Mittel über Versuche. Behalten: (später - vorher) / (nachher - vorher), wo "
+      "etwas gewonnen war."}},
+    {{"row", "Zeile"}},
+    {{"Rows of the score: mean of 1 to 5, and how often it was judged",
+      "Zeilen der Bewertung: Mittel von 1 bis 5, und wie oft bewertet wurde"}},
+    {{"not judged", "nicht bewertet"}},
+    {{"Critical errors", "Schwere Fehler"}},
+    {{"None happened.", "Keiner kam vor."}},
+    {{"error", "Fehler"}},
+    {{"by whom", "von wem"}},
+    {{"how often", "wie oft"}},
+    {{"Pass mark, by contrasting groups", "Bestehensgrenze, nach kontrastierenden Gruppen"}},
+    {{"not set: {}", "nicht gesetzt: {}"}},
+    {{"By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean {:.1f} %, sd "
+      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed by a critical error or did not finish has not "
+      "passed, whatever the points.",
+      "Nach {}: <b>{:.1f} %</b> der Punkte, wo sich die Normaldichten von {} ({} Teilnehmer, Mittel {:.1f} %, SD "
+      "{:.1f}) und {} ({}, Mittel {:.1f} %, SD {:.1f}) schneiden. Wer einen schweren Fehler machte oder nicht fertig "
+      "wurde, hat nicht bestanden, gleich mit wie vielen Punkten."}},
+    {{"{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and {:.1f} %). A mark from few "
+      "participants is uncertain.",
+      "{} von {} bestehen und {} von {} nicht (von Normalverteilungen erwartet: {:.1f} und {:.1f} %). Eine Grenze aus "
+      "wenigen Teilnehmern ist unsicher."}},
+    {{"the mean of all attempts", "dem Mittel aller Versuche"}},
+    {{"phase {}", "der Phase {}"}},
+    {{"Passed:", "Bestanden:"}},
+    {{"Not passed:", "Nicht bestanden:"}},
+    {{"nobody", "niemand"}},
+    {{"figure of the hand's motion", "Größe der Handbewegung"}},
+    {{"experts", "Erfahrene"}},
+    {{"{} to {}", "{} bis {}"}},
+    {{"Motion in the last attempt, beside {} recordings of experts",
+      "Bewegung im letzten Versuch, neben {} Aufnahmen von Erfahrenen"}},
+    {{"Coloured: outside of the experts' band.", "Farbig: außerhalb des Bandes der Erfahrenen."}},
+    {{"Questionnaire", "Fragebogen"}},
+    {{"question", "Frage"}},
+    {{"phase", "Phase"}},
+    {{"answers", "Antworten"}},
+    {{"mean", "Mittel"}},
+    {{"median", "Median"}},
+    {{"change in those who answered in both", "Änderung bei denen, die in beiden antworteten"}},
+    {{"Trephine: a group", "Trephine: eine Gruppe"}},
+    {{"A group of {} participants, {} attempts", "Eine Gruppe von {} Teilnehmern, {} Versuche"}},
+    {{"not a medical device", "kein Medizinprodukt"}},
+};
+const char* said(texts::Language language, std::string_view english) {
+  for (const texts::Wording& w : words)
+    if (english == w.of(texts::Language::english)) return w.of(language);
+  return english.data();
+}
 
 std::string cell(const std::string& text, const char* kind = "n") {
   return fmt::format("<td class=\"{}\">{}", kind, html_text(text));
@@ -43,17 +115,20 @@ constexpr const char* table_end = "</table></div>\n";
 std::vector<std::string> shown_phases(const ModuleView& m) {
   return m.phases.empty() ? std::vector<std::string>{""} : m.phases;
 }
-std::string phase_title(const std::string& phase) { return phase.empty() ? "all" : phase; }
+std::string phase_title(const std::string& phase, texts::Language l) { return said(l, phase.empty() ? "all" : phase); }
 
-std::string participants_html(const ModuleView& m) {
-  std::vector<std::string> heads = {"participant", "group", "level", "done of planned", "completed", "failed"};
-  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase));
-  heads.insert(heads.end(), {"first", "last", "kept"});
+std::string participants_html(const ModuleView& m, texts::Language l) {
+  std::vector<std::string> heads;
+  for (const char* head : {"participant", "group", "level", "done of planned", "completed", "failed"})
+    heads.push_back(said(l, head));
+  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase, l));
+  heads.insert(heads.end(), {said(l, "first"), said(l, "last"), said(l, "kept")});
   std::string out = table_begin(heads, 3);
   for (const ParticipantView& p : m.participants) {
     out += "<tr><td>" + html_text(p.participant) + "<td>" + html_text(p.group) + "<td>" + html_text(p.level);
-    out += cell(p.planned > 0 ? fmt::format("{} of {}", p.done, p.planned) : std::to_string(p.done),
-                p.done < p.planned ? "n faint" : "n");
+    out +=
+        cell(p.planned > 0 ? fmt::format(fmt::runtime(said(l, "{} of {}")), p.done, p.planned) : std::to_string(p.done),
+             p.done < p.planned ? "n faint" : "n");
     out += cell(std::to_string(p.completed)) + cell(std::to_string(p.failed), p.failed > 0 ? "n bad" : "n");
     for (const std::string& phase : shown_phases(m)) {
       const auto at = p.share_by_phase.find(phase);
@@ -62,21 +137,23 @@ std::string participants_html(const ModuleView& m) {
     out += cell(p.done > 0 ? percent(p.first_share) : "") + cell(p.done > 0 ? percent(p.last_share) : "");
     out += cell(p.retained_ratio ? percent(*p.retained_ratio) : "") + "</tr>\n";
   }
-  return out + table_end +
-         "<p class=\"faint\">Shares of the points that could be had, as means over attempts. Kept: (retention - "
-         "before) "
-         "/ (after - before), where there was a gain.</p>\n";
+  return out + table_end + "<p class=\"faint\">" +
+         said(l,
+              "Shares of the points that could be had, as means over attempts. Kept: (retention - before) / (after - "
+              "before), where there was a gain.") +
+         "</p>\n";
 }
 
-std::string rows_html(const ModuleView& m) {
-  std::vector<std::string> heads = {"row"};
-  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase));
-  std::string out = "<h3>Rows of the score: mean of 1 to 5, and how often it was judged</h3>\n" + table_begin(heads, 1);
+std::string rows_html(const ModuleView& m, texts::Language l) {
+  std::vector<std::string> heads = {said(l, "row")};
+  for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase, l));
+  std::string out = std::string("<h3>") + said(l, "Rows of the score: mean of 1 to 5, and how often it was judged") +
+                    "</h3>\n" + table_begin(heads, 1);
   for (const RowView& row : m.rows) {
-    out += "<tr><td>" + html_text(row.title);
+    out += "<tr><td>" + html_text(lessons::lesson_words(l, row.title));
     for (const std::string& phase : shown_phases(m)) {
       const auto at = row.by_phase.find(phase);
-      out += cell(at == row.by_phase.end() ? "not judged"
+      out += cell(at == row.by_phase.end() ? said(l, "not judged")
                                            : fmt::format("{:.1f} ({})", at->second.first, at->second.second));
     }
     out += "</tr>\n";
@@ -84,9 +161,10 @@ std::string rows_html(const ModuleView& m) {
   return out + table_end;
 }
 
-std::string failures_html(const ModuleView& m) {
-  if (m.failures.empty()) return "<h3>Critical errors</h3>\n<p>None happened.</p>\n";
-  std::string out = "<h3>Critical errors</h3>\n" + table_begin({"error", "by whom", "how often"}, 2);
+std::string failures_html(const ModuleView& m, texts::Language l) {
+  std::string out = std::string("<h3>") + said(l, "Critical errors") + "</h3>\n";
+  if (m.failures.empty()) return out + "<p>" + said(l, "None happened.") + "</p>\n";
+  out += table_begin({said(l, "error"), said(l, "by whom"), said(l, "how often")}, 2);
   for (const auto& [error, by] : m.failures) {
     std::string who;
     std::size_t count = 0;
@@ -94,42 +172,53 @@ std::string failures_html(const ModuleView& m) {
       who += (who.empty() ? "" : ", ") + participant + (times > 1 ? fmt::format(" ({})", times) : "");
       count += times;
     }
-    out += "<tr><td>" + html_text(title_of(error)) + "<td>" + html_text(who) + cell(std::to_string(count)) + "</tr>\n";
+    out += "<tr><td>" + html_text(lessons::lesson_words(l, title_of(error))) + "<td>" + html_text(who) + cell(std::to_string(count)) + "</tr>\n";
   }
   return out + table_end;
 }
 
-std::string pass_mark_html(const ModuleView& m) {
+std::string pass_mark_html(const ModuleView& m, texts::Language l) {
   if (!m.pass_mark) return "";
   const PassMark& p = *m.pass_mark;
-  std::string out = "<h3>Pass mark, by contrasting groups</h3>\n";
-  if (!p.why_not.empty()) return out + "<p class=\"note\">not set: " + html_text(p.why_not) + "</p>\n";
-  out += fmt::format(
-      "<p>By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean {:.1f} %, sd "
-      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed "
-      "by a critical error or did not finish has not passed, whatever the points.</p>\n",
-      html_text(p.of), 100 * p.mark_ratio, html_text(p.less), p.less_summary.count, 100 * p.less_summary.mean,
-      100 * *p.less_summary.sd, html_text(p.more), p.more_summary.count, 100 * p.more_summary.mean,
-      100 * *p.more_summary.sd);
-  out += fmt::format(
-      "<p class=\"faint\">{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and {:.1f} %). "
-      "A mark from few participants is uncertain.</p>\n",
-      percent(p.less_pass_ratio), html_text(p.less), percent(p.more_fail_ratio), html_text(p.more),
-      100 * p.less_pass_expected_ratio, 100 * p.more_fail_expected_ratio);
+  std::string out = std::string("<h3>") + said(l, "Pass mark, by contrasting groups") + "</h3>\n";
+  if (!p.why_not.empty())
+    return out + "<p class=\"note\">" + fmt::format(fmt::runtime(said(l, "not set: {}")), html_text(p.why_not)) +
+           "</p>\n";
+  const std::string of = p.of.rfind("phase ", 0) == 0
+                             ? fmt::format(fmt::runtime(said(l, "phase {}")), phase_title(p.of.substr(6), l))
+                             : said(l, p.of);
+  out +=
+      "<p>" +
+      fmt::format(fmt::runtime(said(
+                      l,
+                      "By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean "
+                      "{:.1f} %, sd {:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed by a critical "
+                      "error or did not finish has not passed, whatever the points.")),
+                  html_text(of), 100 * p.mark_ratio, html_text(p.less), p.less_summary.count, 100 * p.less_summary.mean,
+                  100 * *p.less_summary.sd, html_text(p.more), p.more_summary.count, 100 * p.more_summary.mean,
+                  100 * *p.more_summary.sd) +
+      "</p>\n";
+  out += "<p class=\"faint\">" +
+         fmt::format(fmt::runtime(said(l,
+                                       "{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and "
+                                       "{:.1f} %). A mark from few participants is uncertain.")),
+                     percent(p.less_pass_ratio), html_text(p.less), percent(p.more_fail_ratio), html_text(p.more),
+                     100 * p.less_pass_expected_ratio, 100 * p.more_fail_expected_ratio) +
+         "</p>\n";
   std::string passed, not_passed;
   for (const auto& [participant, pass] : p.passed) {
     std::string& list = pass ? passed : not_passed;
     list += (list.empty() ? "" : ", ") + participant;
   }
-  return out + "<p><span class=\"good\">Passed:</span> " + html_text(passed.empty() ? "nobody" : passed) +
-         "<br><span class=\"bad\">Not passed:</span> " + html_text(not_passed.empty() ? "nobody" : not_passed) +
-         "</p>\n";
+  const auto shown = [&](const std::string& list) { return list.empty() ? said(l, "nobody") : html_text(list); };
+  return out + "<p><span class=\"good\">" + said(l, "Passed:") + "</span> " + shown(passed) +
+         "<br><span class=\"bad\">" + said(l, "Not passed:") + "</span> " + shown(not_passed) + "</p>\n";
 }
 
 // The last attempt of each participant beside what experts do.
-std::string motion_html(const ModuleView& m) {
+std::string motion_html(const ModuleView& m, texts::Language l) {
   if (m.bands.empty()) return "";
-  std::vector<std::string> heads = {"figure of the hand's motion", "experts"};
+  std::vector<std::string> heads = {said(l, "figure of the hand's motion"), said(l, "experts")};
   std::vector<const lessons::AttemptResult*> last;
   for (const ParticipantView& p : m.participants) {
     const lessons::AttemptResult* found = nullptr;
@@ -139,11 +228,14 @@ std::string motion_html(const ModuleView& m) {
     last.push_back(found);
     heads.push_back(p.participant);
   }
-  std::string out =
-      fmt::format("<h3>Motion in the last attempt, beside {} recordings of experts</h3>\n", m.bands.front().count) +
-      table_begin(heads, 1);
+  std::string out = "<h3>" +
+                    fmt::format(fmt::runtime(said(l, "Motion in the last attempt, beside {} recordings of experts")),
+                                m.bands.front().count) +
+                    "</h3>\n" + table_begin(heads, 1);
   for (const lessons::ExpertBand& band : m.bands) {
-    out += "<tr><td>" + html_text(title_of(band.name)) + cell(fmt::format("{:.4g} to {:.4g}", band.low, band.high));
+    out += "<tr><td>" + html_text(lessons::figure_title(l, band.name)) +
+           cell(fmt::format(fmt::runtime(said(l, "{} to {}")), fmt::format("{:.4g}", band.low),
+                            fmt::format("{:.4g}", band.high)));
     for (const lessons::AttemptResult* r : last) {
       const std::optional<double> value = r->figure(band.name);
       const bool within = value && *value >= band.low && *value <= band.high;
@@ -151,14 +243,17 @@ std::string motion_html(const ModuleView& m) {
     }
     out += "</tr>\n";
   }
-  return out + table_end + "<p class=\"faint\">Coloured: outside of the experts' band.</p>\n";
+  return out + table_end + "<p class=\"faint\">" + said(l, "Coloured: outside of the experts' band.") + "</p>\n";
 }
 
 // Each question by phase: the mean answer, how many gave one, and whether it changed in those who answered twice.
-std::string answers_html(const study::Study& answers) {
-  std::string out = "<h2>Questionnaire</h2>\n";
+std::string answers_html(const study::Study& answers, texts::Language l) {
+  std::string out = std::string("<h2>") + said(l, "Questionnaire") + "</h2>\n";
   for (const std::string& note : answers.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
-  out += table_begin({"question", "phase", "answers", "mean", "median", "change in those who answered in both"}, 2);
+  std::vector<std::string> heads;
+  for (const char* head : {"question", "phase", "answers", "mean", "median", "change in those who answered in both"})
+    heads.push_back(said(l, head));
+  out += table_begin(heads, 2);
   for (const study::MeasureStudy& m : answers.measures)
     for (const study::Comparison& c : m.comparisons) {
       if (c.by != "phase") continue;
@@ -168,9 +263,10 @@ std::string answers_html(const study::Study& answers) {
         for (const study::PairTests& pair : c.pairs)
           for (const study::NamedTest& test : pair.tests)
             if (pair.first == 0 && pair.second == n && test.name == "signed rank") change = study::sentence(test);
-        out += "<tr><td>" + html_text(n == 0 ? title_of(m.name) : "") + "<td>" + html_text(c.samples[n].name) +
-               cell(std::to_string(s.count)) + cell(s.count > 0 ? study::figure(s.mean) : "") +
-               cell(s.count > 0 ? study::figure(s.median) : "") + cell(change) + "</tr>\n";
+        out += "<tr><td>" + html_text(n == 0 ? title_of(m.name) : "") + "<td>" +
+               html_text(phase_title(c.samples[n].name, l)) + cell(std::to_string(s.count)) +
+               cell(s.count > 0 ? study::figure(s.mean) : "") + cell(s.count > 0 ? study::figure(s.median) : "") +
+               cell(change) + "</tr>\n";
       }
     }
   return out + table_end;
@@ -178,25 +274,26 @@ std::string answers_html(const study::Study& answers) {
 
 }  // namespace
 
-std::string group_page(const GroupView& view, const GroupPageParts& parts) {
+std::string group_page(const GroupView& view, const GroupPageParts& parts, texts::Language l) {
   std::string out = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<!DOCTYPE html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src '{}'; "
       "base-uri 'none'; form-action 'none'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Trephine: a group</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>{}</title>\n"
       "<style>{}</style></head><body>\n",
-      policy_hash(style), style);
+      l == texts::Language::german ? "de" : "en", policy_hash(style), said(l, "Trephine: a group"), style);
   std::size_t attempts = 0;
   std::map<std::string, bool> participants;
   for (const ModuleView& m : view.modules) {
     attempts += m.attempts.size();
     for (const ParticipantView& p : m.participants) participants[p.participant] = true;
   }
-  out += fmt::format("<h1>A group of {} participants, {} attempts</h1>\n<p class=\"faint\">not a medical device</p>\n",
-                     participants.size(), attempts);
+  out += "<h1>" +
+         fmt::format(fmt::runtime(said(l, "A group of {} participants, {} attempts")), participants.size(), attempts) +
+         "</h1>\n<p class=\"faint\">" + said(l, "not a medical device") + "</p>\n";
   for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
   for (const ModuleView& m : view.modules) {
-    out += "<h2>" + html_text(title_of(m.module)) + "</h2>\n" + participants_html(m);
+    out += "<h2>" + html_text(title_of(m.module)) + "</h2>\n" + participants_html(m, l);
     if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
       out += "<div class=\"plots\">\n";
       for (const auto& [title, svg] : at->second)
@@ -204,9 +301,9 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts) {
                "\"><figcaption>" + html_text(title) + "</figcaption></figure>\n";
       out += "</div>\n";
     }
-    out += rows_html(m) + failures_html(m) + pass_mark_html(m) + motion_html(m);
+    out += rows_html(m, l) + failures_html(m, l) + pass_mark_html(m, l) + motion_html(m, l);
   }
-  if (parts.answers) out += answers_html(*parts.answers);
+  if (parts.answers) out += answers_html(*parts.answers, l);
   return out + "</body></html>\n";
 }
 

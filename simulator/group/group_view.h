@@ -15,6 +15,7 @@ namespace trephine::group {
 /// What a teacher looks at.
 struct GroupParams {
   std::string expert_level = "expert", less_level, more_level;
+  texts::Language language = texts::Language::english;
   template <class V>
   static void describe(V& v) {
     using P = GroupParams;
@@ -22,6 +23,7 @@ struct GroupParams {
            "The level whose recordings are called an expert's: they give the bands of the motion figures.");
     v.text(&P::less_level, "less_level", "Of the two levels that set the pass mark, the one that should not pass.");
     v.text(&P::more_level, "more_level", "Of the two levels that set the pass mark, the one that should pass.");
+    v.choice(&P::language, "language", texts::languages(), "Language of the page.");
   }
 };
 
@@ -79,7 +81,8 @@ struct GroupPageParts {
   std::map<std::string, std::vector<std::pair<std::string, std::string>>> pictures;  ///< title and SVG, by module
   std::optional<study::Study> answers;  ///< of a questionnaire: a measure a question, by phase
 };
-/// One HTML page of it, without script and without other files.
-std::string group_page(const GroupView& view, const GroupPageParts& parts);
+/// One HTML page of it, without script and without other files. Notes and plots are in English.
+std::string group_page(const GroupView& view, const GroupPageParts& parts,
+                       texts::Language language = texts::Language::english);
 
 }  // namespace trephine::group

@@ -8,24 +8,12 @@
 namespace trephine::lessons {
 namespace {
 
-// What every lesson's steps may say.
-constexpr texts::Wording common[] = {{{"Finished", "Beendet"}},
-                                     {{"What is left in place is judged.", "Bewertet wird, was liegen bleibt."}}};
 constexpr texts::Wording task_word{{"Task", "Aufgabe"}}, why_word{{"Why", "Warum"}}, sign_word{{"Sign", "Zeichen"}},
     steps_word{{"What was to be done, why, and how one sees that it is right",
                 "Was zu tun war, warum, und woran man sieht, dass es richtig ist"}},
     tools_word{{"Tools", "Instrumente"}};
 
 }  // namespace
-
-std::string lesson_words(texts::Language language, const std::string& english) {
-  for (const texts::Wording& w : common)
-    if (english == w.of(texts::Language::english)) return w.of(language);
-  for (const LessonType& lesson : lesson_types())
-    for (const LessonText& text : lesson.texts)
-      if (english == text.in[0]) return text.in[std::size_t(language)];
-  return english;
-}
 
 const std::string& aim_of(const LessonTask& task, texts::Language language) {
   return language == texts::Language::german && !task.german_aim.empty() ? task.german_aim : task.aim;
@@ -45,7 +33,7 @@ std::vector<LessonGuide> guide_of(const LessonType& type, const LessonFacts& fac
     steps.back().text = steps.back().tool = t.name;
   }
   steps.emplace_back();
-  steps.back().text = "Finished";
+  steps.back().text = "Finish the lesson";
   steps.back().command = "finish";
   return steps;
 }

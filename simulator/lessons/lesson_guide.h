@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lessons/lesson_type.h"
+#include "lessons/lesson_words.h"
 #include "texts/language.h"
 
 namespace trephine::lessons {
@@ -25,7 +26,5 @@ const std::string& indication_of(const LessonTask& task, texts::Language languag
 std::vector<LessonGuide> guide_of(const LessonType& type, const LessonFacts& facts);
 /// Whether a step is for that tool.
 bool is_for_tool(const LessonGuide& step, const std::string& tool);
-/// Words of any lesson in that language; those that are no lesson's are returned as they are.
-std::string lesson_words(texts::Language language, const std::string& english);
 
 }  // namespace trephine::lessons

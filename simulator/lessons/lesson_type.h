@@ -10,6 +10,7 @@
 #include "fluoro/carm.h"
 #include "lessons/lesson.h"
 #include "lessons/scripted_hand.h"
+#include "texts/language.h"
 
 namespace trephine::lessons {
 
@@ -43,10 +44,13 @@ struct LessonStatus {
 
 /// What a lesson says, in each language of texts/language.h, English first. Steps, why and sign, labels and values are
 /// looked up by their English words (lesson_words); words that the window knows for every lesson ("Passes") stand
-/// there.
+/// there. So are the rows' titles and reasons, critical errors, and what outcome() and headline() say.
 struct LessonText {
   std::string in[2];
 };
+inline void append(std::vector<LessonText>& texts, const std::vector<LessonText>& more) {
+  texts.insert(texts.end(), more.begin(), more.end());
+}
 
 /// What lamp and drapes of a window leave open: the middle of the field, and the radius of the drape's opening (0:
 /// nothing is draped yet). It must not tell what the participant has to find.
@@ -91,6 +95,7 @@ struct LessonType {
   std::vector<LessonColumn> columns;  ///< of the log, after the rows
   std::vector<StepChoice> steps;      ///< what its scripts may say
   bool needs_pictures = false;        ///< fluoroscopy shows where the tool is: a window needs the case's CT
+  std::string view;  ///< how a window shows the patient at first (a choice of --view); empty: as its surgeon stands
   /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
   std::vector<std::string> classes;
 
@@ -131,7 +136,7 @@ struct LessonType {
   /// and the page's pictures as HTML.
   std::function<nlohmann::ordered_json(const LessonFacts&)> facts_json;
   std::function<std::string(const LessonFacts&, const LessonScore&)> outcome, headline;
-  std::function<std::string(const LessonFacts&, const cases::LoadedCase&)> pictures;
+  std::function<std::string(const LessonFacts&, const cases::LoadedCase&, texts::Language)> pictures;
 };
 
 /// All of them, by name of their source.

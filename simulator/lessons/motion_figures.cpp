@@ -221,35 +221,76 @@ std::vector<ExpertBand> expert_bands(const std::vector<std::vector<std::pair<std
 }
 
 std::vector<std::string> motion_advice(const std::vector<std::pair<std::string, double>>& figures,
-                                       const std::vector<ExpertBand>& bands) {
+                                       const std::vector<ExpertBand>& bands, texts::Language language) {
+  using texts::Wording;
   struct Words {
-    const char *name, *what, *unit, *too_high, *too_low;
+    const char* name;
+    Wording sentence;  // with places for the value and for the experts' two
+    Wording too_high, too_low;
   };
-  constexpr Words words[] = {
-      {"path_mm", "Your hand moved", "mm", "Plan the way before you move.", ""},
-      {"tissue_path_mm", "Your tool went", "mm through tissue", "Aim in the open and go in once, without searching.",
-       ""},
-      {"economy_ratio", "Your movements were straight by a ratio of", "", "", "Go from place to place on one line."},
-      {"smoothness_sparc", "The smoothness of your movements was", "", "",
-       "Move slowly and without stops; support the hand."},
-      {"idle_s", "Your hand was at rest for", "s", "Know the next step before the last one ends.", ""},
-      {"tremor_um", "Your tremor was", "um", "Support the wrist, and hold the tool nearer to its tip.", ""},
-      {"force_integral_n_s", "You pressed for", "N s", "Press less, or for less long.", ""},
-      {"tissue_force_integral_n_s", "You pressed within tissue for", "N s", "Let the tool find its way.", ""},
-      {"contact_force_n", "In contact you pressed with", "N", "Touch more lightly.", ""}};
+  static const Words words[] = {
+      {"path_mm",
+       {{"Your hand moved {} mm; experts' lie between {} and {}.",
+         "Ihre Hand legte {} mm zurück; bei Erfahrenen {} bis {}."}},
+       {{"Plan the way before you move.", "Planen Sie den Weg, bevor Sie sich bewegen."}},
+       {{"", ""}}},
+      {"tissue_path_mm",
+       {{"Your tool went {} mm through tissue; experts' lie between {} and {}.",
+         "Ihr Instrument ging {} mm durch Gewebe; bei Erfahrenen {} bis {}."}},
+       {{"Aim in the open and go in once, without searching.",
+         "Zielen Sie außen und gehen Sie einmal hinein, ohne zu suchen."}},
+       {{"", ""}}},
+      {"economy_ratio",
+       {{"Your movements were straight by a ratio of {}; experts' lie between {} and {}.",
+         "Ihre Bewegungen waren zu einem Anteil von {} gerade; bei Erfahrenen {} bis {}."}},
+       {{"", ""}},
+       {{"Go from place to place on one line.", "Gehen Sie auf einer Linie von Ort zu Ort."}}},
+      {"smoothness_sparc",
+       {{"The smoothness of your movements was {}; experts' lie between {} and {}.",
+         "Die Glätte Ihrer Bewegungen war {}; bei Erfahrenen {} bis {}."}},
+       {{"", ""}},
+       {{"Move slowly and without stops; support the hand.",
+         "Bewegen Sie sich langsam und ohne Halt; stützen Sie die Hand."}}},
+      {"idle_s",
+       {{"Your hand was at rest for {} s; experts' lie between {} and {}.",
+         "Ihre Hand ruhte {} s; bei Erfahrenen {} bis {}."}},
+       {{"Know the next step before the last one ends.", "Kennen Sie den nächsten Schritt, bevor der letzte endet."}},
+       {{"", ""}}},
+      {"tremor_um",
+       {{"Your tremor was {} um; experts' lie between {} and {}.", "Ihr Tremor war {} um; bei Erfahrenen {} bis {}."}},
+       {{"Support the wrist, and hold the tool nearer to its tip.",
+         "Stützen Sie das Handgelenk, und halten Sie das Instrument näher an der Spitze."}},
+       {{"", ""}}},
+      {"force_integral_n_s",
+       {{"You pressed for {} N s; experts' lie between {} and {}.", "Sie drückten {} N s; bei Erfahrenen {} bis {}."}},
+       {{"Press less, or for less long.", "Drücken Sie schwächer oder kürzer."}},
+       {{"", ""}}},
+      {"tissue_force_integral_n_s",
+       {{"You pressed within tissue for {} N s; experts' lie between {} and {}.",
+         "Sie drückten im Gewebe {} N s; bei Erfahrenen {} bis {}."}},
+       {{"Let the tool find its way.", "Lassen Sie das Instrument seinen Weg finden."}},
+       {{"", ""}}},
+      {"contact_force_n",
+       {{"In contact you pressed with {} N; experts' lie between {} and {}.",
+         "Bei Berührung drückten Sie mit {} N; bei Erfahrenen {} bis {}."}},
+       {{"Touch more lightly.", "Berühren Sie leichter."}},
+       {{"", ""}}}};
   std::vector<std::string> out;
   for (const ExpertBand& band : bands)
     for (const auto& [name, value] : figures)
       for (const Words& w : words) {
         if (name != band.name || name != w.name) continue;
-        const char* advice = value > band.high ? w.too_high : value < band.low ? w.too_low : "";
+        const char* advice = (value > band.high  ? w.too_high
+                              : value < band.low ? w.too_low
+                                                 : Wording{{"", ""}})
+                                 .of(language);
         if (*advice == '\0') continue;
         const auto plain = [](double v) {
           return std::abs(v) >= 100 ? fmt::format("{:.0f}", v) : fmt::format("{:.3g}", v);
         };
-        const std::string unit = *w.unit ? std::string(" ") + w.unit : "";
-        out.push_back(fmt::format("{} {}{}; experts' lie between {} and {}. {}", w.what, plain(value), unit,
-                                  plain(band.low), plain(band.high), advice));
+        out.push_back(
+            fmt::format(fmt::runtime(w.sentence.of(language)), plain(value), plain(band.low), plain(band.high)) + " " +
+            advice);
       }
   return out;
 }

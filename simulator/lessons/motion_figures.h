@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "haptics/frame.h"
+#include "texts/language.h"
 
 namespace trephine::lessons {
 
@@ -36,6 +37,7 @@ std::vector<ExpertBand> expert_bands(const std::vector<std::vector<std::pair<std
 /// What a hand outside of the band is told, a sentence for each figure: "You moved 2140 mm; experts moved 900 to 1400
 /// mm. Plan the way before you move."
 std::vector<std::string> motion_advice(const std::vector<std::pair<std::string, double>>& figures,
-                                       const std::vector<ExpertBand>& bands);
+                                       const std::vector<ExpertBand>& bands,
+                                       texts::Language language = texts::Language::english);
 
 }  // namespace trephine::lessons

@@ -16,12 +16,31 @@ namespace {
 constexpr int pixels = 160;  // of a mm
 
 struct Plane {
-  const char* name;
+  texts::Wording name;
   Vec3 right, down;
+  const char *at_left, *at_right, *at_top, *at_bottom;  // the patient's side there, as all pictures letter it
 };
 // As radiologists look at them: the patient's left on the right; the nose on the left.
-const std::array<Plane, 3> planes{
-    {{"axial", {1, 0, 0}, {0, 1, 0}}, {"coronal", {1, 0, 0}, {0, 0, -1}}, {"sagittal", {0, 1, 0}, {0, 0, -1}}}};
+const std::array<Plane, 3> planes{{{{{"axial", "axial"}}, {1, 0, 0}, {0, 1, 0}, "R", "L", "A", "P"},
+                                   {{{"coronal", "koronal"}}, {1, 0, 0}, {0, 0, -1}, "R", "L", "S", "I"},
+                                   {{{"sagittal", "sagittal"}}, {0, 1, 0}, {0, 0, -1}, "A", "P", "S", "I"}}};
+constexpr texts::Wording slice_word{{"slice", "Schicht"}};
+
+// The letters at the edges, and a bar of 50 mm (a unit of the picture is a mm).
+std::string marks_of(const Plane& plane) {
+  constexpr int middle = pixels / 2, bar_mm = 50, edge = 4;
+  std::string out;
+  const auto letter = [&](const char* text, int x, int y) {
+    out += fmt::format("<text text-anchor=\"middle\" x=\"{}\" y=\"{}\">{}</text>", x, y, text);
+  };
+  letter(plane.at_left, edge + 3, middle + 3);
+  letter(plane.at_right, pixels - edge - 3, middle + 3);
+  letter(plane.at_top, middle, edge + 7);
+  letter(plane.at_bottom, middle, pixels - edge - 1);
+  out += fmt::format("<line class=\"scale\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>", edge, edge + bar_mm,
+                     pixels - edge);
+  return out + fmt::format("<text x=\"{}\" y=\"{}\">{} mm</text>", edge, pixels - edge - 3, bar_mm);
+}
 
 double hu_at(const grid::Grid<std::int16_t>& ct, Vec3 world_mm) {
   const Vec3 p = ct.to_index(world_mm);
@@ -50,15 +69,15 @@ std::string picture_of(const grid::Grid<std::int16_t>& ct, Vec3 middle, const Pl
 }  // namespace
 
 std::string slices_html(const cases::LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
-                        const PictureWindow& window) {
+                        texts::Language language, const PictureWindow& window) {
   std::string out = "<div class=\"slices\">\n";
   for (const Plane& plane : planes) {
     const auto at = [&](Vec3 p) {
       return fmt::format("{:.1f},{:.1f}", dot(p - through, plane.right) + pixels / 2,
                          dot(p - through, plane.down) + pixels / 2);
     };
-    out +=
-        fmt::format("<figure><svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"{1} slice\">", pixels, plane.name);
+    out += fmt::format("<figure><svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"{1} {2}\">", pixels,
+                       plane.name.of(language), slice_word.of(language));
     if (loaded.has_ct())
       out += fmt::format("<image width=\"{0}\" height=\"{0}\" href=\"{1}\"/>", pixels,
                          picture_of(loaded.ct, through, plane, window));
@@ -74,7 +93,8 @@ std::string slices_html(const cases::LoadedCase& loaded, Vec3 through, const std
       for (const Vec3& p : mark.points_mm) out += at(p) + " ";
       out += "\"/>";
     }
-    out += fmt::format("</svg><figcaption>{}</figcaption></figure>\n", plane.name);
+    out += marks_of(plane);
+    out += fmt::format("</svg><figcaption>{}</figcaption></figure>\n", plane.name.of(language));
   }
   return out + "</div>\n";
 }

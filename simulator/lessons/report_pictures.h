@@ -5,6 +5,7 @@
 
 #include "base/html_text.h"
 #include "cases/load_case.h"
+#include "texts/language.h"
 
 namespace trephine::lessons::detail {
 
@@ -18,9 +19,10 @@ struct PictureMark {
 struct PictureWindow {
   double low_hu = -20, high_hu = 120;
 };
-/// Three slices of the CT through the point, 160 mm wide, with the marks projected onto them, as HTML.
+/// Three slices of the CT through the point, 160 mm wide, with the marks projected onto them, the patient's sides at
+/// the edges (R, L, A, P, S, I) and a bar of 50 mm, as HTML.
 std::string slices_html(const cases::LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks,
-                        const PictureWindow& window = {});
+                        texts::Language language, const PictureWindow& window = {});
 
 /// Text without what HTML takes for its own.
 inline std::string escaped(const std::string& text) { return html_text(text); }

@@ -16,6 +16,12 @@ const LessonFigure& LessonScore::figure(const std::string& name) const {
   throw Error(ExitCode::internal, "", name, "is a figure that the lesson does not have");
 }
 
+const ScoreRow* LessonScore::row(const std::string& name) const {
+  for (const ScoreRow& r : rows)
+    if (r.name == name) return &r;
+  return nullptr;
+}
+
 std::string LessonScore::reason() const {
   if (critical.empty()) return unreached;
   std::string all;

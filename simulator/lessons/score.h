@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lesson/rubric.h"
+#include "lessons/directions.h"
 
 namespace trephine::lessons {
 
@@ -50,6 +51,10 @@ struct LessonScore {
   /// The reason: of a failure all critical errors, of what is not completed what is missing; else empty.
   std::string reason() const;
   std::vector<LessonFigure> figures;
+  std::vector<Advice> advice;  ///< of the rows that lost points by a place or a direction, in their order
+  const ScoreRow* row(const std::string& name) const;  ///< null where there is none of that name
+  /// Whether that row was judged and lost points, so that it is worth an advice.
+  bool lost(const std::string& name) const { return row(name) && row(name)->score && *row(name)->score < 5; }
   /// The figure of that name; throws Error 70 where the module has none.
   const LessonFigure& figure(const std::string& name) const;
   bool known(const std::string& name) const { return !std::holds_alternative<std::monostate>(figure(name).value); }

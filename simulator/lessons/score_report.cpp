@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lessons/lesson_type.h"
+#include "lessons/lesson_words.h"
 
 namespace trephine::lessons {
 namespace {
@@ -49,6 +50,19 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
   return out;
 }
 
+// What the table in the terminal says beside the rows.
+constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical_words{{"CRITICAL", "SCHWERER FEHLER"}},
+    heat_words{{"bone at most {:.1f} degrees, as {:.2g} minutes at 43",
+                "Knochen höchstens {:.1f} Grad, wie {:.2g} Minuten bei 43"}},
+    undone_words{{"TAKEN BACK: {} times what was cut", "ZURÜCKGENOMMEN: {} mal, was geschnitten war"}},
+    trusted_words{{"TRUSTED: the recording was not replayed", "GEGLAUBT: die Aufnahme wurde nicht nachgespielt"}},
+    unsealed_words{{"NOT SEALED: made into a pipe or by an older program",
+                    "OHNE SIEGEL: in eine Pipe oder von einem älteren Programm gemacht"}},
+    broken_words{{"BROKEN SEAL: the recording was changed after it was written",
+                  "SIEGEL GEBROCHEN: die Aufnahme wurde nachträglich verändert"}},
+    points_words{{"{} of {} points{}; {}, {}", "{} von {} Punkten{}; {}, {}"}},
+    table_words{{" ({} of {} by the table)", " ({} von {} nach der Tabelle)"}};
+
 }  // namespace
 
 ScoreSum sum_of(const LessonScore& score) {
@@ -64,9 +78,14 @@ ScoreSum sum_of(const LessonScore& score) {
   return sum;
 }
 
-std::string headline_of(const LessonScore& score) {
-  const std::string reason = score.reason();
-  return std::string(name_of(score.outcome())) + (reason.empty() ? "" : ": " + reason);
+std::string headline_of(const LessonScore& score, texts::Language language) {
+  std::string reason;
+  const auto add = [&](const std::string& text) {
+    reason += (reason.empty() ? "" : "; ") + lesson_words(language, text);
+  };
+  for (const CriticalError& e : score.critical) add(e.what);
+  if (score.critical.empty() && !score.unreached.empty()) add(score.unreached);
+  return lesson_words(language, name_of(score.outcome())) + (reason.empty() ? "" : ": " + reason);
 }
 
 std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
@@ -112,6 +131,10 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
               {"figures", figures},
               {"facts", json_of(lesson_type(head.module), facts)}};
   out["motion"] = motion;
+  Json feedback = Json::array();
+  for (const Advice& a : score.advice)
+    feedback.push_back({{"row", a.row}, {"en", a.of(texts::Language::english)}, {"de", a.of(texts::Language::german)}});
+  out["feedback"] = feedback;
   if (!head.experts.empty()) {
     out["experts"] = experts;
     out["advice"] = motion_advice(head.motion, head.experts);
@@ -120,33 +143,38 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
 }
 
 std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
+  const texts::Language language = head.language;
+  const auto say = [&](const texts::Wording& w) { return w.of(language); };
+  const auto words = [&](const std::string& english) { return lesson_words(language, english); };
   std::string text;
   for (const ScoreRow& row : score.rows) {
-    text += fmt::format("{:<33} {:>10}  {}", row.title, row.score ? std::to_string(*row.score) : "not judged", row.why);
+    text += fmt::format("{:<33} {:>13}  {}", words(row.title),
+                        row.score ? std::to_string(*row.score) : words("not judged"), words(row.why));
     std::string figures;
     for (const auto& [name, value] : row.measured)
       figures += fmt::format("{}{} {:.1f}", figures.empty() ? "" : ", ", name, value);
     if (!figures.empty()) text += " (" + figures + ")";
-    if (row.decided_s) text += fmt::format(", at {:.1f} s", *row.decided_s);
+    if (row.decided_s) text += fmt::format(fmt::runtime(say(at_words)), *row.decided_s);
     text += "\n";
   }
   const ScoreSum sum = sum_of(score);
   for (const CriticalError& e : score.critical)
-    text += fmt::format("CRITICAL: {}{}\n", e.what, e.at_s ? fmt::format(", at {:.1f} s", *e.at_s) : "");
+    text += fmt::format("{}: {}{}\n", say(critical_words), words(e.what),
+                        e.at_s ? fmt::format(fmt::runtime(say(at_words)), *e.at_s) : "");
   if (facts.max_bone_c > 0)
-    text +=
-        fmt::format("bone at most {:.1f} degrees, as {:.2g} minutes at 43\n", facts.max_bone_c, facts.heat_dose_min);
-  if (facts.undone > 0) text += fmt::format("TAKEN BACK: {} times what was cut\n", facts.undone);
-  if (!head.replayed) text += "TRUSTED: the recording was not replayed\n";
-  if (head.seal == haptics::Seal::absent) text += "NOT SEALED: made into a pipe or by an older program\n";
-  if (head.seal == haptics::Seal::broken) text += "BROKEN SEAL: the recording was changed after it was written\n";
+    text += fmt::format(fmt::runtime(say(heat_words)), facts.max_bone_c, facts.heat_dose_min) + "\n";
+  if (facts.undone > 0) text += fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "\n";
+  if (!head.replayed) text += std::string(say(trusted_words)) + "\n";
+  if (head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
+  if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";
   if (!head.signature.empty()) text += head.signature + "\n";
-  for (const std::string& sentence : motion_advice(head.motion, head.experts)) text += sentence + "\n";
-  text += headline_of(score) + "\n";
-  text += fmt::format("{} of {} points{}; {}, {}\n", sum.points, sum.most,
-                      sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.max_of_table) : "",
-                      name_of(facts.end), lesson_type(head.module).outcome(facts, score));
-  return text;
+  for (const Advice& a : score.advice) text += a.of(language) + "\n";
+  for (const std::string& sentence : motion_advice(head.motion, head.experts, language)) text += sentence + "\n";
+  text += headline_of(score, language) + "\n";
+  text += fmt::format(fmt::runtime(say(points_words)), sum.points, sum.most,
+                      sum.beside ? fmt::format(fmt::runtime(say(table_words)), sum.of_table, sum.max_of_table) : "",
+                      words(name_of(facts.end)), words(lesson_type(head.module).outcome(facts, score)));
+  return text + "\n";
 }
 
 }  // namespace trephine::lessons

@@ -19,18 +19,20 @@ struct ReportHead {
   std::string signature = {};                                ///< signature_state()
   std::vector<std::pair<std::string, double>> motion = {};   ///< motion_figures()
   std::vector<ExpertBand> experts = {};                      ///< beside which they are shown; none: by themselves
+  texts::Language language = texts::Language::english;       ///< of page and table; the JSON is for programs
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 
-/// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened. It holds
-/// no time, host or path; the same inputs give the same bytes.
+/// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened; in
+/// English, but for `feedback`, which has each sentence in each language. It holds no time, host or path; the same
+/// inputs give the same bytes.
 std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
 
 /// The same as a table for the terminal.
 std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
 
 /// "failed: the lung was entered": the outcome, and its reason where there is one.
-std::string headline_of(const LessonScore& score);
+std::string headline_of(const LessonScore& score, texts::Language language = texts::Language::english);
 
 /// Sum of the rows that were judged, and of the most that they could have been.
 struct ScoreSum {

@@ -183,10 +183,17 @@ void Stage::draw(const scene::OrbitCamera& camera, int width, int height, const 
 
 // Sagittal, coronal and axial, from the lower right corner to the left.
 void Stage::draw_insets(int width, int height) {
-  if (!state.insets || !state.tool_shown) return;
+  for (const Inset& at : insets(width, height))
+    renderer_->draw_inset({at.axis, state.tip_mm}, state, at.x, height - at.y - at.size, at.size, at.half_mm);
+}
+
+std::vector<Inset> Stage::insets(int width, int height) const {
+  std::vector<Inset> all;
+  if (!state.insets || !state.tool_shown || !loaded_.has_ct()) return all;
   const int size = std::min(width / 5, height / 4), gap = std::max(2, size / 30);
   for (int axis = 0; axis < 3; ++axis)
-    renderer_->draw_inset({axis, state.tip_mm}, state, width - (axis + 1) * (size + gap), gap, size, inset_mm);
+    all.push_back({axis, width - (axis + 1) * (size + gap), height - gap - size, size, inset_mm});
+  return all;
 }
 
 }  // namespace trephine::render

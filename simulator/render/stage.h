@@ -15,6 +15,13 @@
 
 namespace trephine::render {
 
+/// A slice of the CT in a corner, through the tip: where its plane lies (0 sagittal, 1 coronal, 2 axial), where it is
+/// in the picture (pixels from the upper left corner), and half of what it shows.
+struct Inset {
+  int axis = 0, x = 0, y = 0, size = 0;
+  double half_mm = 0;
+};
+
 /// A case on stage: the scene, its live surfaces and the renderer, as a window and the pictures of a recording use
 /// them. In the thread of the current context.
 class Stage {
@@ -54,6 +61,9 @@ class Stage {
   /// moves the eyes from where the camera stands (right, up, towards the viewer).
   void draw(const scene::OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind,
             Vec3 head_mm = {});
+
+  /// The slices that a picture of that size shows; none where they are switched off, or the case has no CT.
+  std::vector<Inset> insets(int width, int height) const;
 
   scene::SceneState state;
   const scene::SceneData& scene() const { return scene_; }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double bead_apart_mm = 14, bead_mm_per_s = 22;
 constexpr double drop_each_s = 0.7, swells_s = 0.45,
-                 drop_mm = 2.2;  // a quick drip, of an opening pressure that is high
+                 drop_mm = 3.2;  // a quick drip, of an opening pressure that is high
 constexpr double gravity_mm_per_s2 = 9810;
 constexpr std::array<float, 3> csf_rgb{0.80f, 0.90f, 0.97f};
 

@@ -274,6 +274,7 @@ void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
   layout_ =
       Layout(float(screen.cursor.width), float(screen.cursor.height), ImGui::GetFontSize(),
              player.xrays() && player.live(), player.lesson() && player.shown(), has_shots, player.shown() != nullptr);
+  inset_letters(player, screen.cursor.width, screen.cursor.height);
   if (screen.panels_shown) {
     if (player.in_lesson())
       lesson_panel(player, screen);

@@ -42,6 +42,7 @@ class Hud {
   void xray_panel(Player& player, Screen& screen);
   void shot_panel(Player& player);  // of a review
   void xray_picture(const XrayPictures& pictures, float edge);
+  void inset_letters(const Player& player, int width, int height);
   void playback_panel(ShownRecording& shown);
   const char* say(Text text) const { return text_of(language_, text); }
   Layout layout_{1, 1, 1, false, false, false, false};  // of the picture that is drawn

@@ -76,12 +76,14 @@ void Hud::score_panel(const LessonDesk& lesson) {
   ImGui::TextColored(sky, "%s: %d / %d", say(Text::points), sum.points, sum.most);
   ImGui::PushTextWrapPos(0);
   const bool failed = scored->score.outcome() == lessons::LessonOutcome::failed;
-  ImGui::TextColored(failed ? vermilion : white, "%s", lessons::headline_of(scored->score).c_str());
+  ImGui::TextColored(failed ? vermilion : white, "%s", lessons::headline_of(scored->score, language_).c_str());
   for (const lessons::ScoreRow& row : scored->score.rows) {
     ImGui::TextColored(row.score && *row.score < 3 ? orange : white, "%s  %s",
-                       row.score ? std::to_string(*row.score).c_str() : "-", row.title.c_str());
+                       row.score ? std::to_string(*row.score).c_str() : "-", translated(language_, row.title).c_str());
     ImGui::TextColored(grey, "     %s%s%s", row.score ? "" : say(Text::not_judged), row.score ? "" : ": ",
-                       row.why.c_str());
+                       translated(language_, row.why).c_str());
+    for (const lessons::Advice& a : scored->score.advice)
+      if (a.row == row.name) ImGui::TextColored(sky, "     %s", a.of(language_).c_str());
   }
   if (const std::string page = lesson.lesson().report.page.string(); !page.empty())
     ImGui::TextColored(sky, "%s: %s", say(Text::report), page.c_str());

@@ -44,6 +44,14 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
     in_texture_ = pictures.made();
   }
   ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
+  const auto letters = fluoro::CArm(seen->arm, seen->picture.size).side_letters();
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float letter = ImGui::GetFontSize();
+  for (const bool right : {false, true}) {
+    const ImVec2 at{right ? high.x - letter : low.x + 0.4f * letter, low.y + 0.3f * letter};
+    ImGui::GetWindowDrawList()->AddText({at.x + 1, at.y + 1}, IM_COL32(0, 0, 0, 255), letters[right]);
+    ImGui::GetWindowDrawList()->AddText(at, IM_COL32(255, 200, 60, 255), letters[right]);
+  }
 }
 
 // What X-rays had shown last at the moment that a review shows, with the way to the shots before and after it.

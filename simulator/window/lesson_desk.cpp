@@ -191,6 +191,7 @@ void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
   judging_ = std::async(std::launch::async, [this, for_review, &stop] {
     JudgedLesson out;
     out.scored = lessons::score_recording(play_.recording, case_folder_, rubric_);
+    out.scored.head.language = play_.language;
     // The report for programs is written last: where it exists, so do the other files.
     lessons::write_report(out.scored, case_folder_, {{}, play_.report.page, play_.report.log});
     lessons::write_report(out.scored, case_folder_, {play_.report.json, {}, {}});

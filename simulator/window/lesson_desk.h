@@ -16,10 +16,11 @@ namespace trephine::window {
 /// A lesson that is done in the window: who does it, by what it is judged, and where recording and report go.
 struct LessonPlay {
   std::string module, participant = "anonymous";
-  std::string task;                 ///< what is asked for; empty: what is usual in the case
-  std::filesystem::path rubric;     ///< as `trephine rubric` compiled it
-  std::filesystem::path recording;  ///< must not be there yet
-  lessons::ReportFiles report;      ///< what of it has no path is not written
+  std::string task;                                     ///< what is asked for; empty: what is usual in the case
+  std::filesystem::path rubric;                         ///< as `trephine rubric` compiled it
+  std::filesystem::path recording;                      ///< must not be there yet
+  lessons::ReportFiles report;                          ///< what of it has no path is not written
+  texts::Language language = texts::Language::english;  ///< of the report's page
 };
 
 /// What a lesson leads through, in this order: a tool to be taken, or a command.

@@ -216,8 +216,11 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   outcome.graphics_mb = 1e-6 * double(player->view().stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
   outcome.longest_ms = loop.longest_ms();
-  if (const lessons::ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr)
-    outcome.score = lessons::score_text(scored->head, *scored->facts, scored->score);
+  if (const lessons::ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr) {
+    lessons::ReportHead head = scored->head;
+    head.language = texts::Language::english;  // as all that the terminal says
+    outcome.score = lessons::score_text(head, *scored->facts, scored->score);
+  }
   return outcome;
 }
 

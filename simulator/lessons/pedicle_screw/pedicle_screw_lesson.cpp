@@ -40,6 +40,7 @@ std::vector<haptics::BeltToolParams> pedicle_screw_tools() {
 LessonType pedicle_screw_lesson() {
   LessonType m;
   m.name = "pedicle_screw";
+  m.view = "back";
   m.summary = "a pedicle finder and a screw, judged by five errors";
   m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size"};
   const auto measured = [&](const char* row, const char* name) {
@@ -95,26 +96,27 @@ LessonType pedicle_screw_lesson() {
   m.pictures = spine_pictures;
   m.status = spine_status;
   m.texts = {
-      {"Finder through the pedicle", "Pfriem durch den Pedikel"},
+      {"Pass the finder through the pedicle", "Pfriem durch den Pedikel führen"},
       {"A finder follows the soft middle of the pedicle, and makes the way that the screw takes.",
        "Der Pfriem folgt der weichen Mitte des Pedikels und macht den Weg, den die Schraube nimmt."},
       {"Even resistance all the way: a sudden give is a wall.",
        "Gleichmäßiger Widerstand auf dem ganzen Weg: ein plötzliches Nachgeben ist eine Wand."},
-      {"Screw of the size that fits", "Schraube der passenden Größe"},
+      {"Turn in a screw of the size that fits", "Schraube der passenden Größe eindrehen"},
       {"Half to four fifths of the pedicle's width hold without bursting it; the finder's depth says the length.",
        "Die halbe bis vier Fünftel der Breite des Pedikels halten, ohne ihn zu sprengen; die Tiefe des Pfriems "
        "sagt die Länge."},
       {"The head lies on the bone, and both views show the tip in the body.",
        "Der Kopf liegt am Knochen, und in beiden Ansichten liegt die Spitze im Wirbelkörper."}};
+  append(m.texts, spine_words());
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{
-        {"Finder through the pedicle", "finder", "",
+        {"Pass the finder through the pedicle", "finder", "",
          "A finder follows the soft middle of the pedicle, and makes the way that the screw takes.",
          "Even resistance all the way: a sudden give is a wall."},
-        {"Screw of the size that fits", "screw_*", "",
+        {"Turn in a screw of the size that fits", "screw_*", "",
          "Half to four fifths of the pedicle's width hold without bursting it; the finder's depth says the length.",
          "The head lies on the bone, and both views show the tip in the body."},
-        {"Finished", "", "finish", "What is left in place is judged.",
+        {"Finish the lesson", "", "finish", "What is left in place is judged.",
          "The head lies on the bone, and both views show the tip in the body."}};
   };
   m.field = spine_field;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
 
 namespace trephine::lessons {
@@ -13,10 +14,11 @@ namespace {
 constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
 constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
 
-// Between two directions as they are seen in a plane of two of the world's axes.
-double seen_deg(Vec3 a, Vec3 b, int across, int along) {
-  const double d = std::atan2(a[across], a[along]) - std::atan2(b[across], b[along]);
-  return std::abs(std::remainder(d, 2 * M_PI)) * 180 / M_PI;
+// From b to a as they are seen in a plane of two of the world's axes, both of which go forwards (-y): positive where a
+// leans more to the plus of `across`.
+double seen_deg(Vec3 a, Vec3 b, int across) {
+  const double d = std::atan2(a[across], -a.y) - std::atan2(b[across], -b.y);
+  return std::remainder(d, 2 * M_PI) * 180 / M_PI;
 }
 
 // Whether the screw is as long and as wide as the pedicle wants it: its head on the bone, its thread filling the
@@ -56,6 +58,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   if (pass && !is_screw(*pass)) pass = nullptr;
   NeedleErrors e;
   PedicleBreach breach;
+  Vec3 entry_off;
   double entry = 0, axial = 0, sagittal = 0;
   std::string doubt, none = pass ? "" : "no screw lies in bone";
   if (pass) {
@@ -66,9 +69,10 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
     const double slope = way.y;
     const Vec3 at =
         std::abs(slope) > 0.05 ? end.tip_mm + way * ((e.pedicle->entry_mm.y - end.tip_mm.y) / slope) : end.tip_mm;
-    entry = std::hypot(at.x - e.pedicle->entry_mm.x, at.z - e.pedicle->entry_mm.z);
-    axial = seen_deg(way, f, 0, 1);
-    sagittal = seen_deg(way, f, 2, 1);
+    entry_off = {at.x - e.pedicle->entry_mm.x, 0, at.z - e.pedicle->entry_mm.z};
+    entry = norm(entry_off);
+    axial = seen_deg(way, f, 0);
+    sagittal = seen_deg(way, f, 2);
     breach = find_breach(*e.pedicle, *pass, before, bone);
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
     if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))
@@ -107,8 +111,8 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
     score.rows.push_back(s);
   };
   row("entry", "Coronal entry point", "coronal_entry_off_mm", entry, "entry_mm", r.entry_mm, "in the coronal plane");
-  row("axial", "Axial deviation", "axial_off_deg", axial, "axial_deg", r.axial_deg, "in the axial plane");
-  row("sagittal", "Sagittal deviation", "sagittal_off_deg", sagittal, "sagittal_deg", r.sagittal_deg,
+  row("axial", "Axial deviation", "axial_off_deg", std::abs(axial), "axial_deg", r.axial_deg, "in the axial plane");
+  row("sagittal", "Sagittal deviation", "sagittal_off_deg", std::abs(sagittal), "sagittal_deg", r.sagittal_deg,
       "in the sagittal plane");
   row("length", "Length", "tip_beyond_target_mm", e.depth_mm, "length_mm", r.length_mm,
       e.depth_mm > 0 ? "the tip lies beyond the target" : "the tip lies before the target");
@@ -129,6 +133,11 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   score.rows.push_back(last);
   if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
     score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : none, doubt.empty()));
+  if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
+    score.advice = screw_advice(score, e, entry_off, axial, sagittal);
+    if (score.lost("length")) score.advice.push_back(depth_advice("length", e.depth_mm));
+    if (score.lost("breach") && breach.depth_mm > 0) score.advice.push_back(breach_advice(breach));
+  }
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
   score.figures = {{"errors_count", judged ? Value(errors) : unknown},

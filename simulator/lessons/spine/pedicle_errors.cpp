@@ -43,8 +43,10 @@ NeedleErrors needle_errors(const CasePedicle& p, Vec3 tip, Vec3 axis) {
   const Vec3 f = p.forwards();
   NeedleErrors e;
   e.pedicle = &p;
-  e.entry_mm = norm(passes(tip, axis, p.entry_mm, f) - p.entry_mm);
-  e.target_mm = norm(passes(tip, axis, p.target_mm, f) - p.target_mm);
+  e.entry_off = passes(tip, axis, p.entry_mm, f) - p.entry_mm;
+  e.target_off = passes(tip, axis, p.target_mm, f) - p.target_mm;
+  e.entry_mm = norm(e.entry_off);
+  e.target_mm = norm(e.target_off);
   e.depth_mm = dot(tip - p.target_mm, f);
   e.turned_deg = std::acos(std::clamp(-dot(axis, f), -1.0, 1.0)) * 180 / M_PI;
   return e;

@@ -15,6 +15,7 @@ struct NeedleErrors {
   double target_mm = 0;  ///< the same at the target
   double depth_mm = 0;   ///< of the tip beyond the target along the axis; negative: short of it
   double turned_deg = 0;
+  Vec3 entry_off, target_off;  ///< from the ideal place to where the line passes, mm
 };
 /// Of that pedicle.
 NeedleErrors needle_errors(const CasePedicle& pedicle, Vec3 tip_mm, Vec3 axis);

@@ -41,26 +41,42 @@ Json json_of(const SpineNeedleFacts& f) {
   return {{"exposure_s", f.exposure_s()}, {"shots", shots}, {"passes", passes}};
 }
 
+constexpr texts::Wording none_words{{"No picture was taken.", "Es wurde kein Bild aufgenommen."}},
+    fluoroscopy_words{{"Fluoroscopy: {} shots, {:.1f} s", "Durchleuchtung: {} Aufnahmen, {:.1f} s"}},
+    no_ct_words{{"The case holds no CT to show.", "Der Fall hat kein CT, das gezeigt werden könnte."}},
+    shot_words{{"{} at {:.1f} s, {:.1f} s long", "{} bei {:.1f} s, {:.1f} s lang"}},
+    free_words{{" (orbit {:g}, tilt {:g} degrees)", " (um {:g} Grad gedreht, um {:g} Grad gekippt)"}},
+    pedicle_words{{"The pedicle", "Der Pedikel"}}, tip_words{{"The needle's tip", "Die Nadelspitze"}},
+    legend_words{
+        {"Orange: the needle and its tip's way, projected onto the slice. Green: the ideal axis of {}, from its "
+         "entry (blue ring) to its target (red ring).",
+         "Orange: die Nadel und der Weg ihrer Spitze, auf die Schicht projiziert. Grün: die ideale Achse von {}, "
+         "vom Eintritt (blauer Ring) zum Ziel (roter Ring)."}};
+
 // What was seen: the last pictures that were taken, with the needle as it was then.
-std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& loaded) {
+std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
   constexpr std::size_t most = 6;
   constexpr int size = 256;
-  if (facts.shots.empty()) return "<p>No picture was taken.</p>\n";
-  std::string out = fmt::format("<h2>Fluoroscopy: {} shots, {:.1f} s</h2>\n", facts.shots.size(), facts.exposure_s());
-  if (!loaded.has_ct()) return out + "<p class=\"faint\">The case holds no CT to show.</p>\n";
+  if (facts.shots.empty()) return std::string("<p>") + none_words.of(language) + "</p>\n";
+  std::string out = "<h2>" +
+                    fmt::format(fmt::runtime(fluoroscopy_words.of(language)), facts.shots.size(), facts.exposure_s()) +
+                    "</h2>\n";
+  if (!loaded.has_ct()) return out + "<p class=\"faint\">" + no_ct_words.of(language) + "</p>\n";
   fluoro::Fluoroscope fluoroscope(loaded.ct);
   const std::size_t first = facts.shots.size() > most ? facts.shots.size() - most : 0;
   for (std::size_t n = first; n < facts.shots.size(); ++n) {
     const FluoroShot& s = facts.shots[n];
     const fluoro::FluoroPicture picture = fluoroscope.picture(arm_of(loaded.manifest, s.arm), size, {s.metal()});
+    const auto letters = fluoro::CArm(arm_of(loaded.manifest, s.arm), size).side_letters();
     if ((n - first) % 3 == 0) out += "<div class=\"slices\">\n";
     out += fmt::format(
-        "<figure><img alt=\"\" style=\"width:100%\" src=\"data:image/png;base64,{}\"><figcaption>{} at {:.1f} s, "
-        "{:.1f} s "
-        "long{}</figcaption></figure>\n",
-        base64(fluoro::grey_png(size, size, picture.grey)), s.arm.view(), s.begin_s, s.end_s - s.begin_s,
+        "<figure><svg viewBox=\"0 0 160 160\"><image width=\"160\" height=\"160\" href=\"data:image/png;base64,{}\"/>"
+        "<text x=\"4\" y=\"11\">{}</text><text x=\"150\" y=\"11\">{}</text></svg><figcaption>{}{}</figcaption>"
+        "</figure>\n",
+        base64(fluoro::grey_png(size, size, picture.grey)), letters[0], letters[1],
+        fmt::format(fmt::runtime(shot_words.of(language)), s.arm.view(), s.begin_s, s.end_s - s.begin_s),
         std::string(s.arm.view()) == "free"
-            ? fmt::format(" (orbit {:g}, tilt {:g} degrees)", s.arm.orbit_deg, s.arm.tilt_deg)
+            ? fmt::format(fmt::runtime(free_words.of(language)), s.arm.orbit_deg, s.arm.tilt_deg)
             : "");
     if ((n - first) % 3 == 2 || n + 1 == facts.shots.size()) out += "</div>\n";
   }
@@ -126,9 +142,9 @@ LessonXray spine_xray(const Lesson& lesson, const cases::CaseManifest& manifest)
   return x;
 }
 
-std::string spine_pictures(const LessonFacts& lesson, const cases::LoadedCase& loaded) {
+std::string spine_pictures(const LessonFacts& lesson, const cases::LoadedCase& loaded, texts::Language language) {
   const SpineNeedleFacts& facts = own(lesson);
-  std::string out = shots_html(facts, loaded);
+  std::string out = shots_html(facts, loaded, language);
   const std::vector<CasePedicle> pedicles = pedicles_of(loaded.manifest);
   if (facts.passes.empty() || pedicles.empty()) return out;
   std::vector<PictureMark> marks;
@@ -145,13 +161,12 @@ std::string spine_pictures(const LessonFacts& lesson, const cases::LoadedCase& l
   marks.push_back({{e.pedicle->entry_mm}, "hole"});
   marks.push_back({{end.tip_mm}, "tip"});
   const Vec3 middle = e.pedicle->entry_mm + (e.pedicle->target_mm - e.pedicle->entry_mm) * 0.4;
-  out += "<h2>The pedicle</h2>\n" + detail::slices_html(loaded, middle, marks, {-150, 900});
-  out += "<h2>The needle's tip</h2>\n" + detail::slices_html(loaded, end.tip_mm, marks, {-150, 900});
-  return out +
-         fmt::format(
-             "<p class=\"faint\">Orange: the needle and its tip's way, projected onto the slice. Green: the ideal "
-             "axis of {}, from its entry (blue ring) to its target (red ring).</p>\n",
-             detail::escaped(e.pedicle->name));
+  for (const auto& [words, at] :
+       {std::pair<const texts::Wording&, Vec3>{pedicle_words, middle}, {tip_words, end.tip_mm}})
+    out += std::string("<h2>") + words.of(language) + "</h2>\n" +
+           detail::slices_html(loaded, at, marks, language, {-150, 900});
+  return out + "<p class=\"faint\">" +
+         fmt::format(fmt::runtime(legend_words.of(language)), detail::escaped(e.pedicle->name)) + "</p>\n";
 }
 
 }  // namespace trephine::lessons

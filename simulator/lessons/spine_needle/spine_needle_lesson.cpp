@@ -33,6 +33,7 @@ std::string outcome(const LessonFacts& facts, const LessonScore& score) {
 LessonType spine_needle_lesson() {
   LessonType m;
   m.name = "spine_needle";
+  m.view = "back";
   m.summary = "a Jamshidi needle through a pedicle, under fluoroscopy";
   m.rows = {"entry", "target", "breach", "depth", "exposure", "passes", "time"};
   const auto measured = [&](const char* row, const char* name) {
@@ -82,18 +83,20 @@ LessonType spine_needle_lesson() {
   };
   m.pictures = spine_pictures;
   m.status = spine_status;
-  m.texts = {{"Needle through a pedicle", "Nadel durch einen Pedikel"},
+  m.texts = {{"Pass the needle through the pedicle", "Nadel durch den Pedikel führen"},
              {"The pedicle is the only bony way into the body that passes neither canal nor root.",
               "Der Pedikel ist der einzige knöcherne Weg in den Wirbelkörper, an Kanal und Wurzel vorbei."},
              {"AP the tip stays within the pedicle's ring until it is in the body from the side.",
               "A.-p. bleibt die Spitze im Ring des Pedikels, bis sie von der Seite gesehen im Wirbelkörper liegt."},
              {"Both views show the tip in the body.", "In beiden Ansichten liegt die Spitze im Wirbelkörper."}};
+  append(m.texts, spine_words());
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{
-        {"Needle through a pedicle", "needle", "",
+        {"Pass the needle through the pedicle", "needle", "",
          "The pedicle is the only bony way into the body that passes neither canal nor root.",
          "AP the tip stays within the pedicle's ring until it is in the body from the side."},
-        {"Finished", "", "finish", "What is left in place is judged.", "Both views show the tip in the body."}};
+        {"Finish the lesson", "", "finish", "What is left in place is judged.",
+         "Both views show the tip in the body."}};
   };
   m.field = spine_field;
   m.xray = spine_xray;

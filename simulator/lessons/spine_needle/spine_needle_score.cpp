@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
 
 namespace trephine::lessons {
@@ -166,6 +167,11 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   score.rows.push_back(time);
 
   const bool judged = rows.at_it() && rows.doubt.empty();
+  if (judged) {  // elsewhere the failure says it all
+    score.advice = pedicle_advice(score, rows.errors);
+    if (score.lost("breach") && worst.depth_mm > 0) score.advice.push_back(breach_advice(worst));
+    if (score.lost("depth")) score.advice.push_back(depth_advice("depth", depth));
+  }
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
   score.figures = {{"passes_count", count},

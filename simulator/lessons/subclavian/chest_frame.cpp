@@ -104,6 +104,11 @@ double ChestFrame::below_border_mm(Vec3 p) const {
   return nearest->second - p.z;
 }
 
+Vec3 ChestFrame::to_notch(Vec3 entry, Vec3 towards) const {
+  const Vec3 line{notch_mm.x - entry.x, 0, notch_mm.z - entry.z}, way = normalized(Vec3{towards.x, 0, towards.z});
+  return line - way * dot(line, way);
+}
+
 double ChestFrame::off_notch_deg(Vec3 entry, Vec3 towards) const {
   const Vec3 line = notch_mm - entry;
   const double a = std::hypot(line.x, line.z), b = std::hypot(towards.x, towards.z);

@@ -28,6 +28,8 @@ struct ChestFrame {
   int side_of(Vec3 p) const { return p.x > notch_mm.x ? 1 : 0; }
   /// How far the point lies below the lower border that is nearest to it in x; negative above it.
   double below_border_mm(Vec3 p) const;
+  /// From where the needle's line passes the notch to the notch, in the frontal plane, at right angles to the line.
+  Vec3 to_notch(Vec3 entry_mm, Vec3 towards) const;
   /// Between the needle's way (to its tip) and the line from there to the notch, in the frontal plane.
   double off_notch_deg(Vec3 entry_mm, Vec3 towards) const;
 };

@@ -37,7 +37,15 @@ Json json_of(const SubclavianFacts& f) {
           {"blood_s", moment(f.blood_s)}};
 }
 
-std::string ways_html(const SubclavianFacts& f, const cases::LoadedCase& loaded) {
+constexpr texts::Wording tip_words{{"The needle's tip", "Die Nadelspitze"}},
+    legend_words{
+        {"Orange: where the needle's tip went, projected onto the slice. Blue ring: the puncture. Red ring: the "
+         "sternal notch. Green: the line from the puncture to it.",
+         "Orange: wohin die Nadelspitze ging, auf die Schicht projiziert. Blauer Ring: der Einstich. Roter Ring: "
+         "das Jugulum. Grün: die Linie vom Einstich dorthin."}},
+    no_ct_words{{" The case holds no CT to show behind it.", " Der Fall hat kein CT, das dahinter stünde."}};
+
+std::string ways_html(const SubclavianFacts& f, const cases::LoadedCase& loaded, texts::Language language) {
   const ChestFrame frame = chest_frame_of(loaded.haptic, chest_shapes_of(loaded.manifest));
   std::vector<PictureMark> marks = {{{frame.notch_mm}, "target"}};
   for (const VeinPass& p : f.passes) {
@@ -51,12 +59,11 @@ std::string ways_html(const SubclavianFacts& f, const cases::LoadedCase& loaded)
     marks.push_back({{last.entry_mm, frame.notch_mm}, "expert"});
     marks.push_back({{last.entry_mm}, "hole"});
     marks.push_back({{last.tip_mm}, "tip"});
-    out += "<h2>The needle's tip</h2>\n" + detail::slices_html(loaded, last.tip_mm, marks);
+    out += std::string("<h2>") + tip_words.of(language) + "</h2>\n" +
+           detail::slices_html(loaded, last.tip_mm, marks, language);
   }
-  out +=
-      "<p class=\"faint\">Orange: where the needle's tip went, projected onto the slice. Blue ring: the puncture. Red "
-      "ring: the sternal notch. Green: the line from the puncture to it.";
-  return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
+  out += std::string("<p class=\"faint\">") + legend_words.of(language);
+  return out + (loaded.has_ct() ? "" : no_ct_words.of(language)) + "</p>\n";
 }
 
 std::vector<LessonTask> tasks_of(const cases::CaseManifest&) {
@@ -90,6 +97,7 @@ std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
 LessonType subclavian_lesson() {
   LessonType m;
   m.name = "subclavian";
+  m.view = "front";
   m.summary = "a needle under the clavicle into the subclavian vein";
   m.rows = {"puncture", "direction", "vein", "artery", "lung", "passes", "time"};
   for (const auto& [row, name] : {std::pair<const char*, const char*>{"puncture", "below_border_mm"},
@@ -118,19 +126,20 @@ LessonType subclavian_lesson() {
              {"Flat under the clavicle, toward the notch, the needle passes over the lung.",
               "Flach unter dem Schlüsselbein, zum Jugulum hin, geht die Nadel über der Lunge vorbei."},
              {"A give in the vein's wall.", "Ein Nachgeben der Venenwand."},
-             {"Aspirated", "Aspiriert"},
+             {"Aspirate", "Aspirieren"},
              {"Blood alone shows that the tip is in the vein.", "Nur Blut zeigt, dass die Spitze in der Vene liegt."},
              {"Dark blood, without a pulse.", "Dunkles Blut, ohne Puls."},
              {"Blood still comes.", "Es kommt noch immer Blut."},
              {"Aspirations", "Aspirationen"},
              {"Syringe", "Spritze"},
              {"blood", "Blut"}};
+  append(m.texts, subclavian_words());
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{
         {"Pass the needle toward the sternal notch", "needle", "",
          "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall."},
-        {"Aspirated", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse."},
-        {"Finished", "", "finish", "What is left in place is judged.", "Blood still comes."}};
+        {"Aspirate", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse."},
+        {"Finish the lesson", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) {
@@ -150,7 +159,9 @@ LessonType subclavian_lesson() {
   m.headline = [](const LessonFacts&, const LessonScore& score) {
     return fmt::format("needle passes: {}, {}", score.count("passes_count"), score.flag("success") ? "green" : "red");
   };
-  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
+    return ways_html(own(facts), loaded, language);
+  };
   return m;
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/subclavian/subclavian_score.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "lessons/time_row.h"
 
@@ -106,6 +109,53 @@ void note_critical(const SubclavianFacts& f, const ChestFrame& frame, const std:
       errors.happened("wrong_side", "the needle went in on the wrong side", p.begin_s);
 }
 
+constexpr texts::Wording higher_words{
+    {"Puncture the skin {:.0f} mm more cranially: it was {:.0f} mm below the clavicle's lower border, and up to {:.0f} "
+     "mm are ideal.",
+     "Stechen Sie {:.0f} mm weiter kranial ein: der Einstich lag {:.0f} mm unter dem Unterrand der Klavikula, ideal "
+     "sind "
+     "bis zu {:.0f} mm."}};
+constexpr texts::Wording lower_words{
+    {"Puncture the skin at least {:.0f} mm more caudally: it was {:.0f} mm above the clavicle's lower border.",
+     "Stechen Sie mindestens {:.0f} mm weiter kaudal ein: der Einstich lag {:.0f} mm über dem Unterrand der "
+     "Klavikula."}};
+constexpr texts::Wording turn_words{{"Turn the needle {}: its line passed {} of the sternal notch.",
+                                     "Drehen Sie die Nadel {}: ihre Linie verlief {} vom Jugulum."}};
+constexpr texts::Wording away_words{{"Point the needle toward the sternal notch: it pointed away from it.",
+                                     "Richten Sie die Nadel auf das Jugulum: sie zeigte von ihm weg."}};
+
+// What to do otherwise, of puncture and direction.
+std::vector<Advice> advice_of(const SubclavianFacts& f, const ChestFrame& frame, const PunctureRubric& r,
+                              const LessonScore& score) {
+  std::vector<Advice> all;
+  const VeinPass* pass = judged_pass(f);
+  if (!pass) return all;
+  if (score.lost("puncture")) {
+    const double below = frame.below_border_mm(pass->entry_mm);
+    Advice a{"puncture", {}};
+    for (const texts::Language l : {texts::Language::english, texts::Language::german})
+      a.in[std::size_t(l)] = below < 0 ? fmt::format(fmt::runtime(lower_words.of(l)), std::ceil(-below), -below)
+                                       : fmt::format(fmt::runtime(higher_words.of(l)),
+                                                     std::ceil(below - r.ideal_mm.limit), below, r.ideal_mm.limit);
+    all.push_back(a);
+  }
+  if (!score.lost("direction")) return all;
+  const Vec3 way = pass->tip_mm - pass->entry_mm;
+  const double off_deg = frame.off_notch_deg(pass->entry_mm, way);
+  if (off_deg >= 90) {
+    all.push_back({"direction", {away_words.in[0], away_words.in[1]}});
+    return all;
+  }
+  const BodyAxes axes = body_axes(frame.side_of(pass->entry_mm) == 1, {1, 0, 0}, {0, -1, 0});
+  std::vector<NamedPart> off = parts_of(axes, -frame.to_notch(pass->entry_mm, way));
+  if (off.empty()) return all;
+  off.resize(1);
+  std::vector<NamedPart> turn = opposite(off);
+  turn.front().size = off_deg;
+  all.push_back(lessons::advice_of("direction", turn, PartUnit::degrees, off, turn_words));
+  return all;
+}
+
 double earlier(double a, double b) { return a < 0 ? b : b < 0 ? a : std::min(a, b); }
 
 }  // namespace
@@ -141,6 +191,7 @@ LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest
                       f.lung_s >= 0 ? "the lung" : "the pleura"),
       score_passes(f, rubric.passes),
       time_row(f, rubric.time, score.unreached)};
+  score.advice = advice_of(f, frame, rubric.puncture, score);
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;
   score.figures = {{"success", success},
                    {"first_pass", success && f.passes.size() == 1},

@@ -6,6 +6,8 @@
 
 namespace trephine::lessons {
 
+struct LessonText;
+
 /// Scores a subclavian line. Pure: the same facts, case, volume as the lesson began, and rubric give the same rows.
 /// Where the case shows no artery, or no lung on a side on which the needle was, that row is not judged.
 LessonScore score_subclavian(const SubclavianFacts& facts, const cases::CaseManifest& manifest,
@@ -15,5 +17,8 @@ LessonScore score_subclavian(const SubclavianFacts& facts, const cases::CaseMani
 /// entered, there were too many passes, the time is over, or the lesson ended without blood. None: it goes on.
 enum class NeedleColour { none, green, red };
 NeedleColour needle_colour(const SubclavianFacts& facts, const SubclavianRubric& rubric);
+
+/// What the rows say, for LessonType::texts.
+std::vector<LessonText> subclavian_words();
 
 }  // namespace trephine::lessons

@@ -21,6 +21,7 @@ void DuraWatch::tick(const haptics::ServoFrame& f, bool drilling, std::optional<
   // A tool that gives way is some millimetres farther in the same tick: what it left is what it touched before.
   if (held_ && f.events & haptics::haptic_event::popped) facts->pops.push_back(last_);
   held_ = f.touched == shape_;
+  if (!held_ || !drilling) over_s_ = 0;
   if (!held_) return;
   const double force_n = norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]});
   last_ = {f.time_s, {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, force_n};
@@ -28,7 +29,8 @@ void DuraWatch::tick(const haptics::ServoFrame& f, bool drilling, std::optional<
   if (facts->burr_first_s < 0) facts->burr_first_s = f.time_s;
   facts->burr_s += f.dt_s;
   facts->burr_n = std::max(facts->burr_n, force_n);
-  facts->breached = facts->breached || (bears_n_ > 0 && force_n > bears_n_);
+  over_s_ = bears_n_ > 0 && force_n > bears_n_ ? over_s_ + f.dt_s : 0;
+  facts->breached = facts->breached || over_s_ >= breach_s - 1e-9;
 }
 
 }  // namespace trephine::lessons

@@ -22,8 +22,10 @@ struct DuraFacts {
   double burr_s = 0;          ///< how long a running burr pressed on it
   double burr_n = 0;          ///< its largest force in that time
   double burr_first_s = -1;   ///< when it first did; -1: never
-  bool breached = false;      ///< with more than the dura bears (pop_through_n of its material)
+  bool breached = false;      ///< with more than the dura bears (pop_through_n of its material), for breach_s on end
 };
+/// A shorter press is none that cuts: decision 20 of docs/decisions.md.
+constexpr double breach_s = 0.01;
 
 /// Watches the dura, frame by frame.
 class DuraWatch {
@@ -35,8 +37,8 @@ class DuraWatch {
 
  private:
   int shape_ = 0;
-  double bears_n_ = 0;
-  bool held_ = false;  ///< in the tick before, by the dura
+  double bears_n_ = 0, over_s_ = 0;  ///< over_s_: since when it presses with more than that
+  bool held_ = false;                ///< in the tick before, by the dura
   DuraPop last_;
 };
 

@@ -81,6 +81,20 @@ double depth_mm(const Scoring& s, const CatheterPass& pass) {
   return across > 0.2 ? dot(at - tip, hole.out) / across : norm(at - tip);
 }
 
+LineMiss line_miss(const CatheterPass& pass, Vec3 foramen) {
+  Vec3 tip = tip_of(pass);
+  if (!pass.in_place)
+    for (const PassPoint& p : pass.path)
+      if (dot(pass.entry_mm - p.tip_mm, pass.out) > dot(pass.entry_mm - tip, pass.out)) tip = p.tip_mm;
+  LineMiss m;
+  m.entry_mm = pass.entry_mm;
+  m.way = normalized(tip - pass.entry_mm);
+  if (m.way == Vec3{}) m.way = -pass.out;
+  m.length_mm = dot(foramen - pass.entry_mm, m.way);
+  m.to_foramen_mm = foramen - pass.entry_mm - m.way * m.length_mm;
+  return m;
+}
+
 ScoreRow score_trajectory(const Scoring& s) {
   const TrajectoryRubric& r = s.rubric.trajectory;
   ScoreRow row{"trajectory", "Trajectory of catheter insertion", {}, "", {}, {}, {}};
@@ -116,16 +130,8 @@ ScoreRow score_trajectory(const Scoring& s) {
         return decide(1, "passes through the " + said, p.time_s);
       }
     }
-  const std::optional<Vec3> target = s.foramen();
   const CatheterPass& pass = s.facts.passes.back();
-  // Of a pass that was drawn out again the deepest point tells the way, not the last.
-  Vec3 tip = tip_of(pass);
-  if (!pass.in_place)
-    for (const PassPoint& p : pass.path)
-      if (dot(pass.entry_mm - p.tip_mm, pass.out) > dot(pass.entry_mm - tip, pass.out)) tip = p.tip_mm;
-  Vec3 way = normalized(tip - pass.entry_mm);
-  if (way == Vec3{}) way = -pass.out;
-  const Vec3 miss = *target - pass.entry_mm - way * dot(*target - pass.entry_mm, way);
+  const Vec3 miss = line_miss(pass, *s.foramen()).to_foramen_mm;
   const double off = norm(miss), lateral = -own_side * dot(miss, s.frame.left);
   row.measured.emplace_back("line_off_foramen_mm", off);
   row.measured.emplace_back("line_off_lateral_mm", lateral);
@@ -274,6 +280,7 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
     score.figures.push_back({name, std::monostate{}});
     if (facts.dura) score.figures.back().value = value(*facts.dura);
   };
+  score.advice = detail::advice_of(s, score);
   of_dura("dura_passed", [](const DuraFacts& d) { return !d.pops.empty(); });
   of_dura("dura_breached", [](const DuraFacts& d) { return d.breached; });
   of_dura("burr_on_dura_n", [](const DuraFacts& d) { return d.burr_n; });

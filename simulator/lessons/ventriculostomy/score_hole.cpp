@@ -8,29 +8,22 @@
 namespace trephine::lessons::detail {
 namespace {
 
-constexpr double none_mm = 1e9;
-
-// Of all traces that are long enough, how far the best one lies off, and when it was drawn.
-struct Best {
-  double off_mm = none_mm, length_mm = 0, end_s = 0;
-  bool any() const { return off_mm < none_mm; }
-};
-
 template <class F>
-Best best_trace(const Scoring& s, double least_mm, F off_mm) {
-  Best best;
+BestTrace best_trace(const Scoring& s, double least_mm, F off_mm) {
+  BestTrace best;
   for (const MarkerTrace& t : s.facts.traces) {
     if (t.length_mm < least_mm) continue;
     double most = 0;
-    for (const Vec3& p : t.points_mm) most = std::max(most, off_mm(p));
-    if (most < best.off_mm) best = {most, t.length_mm, t.end_s};
+    for (const Vec3& p : t.points_mm)
+      if (const double off = off_mm(p); std::abs(off) > std::abs(most)) most = off;
+    if (std::abs(most) < best.off_mm()) best = {most, t.length_mm, t.end_s};
   }
   return best;
 }
 
 // 2 where it was found, 1 where nearly, 0 where not.
-int found(const Best& best, const lesson::RubricLimit& limit, const lesson::RubricLimit& near) {
-  return best.off_mm <= limit.limit ? 2 : best.off_mm <= near.limit ? 1 : 0;
+int found(const BestTrace& best, const lesson::RubricLimit& limit, const lesson::RubricLimit& near) {
+  return best.off_mm() <= limit.limit ? 2 : best.off_mm() <= near.limit ? 1 : 0;
 }
 
 std::string doubt_of(const Scoring& s) {
@@ -44,14 +37,19 @@ std::string doubt_of(const Scoring& s) {
 
 }  // namespace
 
+BestTrace best_midline(const Scoring& s) {
+  return best_trace(s, s.rubric.landmarks.midline_trace_mm.limit,
+                    [&](Vec3 p) { return s.frame.left_of_midline_mm(p); });
+}
+BestTrace best_suture(const Scoring& s) {
+  return best_trace(s, s.rubric.landmarks.suture_trace_mm.limit, [&](Vec3 p) { return s.frame.before_suture_mm(p); });
+}
+
 ScoreRow score_landmarks(const Scoring& s) {
   ScoreRow row{"landmarks", "Anatomy and landmarks", {}, doubt_of(s), {}, {}, {}};
   if (!row.why.empty()) return row;
   const LandmarksRubric& r = s.rubric.landmarks;
-  const Best midline =
-      best_trace(s, r.midline_trace_mm.limit, [&](Vec3 p) { return std::abs(s.frame.left_of_midline_mm(p)); });
-  const Best suture =
-      best_trace(s, r.suture_trace_mm.limit, [&](Vec3 p) { return std::abs(s.frame.before_suture_mm(p)); });
+  const BestTrace midline = best_midline(s), suture = best_suture(s);
   const int of_midline = found(midline, r.midline_mm, r.midline_near_mm);
   const int of_suture = found(suture, r.suture_mm, r.suture_near_mm);
   // Table XIII: 1 neither, 3 one of the two, 5 both. One that was nearly found adds one, and never makes up for one
@@ -60,9 +58,9 @@ ScoreRow score_landmarks(const Scoring& s) {
   row.score = 1 + 2 * well + (nearly > 0 ? 1 : 0);
   constexpr const char* how[] = {"not", "nearly", "well"};
   row.why = std::string("midline ") + how[of_midline] + " identified, coronal suture " + how[of_suture] + " identified";
-  if (midline.any()) row.measured = {{"midline_off_mm", midline.off_mm}, {"midline_trace_mm", midline.length_mm}};
+  if (midline.any()) row.measured = {{"midline_off_mm", midline.off_mm()}, {"midline_trace_mm", midline.length_mm}};
   if (suture.any()) {
-    row.measured.emplace_back("suture_off_mm", suture.off_mm);
+    row.measured.emplace_back("suture_off_mm", suture.off_mm());
     row.measured.emplace_back("suture_trace_mm", suture.length_mm);
   }
   row.limits = {

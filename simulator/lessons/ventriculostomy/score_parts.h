@@ -26,6 +26,25 @@ struct Scoring {
   std::string critical_at(const CatheterPass& pass, const PassPoint& p) const;
 };
 
+/// How the last pass's line misses the foramen: of a pass that was drawn out again its deepest point tells the way.
+struct LineMiss {
+  Vec3 entry_mm, way;    ///< where the line begins, and its direction
+  Vec3 to_foramen_mm;    ///< from the line's nearest point to the foramen
+  double length_mm = 0;  ///< from the entry to that point, along the line
+};
+LineMiss line_miss(const CatheterPass& pass, Vec3 foramen_mm);
+
+/// A trace that was to lie on a plane: how far its worst point lies off, signed along the plane's normal.
+struct BestTrace {
+  double signed_off_mm = 1e9, length_mm = 0, end_s = 0;
+  double off_mm() const { return signed_off_mm < 0 ? -signed_off_mm : signed_off_mm; }
+  bool any() const { return off_mm() < 1e9; }
+};
+/// Of all traces that are long enough, the one whose worst point lies off least: of the midline (to the left), of the
+/// suture (in front of it).
+BestTrace best_midline(const Scoring& s);
+BestTrace best_suture(const Scoring& s);
+
 ScoreRow score_landmarks(const Scoring& s);
 ScoreRow score_burr_hole(const Scoring& s);
 ScoreRow score_trajectory(const Scoring& s);
@@ -40,6 +59,8 @@ double distance_to_ventricles_mm(const Scoring& s, Vec3 tip_mm, double most_mm);
 /// Whether the tip is in the third ventricle; of a case whose foramina are doubtful nobody knows it.
 bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPoint& p);
 void note_critical(const Scoring& s, LessonScore& score);
+/// What to do otherwise, of the rows that lost points by a place or a direction.
+std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score);
 /// Along the catheter, from the table of the bone that the rubric says to the tip.
 double depth_mm(const Scoring& s, const CatheterPass& pass);
 

@@ -62,7 +62,17 @@ Json json_of(const VentriculostomyFacts& f) {
   return out;
 }
 
-std::string ways_html(const VentriculostomyFacts& facts, const cases::LoadedCase& loaded) {
+constexpr texts::Wording hole_words{{"The burr hole", "Das Bohrloch"}},
+    tip_words{{"The catheter's tip", "Die Katheterspitze"}},
+    legend_words{
+        {"Orange: what was drawn and where the catheter's tip went, projected onto the slice. Blue ring: the hole. "
+         "Red ring: the foramen of Monro on that side. Green: the straight way from this hole to it.",
+         "Orange: was gezeichnet wurde und wohin die Katheterspitze ging, auf die Schicht projiziert. Blauer "
+         "Ring: das Bohrloch. Roter Ring: das Foramen Monroi dieser Seite. Grün: der gerade Weg von diesem Loch "
+         "dorthin."}},
+    no_ct_words{{" The case holds no CT to show behind it.", " Der Fall hat kein CT, das dahinter stünde."}};
+
+std::string ways_html(const VentriculostomyFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
   std::vector<PictureMark> marks;
   for (const MarkerTrace& t : facts.traces)
     if (t.points_mm.size() > 1) marks.push_back({t.points_mm, "way"});
@@ -80,17 +90,16 @@ std::string ways_html(const VentriculostomyFacts& facts, const cases::LoadedCase
   }
   if (target) marks.push_back({{*target}, "target"});
   std::string out;
-  if (facts.hole) out += "<h2>The burr hole</h2>\n" + detail::slices_html(loaded, facts.hole->outer_mm, marks);
+  if (facts.hole)
+    out += std::string("<h2>") + hole_words.of(language) + "</h2>\n" +
+           detail::slices_html(loaded, facts.hole->outer_mm, marks, language);
   if (!facts.passes.empty()) {
     const Vec3 tip = facts.passes.back().path.back().tip_mm;
     marks.push_back({{tip}, "tip"});
-    out += "<h2>The catheter's tip</h2>\n" + detail::slices_html(loaded, tip, marks);
+    out += std::string("<h2>") + tip_words.of(language) + "</h2>\n" + detail::slices_html(loaded, tip, marks, language);
   }
-  out +=
-      "<p class=\"faint\">Orange: what was drawn and where the catheter's tip went, projected onto the slice. Blue "
-      "ring: the hole. Red "
-      "ring: the foramen of Monro on that side. Green: the straight way from this hole to it.";
-  return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
+  out += std::string("<p class=\"faint\">") + legend_words.of(language);
+  return out + (loaded.has_ct() ? "" : no_ct_words.of(language)) + "</p>\n";
 }
 
 const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
@@ -116,18 +125,19 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
 std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
   std::vector<LessonGuide> steps;
   if (!f.drilled_beforehand)
-    steps = {{"Mark: the pedal draws", "marker", "",
-              "Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
-              "The line of the midline runs from the nasion; the other crosses it at the suture."},
-             {"Traces erased", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare."},
-             {"Skin incised at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open."},
-             {"Drill: the pedal runs the burr", "burr", "",
-              "The hole is as wide as the catheter needs, and upright on the skull.",
-              "The inner table gives way; lift the pedal before the dura is pressed."}};
+    steps = {
+        {"Mark: the pedal draws", "marker", "",
+         "Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
+         "The line of the midline runs from the nasion; the other crosses it at the suture."},
+        {"Erase the traces", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare."},
+        {"Incise the skin at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open."},
+        {"Drill: the pedal runs the burr", "burr", "",
+         "The hole is as wide as the catheter needs, and upright on the skull.",
+         "The inner table gives way; lift the pedal before the dura is pressed."}};
   steps.push_back({"Pass the catheter", "catheter", "",
                    "Upright on the skull it points at the foramen of Monro, 5 to 6 cm below the inner table.",
                    "A give, and CSF comes."});
-  steps.push_back({"Finished", "", "finish", "What is left in place is judged.", "CSF drains."});
+  steps.push_back({"Finish the lesson", "", "finish", "What is left in place is judged.", "CSF drains."});
   return steps;
 }
 
@@ -147,7 +157,7 @@ std::vector<LessonStatus> status_of(const VentriculostomyFacts& f) {
     all.push_back({"dura", "Dura",
                    f.dura->breached            ? "breached by the burr"
                    : !f.dura->pops.empty()     ? "passed"
-                   : f.dura->burr_first_s >= 0 ? "touched by the burr"
+                   : f.dura->burr_first_s >= 0 ? "reached by the burr"
                                                : "-"});
   all.push_back({"passes_count", "Passes", std::to_string(f.passes.size())});
   return all;
@@ -180,9 +190,10 @@ LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 
 std::string outcome(const LessonFacts&, const LessonScore& score) {
   return fmt::format("catheter passes: {}, {}", score.count("passes_count"),
-                     score.flag("first_pass")     ? "success at the first pass"
-                     : score.flag("in_ventricle") ? "the catheter lies in a ventricle"
-                                                  : "the catheter lies in no ventricle");
+                     score.flag("third_ventricle") ? "the catheter lies in the third ventricle"
+                     : score.flag("first_pass")    ? "success at the first pass"
+                     : score.flag("in_ventricle")  ? "the catheter lies in a ventricle"
+                                                   : "the catheter lies in no ventricle");
 }
 
 }  // namespace
@@ -231,8 +242,8 @@ LessonType ventriculostomy_lesson() {
                                  CriticalZones(loaded));
   };
   m.texts = {{"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"},
-             {"Traces erased", "Spuren gelöscht"},
-             {"Skin incised at the last mark", "Hautschnitt an der letzten Marke"},
+             {"Erase the traces", "Spuren löschen"},
+             {"Incise the skin at the last mark", "Haut an der letzten Marke einschneiden"},
              {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"},
              {"Pass the catheter", "Katheter einführen"},
              {"Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
@@ -259,7 +270,8 @@ LessonType ventriculostomy_lesson() {
              {"Dura", "Dura"},
              {"breached by the burr", "vom Bohrer verletzt"},
              {"passed", "durchstoßen"},
-             {"touched by the burr", "vom Bohrer berührt"}};
+             {"reached by the burr", "vom Bohrer erreicht"}};
+  append(m.texts, ventriculostomy_words());
   m.guide = [](const LessonFacts& facts) { return guide_of(own(facts)); };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.field = [](const LessonFacts& facts, const cases::CaseManifest& manifest) {
@@ -274,7 +286,9 @@ LessonType ventriculostomy_lesson() {
   m.headline = [](const LessonFacts&, const LessonScore& score) {
     return fmt::format("passes of the catheter: {}", score.count("passes_count"));
   };
-  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
+    return ways_html(own(facts), loaded, language);
+  };
   return m;
 }
 

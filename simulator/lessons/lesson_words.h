@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "texts/language.h"
+
+namespace trephine::lessons {
+
+/// Words of any lesson in that language, looked up by their English ones; those that are no lesson's are returned as
+/// they are. A text of a lesson may have places {}: "{} of five errors" says "2 of five errors", and what stands in a
+/// place is looked up too.
+std::string lesson_words(texts::Language language, const std::string& english);
+
+/// The name of a figure or limit without its unit, for a reader: kocher_off_mm is "kocher off", or "Abstand zu Kocher".
+std::string figure_title(texts::Language language, const std::string& name);
+/// Its unit, for a reader: "mm", "°"; empty for a ratio or a count.
+std::string figure_unit(const std::string& name);
+
+}  // namespace trephine::lessons

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a participant is told to do otherwise: errors that are known exactly, in each direction and on both sides.
+#include <cmath>
+
+#include "lessons_chest.h"
+#include "lessons_head_facts.h"
+#include "lessons_spine_facts.h"
+
+using namespace lesson_cases;
+using lessons::BodyAxes;
+using lessons::NamedPart;
+using texts::Language;
+
+namespace {
+
+// The sentence of that row; empty where there is none.
+std::string told(const lessons::LessonScore& s, const std::string& row, Language language = Language::english) {
+  for (const lessons::Advice& a : s.advice)
+    if (a.row == row) return a.of(language);
+  return "";
+}
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+lessons::LessonScore head_score(bool left, Vec3 tip_off, double beyond_mm = 0, Vec3 hole_off = {}) {
+  lessons::VentriculostomyFacts f = perfect_head(left);
+  f.hole->out = normalized(f.hole->out * outer_mm + hole_off);
+  f.hole->outer_mm = f.hole->out * outer_mm;
+  f.hole->inner_mm = f.hole->out * inner_mm;
+  pass_into(f, left, {tip_off, beyond_mm});
+  return lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest, phantom_head().whole(),
+                                        Head::rubric());
+}
+
+lessons::LessonScore needle_score(const std::string& task, const SpineAim& aim) {
+  lessons::SpineNeedleFacts f = spine_facts(task);
+  pass_along(task, aim, f);
+  return lessons::score_spine_needle(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole(), shipped());
+}
+
+}  // namespace
+
+TEST(LessonsAdvice, DirectionsAreOfTheSideThatIsTreated) {
+  for (const bool left : {false, true}) {
+    // A head that lies turned by 30 degrees about its length, and nods.
+    const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
+    const BodyAxes axes = lessons::body_axes(left, {c, s, 0}, {s, -c, 0.2});
+    EXPECT_NEAR(dot(axes.lateral, axes.anterior), 0, 1e-12);
+    EXPECT_NEAR(dot(axes.lateral, axes.cranial), 0, 1e-12);
+    EXPECT_NEAR(norm(axes.cranial), 1, 1e-12);
+    EXPECT_GT(axes.cranial.z, 0.9);
+    const Vec3 outwards = Vec3{c, s, 0} * (left ? 1.0 : -1.0);
+    const struct {
+      Vec3 way;
+      NamedPart::Name name;
+    } six[] = {{outwards, NamedPart::lateral},       {-outwards, NamedPart::medial},
+               {axes.anterior, NamedPart::anterior}, {-axes.anterior, NamedPart::posterior},
+               {axes.cranial, NamedPart::cranial},   {-axes.cranial, NamedPart::caudal}};
+    for (const auto& one : six) {
+      const std::vector<NamedPart> parts = lessons::parts_of(axes, one.way * 9);
+      ASSERT_EQ(parts.size(), 1u);
+      EXPECT_EQ(parts[0].name, one.name);
+      EXPECT_NEAR(parts[0].size, 9, 1e-9);
+      EXPECT_EQ(lessons::opposite(parts)[0].name, NamedPart::Name(int(one.name) ^ 1));
+    }
+  }
+}
+
+TEST(LessonsAdvice, AcrossALineTheTwoPartsMakeTheWholeMiss) {
+  const BodyAxes axes = lessons::body_axes(true, {1, 0, 0}, {0, -1, 0});
+  const Vec3 line = normalized(Vec3{-0.3, 0.4, -1});
+  const Vec3 miss = normalized(cross(line, Vec3{0.2, 1, 0.4})) * 12;
+  const std::vector<NamedPart> parts = lessons::parts_across(axes, line, miss, 0);
+  double squares = 0;
+  for (const NamedPart& p : parts) squares += p.size * p.size;
+  if (parts.size() == 2) {
+    EXPECT_NEAR(squares, 144, 1e-9);
+  }
+  // 10 mm after 100 mm are atan(0.1).
+  EXPECT_NEAR(lessons::as_turns({{NamedPart::medial, 10}}, 100)[0].size, std::atan(0.1) * 180 / M_PI, 1e-12);
+  EXPECT_EQ(lessons::more_words({{NamedPart::medial, 4.2}, {NamedPart::anterior, 1.4}}, lessons::PartUnit::degrees,
+                                Language::english),
+            "4 degrees more medially and 1 degree more anteriorly");
+  EXPECT_EQ(lessons::place_words({{NamedPart::cranial, 9.4}, {NamedPart::lateral, 4}}, Language::german),
+            "9 mm kranial und 4 mm lateral");
+}
+
+TEST(LessonsAdvice, ACatheterIsToldWhereToAim) {
+  for (const bool left : {false, true}) {
+    const double side = left ? 1 : -1;
+    EXPECT_TRUE(head_score(left, {}).advice.empty()) << "nothing is to be done otherwise";
+    const struct {
+      Vec3 off;
+      const char *english, *german, *place;
+    } four[] = {{{12 * side, 0, 0}, "more medially", "weiter nach medial", "mm lateral"},
+                {{-12 * side, 0, 0}, "more laterally", "weiter nach lateral", "mm medial"},
+                {{0, -12, 0}, "more posteriorly", "weiter nach posterior", "mm anterior"},
+                {{0, 12, 0}, "more anteriorly", "weiter nach anterior", "mm posterior"}};
+    for (const auto& one : four) {
+      const lessons::LessonScore score = head_score(left, one.off);
+      const std::string said = told(score, "trajectory");
+      EXPECT_TRUE(has(said, one.english)) << said;
+      EXPECT_TRUE(has(said, one.place)) << said;
+      EXPECT_TRUE(has(told(score, "trajectory", Language::german), one.german));
+      EXPECT_TRUE(has(told(score, "tip"), one.english)) << told(score, "tip");
+      EXPECT_EQ(told(score, "burr_hole"), "") << "the hole was right";
+    }
+    // The angle: between the line that was taken and the one to the foramen, from where the brain was entered.
+    lessons::VentriculostomyFacts f = perfect_head(left);
+    pass_into(f, left, {{12 * side, 0, 0}, 0});
+    const Vec3 entry = f.passes[0].entry_mm, aim{left ? -foramen.x : foramen.x, foramen.y, foramen.z};
+    const Vec3 went = normalized(f.passes[0].path.back().tip_mm - entry), should = normalized(aim - entry);
+    const double degrees = std::acos(dot(went, should)) * 180 / M_PI;
+    const std::string said = told(head_score(left, {12 * side, 0, 0}), "trajectory");
+    EXPECT_EQ(said.find(fmt::format("Aim {:.0f} degrees more medially", degrees)), 0u) << said << degrees;
+  }
+}
+
+TEST(LessonsAdvice, AHoleAndADepthAreToldInMillimetres) {
+  for (const bool left : {false, true}) {
+    const double side = left ? 1 : -1;
+    const lessons::LessonScore lateral = head_score(left, {}, 0, {25 * side, 0, 0});
+    EXPECT_TRUE(has(told(lateral, "burr_hole"), "more medially")) << told(lateral, "burr_hole");
+    EXPECT_TRUE(has(told(lateral, "burr_hole", Language::german), "von Kochers Punkt"));
+    const lessons::LessonScore anterior = head_score(left, {}, 0, {0, -25, -5});
+    EXPECT_TRUE(has(told(anterior, "burr_hole"), "more posteriorly")) << told(anterior, "burr_hole");
+    const lessons::LessonScore behind = head_score(left, {}, 0, {0, 20, 4});
+    EXPECT_TRUE(has(told(behind, "burr_hole"), "more anteriorly")) << told(behind, "burr_hole");
+    EXPECT_EQ(told(head_score(left, {}, -20), "depth").find("Push the catheter"), 0u);
+    EXPECT_EQ(told(head_score(left, {}, 20), "depth").find("Stop "), 0u);
+    EXPECT_EQ(told(head_score(left, {}, 20), "depth", Language::german).find("Halten Sie"), 0u);
+  }
+}
+
+TEST(LessonsAdvice, ElsewhereNoDirectionIsSaid) {
+  lessons::VentriculostomyFacts f = perfect_head(true);
+  pass_into(f, true, {});
+  f.task = "right";
+  EXPECT_TRUE(
+      lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest, phantom_head().whole(), Head::rubric())
+          .advice.empty());
+  lessons::SpineNeedleFacts needle = spine_facts("pedicle_2_left");
+  pass_along("pedicle_2_right", {}, needle);
+  EXPECT_TRUE(
+      lessons::score_spine_needle(needle, phantom_spine().felt().loaded.manifest, phantom_spine().whole(), shipped())
+          .advice.empty());
+}
+
+TEST(LessonsAdvice, LinesThatWereDrawnAreToldTheirSide) {
+  for (const double off : {-7.0, 7.0}) {
+    lessons::VentriculostomyFacts f = perfect_head(false);
+    pass_into(f, false, {});
+    for (Vec3& p : f.traces[0].points_mm) p.x += off;
+    const lessons::LessonScore s = lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest,
+                                                                  phantom_head().whole(), Head::rubric());
+    EXPECT_TRUE(has(told(s, "landmarks"),
+                    off > 0 ? "7 mm farther to the patient's right" : "7 mm farther to the patient's left"))
+        << told(s, "landmarks");
+  }
+}
+
+TEST(LessonsAdvice, ANeedleIsToldEntryAimAndDepth) {
+  for (const char* task : {"pedicle_2_left", "pedicle_2_right"}) {
+    EXPECT_TRUE(needle_score(task, {}).advice.empty());
+    const auto with = [&](double SpineAim::*member, double value) {
+      SpineAim aim;
+      aim.*member = value;
+      return needle_score(task, aim);
+    };
+    EXPECT_TRUE(
+        has(told(with(&SpineAim::aside_mm, 5), "entry"), "Enter 5 mm more medially: your line passed 5 mm lateral"));
+    EXPECT_TRUE(
+        has(told(with(&SpineAim::aside_mm, -5), "entry"), "Enter 5 mm more laterally: your line passed 5 mm medial"));
+    EXPECT_TRUE(
+        has(told(with(&SpineAim::up_mm, 5), "entry"), "Enter 5 mm more caudally: your line passed 5 mm cranial"));
+    EXPECT_TRUE(
+        has(told(with(&SpineAim::up_mm, -5), "entry"), "Enter 5 mm more cranially: your line passed 5 mm caudal"));
+    EXPECT_TRUE(has(told(with(&SpineAim::up_mm, -5), "target"), "Keep the direction"));
+    EXPECT_TRUE(has(told(with(&SpineAim::up_mm, -5), "entry", Language::german), "5 mm weiter nach kranial"));
+    const lessons::CasePedicle& p = pedicle_named(task);
+    const double turn = std::atan2(8, norm(p.target_mm - p.entry_mm)) * 180 / M_PI;
+    const std::string outer = told(with(&SpineAim::turn_aside_mm, 8), "target");
+    EXPECT_EQ(outer,
+              fmt::format("Aim {:.0f} degrees more medially: your line passed 8 mm lateral of the target.", turn));
+    EXPECT_TRUE(has(told(with(&SpineAim::turn_aside_mm, -8), "target"), "more laterally"));
+    EXPECT_TRUE(has(told(with(&SpineAim::turn_up_mm, 8), "target"), "more caudally"));
+    EXPECT_TRUE(has(told(with(&SpineAim::turn_up_mm, -8), "target"), "more cranially"));
+    EXPECT_EQ(told(with(&SpineAim::beyond_mm, -10), "depth"), "Go 10 mm farther: the tip lay 10 mm before the target.");
+    EXPECT_EQ(told(with(&SpineAim::beyond_mm, 10), "depth", Language::german),
+              "Halten Sie 10 mm früher an: die Spitze lag 10 mm hinter dem Ziel.");
+    EXPECT_TRUE(has(told(with(&SpineAim::turn_aside_mm, -9), "breach"), "Keep more laterally"));
+  }
+}
+
+TEST(LessonsAdvice, AScrewIsToldItsTwoPlanes) {
+  for (const char* task : {"pedicle_2_left", "pedicle_2_right"}) {
+    const auto score = [&](double aside, double up) {
+      SpineAim aim{0, 0, aside, up, -2, "screw_5.5x45", 5.5, 45};
+      lessons::SpineNeedleFacts f = spine_facts(task);
+      pass_along(task, aim, f);
+      return lessons::score_pedicle_screw(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole(),
+                                          shipped_screw());
+    };
+    EXPECT_TRUE(has(told(score(12, 0), "axial"), "more medially")) << told(score(12, 0), "axial");
+    EXPECT_TRUE(has(told(score(-12, 0), "axial"), "more laterally"));
+    EXPECT_TRUE(has(told(score(0, 12), "sagittal"), "more caudally"));
+    EXPECT_TRUE(has(told(score(0, -12), "sagittal", Language::german), "weiter nach kranial"));
+    EXPECT_EQ(told(score(0, 0), "axial") + told(score(0, 0), "sagittal"), "");
+  }
+}
+
+TEST(LessonsAdvice, ALineUnderTheClavicleIsToldPunctureAndDirection) {
+  lessons_chest::Chest chest(false);
+  const auto done = chest.run(
+      R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},
+          "toward": {"at": "vein_right"}, "short_of_mm": -4}}, "aspirate", "finish")");
+  const auto score = [&](const std::function<void(lessons::VeinPass&)>& spoil) {
+    lessons::SubclavianFacts f = done.facts;
+    spoil(f.passes[0]);
+    return lessons::score_subclavian(f, chest.felt().loaded.manifest, chest.whole(), lessons_chest::Chest::rubric());
+  };
+  const auto turned = [](double degrees) {
+    return [degrees](lessons::VeinPass& p) {
+      const Vec3 w = p.tip_mm - p.entry_mm;
+      const double a = degrees * M_PI / 180;
+      p.tip_mm = p.entry_mm + Vec3{w.x * std::cos(a) - w.z * std::sin(a), w.y, w.x * std::sin(a) + w.z * std::cos(a)};
+    };
+  };
+  EXPECT_TRUE(score([](lessons::VeinPass&) {}).advice.empty());
+  EXPECT_TRUE(has(told(score([](lessons::VeinPass& p) { p.entry_mm.z -= 40, p.tip_mm.z -= 40; }), "puncture"),
+                  "more cranially"));
+  EXPECT_TRUE(has(told(score([](lessons::VeinPass& p) { p.entry_mm.z += 30, p.tip_mm.z += 30; }), "puncture"),
+                  "more caudally"));
+  // On the right the needle goes to the left. Turned with the clock it points too low; turned against it, it is so
+  // steep that it passes beside the notch.
+  EXPECT_TRUE(has(told(score(turned(-40)), "direction"), "more cranially")) << told(score(turned(-40)), "direction");
+  const std::string steep = told(score(turned(40)), "direction");
+  EXPECT_TRUE(has(steep, "more medially")) << steep;
+  EXPECT_TRUE(has(steep, "mm lateral of the sternal notch")) << steep;
+  EXPECT_TRUE(has(told(score(turned(180)), "direction", Language::german), "sie zeigte von ihm weg"));
+}
+
+// The last line of the table and the head of the page, which a lesson words itself.
+TEST(LessonsAdvice, WhatALessonSaysOfItselfIsGermanToo) {
+  const auto german = [](const std::string& module, const lessons::LessonFacts& facts,
+                         const lessons::LessonScore& score) {
+    const lessons::LessonType& type = lessons::lesson_type(module);
+    for (const std::string& english : {type.outcome(facts, score), type.headline(facts, score)}) {
+      const std::string said = lessons::lesson_words(Language::german, english);
+      EXPECT_NE(said, english);
+      for (const char* word : {"pass", "needle", "catheter lies", "bone", "success", "failure", "errors", "shots"})
+        EXPECT_EQ(said.find(word), std::string::npos) << said;
+    }
+  };
+  lessons::VentriculostomyFacts head = perfect_head(false);
+  german("ventriculostomy", head,
+         lessons::score_ventriculostomy(head, phantom_head().felt().loaded.manifest, phantom_head().whole(),
+                                        Head::rubric()));
+  pass_into(head, false, {});
+  german("ventriculostomy", head,
+         lessons::score_ventriculostomy(head, phantom_head().felt().loaded.manifest, phantom_head().whole(),
+                                        Head::rubric()));
+  const cases::CaseManifest& spine = phantom_spine().felt().loaded.manifest;
+  lessons::SpineNeedleFacts needle = spine_facts("pedicle_2_left");
+  german("spine_needle", needle, lessons::score_spine_needle(needle, spine, phantom_spine().whole(), shipped()));
+  german("pedicle_screw", needle,
+         lessons::score_pedicle_screw(needle, spine, phantom_spine().whole(), shipped_screw()));
+  pass_along("pedicle_2_left", {}, needle);
+  german("spine_needle", needle, lessons::score_spine_needle(needle, spine, phantom_spine().whole(), shipped()));
+}
