@@ -16,6 +16,7 @@ cli::Command sign_command();
 cli::Command fluoro_command();
 cli::Command exercise_command();
 cli::Command calibrate_command();
+cli::Command register_command();
 cli::Command study_command();
 cli::Command group_command();
 cli::Command export_recording_command();

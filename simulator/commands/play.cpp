@@ -42,6 +42,7 @@ struct PlayParams {
 window::LessonPlay lesson_of(const cli::ParsedCommand& parsed) {
   window::LessonPlay l;
   l.module = parsed.text("lesson");
+  l.language = parsed.params<window::WindowParams>().language;
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   lesson::validate_token(l.participant, "--participant");
   l.task = parsed.text("task");
@@ -92,9 +93,17 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   for (const char* own : {"participant", "task", "rubric", "out"})
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");
+  if (parsed.has("screen")) {
+    if (o.session.device.name.empty() || !o.playback.empty())
+      throw Error(ExitCode::usage, "", "--screen", "says where a --device lies; the mouse and a playback need none");
+    o.session.screen = device::read_screen_registration(parsed.path("screen"));
+  }
   o.head_port = params.head_port;
   o.hand = parsed.params<window::ScreenHandParams>();
   o.view = parsed.params<scene::ViewParams>();
+  if (o.lesson && !parsed.given.count("view"))
+    for (const auto& [name, preset] : scene::view_presets())
+      if (name == lessons::lesson_type(o.lesson->module).view) o.view.view = preset;
   const bool two_panes = o.view.stereo == scene::ViewParams::Stereo::side_by_side ||
                          o.view.stereo == scene::ViewParams::Stereo::top_bottom;
   if (o.lesson && two_panes && lessons::lesson_type(o.lesson->module).needs_pictures)
@@ -139,6 +148,9 @@ cli::Command play_command() {
   c.arguments = session_arguments(screen);
   c.arguments.push_back(cli::argument("playback", cli::Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
+  c.arguments.push_back(cli::argument("screen", cli::Argument::Kind::in_file,
+                                      "Where the device lies before the screen, as `trephine-sim register` wrote it: "
+                                      "the tool is seen where the hand is, also when the view is turned."));
   cli::Argument lesson =
       cli::argument("lesson", cli::Argument::Kind::choice, "Do this lesson: its tools, steps, score and report.");
   lesson.choices = lessons::lesson_names();

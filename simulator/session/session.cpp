@@ -34,6 +34,11 @@ std::uint64_t ticks_of(const SessionOptions& options) {
   return std::uint64_t(ticks);
 }
 
+std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> device, const SessionOptions& o) {
+  if (!o.screen) return device;
+  return std::make_unique<device::ScreenDevice>(std::move(device), *o.screen, o.screen_view);
+}
+
 }  // namespace
 
 double SessionResult::cpu_us_a_tick() const {
@@ -46,11 +51,13 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       stop_(stop),
       patient_(patient ? std::move(patient)
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
-      device_(with_board(
-          device::in_workspace(options.own_device ? options.own_device(scene_of(options, say))
-                                                  : device::make_device(options.device, scene_of(options, say)),
-                               options.workspace),
-          options.board)),
+      device_(
+          with_board(device::in_workspace(
+                         before_screen(options.own_device ? options.own_device(scene_of(options, say))
+                                                          : device::make_device(options.device, scene_of(options, say)),
+                                       options),
+                         options.workspace),
+                     options.board)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       port_(options.port, options.force, options.free),

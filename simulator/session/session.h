@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "device/device_type.h"
+#include "device/screen_registration.h"
 #include "device/workspace.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
@@ -47,6 +48,9 @@ struct SessionOptions {
   std::string begins_sha256;  ///< of the voxels of the patient that is given, where it was cut before; else empty
   bool watched = false;       ///< take_frames() gives every frame, also without a recording
   device::WorkspaceParams workspace;
+  /// Of a mirror workbench: the device is brought before the screen, and moves as the view that `screen_view` tells.
+  std::optional<device::ScreenRegistration> screen;
+  std::shared_ptr<device::Mailbox<device::ScreenView>> screen_view;  ///< read by the servo thread alone
   double seconds = 10;
   haptics::ServoParams servo;
   contact::ContactParams contact;

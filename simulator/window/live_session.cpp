@@ -76,6 +76,8 @@ void LiveSession::begin() {
   session_faults_ = 0;
   o.watched = true;
   o.view = axes_;
+  o.screen_view = screen_;
+  tell_screen();
   const haptics::ServoFrame& f = view_.frame();
   o.begin = f.tick > 0 ? device::HandBegin{vec(f.tip_mm), normalized(vec(f.axis))}
                        : device::HandBegin{hand.goal().tip_mm, hand.goal().axis};
@@ -211,8 +213,15 @@ bool LiveSession::draws() const {
 void LiveSession::step(double wall_s) {
   wall_s_ += wall_s;
   axes_->write({view_.camera.right(), view_.camera.up, hand.goal().min_most_n});
+  tell_screen();
   meet();
   if (session_) follow();
+}
+
+void LiveSession::tell_screen() {
+  const scene::OrbitCamera& c = view_.camera;
+  const Vec3 right = c.right();
+  screen_->write({c.target_mm, right, normalized(cross(c.toward, right)), c.toward, c.mm_per_px(1)});
 }
 
 void LiveSession::follow() {

@@ -50,6 +50,7 @@ class LiveSession {
 
  private:
   void meet();
+  void tell_screen();
   void follow();
   void follow_lesson(const std::vector<haptics::ServoFrame>& frames);
   void show_lesson_tool();
@@ -69,6 +70,8 @@ class LiveSession {
   std::vector<texts::Note> heard_;  // of sessions that are coming
   std::unique_ptr<session::IncisionWatch> watch_;
   std::vector<session::IncisionMark> incisions_;
+  std::shared_ptr<device::Mailbox<device::ScreenView>> screen_ =
+      std::make_shared<device::Mailbox<device::ScreenView>>();
   std::shared_ptr<device::Mailbox<device::ViewAxes>> axes_ = std::make_shared<device::Mailbox<device::ViewAxes>>();
   std::shared_ptr<session::ButtonBoard> board_ = std::make_shared<session::ButtonBoard>();  // without a lesson
   std::string tool_name_, begins_sha256_;

@@ -24,3 +24,41 @@ for axis, centre in enumerate((1, -20, 300)):
     assert abs((low[axis] + high[axis]) / 2 + settings["workspace_offset_mm"][axis] - centre) < 1e-6, settings
 PY
 expect 64 'last_stiffness_n_per_mm' "$TREPHINE" calibrate "$work/sample" --first-stiffness-n-per-mm 3 --last-stiffness-n-per-mm 1
+
+# A device is registered to a screen by marks that a recorded hand touches, and play refuses what is no registration.
+python3 - "$work" <<'PY'
+import math, sys
+width, height = 520, 320
+marks = [(-.4, .4, 0), (.4, .4, 0), (.4, -.4, 0), (-.4, -.4, 0), (0, 0, 0)]
+places = [(x * width, y * height, z) for x, y, z in marks] + [(10, 0, 90)]
+c, s = math.cos(1.9), math.sin(1.9)
+def device(p, error=0):  # turned about y, and elsewhere
+    return c * p[0] + s * p[2] + 300 + error, p[1] - 40, -s * p[0] + c * p[2] + 120
+for name, error in (("touched", 0), ("beside", 14)):
+    with open(f"{sys.argv[1]}/{name}.txt", "w") as out:
+        t = 0
+        for n, place in enumerate(places):
+            for button in (0, 1):
+                for _ in range(60):
+                    print(f"{t:.3f}", *device(place, error if n == 1 else 0), "0 0 1", button, file=out)
+                    t += 0.01
+PY
+touch_marks() { "$TREPHINE" register "$work/sample" --device trajectory --trajectory "$work/$1.txt" --no-in-real-time \
+  --screen-width-mm 520 --screen-height-mm 320 --out "$work/$1.json"; }
+touch_marks touched >"$work/text" || fail "no registration"
+grep -q '5 marks, RMS 0.00 mm' "$work/text" || { cat "$work/text"; fail "another residual"; }
+expect 80 'upper right' touch_marks beside
+[ ! -e "$work/beside.json" ] || fail "a refused registration was written"
+python3 - "$work/touched.json" <<'PY'
+import json, math, sys
+r = json.load(open(sys.argv[1]))
+back = lambda d: [sum(r["turn"][k][a] * d[k] for k in range(3)) * r["scale"] + r["offset_mm"][a] for a in range(3)]
+c, s = math.cos(1.9), math.sin(1.9)
+p = (30, -50, 70)
+at = back((c * p[0] + s * p[2] + 300, p[1] - 40, -s * p[0] + c * p[2] + 120))
+assert max(abs(a - b) for a, b in zip(at, p)) < 1e-6 and r["height_mm"] == 320, (at, r)
+PY
+"$TREPHINE" register "$work/sample" --screen-width-mm 520 --screen-height-mm 320 --mirror up_down --sheet "$work/marks.html" \
+  >"$work/text" || fail "no sheet"
+grep -q 'scaleY(-1)' "$work/marks.html" || fail "the sheet is not mirrored"
+expect 64 'screen-width-mm' "$TREPHINE" register "$work/sample" --out "$work/none.json"

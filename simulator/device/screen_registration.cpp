@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "device/screen_registration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/write_file.h"
+
+namespace trephine::device {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Matrix4 = std::array<std::array<double, 4>, 4>;
+
+constexpr double far_mm = 1e4;
+constexpr double least_spread_mm = 5;  // of the marks across their longest line
+
+// The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations.
+std::array<double, 4> largest_eigenvector(Matrix4 a) {
+  Matrix4 v{};
+  for (int n = 0; n < 4; ++n) v[n][n] = 1;
+  for (int sweep = 0; sweep < 60; ++sweep)
+    for (int p = 0; p < 3; ++p)
+      for (int q = p + 1; q < 4; ++q) {
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 4; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 4; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
+          const double kp = v[k][p], kq = v[k][q];
+          v[k][p] = c * kp - s * kq;
+          v[k][q] = s * kp + c * kq;
+        }
+      }
+  int best = 0;
+  for (int n = 1; n < 4; ++n)
+    if (a[n][n] > a[best][best]) best = n;
+  return {v[0][best], v[1][best], v[2][best], v[3][best]};
+}
+
+Mat3 rotation_of(const std::array<double, 4>& q) {
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  Mat3 m;
+  m.column[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
+  m.column[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
+  m.column[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+  return m;
+}
+
+Vec3 mean_of(const std::vector<Vec3>& points) {
+  Vec3 sum;
+  for (const Vec3 p : points) sum += p;
+  return sum / double(points.size());
+}
+
+// How far the points lie from the line through the two that are farthest from each other.
+double spread_mm(const std::vector<Vec3>& points) {
+  Vec3 from, along;
+  double longest = 0, most = 0;
+  for (const Vec3 a : points)
+    for (const Vec3 b : points)
+      if (norm(b - a) > longest) longest = norm(b - a), from = a, along = normalized(b - a);
+  for (const Vec3 p : points) most = std::max(most, norm(p - from - along * dot(p - from, along)));
+  return most;
+}
+
+Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
+Vec3 vec_of(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+}  // namespace
+
+ScreenRegistration fit_screen(const std::vector<Vec3>& device_mm, const std::vector<Vec3>& screen_mm, bool scales) {
+  if (device_mm.size() != screen_mm.size() || device_mm.size() < 3)
+    throw Error(ExitCode::quality, "", "marks", "are fewer than three");
+  if (spread_mm(device_mm) < least_spread_mm || spread_mm(screen_mm) < least_spread_mm)
+    throw Error(ExitCode::quality, "", "marks", "were touched on one line, so the screen's plane is not known");
+  const Vec3 from = mean_of(device_mm), to = mean_of(screen_mm);
+  double s[3][3] = {};
+  double device_squares = 0, screen_squares = 0;
+  for (std::size_t n = 0; n < device_mm.size(); ++n) {
+    const Vec3 a = device_mm[n] - from, b = screen_mm[n] - to;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) s[i][j] += a[i] * b[j];
+    device_squares += dot(a, a);
+    screen_squares += dot(b, b);
+  }
+  const Matrix4 m{{{s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
+                   {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
+                   {s[2][0] - s[0][2], s[0][1] + s[1][0], -s[0][0] + s[1][1] - s[2][2], s[1][2] + s[2][1]},
+                   {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], -s[0][0] - s[1][1] + s[2][2]}}};
+  ScreenRegistration r;
+  r.turn = rotation_of(largest_eigenvector(m));
+  r.scale = scales ? std::sqrt(screen_squares / device_squares) : 1;
+  r.offset_mm = to - r.turn * from * r.scale;
+  r.marks_count = int(device_mm.size());
+  double squares = 0;
+  for (std::size_t n = 0; n < device_mm.size(); ++n) {
+    const double off = norm(r.before_screen(device_mm[n]) - screen_mm[n]);
+    squares += off * off;
+    r.worst_mm = std::max(r.worst_mm, off);
+  }
+  r.rms_mm = std::sqrt(squares / double(device_mm.size()));
+  return r;
+}
+
+std::string to_json(const ScreenRegistration& r) {
+  const Json j = {{"trephine_screen", 1},
+                  {"height_mm", r.height_mm},
+                  {"scale", r.scale},
+                  {"turn", {list_of(r.turn.column[0]), list_of(r.turn.column[1]), list_of(r.turn.column[2])}},
+                  {"offset_mm", list_of(r.offset_mm)},
+                  {"rms_mm", r.rms_mm},
+                  {"worst_mm", r.worst_mm},
+                  {"marks_count", r.marks_count}};
+  return j.dump(1) + "\n";
+}
+
+ScreenRegistration read_screen_registration(const std::filesystem::path& file) {
+  return with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, 1 << 16);
+    ScreenRegistration r;
+    const char* key = "trephine_screen";
+    try {
+      const Json j = Json::parse(bytes.begin(), bytes.end());
+      if (j.at(key).get<int>() != 1) throw Error(ExitCode::bad_input, "", key, "is of another version");
+      const auto number = [&](const char* name) { return j.at(key = name).get<double>(); };
+      r.height_mm = number("height_mm");
+      r.scale = number("scale");
+      r.rms_mm = number("rms_mm");
+      r.worst_mm = number("worst_mm");
+      r.marks_count = j.at(key = "marks_count").get<int>();
+      r.offset_mm = vec_of(j.at(key = "offset_mm"));
+      const Json& turn = j.at(key = "turn");
+      for (int n = 0; n < 3; ++n) r.turn.column[std::size_t(n)] = vec_of(turn.at(std::size_t(n)));
+    } catch (const Json::exception&) {
+      throw Error(ExitCode::bad_input, "", key, "is missing, or not what trephine-sim register writes");
+    }
+    const auto& c = r.turn.column;
+    double off = std::abs(determinant(r.turn) - 1);
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        off = std::max(off, std::abs(dot(c[std::size_t(i)], c[std::size_t(k)]) - (i == k ? 1 : 0)));
+    if (!(off < 1e-6)) throw Error(ExitCode::bad_input, "", "turn", "is no rotation");
+    if (!(r.scale > 0.01 && r.scale < 100)) throw Error(ExitCode::bad_input, "", "scale", "is not within 0.01 to 100");
+    if (!(r.height_mm > 0 && r.height_mm < 1e5)) throw Error(ExitCode::bad_input, "", "height_mm", "is no height");
+    if (!is_finite(r.offset_mm)) throw Error(ExitCode::bad_input, "", "offset_mm", "is not finite");
+    return r;
+  });
+}
+
+ScreenDevice::ScreenDevice(std::unique_ptr<Device> device, const ScreenRegistration& registration,
+                           std::shared_ptr<Mailbox<ScreenView>> view)
+    : device_(std::move(device)), registration_(registration), mailbox_(std::move(view)) {}
+
+double ScreenDevice::damping_n_s_per_mm() const {
+  const double s = view_.height_mm > 0 ? scale() : registration_.scale;
+  return device_->damping_n_s_per_mm() / (s * s);
+}
+
+Vec3 ScreenDevice::to_case(Vec3 v) const {
+  const Vec3 s = registration_.turn * v;
+  return view_.right * s.x + view_.up * s.y + view_.toward * s.z;
+}
+
+Vec3 ScreenDevice::to_device(Vec3 v) const {
+  return transpose_times(registration_.turn, {dot(v, view_.right), dot(v, view_.up), dot(v, view_.toward)});
+}
+
+bool ScreenDevice::read(double dt_s, DeviceReading& out) {
+  if (!device_->read(dt_s, out)) return false;
+  mailbox_->read(view_);
+  if (!(view_.height_mm > 0)) {
+    out.tip_mm = view_.middle_mm + view_.toward * far_mm;
+    out.buttons = 0;
+    return true;
+  }
+  const Vec3 at = registration_.before_screen(out.tip_mm) * (view_.height_mm / registration_.height_mm);
+  out.tip_mm = view_.middle_mm + view_.right * at.x + view_.up * at.y + view_.toward * at.z;
+  out.axis = to_case(out.axis);
+  out.across = to_case(out.across);
+  return true;
+}
+
+void ScreenDevice::send(Vec3 force_n) { device_->send(to_device(force_n)); }
+
+void ScreenDevice::tell(const DeviceNews& news) {
+  DeviceNews own = news;
+  if (view_.height_mm > 0) {
+    const Vec3 off = news.proxy_mm - view_.middle_mm;
+    const Vec3 screen = Vec3{dot(off, view_.right), dot(off, view_.up), dot(off, view_.toward)} *
+                        (registration_.height_mm / view_.height_mm);
+    own.proxy_mm = transpose_times(registration_.turn, screen - registration_.offset_mm) / registration_.scale;
+  }
+  own.torque_n_mm = to_device(news.torque_n_mm);
+  own.axis = to_device(news.axis);
+  own.across = to_device(news.across);
+  device_->tell(own);
+}
+
+}  // namespace trephine::device
