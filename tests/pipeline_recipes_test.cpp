@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "cases/case.h"
+#include "publish/other_config.h"
 #include "publish/run_case.h"
 #include "scratch_folder.h"
 
@@ -33,6 +34,19 @@ TEST(Recipes, OfSpineAndChestHaveTheirAnatomiesAndShowNoFace) {
     EXPECT_EQ(c.import.clamp_low_hu, -1024) << name;
     EXPECT_EQ(c.face, "") << name;
   }
+}
+
+TEST(Recipes, ARefusedAnatomyNamesTheConfigurationThatDoesWithout) {
+  const config::CaseConfig spine = config::read_case_config(shipped("ct_spine.yaml"));
+  EXPECT_EQ(publish::configs_without(shipped("ct_spine.yaml"), spine, "skin"),
+            std::vector<std::string>{"ct_spine_bone.yaml"});
+  EXPECT_EQ(publish::configs_without(shipped("ct_spine.yaml"), spine, "bone"), std::vector<std::string>());
+  const Error skin(ExitCode::quality, "", "skin.segment: max_scan_edge_ratio", "97 % of its rim");
+  const Error told = publish::with_other_configs(skin, shipped("ct_spine.yaml"), spine);
+  EXPECT_EQ(std::string(told.what()), "97 % of its rim; a case without skin is made by ct_spine_bone.yaml");
+  EXPECT_EQ(told.field(), skin.field());
+  const Error input(ExitCode::bad_input, "", "skin.segment", "is empty");
+  EXPECT_STREQ(publish::with_other_configs(input, shipped("ct_spine.yaml"), spine).what(), "is empty");
 }
 
 class Nobody : public pipeline::RunObserver {
@@ -81,6 +95,7 @@ TEST(LongRecipes, ALumbarSpineIsWholeAndItsFieldOfViewHoldsNoSkin) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     EXPECT_NE(e.field().find("max_scan_edge_ratio"), std::string::npos) << e.what() << " " << e.field();
+    EXPECT_NE(std::string(e.what()).find("ct_spine_bone.yaml"), std::string::npos) << e.what();
   }
 }
 

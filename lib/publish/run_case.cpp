@@ -19,6 +19,7 @@
 #include "publish/case_place.h"
 #include "publish/early_warnings.h"
 #include "publish/left_out.h"
+#include "publish/other_config.h"
 #include "publish/page_files.h"
 #include "publish/refused.h"
 #include "publish/run_json.h"
@@ -339,8 +340,10 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     } catch (const Error& e) {
       std::vector<std::string> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
-      show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e,
+      const Error told = with_other_configs(e, request.config, config);
+      show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, told,
                    observer);
+      if (e.code() == ExitCode::quality) throw told;
       throw;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
