@@ -313,8 +313,8 @@ async function start() {
   }
   const where = p => [p.map(x => x.toFixed(1)).join('\u00a0 '), p.join(', ')]
   table('landmarks', ['landmark', 'L P S, mm', 'sure', 'source'], [
-    ...data.landmarks.map(l => ({ cells: [[label(l.name), l.name], where(l.position_mm), cell(l.confidence, 2), [l.source]], jump: l.position_mm })),
-    ...data.targets.map(t => ({ cells: [[label(t.name), t.name], where(t.position_mm), cell(t.confidence, 2), ['target' + (t.anatomy ? ' in ' + label(t.anatomy) : '')]], jump: t.position_mm }))
+    ...data.landmarks.filter(l => !data.targets.some(t => t.name === l.name)).map(l => ({ cells: [[label(l.name), l.name], where(l.position_mm), cell(l.confidence, 2), [l.source]], jump: l.position_mm })),
+    ...data.targets.map(t => ({ cells: [[label(t.name), t.name], where(t.position_mm), cell(t.confidence, 2), [((data.landmarks.find(l => l.name === t.name) || {}).source || '') + ' target' + (t.anatomy ? ' in ' + label(t.anatomy) : '')]], jump: t.position_mm }))
   ])
   if (data.burr_holes.length) $('holes').append(make('h2', '', 'Burr holes'))
   for (const b of data.burr_holes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/view_params.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "base/error.h"
@@ -55,7 +56,9 @@ std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene)
 
 std::vector<Marker> places_of(const cases::CaseManifest& m) {
   std::vector<Marker> all;
-  for (const cases::CaseLandmark& l : m.landmarks) all.push_back({l.position_mm, 1.3, {0.98f, 0.72f, 0.10f}});
+  for (const cases::CaseLandmark& l : m.landmarks)  // what a procedure aims at is shown once, as the target
+    if (std::none_of(m.targets.begin(), m.targets.end(), [&](const cases::CaseTarget& t) { return t.name == l.name; }))
+      all.push_back({l.position_mm, 1.3, {0.98f, 0.72f, 0.10f}});
   for (const cases::CaseBurrHole& b : m.burr_holes) all.push_back({b.position_mm, 1.3, {0.20f, 0.75f, 0.45f}});
   for (const cases::CaseTarget& t : m.targets) all.push_back({t.position_mm, 2, {0.20f, 0.55f, 0.95f}});
   return all;
