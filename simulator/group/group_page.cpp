@@ -172,7 +172,8 @@ std::string failures_html(const ModuleView& m, texts::Language l) {
       who += (who.empty() ? "" : ", ") + participant + (times > 1 ? fmt::format(" ({})", times) : "");
       count += times;
     }
-    out += "<tr><td>" + html_text(lessons::lesson_words(l, title_of(error))) + "<td>" + html_text(who) + cell(std::to_string(count)) + "</tr>\n";
+    out += "<tr><td>" + html_text(lessons::lesson_words(l, title_of(error))) + "<td>" + html_text(who) +
+           cell(std::to_string(count)) + "</tr>\n";
   }
   return out + table_end;
 }
