@@ -255,6 +255,34 @@ struct CaseStandIn {
   }
 };
 
+/// Something that a person should look at before the case is used. It is measured, and nothing is diagnosed.
+struct CaseFinding {
+  std::string kind, where, side;
+  Vec3 position_mm;
+  double confidence = 0;
+  std::vector<std::string> concerns;
+  std::string text;
+  CaseValues figures;
+  template <class V>
+  static void describe(V& v) {
+    using P = CaseFinding;
+    v.text(&P::kind, "kind",
+           "What it is: `dense_tissue`, `dark_tissue`, `midline_shift`, `wide_ventricles`, `bone_gap`, `metal`, "
+           "`tube`.")
+        .of_form(some_text);
+    v.text(&P::where, "where", "Where it lies, in words.").of_form(some_text);
+    v.word(&P::side, "side", {"left", "right", "middle"}, "The patient's side.");
+    v.numbers(&P::position_mm, "position_mm", case_range::finite, "Its middle.");
+    v.number(&P::confidence, "confidence", case_range::share,
+             "How sure it is that it is nothing usual; below 0.5 it is doubtful.");
+    v.list(&P::concerns, "concerns", "The anatomies that may be wrong because of it.");
+    v.text(&P::text, "text", "A sentence that says it.").of_form(some_text);
+    v.map(&P::figures, "figures",
+          "What was measured: `volume_ml`, `longest_mm`, `mean_hu`, `area_cm2`, `shift_mm`, ...")
+        .not_always();
+  }
+};
+
 struct CaseFile {
   std::string name;    ///< relative, "meshes/skull-0123456789abcdef.glb"
   std::string sha256;  ///< 64 lower-case digits
@@ -280,6 +308,7 @@ struct CaseManifest {
   std::vector<CaseBurrHole> burr_holes;
   CaseHaptic haptic;
   CaseCt ct;
+  std::vector<CaseFinding> findings;
   CaseValues figures;  ///< of the patient: class, evans_index_ratio, midline_shift_mm, ...
   std::string face_policy = "keep", face_reason;
   std::string program_version;  ///< "trephine 0.1.0"
@@ -310,9 +339,15 @@ struct CaseManifest {
     v.list(&P::landmarks, "landmarks", "Landmarks of the patient.");
     v.list(&P::targets, "targets", "What a procedure aims at.");
     v.list(&P::burr_holes, "burr_holes", "Holes that were cut.");
+    v.list(&P::findings, "findings",
+           "What a person should look at before the case is used: measured, not diagnosed. A case without findings is "
+           "not healthy because of that.")
+        .not_always()
+        .is_since(6);
     v.map(&P::figures, "figures",
           "What was measured on the patient, by name; `class` is `normal`, `hydrocephalic`, `shifted`, `small`, "
-          "`uncertain` (the ventricles cannot be whole: the warnings in `run.json` say why) or `unknown`; "
+          "`uncertain` (the ventricles cannot be whole, or a sure finding concerns them: the warnings in `run.json` "
+          "say why) or `unknown`; "
           "`evans_index_ratio` is absent where a frontal horn is missing or a thread.")
         .not_always()
         .is_since(2);

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "findings/findings_parts.h"
@@ -20,6 +22,9 @@ std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& 
   Report ignored;
   const head::HeadFields fields{nullptr, shapes.skull, shapes.brain, shapes.ventricles, nullptr};
   const head::HeadFigures f = head::measure_head(fields, shapes.landmarks, {}, ignored, progress);
+  // Horns of 15 mm have three slices of 5 mm, and where the septum lies is known no better.
+  const Vec3 spacing = shapes.ventricles->spacing_mm;
+  const double slices = mask::ramp(std::max({spacing.x, spacing.y, spacing.z}), 12, 3);
   const double plane = shapes.landmarks ? shapes.landmarks->midsagittal.confidence : 0.4;
   if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) >= p.min_shift_mm) {
     Seen s;
@@ -27,7 +32,7 @@ std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& 
     s.finding.where = std::string("of the ") + f.midline_of;
     s.finding.position_mm = f.midline_place_mm;
     s.finding.confidence =
-        0.9 * plane * mask::ramp(std::abs(*f.midline_shift_mm), 0.5 * p.min_shift_mm, 1.7 * p.min_shift_mm);
+        0.9 * plane * slices * mask::ramp(std::abs(*f.midline_shift_mm), 0.5 * p.min_shift_mm, 1.7 * p.min_shift_mm);
     s.finding.figures = {{"shift_mm", std::abs(*f.midline_shift_mm)}};
     s.finding.text = fmt::format("the midline is shifted by {:.1f} mm to the {} ({})", std::abs(*f.midline_shift_mm),
                                  *f.midline_shift_mm > 0 ? "left" : "right", f.midline_of);
@@ -53,23 +58,46 @@ std::string side_of(Vec3 p, const head::HeadLandmarks* landmarks, Vec3 middle) {
   return left > 6 ? "left" : left < -6 ? "right" : "middle";
 }
 
+std::string joined(const std::vector<std::string>& words, const char* between) {
+  std::string all;
+  for (const std::string& w : words) all += (all.empty() ? "" : between) + w;
+  return all;
+}
+
 void report_one(const Finding& f, std::size_t number, Report& report) {
   const std::string n = std::to_string(number) + ".";
-  std::string concerns;
-  for (const std::string& c : f.concerns) concerns += (concerns.empty() ? "" : " ") + c;
   report.add(n + "kind", std::string(to_text(f.kind)));
   report.add(n + "where", f.where);
   report.add(n + "side", f.side);
   report.figures.emplace_back(n + "position_mm",
                               std::vector<double>{f.position_mm.x, f.position_mm.y, f.position_mm.z});
   report.add(n + "confidence", f.confidence);
-  report.add(n + "concerns", concerns);
+  report.add(n + "concerns", joined(f.concerns, " "));
   report.add(n + "text", f.text);
   for (const auto& [name, value] : f.figures)
     if (name.size() > 6 && name.compare(name.size() - 6, 6, "_count") == 0)
       report.add(n + name, std::int64_t(value));
     else
       report.add(n + name, value);
+}
+
+// "43 ml ... lie beside the brain, left (brain may be wrong because of it)"
+std::string text_with_place(const Finding& f) {
+  const std::string concerned = joined(f.concerns, " and ");
+  return f.text + (f.kind == FindingKind::shift || f.side == "middle" ? "" : ", " + f.side) +
+         (concerned.empty() ? "" : " (" + concerned + " may be wrong because of it)");
+}
+
+// Many doubtful places are streaks or sinuses: one line for all of them, so that what is sure is not lost among them.
+void warn_of_doubtful(const std::vector<Finding>& all, Report& report) {
+  std::map<std::string, int> count;
+  for (const Finding& f : all)
+    if (f.confidence < sure_confidence) ++count[to_text(f.kind)];
+  std::vector<std::string> kinds;
+  for (const auto& [kind, n] : count) kinds.push_back(std::to_string(n) + " of " + kind);
+  if (!kinds.empty())
+    report.warn("doubtful, and perhaps something usual such as streaks or a sinus: " + joined(kinds, ", ") +
+                "; the report says where each is");
 }
 
 }  // namespace
@@ -128,9 +156,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     out.list.push_back(s.finding);
     const int value = int(out.list.size());
     report_one(out.list.back(), out.list.size(), report);
-    report.warn(
-        "to be looked at: " + s.finding.text +
-        (s.finding.confidence < 0.5 ? fmt::format(" (doubtful, confidence {:.2f})", s.finding.confidence) : ""));
+    if (s.finding.confidence >= sure_confidence) report.warn("to be looked at: " + text_with_place(s.finding));
     if (s.cells.lattice().count() == 0) continue;
     for (int k = 0; k < labels.size[2]; ++k)
       for (int j = 0; j < labels.size[1]; ++j)
@@ -142,6 +168,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     segment.value = value;
     out.labels.segments.push_back(segment);
   }
+  warn_of_doubtful(out.list, report);
   report.add("findings_count", std::int64_t(out.list.size()));
   out.labels.lattice = labels;
   out.labels.samples = std::move(labels);

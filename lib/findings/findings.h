@@ -44,6 +44,9 @@ struct FindingsParams {
   std::string fault() const { return blood_hu >= most_blood_hu ? "blood_hu: is not below most_blood_hu" : ""; }
 };
 
+/// Below this confidence a finding may be something usual: a sinus, streaks, contrast medium.
+constexpr double sure_confidence = 0.5;
+
 enum class FindingKind { dense, dark, shift, wide_ventricles, bone_gap, metal, tube };
 const char* to_text(FindingKind kind);
 
@@ -53,7 +56,7 @@ struct Finding {
   std::string where;      ///< "in the ventricles", "in the brain", "beside the brain", "in the vault", ...
   std::string side;       ///< left, right or middle; of the patient
   Vec3 position_mm;       ///< its middle, LPS
-  double confidence = 0;  ///< 0 to 1; below 0.5 it may be something usual (a sinus, streaks, contrast medium)
+  double confidence = 0;  ///< 0 to 1; sure from sure_confidence on
   std::vector<std::pair<std::string, double>> figures;  ///< volume_ml, longest_mm, mean_hu, area_cm2, shift_mm, ...
   std::vector<std::string> concerns;                    ///< brain, ventricles, skull: what may be wrong because of it
   std::string text;                                     ///< a whole sentence
@@ -87,9 +90,9 @@ struct Findings {
 /// - metal: above the base of the skull; tube: straight, thin and long, in the brain.
 ///
 /// Adds findings_count and, for each, "N.kind", "N.where", "N.side", "N.position_mm", "N.confidence", "N.concerns"
-/// (separated by blanks), "N.text" and its figures to the report, and its text as a warning. The same bits whatever the
-/// thread count. Throws Error 64 without skull or brain, 65 where a field is on another raster, 80 where the brain is
-/// empty; Cancelled.
+/// (separated by blanks), "N.text" and its figures to the report; as a warning the text of each that is sure, and how
+/// many of each kind are doubtful. The same bits whatever the thread count. Throws Error 64 without skull or brain, 65
+/// where a field is on another raster, 80 where the brain is empty; Cancelled.
 Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
                        Report& report, const Progress& progress = {});
 

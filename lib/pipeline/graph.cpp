@@ -289,9 +289,11 @@ class Builder {
   void add_checks_of_scan(bool as_read) {
     for (const config::RecipeStep& step : config_.scan_steps) {
       if (!step.type->is_check() || step.type->reads(From::import) != as_read) continue;
-      const auto shown = std::count_if(step.ports.begin(), step.ports.end(),
-                                       [&](const auto& p) { return config_.is_shown(anatomy_of(p.second)); });
-      if (shown >= step.type->min_inputs)
+      const auto is_shown = [&](const auto& p) { return config_.is_shown(anatomy_of(p.second)); };
+      const bool complete = std::all_of(step.ports.begin(), step.ports.end(), [&](const auto& p) {
+        return !step.type->find_port(p.first)->required || is_shown(p);
+      });
+      if (complete && std::count_if(step.ports.begin(), step.ports.end(), is_shown) >= step.type->min_inputs)
         want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves);
     }
   }

@@ -16,6 +16,7 @@
 #include "metrics/deviation.h"
 #include "picture/render.h"
 #include "publish/ct_content.h"
+#include "publish/findings_content.h"
 #include "publish/haptic_content.h"
 #include "publish/head_content.h"
 #include "surface/bounds.h"
@@ -54,6 +55,10 @@ class Builder {
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     add_head_content(config_, graph_, results_, manifest());
+    if (const int node = examination(); node >= 0) {
+      manifest().findings = findings_of(at(node).report);
+      doubt_the_class(manifest());
+    }
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
       surfaces.report(double(i) / double(graph_.anatomies.size()));
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
@@ -88,6 +93,13 @@ class Builder {
     static const Report none;
     const int i = graph_.find(node);
     return i < 0 ? none : at(i).report;
+  }
+
+  // The node that says what a person should look at; -1 where there is none.
+  int examination() const {
+    for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
+      if (graph_.nodes[i].type->examines) return int(i);
+    return -1;
   }
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
@@ -332,6 +344,11 @@ class Builder {
     for (const pipeline::Graph::Removal& r : graph_.removals)
       if (auto picture =
               make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
+        out_.pictures.push_back(std::move(*picture));
+    if (const int node = examination(); node >= 0)
+      if (auto picture = make_findings_picture(*volume(graph_.scan),
+                                               *std::get<std::shared_ptr<const grid::LabelFile>>(at(node).data),
+                                               manifest().findings, progress.silent()))
         out_.pictures.push_back(std::move(*picture));
   }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "publish/findings_content.h"
+
 namespace trephine::publish {
 namespace {
 
@@ -65,8 +67,10 @@ std::string verdict_of(const std::vector<std::string>& wanted, const cases::Case
   }
   std::string text;
   for (const auto& [word, names] : parts) text += (text.empty() ? "" : "; ") + names + ": " + word;
+  const std::string to_look_at = findings_text(manifest.findings);
   const bool hard = std::any_of(wanted.begin(), wanted.end(), [&](const auto& a) { return is_hard_in(scan, a); });
-  return hard ? text + reasons(*scan) : text;
+  if (hard) text += reasons(*scan);
+  return to_look_at.empty() ? text : text + "; to be looked at: " + to_look_at;
 }
 
 }  // namespace trephine::publish

@@ -8,9 +8,12 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 1;
+  s.version = 2;
   s.typical_s = 3;
-  s.place = StagePlace::scene;
+  s.place = StagePlace::scan;
+  s.examines = true;
+  s.serves = "what of the head a person should look at";
+  s.min_inputs = 2;
   s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
   s.description =
       "Measures what speaks against a usual head: tissue as dense as fresh blood in the ventricles, in the brain or "
@@ -28,6 +31,7 @@ StageType findings_stage() {
           .optional()
           .help("the ventricles; without them neither shift nor width is measured"),
       port("landmarks", DataKind::landmarks)
+          .where_shown("class_of")
           .optional()
           .help("landmarks and the midsagittal plane; without them left and right are those of the scan's axes")};
   s.output = DataKind::labels;

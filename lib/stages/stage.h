@@ -185,6 +185,7 @@ struct StageType {
   /// With this before their names, a case records the report's figures; nothing: it does not.
   std::optional<std::string> case_figures;
   int min_inputs = 0;            ///< of a check: with fewer anatomies shown it is left out
+  bool examines = false;         ///< a check although it hands something on: what a person should look at, as labels
   bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
   bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
@@ -206,7 +207,7 @@ struct StageType {
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;
-  bool is_check() const { return place != StagePlace::anatomy && output == DataKind::nothing; }
+  bool is_check() const { return place != StagePlace::anatomy && (output == DataKind::nothing || examines); }
   bool reads(From from) const;
   /// Whether it reads the scan before its face is taken away, or what was made of it.
   bool sees_face() const { return reads(From::original_scan) || reads(From::original_landmarks); }

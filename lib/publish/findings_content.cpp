@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/findings_content.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "findings/findings.h"
+#include "picture/slice.h"
+
+namespace trephine::publish {
+namespace {
+
+constexpr int cell_px = 640;
+constexpr std::size_t max_pictures = 9, max_told = 3;
+constexpr double ring_mm = 8, ring_cell_mm = 0.5;
+
+template <class T>
+const T& value_of(const std::map<std::string, ParameterValue>& values, const std::string& name) {
+  const auto found = values.find(name);
+  const T* value = found == values.end() ? nullptr : std::get_if<T>(&found->second);
+  if (!value) throw Error(ExitCode::internal, "", "findings." + name, "is missing in the report");
+  return *value;
+}
+
+cases::CaseFinding finding_of(const std::map<std::string, ParameterValue>& values) {
+  cases::CaseFinding f;
+  f.kind = value_of<std::string>(values, "kind");
+  f.where = value_of<std::string>(values, "where");
+  f.side = value_of<std::string>(values, "side");
+  const auto& at = value_of<std::vector<double>>(values, "position_mm");
+  if (at.size() != 3) throw Error(ExitCode::internal, "", "findings.position_mm", "has not three numbers");
+  f.position_mm = {at[0], at[1], at[2]};
+  f.confidence = value_of<double>(values, "confidence");
+  f.text = value_of<std::string>(values, "text");
+  std::istringstream concerns(value_of<std::string>(values, "concerns"));
+  for (std::string word; concerns >> word;) f.concerns.push_back(word);
+  return f;
+}
+
+std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& all) {
+  std::vector<const cases::CaseFinding*> out;
+  for (const cases::CaseFinding& f : all)
+    if (f.confidence >= findings::sure_confidence) out.push_back(&f);
+  return out;
+}
+
+// Positive in the voxels of that label.
+grid::Field field_of(const grid::LabelFile& labels, int value) {
+  grid::Field field(labels.lattice, -1.f);
+  std::visit(
+      [&](const auto& samples) {
+        for (std::size_t i = 0; i < field.voxels.size(); ++i)
+          if (int(samples.voxels[i]) == value) field.voxels[i] = 1;
+      },
+      labels.samples);
+  return field;
+}
+
+bool has_voxels(const grid::Field& field) {
+  return std::any_of(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; });
+}
+
+// A ring in the axial plane about a place.
+grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
+  grid::Lattice l = like;
+  const int n = 2 * int(ring_mm / ring_cell_mm) + 9;
+  l.size = {n, n, 3};
+  l.spacing_mm = {ring_cell_mm, ring_cell_mm, std::max(1.0, like.spacing_mm.z)};
+  l.origin_mm = {};
+  const Vec3 middle = l.to_world_mm({(n - 1) / 2.0, (n - 1) / 2.0, 1});
+  l.origin_mm = at_mm - middle;
+  grid::Field field(l);
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec3 from_middle = l.to_world_mm({double(i), double(j), 1}) - at_mm;
+        field.at(i, j, k) = float(ring_mm - norm(from_middle));
+      }
+  return field;
+}
+
+std::string with_side(const cases::CaseFinding& f) {
+  return f.kind == "midline_shift" || f.side == "middle" ? f.text : f.text + ", " + f.side;
+}
+
+}  // namespace
+
+std::vector<cases::CaseFinding> findings_of(const Report& report) {
+  std::map<int, std::map<std::string, ParameterValue>> values;
+  std::map<int, std::vector<std::string>> order;
+  for (const auto& [name, value] : report.figures) {
+    const std::size_t dot = name.find('.');
+    if (dot == std::string::npos || dot == 0 || name.find_first_not_of("0123456789") != dot) continue;
+    const int number = std::stoi(name.substr(0, dot));
+    values[number][name.substr(dot + 1)] = value;
+    order[number].push_back(name.substr(dot + 1));
+  }
+  std::vector<cases::CaseFinding> all;
+  for (const auto& [number, of_one] : values) {
+    all.push_back(finding_of(of_one));
+    for (const std::string& name : order[number])
+      if (name != "position_mm" && name != "confidence" && !std::holds_alternative<std::string>(of_one.at(name)))
+        all.back().figures.emplace_back(name, of_one.at(name));
+  }
+  return all;
+}
+
+void doubt_the_class(cases::CaseManifest& manifest) {
+  const ParameterValue* of = find_item(manifest.figures, "class_of");
+  const auto* anatomy = of ? std::get_if<std::string>(of) : nullptr;
+  if (!anatomy) return;
+  const std::vector<const cases::CaseFinding*> all = sure(manifest.findings);
+  if (std::any_of(all.begin(), all.end(), [&](const cases::CaseFinding* f) {
+        return std::find(f->concerns.begin(), f->concerns.end(), *anatomy) != f->concerns.end();
+      }))
+    for (auto& [name, value] : manifest.figures)
+      if (name == "class") value = std::string("uncertain");
+}
+
+std::string findings_text(const std::vector<cases::CaseFinding>& findings) {
+  const std::vector<const cases::CaseFinding*> all = sure(findings);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(all.size(), max_told); ++i)
+    text += (text.empty() ? "" : "; ") + with_side(*all[i]);
+  if (all.size() > max_told) text += "; and " + std::to_string(all.size() - max_told) + " more";
+  return text;
+}
+
+std::optional<CasePicture> make_findings_picture(const grid::HuVolume& scan, const grid::LabelFile& labels,
+                                                 const std::vector<cases::CaseFinding>& findings,
+                                                 const Progress& progress) {
+  const grid::Lattice& lattice = grid::lattice_of(scan);
+  const auto range = picture::slice_range_mm(lattice, picture::SlicePlane::axial);
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < findings.size() && shown.size() < max_pictures; ++i)
+    if (findings[i].confidence >= findings::sure_confidence && findings[i].position_mm.z >= range[0] &&
+        findings[i].position_mm.z <= range[1])
+      shown.push_back(i);
+  if (shown.empty()) return {};
+  std::vector<picture::Image> images(shown.size());
+  parallel_for(0, std::int64_t(shown.size()), 1, [&](std::int64_t from, std::int64_t to) {
+    for (auto n = from; n < to; ++n) {
+      progress.check();
+      const std::size_t i = shown[std::size_t(n)];
+      const cases::CaseFinding& f = findings[i];
+      grid::Field outline = field_of(labels, int(i) + 1);
+      if (!has_voxels(outline)) outline = ring_at(f.position_mm, lattice);
+      picture::SliceParams params;
+      params.longer_side_px = cell_px;
+      params.window_width_hu = f.kind == "metal" || f.kind == "bone_gap" ? 2000 : 120;
+      params.window_center_hu = f.kind == "metal" || f.kind == "bone_gap" ? 300 : 40;
+      params.position_mm = f.position_mm.z;
+      images[std::size_t(n)] = picture::slice_overlay(
+          scan, params, {{nullptr, {1, 0.55, 0.1}, std::to_string(i + 1) + " " + f.kind, &outline}});
+    }
+  });
+  return CasePicture{"findings.png", picture::encode_png(picture::contact_sheet(images, 3))};
+}
+
+}  // namespace trephine::publish

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/report.h"
+#include "cases/case.h"
+#include "grid/labels.h"
+#include "publish/case_pictures.h"
+
+namespace trephine::publish {
+
+/// What the stage `findings` reported, as a case records it, in the same order. Throws Error 70 where the report is not
+/// of that stage.
+std::vector<cases::CaseFinding> findings_of(const Report& report);
+
+/// The class of a case is uncertain where a sure finding concerns the anatomy that it is classed by: changes the figure
+/// `class` of the manifest, whose figures and findings are known.
+void doubt_the_class(cases::CaseManifest& manifest);
+
+/// The sure findings in a few words, each with its side, for the verdict; empty where there is none. Of more than three
+/// the rest is counted.
+std::string findings_text(const std::vector<cases::CaseFinding>& findings);
+
+/// findings.png: of every finding that is sure, of at most nine, the axial slice of the scan through its middle, with
+/// the outline of its voxels (`labels`: the stage's output, in which finding n has the value n) or, where it has none,
+/// a ring about its place. Nothing where no finding is sure or none lies in the scan.
+std::optional<CasePicture> make_findings_picture(const grid::HuVolume& scan, const grid::LabelFile& labels,
+                                                 const std::vector<cases::CaseFinding>& findings,
+                                                 const Progress& progress = {});
+
+}  // namespace trephine::publish
