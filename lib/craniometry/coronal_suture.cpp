@@ -26,14 +26,16 @@ struct Depth {
   double from_mm, to_mm;
 };
 constexpr Depth outer_table{1, 3}, whole_vault{0.5, 6.5};
+constexpr double min_visible_ratio = 0.3;  ///< of the outer table: from here on it says where the suture lies
 constexpr double agreeing_mm = 8, of_a_contradicted_one = 0.4, of_the_vault_alone = 0.6;
 constexpr double min_arc_mm = 85, max_arc_mm = 175;         ///< over the bone, from the nasion's level
 constexpr double cleft_beside_mm = 3, ridge_beside_mm = 8;  ///< where the bone is that a line is compared with
 constexpr double max_cleft = 0.3, max_ridge = 0.25;         ///< a burr hole is not worth more than a suture
 constexpr double full_contrast = 0.1, seen_strength = 0.8;  ///< in units of full_contrast
-constexpr double other_line_mm = 8, max_halves_apart_mm = 10, beside_midline_mm = 8;
-constexpr double ring_step = 0.1;  ///< of a slice
-constexpr int max_step = 2;        ///< columns from plane to plane
+constexpr double other_line_mm = 8, max_halves_apart_mm = 10, beside_midline_mm = 8, near_midline_mm = 12;
+constexpr double full_strength = 0.6;  ///< what is stronger counts no more: a clear part far from the midline says less
+constexpr double ring_step = 0.1;      ///< of a slice
+constexpr int max_step = 2;            ///< columns from plane to plane
 constexpr double step_cost = 0.05;
 
 /// Trilinear; air outside.
@@ -214,6 +216,24 @@ double crossing_mm(const Line& line, const grid::Grid<float>& strength, bool lef
   return (y - slope * x) / w;
 }
 
+/// The column at which the suture crosses the midline: a straight line through its parts near there, of which what is
+/// seen clearly counts most. Often the suture has grown together at the midline, and the way between its seen parts is
+/// then any way.
+int crossing_column(const Line& line, const grid::Grid<float>& strength) {
+  double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (int row = 0; row < planes; ++row) {
+    const double to_left = row - half_planes;
+    const int c = line.column[std::size_t(row)];
+    const double near = to_left / near_midline_mm,
+                 seen = std::clamp(double(strength.at(c, row, 0)), 0.05, full_strength);
+    const double weight = seen * seen * std::exp(-0.5 * near * near);
+    w += weight, x += weight * to_left, y += weight * c;
+    xx += weight * to_left * to_left, xy += weight * to_left * c;
+  }
+  const double slope = (w * xy - x * y) / (w * xx - x * x);
+  return std::clamp(int(std::lround((y - slope * x) / w)), 0, columns - 1);
+}
+
 /// Lengths over the bone of the midline from the nasion's level; -1 where there is no bone.
 std::vector<double> arcs_of(const Unrolled& u, Vec3 nasion) {
   std::vector<double> arc(columns, -1);
@@ -247,21 +267,22 @@ std::optional<CoronalSuture> suture_in(const grid::HuVolume& volume, const Calva
   const Line line = best_line(strength);
   grid::Grid<float> rest = strength;
   const int near = int(other_line_mm / u.column_mm);
-  int seen = 0;
+  int seen = 0, seen_near = 0, near_planes = 0;
   for (int row = 0; row < planes; ++row) {
     const int c = line.column[std::size_t(row)];
+    const bool is_near = std::abs(row - half_planes) <= near_midline_mm;
     seen += strength.at(c, row, 0) > seen_strength;
+    seen_near += is_near && strength.at(c, row, 0) > seen_strength;
+    near_planes += is_near;
     for (int k = std::max(0, c - near); k <= std::min(columns - 1, c + near); ++k) rest.at(k, row, 0) = 0;
   }
-  // Where it crosses the midline: the middle of 9 planes, for sutures are serrated.
-  std::vector<int> middle(line.column.begin() + half_planes - 4, line.column.begin() + half_planes + 5);
-  std::nth_element(middle.begin(), middle.begin() + 4, middle.end());
-  const int crossing = middle[4];
+  const int crossing = crossing_column(line, strength);
   if (arc[crossing] < 0) return {};
   CoronalSuture out;
   out.bregma_mm = u.table_mm[u.at(half_planes, crossing)];
   out.arc_mm = arc[crossing];
   out.visible_ratio = double(seen) / planes;
+  out.near_midline_ratio = double(seen_near) / near_planes;
   out.distinct_ratio = line.strength / std::max(best_line(rest).strength, 0.05);
   out.halves_apart_mm = std::abs(crossing_mm(line, strength, true) - crossing_mm(line, strength, false));
   out.confidence = std::min(mask::ramp(out.visible_ratio, 0.4, 0.7), mask::ramp(out.distinct_ratio, 1.2, 2));
@@ -277,7 +298,14 @@ std::optional<CoronalSuture> find_coronal_suture(const grid::HuVolume& volume, c
   if (!table || !vault) return table ? table : vault;
   CoronalSuture& clear = vault->confidence > table->confidence ? *vault : *table;
   const CoronalSuture& other = &clear == &*vault ? *table : *vault;
-  if (norm(clear.bregma_mm - other.bregma_mm) <= agreeing_mm) return clear;
+  if (norm(clear.bregma_mm - other.bregma_mm) <= agreeing_mm) {
+    // A suture runs obliquely through the vault, and the bregma lies on the outer table.
+    if (table->visible_ratio >= min_visible_ratio) {
+      clear.bregma_mm = table->bregma_mm, clear.arc_mm = table->arc_mm;
+      clear.near_midline_ratio = table->near_midline_ratio;
+    }
+    return clear;
+  }
   // Two clear lines at different places: one of them is no suture, and which is not known. One that the outer table
   // does not show is less sure.
   if (other.confidence >= 0.5)

@@ -20,12 +20,13 @@ struct CalvariaFrame {
 using BoneRay = std::function<std::optional<Vec3>(Vec3 from_mm, Vec3 direction, double length_mm)>;
 
 struct CoronalSuture {
-  Vec3 bregma_mm;              ///< on the outer table, in the midsagittal plane
-  double confidence = 0;       ///< 0 to 1; from 0.5 on the line is seen
-  double arc_mm = 0;           ///< from the nasion's level to the bregma over the bone of the midline
-  double visible_ratio = 0;    ///< share of the planes in which something is seen where the line runs
-  double distinct_ratio = 0;   ///< how much clearer the line is than the clearest other one
-  double halves_apart_mm = 0;  ///< distance of the places at which its left and right half would cross the midline
+  Vec3 bregma_mm;                 ///< on the outer table, in the midsagittal plane
+  double confidence = 0;          ///< 0 to 1; from 0.5 on the line is seen
+  double arc_mm = 0;              ///< from the nasion's level to the bregma over the bone of the midline
+  double visible_ratio = 0;       ///< share of the planes in which something is seen where the line runs
+  double near_midline_ratio = 0;  ///< the same of the planes within 12 mm of the midline
+  double distinct_ratio = 0;      ///< how much clearer the line is than the clearest other one
+  double halves_apart_mm = 0;     ///< distance of the places at which its left and right half would cross the midline
 };
 
 /// Unrolls the outer 3 mm of the calvaria within 40 mm of the midline, and again its outer 6.5 mm, in which a suture
@@ -35,7 +36,9 @@ struct CoronalSuture {
 /// and many are a dark cleft between dense margins: what is darker than 3 mm in front and behind, and what is denser
 /// than 8 mm in front and behind, both count, as a share of the bone around. The rings that thick slices leave on a
 /// vault are taken off first: they are alike wherever the bone crosses the slices alike. The line is the best of all
-/// that run from plane to plane by at most a millimetre (dynamic programming).
+/// that run from plane to plane by at most a millimetre (dynamic programming). It crosses the midline where a straight
+/// line through what is seen of it near there does, for at the midline itself many have grown together. A suture runs
+/// obliquely through the vault: the bregma is that of the outer 3 mm where these show enough of it.
 ///
 /// The two halves are independent of each other: where they would cross the midline more than 10 mm apart, the
 /// confidence stays below 0.5. It is 1 where the line shows in 70 % of the planes and is twice as clear as any other

@@ -16,6 +16,7 @@ constexpr double core_mm = 1.6;  ///< a ball of this radius fits into it
 constexpr double grow_mm = 10;   ///< it goes on so far into places where it would not begin
 constexpr double beside_mm = 8;  ///< below the inner table
 constexpr double at_ventricle_mm = 2.5, at_tube_mm = 5;
+constexpr double near_place_mm = 10;  ///< wide ventricles reach so far beyond the template's
 constexpr double touching = 0.2, little_touching = 0.02, at_place_mm = 4, at_horn_mm = 9;
 constexpr double flat_ratio = 0.35;   ///< of the spread across the slices to the longest: blood does not keep to slices
 constexpr double streak_ratio = 1.4;  ///< of the jumps between slices there to those of the scan
@@ -168,19 +169,26 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
     mask::BitMask rim = piece;
     rim.remove(mask::eroded(piece, 1.6, progress));
     const double beside_ventricle = share(rim, [&](int i, int j, int k) { return at_ventricles.get(i, j, k); });
-    const double in_place = !in.place.sure ? 0 : share(piece, [&](int i, int j, int k) {
+    const auto lateral_mm = [&](int i, int j, int k) {
       const Vec3 t = in.place.to_template(in.lps(i, j, k));
-      return std::min(place::place_mm(place::Place::lateral_left, t), place::place_mm(place::Place::lateral_right, t)) <
-                 at_place_mm ||
-             (beside_ventricle > little_touching && place::horns_mm(t) < at_horn_mm);
+      return std::min(place::place_mm(place::Place::lateral_left, t), place::place_mm(place::Place::lateral_right, t));
+    };
+    const double in_place = !in.place.sure ? 0 : share(piece, [&](int i, int j, int k) {
+      return lateral_mm(i, j, k) < at_place_mm || (beside_ventricle > little_touching &&
+                                                   place::horns_mm(in.place.to_template(in.lps(i, j, k))) < at_horn_mm);
     });
+    const bool near_place =
+        !in.place.sure || share(piece, [&](int i, int j, int k) { return lateral_mm(i, j, k) < near_place_mm; }) > 0.5;
     Seen s;
     s.finding.kind = FindingKind::dense;
     const bool beside = shallow > 0.5;
     const bool in_ventricles = !beside && (beside_ventricle > touching || in_place > 0.5);
-    s.finding.where = beside ? "beside the brain" : in_ventricles ? "in or at the ventricles" : "in the brain";
-    s.finding.concerns =
-        beside || !in_ventricles ? std::vector<std::string>{"brain"} : std::vector<std::string>{"ventricles"};
+    s.finding.where = beside          ? "beside the brain"
+                      : in_ventricles ? "in or at the ventricles"
+                      : near_place    ? "in the brain, or in a part of the ventricles that was not found"
+                                      : "in the brain";
+    if (!in_ventricles) s.finding.concerns.push_back("brain");
+    if (in_ventricles || (near_place && !beside)) s.finding.concerns.push_back("ventricles");
     s.finding.position_mm = e.middle_mm;
     const double hu = mean_in(in, piece);
     double sure = mask::ramp(ml, 0.3 * p.min_blood_ml, 2 * p.min_blood_ml) * mask::ramp(hu, lower + 3, lower + 14);

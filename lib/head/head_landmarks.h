@@ -26,6 +26,9 @@ struct HeadLandmarks {
   const cases::CaseLandmark* find(std::string_view name) const;
 };
 
+/// A bregma that was found and is at least so sure lies at a suture that is seen, if not at the midline itself.
+constexpr double seen_bregma_confidence = 0.35;
+
 /// The names of the landmarks that are searched for in a head; a user may give others.
 const std::vector<std::string>& findable_landmarks();
 

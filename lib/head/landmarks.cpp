@@ -27,6 +27,7 @@ constexpr double min_leap_mm = 2, max_leap_mm = 5;             ///< of the midli
 constexpr double max_vertices_apart_mm = 15;                   ///< 6 degrees of another level
 constexpr double max_estimates_apart_mm = 10, of_an_estimate = 0.45;
 constexpr double max_covered_ratio = 0.3;
+constexpr double min_near_midline_ratio = 0.2, of_a_fused_suture = 0.45;
 
 class Finder {
  public:
@@ -94,6 +95,7 @@ class Finder {
     hold_to_scan(out_, given_names(), in_.scan_figures ? in_.scan_figures(last) : mask::measure_scan(volume_, last),
                  why_);
     hold_to_bregma(out_, given_names(), why_);
+    if (levelled_) hold_to_level(out_, given_names(), why_);
     leave_out_what_is_none(out_, given_names(), why_, report_);
     tell();
     return std::move(out_);
@@ -280,7 +282,13 @@ class Finder {
       if (seen->confidence < 0.5 && agree && seen->confidence > 0.2) seen->confidence = 0.5;
     }
     if (usual) estimated = FoundPoint{*usual, of_an_estimate * mask::ramp(arc_->nasion_gap_mm, 10, 4)};
-    if (seen && seen->confidence >= 0.5) return add("bregma", seen, "found", "");
+    if (seen && seen->confidence >= 0.5) {
+      report_.add("suture_near_midline_ratio", suture->near_midline_ratio);
+      if (suture->near_midline_ratio < min_near_midline_ratio)
+        lower(*seen, "bregma", of_a_fused_suture,
+              "the coronal suture has grown together at the midline, and is seen beside it alone");
+      return add("bregma", seen, "found", "");
+    }
     why_["bregma"] = "the coronal suture is not seen; the usual distance from the nasion is an estimate";
     if (estimated) estimated->confidence *= confidence_of("nasion");
     add("bregma", estimated, "estimated", "the skin ends before, at the scan's edge");
@@ -298,7 +306,10 @@ class Finder {
       return;
     }
     const Vec3 outwards = cross(head_.left, normalized(*behind - *ahead));
-    const cases::CaseLandmark* bregma = out_.find("bregma");
+    std::optional<Vec3> suture_mm;  // a copy: what is found here joins the same list
+    if (const cases::CaseLandmark* bregma = out_.find("bregma");
+        bregma && bregma->source != "estimated" && bregma->confidence >= seen_bregma_confidence)
+      suture_mm = bregma->position_mm;
     for (const int side : {1, -1}) {
       const Vec3 sideways = head_.left * side, middle = *top - outwards * middle_depth_mm;
       const craniometry::Outline lateral =
@@ -315,9 +326,9 @@ class Finder {
       if (base < doubtful_confidence) why_.emplace(name, "it is measured from the nasion, which is doubtful");
       const double soft_mm = soft_tissue_mm(skull, *p, normalized(middle - *p));
       lower(found, name, std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
-      if (bregma && bregma->confidence >= 0.5) {
+      if (suture_mm) {
         const double before_mm =
-            craniometry::before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, *known("nasion", min_confidence));
+            craniometry::before_suture_mm(*p, *suture_mm, arc_->centre_mm, *known("nasion", min_confidence));
         report_.add(name + "_before_suture_mm", before_mm);
         if (before_mm < craniometry::min_before_suture_mm || before_mm > craniometry::max_before_suture_mm)
           lower(found, name, 0.45,

@@ -17,6 +17,7 @@ constexpr double skin_hu = 500, suture_hu = 250, fluid_hu = 20;
 constexpr double worth_telling = 0.85;
 constexpr double beside_mm = 12, apart_mm = 3;  ///< where and how densely the skin about a point is looked at
 constexpr double above_skin_mm = 9;
+constexpr double of_a_doubtful_level = 0.5;
 constexpr float apparatus_hu = -700, air_hu = -900;
 
 double share_of(double error, double tolerance) { return 1 / (1 + error * error / (tolerance * tolerance)); }
@@ -61,6 +62,18 @@ void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reas
           l, most / l.confidence,
           bregma ? "the bregma, which it lies before, is no surer" : "the bregma, which it lies before, is not known",
           reasons);
+}
+
+void hold_to_level(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
+  const auto is_sure = [&](const char* name) {
+    const cases::CaseLandmark* l = all.find(name);
+    return l && (given.count(name) || l->confidence >= doubtful_confidence);
+  };
+  if (is_sure("nasion") && (is_sure("tragus_left") || is_sure("tragus_right"))) return;
+  for (cases::CaseLandmark& l : all.landmarks)
+    if ((l.name == "inion" || l.name == "vertex") && !given.count(l.name))
+      lower_confidence(l, of_a_doubtful_level, "the tragi and the nasion, by which the head is levelled, are doubtful",
+                       reasons);
 }
 
 double scanned_below_mm(const craniometry::FieldView& skin, Vec3 point_mm, Vec3 up, double most_mm) {

@@ -80,6 +80,9 @@ void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const 
                   Reasons& reasons);
 /// Kocher's points are where they are because the coronal suture lies behind them: none is surer than the bregma.
 void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
+/// Inion and vertex are what stands out most, or highest, in a head that is levelled by nasion and tragi: they are half
+/// as sure where the nasion or both tragi are doubtful, as they are where those are not known.
+void hold_to_level(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// How far the scan goes on below the point, at most so far.
 double scanned_below_mm(const craniometry::FieldView& skin, Vec3 point_mm, Vec3 up, double most_mm);
 /// Share of the skin within 12 mm of the point on which something lies within 9 mm (a mask, a pad, a cushion) that was

@@ -22,6 +22,7 @@ constexpr double third_reach_mm = 6;  ///< from the template's third ventricle; 
 constexpr double third_wide_mm = 9;   ///< fluid that goes on beyond this from the midline is a lateral ventricle's,
 constexpr double third_near_mm = 3;   ///< and so is what does not come as near to it as this
 constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by this
+constexpr double base_z = 20, air_hu = -300, min_air_ml = 0.3;
 constexpr double stem_room_mm = 12, told_beyond_ml = 3;
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
@@ -177,6 +178,40 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
                     ml));
 }
 
+/// Takes off the dura the air of sinuses and of bone cells at the skull's base, whose thin walls thick slices lose. Air
+/// above the base may be inside the dura, as after an operation.
+void leave_air(grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place, const Progress& progress) {
+  if (!place.sure) return;
+  const mask::HuView hu(volume);
+  grid::Field air(grid::Lattice(wall), static_cast<float>(-inside_hu));
+  parallel_for(0, wall.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < wall.size[1]; ++j)
+        for (int i = 0; i < wall.size[0]; ++i) {
+          const Vec3 p = wall.to_world_mm({double(i), double(j), double(k)});
+          if (place.to_template(p).z >= base_z) continue;
+          const Vec3 at = hu.lattice().to_index(p);
+          const int x = int(std::lround(at.x)), y = int(std::lround(at.y)), z = int(std::lround(at.z));
+          if (!hu.lattice().contains(x, y, z)) continue;
+          air.at(i, j, k) = static_cast<float>(std::clamp(air_hu - double(hu(x, y, z)), -inside_hu, inside_hu));
+        }
+  });
+  const mask::BitMask pieces =
+      mask::at_least_ml(mask::components(mask::both(mask::positive(air, air), mask::positive(wall, wall))), min_air_ml);
+  if (!pieces.any()) return;
+  for (int k = 0; k < air.size[2]; ++k)
+    for (int j = 0; j < air.size[1]; ++j)
+      for (int i = 0; i < air.size[0]; ++i)
+        if (air.at(i, j, k) >= 0 && !pieces.get(i, j, k)) air.at(i, j, k) = -1;
+  const grid::Field air_mm = mask::signed_distance_mm(air, progress);
+  for (std::size_t n = 0; n < wall.voxels.size(); ++n) wall.voxels[n] = std::min(wall.voxels[n], -air_mm.voxels[n]);
+  const mask::BitMask whole = mask::largest(mask::components(mask::positive(wall, wall)));
+  for (int k = 0; k < wall.size[2]; ++k)
+    for (int j = 0; j < wall.size[1]; ++j)
+      for (int i = 0; i < wall.size[0]; ++i)
+        if (wall.at(i, j, k) > 0 && !whole.get(i, j, k)) wall.at(i, j, k) = -1e-6f;
+}
+
 /// The smallest box around what is positive, with room for the surface.
 grid::Field trimmed(const grid::Field& field, Report& report, const char* what) {
   grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
@@ -248,7 +283,11 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   const grid::Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
     grid::Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
-    if (params.max_beyond_mm > 0) keep_near_template(wall, place_of(cavity, shapes, false, progress), params, report);
+    if (params.max_beyond_mm > 0) {
+      const HeadPlace place = place_of(cavity, shapes, false, progress);
+      keep_near_template(wall, place, params, report);
+      if (shapes.volume) leave_air(wall, *shapes.volume, place, progress);
+    }
     if (params.smooth_mm > 0) {
       mask::gaussian(wall, params.smooth_mm);
       for (float& v : wall.voxels)

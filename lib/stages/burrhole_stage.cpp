@@ -40,12 +40,20 @@ bool were_looked_for(const head::HeadLandmarks* known) {
                 {boolean::how_to_give_a_landmark});
 }
 
-/// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not sure is no
+/// The bregma where it is sure, or the suture is seen on both sides of a midline at which it has grown together: to
+/// some mm it then lies there, which is enough to refuse what lies far off.
+const Vec3* seen_bregma(const std::map<std::string, Vec3>& landmarks, const head::HeadLandmarks* known) {
+  if (const auto sure = landmarks.find("bregma"); sure != landmarks.end()) return &sure->second;
+  const cases::CaseLandmark* l = known ? known->find("bregma") : nullptr;
+  return l && l->source == "found" && l->confidence >= head::seen_bregma_confidence ? &l->position_mm : nullptr;
+}
+
+/// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not seen is no
 /// suture.
 void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole& hole,
                   const std::map<std::string, Vec3>& landmarks, const head::HeadLandmarks* known, Report& report) {
-  const auto bregma = landmarks.find("bregma");
-  if (bregma == landmarks.end()) {
+  const Vec3* bregma = seen_bregma(landmarks, known);
+  if (!bregma) {
     if (were_looked_for(known))
       report.warn(
           "the coronal suture was not seen: how far before it Kocher's point lies was not checked; give its "
@@ -57,8 +65,8 @@ void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole
   const Vec3 back = inion != landmarks.end() ? inion->second : landmarks.at("vertex");
   // The middle between nasion and inion; under the vertex it lies as far below the bregma.
   const Vec3 middle = (nasion + back) * 0.5;
-  const Vec3 centre = inion != landmarks.end() ? middle : middle + normalized(middle - bregma->second) * 60;
-  const double before_mm = craniometry::before_suture_mm(hole.position_mm, bregma->second, centre, nasion);
+  const Vec3 centre = inion != landmarks.end() ? middle : middle + normalized(middle - *bregma) * 60;
+  const double before_mm = craniometry::before_suture_mm(hole.position_mm, *bregma, centre, nasion);
   report.add("before_suture_mm", before_mm);
   if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
   const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
@@ -107,7 +115,7 @@ std::vector<std::string> avoided(const AnyParams& any) {
 StageType burrhole_stage() {
   StageType s;
   s.name = "burrhole";
-  s.version = 8;
+  s.version = 9;
   s.place = StagePlace::scene;
   s.summary = "places a burr hole on a head";
   s.description =

@@ -27,7 +27,7 @@ std::shared_ptr<const Cavity> cavity_of(const StageInputs& in, const Progress& p
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 3;
+  s.version = 4;
   s.typical_s = 5;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
@@ -54,6 +54,7 @@ StageType zone_stage() {
     place::ZoneShapes shapes;
     shapes.skull = in.get<grid::Field>("skull");
     shapes.ventricles = in.get<grid::Field>("ventricles");
+    shapes.volume = in.get<grid::HuVolume>("volume");
     const auto cavity = in.once<Cavity>("cranial cavity", {"volume", "skull"}, progress,
                                         [&] { return cavity_of(in, progress.part(0, 0.3)); });
     for (const auto& figure : cavity->report.figures) report.figures.push_back(figure);
