@@ -97,8 +97,7 @@ TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
   const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, as_the_truth(), report);
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
   // With one ear doubtful the other is too, and with them the level by which these are found.
-  for (const char* name : {"inion", "vertex"})
-    EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;
+  for (const char* name : {"inion", "vertex"}) EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;
 }
 
 }  // namespace

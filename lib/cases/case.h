@@ -12,6 +12,7 @@
 #include "base/params.h"
 #include "base/report.h"
 #include "base/vec3.h"
+#include "cases/case_finding.h"
 #include "cases/material.h"
 
 namespace trephine::cases {
@@ -24,17 +25,6 @@ namespace trephine::cases {
 constexpr int case_version_major = 1, newest_version = -1;
 /// The newest minor version that a declaration names.
 int case_version_minor();
-
-/// Figures by name, in the order of insertion; numbers are finite.
-using CaseValues = Named<ParameterValue>;
-
-namespace case_form {
-extern const TextForm token, file_name, sha256, shape_name;
-}
-namespace case_range {
-constexpr Range finite{-1e12, 1e12}, not_negative{0, 1e12}, above_zero{1e-6, 1e6}, share{0, 1}, length_mm{0, 1e4};
-constexpr Range voxels{1, 65535}, count{0, 9e15};
-}  // namespace case_range
 
 struct CaseDeviation {
   double max_mm = 0, p99_mm = 0, rms_mm = 0;
@@ -252,34 +242,6 @@ struct CaseStandIn {
         .of_form(some_text);
     v.text(&P::by, "by", "The anatomy of the recipe that stands for it, such as `simple_brain`.").of_form(some_text);
     v.text(&P::why, "why", "What refused it.");
-  }
-};
-
-/// Something that a person should look at before the case is used. It is measured, and nothing is diagnosed.
-struct CaseFinding {
-  std::string kind, where, side;
-  Vec3 position_mm;
-  double confidence = 0;
-  std::vector<std::string> concerns;
-  std::string text;
-  CaseValues figures;
-  template <class V>
-  static void describe(V& v) {
-    using P = CaseFinding;
-    v.text(&P::kind, "kind",
-           "What it is: `dense_tissue`, `dark_tissue`, `midline_shift`, `wide_ventricles`, `bone_gap`, `metal`, "
-           "`tube`.")
-        .of_form(some_text);
-    v.text(&P::where, "where", "Where it lies, in words.").of_form(some_text);
-    v.word(&P::side, "side", {"left", "right", "middle"}, "The patient's side.");
-    v.numbers(&P::position_mm, "position_mm", case_range::finite, "Its middle.");
-    v.number(&P::confidence, "confidence", case_range::share,
-             "How sure it is that it is nothing usual; below 0.5 it is doubtful.");
-    v.list(&P::concerns, "concerns", "The anatomies that may be wrong because of it.");
-    v.text(&P::text, "text", "A sentence that says it.").of_form(some_text);
-    v.map(&P::figures, "figures",
-          "What was measured: `volume_ml`, `longest_mm`, `mean_hu`, `area_cm2`, `shift_mm`, ...")
-        .not_always();
   }
 };
 

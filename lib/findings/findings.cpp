@@ -122,6 +122,10 @@ const char* to_text(FindingKind kind) {
   return "tube";
 }
 
+bool is_seen_in_bone(const std::string& kind) {
+  return kind == to_text(FindingKind::bone_gap) || kind == to_text(FindingKind::metal);
+}
+
 Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
                        Report& report, const Progress& progress) {
   const grid::Lattice& l = grid::lattice_of(volume);

@@ -49,6 +49,8 @@ constexpr double sure_confidence = 0.5;
 
 enum class FindingKind { dense, dark, shift, wide_ventricles, bone_gap, metal, tube };
 const char* to_text(FindingKind kind);
+/// Whether a finding of that kind, as to_text calls it, is seen in the window of bone and not in that of brain.
+bool is_seen_in_bone(const std::string& kind);
 
 /// One thing to look at.
 struct Finding {

@@ -151,8 +151,9 @@ std::optional<CasePicture> make_findings_picture(const grid::HuVolume& scan, con
       if (!has_voxels(outline)) outline = ring_at(f.position_mm, lattice);
       picture::SliceParams params;
       params.longer_side_px = cell_px;
-      params.window_width_hu = f.kind == "metal" || f.kind == "bone_gap" ? 2000 : 120;
-      params.window_center_hu = f.kind == "metal" || f.kind == "bone_gap" ? 300 : 40;
+      const bool in_bone = findings::is_seen_in_bone(f.kind);
+      params.window_width_hu = in_bone ? 2000 : 120;
+      params.window_center_hu = in_bone ? 300 : 40;
       params.position_mm = f.position_mm.z;
       images[std::size_t(n)] = picture::slice_overlay(
           scan, params, {{nullptr, {1, 0.55, 0.1}, std::to_string(i + 1) + " " + f.kind, &outline}});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 
 namespace trephine::device {
@@ -82,9 +83,10 @@ Vec3 vec_of(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(
 
 ScreenRegistration fit_screen(const std::vector<Vec3>& device_mm, const std::vector<Vec3>& screen_mm, bool scales) {
   if (device_mm.size() != screen_mm.size() || device_mm.size() < 3)
-    throw Error(ExitCode::quality, "", "marks", "are fewer than three");
+    throw refusal("marks", "are fewer than three", {"touch all of them with `register`"});
   if (spread_mm(device_mm) < least_spread_mm || spread_mm(screen_mm) < least_spread_mm)
-    throw Error(ExitCode::quality, "", "marks", "were touched on one line, so the screen's plane is not known");
+    throw refusal("marks", "were touched on one line, so the screen's plane is not known",
+                  {"touch those that `register` names, one after the other"});
   const Vec3 from = mean_of(device_mm), to = mean_of(screen_mm);
   double s[3][3] = {};
   double device_squares = 0, screen_squares = 0;

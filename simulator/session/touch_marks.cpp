@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine::session {
 namespace {
@@ -43,13 +44,13 @@ class Toucher {
       if (count >= std::max(1, int(0.9 * p_.touch_s * p_.register_hz)) && norm(high - low) <= restless_mm)
         return sum / double(count);
     }
-    throw Error(ExitCode::quality, "", "marks", what + ": was not held still for long enough");
+    throw refusal("marks", what + ": was not held still for long enough", {"hold it still, or lower `touch_s`"});
   }
 
  private:
   void wait(double& waited_s, const std::string& what) {
     waited_s += 1 / p_.register_hz;
-    if (waited_s > p_.touch_wait_s) throw Error(ExitCode::quality, "", "marks", what + ": nobody touched it");
+    if (waited_s > p_.touch_wait_s) throw refusal("marks", what + ": nobody touched it", {"raise `touch_wait_s`"});
   }
   device::DeviceReading tick() {
     if (stop_.load(std::memory_order_relaxed)) throw Cancelled();
@@ -117,19 +118,21 @@ device::ScreenRegistration register_screen(device::Device& device, const Registe
     if (off > norm(r.before_screen(touched[worst]) - marks[worst])) worst = n;
   }
   if (r.worst_mm > p.largest_residual_mm)
-    throw Error(ExitCode::quality, "", "marks",
-                fmt::format("mark {} ({}) lies {:.1f} mm from where it was touched, and at most {:g} mm are allowed "
-                            "(RMS of all {:.1f} mm): was it touched, and are width and height those of the picture?",
-                            worst + 1, names[worst], r.worst_mm, p.largest_residual_mm, r.rms_mm));
+    throw refusal("marks",
+                  fmt::format("mark {} ({}) lies {:.1f} mm from where it was touched, and at most {:g} mm are allowed "
+                              "(RMS of all {:.1f} mm): was it touched, and are width and height those of the picture?",
+                              worst + 1, names[worst], r.worst_mm, p.largest_residual_mm, r.rms_mm),
+                  {"touch them again, measure `screen_width_mm` and `screen_height_mm`, or raise "
+                   "`largest_residual_mm`"});
   say("draw the tool at least 20 mm from the screen towards you, and hold button 1 again");
   const double towards = r.before_screen(toucher.touch("the place before the screen")).z;
   if (towards < before_mm)
-    throw Error(
-        ExitCode::quality, "", "marks",
-        fmt::format("the last place lies {:.0f} mm before the screen, not {:g}: the marks are those of a mirror "
-                    "image, so the picture is not mirrored as the bench needs it (--mirror), or nobody drew "
-                    "the tool back",
-                    towards, before_mm));
+    throw refusal("marks",
+                  fmt::format("the last place lies {:.0f} mm before the screen, not {:g}: the marks are those of a "
+                              "mirror image, so the picture is not mirrored as the bench needs it, or nobody drew the "
+                              "tool back",
+                              towards, before_mm),
+                  {"draw the tool back, or set another `mirror`"});
   return r;
 }
 
