@@ -130,8 +130,8 @@ fs::path refused_folder(const fs::path& library, const std::string& case_token) 
   return library / (case_token + ".refused");
 }
 
-void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal) {
-  const std::string message = message_of(run, refusal);
+void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal, const Error& told) {
+  const std::string message = message_of(run, told);
   std::error_code error;
   // The same again, from the cache: what is there shows it already.
   if (run.made.empty() && refusal.code() == ExitCode::quality && has_stamp(folder / message_file, stamp_of(run)))

@@ -168,10 +168,11 @@ void publish(const fs::path& folder, const CaseContent& content) {
 }
 
 // What was made is kept beside the case's folder, which may hold the last valid case or not exist.
-void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e, pipeline::RunObserver& observer) {
+void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e, const Error& told,
+                  pipeline::RunObserver& observer) {
   if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
   try {
-    keep_refused(folder, run, e);
+    keep_refused(folder, run, e, told);
     observer.kept(folder);
   } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
     log_warning(run.config.case_token + ": what was made could not be kept for looking: " + failed.what());
@@ -341,7 +342,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       std::vector<std::string> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
       const Error told = with_other_configs(e, request.config, config);
-      show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, told,
+      show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e, told,
                    observer);
       if (e.code() == ExitCode::quality) throw told;
       throw;
