@@ -285,7 +285,7 @@ class Finder {
     if (seen && seen->confidence >= 0.5) {
       report_.add("suture_near_midline_ratio", suture->near_midline_ratio);
       if (suture->near_midline_ratio < min_near_midline_ratio)
-        lower(*seen, "bregma", of_a_fused_suture,
+        lower(*seen, "bregma", of_a_fused_suture / seen->confidence,
               "the coronal suture has grown together at the midline, and is seen beside it alone");
       return add("bregma", seen, "found", "");
     }

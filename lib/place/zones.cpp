@@ -180,7 +180,8 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
 
 /// Takes off the dura the air of sinuses and of bone cells at the skull's base, whose thin walls thick slices lose. Air
 /// above the base may be inside the dura, as after an operation.
-void leave_air(grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place, const Progress& progress) {
+void leave_air(grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place, Report& report,
+               const Progress& progress) {
   if (!place.sure) return;
   const mask::HuView hu(volume);
   grid::Field air(grid::Lattice(wall), static_cast<float>(-inside_hu));
@@ -199,6 +200,13 @@ void leave_air(grid::Field& wall, const grid::HuVolume& volume, const HeadPlace&
   const mask::BitMask pieces =
       mask::at_least_ml(mask::components(mask::both(mask::positive(air, air), mask::positive(wall, wall))), min_air_ml);
   if (!pieces.any()) return;
+  const double ml = double(pieces.count()) * wall.voxel_volume_mm3() / 1000;
+  report.add("air_ml", ml);
+  if (ml > told_beyond_ml)
+    report.warn(fmt::format(
+        "{:.0f} ml of air at the skull's base were left out of it, as of sinuses and bone cells whose walls "
+        "the scan does not show: look there where the head may hold air inside the skull",
+        ml));
   for (int k = 0; k < air.size[2]; ++k)
     for (int j = 0; j < air.size[1]; ++j)
       for (int i = 0; i < air.size[0]; ++i)
@@ -286,7 +294,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
     if (params.max_beyond_mm > 0) {
       const HeadPlace place = place_of(cavity, shapes, false, progress);
       keep_near_template(wall, place, params, report);
-      if (shapes.volume) leave_air(wall, *shapes.volume, place, progress);
+      if (shapes.volume) leave_air(wall, *shapes.volume, place, report, progress);
     }
     if (params.smooth_mm > 0) {
       mask::gaussian(wall, params.smooth_mm);

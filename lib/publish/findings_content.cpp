@@ -118,7 +118,7 @@ void doubt_the_class(cases::CaseManifest& manifest) {
         return std::find(f->concerns.begin(), f->concerns.end(), *anatomy) != f->concerns.end();
       }))
     for (auto& [name, value] : manifest.figures)
-      if (name == "class") value = std::string("uncertain");
+      if (name == "class" && value != ParameterValue(std::string("unknown"))) value = std::string("uncertain");
 }
 
 std::string findings_text(const std::vector<cases::CaseFinding>& findings) {

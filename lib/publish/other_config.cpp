@@ -33,9 +33,10 @@ std::vector<std::string> configs_without(const fs::path& file, const CaseConfig&
   std::vector<fs::path> files;
   std::error_code failed;
   for (fs::directory_iterator at(file.parent_path().empty() ? "." : file.parent_path(), failed), end;
-       !failed && at != end && files.size() < max_files; at.increment(failed))
+       !failed && at != end; at.increment(failed))
     if (at->path().extension() == ".yaml" && at->path().filename() != file.filename()) files.push_back(at->path());
   std::sort(files.begin(), files.end());
+  if (files.size() > max_files) files.resize(max_files);
   std::vector<std::string> names;
   for (const fs::path& other : files) try {
       if (does_without(config::read_case_config(other), config, anatomy)) names.push_back(other.filename().string());

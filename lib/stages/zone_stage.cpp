@@ -27,7 +27,7 @@ std::shared_ptr<const Cavity> cavity_of(const StageInputs& in, const Progress& p
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 4;
+  s.version = 5;
   s.typical_s = 5;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
