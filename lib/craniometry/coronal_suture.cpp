@@ -200,38 +200,37 @@ Line best_line(const grid::Grid<float>& strength) {
   return line;
 }
 
-/// Where a straight line through one half of the suture crosses the midline, in mm along it; what is seen clearly
-/// counts most.
-double crossing_mm(const Line& line, const grid::Grid<float>& strength, bool left) {
+/// Where a straight line through the suture crosses the midline, in columns times `unit`; `weight_of(to_left,
+/// strength)` says how much each plane's place counts.
+template <class Weight>
+double crossing_of(const Line& line, const grid::Grid<float>& strength, double unit, const Weight& weight_of) {
   double w = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (int row = 0; row < planes; ++row) {
     const double to_left = row - half_planes;
-    if ((left ? to_left : -to_left) < beside_midline_mm) continue;
     const int c = line.column[std::size_t(row)];
-    const double weight = std::clamp(double(strength.at(c, row, 0)), 0.01, 3.0), mm = c * strength.spacing_mm.x;
-    w += weight, x += weight * to_left, y += weight * mm;
-    xx += weight * to_left * to_left, xy += weight * to_left * mm;
+    const double weight = weight_of(to_left, double(strength.at(c, row, 0))), at = c * unit;
+    w += weight, x += weight * to_left, y += weight * at;
+    xx += weight * to_left * to_left, xy += weight * to_left * at;
   }
   const double slope = (w * xy - x * y) / (w * xx - x * x);
   return (y - slope * x) / w;
 }
 
-/// The column at which the suture crosses the midline: a straight line through its parts near there, of which what is
-/// seen clearly counts most. Often the suture has grown together at the midline, and the way between its seen parts is
-/// then any way.
+/// That of one half of the suture, in mm along the midline; what is seen clearly counts most.
+double crossing_mm(const Line& line, const grid::Grid<float>& strength, bool left) {
+  return crossing_of(line, strength, strength.spacing_mm.x, [&](double to_left, double seen) {
+    return (left ? to_left : -to_left) < beside_midline_mm ? 0.0 : std::clamp(seen, 0.01, 3.0);
+  });
+}
+
+/// That of its parts near the midline, as a column. Often the suture has grown together at the midline, and the way
+/// between its seen parts is then any way.
 int crossing_column(const Line& line, const grid::Grid<float>& strength) {
-  double w = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (int row = 0; row < planes; ++row) {
-    const double to_left = row - half_planes;
-    const int c = line.column[std::size_t(row)];
-    const double near = to_left / near_midline_mm,
-                 seen = std::clamp(double(strength.at(c, row, 0)), 0.05, full_strength);
-    const double weight = seen * seen * std::exp(-0.5 * near * near);
-    w += weight, x += weight * to_left, y += weight * c;
-    xx += weight * to_left * to_left, xy += weight * to_left * c;
-  }
-  const double slope = (w * xy - x * y) / (w * xx - x * x);
-  return std::clamp(int(std::lround((y - slope * x) / w)), 0, columns - 1);
+  const double column = crossing_of(line, strength, 1, [](double to_left, double strong) {
+    const double near = to_left / near_midline_mm, seen = std::clamp(strong, 0.05, full_strength);
+    return seen * seen * std::exp(-0.5 * near * near);
+  });
+  return std::clamp(int(std::lround(column)), 0, columns - 1);
 }
 
 /// Lengths over the bone of the midline from the nasion's level; -1 where there is no bone.

@@ -84,7 +84,7 @@ void report_one(const Finding& f, std::size_t number, Report& report) {
 // "43 ml ... lie beside the brain, left (brain may be wrong because of it)"
 std::string text_with_place(const Finding& f) {
   const std::string concerned = joined(f.concerns, " and ");
-  return f.text + (f.kind == FindingKind::shift || f.side == "middle" ? "" : ", " + f.side) +
+  return with_side(f.text, to_text(f.kind), f.side) +
          (concerned.empty() ? "" : " (" + concerned + " may be wrong because of it)");
 }
 
@@ -120,6 +120,10 @@ const char* to_text(FindingKind kind) {
       break;
   }
   return "tube";
+}
+
+std::string with_side(const std::string& text, const std::string& kind, const std::string& side) {
+  return kind == to_text(FindingKind::shift) || side == "middle" ? text : text + ", " + side;
 }
 
 bool is_seen_in_bone(const std::string& kind) {

@@ -51,6 +51,8 @@ enum class FindingKind { dense, dark, shift, wide_ventricles, bone_gap, metal, t
 const char* to_text(FindingKind kind);
 /// Whether a finding of that kind, as to_text calls it, is seen in the window of bone and not in that of brain.
 bool is_seen_in_bone(const std::string& kind);
+/// The sentence of a finding of that kind with its side behind it, where it has one.
+std::string with_side(const std::string& text, const std::string& kind, const std::string& side);
 
 /// One thing to look at.
 struct Finding {

@@ -42,6 +42,13 @@ void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult&
 
 constexpr double removed_tolerance = 0.03;
 
+// The node that says what a person should look at; -1 where there is none.
+int examination_of(const pipeline::Graph& graph) {
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    if (graph.nodes[i].type->examines) return int(i);
+  return -1;
+}
+
 // Everything that a case is made of, step by step.
 class Builder {
  public:
@@ -55,8 +62,8 @@ class Builder {
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     add_head_content(config_, graph_, results_, manifest());
-    if (const int node = examination(); node >= 0) {
-      manifest().findings = findings_of(at(node).report);
+    if (examination_ >= 0) {
+      manifest().findings = findings_of(at(examination_).report);
       doubt_the_class(manifest());
     }
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
@@ -93,13 +100,6 @@ class Builder {
     static const Report none;
     const int i = graph_.find(node);
     return i < 0 ? none : at(i).report;
-  }
-
-  // The node that says what a person should look at; -1 where there is none.
-  int examination() const {
-    for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
-      if (graph_.nodes[i].type->examines) return int(i);
-    return -1;
   }
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
@@ -345,9 +345,9 @@ class Builder {
       if (auto picture =
               make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
         out_.pictures.push_back(std::move(*picture));
-    if (const int node = examination(); node >= 0)
+    if (examination_ >= 0)
       if (auto picture = make_findings_picture(*volume(graph_.scan),
-                                               *std::get<std::shared_ptr<const grid::LabelFile>>(at(node).data),
+                                               *std::get<std::shared_ptr<const grid::LabelFile>>(at(examination_).data),
                                                manifest().findings, progress.silent()))
         out_.pictures.push_back(std::move(*picture));
   }
@@ -356,6 +356,7 @@ class Builder {
   const pipeline::Graph& graph_;
   const std::vector<pipeline::NodeResult>& results_;
   const int haptic_ = graph_.result(stages::DataKind::haptic);
+  const int examination_ = examination_of(graph_);
   CaseContent out_;
 };
 

@@ -83,10 +83,6 @@ grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
   return field;
 }
 
-std::string with_side(const cases::CaseFinding& f) {
-  return f.kind == "midline_shift" || f.side == "middle" ? f.text : f.text + ", " + f.side;
-}
-
 }  // namespace
 
 std::vector<cases::CaseFinding> findings_of(const Report& report) {
@@ -125,7 +121,7 @@ std::string findings_text(const std::vector<cases::CaseFinding>& findings) {
   const std::vector<const cases::CaseFinding*> all = sure(findings);
   std::string text;
   for (std::size_t i = 0; i < std::min(all.size(), max_told); ++i)
-    text += (text.empty() ? "" : "; ") + with_side(*all[i]);
+    text += (text.empty() ? "" : "; ") + findings::with_side(all[i]->text, all[i]->kind, all[i]->side);
   if (all.size() > max_told) text += "; and " + std::to_string(all.size() - max_told) + " more";
   return text;
 }

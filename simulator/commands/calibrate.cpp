@@ -41,15 +41,7 @@ ExitCode run_calibrate(const cli::ParsedCommand& given) {
   const session::CalibrationParams& params = parsed.params<session::CalibrationParams>();
   const auto say = [](const std::string& line) { std::cout << line << "\n" << std::flush; };
   session::Patient patient(o.case_folder, o.shape, o.contact);
-  const device::DeviceScene scene{patient.contact,
-                                  haptics::touchable_of(patient.felt.feels),
-                                  params.in_real_time,
-                                  false,
-                                  [&](const texts::Note& note) { say(texts::text_of(note, texts::Language::english)); },
-                                  Progress({}, &cancel_requested()),
-                                  0,
-                                  0,
-                                  {}};
+  const device::DeviceScene scene = touched_scene(patient, params.in_real_time, say);
   const std::unique_ptr<device::Device> device = device::make_device(o.device, scene);
   const session::Calibration c = session::calibrate(*device, params, cancel_requested(), say);
   const double case_n_per_mm = stiffest(patient.felt);
@@ -97,9 +89,7 @@ cli::Command calibrate_command() {
       "the device was at rest at its end. The result is compared with the case's stiffest face. --write-settings "
       "writes a file for "
       "`trephine-sim play --settings`, which puts the middle of the device's workspace to the middle of the case.";
-  std::vector<cli::Argument> arguments = session_arguments(device::DeviceChoice().name);
-  for (const cli::Argument& a : arguments)
-    if (a.name != "record") c.arguments.push_back(a);
+  c.arguments = measuring_arguments();
   c.arguments.push_back(cli::argument("json", cli::Argument::Kind::out_file, "Write what was measured to this file."));
   c.arguments.push_back(
       cli::argument("write_settings", cli::Argument::Kind::out_file, "Write settings for play to this file."));

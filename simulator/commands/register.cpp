@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iostream>
 
 #include "base/error.h"
@@ -46,15 +45,7 @@ ExitCode run_register(const cli::ParsedCommand& given) {
   const session::SessionOptions o = session_options_of(parsed);
   const auto say = [](const std::string& line) { std::cout << line << "\n" << std::flush; };
   session::Patient patient(o.case_folder, o.shape, o.contact);
-  const device::DeviceScene scene{patient.contact,
-                                  haptics::touchable_of(patient.felt.feels),
-                                  params.in_real_time,
-                                  false,
-                                  [&](const texts::Note& note) { say(texts::text_of(note, texts::Language::english)); },
-                                  Progress({}, &cancel_requested()),
-                                  0,
-                                  0,
-                                  {}};
+  const device::DeviceScene scene = touched_scene(patient, params.in_real_time, say);
   const std::unique_ptr<device::Device> device = device::make_device(o.device, scene);
   const device::ScreenRegistration r = session::register_screen(*device, params, cancel_requested(), say);
   write_file(parsed.path("out"), device::to_json(r));
@@ -74,10 +65,7 @@ cli::Command register_command() {
       "with button 1 held. The rigid transform that meets them best is written to --out, for `trephine-sim play "
       "--screen`; how far the marks are missed is told, and a registration that misses one by more than "
       "--largest-residual-mm is refused (80). --sheet writes a page with the marks, to be shown on the whole screen.";
-  c.arguments = session_arguments(device::DeviceChoice().name);
-  c.arguments.erase(
-      std::remove_if(c.arguments.begin(), c.arguments.end(), [](const cli::Argument& a) { return a.name == "record"; }),
-      c.arguments.end());
+  c.arguments = measuring_arguments();
   c.arguments.push_back(
       cli::argument("out", cli::Argument::Kind::out_file, "Register the device, and write the result to this file."));
   c.arguments.push_back(

@@ -58,6 +58,26 @@ std::vector<cli::Argument> session_arguments(const std::string& own) {
   return all;
 }
 
+std::vector<cli::Argument> measuring_arguments() {
+  std::vector<cli::Argument> all = session_arguments(device::DeviceChoice().name);
+  all.erase(std::remove_if(all.begin(), all.end(), [](const cli::Argument& a) { return a.name == "record"; }),
+            all.end());
+  return all;
+}
+
+device::DeviceScene touched_scene(const session::Patient& patient, bool in_real_time,
+                                  std::function<void(const std::string&)> say) {
+  return {patient.contact,
+          haptics::touchable_of(patient.felt.feels),
+          in_real_time,
+          false,
+          [say = std::move(say)](const texts::Note& note) { say(texts::text_of(note, texts::Language::english)); },
+          Progress({}, &cancel_requested()),
+          0,
+          0,
+          {}};
+}
+
 cli::Argument before_argument() {
   cli::Argument before =
       cli::argument("before", cli::Argument::Kind::in_file,
