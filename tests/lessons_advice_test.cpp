@@ -2,6 +2,7 @@
 // What a participant is told to do otherwise: errors that are known exactly, in each direction and on both sides.
 #include <cmath>
 
+#include "lessons/spine/spine_advice.h"
 #include "lessons_chest.h"
 #include "lessons_head_facts.h"
 #include "lessons_spine_facts.h"
@@ -131,6 +132,31 @@ TEST(LessonsAdvice, AHoleAndADepthAreToldInMillimetres) {
   }
 }
 
+TEST(LessonsAdvice, ATurnOfLessThanADegreeIsNotSaid) {
+  EXPECT_TRUE(lessons::as_turns({{NamedPart::medial, 1.5}}, 100).empty()) << "0.86 degrees";
+  const std::vector<NamedPart> two = lessons::as_turns({{NamedPart::medial, 4}, {NamedPart::anterior, 1.5}}, 100);
+  ASSERT_EQ(two.size(), 1u);
+  EXPECT_EQ(two[0].name, NamedPart::medial);
+}
+
+// A hole on the midline in a lesson that asked for no side: medial and lateral are of neither.
+TEST(LessonsAdvice, WhereTheSideIsNotKnownNoDirectionIsSaid) {
+  for (const std::string task : {"", "right"}) {
+    lessons::VentriculostomyFacts f = perfect_head(false);
+    f.task = task;
+    f.hole->outer_mm.x = f.hole->inner_mm.x = -1;
+    pass_into(f, false, {{-14, 0, 0}, 20});
+    for (lessons::PassPoint& p : f.passes[0].path) p.tip_mm.x -= 0.5;
+    f.passes[0].entry_mm.x = -1;
+    const lessons::LessonScore s = lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest,
+                                                                  phantom_head().whole(), Head::rubric());
+    for (const char* row : {"burr_hole", "trajectory", "tip"})
+      EXPECT_EQ(has(told(s, row), "medial") || has(told(s, row), "lateral"), task == "right" && s.lost(row))
+          << task << " " << row << ": " << told(s, row);
+    EXPECT_NE(told(s, "depth"), "") << "how deep it went is known all the same";
+  }
+}
+
 TEST(LessonsAdvice, ElsewhereNoDirectionIsSaid) {
   lessons::VentriculostomyFacts f = perfect_head(true);
   pass_into(f, true, {});
@@ -188,6 +214,47 @@ TEST(LessonsAdvice, ANeedleIsToldEntryAimAndDepth) {
     EXPECT_EQ(told(with(&SpineAim::beyond_mm, 10), "depth", Language::german),
               "Halten Sie 10 mm früher an: die Spitze lag 10 mm hinter dem Ziel.");
     EXPECT_TRUE(has(told(with(&SpineAim::turn_aside_mm, -9), "breach"), "Keep more laterally"));
+  }
+}
+
+// A patient who lies on his side by 50 degrees and whose spine leans by 20 in the scanner: the directions are his own.
+TEST(LessonsAdvice, APatientWhoLiesTurnedIsToldHisOwnDirections) {
+  const auto turned = [](Vec3 p) {
+    const double a = 50 * M_PI / 180, b = 20 * M_PI / 180;
+    const Vec3 leaning{p.x, p.y * std::cos(b) - p.z * std::sin(b), p.y * std::sin(b) + p.z * std::cos(b)};
+    return Vec3{leaning.x * std::cos(a) - leaning.y * std::sin(a), leaning.x * std::sin(a) + leaning.y * std::cos(a),
+                leaning.z};
+  };
+  cases::CaseManifest m = phantom_spine().felt().loaded.manifest;
+  for (cases::CaseLandmark& l : m.landmarks) l.position_mm = turned(l.position_mm);
+  // One doubtful pedicle does not turn the axes of its vertebra: those of its neighbours take their place.
+  for (cases::CaseLandmark& l : m.landmarks)
+    if (l.name == "pedicle_1_right_entry") l.position_mm.z += 15, l.confidence = 0.2;
+  lessons::LessonScore lost;
+  for (const char* row : {"entry", "target", "axial", "sagittal"}) {
+    lessons::ScoreRow r;
+    r.name = row;
+    r.score = 1;
+    lost.rows.push_back(r);
+  }
+  for (const lessons::CasePedicle& p : lessons::pedicles_of(m)) {
+    EXPECT_LT(norm(p.left - turned({1, 0, 0})), 0.02) << p.name;
+    EXPECT_LT(norm(p.cranial - turned({0, 0, 1})), 0.02) << p.name;
+    EXPECT_LT(norm(p.anterior() - turned({0, -1, 0})), 0.02) << p.name;
+    const auto said = [&](Vec3 off, const std::string& row) {
+      lessons::LessonScore s = lost;
+      s.advice = lessons::pedicle_advice(s, lessons::needle_errors(p, p.target_mm + off, -p.forwards()));
+      return told(s, row);
+    };
+    EXPECT_EQ(said(p.outer() * 6, "entry"),
+              "Enter 6 mm more medially: your line passed 6 mm lateral of the ideal entry.");
+    EXPECT_EQ(said(p.up() * -6, "entry"),
+              "Enter 6 mm more cranially: your line passed 6 mm caudal of the ideal entry.");
+    const lessons::NeedleErrors e = lessons::needle_errors(p, p.target_mm, -p.forwards());
+    lessons::LessonScore s = lost;
+    s.advice = lessons::screw_advice(s, e, turned({0, 0, 5}), p.on_left() ? 12 : -12, 0);
+    EXPECT_TRUE(has(told(s, "entry"), "5 mm more caudally")) << told(s, "entry");
+    EXPECT_TRUE(has(told(s, "axial"), "12 degrees more medially")) << told(s, "axial");
   }
 }
 

@@ -87,7 +87,10 @@ std::vector<NamedPart> opposite(std::vector<NamedPart> parts) {
 }
 
 std::vector<NamedPart> as_turns(std::vector<NamedPart> parts, double length_mm) {
+  constexpr double least_deg = 1;
   for (NamedPart& p : parts) p.size = std::atan2(p.size, length_mm) * 180 / M_PI;
+  parts.erase(std::remove_if(parts.begin(), parts.end(), [](const NamedPart& p) { return p.size < least_deg; }),
+              parts.end());
   return parts;
 }
 

@@ -36,7 +36,8 @@ std::vector<NamedPart> parts_of(const BodyAxes& axes, Vec3 way, double least = 1
 std::vector<NamedPart> parts_across(const BodyAxes& axes, Vec3 line, Vec3 way, double least = 1);
 /// The same parts the other way.
 std::vector<NamedPart> opposite(std::vector<NamedPart> parts);
-/// By how many degrees a line must be turned to meet what it passes by these mm after that length.
+/// By how many degrees a line must be turned to meet what it passes by these mm after that length. Turns of less than
+/// a degree are left out.
 std::vector<NamedPart> as_turns(std::vector<NamedPart> parts_mm, double length_mm);
 
 /// "4 degrees more medially and 2 degrees more anteriorly", "4 Grad weiter nach medial ..."; `unit` is mm or degrees.

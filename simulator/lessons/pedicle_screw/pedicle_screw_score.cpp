@@ -14,10 +14,10 @@ namespace {
 constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
 constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
 
-// From b to a as they are seen in a plane of two of the world's axes, both of which go forwards (-y): positive where a
-// leans more to the plus of `across`.
-double seen_deg(Vec3 a, Vec3 b, int across) {
-  const double d = std::atan2(a[across], -a.y) - std::atan2(b[across], -b.y);
+// From b to a as they are seen in the plane of two of the vertebra's axes; both go forwards: positive where a leans
+// more to `across`.
+double seen_deg(Vec3 a, Vec3 b, Vec3 across, Vec3 anterior) {
+  const double d = std::atan2(dot(a, across), dot(a, anterior)) - std::atan2(dot(b, across), dot(b, anterior));
   return std::remainder(d, 2 * M_PI) * 180 / M_PI;
 }
 
@@ -64,15 +64,15 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   if (pass) {
     const NeedlePoint& end = pass->path.back();
     e = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
-    const Vec3 f = e.pedicle->forwards(), way = -end.axis;
-    // Where its line passes the coronal plane of the entry.
-    const double slope = way.y;
-    const Vec3 at =
-        std::abs(slope) > 0.05 ? end.tip_mm + way * ((e.pedicle->entry_mm.y - end.tip_mm.y) / slope) : end.tip_mm;
-    entry_off = {at.x - e.pedicle->entry_mm.x, 0, at.z - e.pedicle->entry_mm.z};
+    const Vec3 f = e.pedicle->forwards(), way = -end.axis, front = e.pedicle->anterior();
+    // Where its line passes the vertebra's coronal plane through the entry.
+    const double slope = dot(way, front);
+    const Vec3 from = end.tip_mm - e.pedicle->entry_mm;
+    entry_off = std::abs(slope) > 0.05 ? from - way * (dot(from, front) / slope) : from;
+    entry_off = entry_off - front * dot(entry_off, front);
     entry = norm(entry_off);
-    axial = seen_deg(way, f, 0);
-    sagittal = seen_deg(way, f, 2);
+    axial = seen_deg(way, f, e.pedicle->left, front);
+    sagittal = seen_deg(way, f, e.pedicle->cranial, front);
     breach = find_breach(*e.pedicle, *pass, before, bone);
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
     if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))

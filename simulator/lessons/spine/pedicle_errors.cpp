@@ -29,10 +29,7 @@ double wall_mm(const voxel::HapticDecoder& volume, int bone, Vec3 from, Vec3 way
 }
 
 const char* side_of(const CasePedicle& p, Vec3 way) {
-  const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
-  const double side = p.name.find("_left") != std::string::npos ? 1 : -1;
-  const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
-  const double o = dot(way, outer), u = dot(way, up);
+  const double o = dot(way, p.outer()), u = dot(way, p.up());
   if (std::abs(u) > std::abs(o)) return u > 0 ? "upper" : "lower";
   return o > 0 ? "lateral" : "medial";
 }
@@ -68,7 +65,7 @@ NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::stri
 }
 
 double pedicle_width_mm(const CasePedicle& p, const voxel::HapticVolume& volume, int bone) {
-  const Vec3 f = p.forwards(), outer = normalized(Vec3{1, 0, 0} - f * f.x);
+  const Vec3 f = p.forwards(), outer = p.outer();
   const voxel::HapticDecoder decoder(volume);
   double least = 0;
   const double length = norm(p.target_mm - p.entry_mm);
@@ -83,7 +80,7 @@ double pedicle_width_mm(const CasePedicle& p, const voxel::HapticVolume& volume,
 PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const voxel::HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards();
   const double length = norm(p.target_mm - p.entry_mm);
-  const Vec3 up = normalized(Vec3{0, 0, 1} - f * f.z), across = cross(up, f);
+  const Vec3 up = p.up(), across = cross(up, f);
   const voxel::HapticDecoder decoder(volume);
   PedicleBreach worst;
   const auto look = [&](Vec3 at, double time_s) {

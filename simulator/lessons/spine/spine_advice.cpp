@@ -45,9 +45,7 @@ constexpr BreachWords breach_words[] = {
      {{"Keep more cranially: the tool came {:.1f} mm through the lower wall.",
        "Bleiben Sie weiter kranial: das Instrument kam {:.1f} mm durch die untere Wand."}}}};
 
-BodyAxes axes_of(const CasePedicle& p) {
-  return body_axes(p.name.find("_left") != std::string::npos, {1, 0, 0}, {0, -1, 0});
-}
+BodyAxes axes_of(const CasePedicle& p) { return body_axes(p.on_left(), p.left, p.anterior()); }
 
 Advice in_both(const std::string& row, const Wording& words, double a, double b) {
   Advice out{row, {}};
@@ -73,9 +71,9 @@ std::vector<Advice> pedicle_advice(const LessonScore& score, const NeedleErrors&
   if (!score.lost("target")) return all;
   const std::vector<NamedPart> off = parts_across(axes, f, e.target_off);
   const std::vector<NamedPart> lean = parts_across(axes, f, e.target_off - e.entry_off);
-  std::vector<NamedPart> turn = as_turns(opposite(lean), norm(p.target_mm - p.entry_mm));
+  const std::vector<NamedPart> turn = as_turns(opposite(lean), norm(p.target_mm - p.entry_mm));
   if (off.empty()) return all;
-  if (turn.empty() || turn.front().size < 1) {
+  if (turn.empty()) {
     Advice a{"target", {}};
     for (const Language l : {Language::english, Language::german})
       a.in[std::size_t(l)] = fmt::format(fmt::runtime(parallel_words.of(l)), place_words(off, l));
@@ -89,14 +87,15 @@ std::vector<Advice> pedicle_advice(const LessonScore& score, const NeedleErrors&
 std::vector<Advice> screw_advice(const LessonScore& score, const NeedleErrors& e, Vec3 entry_off_mm, double left_deg,
                                  double up_deg) {
   std::vector<Advice> all;
-  const BodyAxes axes = axes_of(*e.pedicle);
-  say_entry(all, score, axes, {0, -1, 0}, entry_off_mm);
+  const CasePedicle& p = *e.pedicle;
+  const BodyAxes axes = axes_of(p);
+  say_entry(all, score, axes, p.anterior(), entry_off_mm);
   const auto turned = [&](const char* row, Vec3 lean_deg, const Wording& words) {
     const std::vector<NamedPart> lean = parts_of(axes, lean_deg);
     if (score.lost(row) && !lean.empty()) all.push_back(advice_of(row, opposite(lean), PartUnit::degrees, {}, words));
   };
-  turned("axial", {left_deg, 0, 0}, axial_words);
-  turned("sagittal", {0, 0, up_deg}, sagittal_words);
+  turned("axial", p.left * left_deg, axial_words);
+  turned("sagittal", p.cranial * up_deg, sagittal_words);
   return all;
 }
 

@@ -46,9 +46,7 @@ class SpinePlan : public MovePlan {
     for (const CasePedicle& p : pedicles_of(scene_.manifest)) {
       known += (known.empty() ? "" : ", ") + p.name;
       if (p.name != s.pedicle) continue;
-      const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
-      const double side = p.name.find("_left") != std::string::npos ? 1 : -1;
-      const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
+      const Vec3 up = p.up(), outer = p.outer();
       const Vec3 entry = missed_(p.entry_mm + outer * s.entry_aside_mm + up * s.entry_up_mm);
       const Vec3 target = missed_(p.target_mm + outer * s.target_aside_mm + up * s.target_up_mm);
       return along(entry, target, s.short_of_mm, s.speed_mm_per_s);

@@ -16,15 +16,18 @@ constexpr double beyond_doubt_mm = 5;   // of the midline: nearer to it a side i
 
 Vec3 tip_of(const CatheterPass& pass) { return pass.path.back().tip_mm; }
 
+// How far to the left what was done lies; by default right, as the table's figures.
+double done_left_mm(const Scoring& s) {
+  const Vec3 at = s.facts.hole              ? s.facts.hole->outer_mm
+                  : !s.facts.passes.empty() ? s.facts.passes.back().entry_mm
+                                            : s.frame.nasion_mm - s.frame.left;
+  return s.frame.left_of_midline_mm(at);
+}
+
 }  // namespace
 
-bool Scoring::on_left() const {
-  if (!facts.task.empty()) return facts.task == "left";
-  const Vec3 at = facts.hole              ? facts.hole->outer_mm
-                  : !facts.passes.empty() ? facts.passes.back().entry_mm
-                                          : frame.nasion_mm - frame.left;  // right, as the table's figures
-  return frame.left_of_midline_mm(at) > 0;
-}
+bool Scoring::on_left() const { return facts.task.empty() ? done_left_mm(*this) > 0 : facts.task == "left"; }
+bool Scoring::side_known() const { return !facts.task.empty() || std::abs(done_left_mm(*this)) > beyond_doubt_mm; }
 
 std::string Scoring::foramen_doubt() const {
   double confidence = 0;

@@ -19,6 +19,7 @@ struct Scoring {
   }
   /// The side that was asked for; else that of the hole, or of the catheter where there is none.
   bool on_left() const;
+  bool side_known() const;  ///< it was asked for, or what was done lies clearly beside the midline
   std::optional<Vec3> foramen() const { return foramen_of(manifest, on_left()); }
   /// Why nothing can be measured from the foramen; empty where it can.
   std::string foramen_doubt() const;

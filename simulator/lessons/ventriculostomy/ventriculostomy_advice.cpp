@@ -70,17 +70,19 @@ std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score) {
     say_line(all, best_midline(s), s.rubric.landmarks.midline_mm.limit, midline_left, midline_right);
     say_line(all, best_suture(s), s.rubric.landmarks.suture_mm.limit, suture_front, suture_back);
   }
+  const bool sided = s.side_known();  // else medial and lateral mean nothing
   const cases::CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
   // On the other side the failure says it all.
   const auto on_side = [&](Vec3 at) { return (s.frame.left_of_midline_mm(at) > 0) == s.on_left(); };
-  if (score.lost("burr_hole") && kocher && s.facts.hole && s.facts.hole->drilled && on_side(s.facts.hole->outer_mm)) {
+  if (sided && score.lost("burr_hole") && kocher && s.facts.hole && s.facts.hole->drilled &&
+      on_side(s.facts.hole->outer_mm)) {
     const BoneHole& hole = *s.facts.hole;
     const std::vector<NamedPart> off = parts_across(axes, hole.out, hole.outer_mm - kocher->position_mm);
     say("burr_hole", opposite(off), PartUnit::mm, off, hole_words);
   }
   const std::optional<Vec3> foramen = s.foramen();
   if (!s.facts.passes.empty() && !on_side(s.facts.passes.back().entry_mm)) return all;
-  if (score.lost("trajectory") && foramen && !s.facts.passes.empty()) {
+  if (sided && score.lost("trajectory") && foramen && !s.facts.passes.empty()) {
     const LineMiss m = line_miss(s.facts.passes.back(), *foramen);
     const std::vector<NamedPart> off = parts_across(axes, m.way, -m.to_foramen_mm);
     if (m.length_mm > 0) say("trajectory", as_turns(opposite(off), m.length_mm), PartUnit::degrees, off, aim_words);
@@ -88,7 +90,7 @@ std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score) {
   const CatheterPass* pass = s.final_pass();
   if (!pass) return all;
   if (score.lost("depth")) all.push_back(depth_advice(s.rubric.depth, depth_mm(s, *pass)));
-  if (score.lost("tip") && foramen) {
+  if (sided && score.lost("tip") && foramen) {
     const std::vector<NamedPart> off = parts_of(axes, pass->path.back().tip_mm - *foramen);
     say("tip", opposite(off), PartUnit::mm, off, tip_words);
   }
