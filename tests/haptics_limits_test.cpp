@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <string>
 
+#include "device/screen_registration.h"
 #include "device/simulated_hand.h"
+#include "device/workspace.h"
 #include "haptics_scene.h"
 
 using namespace trephine;
@@ -31,14 +35,25 @@ haptics::ForceParams unlimited() {
   return p;
 }
 
+// What lies between hand and wall; its tool moves by `scale` mm for each of the hand.
+struct Between {
+  double scale = 1;
+  std::function<std::unique_ptr<device::Device>(std::unique_ptr<device::Device>)> wrap;
+};
+
 // Whether the swing of a hand that presses on the wall, and that only the device damps, dies out.
-bool comes_to_rest(const contact::ContactVolume& contact, double stiffness, double damping, double rate_hz) {
+bool comes_to_rest(const contact::ContactVolume& contact, double stiffness, double damping, double rate_hz,
+                   const Between& between = {}) {
   device::HandParams h;
   h.device_damping_n_s_per_mm = device_damping;
   h.arm_damping_n_s_per_mm = h.tremor_mm = h.delay_s = 0;
   h.arm_stiffness_n_per_mm = 0.3;
   h.speed_mm_per_s = 20;
-  device::SimulatedHand hand(h, {{0.2, 0.1, 0.1}, {0.2, 0.1, -10}}, 1);
+  const double hand_mm = 1 / between.scale;
+  std::unique_ptr<device::Device> device = std::make_unique<device::SimulatedHand>(
+      h, std::vector<Vec3>{Vec3{0.2, 0.1, 0.1} * hand_mm, Vec3{0.2 * hand_mm, 0.1 * hand_mm, -10}}, 1);
+  if (between.wrap) device = between.wrap(std::move(device));
+  device::Device& hand = *device;
   haptics::Proxy proxy(contact, one_shape(1, face(stiffness, 0, 0, 0, damping), face(1)), unlimited());
   const double dt = 1 / rate_hz;
   double low[3] = {1e9, 1e9, 1e9}, high[3] = {-1e9, -1e9, -1e9};
@@ -55,11 +70,11 @@ bool comes_to_rest(const contact::ContactVolume& contact, double stiffness, doub
   return after < 1e-3 || (after < 0.9 * before && after < 1);
 }
 
-double stiffest(const contact::ContactVolume& contact, double damping, double rate_hz) {
+double stiffest(const contact::ContactVolume& contact, double damping, double rate_hz, const Between& between = {}) {
   double low = 0.3, high = 200;
   while (high / low > 1.03) {
     const double middle = std::sqrt(low * high);
-    (comes_to_rest(contact, middle, damping, rate_hz) ? low : high) = middle;
+    (comes_to_rest(contact, middle, damping, rate_hz, between) ? low : high) = middle;
   }
   return low;
 }
@@ -130,6 +145,43 @@ TEST(HapticsLimits, TheStiffestWallIsWhatTheoryAllows) {
       if (damping == 0) {
         EXPECT_LT(found, 1.15 * theory);  // else nothing was measured
       }
+    }
+}
+
+// A device of another scale says with damping_n_s_per_mm() how stiff a wall may be: 2 b / T, as its hand finds it.
+TEST(HapticsLimits, AScaledDeviceSaysWhichWallItBears) {
+  WallScene s;
+  const contact::ContactVolume contact(s.volume);
+  constexpr double rate_hz = 1000;
+  for (const double scale : {0.4, 2.5})
+    for (const bool screen : {false, true}) {
+      double said = 0;
+      const Between between{scale, [&](std::unique_ptr<device::Device> hand) -> std::unique_ptr<device::Device> {
+                              std::unique_ptr<device::Device> whole;
+                              if (screen) {
+                                device::ScreenRegistration r;
+                                r.height_mm = 100;
+                                r.turn.column[0] = {1, 0, 0};
+                                r.turn.column[1] = {0, 1, 0};
+                                r.turn.column[2] = {0, 0, 1};
+                                auto view = std::make_shared<device::Mailbox<device::ScreenView>>();
+                                view->write({{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 100 * scale});
+                                whole = std::make_unique<device::ScreenDevice>(std::move(hand), r, view);
+                                device::DeviceReading begin;
+                                whole->read(0, begin);
+                              } else {
+                                device::WorkspaceParams w;
+                                w.workspace_scale = scale;
+                                whole = device::in_workspace(std::move(hand), w);
+                              }
+                              said = whole->damping_n_s_per_mm();
+                              return whole;
+                            }};
+      const double found = stiffest(contact, 0, rate_hz, between), theory = 2 * said * rate_hz;
+      std::printf("  %s, %.1f mm a mm: stiffest %.2f N/mm, 2 b / T with the damping it says %.2f\n",
+                  screen ? "screen" : "workspace", scale, found, theory);
+      EXPECT_GT(found, 0.9 * theory);
+      EXPECT_LT(found, 1.15 * theory);
     }
 }
 

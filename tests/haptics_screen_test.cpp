@@ -244,8 +244,52 @@ TEST(HapticsScreen, TheToolIsSeenWhereTheHandIs) {
     screen.tell(news);
     EXPECT_LT(norm(hand.news.proxy_mm - hand.pose.tip_mm), 1e-9);
     EXPECT_LT(norm(hand.news.axis - bench.turn * Vec3{0, 1, 0}), 1e-9);
-    EXPECT_NEAR(screen.damping_n_s_per_mm(), 0.004 / 0.25, 1e-12);
+    EXPECT_NEAR(screen.damping_n_s_per_mm(), 0.004 / 0.5, 1e-12);
   }
+}
+
+TEST(HapticsScreen, AViewThatIsZoomedOutMakesNoWallStiffer) {
+  auto still = std::make_unique<Still>();
+  Still& hand = *still;
+  auto view = std::make_shared<device::Mailbox<device::ScreenView>>();
+  ScreenRegistration r;
+  r.turn = turned({0, 0, 1}, 0);
+  r.height_mm = 320;
+  device::ScreenDevice screen(std::move(still), r, view);
+  DeviceReading out;
+  for (const double scale : {0.5, 1.0, 4.0}) {
+    view->write({{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 320 * scale});
+    hand.pose.tip_mm = {0, 0, -1};
+    ASSERT_TRUE(screen.read(0.001, out));
+    EXPECT_NEAR(out.tip_mm.z, -scale, 1e-12);
+    screen.send(Vec3{0, 0, 1} * -out.tip_mm.z * 0.8);  // a wall of 0.8 N/mm at z = 0
+    EXPECT_NEAR(hand.felt_n.z, 0.8 * std::min(scale, 1.0), 1e-12) << "for each mm of the hand";
+  }
+}
+
+// A window that is not the whole screen: where its point lies on the screen, there the hand is.
+TEST(HapticsScreen, AWindowsPlaceOnItsScreenIsTakenIntoAccount) {
+  // 800 x 600 of a screen of 1920 x 1200 that is 320 mm high; the window's middle 300 px right of the screen's and 150
+  // up.
+  const double px_mm = 320.0 / 1200;
+  device::ScreenView window{{1, -20, 300}, {-1, 0, 0}, {0, 0, 1}, {0, 1, 0}, 90};
+  const device::ScreenView whole = device::over_screen(window, {-300.0 / 600, -150.0 / 600, 1200.0 / 600});
+  EXPECT_NEAR(whole.height_mm, 180, 1e-9);
+  auto still = std::make_unique<Still>();
+  Still& hand = *still;
+  auto view = std::make_shared<device::Mailbox<device::ScreenView>>();
+  view->write(whole);
+  ScreenRegistration r;
+  r.turn = turned({0, 0, 1}, 0);
+  r.height_mm = 320;
+  device::ScreenDevice screen(std::move(still), r, view);
+  DeviceReading out;
+  hand.pose.tip_mm = {300 * px_mm, 150 * px_mm, 0};  // at the window's middle
+  ASSERT_TRUE(screen.read(0.001, out));
+  EXPECT_LT(norm(out.tip_mm - window.middle_mm), 1e-9);
+  hand.pose.tip_mm = {400 * px_mm, 150 * px_mm, 0};  // 100 px farther right: 100 / 600 of what the window shows
+  ASSERT_TRUE(screen.read(0.001, out));
+  EXPECT_LT(norm(out.tip_mm - window.middle_mm - window.right * 15), 1e-9);
 }
 
 TEST(HapticsScreen, TheSheetShowsEveryMarkWhereItIsTouched) {

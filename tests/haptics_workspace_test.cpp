@@ -29,7 +29,7 @@ TEST(HapticsWorkspace, ScalesAndLetsGoWhileTheClutchIsDown) {
   params.workspace_offset_mm = {100, 0, 0};
   params.clutch_button = 2;
   const std::unique_ptr<device::Device> device = device::in_workspace(std::move(owned), params);
-  EXPECT_DOUBLE_EQ(device->damping_n_s_per_mm(), 0.032);
+  EXPECT_DOUBLE_EQ(device->damping_n_s_per_mm(), 0.016);
   device::DeviceReading r;
   const auto at = [&](Vec3 tip, std::uint32_t buttons) {
     hand.is.tip_mm = tip;

@@ -44,7 +44,7 @@ ExitCode run_calibrate(const cli::ParsedCommand& given) {
   const device::DeviceScene scene = touched_scene(patient, params.in_real_time, say);
   const std::unique_ptr<device::Device> device = device::make_device(o.device, scene);
   const session::Calibration c = session::calibrate(*device, params, cancel_requested(), say);
-  const double case_n_per_mm = stiffest(patient.felt);
+  const double case_n_per_mm = stiffest(patient.felt) * o.workspace.workspace_scale;  // as the hand meets it
   const Vec3 size = c.workspace.max_mm - c.workspace.min_mm;
   std::cout << fmt::format("poses {:.0f} a second, 99 of 100 within {:.1f} ms\n", c.poses_hz, c.gap_p99_ms);
   std::cout << (c.latency_ms >= 0 ? fmt::format("latency {:.2f} ms from a force to its motion\n", c.latency_ms)

@@ -96,6 +96,16 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (parsed.has("screen")) {
     if (o.session.device.name.empty() || !o.playback.empty())
       throw Error(ExitCode::usage, "", "--screen", "says where a --device lies; the mouse and a playback need none");
+    // The registration alone says where the tool is: another scale, place or a clutch would take it away from the hand.
+    const device::WorkspaceParams& own = o.session.workspace;
+    const device::WorkspaceParams none;
+    const char* moved = own.workspace_scale != none.workspace_scale           ? "workspace_scale"
+                        : own.workspace_offset_mm != none.workspace_offset_mm ? "workspace_offset_mm"
+                        : own.clutch_button != none.clutch_button             ? "clutch_button"
+                                                                              : nullptr;
+    if (moved)
+      throw Error(ExitCode::usage, "", std::string("--screen, ") + moved,
+                  "do not go together, on the command line or in --settings: the registration says where the tool is");
     o.session.screen = device::read_screen_registration(parsed.path("screen"));
   }
   o.head_port = params.head_port;

@@ -161,13 +161,20 @@ ScreenRegistration read_screen_registration(const std::filesystem::path& file) {
   });
 }
 
+ScreenView over_screen(const ScreenView& window, const WindowPlace& place) {
+  ScreenView v = window;
+  v.middle_mm = window.middle_mm + (window.right * place.right + window.up * place.up) * window.height_mm;
+  v.height_mm = window.height_mm * place.screen_height;
+  return v;
+}
+
 ScreenDevice::ScreenDevice(std::unique_ptr<Device> device, const ScreenRegistration& registration,
                            std::shared_ptr<Mailbox<ScreenView>> view)
     : device_(std::move(device)), registration_(registration), mailbox_(std::move(view)) {}
 
 double ScreenDevice::damping_n_s_per_mm() const {
   const double s = view_.height_mm > 0 ? scale() : registration_.scale;
-  return device_->damping_n_s_per_mm() / (s * s);
+  return device_->damping_n_s_per_mm() / std::min(1.0, s);  // above 1 the hand gets force_share() of the force
 }
 
 Vec3 ScreenDevice::to_case(Vec3 v) const {
@@ -194,7 +201,7 @@ bool ScreenDevice::read(double dt_s, DeviceReading& out) {
   return true;
 }
 
-void ScreenDevice::send(Vec3 force_n) { device_->send(to_device(force_n)); }
+void ScreenDevice::send(Vec3 force_n) { device_->send(to_device(force_n) * force_share()); }
 
 void ScreenDevice::tell(const DeviceNews& news) {
   DeviceNews own = news;
@@ -204,7 +211,7 @@ void ScreenDevice::tell(const DeviceNews& news) {
                         (registration_.height_mm / view_.height_mm);
     own.proxy_mm = transpose_times(registration_.turn, screen - registration_.offset_mm) / registration_.scale;
   }
-  own.torque_n_mm = to_device(news.torque_n_mm);
+  own.torque_n_mm = to_device(news.torque_n_mm) * force_share();
   own.axis = to_device(news.axis);
   own.across = to_device(news.across);
   device_->tell(own);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -38,8 +39,20 @@ struct ScreenView {
   double height_mm = 0;  ///< in the case; 0: not known yet
 };
 
+/// Where the window of a view lies on its screen, in heights of the window: the screen's middle from the window's, as
+/// it is seen (in the mirror), and how high the screen is. By default the window fills the screen.
+struct WindowPlace {
+  double right = 0, up = 0, screen_height = 1;
+};
+/// What the whole screen would show, were it a window: `window` is what the window shows.
+ScreenView over_screen(const ScreenView& window, const WindowPlace& place);
+
 /// A device whose tool is seen where the hand is: poses are brought before the screen, and from there into the case as
 /// the view lies at that moment; forces go the other way. Until a view is known the tool stands 10 m before the case.
+///
+/// In a picture that is larger than life the force is the tool's, and walls are softer at the hand. Where a mm of the
+/// hand is more than one of the case, the hand gets so much less force that no wall is stiffer than in the case: a view
+/// that is zoomed out makes no device unstable.
 class ScreenDevice : public Device {
  public:
   ScreenDevice(std::unique_ptr<Device> device, const ScreenRegistration& registration,
@@ -52,7 +65,9 @@ class ScreenDevice : public Device {
   std::vector<std::pair<std::string, std::uint64_t>> counts() const override { return device_->counts(); }
 
  private:
+  /// mm of the case for each of the device.
   double scale() const { return registration_.scale * view_.height_mm / registration_.height_mm; }
+  double force_share() const { return view_.height_mm > 0 ? std::min(1.0, 1 / scale()) : 1; }
   Vec3 to_case(Vec3 direction) const;
   Vec3 to_device(Vec3 direction) const;
   std::unique_ptr<Device> device_;

@@ -11,7 +11,7 @@ WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const Workspace
       offset_mm_{params.workspace_offset_mm[0], params.workspace_offset_mm[1], params.workspace_offset_mm[2]} {}
 
 double WorkspaceDevice::damping_n_s_per_mm() const {
-  return device_->damping_n_s_per_mm() / (params_.workspace_scale * params_.workspace_scale);
+  return device_->damping_n_s_per_mm() / params_.workspace_scale;  // the same force, at the tool's speed
 }
 
 bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {

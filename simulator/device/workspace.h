@@ -28,8 +28,8 @@ struct WorkspaceParams {
 
 /// A device of another workspace: positions are scaled and shifted, and while the clutch is down the tool rests where
 /// it is, without force on the hand and with the pedal up, and takes the device's new place for its own; the device's
-/// other buttons count. Forces are those at the tool; the damping that the tool sees is the device's by the square of
-/// the scale.
+/// other buttons count. Forces are those at the tool, so a wall is workspace_scale times as stiff at the hand, and the
+/// damping that the tool sees is the device's divided by it: both say how stiff a wall may be (acceptance case H3).
 class WorkspaceDevice : public Device {
  public:
   WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params);

@@ -4,6 +4,9 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
 
 #include "base/error.h"
 
@@ -27,8 +30,21 @@ struct GlfwWindow::Library {
   ~Library() { glfwTerminate(); }
 };
 
-GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool visible, bool quad_buffers)
+GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool visible, bool quad_buffers, int screen)
     : library_(new Library) {
+  GLFWmonitor* filled = nullptr;
+  if (screen > 0) {
+    int count = 0;
+    GLFWmonitor** all = glfwGetMonitors(&count);
+    if (screen > count)
+      throw Error(ExitCode::usage, "", "--screen-number",
+                  fmt::format("screen {} is not there; this display has {}", screen, count));
+    filled = all[screen - 1];
+    const GLFWvidmode* mode = glfwGetVideoMode(filled);
+    width = mode->width;
+    height = mode->height;
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // it stays when somebody works on another screen
+  }
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -38,15 +54,15 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool vis
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   if (quad_buffers) {
     glfwWindowHint(GLFW_STEREO, GLFW_TRUE);
-    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    window_ = glfwCreateWindow(width, height, title.c_str(), filled, nullptr);
     glfwWindowHint(GLFW_STEREO, GLFW_FALSE);
     quad_buffers_ = window_ != nullptr;
   }
-  if (!window_) window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window_) window_ = glfwCreateWindow(width, height, title.c_str(), filled, nullptr);
   if (!window_) {
     const std::string first = last_fault();
     glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
-    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    window_ = glfwCreateWindow(width, height, title.c_str(), filled, nullptr);
     if (!window_) throw Error(ExitCode::io, "", "OpenGL", "the display has none of version 4.3 (core): " + first);
   }
   glfwMakeContextCurrent(window_);
@@ -103,6 +119,35 @@ const std::vector<InputEvent>& GlfwWindow::events(double wait_s) {
 
 bool GlfwWindow::closed() const { return glfwWindowShouldClose(window_); }
 void GlfwWindow::width_height(int& width, int& height) const { glfwGetFramebufferSize(window_, &width, &height); }
+
+std::optional<device::WindowPlace> GlfwWindow::place() const {
+  int x = 0, y = 0, width = 0, height = 0, count = 0;
+  glfwGetError(nullptr);
+  glfwGetWindowPos(window_, &x, &y);
+  if (glfwGetError(nullptr) != GLFW_NO_ERROR) return {};  // under Wayland no window knows where it lies
+  glfwGetWindowSize(window_, &width, &height);
+  if (width <= 0 || height <= 0) return {};
+  std::optional<device::WindowPlace> best;
+  double most = 0;
+  GLFWmonitor** all = glfwGetMonitors(&count);
+  for (int n = 0; n < count; ++n) {
+    int left = 0, top = 0;
+    glfwGetMonitorPos(all[n], &left, &top);
+    const GLFWvidmode* mode = glfwGetVideoMode(all[n]);
+    if (!mode) continue;
+    const double across = std::min(x + width, left + mode->width) - std::max(x, left);
+    const double down = std::min(y + height, top + mode->height) - std::max(y, top);
+    if (!(across > 0 && down > 0 && across * down > most)) continue;
+    most = across * down;
+    const double right = left + 0.5 * mode->width - (x + 0.5 * width);
+    const double up = y + 0.5 * height - (top + 0.5 * mode->height);
+    // The mirror turns the screen over, and the picture within the window was turned over for it.
+    best = {(mirror_ == render::Mirror::left_right ? -right : right) / height,
+            (mirror_ == render::Mirror::up_down ? -up : up) / height, double(mode->height) / height};
+  }
+  return best;
+}
+
 void GlfwWindow::swap() { glfwSwapBuffers(window_); }
 
 bool GlfwWindow::reset() const {

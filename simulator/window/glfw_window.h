@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "device/screen_registration.h"
 #include "render/mirror.h"
 
 struct GLFWwindow;
@@ -24,8 +26,10 @@ struct InputEvent {
 class GlfwWindow {
  public:
   /// Throws Error 74 where there is no display, or no such context. `quad_buffers`: a buffer for each eye is asked for;
-  /// a driver without them gives a window without.
-  GlfwWindow(const std::string& title, int width, int height, bool visible = true, bool quad_buffers = false);
+  /// a driver without them gives a window without. `screen`: it fills that screen, from 1 as the system counts them,
+  /// and width and height are those of the screen; 0: it is a window. Throws Error 64 where there are fewer screens.
+  GlfwWindow(const std::string& title, int width, int height, bool visible = true, bool quad_buffers = false,
+             int screen = 0);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
@@ -34,6 +38,8 @@ class GlfwWindow {
   const std::vector<InputEvent>& events(double wait_s);
   bool closed() const;
   void width_height(int& width, int& height) const;  ///< of the framebuffer
+  /// Where it lies now on the screen that it covers most, as that is seen; nothing where the system does not tell.
+  std::optional<device::WindowPlace> place() const;
   void swap();
   bool reset() const;  ///< the driver lost the context
   /// What is seen is mirrored, so places of the cursor are.

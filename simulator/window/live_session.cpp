@@ -221,7 +221,8 @@ void LiveSession::step(double wall_s) {
 void LiveSession::tell_screen() {
   const scene::OrbitCamera& c = view_.camera;
   const Vec3 right = c.right();
-  screen_->write({c.target_mm, right, normalized(cross(c.toward, right)), c.toward, c.mm_per_px(1)});
+  screen_->write(device::over_screen({c.target_mm, right, normalized(cross(c.toward, right)), c.toward, c.mm_per_px(1)},
+                                     window_place));
 }
 
 void LiveSession::follow() {

@@ -36,6 +36,7 @@ class LiveSession {
   bool cuts() const { return session_ && session_->drilling(); }
   bool draws() const;  ///< a marker is in hand, which the cursor leads
   Hand hand;
+  device::WindowPlace window_place;  ///< for a device that is registered to the screen
 
   bool begun() const { return session_ != nullptr; }
   bool failed() const { return failed_; }

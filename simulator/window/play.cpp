@@ -60,6 +60,7 @@ class Loop {
     controls_.hold(wall_s, player_, screen_);
     if (remote) remote->poll([&](const std::string& line) { return answer_line(line, player_, screen_); });
     if (head) head->poll(player_.head_mm);
+    if (const auto place = window_.place()) player_.window_place = *place;
     player_.step(wall_s);
     if (player_.stages() != stages_) reduce();
     if (width > 0 && height > 0) {
@@ -169,7 +170,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
       head.emplace(options.head_port);
       say(fmt::format("head on port {}", head->port()));
     }
-    window.emplace("trephine-sim", params.window_width, params.window_height, true, quad);
+    window.emplace("trephine-sim", params.window_width, params.window_height, true, quad, params.screen_number);
     render::driver_facts();
   } catch (...) {
     loading.wait();
@@ -183,6 +184,8 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
         (options.lesson ? "flat: side by side would hide the lesson's panel" : "side by side"));
     player->set_stereo(options.lesson ? scene::ViewParams::Stereo::none : scene::ViewParams::Stereo::side_by_side);
   }
+  if (options.session.screen && !window->place() && params.screen_number == 0)
+    say("this display does not tell where the window lies: it must fill the screen (--screen-number 1)");
   player->set_stage();
   PlayOutcome outcome;
   outcome.driver = player->view().stage().driver().renderer;

@@ -14,7 +14,7 @@ namespace trephine::window {
 
 /// The window itself.
 struct WindowParams {
-  int window_width = 1280, window_height = 720;
+  int window_width = 1280, window_height = 720, screen_number = 0;
   double frames_per_s = 60, target_ms = 100, letters = 1;
   double fine_mm = 30;
   texts::Language language = texts::Language::english;
@@ -26,6 +26,8 @@ struct WindowParams {
     using P = WindowParams;
     v.integer(&P::window_width, "window_width", Range{200, 7680}, "Width of the window.");
     v.integer(&P::window_height, "window_height", Range{150, 4320}, "Height of the window.");
+    v.integer(&P::screen_number, "screen_number", Range{0, 16},
+              "Fill this screen, from 1 as the system counts them; 0: a window of that width and height.");
     v.number(&P::frames_per_s, "frames_per_s", Range{1, 500}, "Pictures a second, at most.");
     v.number(&P::target_ms, "target_ms", Range{0, 10000},
              "Time for a picture; where pictures take longer, some of what makes them good is left out, and the window "

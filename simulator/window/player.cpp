@@ -57,6 +57,7 @@ void Player::step(double wall_s) {
     shown_->step(wall_s, *view_);
     if (shots_) shots_->show(shown_->playback().time_s(), *xrays_);
   } else {
+    live_->window_place = window_place;
     live_->step(wall_s);
     if (live_->failed() || (live_->stopped() && !(lesson_ && lesson_->ended()))) quit();
     if (xrays_) xrays_->follow(lesson_->xray());

@@ -56,7 +56,8 @@ class Player {
   const std::string& tool() const { return live_ ? live_->tool() : shown_->tool(); }
   std::uint32_t faults() const { return live_ ? live_->faults() : faults_; }
   Notes notes;
-  Vec3 head_mm;  ///< of the user beside the middle of the window: right, up, towards the user
+  device::WindowPlace window_place;  ///< of the window, for a device that is registered to the screen
+  Vec3 head_mm;                      ///< of the user beside the middle of the window: right, up, towards the user
 
   void quit() { quits_ = true; }
   bool quits() const { return quits_; }

@@ -62,3 +62,12 @@ PY
   >"$work/text" || fail "no sheet"
 grep -q 'scaleY(-1)' "$work/marks.html" || fail "the sheet is not mirrored"
 expect 64 'screen-width-mm' "$TREPHINE" register "$work/sample" --out "$work/none.json"
+
+# The registration alone says where the tool is: what else would move it is refused, from the settings file too, before a window opens.
+for moved in 'workspace_scale 2' 'workspace_offset_mm 0,0,5' 'clutch_button 2'; do
+  set -- $moved
+  expect 64 "--screen, $1: do not go together" "$TREPHINE" play "$work/sample" --device hand --screen "$work/touched.json" \
+    "--${1//_/-}" "${@:2}"
+done
+expect 64 '[-]-screen, workspace_offset_mm: do not go together' "$TREPHINE" play "$work/sample" --device hand \
+  --screen "$work/touched.json" --settings "$work/settings.json"

@@ -70,3 +70,41 @@ expect 64 'quad_buffer is of a window' "$TREPHINE" render "$work/sample" --out "
 cp -r "$work/sample" "$work/damaged"
 printf x >>"$work"/damaged/meshes/scalp-*.glb
 expect 65 'scalp' "$TREPHINE" play "$work/damaged"
+
+# A device that is registered to the screen: where its window lies on the screen counts. The hand rests before the screen; the window
+# is moved, so another point of the case lies there, twice as far for twice the way. A window that fills the screen needs no place.
+cat >"$work/bench.json" <<'JSON'
+{"trephine_screen": 1, "height_mm": 360, "scale": 1, "turn": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "offset_mm": [0, 0, 0],
+ "rms_mm": 0, "worst_mm": 0, "marks_count": 5}
+JSON
+python3 -c 'for n in range(4000): print(n, 30, 20, 0, 0, 0, 1, 0)' >"$work/rests.txt"
+on_screen=("${play[@]}" --device trajectory --trajectory "$work/rests.txt" --screen "$work/bench.json" --no-drill --jump-m-per-s 0)
+open_window "${on_screen[@]}"
+window=$(xdotool search --name trephine-sim | tail -1)
+tool_rests() {  # its place, once it is another than $1 and rests
+  local now= last=
+  for try in {1..600}; do
+    ask state
+    now=$(triple tool_at)
+    [[ $now != "${1:-}" && $now == "$last" ]] && break
+    last=$now
+    sleep 0.2
+  done
+  [[ $now != "${1:-}" ]] || fail "the tool does not go with the window"
+  rests=$now
+}
+xdotool windowmove "$window" 20 20; sleep 1; tool_rests; first=$rests
+xdotool windowmove "$window" 50 20; tool_rests "$first"; second=$rests
+xdotool windowmove "$window" 80 20; tool_rests "$second"; third=$rests
+python3 - $first $second $third <<'PY' || fail "another way than the window's: $first, $second, $third"
+import math, sys
+a, b, c = ([float(v) for v in sys.argv[n:n + 3]] for n in (1, 4, 7))
+one, two = ([q - p for p, q in zip(a, other)] for other in (b, c))
+assert math.hypot(*one) > 3 and math.dist([2 * v for v in one], two) < 0.02, (one, two)
+PY
+quit
+open_window "${on_screen[@]}" --screen-number 1
+window=$(xdotool search --name trephine-sim | tail -1)
+xdotool getwindowgeometry "$window" | grep -q '480x360' || fail "it does not fill the screen"
+quit
+expect 64 'screen-number: screen 3 is not there; this display has 1' "$TREPHINE" play "$work/sample" --screen-number 3
