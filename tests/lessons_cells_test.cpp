@@ -99,6 +99,7 @@ TEST(LessonsCells, TheTipOfTheCatheter) {
     const double off = norm(tip - foramen), inside = in_ventricles(tip);
     const std::string why = d.row("tip").why;
     ++seen[why];
+    EXPECT_EQ(d.score.flag("first_pass"), d.points("tip") >= 3 && why != "in the contralateral ventricle") << why;
     cells.saw(d.points("tip"));
     if (std::abs(off - 5) < 0.05 || std::abs(off - 10) < 0.05) return;  // on a limit: the score may round either way
     if (inside > 0.7) {                                                 // beyond doubt of a voxel

@@ -99,7 +99,8 @@ CoarseTriangles coarse_triangles(const std::vector<scene::SceneVertex>& vertices
 scene::SceneSurface coarse_surface(const scene::SceneSurface& whole, double within_mm, const Progress& progress) {
   const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm, progress);
   if (coarse.indices.empty()) return whole;
-  scene::SceneSurface out{whole.name, whole.colour_rgb, whole.opacity, whole.shape, whole.live, whole.incised, {}, {}};
+  scene::SceneSurface out{
+      whole.name, whole.colour_rgb, whole.opacity, whole.shape, whole.live, whole.incised, whole.skin, {}, {}};
   std::vector<std::uint32_t> number(whole.vertices.size(), none);
   for (const std::uint32_t v : coarse.indices) {
     if (number[v] == none) {

@@ -53,8 +53,14 @@ Renderer::Impl::Impl(const scene::SceneData& scene, const RenderQuality& q)
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().max_samples);
   for (const scene::SceneSurface& s : scene.surfaces) {
-    Item item{
-        {float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}, {}};
+    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])},
+              s.live,
+              s.incised,
+              s.skin,
+              {},
+              {},
+              {},
+              {}};
     if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(std::make_shared<const SurfaceParts>(parts_of(s)));
     items.push_back(std::move(item));
   }

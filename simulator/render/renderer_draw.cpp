@@ -145,9 +145,9 @@ void Renderer::Impl::ask_hidden(std::size_t n, const scene::EyeView& eye) {
 void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, double opacity) {
   using namespace shaders;
   const Item& item = items[n];
-  surface_with((item.incised && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
+  surface_with((item.skin && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
                (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | theatre_parts(state));
-  if (state.theatre) set_tissue(item.incised, item.incised ? 0.1 : 1);
+  if (state.theatre) set_tissue(item.skin, item.skin ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
   if (item.incised && !walls.empty()) set_balls(*surface, true);

@@ -58,7 +58,7 @@ struct Renderer::Impl {
 
   struct Item {
     std::array<float, 3> colour_rgb;
-    bool live, incised;
+    bool live, incised, skin;
     std::unique_ptr<DrawnSurface> buffer;
     SurfaceMaker* maker;          // the same, where it is cut
     std::vector<GLuint> queries;  // by chunk

@@ -19,7 +19,7 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 scene::SceneData without_triangles(const scene::SceneData& scene) {
   scene::SceneData out{scene.centre_mm, scene.bounds, {}};
   for (const scene::SceneSurface& s : scene.surfaces)
-    out.surfaces.push_back({s.name, s.colour_rgb, s.opacity, s.shape, s.live, s.incised, {}, {}});
+    out.surfaces.push_back({s.name, s.colour_rgb, s.opacity, s.shape, s.live, s.incised, s.skin, {}, {}});
   return out;
 }
 

@@ -13,7 +13,6 @@ namespace {
 constexpr Vec3 superior{0, 0, 1}, anterior{0, -1, 0}, patient_left{1, 0, 0};
 constexpr double radians = 3.14159265358979323846 / 180;
 constexpr double surgeon_field_mm = 110;  // height of what the surgeon's view shows
-constexpr double surgeon_tilt = 0.5;      // tangent of its angle to the tool's way
 
 Vec3 upright(Vec3 toward, Vec3 up) {
   Vec3 right = cross(up, toward);
@@ -68,7 +67,8 @@ const std::vector<std::pair<std::string, ViewPreset>>& view_presets() {
   return all;
 }
 
-void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::optional<Vec3>& site_mm, Vec3 approach) {
+void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::optional<Vec3>& site_mm, Vec3 approach,
+                       double beside) {
   if (preset == ViewPreset::surgeon && !site_mm) preset = ViewPreset::oblique;
   switch (preset) {
     case ViewPreset::front:
@@ -84,9 +84,8 @@ void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::o
       toward = preset == ViewPreset::top ? superior : -superior;
       break;
     case ViewPreset::surgeon:
-      // A little beside the tool's way, so that the tool hides less of what it does.
       toward = -normalized(approach);
-      toward = normalized(toward - upright(toward, std::abs(toward.z) > 0.6 ? anterior : superior) * surgeon_tilt);
+      toward = normalized(toward - upright(toward, std::abs(toward.z) > 0.6 ? anterior : superior) * beside);
       break;
     case ViewPreset::oblique:
       toward = normalized(patient_left * 0.68 + anterior * 0.82 + superior * 0.36);

@@ -38,8 +38,10 @@ class OrbitCamera {
   double distance_mm = 500, field_of_view_deg = 25;
 
   /// Shows the whole box from there. `surgeon` looks along `approach` (unit, into the patient) at the box's part around
-  /// `site_mm`; without a site it is `oblique`.
-  void look(ViewPreset preset, const surface::Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach);
+  /// `site_mm`; without a site it is `oblique`. `beside`: tangent of the angle between its line of sight and the way,
+  /// so that a tool hides less of what it does.
+  void look(ViewPreset preset, const surface::Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach,
+            double beside = 0.5);
   /// Turns by angles to the right and upwards; the superior direction stays upright, except next to it.
   void orbit(double right_rad, double up_rad);
   /// Moves the target by parts of the picture's height.

@@ -96,6 +96,7 @@ SceneData scene_of(const cases::LoadedCase& loaded) {
       s.incised = !s.live && shape.cuttable && !(shape.material.removal_energy_j_per_mm3 > 0);
       if (s.live) s.colour_rgb = shape.material.colour_rgb;
     }
+    s.skin = s.incised || a.name == "skin";
     surface::Bounds b;
     if (s.live) {
       b = bounds_of_shape(loaded.haptic, *loaded.haptic.find_shape(a.name));

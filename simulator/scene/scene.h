@@ -26,6 +26,7 @@ struct SceneSurface {
   bool live = false;  ///< drawn from the haptic volume (LiveSurface), so that it can be drilled; then no vertices
   /// Only an incision cuts it: drawn from its file, without what lies within the incisions.
   bool incised = false;
+  bool skin = false;  ///< drapes lie on it, and it is dry; also where nothing can cut it
   std::vector<SceneVertex> vertices;
   std::vector<std::uint32_t> indices;
 };

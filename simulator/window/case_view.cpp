@@ -8,9 +8,10 @@
 namespace trephine::window {
 namespace {
 
-constexpr double beyond_mm = 150;  // so far outside the depth of the tip is measured from
-constexpr double drop_mm = 60;     // up to this distance the place where the tool would land is lit
-constexpr double leap_mm = 1e3;    // no trace is that long from one picture to the next
+constexpr double beyond_mm = 150;     // so far outside the depth of the tip is measured from
+constexpr double drop_mm = 60;        // up to this distance the place where the tool would land is lit
+constexpr double around_field = 1.8;  // of a lesson's field more is seen than of a site
+constexpr double leap_mm = 1e3;       // no trace is that long from one picture to the next
 constexpr std::size_t max_forces = 240;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -24,6 +25,12 @@ CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewP
 }
 
 texts::Answer CaseView::set_view(const std::string& preset) {
+  if (preset == "surgeon" && open_field_mm && norm(middle_mm() - *open_field_mm) > 1) {
+    const surface::Bounds& b = stage_.scene().bounds;
+    camera.look(scene::ViewPreset::surgeon, b, open_field_mm, normalized(middle_mm() - *open_field_mm), 0);
+    camera.zoom(around_field);
+    return {};
+  }
   for (const auto& [name, value] : scene::view_presets())
     if (name == preset) {
       scene::ViewParams v = stage_.view();

@@ -47,6 +47,8 @@ class CaseView {
   std::string under(const Cursor& cursor) const;  ///< "skull, 12.3 ...", or an empty text
 
   scene::OrbitCamera camera;
+  std::optional<Vec3> open_field_mm;  ///< the middle of a lesson's field that is open: there its surgeon stands
+  Vec3 middle_mm() const { return (stage_.scene().bounds.min_mm + stage_.scene().bounds.max_mm) / 2; }
   render::Stage& stage() { return stage_; }
   const render::Stage& stage() const { return stage_; }
   const session::Patient& patient() const { return *patient_; }

@@ -7,6 +7,7 @@ namespace trephine::window {
 namespace {
 
 constexpr double begin_mm = 15;                 // before the site, where the tool waits
+constexpr double before_field_mm = 40;          // before and beside a lesson's field that is open
 constexpr double above_surface_mm = 2;          // where a tool is put that goes to a surface
 constexpr double max_mm = 1e5, ahead_mm = 8;    // from the middle; of the tool that is held back
 constexpr double press_mm = 1.5, near_mm = 20;  // how deep a marker is pressed to draw; within which it is led there
@@ -21,6 +22,10 @@ Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
   if (behind) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
+  }
+  if (view.open_field_mm) {
+    goal_.axis = normalized(*view.open_field_mm - view.middle_mm());
+    goal_.tip_mm = *view.open_field_mm + (goal_.axis + view.camera.right()) * before_field_mm;
   }
   if (const auto a = scene::approach_of(view.manifest(), view.stage().scene(), site)) {
     goal_.axis = -a->direction;

@@ -311,8 +311,8 @@ void show_tool_of(const LessonDesk& lesson, CaseView& view) {
 }
 
 void show_field_of(const LessonDesk& lesson, CaseView& view) {
-  const surface::Bounds& b = view.stage().scene().bounds;
-  const lessons::LessonField field = lesson.field((b.min_mm + b.max_mm) / 2);
+  const lessons::LessonField field = lesson.field(view.middle_mm());
+  if (field.open_mm > 0 && !lesson.has_arm()) view.open_field_mm = field.centre_mm;
   scene::SceneState& state = view.stage().state;
   state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
   state.drops.clear();

@@ -38,9 +38,11 @@ void Player::set_stage() {
     params.places = params.insets = false;
   }
   make_view(patient_, params);
-  if (lesson_)
+  if (lesson_) {
     for (double& opacity : view_->stage().state.opacity) opacity = 1;
-  else
+    show_field_of(*lesson_, *view_);
+    if (params.view == scene::ViewPreset::surgeon) view_->set_view("surgeon");  // before a field that is open already
+  } else
     view_->stage().state.ghost_mm = ghost_mm_;
   if (shown_) {
     shown_->show_tool(*view_);

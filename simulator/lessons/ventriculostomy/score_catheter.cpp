@@ -270,9 +270,9 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
   if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty()) {
     const PassPoint& end = pass->path.back();
     in_ventricle = end.inside == s.shapes.ventricles;
-    first_pass = in_ventricle && facts.passes.size() == 1;
     third_ventricle = detail::in_third_ventricle(s, *pass, end);
     contralateral = in_ventricle && !third_ventricle && (s.frame.left_of_midline_mm(end.tip_mm) > 0) != s.on_left();
+    first_pass = in_ventricle && !third_ventricle && !contralateral && facts.passes.size() == 1;
   }
   score.figures = {{"passes_count", int(facts.passes.size())},
                    {"in_ventricle", in_ventricle},

@@ -191,6 +191,7 @@ LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
 std::string outcome(const LessonFacts&, const LessonScore& score) {
   return fmt::format("catheter passes: {}, {}", score.count("passes_count"),
                      score.flag("third_ventricle") ? "the catheter lies in the third ventricle"
+                     : score.flag("contralateral") ? "the catheter lies in the contralateral ventricle"
                      : score.flag("first_pass")    ? "success at the first pass"
                      : score.flag("in_ventricle")  ? "the catheter lies in a ventricle"
                                                    : "the catheter lies in no ventricle");
