@@ -33,7 +33,11 @@ void upload(const fluoro::FluoroPicture& picture, fluoro::MetalShown how) {
 
 void Hud::xray_picture(const XrayPictures& pictures, float edge) {
   const fluoro::MadeFluoro* seen = pictures.last();
-  if (!seen) return ImGui::Dummy({edge, edge});
+  if (!seen) {  // a monitor that shows nothing yet
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + edge, at.y + edge}, IM_COL32(0, 0, 0, 255));
+    return ImGui::Dummy({edge, edge});
+  }
   if (texture_ == 0) glGenTextures(1, &texture_);
   if (in_texture_ != pictures.made()) {
     GLint before = 0;
@@ -109,7 +113,7 @@ void Hud::xray_panel(Player& player, Screen& screen) {
   ImGui::SameLine();
   ImGui::TextUnformatted(fmt::format(" {:.1f} s, {}: {}", x.exposure_s, say(Text::shots), x.shots_count).c_str());
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  xray_picture(*player.xrays(), std::max(32.f, std::min(room.x, room.y - 3.2f * letter)));
+  xray_picture(*player.xrays(), std::max(32.f, std::min(room.x, room.y - 2.2f * letter)));
   choice_buttons("arm", player, screen, x.now.view);
   ImGui::End();
 }
