@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "group/group_view.h"
+#include "group/group_words.h"
 #include "scratch_folder.h"
 
 namespace {
@@ -157,7 +158,17 @@ TEST(GroupView, RetentionFailuresAndThePassMark) {
   const std::string page = group::group_page(view, {});
   EXPECT_NE(page.find("wrong side"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
-  const std::string german = group::group_page(view, {}, texts::Language::german);
+  group::GroupView noted = view;
+  noted.notes = {"s1-01: the recording is gone; the report stands and cannot be judged again"};
+  group::GroupPageParts parts;
+  parts.pictures[view.modules[0].module] = {
+      {"points by group, phase before", "<svg class=\"points\"><text>group meanwhile, n = 4</text></svg>"}};
+  const std::string german = group::group_page(noted, parts, texts::Language::german);
+  EXPECT_NE(german.find("die Aufnahme fehlt; der Bericht bleibt"), std::string::npos);
+  EXPECT_NE(german.find("<figcaption>Punkte nach Gruppe, Phase vorher<"), std::string::npos);
+  EXPECT_EQ(group::plot_words(texts::Language::german, parts.pictures.begin()->second[0].second),
+            "<svg class=\"points\"><text>Gruppe meanwhile, n = 4</text></svg>");
+  EXPECT_NE(german.find("Weg der Hand, mm"), std::string::npos);
   for (const char* said : {"lang=\"de\"", "Eine Gruppe von 6 Teilnehmern, 21 Versuche", "falsche Seite", "nachher",
                            "Bestehensgrenze", "Nach der Phase nachher", "Weg der Hand", "Bestanden:"})
     EXPECT_NE(german.find(said), std::string::npos) << said;

@@ -7,6 +7,7 @@
 #include "base/base64.h"
 #include "base/html_text.h"
 #include "group/group_view.h"
+#include "group/group_words.h"
 #include "lessons/lesson_words.h"
 #include "study/words.h"
 
@@ -21,7 +22,7 @@ h3 { font-size: 1em; margin: 1.4em 0 .3em } .faint, figcaption { color: var(--fa
 table { border-collapse: collapse; margin: .4em 0 } td, th { text-align: left; vertical-align: top; padding: .25em .9em .25em 0; border-bottom: 1px solid var(--line) }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
 .plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; flex: 1 1 26em; max-width: 40em } img { width: 100%; background: #fff }
-.note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
+.note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } :lang(de) .note::before { content: "Hinweis: " } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
 )";
 
 // What the page says, in each language.
@@ -87,6 +88,10 @@ constexpr texts::Wording words[] = {
     {{"Trephine: a group", "Trephine: eine Gruppe"}},
     {{"A group of {} participants, {} attempts", "Eine Gruppe von {} Teilnehmern, {} Versuche"}},
     {{"not a medical device", "kein Medizinprodukt"}},
+    {{"ventriculostomy", "Ventrikeldrainage"}},
+    {{"spine needle", "Nadel durch den Pedikel"}},
+    {{"pedicle screw", "Pedikelschraube"}},
+    {{"subclavian", "Zugang zur Vena subclavia"}},
 };
 const char* said(texts::Language language, std::string_view english) {
   for (const texts::Wording& w : words)
@@ -102,6 +107,17 @@ std::string percent(double ratio) { return fmt::format("{:.0f} %", 100 * ratio);
 std::string title_of(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
+}
+
+// ", mm"; empty for a ratio or a count.
+std::string unit_of(const std::string& figure) {
+  const std::string unit = lessons::figure_unit(figure);
+  return unit.empty() ? "" : ", " + unit;
+}
+
+std::string module_title(const std::string& module, texts::Language l) {
+  const std::string title = title_of(module);
+  return said(l, title);
 }
 
 std::string table_begin(const std::vector<std::string>& heads, std::size_t texts) {
@@ -234,7 +250,7 @@ std::string motion_html(const ModuleView& m, texts::Language l) {
                                 m.bands.front().count) +
                     "</h3>\n" + table_begin(heads, 1);
   for (const lessons::ExpertBand& band : m.bands) {
-    out += "<tr><td>" + html_text(lessons::figure_title(l, band.name)) +
+    out += "<tr><td>" + html_text(lessons::figure_title(l, band.name) + unit_of(band.name)) +
            cell(fmt::format(fmt::runtime(said(l, "{} to {}")), fmt::format("{:.4g}", band.low),
                             fmt::format("{:.4g}", band.high)));
     for (const lessons::AttemptResult* r : last) {
@@ -292,14 +308,15 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
   out += "<h1>" +
          fmt::format(fmt::runtime(said(l, "A group of {} participants, {} attempts")), participants.size(), attempts) +
          "</h1>\n<p class=\"faint\">" + said(l, "not a medical device") + "</p>\n";
-  for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
+  for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note_words(l, note)) + "</p>\n";
   for (const ModuleView& m : view.modules) {
-    out += "<h2>" + html_text(title_of(m.module)) + "</h2>\n" + participants_html(m, l);
+    out += "<h2>" + html_text(module_title(m.module, l)) + "</h2>\n" + participants_html(m, l);
     if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
       out += "<div class=\"plots\">\n";
       for (const auto& [title, svg] : at->second)
-        out += "<figure><img alt=\"" + html_text(title) + "\" src=\"data:image/svg+xml;base64," + base64(svg) +
-               "\"><figcaption>" + html_text(title) + "</figcaption></figure>\n";
+        out += "<figure><img alt=\"" + html_text(caption_words(l, title)) + "\" src=\"data:image/svg+xml;base64," +
+               base64(plot_words(l, svg)) + "\"><figcaption>" + html_text(caption_words(l, title)) +
+               "</figcaption></figure>\n";
       out += "</div>\n";
     }
     out += rows_html(m, l) + failures_html(m, l) + pass_mark_html(m, l) + motion_html(m, l);
