@@ -39,25 +39,31 @@ inline lessons::VentriculostomyFacts perfect_head(bool left) {
   return f;
 }
 
-inline void pass_into(lessons::VentriculostomyFacts& f, bool left, const HeadAim& aim) {
-  const Vec3 end = Vec3{left ? -foramen.x : foramen.x, foramen.y, foramen.z} + aim.tip_off;
+// A pass through the hole to that foramen.
+inline void pass_to(lessons::VentriculostomyFacts& f, const cases::CaseManifest& manifest,
+                    const voxel::HapticVolume& volume, Vec3 foramen_mm, const HeadAim& aim) {
+  const Vec3 end = foramen_mm + aim.tip_off;
   const Vec3 way = normalized(end - f.hole->outer_mm);
-  const lessons::HeadShapes shapes = lessons::head_shapes_of(phantom_head().felt().loaded.manifest);
+  const lessons::HeadShapes shapes = lessons::head_shapes_of(manifest);
   lessons::CatheterPass pass;
   pass.out = -way;
   double time_s = 60;
-  walk<lessons::PassPoint>(phantom_head().whole(), f.hole->outer_mm, end + way * (aim.beyond_mm - 1),
-                           [&](Vec3 at, int inside) {
-                             time_s += 0.01;
-                             if (pass.path.empty() && inside != shapes.brain && inside != shapes.ventricles) return;
-                             if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
-                             if (inside == shapes.ventricles && pass.csf_s < 0) pass.csf_s = time_s;
-                             pass.path.push_back({time_s, at, inside});
-                             pass.end_s = time_s;
-                           });
+  walk<lessons::PassPoint>(volume, f.hole->outer_mm, end + way * (aim.beyond_mm - 1), [&](Vec3 at, int inside) {
+    time_s += 0.01;
+    if (pass.path.empty() && inside != shapes.brain && inside != shapes.ventricles) return;
+    if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
+    if (inside == shapes.ventricles && pass.csf_s < 0) pass.csf_s = time_s;
+    pass.path.push_back({time_s, at, inside});
+    pass.end_s = time_s;
+  });
   if (pass.path.empty()) return;
   pass.in_place = true;
   f.passes.push_back(pass);
+}
+
+inline void pass_into(lessons::VentriculostomyFacts& f, bool left, const HeadAim& aim) {
+  pass_to(f, phantom_head().felt().loaded.manifest, phantom_head().whole(),
+          Vec3{left ? -foramen.x : foramen.x, foramen.y, foramen.z}, aim);
 }
 
 }  // namespace lesson_cases

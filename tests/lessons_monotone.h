@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
+#include <memory>
+#include <sstream>
 
 #include "lessons/lesson_words.h"
 #include "lessons/score_report.h"
@@ -48,23 +51,55 @@ inline void expect_german(const lessons::LessonScore& s) {
   }
 }
 
+// The rows that score more than they did: what they say, and what they said.
+inline std::string better(const lessons::LessonScore& now, const lessons::LessonScore& before) {
+  std::string out;
+  for (std::size_t n = 0; n < now.rows.size() && n < before.rows.size(); ++n)
+    if (now.rows[n].score.value_or(0) > before.rows[n].score.value_or(0))
+      out += "\n  " + now.rows[n].name + ": " + now.rows[n].why + ", after " + before.rows[n].why;
+  return out;
+}
+
+// In a case of a library a spoilt line may meet what it was not spoilt in: a tip that lay beside a ventricle lies in
+// one again, or the way along a slanted line is of ideal depth again. Then its row, and the time of what is completed
+// with it, may rise; no other may.
+inline bool& in_a_case() {
+  static bool one = false;
+  return one;
+}
+inline bool met_anatomy(const lessons::LessonScore& now, const lessons::LessonScore& before) {
+  bool met = false;
+  for (std::size_t n = 0; n < now.rows.size() && n < before.rows.size(); ++n) {
+    const lessons::ScoreRow &a = now.rows[n], &b = before.rows[n];
+    if (a.score.value_or(0) <= b.score.value_or(0)) continue;
+    const bool own = a.name == "depth" || (a.name == "tip" && b.why == "not in the ventricle");
+    if (!own && a.name != "time") return false;
+    met = met || own;
+  }
+  return met;
+}
+
 // `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/lessons.md.
 inline void check(const std::string& lesson, const std::string& axis,
                   const std::function<lessons::LessonScore(int)>& spoilt, bool ends_completed) {
   std::string sums;
   int last = 0, last_rank = 1;
-  lessons::LessonScore score;
+  lessons::LessonScore score, before;
   for (int n = 0; n < steps_count; ++n) {
     score = spoilt(n);
     expect_german(score);
     const int points = lessons::sum_of(score).points;
     sums += fmt::format("{}{}", n == 0 ? "" : " ", points);
-    if (n > 0) {
-      EXPECT_LE(points, last) << lesson << ", " << axis << ", step " << n << ": " << score.reason();
+    if (n > 0 && in_a_case() && met_anatomy(score, before)) {
+      std::printf("  met again in step %d:%s\n", n, better(score, before).c_str());
+    } else if (n > 0) {
+      EXPECT_LE(points, last) << lesson << ", " << axis << ", step " << n << ": " << score.reason()
+                              << better(score, before);
       EXPECT_LE(rank(score), last_rank) << lesson << ", " << axis << ", step " << n;
     } else {
       EXPECT_EQ(score.outcome(), lessons::LessonOutcome::completed) << lesson << ", " << axis << ": " << score.reason();
     }
+    before = score;
     last = points;
     last_rank = rank(score);
   }
@@ -73,6 +108,22 @@ inline void check(const std::string& lesson, const std::string& axis,
   }
   std::printf("| %s | %s | %s | %s |\n", lesson.c_str(), axis.c_str(), sums.c_str(),
               lessons::headline_of(score).c_str());
+}
+
+// Cases of a library in which scores are shown to be monotone too, by their folders in TREPHINE_LESSON_CASES (a:b:c).
+inline std::vector<std::unique_ptr<session::FeltCase>> library_cases(const std::string& needs_shape) {
+  std::vector<std::unique_ptr<session::FeltCase>> all;
+  const char* given = std::getenv("TREPHINE_LESSON_CASES");
+  std::stringstream folders(given ? given : "");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    auto felt = std::make_unique<session::FeltCase>(folder, "");
+    for (const cases::CaseShape& s : felt->loaded.manifest.haptic.shapes)
+      if (s.name == needs_shape) {
+        all.push_back(std::move(felt));
+        break;
+      }
+  }
+  return all;
 }
 
 // A tool that goes straight along its axis, by the shapes in which its tip is.

@@ -103,14 +103,13 @@ namespace {
 
 void check_needle(const std::string& task) {
   check_spine("spine_needle", task, {}, [](const lessons::SpineNeedleFacts& f) {
-    return lessons::score_spine_needle(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole(), shipped());
+    return lessons::score_spine_needle(f, *spine_in_use().manifest, *spine_in_use().volume, shipped());
   });
 }
 
 void check_screw(const std::string& task) {
   const SpineScore score = [](const lessons::SpineNeedleFacts& f) {
-    return lessons::score_pedicle_screw(f, phantom_spine().felt().loaded.manifest, phantom_spine().whole(),
-                                        shipped_screw());
+    return lessons::score_pedicle_screw(f, *spine_in_use().manifest, *spine_in_use().volume, shipped_screw());
   };
   SpineAim perfect;
   perfect.tool = "screw_5.5x45";
@@ -141,4 +140,18 @@ TEST(LongLessonsMonotone, OtherPedicles) {
     check_needle(task);
     check_screw(task);
   }
+}
+
+// TREPHINE_LESSON_CASES=library/spine:...; docs/lessons.md has what came of it.
+TEST(LongLessonsMonotone, SpinesOfALibrary) {
+  const SpineInUse phantom = spine_in_use();
+  const auto cases = library_cases("canal");
+  for (const auto& felt : cases) {
+    spine_in_use() = {&felt->loaded.manifest, &felt->loaded.haptic};
+    std::printf("case %s\n", felt->loaded.manifest.case_token.c_str());
+    check_needle("pedicle_2_left");
+    check_screw("pedicle_2_left");
+  }
+  spine_in_use() = phantom;
+  if (cases.empty()) GTEST_SKIP() << "no spine in TREPHINE_LESSON_CASES";
 }

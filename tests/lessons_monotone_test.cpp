@@ -8,10 +8,61 @@ using namespace lesson_cases;
 
 namespace {
 
-void check_head(bool left) {
-  const auto score = [](const lessons::VentriculostomyFacts& f) {
-    return lessons::score_ventriculostomy(f, phantom_head().felt().loaded.manifest, phantom_head().whole(),
-                                          Head::rubric());
+// A head in which a lesson is spoilt: the phantom of the tests, or a case.
+struct SpoiltHead {
+  const cases::CaseManifest& manifest;
+  const voxel::HapticVolume& volume;
+  std::function<lessons::VentriculostomyFacts(bool left)> perfect;
+  std::function<void(lessons::VentriculostomyFacts&, Vec3)> shift_hole;
+  lessons::HeadFrame frame;
+  Vec3 foramen(bool left) const { return *lessons::foramen_of(manifest, left); }
+};
+
+SpoiltHead spoilt_phantom() {
+  const cases::CaseManifest& m = phantom_head().felt().loaded.manifest;
+  return {m, phantom_head().whole(), perfect_head,
+          [](lessons::VentriculostomyFacts& f, Vec3 by) {
+            f.hole->out = normalized(f.hole->out * outer_mm + by);
+            f.hole->outer_mm = f.hole->out * outer_mm;
+            f.hole->inner_mm = f.hole->out * inner_mm;
+          },
+          lessons::head_frame_of(m)};
+}
+
+// Perfect by the case's landmarks: traces in the planes of midline and suture, a hole at Kocher's point, upright as it
+// points at the foramen, through bone that is so thick as the case's.
+SpoiltHead spoilt_case(const session::FeltCase& felt) {
+  const cases::CaseManifest& m = felt.loaded.manifest;
+  const lessons::HeadFrame frame = lessons::head_frame_of(m);
+  const auto perfect = [&m, frame](bool left) {
+    lessons::VentriculostomyFacts f = perfect_head(left);
+    lessons::MarkerTrace &midline = f.traces[0], &suture = f.traces[1];
+    midline.points_mm.clear(), suture.points_mm.clear();
+    const Vec3 bregma = frame.bregma_mm.value_or(frame.nasion_mm);
+    for (int n = 0; n <= 110; ++n) {
+      const Vec3 on = frame.nasion_mm + (bregma - frame.nasion_mm) * (n / 110.0);
+      midline.points_mm.push_back(on - frame.left * frame.left_of_midline_mm(on));
+    }
+    for (int n = -20; n <= 20; ++n) suture.points_mm.push_back(bregma + frame.left * double(n));
+    const Vec3 kocher = lessons::find_landmark(m, left ? "kocher_left" : "kocher_right")->position_mm;
+    const Vec3 monro = *lessons::foramen_of(m, left);
+    f.hole->out = normalized(kocher - monro);
+    // So far from the foramen that this is 57 mm below the inner table; the skin is farther out.
+    f.hole->inner_mm = monro + f.hole->out * 57.0;
+    f.hole->outer_mm = f.hole->inner_mm + f.hole->out * 7.0;
+    return f;
+  };
+  const auto shift = [](lessons::VentriculostomyFacts& f, Vec3 by) { f.hole->outer_mm += by, f.hole->inner_mm += by; };
+  return {m, felt.loaded.haptic, perfect, shift, frame};
+}
+
+void check_head(bool left, const SpoiltHead& head = spoilt_phantom()) {
+  const auto score = [&head](const lessons::VentriculostomyFacts& f) {
+    return lessons::score_ventriculostomy(f, head.manifest, head.volume, Head::rubric());
+  };
+  const auto perfect_head = head.perfect;
+  const auto pass_into = [&head](lessons::VentriculostomyFacts& f, bool to_left, const HeadAim& aim) {
+    pass_to(f, head.manifest, head.volume, head.foramen(to_left), aim);
   };
   using Spoil = std::function<void(lessons::VentriculostomyFacts&, int)>;
   const auto before = [&](const Spoil& spoil) {  // of what was done before the catheter
@@ -34,43 +85,43 @@ void check_head(bool left) {
   const auto shifted = [&](Vec3 by) {  // the hole, and the catheter through it
     return [=](int n) {
       lessons::VentriculostomyFacts f = perfect_head(left);
-      f.hole->out = normalized(f.hole->out * outer_mm + by * n);
-      f.hole->outer_mm = f.hole->out * outer_mm;
-      f.hole->inner_mm = f.hole->out * inner_mm;
+      head.shift_hole(f, by * n);
       pass_into(f, left, {});
       return score(f);
     };
   };
-  const double side = left ? 1 : -1;
+  const Vec3 outwards = left ? head.frame.left : -head.frame.left, forwards = head.frame.forwards;
   const std::string name = std::string("ventriculostomy, ") + (left ? "left" : "right");
   check(name, "line of the midline beside it, 2 mm a step", before([&](lessons::VentriculostomyFacts& f, int n) {
-          for (Vec3& p : f.traces[0].points_mm) p.x += 2.0 * n;
+          for (Vec3& p : f.traces[0].points_mm) p += head.frame.left * (2.0 * n);
         }),
         true);
   check(name, "line of the midline shorter, 12 mm a step",
         before([](lessons::VentriculostomyFacts& f, int n) { f.traces[0].length_mm -= 12 * n; }), true);
-  check(name, "line of the suture before it, 2 mm a step", before([](lessons::VentriculostomyFacts& f, int n) {
-          for (Vec3& p : f.traces[1].points_mm) p += towards(nasion_deg, 0) * (2.0 * n);
+  check(name, "line of the suture before it, 2 mm a step", before([&](lessons::VentriculostomyFacts& f, int n) {
+          for (Vec3& p : f.traces[1].points_mm) p += forwards * (2.0 * n);
         }),
         true);
   check(name, "nothing marked, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n > 0) f.traces.clear();
         }),
         true);
-  check(name, "hole too lateral, 5 mm a step", shifted({5 * side, 0, 0}), true);
-  check(name, "hole too medial, 5 mm a step", shifted({-5 * side, 0, 0}), false);
-  check(name, "hole too anterior, 5 mm a step", shifted({0, -5, -1}), true);
-  check(name, "hole too posterior, 5 mm a step", shifted({0, 5, 1}), true);
+  check(name, "hole too lateral, 5 mm a step", shifted(outwards * 5.0), true);
+  check(name, "hole too medial, 5 mm a step", shifted(outwards * -5.0), false);
+  check(name, "hole too anterior, 5 mm a step", shifted(forwards * 5.0), true);
+  check(name, "hole too posterior, 5 mm a step", shifted(forwards * -5.0), true);
   check(name, "hole not through, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n > 0) f.hole->through = false;
         }),
         true);
-  check(name, "catheter too lateral, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off.x += 4 * side * n; }),
+  check(name, "catheter too lateral, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off += outwards * (4.0 * n); }),
         false);
-  check(name, "catheter too medial, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off.x -= 4 * side * n; }),
+  check(name, "catheter too medial, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off -= outwards * (4.0 * n); }),
         false);
-  check(name, "catheter too anterior, 4 mm a step", aimed([](HeadAim& a, int n) { a.tip_off.y -= 4 * n; }), false);
-  check(name, "catheter too posterior, 4 mm a step", aimed([](HeadAim& a, int n) { a.tip_off.y += 4 * n; }), false);
+  check(name, "catheter too anterior, 4 mm a step",
+        aimed([&](HeadAim& a, int n) { a.tip_off += forwards * (4.0 * n); }), false);
+  check(name, "catheter too posterior, 4 mm a step",
+        aimed([&](HeadAim& a, int n) { a.tip_off -= forwards * (4.0 * n); }), false);
   check(name, "catheter too short, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm -= 4 * n; }), false);
   check(name, "catheter too deep, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm += 4 * n; }), false);
   check(
@@ -177,4 +228,16 @@ TEST(LessonsMonotone, Subclavian) {
     });
     axis("largest force, 1 N a step (not scored)", true, [](F& f, int n) { f.most_force_n += n; });
   }
+}
+
+// TREPHINE_LESSON_CASES=library/head:...; docs/lessons.md has what came of it.
+TEST(LongLessonsMonotone, HeadsOfALibrary) {
+  const auto cases = library_cases("ventricles");
+  in_a_case() = true;
+  for (const auto& felt : cases) {
+    std::printf("case %s\n", felt->loaded.manifest.case_token.c_str());
+    check_head(false, spoilt_case(*felt));
+  }
+  in_a_case() = false;
+  if (cases.empty()) GTEST_SKIP() << "no head in TREPHINE_LESSON_CASES";
 }

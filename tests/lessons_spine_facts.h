@@ -16,29 +16,35 @@ inline SpineCase& phantom_spine() {
   static SpineCase one;
   return one;
 }
-inline const lessons::CasePedicle& pedicle_named(const std::string& name) {
-  static const std::vector<lessons::CasePedicle> all = lessons::pedicles_of(phantom_spine().felt().loaded.manifest);
-  for (const lessons::CasePedicle& p : all)
+/// The spine in which it happens: the phantom's, or for a while a case of a library.
+struct SpineInUse {
+  const cases::CaseManifest* manifest;
+  const voxel::HapticVolume* volume;
+};
+inline SpineInUse& spine_in_use() {
+  static SpineInUse one{&phantom_spine().felt().loaded.manifest, &phantom_spine().whole()};
+  return one;
+}
+inline lessons::CasePedicle pedicle_named(const std::string& name) {
+  for (const lessons::CasePedicle& p : lessons::pedicles_of(*spine_in_use().manifest))
     if (p.name == name) return p;
   throw std::runtime_error(name);
 }
 
 inline void pass_along(const std::string& name, const SpineAim& aim, lessons::SpineNeedleFacts& facts) {
-  const lessons::CasePedicle& p = pedicle_named(name);
-  const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
-  const double side = name.find("_left") != std::string::npos ? 1 : -1;
-  const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
+  const lessons::CasePedicle p = pedicle_named(name);
+  const Vec3 up = p.up(), outer = p.outer();
   const Vec3 entry = p.entry_mm + outer * aim.aside_mm + up * aim.up_mm;
   const Vec3 target = p.target_mm + outer * (aim.aside_mm + aim.turn_aside_mm) + up * (aim.up_mm + aim.turn_up_mm);
   const Vec3 way = normalized(target - entry);
-  const int bone = lessons::spine_bone_of(phantom_spine().felt().loaded.manifest);
+  const int bone = lessons::spine_bone_of(*spine_in_use().manifest);
   lessons::NeedlePass pass;
   pass.tool = aim.tool;
   pass.diameter_mm = aim.diameter_mm;
   pass.length_mm = aim.length_mm;
   pass.axis = -way;
   double time_s = 5;
-  walk<lessons::NeedlePoint>(phantom_spine().whole(), entry - way * 60, target + way * aim.beyond_mm,
+  walk<lessons::NeedlePoint>(*spine_in_use().volume, entry - way * 60, target + way * aim.beyond_mm,
                              [&](Vec3 at, int inside) {
                                time_s += 0.01;
                                if (pass.path.empty() && inside != bone) return;
