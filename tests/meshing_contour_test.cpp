@@ -60,6 +60,15 @@ TEST(Contour, SphereLiesWhereItIs) {
   EXPECT_EQ(surface::topology_of(m).genus, 0);
 }
 
+TEST(Contour, ToLookAtIsTheSameSurface) {
+  const grid::Field ball = sphere(40, 20, {3, -4, 5});
+  const surface::TriMesh proven = contoured(ball), seen = meshing::contour_to_look_at(ball);
+  EXPECT_EQ(seen.triangles, proven.triangles);
+  EXPECT_EQ(seen.points_mm, proven.points_mm);
+  EXPECT_EQ(seen.origin_mm, proven.origin_mm);
+  EXPECT_THROW(meshing::contour_to_look_at(grid::Field(ball, -1.f)), Error);
+}
+
 TEST(Contour, SamplesAtTheIsovalue) {  // M1
   grid::Field f = sphere(20, 8);
   for (float& v : f.voxels) v = std::nearbyint(v);  // every level is hit exactly

@@ -123,6 +123,43 @@ TEST(Render, InnerSidesWarn) {
   EXPECT_GT(warnings(picture::render_surfaces(one, plain())), 500u);
 }
 
+// Small triangles are drawn four samples at a time, large ones sample by sample.
+TEST(Render, SmallTrianglesLookLikeLargeOnes) {
+  const auto sheet = [](int parts) {  // a square that is bent along its diagonal
+    surface::TriMesh m;
+    for (int j = 0; j <= parts; ++j)
+      for (int i = 0; i <= parts; ++i) {
+        const double x = 100.0 * i / parts, z = 100.0 * j / parts;
+        m.points_mm.push_back({x, 0.3 * std::min(x, z), z});
+        m.normals.push_back({0, -1, 0});
+      }
+    const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (parts + 1) + i); };
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+        m.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      }
+    return m;
+  };
+  const surface::TriMesh large = sheet(1), small = sheet(50), ball = sphere(20, {70, 20, 30});
+  for (const picture::View view : {picture::View::front, picture::View::oblique_left})
+    for (const int samples : {1, 2, 3})
+      for (const double opacity : {1.0, 0.6}) {
+        picture::RenderParams p = plain(view);
+        p.width = 301;  // rows do not end with four samples
+        p.field_of_view_deg = 20;
+        p.supersampling = samples;
+        const auto drawn = [&](const surface::TriMesh& m) {
+          return picture::render_surfaces({{&m, red, opacity}, {&ball, blue, 1}}, p);
+        };
+        const picture::Image a = drawn(large), b = drawn(small);
+        EXPECT_GT(covered(a), 20000u);
+        std::size_t differ = 0;  // where the ball meets the sheet the nearer one may be another at a sample
+        for (std::size_t i = 0; i < a.rgb.size(); ++i) differ += std::abs(a.rgb[i] - b.rgb[i]) > 1;
+        EXPECT_LE(differ, 60u) << samples;
+      }
+}
+
 TEST(Render, GlassShowsWhatLiesBehind) {
   const surface::TriMesh shell = sphere(50, {}), core = sphere(20, {});
   picture::RenderParams p = plain();

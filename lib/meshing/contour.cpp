@@ -156,4 +156,13 @@ surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& para
       volume);
 }
 
+surface::TriMesh contour_to_look_at(const grid::Field& field, const Progress& progress) {
+  const InsideVoxels inside = find_inside(field, 0.0);
+  require_surface(field, inside);
+  surface::TriMesh mesh = marching_cubes(field, 0.0, inside, first_margin, progress);
+  to_patient(mesh, field);
+  snap_to_float32(mesh);
+  return mesh;
+}
+
 }  // namespace trephine::meshing

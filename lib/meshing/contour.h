@@ -42,5 +42,9 @@ surface::TriMesh contour(const grid::Field& field, const ContourParams& params, 
                          const Progress& progress = {});
 surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& params, Report& report,
                          const Progress& progress = {});
+/// The surface of a field to be looked at: the same but for a few points, with all pieces and cavities, and not looked
+/// through for self-intersections, which takes as long as all the rest. Throws as contour() does where there is no
+/// surface.
+surface::TriMesh contour_to_look_at(const grid::Field& field, const Progress& progress = {});
 
 }  // namespace trephine::meshing

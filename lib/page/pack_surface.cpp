@@ -120,12 +120,8 @@ surface::TriMesh felt_surface_for_page(const voxel::HapticVolume& volume, int nu
   grid::Field field = voxel::shape_field(volume, number, progress);
   const std::uint64_t count = contour_triangles(field);
   if (count > triangles) field = coarser(std::move(field), std::sqrt(double(count) / double(triangles)));
-  meshing::ContourParams params;
-  params.min_component_mm3 = 0;
-  params.keep_cavities = true;
-  Report ignored;
   try {
-    return meshing::contour(field, params, ignored, progress);
+    return meshing::contour_to_look_at(field, progress);
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
     return {};  // nothing of it is left on voxels of that size

@@ -68,9 +68,10 @@ void draw_axes(Image& image, const Camera& camera, double text_px) {
   std::array<int, 3> order{0, 1, 2};
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return dot(axes[a], camera.toward) < dot(axes[b], camera.toward); });
+  StrokeMask line(image.width, image.height);
   for (const int a : order) {
     const double dx = dot(axes[a], camera.right), dy = -dot(axes[a], camera.up);
-    StrokeMask line(image.width, image.height);
+    line.clear();
     line.add_segment(x0, y0, x0 + dx * reach, y0 + dy * reach, std::max(2.0, text_px * 0.2));
     line.blend(image, colours[a]);
     const std::string_view letter = letter_of(axes[a]);

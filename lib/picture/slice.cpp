@@ -59,7 +59,7 @@ void draw_volume(const grid::Grid<T>& g, const SliceGeometry& geometry, const Sl
         double hu = 0;
         if (!sample(g, first + right * x + down * y, hu)) continue;
         const double v = std::clamp((hu - low) / p.window_width_hu, 0.0, 1.0) * 255;
-        std::fill_n(image.at(x, y), 3, static_cast<std::uint8_t>(std::lround(v)));
+        std::fill_n(image.at(x, y), 3, static_cast<std::uint8_t>(v + 0.5));
       }
   });
 }
@@ -242,8 +242,9 @@ Image slice_overlay(const grid::HuVolume& volume, const SliceParams& params, con
   }
   if (params.fill_opacity > 0)
     for (std::size_t i = 0; i < shapes.size(); ++i) fill(image, cuts[i], shapes[i].colour_rgb, params.fill_opacity);
+  detail::StrokeMask mask(image.width, image.height);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    detail::StrokeMask mask(image.width, image.height);
+    mask.clear();
     for (const auto& s : cuts[i]) mask.add_segment(s.x0, s.y0, s.x1, s.y1, params.line_width_px);
     mask.blend(image, shapes[i].colour_rgb);
   }

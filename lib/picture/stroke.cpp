@@ -11,7 +11,7 @@ namespace detail {
 
 void blend_pixel(std::uint8_t* pixel, Rgb colour, double opacity) {
   for (int c = 0; c < 3; ++c)
-    pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] + (colour[c] * 255 - pixel[c]) * opacity));
+    pixel[c] = static_cast<std::uint8_t>(pixel[c] + (colour[c] * 255 - pixel[c]) * opacity + 0.5);
 }
 
 void StrokeMask::add_segment(double x0, double y0, double x1, double y1, double line_width) {
@@ -20,6 +20,9 @@ void StrokeMask::add_segment(double x0, double y0, double x1, double y1, double 
   const auto first = [](double v, int most) { return static_cast<int>(std::floor(std::clamp(v, 0.0, double(most)))); };
   const int i0 = first(std::min(x0, x1) - reach, width_), i1 = first(std::max(x0, x1) + reach + 1, width_);
   const int j0 = first(std::min(y0, y1) - reach, height_), j1 = first(std::max(y0, y1) + reach + 1, height_);
+  if (i0 >= i1 || j0 >= j1) return;
+  left_ = std::min(left_, i0), right_ = std::max(right_, i1);
+  top_ = std::min(top_, j0), bottom_ = std::max(bottom_, j1);
   for (int j = j0; j < j1; ++j)
     for (int i = i0; i < i1; ++i) {
       const double px = i + 0.5 - x0, py = j + 0.5 - y0;
@@ -32,12 +35,20 @@ void StrokeMask::add_segment(double x0, double y0, double x1, double y1, double 
 }
 
 void StrokeMask::blend(Image& image, Rgb colour, double opacity) const {
-  const int w = std::min(width_, image.width), h = std::min(height_, image.height);
-  for (int j = 0; j < h; ++j)
-    for (int i = 0; i < w; ++i) {
+  const int w = std::min(right_, image.width), h = std::min(bottom_, image.height);
+  for (int j = top_; j < h; ++j)
+    for (int i = left_; i < w; ++i) {
       const float c = coverage_[std::size_t(j) * width_ + i];
       if (c > 0) blend_pixel(image.at(i, j), colour, c * opacity);
     }
+}
+
+void StrokeMask::clear() {
+  for (int j = top_; j < bottom_; ++j) {
+    const auto row = coverage_.begin() + std::ptrdiff_t(j) * width_;
+    std::fill(row + left_, row + std::max(left_, right_), 0.f);
+  }
+  left_ = width_, right_ = 0, top_ = height_, bottom_ = 0;
 }
 
 void fill_rectangle(Image& image, double x0, double y0, double x1, double y1, Rgb colour, double opacity) {

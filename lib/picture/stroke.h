@@ -15,9 +15,12 @@ class StrokeMask {
   /// Continuous pixel coordinates; round ends.
   void add_segment(double x0, double y0, double x1, double y1, double line_width);
   void blend(Image& image, Rgb colour, double opacity = 1) const;
+  /// Empty again, for the next line.
+  void clear();
 
  private:
   int width_, height_;
+  int left_ = width_, right_ = 0, top_ = height_, bottom_ = 0;  // of what the segments reached
   std::vector<float> coverage_;
 };
 

@@ -316,11 +316,7 @@ class Builder {
 
   // The surface as the simulator will show it, capped where the volume ends.
   surface::TriMesh felt_surface(int number) const {
-    Report ignored;
-    meshing::ContourParams params;
-    params.min_component_mm3 = 0;
-    params.keep_cavities = true;
-    return meshing::contour(voxel::shape_field(haptic(), number), params, ignored);
+    return meshing::contour_to_look_at(voxel::shape_field(haptic(), number));
   }
 
   void add_pictures(const Progress& progress) {

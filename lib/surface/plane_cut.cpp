@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/plane_cut.h"
 
+#include <cstdint>
 #include <utility>
 
 namespace trephine::surface {
 
 std::vector<std::array<Vec3, 2>> plane_cut(const TriMesh& mesh, Vec3 point_mm, Vec3 normal) {
   std::vector<std::array<Vec3, 2>> out;
+  std::vector<std::uint8_t> above(mesh.points_mm.size());
+  for (std::size_t i = 0; i < above.size(); ++i) above[i] = dot(mesh.world_mm(i) - point_mm, normal) >= 0;
   for (const auto& t : mesh.triangles) {
+    if (above[t[0]] == above[t[1]] && above[t[1]] == above[t[2]]) continue;
     const Vec3 p[3] = {mesh.world_mm(t[0]), mesh.world_mm(t[1]), mesh.world_mm(t[2])};
     const double h[3] = {dot(p[0] - point_mm, normal), dot(p[1] - point_mm, normal), dot(p[2] - point_mm, normal)};
-    if ((h[0] >= 0) == (h[1] >= 0) && (h[1] >= 0) == (h[2] >= 0)) continue;
     std::array<Vec3, 2> ends;
     std::size_t found = 0;
     for (int e = 0; e < 3 && found < 2; ++e) {
