@@ -43,4 +43,38 @@ expect 1 "segment brain .*deviation_rms_mm .*WORSE" same further
 expect 0 "segment brain .*deviation_rms_mm .*better" same nearer
 expect 1 "smooth skull .*head: no" same fails
 expect 0 "smooth skull .*base: no, head: yes" fails same
+
+# Instructions: works of two names, and a valgrind that counts what their program says. The memory is that of bash.
+mkdir "$work/bin"
+cat > "$work/bin/valgrind" <<'EOF'
+#!/bin/bash
+while [[ $1 == --* ]]; do shift; done
+echo "==7== I   refs:      $("$1" count "$2")" >&2
+EOF
+works_of() {  # works_of NAME COUNT OF BEND
+  printf '#!/bin/bash\ncase "$1" in "") echo bend; echo fold ;; count) [ "$2" = bend ] && echo "%s" || echo 1,000,000 ;; esac\n' "$2" \
+    > "$work/$1"
+  chmod +x "$work/$1"
+}
+chmod +x "$work/bin/valgrind"
+# expect_count STATUS WORD PROGRAM [FLAG]
+expect_count() {
+  local status=0
+  PATH=$work/bin:$PATH "$guard" --instructions "$work/$3" "$work/base.json" "${@:4}" > "$work/said" 2>&1 || status=$?
+  [ "$status" = "$1" ] && grep -q -- "$2" "$work/said" && return
+  echo "instructions of $3: exit $status, expected $1 and '$2':"
+  cat "$work/said"
+  exit 1
+}
+works_of usual 2,000,000
+works_of little_more 2,099,000
+works_of more 2,101,000
+expect_count 0 "base.json: written" usual --write
+expect_count 0 "bend .*instructions .*+0.0 %" usual
+expect_count 0 "bend .*instructions .*+5.0 %$" little_more
+expect_count 1 "bend .*instructions .*+5.[01] %  WORSE" more
+sed -i 's/"memory_mb": [0-9.]*/"memory_mb": 0.5/' "$work/base.json"
+expect_count 1 "fold .*memory_mb .*WORSE" usual
+sed -i 's/fold/twist/' "$work/base.json"
+expect_count 70 "has other works (bend, twist)" usual
 echo "the guard tells them apart"
