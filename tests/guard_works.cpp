@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Five fixed works whose instructions bench/guard counts: guard_works NAME. Each takes its input from a formula, so that
-// nothing but the work is counted that could change, and runs on one thread.
+// Five fixed works whose instructions bench/guard counts: guard_works NAME. Each takes its input from a formula, so
+// that nothing but the work is counted that could change, and runs on one thread.
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -27,9 +27,7 @@ grid::Lattice cube(int n, double side_mm) {
 }
 
 // About the depth below a ball of 60 mm with folds, mm.
-double depth_mm(Vec3 p) {
-  return 60 - norm(p) + 3 * std::sin(p.x / 5) * std::sin(p.y / 6) * std::sin(p.z / 7 + 1);
-}
+double depth_mm(Vec3 p) { return 60 - norm(p) + 3 * std::sin(p.x / 5) * std::sin(p.y / 6) * std::sin(p.z / 7 + 1); }
 
 grid::Field ball(int n) { return shapes::sample(cube(n, 140), depth_mm); }
 
@@ -83,7 +81,8 @@ std::size_t pictured() {
   const surface::TriMesh outer = ball_surface(120), inner = ball_surface(60);
   picture::RenderParams p;
   p.width = p.height = 640;
-  return picture::encode_png(picture::render_surfaces({{&outer, {0.8, 0.7, 0.6}, 0.3}, {&inner, {0.8, 0.3, 0.3}, 1}}, p))
+  return picture::encode_png(
+             picture::render_surfaces({{&outer, {0.8, 0.7, 0.6}, 0.3}, {&inner, {0.8, 0.3, 0.3}, 1}}, p))
       .size();
 }
 

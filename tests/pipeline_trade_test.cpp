@@ -2,11 +2,14 @@
 // Fronts of measured points, the rules that choose from them, and their file.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "config/config.h"
 #include "config/trade_front.h"
+#include "config/yaml_document.h"
 #include "scratch_folder.h"
 
 namespace trephine {
@@ -161,25 +164,43 @@ TEST(TradeFront, OfSeveralHeadsIsWhatHoldsForAll) {
   EXPECT_TRUE(config::points_of_all({{a}, {b}}).empty());
 }
 
+TEST(TradeFile, TheShippedOnesBelongToTheShippedRecipes) {
+  const std::filesystem::path configs = std::filesystem::path(TREPHINE_SOURCE_DIR) / "configs";
+  int with_front = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(configs)) {
+    if (entry.path().extension() != ".yaml") continue;
+    const config::YamlNode tree = config::read_yaml(entry.path());
+    if (!tree.find("trade") || !tree.find("pipeline")) continue;
+    config::ConfigOverrides overrides;
+    overrides.without_rule = true;
+    const config::CaseConfig read = config::read_case_config(entry.path(), overrides);
+    EXPECT_TRUE(read.trade.stale.empty()) << entry.path() << ": " << read.trade.stale[0];
+    ++with_front;
+  }
+  EXPECT_GE(with_front, 1);
+}
+
 TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
   const ScratchFolder folder;
   const auto file = folder.path() / "trade.json";
   const auto write = [&](const std::string& text) { write_file(file, text); };
   const std::string list = config::trade_points_json(points());
   write(R"({"format": "trephine.trade", "version": 1, "points": )" + list + "}");
-  const auto read = config::read_trade_points(file);
+  const auto read = config::read_trade_front(file).points;
   ASSERT_EQ(read.size(), 6u);
   EXPECT_EQ(config::trade_points_json(read), list);
   const auto field_of = [&](const std::string& text) {
     write(text);
     try {
-      config::read_trade_points(file);
+      config::read_trade_front(file);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       return e.field();
     }
     return std::string("read");
   };
+  EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 1, "recipe_sha256": 3, "points": )" + list + "}"),
+            "recipe_sha256");
   EXPECT_EQ(field_of("{"), "format");
   EXPECT_EQ(field_of("[]"), "format");
   EXPECT_EQ(field_of(R"({"format": 3})"), "format");

@@ -169,7 +169,7 @@ TEST_F(Trade, TheFilesSayTheSame) {
     return count;
   };
   for (const std::string& line : csv) EXPECT_EQ(cells(line), cells(csv[0])) << line;
-  const auto points = config::read_trade_points(request.out / "trade.json");
+  const auto points = config::read_trade_front(request.out / "trade.json").points;
   EXPECT_EQ(config::trade_points_json(points), config::trade_points_json(r.choosable()));
   if (std::system("command -v gnuplot > /dev/null") != 0) {
     ASSERT_EQ(std::getenv("TREPHINE_CHECK"), nullptr) << "gnuplot is not installed";
@@ -226,6 +226,49 @@ TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
   EXPECT_EQ(code_of("trade: []\nprofile: fine\n"), ExitCode::bad_config);
   EXPECT_EQ(code_of("trade: {}\nprofile: fine\n"), ExitCode::bad_config);
   EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: fine\n"), ExitCode::ok);
+}
+
+TEST_F(Trade, AFrontOfAnotherRecipeIsToldAndNotUsed) {
+  trade::write_trade(trade::measure_trade(request), request.out, "test");
+  const fs::path asks = at("asks.yaml");
+  const auto read = [&](const std::string& trade) {
+    write_file(asks,
+               "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\nprofile: fine\ntrade: " + trade);
+    return config::read_case_config(asks, {}).trade;
+  };
+  const auto fault_of = [&](const std::string& trade) -> std::string {
+    try {
+      read(trade);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_config);
+      return e.what();
+    }
+    return "none";
+  };
+  const std::vector<char> bytes = read_file(at("recipe.yaml"), 1 << 20);
+  const std::string recipe(bytes.begin(), bytes.end());
+  EXPECT_TRUE(read("trade/trade.json").stale.empty());
+  write_file(at("recipe.yaml"), "# What it is for.\n" + recipe);  // says the same
+  EXPECT_TRUE(read("trade/trade.json").stale.empty());
+
+  write_file(at("recipe.yaml"), std::string(recipe).replace(recipe.find("-475"), 4, "-470"));
+  EXPECT_NE(fault_of("trade/trade.json").find("was measured with another recipe"), std::string::npos);
+  // A sweep of the case says so too, and its result is used beside the old one, which is told of.
+  write_file(at("case.yaml"),
+             "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\ntrade: trade/trade.json\n");
+  request.out = at("anew");
+  const trade::TradeResult anew = trade::measure_trade(request);
+  ASSERT_EQ(anew.stale.size(), 1u);
+  trade::write_trade(anew, request.out, "test");
+  const config::CaseTrade both = read("[trade/trade.json, anew/trade.json]");
+  ASSERT_EQ(both.stale.size(), 1u);
+  EXPECT_EQ(both.stale[0].rfind("trade.json was measured with another recipe", 0), 0u) << both.stale[0];
+  ASSERT_EQ(both.fronts.size(), 1u);
+  EXPECT_EQ(both.fronts[0].parent_path().filename(), "anew");
+
+  write_file(at("old.json"), R"({"format": "trephine.trade", "version": 1, "points": )" +
+                                 config::trade_points_json(anew.choosable()) + "}");
+  EXPECT_NE(fault_of("old.json").find("does not say of which recipe"), std::string::npos);
 }
 
 TEST(TradePlan, EveryCombinationOnceTheLastParameterFastest) {

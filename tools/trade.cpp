@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "base/log.h"
 #include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
@@ -69,6 +70,7 @@ cli::Command trade_command() {
       display.finish("sweep", std::to_string(result.points.size()) + " points, " +
                                   std::to_string(result.measured_count) + " measurements made");
     }
+    for (const std::string& why : result.stale) log_warning(why);
     trade::write_trade(result, request.out, request.program_version);
     if (!parsed.quiet)
       std::cout << "\n" << trade::trade_table(result) << "\n" << (request.out / "trade.json").string() << "\n";

@@ -221,6 +221,17 @@ class Reader {
     return rule;
   }
 
+  // A sweep uses no front, and says which of those that the case names it should replace.
+  void tell_stale_fronts() {
+    for (const SaidPath& path : said_.as<CaseFileParams>().trade) try {
+        const fs::path file = file_of(path.path);
+        if (file.empty() || r_.out.anatomies.empty()) continue;
+        const std::string why = why_stale(read_trade_front(file), file, r_.out.recipe_sha256);
+        if (!why.empty()) r_.out.trade.stale.push_back(why);
+      } catch (const Error&) {  // a run that wants it will say so
+      }
+  }
+
   // Chooses the point of the measured front that the case's rule asks for.
   void choose_point() {
     const CaseFileParams& said = said_.as<CaseFileParams>();
@@ -228,6 +239,7 @@ class Reader {
     const TradeRule asked = rule();
     if (!said.profile.empty() && (said.accuracy || said.budget))
       fault("profile", "profile", "is a rule of its own, and there are accuracy or budget already");
+    if (r_.overrides.without_rule) tell_stale_fronts();
     if (asked.empty() || r_.overrides.without_rule) return;
     if (said.trade.empty())
       return fault("trade", "trade", "is missing: which trade.json shall " + asked.text() + " be chosen from?");
@@ -236,10 +248,22 @@ class Reader {
     for (const SaidPath& path : said.trade) try {
         files.push_back(file_of(path.path));
         if (files.back().empty()) return;
-        fronts.push_back(read_trade_points(files.back()));
+        TradeFront front = read_trade_front(files.back());
+        if (std::string why = why_stale(front, files.back(), r_.out.recipe_sha256); !why.empty()) {
+          trade.stale.push_back(std::move(why));
+          files.pop_back();
+        } else {
+          fronts.push_back(std::move(front.points));
+        }
       } catch (const Error& e) {
         return r_.faults.add(Error(e.code(), files.back().string(), e.field(), e.what()));
       }
+    if (r_.out.anatomies.empty()) return;  // nothing is known of the recipe, which has been reported
+    if (fronts.empty() && !trade.stale.empty()) {
+      std::string all;
+      for (const std::string& why : trade.stale) all += (all.empty() ? "" : "; ") + why;
+      return fault("trade", "trade", "holds no front of this recipe: " + all);
+    }
     trade.rule = asked;
     trade.fronts = files;
     try {

@@ -72,6 +72,7 @@ struct CaseTrade {
   TradeRule rule;                             ///< empty: no rule
   std::vector<std::filesystem::path> fronts;  ///< each trade.json from which it was chosen
   std::string front_names() const;            ///< "head.json", or "a.json, b.json"
+  std::vector<std::string> stale;             ///< a line for each front that belongs to another recipe and was not used
   TradeChoice choice;
 };
 
@@ -83,6 +84,7 @@ struct CaseConfig {
   std::vector<CaseScan> scans;           ///< further ones, in the configuration's order
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<RecipeStep> scan_steps;    ///< the whole recipe, in its order
+  std::string recipe_sha256;             ///< of what the recipe says (digest_of)
   RecipeRoles roles;
   std::vector<SceneAnatomy> scene;             ///< in the recipe's order; triangles scaled by triangles_ratio
   std::string face, face_reason;               ///< "", keep, crop or deface

@@ -28,6 +28,7 @@ class RecipeReader {
   void read() {
     const auto tree = read_yaml_or_fault(file_, r_.faults);
     if (!tree) return;
+    r_.out.recipe_sha256 = digest_of(*tree);
     at_ = read_declared(reading(), *tree, parameters_of<RecipeFileParams>(), &said_);
     for (const auto& [name, said] : said_.anatomies) add_anatomy(name, said);
     check_ports();

@@ -272,7 +272,7 @@ std::string trade_points_json(const std::vector<TradePoint>& points) {
   return json.dump();
 }
 
-std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
+TradeFront read_trade_front(const std::filesystem::path& file) {
   constexpr std::uint64_t max_bytes = 64 << 20;
   const std::vector<char> bytes = read_file(file, max_bytes);
   const auto fault = [&](const std::string& field, const std::string& what) {
@@ -284,7 +284,12 @@ std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
   if (!json.contains("version") || json["version"] != trade_format_version)
     throw fault("version", "must be " + std::to_string(trade_format_version));
   if (!json.contains("points") || !json["points"].is_array()) throw fault("points", "is missing");
-  std::vector<TradePoint> points;
+  TradeFront front;
+  if (json.contains("recipe_sha256")) {
+    if (!json["recipe_sha256"].is_string()) throw fault("recipe_sha256", "is not a text");
+    front.recipe_sha256 = json["recipe_sha256"].get<std::string>();
+  }
+  std::vector<TradePoint>& points = front.points;
   for (std::size_t i = 0; i < json["points"].size(); ++i) try {
       const Json& from = json["points"][i];
       TradePoint p;
@@ -305,7 +310,14 @@ std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
       throw fault("points[" + std::to_string(i) + "]", "a member is missing or of the wrong kind");
     }
   if (points.empty()) throw fault("points", "is empty");
-  return points;
+  return front;
+}
+
+std::string why_stale(const TradeFront& front, const std::filesystem::path& file, const std::string& recipe_sha256) {
+  if (front.recipe_sha256 == recipe_sha256) return "";
+  return file.filename().string() +
+         (front.recipe_sha256.empty() ? " does not say of which recipe it is" : " was measured with another recipe") +
+         " and is not used: measure it anew with `trephine trade`";
 }
 
 }  // namespace trephine::config

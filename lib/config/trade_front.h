@@ -69,10 +69,17 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
 /// order of the first sweep, each with the worst of its figures. A point that is refused in one sweep is refused.
 std::vector<TradePoint> points_of_all(const std::vector<std::vector<TradePoint>>& sweeps);
 
-/// Reads the points of a trade.json. Throws Error 66 where it cannot be read, 65 naming the field where it is not a
-/// trade.json of ours.
-std::vector<TradePoint> read_trade_points(const std::filesystem::path& file);
-/// The member "points" of a trade.json, as read_trade_points reads it.
+/// What a trade.json holds for a rule.
+struct TradeFront {
+  std::string recipe_sha256;  ///< of the recipe that was measured (CaseConfig); empty: the file does not say
+  std::vector<TradePoint> points;
+};
+
+/// Throws Error 66 where the file cannot be read, 65 naming the field where it is not a trade.json of ours.
+TradeFront read_trade_front(const std::filesystem::path& file);
+/// Why a front says nothing of that recipe, in a line; empty where it does.
+std::string why_stale(const TradeFront& front, const std::filesystem::path& file, const std::string& recipe_sha256);
+/// The member "points" of a trade.json, as read_trade_front reads it.
 std::string trade_points_json(const std::vector<TradePoint>& points);
 constexpr const char* trade_format = "trephine.trade";
 constexpr int trade_format_version = 1;

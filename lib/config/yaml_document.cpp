@@ -9,6 +9,7 @@
 #include <sstream>
 #include <unordered_set>
 
+#include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "config/parse_yaml.h"
@@ -226,6 +227,24 @@ std::optional<YamlNode> read_yaml_or_fault(const std::filesystem::path& file, Co
     faults.add(e);
   }
   return {};
+}
+
+namespace {
+
+void add(const YamlNode& node, Sha256& digest) {
+  digest.integer(static_cast<std::int64_t>(node.kind)).integer(node.quoted).text(node.text);
+  digest.integer(static_cast<std::int64_t>(node.items.size()));
+  for (const YamlNode& item : node.items) add(item, digest);
+  digest.integer(static_cast<std::int64_t>(node.entries.size()));
+  for (const auto& [key, value] : node.entries) add(key, digest), add(value, digest);
+}
+
+}  // namespace
+
+std::string digest_of(const YamlNode& tree) {
+  Sha256 digest;
+  add(tree, digest);
+  return digest.hex();
 }
 
 }  // namespace trephine::config

@@ -26,6 +26,9 @@ struct YamlNode {
   const YamlNode* find(const std::string& key) const;
 };
 
+/// SHA-256 of what the tree says, in its order: comments, layout and the kind of quotation marks make no difference.
+std::string digest_of(const YamlNode& tree);
+
 /// Collects all faults of a configuration, each an Error 78 of its own (file:line:column, key, what).
 class ConfigFaults {
  public:

@@ -41,7 +41,7 @@ page::PageTrade trade_of(const config::CaseTrade& trade) {
   page::PageTrade out;
   if (trade.rule.empty()) return out;
   std::vector<std::vector<config::TradePoint>> sweeps;
-  for (const auto& front : trade.fronts) sweeps.push_back(config::read_trade_points(front));
+  for (const auto& front : trade.fronts) sweeps.push_back(config::read_trade_front(front).points);
   out.rule = trade.rule.text();
   out.chosen = trade.choice.point.name;
   out.why = trade.choice.why;

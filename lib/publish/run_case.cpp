@@ -201,6 +201,7 @@ config::CaseConfig read_config(const RunRequest& request) {
 }
 
 void tell_choice(const config::CaseConfig& config) {
+  for (const std::string& why : config.trade.stale) log_warning(config.case_token + ": " + why);
   if (!config.trade.rule.empty())
     log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
              " of " + config.trade.front_names() + ", " + config.trade.choice.why);

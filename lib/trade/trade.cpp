@@ -67,6 +67,8 @@ class Sweep {
     // All points are prepared before the first is computed, so that a fault in the last one's settings is reported now.
     for (PlannedPoint& p : points_of(plan)) prepared_.push_back(prepare(std::move(p)));
     TradeResult result;
+    result.recipe_sha256 = plain.recipe_sha256;
+    result.stale = plain.trade.stale;
     result.has_truth = truth_.has_value();
     for (at_ = 0; at_ < prepared_.size(); ++at_) {
       cancel_check();

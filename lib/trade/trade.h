@@ -88,6 +88,8 @@ struct PointTrade {
 
 struct TradeResult {
   std::vector<PointTrade> points;  ///< as planned
+  std::string recipe_sha256;       ///< of the recipe that was measured
+  std::vector<std::string> stale;  ///< a line for each front of the configuration that belongs to another recipe
   bool has_truth = false;
   int measured_count = 0;  ///< stages, files and comparisons that were not known yet
   /// The points that may be chosen: neither refused nor beyond the scene's limits.
@@ -112,7 +114,7 @@ TradeResult measure_trade(const TradeRequest& request, const TradeObserver& obse
 
 /// The results as a file with one row for each point and anatomy, and one row for the whole case.
 std::string trade_csv(const TradeResult& result);
-/// The text of trade.json: everything, with the fronts and the profiles. read_trade_points reads it.
+/// The text of trade.json: everything, with the fronts and the profiles. read_trade_front reads it.
 std::string trade_json(const TradeResult& result, const std::string& program_version);
 /// The fronts and the profiles as a table for a person.
 std::string trade_table(const TradeResult& result);
