@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "sampled_grid.h"
+#include "stages/cranial_cavity_of.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -85,6 +87,33 @@ TEST(SharedWork, AFailureIsNotKeptAndACancelledStageDoesNotWait) {
   EXPECT_THROW(in.once<int>("slow", {"volume"}, Progress({}, &stop), [] { return number(2); }), Cancelled);
   end = true;
   maker.join();
+}
+
+// What speaks against a usual head is sought in the cavity out of which the zones are cut.
+TEST(SharedWork, FindingsUseTheCavityOfTheZones) {
+  grid::Lattice l;
+  l.size = {72, 72, 72};
+  l.spacing_mm = {2, 2, 2};
+  const Vec3 centre{71, 71, 71};
+  const auto of_radius = [&](const auto& value) {
+    return std::make_shared<const grid::Field>(sampled(l, [&](Vec3 p) { return value(norm(p - centre)); }));
+  };
+  stages::SharedWork shared;
+  stages::StageInputs in = inputs_of(&shared, {{"volume", "a"}, {"skull", "s"}, {"brain", "b"}});
+  in.by_port["volume"] = std::make_shared<const grid::HuVolume>(*of_radius([](double r) {
+    return r < 54 ? 33.0 : r < 61 ? 1000.0 : r < 66 ? 40.0 : -1000.0;
+  }));
+  in.by_port["skull"] = of_radius([](double r) { return 3.5 - std::abs(r - 57.5); });
+  in.by_port["brain"] = of_radius([](double r) { return 54 - r; });
+  Report report;
+  const stages::StageType& findings = *stages::find_stage("findings");
+  findings.run(findings.make_params(), in, report, Progress());
+  const auto cavity = in.once<stages::CranialCavity>("cranial cavity", {"volume", "skull"}, Progress(),
+                                                     []() -> std::shared_ptr<const stages::CranialCavity> {
+                                                       ADD_FAILURE() << "the stage made none that others share";
+                                                       return std::make_shared<const stages::CranialCavity>();
+                                                     });
+  EXPECT_NEAR(double(cavity->mask.count()) * 8 / (4.0 / 3 * M_PI * 54 * 54 * 54), 1, 0.05);
 }
 
 }  // namespace

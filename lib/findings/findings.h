@@ -11,6 +11,7 @@
 #include "grid/grid.h"
 #include "grid/labels.h"
 #include "head/head_landmarks.h"
+#include "mask/bits.h"
 
 namespace trephine::findings {
 
@@ -72,6 +73,7 @@ struct FindingShapes {
   const grid::Field* brain = nullptr;              ///< required
   const grid::Field* ventricles = nullptr;         ///< may be null
   const head::HeadLandmarks* landmarks = nullptr;  ///< may be null: then sides are those of the scan's axes
+  const mask::BitMask* cavity = nullptr;  ///< the cranial cavity on the volume's raster; null: it is looked for
 };
 
 struct Findings {

@@ -45,7 +45,7 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   in.envelope = mask::closed(mask::coarse_mask(brain, in.raster, 0.5), envelope_mm, progress);
   in.ventricles = shapes.ventricles ? mask::coarse_mask(mask::positive(*shapes.ventricles, l), in.raster, 0.5)
                                     : mask::BitMask(in.cells());
-  in.all = mask::coarse_mask(cavity_of(bone, progress), in.raster, 0.5);
+  in.all = mask::coarse_mask(shapes.cavity ? *shapes.cavity : cavity_of(bone, progress), in.raster, 0.5);
   progress.report(0.3);
   in.all |= in.envelope;
   mask::BitMask beyond = in.all;

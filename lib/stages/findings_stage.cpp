@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "findings/findings.h"
 
-#include "stages/stage.h"
+#include "base/error.h"
+#include "stages/cranial_cavity_of.h"
 
 namespace trephine::stages {
 
@@ -37,11 +38,18 @@ StageType findings_stage() {
   s.output = DataKind::labels;
   s.make_params = [] { return AnyParams::make<findings::FindingsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    const findings::FindingShapes shapes{in.get<grid::Field>("skull"), in.get<grid::Field>("brain"),
-                                         in.get<grid::Field>("ventricles"), in.get<head::HeadLandmarks>("landmarks")};
+    findings::FindingShapes shapes{in.get<grid::Field>("skull"), in.get<grid::Field>("brain"),
+                                   in.get<grid::Field>("ventricles"), in.get<head::HeadLandmarks>("landmarks")};
+    std::shared_ptr<const CranialCavity> cavity;  // the one of the zones
+    try {
+      cavity = cranial_cavity_of(in, progress.part(0, 0.1));
+      shapes.cavity = &cavity->mask;
+    } catch (const Error& e) {  // an open skull encloses nothing
+      if (e.code() != ExitCode::quality) throw;
+    }
     return std::make_shared<const grid::LabelFile>(
         std::move(findings::find_findings(*in.get<grid::HuVolume>("volume"), shapes,
-                                          params.as<findings::FindingsParams>(), report, progress)
+                                          params.as<findings::FindingsParams>(), report, progress.part(0.1, 1))
                       .labels));
   };
   return s;

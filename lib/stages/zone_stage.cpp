@@ -1,29 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "place/zones.h"
 
-#include "head/cranium.h"
-#include "stages/stage.h"
+#include "stages/cranial_cavity_of.h"
 
 namespace trephine::stages {
-namespace {
-
-// The cranial cavity, and what finding it reported.
-struct Cavity {
-  mask::BitMask mask;
-  Report report;
-};
-
-std::shared_ptr<const Cavity> cavity_of(const StageInputs& in, const Progress& progress) {
-  const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
-  const grid::Field* skull = in.get<grid::Field>("skull");
-  const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
-  const auto found = std::make_shared<Cavity>();
-  found->mask = head::cranial_cavity(bone, found->report, progress);
-  return found;
-}
-
-}  // namespace
-
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
@@ -55,8 +35,7 @@ StageType zone_stage() {
     shapes.skull = in.get<grid::Field>("skull");
     shapes.ventricles = in.get<grid::Field>("ventricles");
     shapes.volume = in.get<grid::HuVolume>("volume");
-    const auto cavity = in.once<Cavity>("cranial cavity", {"volume", "skull"}, progress,
-                                        [&] { return cavity_of(in, progress.part(0, 0.3)); });
+    const auto cavity = cranial_cavity_of(in, progress.part(0, 0.3));
     for (const auto& figure : cavity->report.figures) report.figures.push_back(figure);
     for (const std::string& warning : cavity->report.warnings) report.warn(warning);
     shapes.place = [&](bool with_ventricles, const Progress& rest) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "head/cranium.h"
+#include "mask/bits.h"
+#include "mask/hu_view.h"
+#include "stages/stage.h"
+
+namespace trephine::stages {
+
+/// A cranial cavity, and what finding it reported.
+struct CranialCavity {
+  mask::BitMask mask;
+  Report report;
+};
+
+/// The cavity of the skull at the port "skull" on the raster of the volume at "volume", found once in a run; without a
+/// skull, bone is what is bright. Throws as head::cranial_cavity does.
+inline std::shared_ptr<const CranialCavity> cranial_cavity_of(const StageInputs& in, const Progress& progress) {
+  return in.once<CranialCavity>("cranial cavity", {"volume", "skull"}, progress, [&] {
+    const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
+    const grid::Field* skull = in.get<grid::Field>("skull");
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+    const auto found = std::make_shared<CranialCavity>();
+    found->mask = head::cranial_cavity(bone, found->report, progress);
+    return std::shared_ptr<const CranialCavity>(found);
+  });
+}
+
+}  // namespace trephine::stages
