@@ -128,6 +128,11 @@ TEST(LibrarySlurm, WhatLackedMemoryOrTimeGetsTheNextClassThatGrantsMoreOfIt) {
   EXPECT_TRUE(is_final(batch, *time, ended));
   batch.max_tries = 1;
   EXPECT_TRUE(is_final(batch, batch.jobs[0], ended));
+  // A class with less time is taken only where no other has the memory, and the longest of such.
+  batch.classes = {{1000, 600, ""}, {2000, 100, "brief"}, {3000, 300, "short"}, {4000, 700, "large"}};
+  EXPECT_EQ(with_more(batch, batch.jobs[0], Lack::memory)->partition, "large");
+  batch.classes.pop_back();
+  EXPECT_EQ(with_more(batch, batch.jobs[0], Lack::memory)->partition, "short");
   // Without classes memory doubles, and the time limit is the user's.
   engine.classes.clear();
   batch = plan_batch({job("case.a", 800)}, engine, params);

@@ -226,17 +226,22 @@ std::optional<BatchJob> with_more(const Batch& batch, const BatchJob& job, Lack 
     more.memory_mb *= 2;
     return more;
   }
-  for (const BatchClass& c : batch.classes) {
-    const bool grants_more =
-        lack == Lack::memory ? c.memory_mb > job.memory_mb
-                             : lack == Lack::time && c.memory_mb >= job.memory_mb && c.time_limit_s > job.time_limit_s;
-    if (!grants_more) continue;
-    more.memory_mb = c.memory_mb;
-    more.time_limit_s = c.time_limit_s;
-    more.partition = c.partition;
-    return more;
-  }
-  return {};
+  const auto grants_more = [&](const BatchClass& c) {
+    return lack == Lack::memory
+               ? c.memory_mb > job.memory_mb
+               : lack == Lack::time && c.memory_mb >= job.memory_mb && c.time_limit_s > job.time_limit_s;
+  };
+  // One with more memory and less time would end the next try by its limit; it is better than none.
+  const BatchClass* chosen = nullptr;
+  for (const BatchClass& c : batch.classes)
+    if (grants_more(c) &&
+        (!chosen || (chosen->time_limit_s < job.time_limit_s && c.time_limit_s > chosen->time_limit_s)))
+      chosen = &c;
+  if (!chosen) return {};
+  more.memory_mb = chosen->memory_mb;
+  more.time_limit_s = chosen->time_limit_s;
+  more.partition = chosen->partition;
+  return more;
 }
 
 bool may_pass_next_time(const Batch& batch, const BatchJob& job, const JobResult& result) {

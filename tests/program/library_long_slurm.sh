@@ -92,13 +92,29 @@ before=$(case_digest "$work/out/c5")
 until_true 60 bash -c '[[ -z $(squeue -h) ]]'
 [[ $(case_digest "$work/out/c5") == "$before" ]] || fail "cancelling changed a case"
 "$TREPHINE" library verify "$work/out" --quiet
-# What a task costs beside `srun true`.
+# What a task of a build costs beside the bare command and `srun true` in arrays of the same size and memory: OVERHEAD=1000.
 if [[ -n ${OVERHEAD:-} ]]; then
-  for what in "srun -n1 true" "true"; do
+  seconds_of() {
+    local start
     start=$(date +%s.%N)
-    printf '#!/bin/sh\n%s\n' "$what" >"$work/job.sh"
-    sbatch --wait --array=0-$((OVERHEAD - 1)) --mem=10 --output=/dev/null "$work/job.sh" >/dev/null
-    python3 -c "import sys; print(f'$OVERHEAD array tasks of \"$what\": {(float(sys.argv[2]) - float(sys.argv[1])) / $OVERHEAD:.3f} s a task')" "$start" "$(date +%s.%N)"
-  done
+    "${@:2}" >/dev/null
+    python3 -c "import sys; n, a, b = map(float, sys.argv[2:]); print(f'{int(n)} tasks of {sys.argv[1]}: {(b - a) / n:.3f} s a task')" \
+      "$1" "$OVERHEAD" "$start" "$(date +%s.%N)"
+  }
+  bare() {
+    printf '#!/bin/sh\n%s\n' "$1" >"$work/job.sh"
+    sbatch --wait --array="0-$((OVERHEAD - 1))" --mem=256 --output=/dev/null "$work/job.sh"
+  }
+  {
+    printf 'trephine: 1\nconfig: c.yaml\nengine: {name: slurm, partition: all}\ncases:\n'
+    for ((n = 0; n < OVERHEAD; n++)); do
+      echo "  - {case: o$n, series: DOE_$((n % 8))/dicom, set: {skull.smooth.iterations_count: $((1 + n / 8))}}"
+    done
+  } >o.yaml
+  seconds_of 'true' bare true
+  seconds_of 'srun -n1 true' bare 'srun -n1 true'
+  run="$TREPHINE run $work/l/c.yaml --series $work/l/DOE_1/dicom --case o --out \$(mktemp -d) --quiet --no-pictures --no-page --threads 1"
+  seconds_of 'trephine run' bare "$run"
+  seconds_of 'library build' "$TREPHINE" library build o.yaml --out "$work/overhead" --no-pictures
 fi
 echo ok
