@@ -6,6 +6,7 @@ What was written makes the same bytes in an empty folder. TREPHINE is the progra
 import json
 import math
 import pathlib
+import re
 import tempfile
 import zipfile
 
@@ -89,6 +90,15 @@ def holes(page, check, own):
     page.until("!!document.querySelector('canvas.cut') && +document.querySelector('canvas.cut').dataset.drawn > 0", "the plane of the trajectory")
     shown = browser.js("const c = document.querySelector('canvas.cut'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] > 200; return n")
     check(shown > 300, f"the plane of the trajectory shows bone: {shown}")
+    page.until("!!document.querySelector('[data-skull=coronal_suture]')", "the distance to the coronal suture")
+    rows = {name: browser.js(f"return document.querySelector('[data-skull={name}]').textContent") for name in ("coronal_suture", "midline_sagittal")}
+    mm = {name: float(re.search(r"\d+\.\d", said)[0]) for name, said in rows.items()}
+    # The entry lies at -27, -39, 120, to a voxel's half; all three landmarks in the plane of x = 0. The angle is that of the bregma's radius.
+    centre, bregma = ((-93.2 + 89.4) / 2, (40.1 + 5.8) / 2), (-12.0, 126.0)
+    out = math.atan2(bregma[1] - centre[1], bregma[0] - centre[0])
+    before = -math.sin(out) * (-39 - bregma[0]) + math.cos(out) * (120 - bregma[1])
+    check(abs(mm["coronal_suture"] - before) < 1.5 and "before" in rows["coronal_suture"], f"to the suture: {rows}, {before}")
+    check(abs(mm["midline_sagittal"] - 27) < 1.5 and "right" in rows["midline_sagittal"], f"beside the midline: {rows}")
     page.click("#check-hole")
     page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad, #hole-tried.warn')", "what the run makes of the hole")
     said = browser.js("return document.getElementById('panel').textContent")
@@ -237,7 +247,7 @@ def main():
         root, library = make_root(folder, ("skull_drilled", ROUGH)), folder / "library"
         (root / "configs/scenes/skull_drilled.yaml").write_text(SCENE)
         coarse = root / "configs/coarse.yaml"
-        coarse.write_text(coarse.read_text() + LEFT_HOLE)
+        coarse.write_text(coarse.read_text().replace("  inion:", "  bregma: [0, -12.0, 126.0]\n  inion:") + LEFT_HOLE)
         own = root / "configs/head-01.yaml"
         with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1600, height=1000) as browser:

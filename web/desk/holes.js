@@ -81,7 +81,7 @@ function holesOf(page) {
     if (!d) return
     const mine = hole, { entry } = hole, all = between()  // what is drawn; meanwhile the hole may be cancelled
     const side = 180, turn = hole.angle * Math.PI / 180
-    const up = Math.abs(d[2]) < .9 ? [0, 0, 1] : [0, 1, 0], cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], unit = a => a.map(v => v / Math.hypot(...a))
+    const up = Math.abs(d[2]) < .9 ? [0, 0, 1] : [0, 1, 0]
     const e = unit(cross(d, up)), f = cross(d, e), right = e.map((v, k) => v * Math.cos(turn) + f[k] * Math.sin(turn)), corner = entry.map((v, k) => v - right[k] * side / 2 - d[k] * 40)
     const query = { case: page.token, side }
     for (const [name, v] of [['corner', corner], ['right', right], ['down', d]]) 'xyz'.split('').forEach((axis, k) => { query[`${name}_${axis}`] = v[k] })
@@ -111,6 +111,20 @@ function holesOf(page) {
     clear.replaceChildren(...await distances(d, entry, all))
     canvas.dataset.drawn = number
   }
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], unit = a => a.map(v => v / Math.hypot(...a))
+  // How far the entry lies before the coronal suture, along the midline, as craniometry::before_suture_mm counts it (the suture is
+  // known where it crosses the midline: in the bregma), and beside the midline, along which the sagittal suture runs.
+  const toSutures = entry => {
+    const at = name => (page.allMarks().find(m => m.name === name) || {}).position_mm, [nasion, bregma, inion] = ['nasion', 'bregma', 'inion'].map(at)
+    if (!nasion || !bregma || !inion) return []
+    const less = (a, b) => a.map((v, k) => v - b[k]), dot = (a, b) => a.reduce((sum, v, k) => sum + v * b[k], 0)
+    const centre = nasion.map((v, k) => (v + inion[k]) / 2), out = unit(less(bregma, centre)), ahead = less(nasion, centre)
+    const forwards = unit(ahead.map((v, k) => v - out[k] * dot(ahead, out))), left = unit(cross(out, forwards))
+    const before = dot(less(entry, bregma), forwards), beside = dot(less(entry, bregma), left)
+    const found = page.info.now.landmarks.bregma ? null : page.info.built.landmarks.find(l => l.name === 'bregma'), unsure = found && found.confidence < .5
+    const row = (name, mm, where, doubt) => make('tr', { 'data-skull': name }, make('td', { text: t(name) }), make('td', { class: 'number', text: digits(Math.abs(mm), 1) }), make('td', { class: doubt ? 'warn' : '', text: t(where) + (doubt ? ` (${label('bregma')}: ${digits(found.confidence * 100, 0)} %)` : '') }))
+    return [row('coronal_suture', before, before < 0 ? 'behind_it' : 'before_it', unsure), row('midline_sagittal', beside, beside < 0 ? 'right' : 'left', false)]
+  }
   // How near the line from entry to target comes to the outline of each anatomy that is shown, in the axial slices that it passes.
   const distances = async (d, entry, all) => {
     const { volume } = page, p = volume.planes[0], rows = [], [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
@@ -125,12 +139,14 @@ function holesOf(page) {
       if (isFinite(least)) rows.push(make('tr', {}, make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)), make('td', { class: 'number', text: digits(least, 1) })))
     }
     // Where no outline is: points, such as the bregma, in which the sutures meet.
+    const skull = toSutures(entry)
     const near = page.allMarks().filter(m => m.name !== t('entry') && m.name !== t('target') && m.colour !== '#ff6a5c').map(m => {
       const to = m.position_mm.map((v, k) => v - entry[k]), s = Math.max(0, Math.min(all, to.reduce((sum, v, k) => sum + v * d[k], 0)))
       return { name: m.name, from: Math.hypot(...to), line: Math.hypot(...to.map((v, k) => v - d[k] * s)) }
     }).sort((a, b) => a.line - b.line)
     const points = near.map(m => make('tr', { 'data-near': m.name }, make('td', { text: label(m.name) }), make('td', { class: 'number', text: digits(m.from, 1) }), make('td', { class: 'number', text: digits(m.line, 1) })))
-    return [...rows.length ? [make('h2', { text: t('clearances') }), table([[t('anatomy'), 0], [t('mm'), 1]], rows)] : [],
+    return [...skull.length ? [make('h2', { text: t('on_the_skull') }), table([['', 0], [t('mm'), 1], ['', 0]], skull)] : [],
+      ...rows.length ? [make('h2', { text: t('clearances') }), table([[t('anatomy'), 0], [t('mm'), 1]], rows)] : [],
       ...points.length ? [make('h2', { text: t('to_points') }), table([[t('name'), 0], [t('from_entry'), 1], [t('from_line'), 1]], points)] : []]
   }
 
