@@ -194,6 +194,24 @@ TEST(Findings, AGapOfTheVaultIsMeasured) {
   EXPECT_TRUE(concerns(gaps[0], "brain"));
 }
 
+TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
+  phantom::HardParams hard;
+  hard.craniectomy = true;
+  const Scene s(hard, phantom::Variant::normal, 2, 5, [](Scene& scene, const phantom::Head&) {
+    std::uint32_t state = 1;
+    for (std::int16_t& v : std::get<grid::Grid<std::int16_t>>(scene.volume).voxels) {
+      state = 1664525u * state + 1013904223u;
+      v = std::int16_t(v + int(state >> 16) % 1201 - 600);
+    }
+  });
+  EXPECT_EQ(std::get<double>(*s.report.find("tissue_noise_hu")), 0);
+  EXPECT_FALSE(s.of(FindingKind::bone_gap).empty());
+  for (const Finding& f : s.found)
+    if (f.kind != FindingKind::metal) EXPECT_LT(f.confidence, findings::sure_confidence) << f.text;
+  ASSERT_FALSE(s.report.warnings.empty());
+  EXPECT_NE(s.report.warnings[0].find("cannot be measured"), std::string::npos) << s.report.warnings[0];
+}
+
 TEST(Findings, ShiftAndWidthAreThoseOfTheFigures) {
   const Scene shifted({}, phantom::Variant::shifted), wide({}, phantom::Variant::hydrocephalic);
   const auto shift = shifted.of(FindingKind::shift);

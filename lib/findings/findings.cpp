@@ -155,6 +155,14 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   append(bone_gaps(in, volume, *shapes.skull, params));
   append(std::move(seen_implants));
 
+  // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it.
+  if (!(in.noise_hu > 0)) {
+    report.warn("the noise of the brain's tissue cannot be measured: all but metal is doubtful");
+    for (Seen& s : all)
+      if (s.finding.kind != FindingKind::metal)
+        s.finding.confidence = std::min(s.finding.confidence, 0.9 * sure_confidence);
+  }
+
   Findings out;
   grid::Mask labels(in.cells());
   const Vec3 middle = in.envelope.centre_mm();
@@ -169,7 +177,8 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     for (int k = 0; k < labels.size[2]; ++k)
       for (int j = 0; j < labels.size[1]; ++j)
         for (int i = 0; i < labels.size[0]; ++i)
-          if (s.cells.get(i, j, k)) labels.at(i, j, k) = std::uint8_t(value);
+          // What was found first, and is reported with these cells' volume, keeps them.
+          if (s.cells.get(i, j, k) && labels.at(i, j, k) == 0) labels.at(i, j, k) = std::uint8_t(value);
     grid::LabelSegment segment;
     segment.id = "finding_" + std::to_string(value);
     segment.name = std::string(to_text(s.finding.kind)) + " " + std::to_string(value);
