@@ -72,13 +72,25 @@ TEST(Look, TurnedAndMirroredHeadsAreSeenAndTheRemediesWork) {
   }
 }
 
-TEST(Look, AHeadOnItsSideIsSeen) {
-  Volume out(head());
-  std::swap(out.size[0], out.size[1]);
-  for (int k = 0; k < out.size[2]; ++k)
-    for (int j = 0; j < out.size[1]; ++j)
-      for (int i = 0; i < out.size[0]; ++i) out.at(i, j, k) = head().at(j, i, k);
-  EXPECT_EQ(look::look_at(out, "").head, Seen::otherwise);
+TEST(Look, AHeadOnItsSideIsSeenAndTheRemediesWork) {
+  Volume mirrored(head()), turned(head());
+  std::swap(mirrored.size[0], mirrored.size[1]);
+  turned.size = mirrored.size;
+  for (int k = 0; k < mirrored.size[2]; ++k)
+    for (int j = 0; j < mirrored.size[1]; ++j)
+      for (int i = 0; i < mirrored.size[0]; ++i) {
+        mirrored.at(i, j, k) = head().at(j, i, k);
+        turned.at(i, j, k) = head().at(j, head().size[1] - 1 - i, k);
+      }
+  for (const bool is_mirrored : {true, false}) {
+    const Volume& stored = is_mirrored ? mirrored : turned;
+    const look::ScanLook seen = look::look_at(stored, "");
+    ASSERT_EQ(seen.head, Seen::otherwise);
+    for (const std::string& axes : {seen.axes_if_mirrored, seen.axes_if_turned})
+      EXPECT_EQ(look::look_at(grid::with_axes(stored, axes), "").head, Seen::as_said) << axes;
+    // The columns of the one rise to the back and its rows to the left; of the other the columns rise to the front.
+    EXPECT_EQ(is_mirrored ? seen.axes_if_mirrored : seen.axes_if_turned, is_mirrored ? "PLS" : "ALS");
+  }
 }
 
 // Nothing in a head says which side is left.

@@ -7,7 +7,7 @@ foreach(script anatomies bad_input correction dead_child export findings flags f
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};SIM=$<$<TARGET_EXISTS:trephine-sim>:$<TARGET_FILE:trephine-sim>>;FAULT=$<$<TARGET_EXISTS:library_fault>:$<TARGET_FILE:library_fault>>")
 endforeach()
 # What would take too long among the default tests: the same scripts on the scan's own voxels.
-foreach(script export outputs privacy readme rerun same_bytes)
+foreach(script export outputs privacy readme remedies rerun same_bytes)
   add_test(NAME program.Long_${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.Long_${script} PROPERTIES TIMEOUT 1800
     ENVIRONMENT "LONG=1;TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")

@@ -34,7 +34,7 @@ void require_offset(const grid::HuVolume& volume, const std::string& field) {
       ExitCode::bad_input, "", field,
       fmt::format("the values are those of a CT without its offset of -1024: {:.0f} % lie about 0, as air would, "
                   "{:.0f} % about 1050, as soft tissue would, and none where air and lung have their HU; "
-                  "--offset-hu -1024 (a configuration's --set import.offset_hu=-1024) adds it",
+                  "--offset-hu -1024 adds it",
                   100 * double(air) * of, 100 * double(tissue) * of));
 }
 

@@ -79,7 +79,8 @@ void require_hu(const Counts& c) {
 void require_values_said(const ImportParams& params) {
   if (params.volume_values == VolumeValues::unsaid)
     throw Error(ExitCode::usage, "", "volume_values",
-                "must be given: a file that is no DICOM does not say whether its values are HU (hu, or any)");
+                "must be given: a file that is no DICOM does not say whether its values are HU; --volume-values hu "
+                "says so, --volume-values any that they are not");
 }
 
 // All but the hash.

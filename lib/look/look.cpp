@@ -140,6 +140,22 @@ std::string axes_with(const grid::Lattice& l, Vec3 sign) {
   return out;
 }
 
+/// Where the sides that are alike are the said front and back, the said left and right are front and back: the face
+/// tells which is which. Empty where they are the said above and below, or where the face tells nothing.
+void axes_of_a_quarter_turn(const Cells& c, int left_right_axis, Vec3 face, ScanLook& out) {
+  constexpr double least_mm = 5;
+  const char said = *letters(c.hu.direction.column[std::size_t(left_right_axis)]);
+  if ((said != 'A' && said != 'P') || std::abs(face.x) < least_mm) return;
+  const double front = face.x > 0 ? -1 : 1,
+               up = face.z > 0 ? -1 : 1;  // the signs that bring the face to the front, below
+  for (const bool turned : {true, false}) {
+    const double left = turned ? -front * up : front * up;  // the exchange of two axes is a mirror by itself
+    std::string axes;
+    for (const Vec3& d : c.hu.direction.column) axes += letters({left * d.y, front * d.x, up * d.z});
+    (turned ? out.axes_if_turned : out.axes_if_mirrored) = axes;
+  }
+}
+
 void look_at_head(const Cells& c, ScanLook& out, const Progress& progress) {
   const HeadSigns s = head_signs(c.bone, c.air, progress);
   if (!s.found) return;
@@ -158,6 +174,7 @@ void look_at_head(const Cells& c, ScanLook& out, const Progress& progress) {
   out.head = Seen::otherwise;
   if (on_side) {
     out.what_is_seen = "the two sides of the head that are alike are not its left and right";
+    axes_of_a_quarter_turn(c, s.left_right_axis, face, out);
     return;
   }
   out.what_is_seen = upside_down && reversed ? "the face lies above and behind the brain"

@@ -342,10 +342,10 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     } catch (const Error& e) {
       std::vector<std::string> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
-      const Error told = with_other_configs(e, request.config, config);
+      const Error told = with_other_configs(in_settings(e), request.config, config);
       show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e, told,
                    observer);
-      if (e.code() == ExitCode::quality) throw told;
+      if (told.what() != std::string(e.what())) throw told;
       throw;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);

@@ -9,13 +9,14 @@
 namespace trephine::publish {
 namespace {
 
-/// What the reader says, with the flags of `import` as the settings that a configuration's commands take.
 std::string with_settings(const Error& e, const std::string& import) {
   std::string what = e.what();
   for (const auto& [flag, setting] : {std::pair{"--gaps interpolate", "gaps=interpolate"},
                                       {"--modality any", "modality=any"},
                                       {"--units any", "units=any"},
                                       {"--series-rule best", "series_rule=best"},
+                                      {"--volume-values hu", "volume_values=hu"},
+                                      {"--volume-values any", "volume_values=any"},
                                       {"--offset-hu -1024", "offset_hu=-1024"}})
     for (std::size_t at = 0; (at = what.find(flag, at)) != std::string::npos;) {
       const std::string named = "--set " + import + "." + setting;
@@ -28,6 +29,14 @@ std::string with_settings(const Error& e, const std::string& import) {
 }
 
 }  // namespace
+
+Error in_settings(const Error& error) {
+  const std::string node = error.field().substr(0, error.field().find(": "));
+  if (node != "import" && (node.size() < 7 || node.compare(node.size() - 7, 7, ".import") != 0)) return error;
+  Error told(error.code(), error.file(), error.field(), with_settings(error, node));
+  told.in_case(error.case_token());
+  return told;
+}
 
 pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
   return pipeline::make_graph(config, input(config), [&](const std::string& name, const dicom::SeriesChoice& scan) {

@@ -3,10 +3,16 @@
 #include <map>
 #include <string>
 
+#include "base/error.h"
 #include "base/progress.h"
 #include "pipeline/graph.h"
 
 namespace trephine::publish {
+
+/// An import's error with the flags of `trephine import` that it names as the settings that `run` takes: `--gaps
+/// interpolate` is `--set import.gaps=interpolate`. The import's node is the first name in the error's field; the error
+/// of another node is returned as it is.
+Error in_settings(const Error& error);
 
 /// The content of the series that a case reads. Each is hashed once, though an anatomy that is left out needs another
 /// graph.
