@@ -56,6 +56,7 @@ def run(*words):
 
 class Desk:
     def __init__(self, root, library):
+        self.root, self.library = root, library
         self.process = subprocess.Popen([TREPHINE, "desk", str(library), "--config", str(root / "configs/LIBRARY.yaml"), "--no-browser"],
                                         stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
