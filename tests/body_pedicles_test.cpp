@@ -64,6 +64,19 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
   }
 }
 
+// Slices further apart than the hole that a vessel makes.
+TEST(Pedicles, AreFoundInSlicesOfTwoAndAHalfAndThreeMillimetres) {
+  const Spine spine;
+  for (const double slice_mm : {2.5, 3.0}) {
+    const grid::Lattice l = phantom::lattice_about(spine, {0.9, 0.9, slice_mm}, 42);
+    Report report;
+    expect_truth(spine,
+                 trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                      field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report),
+                 1, 2);
+  }
+}
+
 TEST(Pedicles, OneThatTheScanCutsIsLeftOutAndSaid) {
   const Spine spine;
   grid::Lattice l = lattice_of_spine(spine);

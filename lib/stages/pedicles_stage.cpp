@@ -72,7 +72,7 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
 StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.summary = "finds the pedicles of a spine and the axis of each";

@@ -90,6 +90,8 @@ std::vector<PediclePlace> pedicle_places(const grid::Field& bone, const grid::Fi
   const std::vector<Level> levels = levels_of(canal);
   std::vector<PediclePlace> all;
   if (levels.size() < 2) return all;
+  // Two slices that follow each other have no hole between them, however thick they are.
+  const double max_step_mm = std::max(max_hole_mm, canal.spacing_mm.z) + step_mm;
   for (const bool left : {true, false}) {
     struct Run {
       double first, last;
@@ -99,7 +101,7 @@ std::vector<PediclePlace> pedicle_places(const grid::Field& bone, const grid::Fi
     for (const Level& level : levels) {
       double x = 0;
       if (!chord(bone, canal, level, left ? 1 : -1, x)) continue;
-      if (runs.empty() || level.z - runs.back().last > max_hole_mm + step_mm) runs.push_back({level.z, level.z, {}});
+      if (runs.empty() || level.z - runs.back().last > max_step_mm) runs.push_back({level.z, level.z, {}});
       runs.back().last = level.z;
       runs.back().middles.push_back({x, level.y, level.z});
     }
