@@ -184,7 +184,11 @@ std::string figure_title(Language language, const std::string& name) {
   std::replace(text.begin(), text.end(), '_', ' ');
   if (unit != std::string::npos && name != "smoothness_sparc") text = text.substr(0, unit);
   for (const Wording& w : figures)
-    if (text == w.of(Language::english)) return w.of(language);
+    if (text == w.of(Language::english) && language != Language::english) return w.of(language);
+  const std::string newton_seconds = "_n_s";  // a unit of two parts
+  if (name.size() > newton_seconds.size() &&
+      name.compare(name.size() - newton_seconds.size(), newton_seconds.size(), newton_seconds) == 0)
+    text.resize(text.size() - 2);
   return text;
 }
 

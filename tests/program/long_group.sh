@@ -56,7 +56,7 @@ grep -Eq '^5 +case-2 .* retention +[0-9]+ of 25 points' "$work/text" || { cat "$
 grep -q '^ventriculostomy: 12 participants, 37 attempts$' "$work/text" || { cat "$work/text" "$work/notes"; fail "who did what"; }
 grep -q 'student-1-ventriculostomy-02-case-1: the recording is gone' "$work/notes" || fail "the deleted recording"
 grep -q 'Pass mark, by contrasting groups' "$work/group.html" && ! grep -q 'not set:' "$work/group.html" || fail "no pass mark"
-grep -Eq 'contact force n<td class="n">[0-9.]+ to [0-9.]+<' "$work/group.html" && grep -q 'smoothness sparc' "$work/group.html" || fail "no motion beside experts"
+grep -Eq 'contact force, N<td class="n">[0-9.]+ to [0-9.]+<' "$work/group.html" && grep -q 'smoothness sparc' "$work/group.html" || fail "no motion beside experts"
 ! grep -qiE '<script|https?://' "$work/group.html" || fail "the page asks for something else"
 [[ -z ${PAGE:-} ]] || cp "$work/group.html" "$PAGE"
 
