@@ -78,14 +78,16 @@ const Remedy other_thresholds{
     "set `lower_hu` and `upper_hu` so that the tissue lies between them, or paint it and bring it back by the stage "
     "`labels`"};
 
+const Remedy wider_or_other_thresholds{
+    "where the scan lies wholly inside it, leave it out of the scene, or take a scan with a wider field of view; else "
+    "set `lower_hu` and `upper_hu` so that the tissue lies between them, or paint it and bring it back by the stage "
+    "`labels`"};
+
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
   const std::size_t n = mask.count();
   if (n == 0) throw refusal("", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels), other_thresholds);
   if (n == volume_voxels)
-    throw refusal("", fmt::format("the mask is full: all {} voxels", n),
-                  {"where the scan lies wholly inside it, leave it out of the scene, or take a scan with a wider field "
-                   "of view; else " +
-                   other_thresholds.text});
+    throw refusal("", fmt::format("the mask is full: all {} voxels", n), wider_or_other_thresholds);
   const grid::Box b = mask.bounds();
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
