@@ -54,7 +54,7 @@ def made(program, at, row):
     if not (at / "dicom").exists():
         code, said = trephine(program, "phantom", at, "--level", "hard", "--variant", variant, "--seed", seed, "--noise-hu", noise,
                               "--slice-step-mm", step, "--slice-thickness-mm", step, "--slices-count", slices, "--tilt-deg", tilt,
-                              "--columns-count", "320", "--rows-count", "320", "--mesh-step-mm", "0", "--quiet",
+                              "--columns-count", "320", "--rows-count", "320", "--mesh-step-mm", "0", "--no-labels", "--quiet",
                               *([] if "--field-of-view-mm" in more else ["--field-of-view-mm", "240"]), *more)
         if code:
             sys.exit(f"{name}: {said}")
@@ -115,7 +115,7 @@ def main():
         sure = [(math.dist(mark["position_mm"], truth["landmarks_mm"][mark["name"]]), mark["name"]) for mark in case["landmarks"]
                 if mark["name"] in truth["landmarks_mm"] and mark["confidence"] >= 0.5]
         worst = max(sure, default=(0, "none"))
-        dice = [measured(program, at, keep, a, "dice") for a in ("brain", "ventricles")]
+        dice = [measured(program, at, keep, a, "dice_ratio") for a in ("brain", "ventricles")]
         findings = [f"{f['kind']}" for f in case.get("findings", []) if f["confidence"] >= 0.5]
         print(f"| {name} | {variant} {row[4]} mm {told} | {first}0 | {figures.get('verdict', '')} | {dice[0]:.3f}, {dice[1]:.3f} | "
               f"{figures.get('class', '')} | {len(sure)}, {worst[0]:.1f} {worst[1]} | {', '.join(findings)} | {seconds:.0f} |", flush=True)
