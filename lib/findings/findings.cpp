@@ -156,7 +156,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   append(std::move(seen_implants));
 
   // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it.
-  if (!(in.noise_hu > 0)) {
+  if (!in.noise_known) {
     report.warn("the noise of the brain's tissue cannot be measured: all but metal is doubtful");
     for (Seen& s : all)
       if (s.finding.kind != FindingKind::metal)

@@ -24,6 +24,7 @@ struct Inside {
   mask::BitMask dense;         ///< cells with something denser than soft tissue that is no bone of the skull
   double contrast_ml = 0;      ///< of what is as bright as vessels with contrast medium
   double noise_hu = 0;         ///< of `tissue`
+  bool noise_known = false;    ///< there is tissue to measure it in; else noise_hu is 0
   place::HeadPlace place;
 
   const grid::Lattice& cells() const { return raster.cells; }

@@ -20,6 +20,7 @@ constexpr double bone_blur_mm = 1.5;             ///< HU this near to bone are n
 constexpr float soft_from = -30, soft_to = 120;  ///< HU of tissue, fluid and blood
 constexpr float vessel_from = 130, vessel_to = 500;
 constexpr double dense_blur_mm = 2;
+constexpr double noise_depth_mm = 6;  ///< below the edge of tissue, where tissue_noise() measures
 const char* const remedy = "take a series that shows the brain, or give another field of it";
 
 mask::BitMask cavity_of(const mask::BitMask& bone, const Progress& progress) {
@@ -87,6 +88,7 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   // By one value and not by a surface: a large bleed must not bend the level about itself.
   for (float& v : in.tissue.voxels)
     if (v > -1000) v += float(head::tissue_level_hu - level);
+  in.noise_known = mask::eroded(of_brain, noise_depth_mm, progress).any();
   const double white = head::tissue_noise(in.tissue, of_brain, progress);  // HU mm^1.5
   in.tissue = mask::masked_gaussian(std::move(in.tissue), known, smooth_mm, -1000, 0.15, progress);
   const double effective_mm3 = std::pow(3.545 * smooth_mm, 3) + in.cells().voxel_volume_mm3();
