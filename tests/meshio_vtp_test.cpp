@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/write_file.h"
 #include "meshio/vtp.h"
 #include "scratch_folder.h"
@@ -233,6 +234,22 @@ TEST_F(Vtp, TruncationsAndFlippedBits) {
   s[trailer + 2] = '+';
   put("a.vtp", s);
   expect_identical(m, meshio::read_vtp(path("a.vtp")));
+}
+
+// A checksum can be forged: these files crash VTK 9.1's reader, which must not be in this process.
+TEST_F(Vtp, DamageUnderAChecksumThatFits) {
+  meshio::write_vtp(path("a.vtp"), wavy_sphere(6, 4, {0.1, 0.2, 0.3}, true));
+  std::string good = bytes(path("a.vtp"));
+  good.resize(good.rfind("<!--"));
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"offset=\"0\"", "offset=\"9\""},
+                                 {"type=\"Float64\" Name=\"origin_mm\"", "type=\"Floatnan\" Name=\"origin_mm\""}}) {
+    std::string s = good;
+    ASSERT_NE(s.find(from), std::string::npos) << from;
+    s.replace(s.find(from), from.size(), to);
+    put("bad.vtp", s + "<!-- trephine sha256 " + sha256_of_bytes(s) + " -->\n");
+    const ExitCode code = code_of_reading(path("bad.vtp"));
+    EXPECT_TRUE(code == ExitCode::bad_input || code == ExitCode::internal) << to << " " << int(code);
+  }
 }
 
 // Without the checksum it is a foreign file: whatever VTK's reader does with the damage happens in a child. Never a

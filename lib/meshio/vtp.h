@@ -15,8 +15,7 @@ namespace trephine::meshio {
 ///   PointData local_points_mm  points_mm, Float64; only where some point is not exactly (Points - origin_mm)
 ///   FieldData SPACE            "LPS", as 3D Slicer reads it
 ///   FieldData origin_mm        the mesh's origin_mm
-///   behind the root element  a comment with the SHA-256 of every byte before it, so that damage is found before VTK's
-///                            reader, which can crash of it, sees the file
+///   behind the root element  a comment with the SHA-256 of every byte before it, so that damage is told as such
 ///
 /// Throws 65 for a mesh that check_mesh refuses, 73 and 74 as write_file does, 70 where VTK fails.
 void write_vtp(const std::filesystem::path& file, const surface::TriMesh& mesh);
@@ -27,8 +26,8 @@ void write_vtp(const std::filesystem::path& file, const surface::TriMesh& mesh);
 ///
 /// Throws 66 where it is missing or unreadable; 65 naming the file where it is no PolyData, cut short, of another kind
 /// than said above, damaged (checksum), has counts that its size cannot hold, indices out of range, or values that are
-/// not finite. A file without our checksum is parsed in a bounded child (base/child.h): 70 where that dies. A foreign
-/// file whose coordinates were altered within the finite numbers is not noticed.
+/// not finite. Every file is parsed in a bounded child (base/child.h), for VTK's reader can crash of one, and a checksum
+/// that fits can be forged: 70 where the child dies. A foreign file whose coordinates were altered within the finite numbers is not noticed.
 surface::TriMesh read_vtp(const std::filesystem::path& file);
 
 }  // namespace trephine::meshio

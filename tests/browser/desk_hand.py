@@ -139,6 +139,9 @@ def brush(page, check, own):
     mm3 = spacing[0] * spacing[1] * spacing[2]
     page.click("[data-tab=paint]")
     browser.js("const s = document.getElementById('anatomy'); s.value = 'skull'; s.dispatchEvent(new Event('change'))")
+    browser.js("document.getElementById('anatomy').focus()")
+    browser.key("b")
+    check(browser.js("return desk.page.tool + ' ' + document.getElementById('anatomy').value") == "add skull", "a tool's key in the list of anatomies is the tool's")
     middle = [round(v) for v in browser.js("return desk.page.volume.toIndex([0, 0, 60])")]
     page.go(middle)
     page.write("#radius", "9\ue007")

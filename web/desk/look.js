@@ -213,7 +213,8 @@ function casePage(token) {
   page.listTools = () => tools.replaceChildren(...Object.entries(page.tools).map(([name, tool]) => make('button', { 'data-tool': name, 'aria-pressed': String(page.tool === name), click: () => page.pick(name) }, make('span', { text: t('t_' + name) }), make('kbd', { text: tool.key.toUpperCase() }))),
     make('button', { id: 'undo', click: doing(() => page.undo && page.undo()) }, make('span', { text: t('undo') }), make('kbd', { text: 'Ctrl Z' })), make('button', { id: 'redo', click: doing(() => page.redo && page.redo()) }, make('span', { text: t('redo') }), make('kbd', { text: 'Ctrl Y' })))
   page.keys = e => {
-    if (e.target.matches('input, select, textarea')) return
+    // A list that was chosen from keeps the keyboard: a tool's letter must not choose another anatomy in it.
+    if (e.target.matches('input, textarea') || (e.target.matches('select') && (e.key.length > 1 || e.key === ' '))) return
     const k = e.key.toLowerCase()
     if ((e.ctrlKey || e.metaKey) && (k === 'z' || k === 'y')) {
       e.preventDefault()
