@@ -52,7 +52,17 @@ const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
 surface::TriMesh parse_in_child(std::string_view bytes) {
   ChildLimits limits;
   limits.memory_bytes = (std::uint64_t{1} << 30) + 16 * std::uint64_t(bytes.size());
-  const ChildResult result = run_child("vtp-parse", bytes, limits);
+  const ChildResult result = [&] {
+    try {
+      return run_child("vtp-parse", bytes, limits);
+    } catch (const Error& e) {  // a fault of the reader, and a file that no user can do anything with
+      const std::string_view what = e.what();
+      const bool died = what.find("killed by signal") != std::string_view::npos;
+      const bool killed = what.find("signal 9") != std::string_view::npos;  // by a person, or for want of memory
+      if (e.code() != ExitCode::internal || !died || killed) throw;
+      throw Error(ExitCode::bad_input, "", "", "damaged: VTK's reader died of it; write the file again");
+    }
+  }();
   MessageReader in("vtp-parse", result.bytes());
   surface::TriMesh mesh;
   mesh.origin_mm = in.array<Vec3>().at(0);

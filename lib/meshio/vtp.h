@@ -27,8 +27,8 @@ void write_vtp(const std::filesystem::path& file, const surface::TriMesh& mesh);
 /// Throws 66 where it is missing or unreadable; 65 naming the file where it is no PolyData, cut short, of another kind
 /// than said above, damaged (checksum), has counts that its size cannot hold, indices out of range, or values that are
 /// not finite. Every file is parsed in a bounded child (base/child.h), for VTK's reader can crash of one, and a
-/// checksum that fits can be forged: 70 where the child dies. A foreign file whose coordinates were altered within the
-/// finite numbers is not noticed.
+/// checksum that fits can be forged: 65 where the child is killed by it, 70 where it meets a limit. A foreign file
+/// whose coordinates were altered within the finite numbers is not noticed.
 surface::TriMesh read_vtp(const std::filesystem::path& file);
 
 }  // namespace trephine::meshio
