@@ -27,13 +27,12 @@ std::string trailer_of(std::string_view bytes) {
   return std::string(trailer_begin) + sha256_of_bytes(bytes) + std::string(trailer_end);
 }
 
-enum class Checksum { none, good, bad };
-
-Checksum check_trailer(std::string_view bytes) {
-  if (bytes.size() < trailer_size) return Checksum::none;
+/// A file without our checksum says nothing of itself.
+bool contradicts_its_checksum(std::string_view bytes) {
+  if (bytes.size() < trailer_size) return false;
   const std::string_view trailer = bytes.substr(bytes.size() - trailer_size);
-  if (trailer.substr(0, trailer_begin.size()) != trailer_begin) return Checksum::none;
-  return trailer == trailer_of(bytes.substr(0, bytes.size() - trailer_size)) ? Checksum::good : Checksum::bad;
+  return trailer.substr(0, trailer_begin.size()) == trailer_begin &&
+         trailer != trailer_of(bytes.substr(0, bytes.size() - trailer_size));
 }
 
 const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
@@ -105,8 +104,7 @@ surface::TriMesh read_vtp(const std::filesystem::path& file) {
     bytes.assign(read.begin(), read.end());
   }
   try {
-    const Checksum checksum = check_trailer(bytes);
-    if (checksum == Checksum::bad) throw Error(ExitCode::bad_input, "", "", "damaged: its checksum does not fit");
+    if (contradicts_its_checksum(bytes)) throw Error(ExitCode::bad_input, "", "", "damaged: its checksum does not fit");
     if (bytes.empty()) throw Error(ExitCode::bad_input, "", "", "the file is empty");
     if (!ends_as_xml(bytes)) throw Error(ExitCode::bad_input, "", "", "no VTK XML PolyData file, or cut short");
     return parse_in_child(bytes);
