@@ -164,70 +164,97 @@ TEST(LessonsMonotone, Ventriculostomy) {
   for (const bool left : {false, true}) check_head(left);
 }
 
+void check_chest(const std::string& name, const lessons::SubclavianFacts& perfect, const cases::CaseManifest& manifest,
+                 const voxel::HapticVolume& volume) {
+  const auto axis = [&](const std::string& what, bool completed,
+                        const std::function<void(lessons::SubclavianFacts&, int)>& spoil) {
+    check(
+        name, what,
+        [&](int n) {
+          lessons::SubclavianFacts f = perfect;
+          spoil(f, n);
+          return lessons::score_subclavian(f, manifest, volume, lessons_chest::Chest::rubric());
+        },
+        completed);
+  };
+  using F = lessons::SubclavianFacts;
+  axis("puncture too low, 6 mm a step", true,
+       [](F& f, int n) { f.passes[0].entry_mm.z -= 6 * n, f.passes[0].tip_mm.z -= 6 * n; });
+  axis("puncture too high, 3 mm a step", true,
+       [](F& f, int n) { f.passes[0].entry_mm.z += 3 * n, f.passes[0].tip_mm.z += 3 * n; });
+  axis("needle turned down, 12 degrees a step", true, [](F& f, int n) {
+    const Vec3 w = f.passes[0].tip_mm - f.passes[0].entry_mm;
+    const double a = -12.0 * n * M_PI / 180;
+    f.passes[0].tip_mm =
+        f.passes[0].entry_mm + Vec3{w.x * std::cos(a) - w.z * std::sin(a), w.y, w.x * std::sin(a) + w.z * std::cos(a)};
+  });
+  axis("one more pass a step", true, [](F& f, int n) {
+    for (int k = 0; k < n; ++k) f.passes.insert(f.passes.begin(), f.passes.back());
+  });
+  axis("time, 75 s more a step", false, [](F& f, int n) { f.end_s += 75 * n; });
+  axis("no aspiration, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.blood_s = -1, f.aspirations.clear();
+  });
+  axis("vein left again, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.blood_s = -1, f.inside = 0;
+  });
+  axis("vein missed, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.blood_s = f.vein_s = -1, f.inside = 0;
+  });
+  if (lessons::chest_shapes_of(manifest).artery != 0)
+    axis("artery entered, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.artery_s = 5;
+    });
+  axis("pleura entered, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.pleura_s = 5;
+  });
+  axis("lung entered, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.lung_s = 5;
+  });
+  axis("the other side, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.task = "left";
+  });
+  axis("not finished, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.end = lessons::LessonEnd::running;
+  });
+  axis("nothing done, from step 1", false, [](F& f, int n) {
+    if (n > 0) f.passes.clear(), f.aspirations.clear(), f.blood_s = f.vein_s = -1, f.inside = 0;
+  });
+  axis("largest force, 1 N a step (not scored)", true, [](F& f, int n) { f.most_force_n += n; });
+}
+
 TEST(LessonsMonotone, Subclavian) {
-  using namespace lessons_chest;
   for (const bool artery : {false, true}) {
-    Chest chest(artery);
-    const Chest::Done perfect = chest.run(
+    lessons_chest::Chest chest(artery);
+    const auto perfect = chest.run(
         R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},
             "toward": {"at": "vein_right"}, "short_of_mm": -4}}, "aspirate", "finish")");
-    const std::string name = artery ? "subclavian with an artery" : "subclavian";
-    const auto axis = [&](const std::string& what, bool completed,
-                          const std::function<void(lessons::SubclavianFacts&, int)>& spoil) {
-      check(
-          name, what,
-          [&](int n) {
-            lessons::SubclavianFacts f = perfect.facts;
-            spoil(f, n);
-            return lessons::score_subclavian(f, chest.felt().loaded.manifest, chest.whole(), Chest::rubric());
-          },
-          completed);
-    };
-    using F = lessons::SubclavianFacts;
-    axis("puncture too low, 6 mm a step", true,
-         [](F& f, int n) { f.passes[0].entry_mm.z -= 6 * n, f.passes[0].tip_mm.z -= 6 * n; });
-    axis("puncture too high, 3 mm a step", true,
-         [](F& f, int n) { f.passes[0].entry_mm.z += 3 * n, f.passes[0].tip_mm.z += 3 * n; });
-    axis("needle turned down, 12 degrees a step", true, [](F& f, int n) {
-      const Vec3 w = f.passes[0].tip_mm - f.passes[0].entry_mm;
-      const double a = -12.0 * n * M_PI / 180;
-      f.passes[0].tip_mm = f.passes[0].entry_mm +
-                           Vec3{w.x * std::cos(a) - w.z * std::sin(a), w.y, w.x * std::sin(a) + w.z * std::cos(a)};
-    });
-    axis("one more pass a step", true, [](F& f, int n) {
-      for (int k = 0; k < n; ++k) f.passes.insert(f.passes.begin(), f.passes.back());
-    });
-    axis("time, 75 s more a step", false, [](F& f, int n) { f.end_s += 75 * n; });
-    axis("no aspiration, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.blood_s = -1, f.aspirations.clear();
-    });
-    axis("vein left again, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.blood_s = -1, f.inside = 0;
-    });
-    axis("vein missed, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.blood_s = f.vein_s = -1, f.inside = 0;
-    });
-    if (artery)
-      axis("artery entered, from step 1", false, [](F& f, int n) {
-        if (n > 0) f.artery_s = 5;
-      });
-    axis("pleura entered, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.pleura_s = 5;
-    });
-    axis("lung entered, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.lung_s = 5;
-    });
-    axis("the other side, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.task = "left";
-    });
-    axis("not finished, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.end = lessons::LessonEnd::running;
-    });
-    axis("nothing done, from step 1", false, [](F& f, int n) {
-      if (n > 0) f.passes.clear(), f.aspirations.clear(), f.blood_s = f.vein_s = -1, f.inside = 0;
-    });
-    axis("largest force, 1 N a step (not scored)", true, [](F& f, int n) { f.most_force_n += n; });
+    check_chest(artery ? "subclavian with an artery" : "subclavian", perfect.facts, chest.felt().loaded.manifest,
+                chest.whole());
   }
+}
+
+// What examples/lessons/subclavian.json does in the chests of a library, spoilt in the same way.
+TEST(LongLessonsMonotone, ChestsOfALibrary) {
+  const auto cases = library_cases("clavicle");
+  for (const auto& felt : cases) {
+    const std::string& token = felt->loaded.manifest.case_token;
+    const voxel::HapticVolume whole = felt->loaded.haptic;
+    lessons::LessonOptions o;
+    o.script = lessons::parse_lesson_script(
+        R"({"module": "subclavian", "steps": [
+             {"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -5], "on_skin": true},
+                           "toward": {"at": "vein_right"}, "short_of_mm": -6}}, "aspirate", "finish"]})");
+    o.servo.rate_hz = 500;
+    const std::atomic<bool> stop{false};
+    const haptics::Recording recording = lessons::run_lesson(*felt, o, stop).recording;
+    felt->loaded.haptic = whole;
+    const auto facts = lessons::facts_of_recording(*felt, "test", recording);
+    std::printf("case %s\n", token.c_str());
+    check_chest("subclavian in " + token, dynamic_cast<const lessons::SubclavianFacts&>(*facts), felt->loaded.manifest,
+                whole);
+  }
+  if (cases.empty()) GTEST_SKIP() << "no chest in TREPHINE_LESSON_CASES";
 }
 
 // TREPHINE_LESSON_CASES=library/head:...; docs/lessons.md has what came of it.

@@ -30,6 +30,8 @@ inline lessons::PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/
   is(r.entry_mm, 4), is(r.axial_deg, 8), is(r.sagittal_deg, 8), is(r.length_mm, 6), is(r.breach_mm, 0);
   is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   is(r.head_mm.emplace(), 4), is(r.widest_ratio.emplace(), 0.8), is(r.narrowest_ratio.emplace(), 0.5);
+  are(r.exposure_s.emplace(), 5, 10, 20, 40), are(r.passes_count.emplace(), 2, 3, 4, 6);
+  are(r.procedure_s.emplace(), 300, 480, 720, 900);
   lists(r.critical_errors, {{"anterior_cortex_mm", 1},
                             {"canal", 0},
                             {"medial_breach_mm", 4},

@@ -42,7 +42,7 @@ LessonType pedicle_screw_lesson() {
   m.name = "pedicle_screw";
   m.view = "back";
   m.summary = "a pedicle finder and a screw, judged by five errors";
-  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size"};
+  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size", "exposure", "passes", "time"};
   const auto measured = [&](const char* row, const char* name) {
     m.columns.push_back({name, std::string("measured for the row ") + row, row});
   };
@@ -51,11 +51,14 @@ LessonType pedicle_screw_lesson() {
   measured("sagittal", "sagittal_off_deg");
   measured("length", "tip_beyond_target_mm");
   measured("breach", "breach_mm");
+  measured("exposure", "exposure_s");
+  measured("time", "procedure_s");
   m.columns.push_back({"errors_count", "of the five", ""});
   m.columns.push_back({"acceptable", "1 or 0: not more errors than the rubric allows", ""});
   m.columns.push_back({"screw_length_mm", "of the screw in place; 0: none", ""});
   m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
   m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
+  m.columns.push_back({"shots_count", "how often X-rays were on", ""});
   m.steps = spine_steps();
   m.require = [](const cases::CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = pedicle_screw_tools;

@@ -13,6 +13,7 @@ struct PedicleScrewRubric {
   lesson::RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count,
       least_confidence_ratio, farthest_mm;
   std::optional<lesson::RubricLimit> head_mm, widest_ratio, narrowest_ratio;
+  std::optional<lesson::FourLimits> exposure_s, passes_count, procedure_s;
   std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
@@ -33,6 +34,9 @@ struct PedicleScrewRubric {
     v.group(&P::head_mm, "head_mm", "A head farther out of the bone, or deeper in it, is a wrong length of the screw.");
     v.group(&P::widest_ratio, "widest_ratio", "A screw wider than this share of the pedicle's width is too wide.");
     v.group(&P::narrowest_ratio, "narrowest_ratio", "One narrower than this share of it is too narrow.");
+    v.group(&P::exposure_s, "exposure_s", "How long X-rays were on.");
+    v.group(&P::passes_count, "passes_count", "How often a tool entered bone: the finder, and then the screw.");
+    v.group(&P::procedure_s, "procedure_s", "Time to complete the procedure.");
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {

@@ -7,6 +7,7 @@
 
 #include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
+#include "lessons/spine/spine_rows.h"
 
 namespace trephine::lessons {
 namespace {
@@ -44,6 +45,25 @@ ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const Nee
             : narrow ? "fits the pedicle"
                      : "too narrow for the pedicle";
   return row;
+}
+
+// What it cost: X-rays, passes, time, each where the rubric says limits. `nowhere`: why no screw lies where it should.
+void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest, const PedicleScrewRubric& r,
+                      const std::string& nowhere, LessonScore& score) {
+  const auto push = [&](ScoreRow row) {
+    row.beside = true;
+    score.rows.push_back(std::move(row));
+  };
+  if (r.exposure_s) {
+    ScoreRow row = exposure_row(facts, *r.exposure_s);
+    if (facts.shots.empty() && manifest.ct.file.empty()) {  // nobody could have taken one
+      row.score.reset();
+      row.why = "the case holds no CT";
+    }
+    push(row);
+  }
+  if (r.passes_count) push(bone_passes_row(facts, *r.passes_count, "Passes through bone", nowhere));
+  if (r.procedure_s) push(spine_time_row(facts, *r.procedure_s, score.unreached));
 }
 
 }  // namespace
@@ -88,7 +108,8 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
                     : !pass                          ? "no screw lies in bone"
                     : !none.empty()                  ? "the screw is " + none
                     : e.depth_mm < -reach_mm         ? "the tip does not reach the vertebra's body"
-                                                     : "";
+                    : r.procedure_s && facts.procedure_s() > r.procedure_s->two.limit ? "not in the allotted time"
+                                                                                      : "";
   CriticalErrors critical(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
   int errors = 0;
@@ -133,6 +154,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   score.rows.push_back(last);
   if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
     score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : none, doubt.empty()));
+  push_effort_rows(facts, manifest, r, pass ? none : "no screw lies in bone", score);
   if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
     score.advice = screw_advice(score, e, entry_off, axial, sagittal);
     if (score.lost("length")) score.advice.push_back(depth_advice("length", e.depth_mm));
@@ -145,7 +167,8 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
                    {"screw_in_bone", pass != nullptr},
                    {"screw_length_mm", pass ? Value(pass->length_mm) : unknown},
                    {"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown},
-                   {"passes_count", int(facts.passes.size())}};
+                   {"passes_count", int(facts.passes.size())},
+                   {"shots_count", int(facts.shots.size())}};
   return score;
 }
 

@@ -8,6 +8,7 @@
 
 #include "lessons/spine/spine_advice.h"
 #include "lessons/spine/spine_critical.h"
+#include "lessons/spine/spine_rows.h"
 
 namespace trephine::lessons {
 namespace {
@@ -39,20 +40,10 @@ struct Rows {
     return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
   }
 
-  ScoreRow row(const char* name, const char* title, const lesson::FourLimits& limits, const std::string& unit) const {
-    ScoreRow r;
-    r.name = name;
-    r.title = title;
-    r.limits = {{"five_" + unit, limits.five},
-                {"four_" + unit, limits.four},
-                {"three_" + unit, limits.three},
-                {"two_" + unit, limits.two}};
-    return r;
-  }
   // Of a figure that needs a needle in place and a pedicle that is sure.
   ScoreRow at_pedicle(const char* name, const char* title, const lesson::FourLimits& limits, const char* figure,
                       double value, const std::string& why) const {
-    ScoreRow r = row(name, title, limits, "mm");
+    ScoreRow r = four_limits_row(name, title, limits, "mm");
     if (!doubt.empty()) {  // before all else: a case that does not know counts for nobody
       r.why = doubt;
       return r;
@@ -115,7 +106,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
     const PedicleBreach b = find_breach(*e.pedicle, pass, before, bone);
     if (b.depth_mm > worst.depth_mm) worst = b;
   }
-  ScoreRow breach = rows.row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
+  ScoreRow breach = four_limits_row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
   // A clean pass beside says nothing of the pedicle that is doubtful; a breach that was seen stays one.
   // Where a pedicle was asked for, it is the one that must be entered, and whose wall must be known.
   if (!facts.task.empty()) any = rows.at_it();
@@ -139,32 +130,13 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   score.rows.push_back(rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
                                        depth > 0 ? "beyond the target" : "before the target"));
 
-  ScoreRow exposure = rows.row("exposure", "Fluoroscopic exposure", r.exposure_s, "s");
-  exposure.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
-  exposure.score = facts.shots.empty() ? 1 : r.exposure_s.score(facts.exposure_s());
-  exposure.why = facts.shots.empty() ? "no picture was taken" : "X-rays were on";
-  if (!facts.shots.empty()) exposure.decided_s = facts.shots.back().end_s;
-  score.rows.push_back(exposure);
-
-  ScoreRow passes = rows.row("passes", "Passes of the needle", r.passes_count, "count");
-  const int count = int(facts.passes.size());
-  passes.measured = {{"passes_count", double(count)}};
+  score.rows.push_back(exposure_row(facts, r.exposure_s));
   const bool there = rows.pass && (rows.at_it() || !rows.doubt.empty());
-  passes.score = there ? r.passes_count.score(count) : 1;
-  passes.why = there ? "times that the needle entered bone" : rows.pass ? rows.not_there() : "no needle lies in bone";
-  if (count > 0) passes.decided_s = facts.passes.back().begin_s;
-  score.rows.push_back(passes);
-
-  ScoreRow time = rows.row("time", "Time to complete procedure", r.procedure_s, "s");
-  time.measured = {{"procedure_s", facts.procedure_s()}};
-  if (facts.paused_s > 0) time.measured.emplace_back("paused_s", facts.paused_s);
-  time.decided_s = facts.end_s;
-  const bool late = facts.procedure_s() > r.procedure_s.two.limit;
-  time.score = score.unreached.empty() ? r.procedure_s.score(facts.procedure_s()) : 1;
-  time.why = score.unreached.empty() ? "completed"
-             : late                  ? "not completed in the allotted time"
-                                     : "not completed: " + score.unreached;
-  score.rows.push_back(time);
+  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle",
+                                       there       ? ""
+                                       : rows.pass ? rows.not_there()
+                                                   : "no needle lies in bone"));
+  score.rows.push_back(spine_time_row(facts, r.procedure_s, score.unreached));
 
   const bool judged = rows.at_it() && rows.doubt.empty();
   if (judged) {  // elsewhere the failure says it all
@@ -174,7 +146,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   }
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
-  score.figures = {{"passes_count", count},
+  score.figures = {{"passes_count", int(facts.passes.size())},
                    {"shots_count", int(facts.shots.size())},
                    {"in_bone", rows.pass != nullptr},
                    {"at_pedicle", judged},

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/spine/spine_rows.h"
+
+namespace trephine::lessons {
+
+ScoreRow four_limits_row(const char* name, const char* title, const lesson::FourLimits& limits,
+                         const std::string& unit) {
+  ScoreRow r;
+  r.name = name;
+  r.title = title;
+  r.limits = {{"five_" + unit, limits.five},
+              {"four_" + unit, limits.four},
+              {"three_" + unit, limits.three},
+              {"two_" + unit, limits.two}};
+  return r;
+}
+
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits) {
+  ScoreRow r = four_limits_row("exposure", "Fluoroscopic exposure", limits, "s");
+  r.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
+  r.score = facts.shots.empty() ? 1 : limits.score(facts.exposure_s());
+  r.why = facts.shots.empty() ? "no picture was taken" : "X-rays were on";
+  if (!facts.shots.empty()) r.decided_s = facts.shots.back().end_s;
+  return r;
+}
+
+ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
+                         const std::string& nowhere) {
+  ScoreRow r = four_limits_row("passes", title, limits, "count");
+  const int count = int(facts.passes.size());
+  r.measured = {{"passes_count", double(count)}};
+  r.score = nowhere.empty() ? limits.score(count) : 1;
+  r.why = nowhere.empty() ? "times that a tool entered bone" : nowhere;
+  if (count > 0) r.decided_s = facts.passes.back().begin_s;
+  return r;
+}
+
+ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& unreached) {
+  ScoreRow r = four_limits_row("time", "Time to complete procedure", limits, "s");
+  const double time_s = facts.procedure_s();
+  r.measured = {{"procedure_s", time_s}};
+  if (facts.paused_s > 0) r.measured.emplace_back("paused_s", facts.paused_s);
+  r.decided_s = facts.end_s;
+  r.score = unreached.empty() ? limits.score(time_s) : 1;
+  r.why = unreached.empty()           ? "completed"
+          : time_s > limits.two.limit ? "not completed in the allotted time"
+                                      : "not completed: " + unreached;
+  return r;
+}
+
+}  // namespace trephine::lessons

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "lessons/score.h"
+#include "lessons/spine/needle_watch.h"
+
+namespace trephine::lessons {
+
+/// A row of that name and title, with its four limits as limits of that unit.
+ScoreRow four_limits_row(const char* name, const char* title, const lesson::FourLimits& limits,
+                         const std::string& unit);
+
+/// How long X-rays were on; 1 where no picture was taken.
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits);
+
+/// How often a tool entered bone. `nowhere`: why none lies where it should, and the row scores 1; empty: one does.
+ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
+                         const std::string& nowhere);
+
+/// How long it took, without pauses. `unreached`: why the goal was not reached, and the row scores 1; empty: it was.
+ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& unreached);
+
+}  // namespace trephine::lessons
