@@ -24,7 +24,8 @@ CaseView::CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewP
   for (const cases::CaseShape& s : manifest().haptic.shapes) shapes_[s.number] = s.name;
 }
 
-texts::Answer CaseView::set_view(const std::string& preset) {
+texts::Answer CaseView::set_view(const std::string& asked) {
+  const std::string& preset = asked == "surgeon" && !stands_at.empty() ? stands_at : asked;
   if (preset == "surgeon" && open_field_mm && norm(middle_mm() - *open_field_mm) > 1) {
     const surface::Bounds& b = stage_.scene().bounds;
     camera.look(scene::ViewPreset::surgeon, b, open_field_mm, normalized(middle_mm() - *open_field_mm), 0);

@@ -313,6 +313,7 @@ void show_tool_of(const LessonDesk& lesson, CaseView& view) {
 void show_field_of(const LessonDesk& lesson, CaseView& view) {
   const lessons::LessonField field = lesson.field(view.middle_mm());
   if (field.open_mm > 0 && !lesson.has_arm()) view.open_field_mm = field.centre_mm;
+  view.stands_at = lesson.view();
   scene::SceneState& state = view.stage().state;
   state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
   state.drops.clear();

@@ -147,6 +147,13 @@ PY
 # The open exercise: finder, then screw.
 begin pedicle_screw
 until_is lesson 'tool finder'
+# Whoever stands behind the patient comes back there with F1: the picture's right is the patient's right, where x falls.
+ok 'view left'
+xdotool key F1
+ask state
+x=$(triple tool_at | cut -d' ' -f1)
+moves xdotool key --delay 30 shift+Right shift+Right shift+Right
+awk -v a="$x" -v b="$(triple tool_at | cut -d' ' -f1)" 'BEGIN { exit !(b < a - 0.1) }' || fail "F1 does not show the back: $x, then $answer"
 until_is 'tool screw_5.5x40' '^ok$'  # once its device is there
 until_is lesson 'tool screw_5.5x40'
 xdotool keydown space
