@@ -25,6 +25,7 @@ constexpr const char* screen = "mouse";
 struct PlayParams {
   double seconds = 0;
   int remote = -1, head_port = -1;
+  bool remote_tells_all = false;
   template <class V>
   static void describe(V& v) {
     using P = PlayParams;
@@ -32,6 +33,9 @@ struct PlayParams {
     v.integer(&P::remote, "remote", Range{-1, 65535},
               "Port of the loopback interface on which lines of the remote are taken; 0: any that is free, which is "
               "then printed; -1: none.");
+    v.flag(&P::remote_tells_all, "remote_tells_all",
+           "In a lesson, answer `state` with what the tip is in, what it touches and how deep it lies, which a trainee "
+           "is not told: for a teacher's program and for tests.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
               "Port of the loopback interface on which a tracker says where the user's head is; 0: any that is free; "
               "-1: none.");
@@ -109,6 +113,7 @@ ExitCode run_play(const cli::ParsedCommand& given) {
     o.session.screen = device::read_screen_registration(parsed.path("screen"));
   }
   o.head_port = params.head_port;
+  o.remote_tells_all = params.remote_tells_all;
   o.hand = parsed.params<window::ScreenHandParams>();
   o.view = parsed.params<scene::ViewParams>();
   if (o.lesson && !parsed.given.count("view"))

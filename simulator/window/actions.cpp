@@ -365,8 +365,11 @@ void program_actions(Entries e) {
           "one",
           nullptr}});
   e->run = notes;
-  e.add("state", "",
-        {{"answers time, tool, tip, shapes, force, depth, faults, incisions and the servo's rate", nullptr}});
+  e.add(
+      "state", "",
+      {{"answers time, tool, tip, shapes, force, depth, faults, incisions and the servo's rate; in a lesson shapes and "
+        "depth are `hidden` without --remote-tells-all",
+        nullptr}});
   e->run = does([](Player& p, Words&) { return state_text(p); });
 }
 

@@ -22,6 +22,7 @@ struct PlayOptions {
   std::vector<std::filesystem::path> before;  ///< the recordings that it follows, in their order
   std::optional<LessonPlay> lesson;   ///< done in this session; what tools and recording `session` has is ignored
   int head_port = -1;                 ///< of the loopback interface, for the user's head; below 0: none
+  bool remote_tells_all = false;      ///< `state` in a lesson too, what a surgeon would not see
   std::filesystem::path shots = ".";  ///< folder of pictures that the user takes
 };
 
@@ -49,7 +50,9 @@ class Player {
   const ShownRecording* shown() const { return shown_.get(); }
   const LessonDesk* lesson() const { return lesson_.get(); }  ///< null where there is none
   LessonDesk* lesson() { return lesson_.get(); }
-  bool in_lesson() const { return lesson_ && live_; }         ///< and it goes on
+  bool in_lesson() const { return lesson_ && live_; }  ///< and it goes on
+  /// Whether the remote may say where the tip is: outside of a lesson, or where that was asked for.
+  bool tells_tip() const { return !in_lesson() || options_.remote_tells_all; }
   const XrayPictures* xrays() const { return xrays_.get(); }  ///< of a lesson with a C-arm; else null
   const ShotReview* shots() const { return shots_.get(); }    ///< of the review of such a lesson; or null
   std::vector<std::string> tools() const;

@@ -8,7 +8,7 @@ lesson=ventriculostomy
 . "$(dirname "$0")/lesson_window.sh"
 "$WRITE_CASE" "$work/head_drilled" head_drilled
 
-begin head_drilled --out "$work/out" --advance-mm-per-s 12
+begin head_drilled --out "$work/out" --advance-mm-per-s 12 --remote-tells-all
 until_lesson 'tool catheter step 1 passes_count 0'
 xdotool mousemove 240 180
 sleep 0.3

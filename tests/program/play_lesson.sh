@@ -28,6 +28,8 @@ for barred in 'hide skin' 'opacity skin 0.3' aim 'cut tool' 'places on' 'slices 
   ask "$barred"
   [[ $answer == 'error: not before the lesson'* ]] || fail "$barred: $answer"
 done
+ask state
+[[ $answer == *' in hidden touching hidden '*' depth hidden '* ]] || fail "the remote tells where the tip is: $answer"
 ask incise
 [[ $answer == 'error: the marker has not touched yet' ]] || fail "an incision without a mark: $answer"
 moves ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
@@ -40,6 +42,8 @@ xdotool key Return key Return
 until_lesson 'end finished points [0-9]+ of 25'
 ask 'tool burr'
 [[ $answer == error:* ]] || fail "a tool after the end"
+until_is state ' in [a-z]+ touching [a-z]+ .* depth [0-9]'
+[[ $answer != *hidden* ]] || fail "the review hides where the tip was: $answer"
 # The review: back and forth, cut away, with what the case says of places.
 ok 'cut coronal'; ok 'opacity skin 0.2'; ok 'places on'; ok 'go_to 1'
 xdotool key Escape

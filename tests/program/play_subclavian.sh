@@ -7,7 +7,7 @@
 lesson=subclavian
 . "$(dirname "$0")/lesson_window.sh"
 "$WRITE_CASE" "$work/chest" chest
-begin chest --out "$work/out" --advance-mm-per-s 6
+begin chest --out "$work/out" --advance-mm-per-s 6 --remote-tells-all
 moves ok 'place -79.7 -60.2 -5.7 -0.645 -0.753 -0.129'
 press_on w
 for try in {1..400}; do [[ $answer == *' in vein '* ]] && break; step 0.323 0.377 0.065; done
