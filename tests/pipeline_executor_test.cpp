@@ -53,7 +53,7 @@ struct Fixture {
     auto type = std::make_unique<stages::StageType>();
     type->name = name;
     for (std::size_t i = 0; i < sources.size(); ++i)
-      type->ports.push_back({"p" + std::to_string(i), stages::DataKind::mesh, true, ""});
+      type->ports.push_back(stages::port("p" + std::to_string(i), stages::DataKind::mesh));
     type->make_params = [] { return AnyParams::make<NoParams>(); };
     type->run = [this, name, n = sources.size()](const AnyParams& p, const stages::StageInputs& in, Report& report,
                                                  const Progress& progress) -> stages::StageData {

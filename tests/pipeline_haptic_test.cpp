@@ -152,10 +152,15 @@ TEST(Scene, DoesWithoutWhatMayBeMissing) {
 
 TEST(BurrHoles, AreTheScenesAndTheCases) {
   EXPECT_TRUE(has(fault(beginning, drilled), "burr_holes: is missing: the scene cuts them"));
+  const config::CaseConfig none = read(beginning + std::string("burr_holes: []\n"), drilled);
+  EXPECT_TRUE(none.burr_holes.empty() && !none.drilled.empty()) << "where none is said to be meant, none is cut";
+  EXPECT_LT(pipeline::make_graph(none, "input").find("skull.boolean"), 0);
   EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "side: up"), drilled), "burr_holes[0].side: up"));
   EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "toward: monr"), drilled), "no such landmark"));
   EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "toward: monro, direction: [0, 0, -1]"), drilled),
                   "contradict each other"));
+  EXPECT_TRUE(has(fault(beginning + with(one_hole, "side: left", "toward: monro, target_mm: [0, 0, 1]"), drilled),
+                  "target_mm: and toward contradict each other"));
   const config::CaseConfig c = read(beginning + one_hole, drilled);
   ASSERT_EQ(c.burr_holes.size(), 1u);
   EXPECT_EQ(c.burr_holes[0].name, "burr_hole_1");

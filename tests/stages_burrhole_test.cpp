@@ -109,5 +109,17 @@ TEST(StageBurrHole, APositionIsCheckedForBoneAndDirectionAlone) {
   EXPECT_EQ(said(marks(100, 1, 0.1), at), "made");
 }
 
+TEST(StageBurrHole, ATargetIsWhereTheAxisPoints) {
+  boolean::BurrHoleParams at;
+  at.at = boolean::BurrHoleRequest::At::position;
+  at.position_mm = {0, 0, outer_mm};
+  at.target_mm = {20, 0, 10};
+  Report report;
+  EXPECT_EQ(said(marks(100), report, at), "made");
+  EXPECT_NEAR(std::get<double>(*report.find("axis_to_normal_deg")), std::atan2(20, outer_mm - 10) * 180 / M_PI, 1.5);
+  at.direction = {0, 0, -1};
+  EXPECT_THROW(boolean::check_request(at, ExitCode::bad_config), Error);
+}
+
 }  // namespace
 }  // namespace trephine

@@ -189,7 +189,8 @@ Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const surface::T
   if (!r.toward_mm) return perpendicular_to_skull(skull, entry.point_mm, entry.inwards, r.diameter_mm / 2);
   const Vec3 way = *r.toward_mm - entry.point_mm;
   if (!(norm(way) > 1))
-    refuse("toward_mm " + text_of(*r.toward_mm) + " lies at the entry itself", {"choose another `toward`"});
+    refuse("toward_mm " + text_of(*r.toward_mm) + " lies at the entry itself",
+           {"choose another `toward` or `target_mm`"});
   return into_the_head(normalized(way));
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "boolean/burr_hole_params.h"
 
+#include <vector>
+
 #include "base/error.h"
 
 namespace trephine::boolean {
@@ -16,8 +18,11 @@ void check_request(const BurrHoleParams& params, ExitCode code) {
     throw Error(code, "", "position_mm", "is missing: `at` is position");
   if (params.at == BurrHoleRequest::At::kocher && has_position)
     throw Error(code, "", "position_mm", "is not looked at where `at` is kocher");
-  if (norm(vector_of(params.direction)) > 0 && !params.toward.empty())
-    throw Error(code, "", "direction", "and toward contradict each other, give one of them");
+  std::vector<std::string> ways;
+  if (norm(vector_of(params.direction)) > 0) ways.push_back("direction");
+  if (norm(vector_of(params.target_mm)) > 0) ways.push_back("target_mm");
+  if (!params.toward.empty()) ways.push_back("toward");
+  if (ways.size() > 1) throw Error(code, "", ways[0], "and " + ways[1] + " contradict each other, give one of them");
   if (params.min_before_suture_mm > params.max_before_suture_mm)
     throw Error(code, "", "min_before_suture_mm", "is above max_before_suture_mm");
 }
@@ -46,6 +51,8 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
   r.lateral_mm = params.lateral_mm;
   const Vec3 direction = vector_of(params.direction);
   if (const double length = norm(direction); length > 0) r.direction = direction / length;
+  const Vec3 target = vector_of(params.target_mm);
+  if (norm(target) > 0) r.toward_mm = target;
   if (!params.toward.empty()) r.toward_mm = landmarks_mm.at(params.toward);
   return r;
 }

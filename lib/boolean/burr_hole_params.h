@@ -28,6 +28,7 @@ struct BurrHoleParams {
   double lateral_mm = BurrHoleRequest().lateral_mm;
   std::array<double, 3> position_mm{0, 0, 0};
   std::array<double, 3> direction{0, 0, 0};
+  std::array<double, 3> target_mm{0, 0, 0};
   std::string toward;
   double min_confidence = 0.5;
   double min_before_suture_mm = 5;
@@ -48,8 +49,10 @@ struct BurrHoleParams {
     v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's point: distance to the side, over the skin.");
     v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5},
               "Position with at: position, on or above the skull, LPS; 0, 0, 0: not given.");
-    v.numbers(&P::direction, "direction", Range{-1, 1},
-              "Axis, pointing into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
+    v.numbers(
+        &P::direction, "direction", Range{-1, 1},
+        "Axis, pointing into the head; 0, 0, 0: towards `target_mm` or `toward`, else perpendicular to the skull.");
+    v.numbers(&P::target_mm, "target_mm", Range{-1e5, 1e5}, "Place at which the axis points, LPS; 0, 0, 0: not given.");
     v.text(&P::toward, "toward", "Landmark at which the axis points.").names("landmark");
     v.number(&P::min_confidence, "min_confidence", Range{0, 1},
              "Landmarks that were found with less confidence than this are not used.");

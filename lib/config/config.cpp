@@ -326,9 +326,9 @@ class Reader {
   // Checks that can only be made when everything is set.
   void check_burr_holes() {
     CaseConfig& out = r_.out;
-    if (!out.drilled.empty() && out.burr_holes.empty())
+    if (!out.drilled.empty() && out.burr_holes.empty() && !tree_.find("burr_holes"))
       fault("burr_holes", "burr_holes",
-            "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}]");
+            "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}], or [] for none");
     for (const CaseDrill& hole : out.burr_holes) try {
         const auto& params = hole.params.as<boolean::BurrHoleParams>();
         for (const auto& [zone, clear] : params.avoid)

@@ -41,6 +41,7 @@ std::vector<std::pair<std::string, std::string>> at_work(const library::LibraryS
   for (fs::directory_iterator it(state.folder() / "logs", error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
     const std::string job = it->path().stem().string(), name = job.substr(job.find('.') + 1);
+    if (name == job) continue;  // the log of ninja itself
     if (it->last_write_time(ignored) < since) continue;
     if (done.count(job.rfind("phantom.", 0) == 0 ? "phantom " + name : name)) continue;
     out.emplace_back(name, library::last_stage_in(it->path()));

@@ -53,6 +53,7 @@ const std::map<std::string, Desk::Route>& Desk::routes() {
       {"api/case", {"GET", &Desk::case_info}},
       {"api/landmark", {"POST", &Desk::landmark}},
       {"api/holes", {"POST", &Desk::holes}},
+      {"api/scene", {"POST", &Desk::scene}},
       {"api/value", {"POST", &Desk::value}},
       {"api/try", {"POST", &Desk::try_change}},
       {"api/tried", {"GET", &Desk::tried}},

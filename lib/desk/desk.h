@@ -67,6 +67,8 @@ class Desk {
   Reply switch_patch_route(const Request&);
   Reply draft(const Request&);
   Reply keep_draft(const Request&);
+  // routes_scene.cpp
+  Reply scene(const Request&);
   // routes_edit.cpp
   Reply snake(const Request&);
   Reply try_edit(const Request&);

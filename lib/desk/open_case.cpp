@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/progress.h"
 #include "config/corrected_field.h"
 #include "library/build_jobs.h"
@@ -42,6 +43,26 @@ int field_node(const CaseGraph& of, const std::string& anatomy) {
   if (const int corrected = of.graph.find(anatomy + ".correct"); corrected >= 0) return corrected;
   const std::string made = config::corrected_field(*of.config, anatomy);
   return made.empty() ? -1 : of.graph.find(made);
+}
+
+std::string shape_state(const config::CaseConfig& config, const std::string& anatomy) {
+  const auto is_of_hole = [&](const std::string& path) {
+    return std::any_of(config.burr_holes.begin(), config.burr_holes.end(),
+                       [&](const config::CaseDrill& hole) { return path.rfind(hole.name + ".", 0) == 0; });
+  };
+  std::string out;
+  for (const config::ValueRow& row : config.values) {
+    if (is_of_hole(row.path)) continue;
+    out += row.path + " = " + row.value + "\n";
+  }
+  if (const config::RecipeAnatomy* one = config.find_anatomy(anatomy))
+    for (const config::RecipeStep& step : one->steps)
+      if (step.type->name == "correct") {
+        const std::filesystem::path file = std::get<std::string>(step.params.get(*step.params.set->find("file")));
+        std::error_code ignored;
+        out += std::filesystem::exists(file, ignored) ? sha256_of_file(file) : "none";
+      }
+  return out;
 }
 
 pipeline::NodeResult computed(const pipeline::Graph& graph, int node, const pipeline::ExecuteOptions& options,
@@ -121,6 +142,10 @@ void OpenCase::work() {
   set_doing("series", 0);
   const CaseGraph of = graph_of_case(config::read_case_config(one_.text_file(), library_.overrides_of(one_)), progress);
   const pipeline::Graph& graph = of.graph;
+  std::map<std::string, std::string>
+      states;  // as they are before anything is computed: what is saved meanwhile is not in it
+  for (const config::RecipeAnatomy& anatomy : of.config->anatomies)
+    states[anatomy.name] = shape_state(*of.config, anatomy.name);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     config_ = of.config;
@@ -147,6 +172,7 @@ void OpenCase::work() {
       auto one = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*scan)));
       const std::lock_guard<std::mutex> lock(mutex_);
       fields_[anatomy.name] = std::move(one);
+      states_[anatomy.name] = states[anatomy.name];
       now_.fields.push_back(anatomy.name);
     } catch (const Error& e) {  // the others can be looked at all the same
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -171,6 +197,13 @@ std::shared_ptr<const DrawnField> OpenCase::field(const std::string& anatomy) co
 std::shared_ptr<const config::CaseConfig> OpenCase::config() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return config_;
+}
+
+bool OpenCase::is_current(const std::string& anatomy, const config::CaseConfig& now) const {
+  const std::string state = shape_state(now, anatomy);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = states_.find(anatomy);
+  return found != states_.end() && found->second == state;
 }
 
 namespace {

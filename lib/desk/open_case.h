@@ -39,6 +39,9 @@ int field_node(const CaseGraph& graph, const std::string& anatomy);
 /// as where a landmark is missing that a person is about to place.
 pipeline::NodeResult computed(const pipeline::Graph& graph, int node, const pipeline::ExecuteOptions& options,
                               pipeline::RunObserver& observer);
+/// What the anatomy's shape is made of, as text: every value of the configuration but those of its burr holes, and the
+/// digest of its correction.
+std::string shape_state(const config::CaseConfig& config, const std::string& anatomy);
 /// What went wrong, in the words of an Error's line, a line for each; for use within a catch (...).
 std::string fault_of_exception();
 
@@ -68,6 +71,8 @@ class OpenCase {
   std::shared_ptr<const DrawnField> field(const std::string& anatomy) const;
   /// The configuration as it was read; only where the state is not failed before it.
   std::shared_ptr<const config::CaseConfig> config() const;
+  /// Whether the anatomy's field is the one that this configuration would give.
+  bool is_current(const std::string& anatomy, const config::CaseConfig& now) const;
 
  private:
   class Watcher;
@@ -80,6 +85,7 @@ class OpenCase {
   Now now_;
   std::shared_ptr<const grid::HuVolume> scan_;
   std::map<std::string, std::shared_ptr<const DrawnField>> fields_;
+  std::map<std::string, std::string> states_;  ///< of each field, shape_state
   std::shared_ptr<const config::CaseConfig> config_;
   std::atomic<bool> cancel_{false};
   std::thread thread_;

@@ -216,7 +216,26 @@ std::string encode_painted(const grid::Mask& voxels, const grid::Lattice& scan) 
   return bytes;
 }
 
-void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said) {
+std::size_t drop_what_is_so(grid::Mask& painted, const DrawnField& field, const grid::Lattice& scan) {
+  const grid::Box place = grid::place_in(painted, scan);
+  const auto is_inside = [&](int i, int j, int k) {
+    const int at[3] = {i + place.begin[0] - field.place.begin[0], j + place.begin[1] - field.place.begin[1],
+                       k + place.begin[2] - field.place.begin[2]};
+    return field.samples.contains(at[0], at[1], at[2]) && field.samples.at(at[0], at[1], at[2]) > 0;
+  };
+  std::size_t dropped = 0;
+  for (int k = 0; k < painted.size[2]; ++k)
+    for (int j = 0; j < painted.size[1]; ++j)
+      for (int i = 0; i < painted.size[0]; ++i) {
+        std::uint8_t& v = painted.at(i, j, k);
+        if (v == 0 || (v == added_byte) != is_inside(i, j, k)) continue;
+        v = 0;
+        ++dropped;
+      }
+  return dropped;
+}
+
+std::string save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said) {
   const DeskLock lock(library);
   const DeskCase one = library.find(token);
   require_unchanged(one, said);
@@ -236,7 +255,9 @@ void save_patch(DeskLibrary& library, const std::string& token, const Painted& p
   HandEntry& made = add_entry(journal, entry);
   made.file = painted.anatomy + "-" + std::to_string(made.id) + ".nrrd";
   write_file(one.hand_folder() / made.file, grid::encode_labels(segmentation::correction_of(painted.voxels)));
+  const std::string what = made.what;  // finish() may add to the journal
   finish(library, one, painted.anatomy, said, journal, "", "");
+  return what;
 }
 
 void save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,

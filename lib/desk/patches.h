@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "desk/hand_work.h"
+#include "desk/open_case.h"
 #include "grid/grid.h"
 #include "segmentation/edit_list.h"
 
@@ -26,6 +27,10 @@ grid::Mask decode_painted(std::string_view bytes, const grid::Lattice& scan);
 /// What such a page takes: the same form. `voxels` lies on the scan's voxels.
 std::string encode_painted(const grid::Mask& voxels, const grid::Lattice& scan);
 
+/// Takes out of what is painted what is so already: voxels to be added that lie inside of the field, and voxels to be
+/// removed that lie outside. Returns how many.
+std::size_t drop_what_is_so(grid::Mask& painted, const DrawnField& field, const grid::Lattice& scan);
+
 /// What the person says of a change.
 struct Said {
   std::string by, why, base_sha256;
@@ -35,7 +40,8 @@ struct Said {
 /// case's configuration name all patches of the anatomy together (CASE.desk/ANATOMY.nrrd, in which a later patch has
 /// the last word). A correction that the configuration named before becomes the first patch. Takes the lock. Throws
 /// what save_change throws.
-void save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said);
+/// Returns what it says of it.
+std::string save_patch(DeskLibrary& library, const std::string& token, const Painted& painted, const Said& said);
 
 /// The same of an edit that is no patch: the one that `edit` holds. Where one of them counts, the configuration names a
 /// list of all edits and patches, in the order in which they were saved (CASE.desk/ANATOMY.json).

@@ -2,14 +2,16 @@
 // What a person changes of a case, and what is known of it.
 #include <sys/stat.h>
 
+#include <algorithm>
+
 #include "base/text.h"
 #include "base/write_file.h"
 #include "config/corrected_field.h"
 #include "config/yaml_document.h"
 #include "desk/desk.h"
 #include "desk/hand_work.h"
-#include "desk/json_reply.h"
 #include "desk/patches.h"
+#include "desk/scenes.h"
 #include "library/catalogue.h"
 
 namespace trephine::desk {
@@ -136,8 +138,8 @@ std::string value_of(const config::CaseConfig& config, const std::string& path) 
 
 config::YamlChange holes_line(const nlohmann::json& holes) {
   if (!holes.is_array()) throw Error(ExitCode::usage, "", "holes", "must be a list");
-  if (holes.empty()) return {{"burr_holes"}, {}};
-  return {{"burr_holes"}, yaml_of_json(holes)};
+  return {{"burr_holes"},
+          yaml_of_json(holes)};  // an empty list says that none is meant, which a scene that cuts asks for
 }
 
 void check_holes_count(const config::CaseConfig& now, std::size_t count) {
@@ -192,6 +194,7 @@ Reply Desk::case_info(const Request& request) {
   out["now"] = json_of(config::read_case_config(one.text_file(), library_.overrides_of(one)));
   const config::YamlNode file = config::read_yaml(one.text_file());
   const config::YamlNode* said = file.find("burr_holes");
+  out["now"]["scenes"] = scenes_of(library_, one);
   out["now"]["said_holes"] = said ? json_of(*said) : Json::array();
   return json_reply(out);
 }
@@ -277,7 +280,7 @@ Reply Desk::try_change(const Request& request) {
   TrialWish wish;
   if (json.contains("holes")) {
     wish.changes.push_back(holes_line(json.at("holes")));
-    wish.holes = true;
+    wish.hole = json.at("hole").get<std::size_t>();
   } else if (json.contains("step")) {
     wish.step = json.at("step");
   } else {
@@ -318,10 +321,23 @@ Reply Desk::patch(const Request& request) {
   const auto config = one->config();
   if (!config || config::corrected_field(*config, painted.anatomy).empty())
     throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
-  painted.voxels = decode_painted(request.body, grid::lattice_of(*one->scan()));
-  save_patch(library_, request.value("case"), painted,
-             {request.value("by"), request.value("why"), request.value("base")});
-  return json_reply({{"done", painted.anatomy}});
+  const grid::Lattice& scan = grid::lattice_of(*one->scan());
+  painted.voxels = decode_painted(request.body, scan);
+  const DeskCase in_library = library_.find(request.value("case"));
+  const auto field = one->field(painted.anatomy);
+  std::size_t dropped = 0;
+  // Where the field is not that of now, all that was painted counts: what is so already does no harm.
+  if (field && one->is_current(painted.anatomy,
+                               config::read_case_config(in_library.text_file(), library_.overrides_of(in_library))))
+    dropped = drop_what_is_so(painted.voxels, *field, scan);
+  const auto& voxels = painted.voxels.voxels;
+  if (std::all_of(voxels.begin(), voxels.end(), [](std::uint8_t v) { return v == 0; }))
+    throw Error(
+        ExitCode::usage, "", painted.anatomy,
+        "what was painted is so already: all that is to be added lies inside, all that is to be removed outside");
+  const std::string what = save_patch(library_, request.value("case"), painted,
+                                      {request.value("by"), request.value("why"), request.value("base")});
+  return json_reply({{"done", what}, {"was_so_ml", double(dropped) * painted.voxels.voxel_volume_mm3() / 1000}});
 }
 
 Reply Desk::switch_patch_route(const Request& request) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A new case: a folder or archive below the roots, its series, and a configuration.
 #include <algorithm>
-#include <fstream>
 
 #include "base/hash.h"
 #include "base/progress.h"
@@ -13,7 +12,7 @@
 #include "desk/desk.h"
 #include "desk/draft.h"
 #include "desk/hand_work.h"
-#include "desk/json_reply.h"
+#include "desk/scenes.h"
 #include "dicom/import.h"
 #include "picture/image.h"
 #include "picture/slice.h"
@@ -37,15 +36,6 @@ fs::path chosen_path(const DeskLibrary& library, const std::string& text) {
   const fs::path path = config::path_in_roots(root, text.substr(slash + 1), {config::absolute_path(root)}, fault);
   if (!fault.empty()) throw Error(ExitCode::usage, "", "path", "leaves the library's roots");
   return path;
-}
-
-/// What a file says of itself: the lines of comment at its begin.
-std::string first_comment(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string out;
-  for (std::string line; std::getline(in, line) && line.rfind('#', 0) == 0 && out.size() < 500;)
-    out += (out.empty() ? "" : " ") + trimmed(printable(line.substr(1)));
-  return out;
 }
 
 dicom::ImportParams import_of(const std::string& series) {

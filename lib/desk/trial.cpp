@@ -69,33 +69,28 @@ void Trial::work(const TrialWish& wish) {
     wanted.push_back(of.graph.find(wish.step));
     if (wanted.back() < 0) throw Error(ExitCode::usage, "", wish.step, "is no step that this case needs");
   }
-  if (wish.holes)
-    for (const config::CaseDrill& hole : of.config->burr_holes)
-      if (const int node = of.graph.find(hole.name); node >= 0) wanted.push_back(node);
+  for (std::size_t i = 0; i < of.config->burr_holes.size(); ++i)
+    if (wish.hole && *wish.hole == i) wanted.push_back(of.graph.find(of.config->burr_holes[i].name));
+  if (wish.hole && wanted.empty())
+    throw Error(ExitCode::usage, "", "burr_holes",
+                "have no effect: the scene cuts none (`burr_holes` of its anatomies)");
   const pipeline::StageCache cache(library_.options().library / library::library_cache_name);
   pipeline::ExecuteOptions options;
   options.cache = &cache;
   options.cancel = &cancel_;
   Watcher watcher(*this);
-  // One after the other, so that a hole which cannot be placed does not hide the others.
-  std::vector<Error> faults;
   for (const int node : wanted) {
-    try {
-      pipeline::NodeResult made = computed(of.graph, node, options, watcher);
-      std::shared_ptr<const DrawnField> drawn;
-      if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data); field && *field)
-        drawn = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*looked_at_->scan())));
-      const std::lock_guard<std::mutex> lock(mutex_);
-      now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, std::move(made.report));
-      if (drawn) {
-        field_ = std::move(drawn);
-        now_.has_field = true;
-      }
-    } catch (const Error& e) {
-      faults.push_back(e);
+    pipeline::NodeResult made = computed(of.graph, node, options, watcher);
+    std::shared_ptr<const DrawnField> drawn;
+    if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data); field && *field)
+      drawn = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*looked_at_->scan())));
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, std::move(made.report));
+    if (drawn) {
+      field_ = std::move(drawn);
+      now_.has_field = true;
     }
   }
-  if (!faults.empty()) throw ErrorList(std::move(faults));
 }
 
 Trial::Now Trial::now() const {

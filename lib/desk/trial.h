@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,13 +15,13 @@
 
 namespace trephine::desk {
 
-/// What is to be seen before it is saved: the outline of an anatomy with other thresholds or seeds, or the burr holes
-/// as they would be placed.
+/// What is to be seen before it is saved: the outline of an anatomy with other thresholds or seeds, or a burr hole
+/// as it would be placed.
 struct TrialWish {
   std::vector<config::YamlChange> changes;  ///< of the case's configuration, as they would be saved
   std::string anatomy;                      ///< whose field is wanted; empty: none
   std::string step;                         ///< a step of an anatomy whose field is wanted as it gives it; empty: none
-  bool holes = false;                       ///< whether the burr holes are
+  std::optional<std::size_t> hole;          ///< which of the case's burr holes is wanted, and no other one
 };
 
 /// Computes it as `run` would, with the library's cache of stages, in a thread of its own; the configuration on the

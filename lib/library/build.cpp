@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 
 #include "base/log.h"
@@ -367,10 +368,13 @@ std::string last_stage_in(const fs::path& log) {
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
     line = text.substr(at, end - at);
-    const std::string word = line.substr(0, line.find_first_of(": "));
-    if (!word.empty() && line.size() > word.size() &&
-        (line[word.size()] == ':' || line.find(" %") != std::string::npos) && word != "warning")
-      stage = word;
+    std::smatch found;
+    static const std::regex at_work("(?:(\\d+ %) of all[^|]*\\| )?(?:.* \\| )?([a-z][^ |]*) \\d+ %(?: \\(.*)?");
+    static const std::regex ended("([a-z][^ :]*): [\\d.,]+ (?:s|min|h)(?:,.*)?");
+    if (std::regex_match(line, found, at_work))
+      stage = found.str(2) + (found[1].matched ? ", " + found.str(1) + " of the case" : "");
+    else if (std::regex_match(line, found, ended))
+      stage = found.str(1);
   }
   return stage;
 }

@@ -68,8 +68,8 @@ class LibraryObserver {
   virtual void finished(const std::string& job, const JobResult& result) = 0;
 };
 
-/// The stage that a job's log names last, in a line such as "skull.decimate 45 % ..." or "skull.decimate: 12.3 s";
-/// empty where it names none.
+/// The stage that a job's log names last, in a line such as "76 % of all, ... | skull.decimate 45 % ...", which becomes
+/// "skull.decimate, 76 % of the case", or "skull.decimate: 12.3 s"; empty where it names none.
 std::string last_stage_in(const std::filesystem::path& log);
 
 struct LibraryBuildResult {

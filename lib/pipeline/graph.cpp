@@ -69,9 +69,10 @@ class Builder {
     add_checks_of_scan(false);
     if (config_.needs_landmarks()) landmarks();
     for (const config::CaseDrill& hole : config_.burr_holes) want(add(node_with(hole.name, hole.params), Place()));
-    for (const config::SceneDrill& drilled : config_.drilled)
-      for (Graph::Anatomy& anatomy : graph_.anatomies)
-        if (anatomy.name == drilled.anatomy) cut(anatomy, drilled);
+    if (!config_.burr_holes.empty())
+      for (const config::SceneDrill& drilled : config_.drilled)
+        for (Graph::Anatomy& anatomy : graph_.anatomies)
+          if (anatomy.name == drilled.anatomy) cut(anatomy, drilled);
     for (const Graph::Anatomy& a : graph_.anatomies)
       want(a.surface, "the surface of " + a.name + " that the scene shows");
     if (config_.haptic.wanted) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""desk_hand.py: what a technician does by hand at the desk, in chromium with real clicks: a build stopped and gone on with, a burr hole
-placed, checked and taken back, the brush as a ball, in a range of HU, filled, grown, rubbed out and carried between slices, patches
+"""desk_hand.py: what a technician does by hand at the desk, in chromium with real clicks: a build stopped and gone on with, another scene,
+which cuts burr holes, a burr hole placed, checked and taken back, the brush as a ball, in a range of HU, filled, grown, rubbed out and carried between slices, patches
 switched, a threshold previewed, the rebuild drawn over what it was, lessons that the case cannot serve, a ZIP and a folder brought in.
 What was written makes the same bytes in an empty folder. TREPHINE is the program."""
 import json
@@ -20,7 +20,7 @@ burr_holes:
   skull: {}
 face: {policy: keep, reason: only bone is shown; cases stay where the scans are kept}
 """
-LEFT_HOLE = "burr_holes: [{at: position, position_mm: [27, -39, 120], diameter_mm: 8}]  # the scene cuts one at least\n"
+PLAIN = SCENE.replace("burr_holes:\n  skull: {}\n", "")
 ROUGH = "skin.segment.fill: none, skin.segment.coarse_mm: 1.5, resample.spacing_mm: [2.5, 2.5, 2.5]"
 # What the page has painted and not saved, as the desk keeps it: for each slice, how many voxels and their least and greatest HU.
 PAINTED = """
@@ -78,9 +78,24 @@ def build(page, check, library):
     check((library / "head-01/case.json").exists(), "the next build goes on")
 
 
-def holes(page, check, own):
+def another_scene(page, check, own):
+    """The scene cuts no holes: another one is chosen where that is said, and the case opens and has none yet."""
     browser = page.b
     page.click("[data-tab=place]")
+    check("cuts no burr holes" in browser.js("return document.getElementById('panel').textContent"), "no hole can be placed, and the page says so")
+    check(browser.js("return [...document.querySelectorAll('[data-scene] option')].every(o => o.value.endsWith('skull_plain.yaml') || /drilled/.test(o.value))"), "scenes that cut holes are offered")
+    browser.js("const s = document.querySelector('[data-scene]'); s.value = 'scenes/skull_drilled.yaml'; s.dispatchEvent(new Event('change'))")
+    page.click("[data-set-scene]")
+    page.until("desk.page.info.journal.length === 1 && desk.page.info.now.cuts_holes", "the other scene")
+    text = own.read_text()
+    check("scene: scenes/skull_drilled.yaml" in text and "burr_holes: []" in text, f"as two lines: {text[-300:]}")
+    check("has none yet" in browser.js("return document.getElementById('panel').textContent"), "that there is none yet is said")
+    page.until("desk.page.fields.includes('skull') && !document.getElementById('busy').textContent", "the case opens with it")
+    check(browser.js("return document.getElementById('problem').hidden"), "without a fault")
+
+
+def holes(page, check, own):
+    browser = page.b
     top = browser.js("return desk.page.volume.toIndex([-27, -39, 120])")
     deep = browser.js("return desk.page.volume.toIndex([-3, -12, 55])")
     page.go([round(v) for v in top])
@@ -105,22 +120,25 @@ def holes(page, check, own):
     page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad, #hole-tried.warn')", "what the run makes of the hole")
     said = browser.js("return document.getElementById('panel').textContent")
     check(browser.js("return !document.querySelector('#hole-tried.bad')") and "bone thickness mm" in said, f"the hole can be placed: {said[-400:]}")
-    check(not own.exists(), "checking writes nothing")
+    check("burr_holes: []" in own.read_text(), "checking writes nothing")
+    length = browser.js("return document.getElementById('hole').textContent")
     page.click("#save-hole")
-    page.until("desk.page.info.journal.length === 1", "the hole is saved")
+    page.until("desk.page.info.journal.length === 2", "the hole is saved")
     text = own.read_text()
-    check("burr_holes: [{at: position" in text and text.count("at: position") == 2 and text.count("direction: [") == 1, f"as a line: {text[-300:]}")
+    check("burr_holes: [{at: position" in text and text.count("target_mm: [") == 1 and "direction" not in text, f"as a line: {text[-300:]}")
+    check(browser.js("return desk.page.allMarks().some(m => m.name.includes('not built yet'))"), "it is drawn before the case is built again")
     page.click("#undo")
-    page.until("desk.page.info.journal.length === 2", "undo")
-    check(own.read_text().count("at: position") == 1 and "direction" not in own.read_text(), "undo takes it out of the line")
+    page.until("desk.page.info.journal.length === 3", "undo")
+    check("burr_holes: []" in own.read_text(), "undo takes it out of the line")
     page.click("#redo")
-    page.until("desk.page.info.journal.length === 3", "redo")
+    page.until("desk.page.info.journal.length === 4", "redo")
     check(own.read_text() == text, "redo writes the same line")
-    page.click("[data-change='1']")
+    page.click("[data-change='0']")
+    check(browser.js("return document.getElementById('hole').textContent") == length, "Change shows the target that was saved")
     page.write("#diameter", "11\ue007")
     page.click("#save-hole")
-    page.until("desk.page.info.journal.length === 4", "the changed hole")
-    check(own.read_text().count("at: position") == 2 and "diameter_mm: 11" in own.read_text(), "a hole is changed in its place")
+    page.until("desk.page.info.journal.length === 5", "the changed hole")
+    check(own.read_text() == text.replace("diameter_mm: 14", "diameter_mm: 11"), "a hole is changed in its place")
     # one that no skull is under
     size = browser.js("return desk.page.volume.size")
     page.go([2, 2, size[2] - 2])
@@ -130,7 +148,19 @@ def holes(page, check, own):
     page.click("#check-hole")
     page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad')", "what is wrong with it")
     check(browser.js("return !!document.querySelector('#hole-tried.bad')"), "a hole that meets no bone is told before it is saved")
+    # saved all the same, it does not hide what is to be said of another one
+    page.click("#save-hole")
+    page.until("desk.page.info.journal.length === 6", "a hole that cannot be")
+    page.go([round(v) for v in browser.js("return desk.page.volume.toIndex([30, -39, 116])")])
+    page.click("#entry-here")
+    page.go([round(v) for v in browser.js("return desk.page.volume.toIndex([3, -12, 55])")])
+    page.click("#target-here")
+    page.click("#check-hole")
+    page.until("!!document.querySelector('#hole-tried.good, #hole-tried.bad, #hole-tried.warn')", "what is said of the third")
+    check(browser.js("return !document.querySelector('#hole-tried.bad')"), "another hole's fault is not told of this one: " + browser.js("return document.getElementById('hole-tried').textContent"))
     page.click("#cancel-hole")
+    page.click("[data-remove='1']")
+    page.until("desk.page.info.journal.length === 7", "the hole that cannot be is removed")
 
 
 def brush(page, check, own):
@@ -208,23 +238,32 @@ def brush(page, check, own):
     page.click("#redo")
     page.write("#why", "a bridge")
     page.click("#save-patch")
-    page.until("desk.page.info.journal.length === 5 && desk.stats.painted[0] === 0", "the patch")
+    page.until("desk.page.info.journal.length === 8 && desk.stats.painted[0] === 0", "the patch")
     union = own.parent / "head-01.desk/skull.nrrd"
     one = union.read_bytes()
     page.point("axial", [middle[0] - 12, middle[1], middle[2] + 5])
     page.painted(1)
     page.click("#save-patch")
-    page.until("desk.page.info.journal.length === 6", "a second patch")
+    page.until("desk.page.info.journal.length === 9", "a second patch")
+    page.until("desk.page.fields.includes('skull') && !document.getElementById('busy').textContent", "the outlines with both patches")
+    page.until("desk.page.volume.has(2, desk.page.at[2]) && desk.page.volume.outline('skull', 2, desk.page.at[2]).length > 100", "the skull's outline")
+    page.point("axial", [middle[0] - 12, middle[1], middle[2] + 5])
+    page.painted(1)
+    page.click("#save-patch")
+    page.until("!document.getElementById('problem').hidden", "what is said of a patch that changes nothing")
+    check("is so already" in browser.js("return document.getElementById('problem-text').textContent"), "painted twice, it is told: " + browser.js("return document.getElementById('problem-text').textContent"))
+    page.click("#problem-close")
+    page.click("#throw")
     both = union.read_bytes()
     check(both != one and "corrections: {skull: head-01.desk/skull.nrrd}" in own.read_text(), "both count")
-    page.click("[data-patch='6']")
-    page.until("desk.page.info.journal.length === 7", "the second is switched off")
+    page.click("[data-patch='9']")
+    page.until("desk.page.info.journal.length === 10", "the second is switched off")
     check(union.read_bytes() == one, "switched off, it has no effect")
-    page.click("[data-patch='5']")
-    page.until("desk.page.info.journal.length === 8", "the first too")
+    page.click("[data-patch='8']")
+    page.until("desk.page.info.journal.length === 11", "the first too")
     check("corrections" not in own.read_text(), "none counts: no line")
-    page.click("[data-patch='5']")
-    page.until("desk.page.info.journal.length === 9", "on again")
+    page.click("[data-patch='8']")
+    page.until("desk.page.info.journal.length === 12", "on again")
     check(union.read_bytes() == one and "corrections: {skull: head-01.desk/skull.nrrd}" in own.read_text(), "on again, it is what it was")
 
 
@@ -249,10 +288,11 @@ def main():
     check = Checks()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        root, library = make_root(folder, ("skull_drilled", ROUGH)), folder / "library"
+        root, library = make_root(folder, ("skull_plain", ROUGH)), folder / "library"
         (root / "configs/scenes/skull_drilled.yaml").write_text(SCENE)
+        (root / "configs/scenes/skull_plain.yaml").write_text(PLAIN)
         coarse = root / "configs/coarse.yaml"
-        coarse.write_text(coarse.read_text().replace("  inion:", "  bregma: [0, -12.0, 126.0]\n  inion:") + LEFT_HOLE)
+        coarse.write_text(coarse.read_text().replace("  inion:", "  bregma: [0, -12.0, 126.0]\n  inion:"))
         own = root / "configs/head-01.yaml"
         with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--lang=en", width=1600, height=1000) as browser:
@@ -263,6 +303,7 @@ def main():
                 build(page, check, library)
                 page.click(".card")
                 page.until("desk.page && desk.page.volume && desk.page.fields.includes('skull') && !document.getElementById('busy').textContent && document.documentElement.dataset.ready === 'case'", "the opened case")
+                another_scene(page, check, own)
                 holes(page, check, own)
                 brush(page, check, own)
                 preview(page, check, own)
@@ -276,7 +317,7 @@ def main():
                 page.until("!!document.querySelector('[data-drawn=skull]') && document.querySelector('[data-drawn=skull]').checked", "the skull is drawn as it was and is")
                 page.until("['was', 'is'].every(w => desk.page.volume.cut(w, 'skull', 2, desk.page.at[2]).length > 100)", "both lines on the slice")
                 manifest = json.loads((library / "head-01/case.json").read_text())
-                check([h["diameter_mm"] for h in manifest["burr_holes"]] == [8, 11], "the case has both holes")
+                check([h["diameter_mm"] for h in manifest["burr_holes"]] == [11], "the case has the hole")
                 page.click("[data-tab=approve]")
                 page.until("!!document.querySelector('[data-lesson=ventriculostomy]')", "what the simulator says of lessons")
                 check("cannot serve" in browser.js("return document.querySelector('[data-lesson=ventriculostomy]').textContent"), "a skull alone serves no ventriculostomy, and that is said before approval")

@@ -25,23 +25,28 @@ function holesOf(page) {
   // As a line of the configuration says it.
   const line = () => {
     const rounded = (v, k) => v.map(x => Math.round(x * k) / k), old = said()[hole.index] || {}
-    const { at, side, along_mm, lateral_mm, toward, ...kept } = old
-    return { ...kept, at: 'position', position_mm: rounded(hole.entry, 1e4), direction: rounded(direction(), 1e6), diameter_mm: hole.diameter_mm }
+    const { at, side, along_mm, lateral_mm, toward, direction, target_mm, ...kept } = old
+    return { ...kept, at: 'position', position_mm: rounded(hole.entry, 1e4), target_mm: rounded(hole.target, 1e4), diameter_mm: hole.diameter_mm }
   }
   const lines = () => hole.index < 0 ? [...said(), line()] : said().map((h, i) => i === hole.index ? line() : h)
   const need = () => { if (!whole()) throw new Refused(t('entry_first')) }
 
-  // Where a saved hole lies: as the case was built, else as the configuration says.
+  const nameOf = (h, i) => h.name || `burr_hole_${i + 1}`
+  const builtOf = (h, i) => page.info && page.info.built && page.info.built.holes.find(b => b.name === nameOf(h, i))
+  // Where a saved hole lies: as the configuration says; one by Kocher's rule as the case was built, else at the point that was found.
   const placed = (h, i) => {
-    const built = page.info && page.info.built && page.info.built.holes.find(b => b.name === (h.name || `burr_hole_${i + 1}`))
+    const built = builtOf(h, i)
     const found = name => ((page.info.built ? [...page.info.built.landmarks, ...page.info.built.targets] : []).find(l => l.name === name) || {}).position_mm
-    const toward = h.toward && (page.info.now.landmarks[h.toward] || found(h.toward))
-    const entry = h.position_mm ? h.position_mm.map(Number) : built && built.position_mm
+    const toward = h.target_mm ? h.target_mm.map(Number) : h.toward && (page.info.now.landmarks[h.toward] || found(h.toward))
+    const kocher = `kocher_${h.side || 'right'}`
+    const entry = h.position_mm ? h.position_mm.map(Number) : built ? built.position_mm : page.info.now.landmarks[kocher] || found(kocher)
     if (!entry) return null
     const d = h.direction ? h.direction.map(Number) : toward ? toward.map((v, k) => v - entry[k]) : built ? built.direction : null
     const n = d && Math.hypot(...d)
     return { entry, target: toward || (n ? entry.map((v, k) => v + d[k] / n * 60) : null) }
   }
+  // Those that the configuration has and the case not yet, or elsewhere.
+  const waiting = () => said().map((h, i) => ({ name: nameOf(h, i), i, built: builtOf(h, i), at: placed(h, i) })).filter(w => w.at && w.i !== hole.index && (!w.built || Math.hypot(...w.built.position_mm.map((v, k) => v - w.at.entry[k])) > 2))
   const change = i => {
     const at = placed(said()[i], i)
     if (!at) throw new Refused(t('hole_unknown'))
@@ -50,15 +55,18 @@ function holesOf(page) {
     page.show_('place')
   }
 
-  const marks = () => ['entry', 'target'].filter(k => hole[k]).map(k => ({ name: t(k), position_mm: hole[k], colour: '#7cc4ff' }))
+  const marks = () => [...['entry', 'target'].filter(k => hole[k]).map(k => ({ name: t(k), position_mm: hole[k], colour: '#7cc4ff' })),
+    ...waiting().map(w => ({ name: `${label(w.name)} (${t('not_yet')})`, position_mm: w.at.entry, colour: '#ff9c8f' }))]
   page.overlays.push((p, c) => {
-    if (!hole.entry || !hole.target) return
-    const a = page.volume.toIndex(hole.entry), b = page.volume.toIndex(hole.target)
-    c.strokeStyle = '#7cc4ff'
-    c.lineWidth = 1.5 * p.r
-    c.setLineDash([6 * p.r, 4 * p.r])
-    c.beginPath(), c.moveTo(p.X(a[p.u]), p.Y(a[p.v])), c.lineTo(p.X(b[p.u]), p.Y(b[p.v])), c.stroke()
-    c.setLineDash([])
+    for (const [line, colour] of [[hole, '#7cc4ff'], ...waiting().map(w => [w.at, '#ff9c8f'])]) {
+      if (!line.entry || !line.target) continue
+      const a = page.volume.toIndex(line.entry), b = page.volume.toIndex(line.target)
+      c.strokeStyle = colour
+      c.lineWidth = 1.5 * p.r
+      c.setLineDash([6 * p.r, 4 * p.r])
+      c.beginPath(), c.moveTo(p.X(a[p.u]), p.Y(a[p.v])), c.lineTo(p.X(b[p.u]), p.Y(b[p.v])), c.stroke()
+      c.setLineDash([])
+    }
   })
 
   // The run's own placing, on the surfaces of the last build where they are the same.
@@ -66,10 +74,10 @@ function holesOf(page) {
     need()
     hole.tried = { text: t('checking'), kind: 'faint', rows: [] }
     page.show_('place')
-    const mine = hole, name = hole.index < 0 ? null : said()[hole.index].name
-    const now = await page.tryIt({ holes: lines() }, what => { if ($('hole-tried')) $('hole-tried').textContent = `${t('checking')}: ${what}` })
+    const mine = hole, all = lines()
+    const now = await page.tryIt({ holes: all, hole: hole.index < 0 ? all.length - 1 : hole.index }, what => { if ($('hole-tried')) $('hole-tried').textContent = `${t('checking')}: ${what}` })
     if (mine !== hole || !now) return
-    const report = now.reports.find(r => r.name === (name || `burr_hole_${(mine.index < 0 ? said().length : mine.index) + 1}`)) || now.reports[now.reports.length - 1]
+    const [report] = now.reports
     mine.tried = now.fault ? { text: now.fault, kind: 'bad', rows: [] } : { text: t('hole_good'), kind: 'good', rows: report ? Object.entries(report.figures).filter(([, v]) => typeof v === 'number') : [] }
     if (report && !now.fault && report.warnings.length) mine.tried = { ...mine.tried, text: report.warnings.join('\n'), kind: 'warn' }
     page.show_('place')
@@ -177,7 +185,7 @@ function holesOf(page) {
     const at = which => button(which + '_here', () => set(which, page.volume.toWorld(page.at)), { id: which + '-here', disabled: !!fixed })
     const tried = hole.tried
     setTimeout(() => page.heldHole(), 0)
-    return [make('h2', { text: t('holes') }), cuts() || fixed ? null : make('p', { class: 'warn', text: t('no_holes') }), list.map(row),
+    return [make('h2', { text: t('holes') }), cuts() || fixed ? null : [make('p', { class: 'warn', text: t('no_holes') }), page.sceneChoice(s => s.cuts_holes)], list.map(row), cuts() && !list.length ? make('p', { class: 'warn', text: t('no_hole_yet') }) : null,
       make('h2', { text: hole.index < 0 ? t('add_hole') : `${t('change_it')}: ${t('hole')} ${hole.index + 1}` }), told,
       make('div', { class: 'row' }, at('entry'), at('target'), field('diameter', make('input', { type: 'number', id: 'diameter', min: 1, max: 60, value: hole.diameter_mm, change: e => { hole.diameter_mm = +e.target.value, hole.tried = null, page.heldHole() } }), make('span', { text: t('mm') }))),
       make('div', { class: 'row' }, button('check_hole', check, { id: 'check-hole' }), button('save_hole', save, { id: 'save-hole', class: 'main' }), hole.entry || hole.target ? button('cancel', () => { hole = fresh(hole.diameter_mm), page.show_('place'), page.redraw() }, { id: 'cancel-hole' }) : null),

@@ -259,7 +259,10 @@ function casePage(token) {
     await tell(path, { case: token, by: who(), why, base: page.info.base, ...body })
     hint(t('saved'))
     await page.reloadInfo()
+    if (['edit', 'switch', 'scene'].includes(path)) page.refresh()
   }
+  // The outlines as the configuration makes them now, computed behind what goes on.
+  page.refresh = () => { page.opening(true).catch(e => problem(e.message)).finally(() => { $('busy').textContent = '' }) }
 
   // ---- opening
   page.opening = async again => {

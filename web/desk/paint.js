@@ -275,7 +275,7 @@ function paintPanel(page) {
   const tellCount = () => {
     desk.stats.painted = [...count]
     const ml = page.volume ? page.volume.spacing[0] * page.volume.spacing[1] * page.volume.spacing[2] / 1000 : 0
-    if (counted) counted.textContent = count[0] + count[1] ? [[count[0], t('added')], [count[1], t('removed')]].filter(c => c[0]).map(([n, what]) => `${digits(n * ml, 2)} ml ${what} (${n} ${t('voxels')})`).join(', ') : t('nothing')
+    if (counted) counted.textContent = count[0] + count[1] ? [[count[0], t('to_add')], [count[1], t('to_remove')]].filter(c => c[0]).map(([n, what]) => `${digits(n * ml, 2)} ml ${what} (${n} ${t('voxels')})`).join(', ') : t('nothing')
   }
 
   page.addPanel('paint', () => {
@@ -295,10 +295,11 @@ function paintPanel(page) {
     const save = async () => {
       const body = bytes && packed()
       if (!body) throw new Refused(t('nothing'))
-      await tellBytes('patch', { case: page.token, anatomy, by: who(), why: why.value, base: page.info.base }, body)
+      const said = await tellBytes('patch', { case: page.token, anatomy, by: who(), why: why.value, base: page.info.base }, body)
       clearAll()
-      hint(t('saved'))
+      hint(said.done + (said.was_so_ml > 0 ? `; ${digits(said.was_so_ml, 2)} ml ${t('was_so')}` : ''))
       await page.reloadInfo()
+      page.refresh()
     }
     return [
       fixed && page.info && page.info.fixed ? make('p', { class: 'warn', text: page.info.fixed }) : null,

@@ -50,6 +50,21 @@ function valuesPanel(page) {
     page.strokeOutline(c, p, line, '#ffffff', [5, 4])
   })
 
+  // The scene for which the case is made: what is shown and felt of it, and what is cut.
+  page.sceneChoice = fits => {
+    const all = (page.info.now.scenes || []).filter(s => s.chosen || fits(s)), own = all.find(s => s.chosen)
+    if (!all.some(s => !s.chosen)) return null
+    const about = make('p', { class: 'faint' }), choice = make('select', { 'data-scene': '', change: () => tellAbout() }, all.map(s => make('option', { value: s.file, text: s.file.replace(/^.*\//, '') })))
+    const tellAbout = () => { about.textContent = (all.find(s => s.file === choice.value) || { about: '' }).about }
+    choice.value = (own || all[0]).file
+    const set = button('set', async () => {
+      if (own && choice.value === own.file) return hint(t('same_value'))
+      await page.change('scene', { scene: own.file }, { scene: choice.value })
+    }, { 'data-set-scene': '', disabled: !!page.info.fixed })
+    tellAbout()
+    return [make('div', { class: 'row' }, field('scene', choice), set), about]
+  }
+
   page.addPanel('values', () => {
     const now = page.info && page.info.now
     if (!now) return [make('p', { class: 'warn', text: t('no_config') })]
@@ -75,7 +90,7 @@ function valuesPanel(page) {
     }
     list()
     setTimeout(say, 0)
-    return [page.info.fixed ? make('p', { class: 'warn', text: page.info.fixed }) : page.info.shared ? make('p', { class: 'faint', text: `${t('own')} ${page.info.config}` }) : null,
+    return [page.info.fixed ? make('p', { class: 'warn', text: page.info.fixed }) : page.info.shared ? make('p', { class: 'faint', text: `${t('own')} ${page.info.config}` }) : null, page.sceneChoice(() => true),
       make('input', { type: 'search', class: 'wide', id: 'find-value', placeholder: t('find_value'), 'aria-label': t('find_value'), value: find, input: e => { find = e.target.value, list() } }),
       make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', id: 'live', checked: live, change: e => { live = e.target.checked } }), make('span', { text: t('live') }))), make('div', { id: 'tried' }), rows]
   })
