@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "mask/filters.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
 
@@ -220,6 +221,83 @@ TEST(Findings, ShiftAndWidthAreThoseOfTheFigures) {
   EXPECT_GT(Scene::figure(shift[0], "shift_mm"), 5);
   EXPECT_EQ(wide.of(FindingKind::wide_ventricles).size(), 1u);
   EXPECT_TRUE(shifted.of(FindingKind::wide_ventricles).empty());
+}
+
+TEST(Findings, BloodInThickSlicesThatLiesLevelInBothHornsIsSure) {
+  phantom::HardParams hard;
+  hard.blood = phantom::Blood::intraventricular;
+  const Scene s(hard, phantom::Variant::hydrocephalic, 5, 3103, [](Scene& scene, const phantom::Head& head) {
+    // The straight sinus and the falx behind it lie between the horns and join their blood into one piece.
+    const mask::BitMask blood = mask::make_mask(scene.brain, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < scene.brain.size[0]; ++i)
+        row[i] = head.thing(scene.brain.to_world_mm({double(i), double(j), double(k)})) == phantom::Thing::blood;
+    });
+    scene.brighten(blood.centre_mm(), {28, 3, 4}, 38);
+  });
+  double ml = 0;
+  for (const Finding& f : s.of(FindingKind::dense)) {
+    EXPECT_EQ(f.where, "in or at the ventricles");
+    EXPECT_LT(Scene::figure(f, "flat_ratio"), 0.35) << f.text;
+    EXPECT_GE(f.confidence, findings::sure_confidence) << f.text;
+    ml += Scene::figure(f, "volume_ml");
+  }
+  EXPECT_NEAR(ml, s.blood_ml, 0.4 * s.blood_ml);
+}
+
+TEST(Findings, ACraniectomyAndTheBloodUnderItAreSureInSlicesOfSixMillimetres) {
+  phantom::HardParams hard;
+  hard.blood = phantom::Blood::subdural;
+  hard.craniectomy = true;
+  const Scene s(hard, phantom::Variant::shifted, 6, 3108);
+  const auto gaps = s.of(FindingKind::bone_gap), dense = s.of(FindingKind::dense);
+  ASSERT_FALSE(gaps.empty());
+  ASSERT_FALSE(dense.empty());
+  EXPECT_GT(Scene::figure(gaps[0], "area_cm2"), 25);
+  EXPECT_GE(gaps[0].confidence, findings::sure_confidence);
+  EXPECT_EQ(dense[0].where, "beside the brain");
+  EXPECT_GE(dense[0].confidence, findings::sure_confidence) << dense[0].text;
+}
+
+TEST(Findings, ABurrHoleIsSeenInThickSlices) {
+  for (const double slice_mm : {2.0, 6.0}) {
+    phantom::HardParams hard;
+    hard.burr_hole = true;
+    const Scene s(hard, phantom::Variant::normal, slice_mm, 3109);
+    const auto gaps = s.of(FindingKind::bone_gap);
+    ASSERT_EQ(gaps.size(), 1u) << slice_mm;
+    EXPECT_GE(gaps[0].confidence, findings::sure_confidence) << slice_mm;
+    EXPECT_EQ(gaps[0].side, "right");
+    EXPECT_NEAR(Scene::figure(gaps[0], "area_cm2"), 1.5, 0.75) << slice_mm;  // 14 mm wide
+  }
+}
+
+TEST(Findings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
+  const auto shift_with = [](bool in_pieces) {
+    const Scene s({}, phantom::Variant::shifted);
+    const Vec3 middle = mask::positive(s.ventricles, s.ventricles).centre_mm();
+    head::HeadLandmarks landmarks;
+    landmarks.midsagittal.point_mm = {0, middle.y, middle.z};
+    landmarks.midsagittal.normal = {1, 0, 0};
+    landmarks.midsagittal.confidence = 1;
+    grid::Field ventricles = s.ventricles;
+    if (in_pieces)  // a plate beside the midline, such as a lateral ventricle's body leaves
+      for (int k = 0; k < ventricles.size[2]; ++k)
+        for (int j = 0; j < ventricles.size[1]; ++j)
+          for (int i = 0; i < ventricles.size[0]; ++i) {
+            const Vec3 d = ventricles.to_world_mm({double(i), double(j), double(k)}) - middle;
+            ventricles.at(i, j, k) =
+                float(std::min({3.5 - std::abs(d.x + middle.x - 16), 30 - std::abs(d.y), 8 - std::abs(d.z)}));
+          }
+    Report report;
+    for (const Finding& f :
+         findings::find_findings(s.volume, {&s.skull, &s.brain, &ventricles, &landmarks}, {}, report).list)
+      if (f.kind == FindingKind::shift) return f;
+    return Finding{};
+  };
+  const Finding whole = shift_with(false), piece = shift_with(true);
+  EXPECT_GE(whole.confidence, findings::sure_confidence) << whole.text;
+  EXPECT_GT(Scene::figure(piece, "shift_mm"), 10) << piece.text;
+  EXPECT_LT(piece.confidence, findings::sure_confidence) << piece.text;
 }
 
 TEST(Findings, TheReportListsThemAndTheLabelsOutlineThem) {

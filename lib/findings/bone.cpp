@@ -20,12 +20,34 @@ constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double above_base_mm = -5;
 constexpr double min_metal_mm3 = 15;
+constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
+constexpr double round_ratio = 0.6, most_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
 constexpr double suture_mm = 4;  ///< a gap of bone that is narrower is a suture or a thin place
 
 float hu_near(const mask::HuView& hu, Vec3 lps) {
   const Vec3 p = hu.lattice().to_index(lps);
   const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
   return hu.lattice().contains(i, j, k) ? hu(i, j, k) : -3000.f;
+}
+
+/// The skull's field between its voxels. The nearest voxel alone closes a burr hole in thick slices: a slanting ray
+/// meets the step of the slice above or below before it is through.
+float skull_at(const grid::Field& skull, Vec3 lps) {
+  const Vec3 p = skull.to_index(lps);
+  if (!skull.contains(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z)))) return -1;
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    int at[3];
+    for (int a = 0; a < 3; ++a) {
+      const double low = std::floor(p[a]);
+      const int upper = corner >> a & 1;
+      weight *= upper ? p[a] - low : 1 - (p[a] - low);
+      at[a] = std::clamp(int(low) + upper, 0, skull.size[a] - 1);
+    }
+    sum += weight * double(skull.at(at[0], at[1], at[2]));
+  }
+  return float(sum);
 }
 
 /// What a ray from the middle of the head meets beyond the brain.
@@ -52,9 +74,7 @@ Met along(const Inside& in, const mask::HuView& hu, const grid::Field& skull, Ve
     const Vec3 lps = from + way * d;
     const float value = hu_near(hu, lps);
     if (value < -2500) return met;  // the scan ends
-    const Vec3 p = skull.to_index(lps);
-    const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
-    if (skull.contains(i, j, k) && skull.at(i, j, k) > 0) return met.is = Ray::bone, met;
+    if (skull_at(skull, lps) > 0) return met.is = Ray::bone, met;
     // Where the scan or its field cuts the head, the brain ends in air, without a scalp over it.
     if (d > inner && value < skin_hu) return met.is = d > inner + scalp_mm ? Ray::gap : Ray::unknown, met;
   }
@@ -105,9 +125,17 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     s.finding.position_mm = e.middle_mm;
     const double slice =
         std::max({in.raster.fine.spacing_mm.x, in.raster.fine.spacing_mm.y, in.raster.fine.spacing_mm.z});
-    s.finding.confidence = 0.95 * mask::ramp(mm2 / 100, 0.3 * params.min_gap_cm2, 3 * params.min_gap_cm2) *
-                           mask::ramp(slice, 8, 3) * (in.place.sure ? 1 : 0.5);
-    s.finding.figures = {{"area_cm2", mm2 / 100}, {"longest_mm", 3.46 * e.sigma_mm[0]}};
+    const double width_mm = 3.46 * e.sigma_mm[1], cm2 = mm2 / 100, min_cm2 = params.min_gap_cm2;
+    // A gap that is many slices wide is no thin place between two of them.
+    const double slices = std::max(mask::ramp(slice, 8, 3), mask::ramp(width_mm / slice, slices_doubtful, slices_sure));
+    double sure = 0.95 * mask::ramp(cm2, 0.3 * min_cm2, 3 * min_cm2) * slices;
+    // A small one that is as wide as it is long, and wider than a slice, is a hole that was made: thin places and
+    // sutures are long.
+    if (e.sigma_mm[1] > round_ratio * e.sigma_mm[0])
+      sure = std::max(sure, most_of_hole * mask::ramp(cm2, 0.5 * min_cm2, 1.2 * min_cm2) *
+                                mask::ramp(width_mm / slice, hole_doubtful, hole_sure));
+    s.finding.confidence = sure * (in.place.sure ? 1 : 0.5);
+    s.finding.figures = {{"area_cm2", cm2}, {"longest_mm", 3.46 * e.sigma_mm[0]}, {"width_mm", width_mm}};
     s.finding.text = fmt::format("the vault has a gap of {:.1f} cm2, {:.0f} mm long", mm2 / 100, 3.46 * e.sigma_mm[0]);
     if (mm2 > 500) s.finding.concerns = {"brain"};  // the brain bulges or sinks there, and no bone bounds it
     s.finding.concerns.push_back("skull");

@@ -15,6 +15,8 @@
 namespace trephine::findings {
 namespace {
 
+constexpr double of_parts = 0.42;  ///< most confidence of a shift that is measured in parts of the ventricles
+
 /// The shift and the width of the ventricles, as a case's figures have them.
 std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& p, const Progress& progress) {
   std::vector<Seen> all;
@@ -33,6 +35,10 @@ std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& 
     s.finding.position_mm = f.midline_place_mm;
     s.finding.confidence =
         0.9 * plane * slices * mask::ramp(std::abs(*f.midline_shift_mm), 0.5 * p.min_shift_mm, 1.7 * p.min_shift_mm);
+    // Ventricles that cannot be whole: what is taken for the third one may be a piece of another. Two horns that face
+    // each other across the septum are seen as they are.
+    if (f.head_class == head::HeadClass::uncertain && f.midline_of != std::string("septum"))
+      s.finding.confidence = std::min(s.finding.confidence, of_parts);
     s.finding.figures = {{"shift_mm", std::abs(*f.midline_shift_mm)}};
     s.finding.text = fmt::format("the midline is shifted by {:.1f} mm to the {} ({})", std::abs(*f.midline_shift_mm),
                                  *f.midline_shift_mm > 0 ? "left" : "right", f.midline_of);

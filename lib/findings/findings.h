@@ -20,7 +20,7 @@ struct FindingsParams {
   double dark_hu = 20, min_dark_ml = 5;
   double min_shift_mm = 3;
   double wide_evans_ratio = 0.3;
-  double min_gap_cm2 = 1;
+  double min_gap_cm2 = 0.6;
   double metal_hu = 2500, tube_hu = 110, min_tube_mm = 25;
 
   template <class V>
@@ -87,12 +87,14 @@ struct Findings {
 ///   is not looked for. In the ventricles, beside the brain (half of it lies within 8 mm of the inner table), or in the
 ///   brain.
 ///   Its confidence is below 0.5 where vessels are as bright as contrast medium makes them, where it keeps to a few
-///   slices, and where the tissue jumps from slice to slice more than elsewhere in the scan, as streaks do.
+///   slices (but for a level of blood in the ventricles that is 20 mm and 4 slices high), and where the tissue jumps
+///   from slice to slice more than elsewhere in the scan, as streaks do.
 /// - dark: tissue of the brain, not thinner than 7 mm, that is darker than white matter, away from ventricles, cisterns
 ///   and fissures.
-/// - shift: of the midline at the foramina of Monro; wide_ventricles: by Evans' index (head/head_figures.h).
+/// - shift: of the midline at the foramina of Monro; doubtful where the ventricles cannot be whole and no septum is
+/// seen; wide_ventricles: by Evans' index (head/head_figures.h).
 /// - bone_gap: rays from the brain through the vault that meet no bone before they leave the skin; the area at
-///   the skull.
+///   the skull. In thick slices it is sure where it is several slices wide, or a round hole wider than a slice.
 /// - metal: above the base of the skull; tube: straight, thin and long, in the brain.
 ///
 /// Adds findings_count and, for each, "N.kind", "N.where", "N.side", "N.position_mm", "N.confidence", "N.concerns"

@@ -18,8 +18,10 @@ constexpr double beside_mm = 8;  ///< below the inner table
 constexpr double at_ventricle_mm = 2.5, at_tube_mm = 5;
 constexpr double near_place_mm = 10;  ///< wide ventricles reach so far beyond the template's
 constexpr double touching = 0.2, little_touching = 0.02, at_place_mm = 4, at_horn_mm = 9;
-constexpr double flat_ratio = 0.35;   ///< of the spread across the slices to the longest: blood does not keep to slices
-constexpr double streak_ratio = 1.4;  ///< of the jumps between slices there to those of the scan
+constexpr double flat_ratio = 0.35;  ///< of the spread across the slices to the longest: blood does not keep to slices
+constexpr double high_mm = 20, high_slices = 4;  ///< what is higher is not flat, however long: a level in both horns is
+constexpr double streak_ratio = 1.4;             ///< of the jumps between slices there to those of the scan
+constexpr double thick_streaks = 1.25;  ///< times that in slices of 6 mm, whose neighbours differ as tissue does
 constexpr double clear_mm = 3, least_cells = 60;
 constexpr double most_doubtful = 0.42;
 constexpr double dark_core_mm = 3.5, dark_smooth_mm = 1.5;
@@ -160,6 +162,9 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
   const mask::BitMask at_ventricles = mask::dilated(in.ventricles, at_ventricle_mm, progress);
   const std::vector<double> jumps = slice_jumps(in, grown, progress);
   const double usual = usual_jump(jumps);
+  const Vec3 spacing = in.raster.fine.spacing_mm;
+  const double slice_mm = std::max({spacing.x, spacing.y, spacing.z});
+  const double most_streaks = streak_ratio * (1 + (thick_streaks - 1) * mask::ramp(slice_mm, 3, 6));
   std::vector<Seen> all;
   for (mask::BitMask& piece : pieces_of(grown, p.min_blood_ml)) {
     if (share(piece, [&](int i, int j, int k) { return at_tubes.get(i, j, k); }) > 0.5) continue;
@@ -195,7 +200,9 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
     const InSlices slices = in_slices(piece, jumps);
     const double flat = e.sigma_mm[0] > 0 ? slices.sigma_mm / e.sigma_mm[0] : 0;
     const double streaks = usual > 0 ? slices.jump / usual : 0;
-    if (in.contrast_ml > vessels_ml || flat < flat_ratio || streaks > streak_ratio || !in.place.sure)
+    const double high = 3.46 * slices.sigma_mm;  // of an even column
+    const bool is_flat = flat < flat_ratio && !(in_ventricles && high > std::max(high_mm, high_slices * slice_mm));
+    if (in.contrast_ml > vessels_ml || is_flat || streaks > most_streaks || !in.place.sure)
       sure = std::min(sure, most_doubtful);
     s.finding.confidence = std::max(0.1, 0.95 * sure);
     s.finding.figures = {{"volume_ml", ml},
