@@ -181,7 +181,14 @@ Reply Desk::lessons(const Request& request) {
   check.argv = {"trephine-sim", "lessons", folder.string(), "--json", "--quiet"};
   check.output = temporary.path() / "said";
   check.own_group = true;
-  const Ended ended = wait_for(spawn(check), until_it_ends_s);
+  int child = 0;
+  try {
+    child = spawn(check);
+  } catch (const Error&) {
+    throw Error(ExitCode::no_input, "trephine-sim", "",
+                "is not installed beside trephine: for which lessons the case serves is not known; it can be approved");
+  }
+  const Ended ended = wait_for(child, until_it_ends_s);
   const std::vector<char> said = read_file(check.output, max_file_bytes);
   if (ended.code != 0) throw Error(ExitCode::bad_input, "", "", printable({said.data(), said.size()}));
   const Json all = Json::parse(said.begin(), said.end());

@@ -20,6 +20,7 @@ function approvePanel(page) {
     if (seen !== (desk.stats.rebuilt || 0)) seen = desk.stats.rebuilt || 0, ticked.clear()  // another case now: it is looked at anew
     const has = name => c.anatomies.some(a => a.name.includes(name))
     const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && (info.now && /crop|deface/.test(info.now.face) ? 'c_face' : 'c_face_kept'), info.warnings.length && 'c_warnings'].filter(x => x)
+    const known = info.now ? info.now.known_landmarks : [], lost = known.filter(name => !built.landmarks.some(l => l.name === name))
     const level = make('select', { id: 'difficulty' }, [1, 2, 3, 4, 5].map(n => make('option', { value: String(n), text: String(n) })))
     level.value = String(c.approval ? c.approval.difficulty_level : 3)
     const stale = info.reasons && info.reasons.length > 0
@@ -36,6 +37,8 @@ function approvePanel(page) {
       c.approval ? make('p', { class: c.approval.holds ? 'good' : 'bad', text: c.approval.holds ? `${t('approved')} ${t('by')} ${c.approval.by}, ${t('difficulty')} ${c.approval.difficulty_level}` : t('void_') }) : make('p', { class: 'faint', text: t('unapproved') }),
       stale ? make('p', { class: 'warn', text: t('stale_case') }) : null,
       make('h2', { text: t('checklist') }), list,
+      lost.length ? make('p', { class: 'warn', id: 'lost', text: `${t('lost_landmarks')} ${lost.map(label).join(', ')}` }) : null,
+      info.now && info.now.cuts_holes && !built.holes.length ? make('p', { class: 'warn', text: t('no_hole_built') }) : null,
       make('div', { class: 'row' }, field('difficulty', level), approve, c.approval ? button('withdraw', async () => { await tell('approve', { case: page.token, by: who(), withdraw: true }); await again() }) : null), todo,
       // Below what is clicked, which must not move when the answer comes.
       make('h2', { text: t('lessons') }), lessons(c),

@@ -23,7 +23,10 @@ function casePage(token) {
   views.firstChild.append(wait)
   page.showSolid = () => {
     const c = desk.cases.find(c => c.case === token)
-    solidBox.querySelector('iframe, .wait').replaceWith(c && c.page ? make('iframe', { title: t('solid'), src: `case/${token}/report/view.html#framed`, sandbox: 'allow-scripts' }) : make('div', { class: 'wait', text: t('no_page') }))
+    const told = make('div', { class: 'wait', text: t(c && c.page ? 'page_comes' : 'no_page') })
+    for (const old of solidBox.querySelectorAll('iframe, .wait')) old.remove()
+    if (c && c.page) solidBox.append(make('iframe', { title: t('solid'), src: `case/${token}/report/view.html#framed`, sandbox: 'allow-scripts', load: () => { told.hidden = true } }))
+    solidBox.append(told)
   }
 
   // ---- drawing

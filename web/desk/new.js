@@ -66,7 +66,7 @@ function newPage() {
     let series = chosen ? chosen.token : ''
     const rows = data.series.map(s => {
       const radio = make('input', { type: 'radio', name: 'series', value: s.token, 'aria-label': s.token, checked: s.token === series, disabled: !s.usable, change: () => { series = s.token } })
-      const picture = make('td'), show = button('show', async () => {
+      const picture = make('td', { class: s === chosen ? 'pictured' : '' }), show = button('show', async () => {
         const bytes = await askBytes('picture', { path, series: s.token })
         picture.replaceChildren(make('img', { class: 'thumb', alt: t('picture'), src: URL.createObjectURL(new Blob([bytes], { type: 'image/png' })) }))
       }, { disabled: !s.usable, 'data-show': s.token })

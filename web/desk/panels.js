@@ -61,14 +61,27 @@ const swatch = colour => {
 // A warning leads to its place: the point that it names in mm, else the landmark or hole that it names.
 function warningLine(page, text) {
   const mm = text.match(/\(?\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?)\s*\)?\s*mm/), mark = page.allMarks().find(m => text.includes(m.name))
-  const at = mm ? mm.slice(1).map(Number) : mark && mark.position_mm
+  const found = (page.info.built ? page.info.built.findings : []).find(f => text.includes(f.text))
+  const at = mm ? mm.slice(1).map(Number) : found ? found.position_mm : mark && mark.position_mm
   const named = page.fields.find(f => text.includes(f))
   const go = async () => {
     if (named) page.outlines.set(named, true), page.redraw()
     if (at) page.goWorld(at)
     else if (named) await goToField(page, named)
   }
-  return at || named ? make('p', { class: 'warn' }, make('a', { href: '#', text, click: doing(async e => { e.preventDefault(); await go() }) })) : make('p', { class: 'warn', text })
+  const link = (key, f) => [' ', make('a', { href: '#', text: t(key), click: doing(async e => { e.preventDefault(); await f() }) })]
+  // What a run says of a line of the configuration, the desk has a tool for.
+  const points = page.landmarkNames().filter(name => text.includes(`landmarks: {${name}:`) || new RegExp(`(^|[ ,])${name}( and \\w+)* not found`).test(text))
+  const said = points.length ? text.replace(/; look at it, or give it[^;]*landmarks: \{.*?\}, mm, LPS/, '') : text
+  const tools = points.map(name => [...link('place_it', () => { page.chooseLandmark(name), page.pick('landmark') }), points.length > 1 ? ` (${label(name)})` : ''])
+  const horn = !points.length && /\b(horn|body) of the|ventricles' (volume|found)|frontal horn/.test(text) && page.info.now && page.info.now.anatomies.some(a => a.name === 'ventricles' && a.field)
+  if (horn) tools.push(link('paint_it', () => { page.chooseAnatomy('ventricles'), page.show_('paint') }))
+  const end = text.match(/the scan ends (above|below)/)
+  if (end && !at && !named && page.volume) {
+    const p = page.volume.planes[0], up = page.volume.toWorld([0, 0, 0].map((v, k) => k === p.n ? 1 : 0))[2] > page.volume.toWorld([0, 0, 0])[2]
+    tools.push(link('go_there', () => { const to = [...page.at]; to[p.n] = (end[1] === 'above') === up ? page.volume.size[p.n] - 1 : 0; page.go(to) }))
+  }
+  return make('p', { class: 'warn' }, at || named ? make('a', { href: '#', text: said, click: doing(async e => { e.preventDefault(); await go() }) }) : said, tools.flat())
 }
 // Looks at the slice in which most of an anatomy's outline is seen.
 async function goToField(page, name) {

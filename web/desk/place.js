@@ -12,6 +12,9 @@ function placePanel(page) {
   }
   const placeOf = name => given()[name] || (page.info.built ? (page.info.built.landmarks.find(l => l.name === name) || {}).position_mm : null)
 
+  page.landmarkNames = names
+  page.chooseLandmark = name => { chosen = name, placeOf(name) && page.goWorld(placeOf(name)), page.show_('place') }
+
   // ---- what was saved, and can be taken back
   page.change = async (path, before, after) => {
     await page.save(path, after)
