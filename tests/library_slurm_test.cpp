@@ -205,6 +205,13 @@ TEST(LibrarySlurm, ABatchIsReadAsItWasWritten) {
   ASSERT_TRUE(record);
   EXPECT_EQ(record->attempt, 3);
   EXPECT_EQ(record->result.reason, "full");
+  // The last job read the batch before it was cancelled, and writes it after that.
+  mark_cancelled(batch);
+  write_batch(batch);
+  EXPECT_TRUE(read_batches(state, true).empty());
+  EXPECT_TRUE(read_batches(state, false).at(0).cancelled);
+  std::filesystem::remove(batch.folder / "cancelled");
+  EXPECT_EQ(read_batches(state, true).size(), 1u);
   batch.finished = true;
   write_batch(batch);
   EXPECT_TRUE(read_batches(state, true).empty());

@@ -18,6 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr std::uint64_t max_bytes = std::uint64_t{1} << 28;
 constexpr const char* state_file = "batch.json";
+constexpr const char* cancelled_file = "cancelled";
 
 // Sorted by name they are sorted by age, as far as the clocks of the hosts that submit agree.
 std::string new_id() {
@@ -101,7 +102,7 @@ std::optional<Batch> read_batch(const fs::path& folder) {
     b.cache_limit_mb = json.at("cache_limit_mb");
     b.sheet = json.at("sheet");
     b.finished = json.at("finished");
-    b.cancelled = json.at("cancelled");
+    b.cancelled = fs::exists(folder / cancelled_file);
     return b;
   } catch (const std::bad_alloc&) {
     throw;
@@ -150,12 +151,15 @@ void write_batch(const Batch& b) {
   json["cache_limit_mb"] = b.cache_limit_mb;
   json["sheet"] = b.sheet;
   json["finished"] = b.finished;
-  json["cancelled"] = b.cancelled;
   json["classes"] = std::move(classes);
   json["arrays"] = std::move(arrays);
   json["jobs"] = std::move(jobs);
   write_file(b.folder / state_file, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
+
+void mark_cancelled(const Batch& b) { write_file(b.folder / cancelled_file, ""); }
+
+fs::path changed_last(const Batch& b) { return b.folder / (b.cancelled ? cancelled_file : state_file); }
 
 void write_jobs(const fs::path& file, const std::vector<LibraryJob>& jobs) {
   std::string text;

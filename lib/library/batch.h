@@ -14,6 +14,7 @@ namespace trephine::library {
 /// What a library build has handed to Slurm, in LIBRARY/.library/slurm/BATCH/ (mode 0700), so that whoever submitted it
 /// may leave:
 ///   batch.json           what follows here; holds names of jobs and figures only
+///   cancelled            is there where a person ended it
 ///   jobs.jsonl           every job with its words, and with them the paths of series: mode 0600, removed at the end
 ///   tasks-K.jsonl        the jobs of one array, a line each, likewise
 ///   begun/, ended/       a record of each job's last try, by its name, written by the node
@@ -77,8 +78,13 @@ std::vector<Batch> read_batches(const LibraryState& state, bool open);
 std::optional<Batch> read_batch(const std::filesystem::path& folder);
 /// Makes a folder with a new name for it. Throws Error 73.
 Batch new_batch(const LibraryState& state);
-/// Throws Error 73 and 74.
+/// All but `cancelled`. Throws Error 73 and 74.
 void write_batch(const Batch& batch);
+/// Says beside it that the batch is cancelled, in a file of its own: whoever read the batch before, as its last job may
+/// have, and writes it again, takes nothing of that back. Throws Error 73 and 74.
+void mark_cancelled(const Batch& batch);
+/// The file whose time is when the batch was changed last.
+std::filesystem::path changed_last(const Batch& batch);
 
 void write_jobs(const std::filesystem::path& file, const std::vector<LibraryJob>& jobs);
 std::map<std::string, LibraryJob> read_jobs(const std::filesystem::path& file);

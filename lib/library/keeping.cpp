@@ -229,7 +229,7 @@ class Collector {
       if (it->is_directory() && !it->is_symlink()) folders.push_back(it->path());
     for (const fs::path& folder : folders) {
       const auto batch = read_batch(folder);
-      if ((batch && batch->is_open()) || age_of(batch ? folder / "batch.json" : folder) <= torn_s) continue;
+      if ((batch && batch->is_open()) || age_of(batch ? changed_last(*batch) : folder) <= torn_s) continue;
       ++out_.batches;
       remove_folder(folder);
     }

@@ -323,12 +323,10 @@ int cancel_batches(const LibraryState& state) {
   int count = 0;
   for (const Batch& open : read_batches(state, true)) {
     cancel_in_slurm(open.slurm_name());
-    // The last job may have submitted more a moment ago: it reads the file again before it does.
-    Batch batch = read_batch(open.folder).value_or(open);
-    batch.cancelled = true;
-    write_batch(batch);
+    // The last job may have submitted more a moment ago: it looks again before it does.
+    mark_cancelled(open);
     cancel_in_slurm(open.slurm_name());
-    remove_words(batch);
+    remove_words(read_batch(open.folder).value_or(open));
     ++count;
   }
   return count;
