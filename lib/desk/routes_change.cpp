@@ -51,7 +51,8 @@ Json json_of(const cases::CaseManifest& m) {
                             {"diameter_mm", h.diameter_mm}});
   out["findings"] = Json::array();
   for (const cases::CaseFinding& f : m.findings)
-    out["findings"].push_back({{"text", f.text}, {"position_mm", json_of(f.position_mm)}});
+    out["findings"].push_back(
+        {{"text", f.text}, {"position_mm", json_of(f.position_mm)}, {"confidence", f.confidence}});
   for (const auto& [name, value] : m.figures)
     out["figures"][name] = std::visit([](const auto& v) { return Json(v); }, value);
   return out;

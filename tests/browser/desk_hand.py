@@ -284,6 +284,28 @@ def preview(page, check, own):
     check(own.read_text() == before, "nor does one that cannot be")
 
 
+def links(page, check):
+    """A finding that is sure is acknowledged by itself, and warnings lead to their places and tools; the sample has none, so they are given to the page."""
+    browser = page.b
+    browser.js("""const { built, warnings } = desk.page.info
+        built.findings.push({ text: 'the vault has a gap of 5.1 cm2', confidence: .9, position_mm: [0, 0, 60] }, { text: 'perhaps a sinus', confidence: .3, position_mm: [0, 0, 0] })
+        warnings.push('to be looked at: the vault has a gap of 5.1 cm2, right (skull may be wrong because of it)', "inion is doubtful (confidence 0.40); look at it, or give it in the case's configuration: landmarks: {inion: [x, y, z]}, mm, LPS")
+        desk.page.show_('approve')""")
+    listed = browser.js("return [...document.querySelectorAll('[data-check]')].map(e => e.dataset.check)")
+    check("finding_1" in listed and "finding_2" not in listed, f"the sure finding has a line of its own: {listed}")
+    for line in listed:
+        check(browser.js("return document.getElementById('approve').disabled"), f"no approval before {line}")
+        page.click(f"[data-check={line}]")
+    check(browser.js("return !document.getElementById('approve').disabled"), "all ticked")
+    warn = "[...document.querySelectorAll('#panel p.warn')].find(p => p.textContent.includes(arguments[0]))"
+    browser.js("desk.page.go([0, 0, 0])")
+    browser.js(f"{warn}.querySelector('a').click()", "gap of 5.1")
+    page.until("String(desk.page.at) === String(desk.page.volume.toIndex([0, 0, 60]).map(Math.round))", "the finding's place")
+    check("landmarks:" not in browser.js(f"return {warn}.textContent", "inion is doubtful"), "no line of YAML where there is a tool")
+    browser.js(f"[...{warn}.querySelectorAll('a')].pop().click()", "inion is doubtful")
+    page.until("desk.page.tab === 'place' && desk.page.tool === 'landmark' && !!document.querySelector('tr.chosen[data-landmark=inion]')", "the tool for it")
+
+
 def main():
     check = Checks()
     with tempfile.TemporaryDirectory() as folder:
@@ -321,6 +343,7 @@ def main():
                 page.click("[data-tab=approve]")
                 page.until("!!document.querySelector('[data-lesson=ventriculostomy]')", "what the simulator says of lessons")
                 check("cannot serve" in browser.js("return document.querySelector('[data-lesson=ventriculostomy]').textContent"), "a skull alone serves no ventriculostomy, and that is said before approval")
+                links(page, check)
                 made = digest(library / "head-01")
 
                 # a ZIP, and a folder, from this computer

@@ -19,19 +19,21 @@ function approvePanel(page) {
     if (!built || !c) return [make('p', { class: 'warn', text: t('not_built') }), make('p', { class: 'faint', text: t('build_first') })]
     if (seen !== (desk.stats.rebuilt || 0)) seen = desk.stats.rebuilt || 0, ticked.clear()  // another case now: it is looked at anew
     const has = name => c.anatomies.some(a => a.name.includes(name))
-    const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && (info.now && /crop|deface/.test(info.now.face) ? 'c_face' : 'c_face_kept'), info.warnings.length && 'c_warnings'].filter(x => x)
+    const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && (info.now && /crop|deface/.test(info.now.face) ? 'c_face' : 'c_face_kept'), info.warnings.length && 'c_warnings'].filter(x => x).map(key => ({ id: key, text: t(key), english: TEXTS.en[key] }))
+    // What a run found and is sure of is acknowledged one by one.
+    built.findings.filter(f => f.confidence >= .5).forEach((f, n) => lines.push({ id: `finding_${n + 1}`, text: `${t('c_finding')} ${f.text}`, english: `${TEXTS.en.c_finding} ${f.text}`, at: f.position_mm }))
     const known = info.now ? info.now.known_landmarks : [], lost = known.filter(name => !built.landmarks.some(l => l.name === name))
     const level = make('select', { id: 'difficulty' }, [1, 2, 3, 4, 5].map(n => make('option', { value: String(n), text: String(n) })))
     level.value = String(c.approval ? c.approval.difficulty_level : 3)
     const stale = info.reasons && info.reasons.length > 0
     const approve = button('approve', async () => {
-      await tell('approve', { case: page.token, by: who(), difficulty_level: +level.value, checks: lines.map(l => TEXTS.en[l]) })
+      await tell('approve', { case: page.token, by: who(), difficulty_level: +level.value, checks: lines.map(l => l.english) })
       await again()
     }, { id: 'approve', class: 'main' })
     const again = async () => { await loadLibrary(), await page.reloadInfo(), hint(t('saved')) }
-    const judge = () => { approve.disabled = stale || lines.some(l => !ticked.has(l)), todo.hidden = stale || !approve.disabled }
+    const judge = () => { approve.disabled = stale || lines.some(l => !ticked.has(l.id)), todo.hidden = stale || !approve.disabled }
     const todo = make('p', { class: 'faint', text: t('tick_all') })
-    const list = lines.map(l => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-check': l, checked: ticked.has(l), change: e => { e.target.checked ? ticked.add(l) : ticked.delete(l), judge() } }), make('span', { text: t(l) }))))
+    const list = lines.map(l => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-check': l.id, checked: ticked.has(l.id), change: e => { e.target.checked ? ticked.add(l.id) : ticked.delete(l.id), judge() } }), make('span', { text: l.text })), l.at ? button('go_there', () => page.goWorld(l.at)) : null))
     judge()
     return [
       c.approval ? make('p', { class: c.approval.holds ? 'good' : 'bad', text: c.approval.holds ? `${t('approved')} ${t('by')} ${c.approval.by}, ${t('difficulty')} ${c.approval.difficulty_level}` : t('void_') }) : make('p', { class: 'faint', text: t('unapproved') }),
