@@ -213,6 +213,29 @@ TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
   EXPECT_NE(s.report.warnings[0].find("cannot be measured"), std::string::npos) << s.report.warnings[0];
 }
 
+TEST(Findings, MetalLiesWhereItIsSaidToLie) {
+  const auto hu_at = [](const Scene& s, Vec3 lps) {
+    const auto& grid = std::get<grid::Grid<std::int16_t>>(s.volume);
+    const Vec3 p = grid.to_index(lps);
+    return grid.at(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z)));
+  };
+  // Two plates: between them, where their middle is, no metal lies.
+  const Scene s({}, phantom::Variant::normal, 2, 5, [](Scene& scene, const phantom::Head&) {
+    auto& grid = std::get<grid::Grid<std::int16_t>>(scene.volume);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 p = grid.to_index({45 * side, -30, 95});
+      for (int k = -1; k <= 1; ++k)
+        for (int j = -3; j <= 3; ++j)
+          for (int i = -3; i <= 3; ++i)
+            grid.at(int(std::lround(p.x)) + i, int(std::lround(p.y)) + j, int(std::lround(p.z)) + k) = 3050;
+    }
+  });
+  const auto metal = s.of(FindingKind::metal);
+  ASSERT_EQ(metal.size(), 1u);
+  EXPECT_EQ(Scene::figure(metal[0], "pieces_count"), 2);
+  EXPECT_EQ(hu_at(s, metal[0].position_mm), 3050);
+}
+
 TEST(Findings, ShiftAndWidthAreThoseOfTheFigures) {
   const Scene shifted({}, phantom::Variant::shifted), wide({}, phantom::Variant::hydrocephalic);
   const auto shift = shifted.of(FindingKind::shift);

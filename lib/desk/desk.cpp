@@ -97,24 +97,24 @@ void Desk::stop() {
   open_.clear();
 }
 
-std::shared_ptr<OpenCase> Desk::opened(const std::string& token, bool again) {
+std::shared_ptr<OpenCase> Desk::opened(const std::string& token, Opening how) {
   std::shared_ptr<OpenCase> gone;  // ends its thread after the lock is released
+  const auto place = [&] {
+    return std::find_if(open_.begin(), open_.end(), [&](const auto& one) { return one.first == token; });
+  };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const auto at = std::find_if(open_.begin(), open_.end(), [&](const auto& one) { return one.first == token; });
-    if (at != open_.end()) {
-      auto one = *at;
-      open_.erase(at);
-      if (!again) {
-        open_.push_back(one);
-        return one.second;
-      }
-      gone = one.second;
+    if (const auto at = place(); at != open_.end()) {
+      std::rotate(at, at + 1, open_.end());  // the one that was looked at last stands last
+      if (how == Opening::as_it_is) return open_.back().second;
+      gone = open_.back().second;
+      if (how == Opening::anew) open_.pop_back();
     }
   }
-  gone.reset();
-  auto made = std::make_shared<OpenCase>(library_, library_.find(token));
+  if (how == Opening::anew) gone.reset();
+  auto made = std::make_shared<OpenCase>(library_, library_.find(token), gone.get());
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (const auto at = place(); at != open_.end()) open_.erase(at);
   open_.emplace_back(token, made);
   if (open_.size() > max_open) {
     gone = open_.front().second;

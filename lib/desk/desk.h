@@ -82,7 +82,9 @@ class Desk {
   Reply drop(const Request&);
   Reply dropped(const Request&);
 
-  std::shared_ptr<OpenCase> opened(const std::string& token, bool again);
+  /// `behind`: computed anew while the scan and the fields that are there serve; of a change that leaves the scan.
+  enum class Opening { as_it_is, anew, behind };
+  std::shared_ptr<OpenCase> opened(const std::string& token, Opening how);
   /// Of a case that was opened before; throws Error 66 where it was not, or its scan is not there yet.
   std::shared_ptr<OpenCase> looked_at(const Request& request) { return looked_at_case(request.value("case")); }
   std::shared_ptr<OpenCase> looked_at_case(const std::string& token);

@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/progress.h"
 #include "config/corrected_field.h"
+#include "head/head_landmarks.h"
 #include "library/build_jobs.h"
 #include "pipeline/executor.h"
 #include "publish/scan_checks.h"
@@ -46,15 +47,15 @@ int field_node(const CaseGraph& of, const std::string& anatomy) {
 }
 
 std::string shape_state(const config::CaseConfig& config, const std::string& anatomy) {
-  const auto is_of_hole = [&](const std::string& path) {
-    return std::any_of(config.burr_holes.begin(), config.burr_holes.end(),
-                       [&](const config::CaseDrill& hole) { return path.rfind(hole.name + ".", 0) == 0; });
-  };
+  std::vector<std::string> others = {"scene.", "haptic."};
+  for (const config::CaseDrill& hole : config.burr_holes) others.push_back(hole.name + ".");
+  for (const config::RecipeAnatomy& any : config.anatomies)
+    for (const config::RecipeStep& step : any.steps)
+      if (step.type->output != stages::DataKind::field) others.push_back(any.name + "." + step.type->name + ".");
   std::string out;
-  for (const config::ValueRow& row : config.values) {
-    if (is_of_hole(row.path)) continue;
-    out += row.path + " = " + row.value + "\n";
-  }
+  for (const config::ValueRow& row : config.values)
+    if (std::none_of(others.begin(), others.end(), [&](const auto& begin) { return row.path.rfind(begin, 0) == 0; }))
+      out += row.path + " = " + row.value + "\n";
   if (const config::RecipeAnatomy* one = config.find_anatomy(anatomy))
     for (const config::RecipeStep& step : one->steps)
       if (step.type->name == "correct") {
@@ -111,7 +112,16 @@ class OpenCase::Watcher : public pipeline::RunObserver {
   OpenCase& of_;
 };
 
-OpenCase::OpenCase(const DeskLibrary& library, DeskCase one) : library_(library), one_(std::move(one)) {
+OpenCase::OpenCase(const DeskLibrary& library, DeskCase one, const OpenCase* before)
+    : library_(library), one_(std::move(one)) {
+  if (before && before->scan()) {
+    now_.has_scan = true;
+    now_.fields = before->now().fields;
+    now_.landmarks = before->now().landmarks;
+    scan_ = before->scan();
+    config_ = before->config();
+    for (const std::string& name : now_.fields) fields_[name] = before->field(name);
+  }
   thread_ = std::thread([this] {
     std::string fault;
     try {
@@ -162,6 +172,7 @@ void OpenCase::work() {
     scan_ = scan;
     now_.has_scan = true;
   }
+  std::vector<std::string> made_now;
   for (const config::RecipeAnatomy& anatomy : of.config->anatomies) {
     const int node = field_node(of, anatomy.name);
     if (node < 0) continue;
@@ -173,12 +184,29 @@ void OpenCase::work() {
       const std::lock_guard<std::mutex> lock(mutex_);
       fields_[anatomy.name] = std::move(one);
       states_[anatomy.name] = states[anatomy.name];
-      now_.fields.push_back(anatomy.name);
+      made_now.push_back(anatomy.name);
+      if (std::find(now_.fields.begin(), now_.fields.end(), anatomy.name) == now_.fields.end())
+        now_.fields.push_back(anatomy.name);
     } catch (const Error& e) {  // the others can be looked at all the same
       const std::lock_guard<std::mutex> lock(mutex_);
       now_.warnings.push_back(anatomy.name + ": " + e.line("").substr(2));
     }
   }
+  std::vector<cases::CaseLandmark> landmarks = of.config->landmarks;
+  if (const config::RecipeStep* step = of.config->landmarks_step())
+    if (const int node = graph.find(step->type->name); node >= 0) try {
+        const auto found =
+            std::get<std::shared_ptr<const head::HeadLandmarks>>(computed(graph, node, options, watcher).data);
+        landmarks = found->landmarks;
+      } catch (const Error& e) {  // a hole that cannot be placed is mended by looking at them; without them by the scan
+        const std::lock_guard<std::mutex> lock(mutex_);
+        now_.warnings.push_back("landmarks: " + e.line("").substr(2));
+      }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  now_.landmarks = std::move(landmarks);
+  for (const std::string& name : now_.fields)  // of the case as it was before
+    if (std::find(made_now.begin(), made_now.end(), name) == made_now.end()) fields_.erase(name);
+  now_.fields = std::move(made_now);
 }
 
 OpenCase::Now OpenCase::now() const {

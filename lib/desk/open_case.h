@@ -39,8 +39,8 @@ int field_node(const CaseGraph& graph, const std::string& anatomy);
 /// as where a landmark is missing that a person is about to place.
 pipeline::NodeResult computed(const pipeline::Graph& graph, int node, const pipeline::ExecuteOptions& options,
                               pipeline::RunObserver& observer);
-/// What the anatomy's shape is made of, as text: every value of the configuration but those of its burr holes, and the
-/// digest of its correction.
+/// What the anatomy's field is made of, as text: the values of the configuration but those of surfaces, of what is felt
+/// and of burr holes (which leave a surface fewer triangles), and the digest of its correction.
 std::string shape_state(const config::CaseConfig& config, const std::string& anatomy);
 /// What went wrong, in the words of an Error's line, a line for each; for use within a catch (...).
 std::string fault_of_exception();
@@ -49,7 +49,8 @@ std::string fault_of_exception();
 /// away) and the field of each anatomy, from the cache of stages or computed now, in a thread of its own.
 class OpenCase {
  public:
-  OpenCase(const DeskLibrary& library, DeskCase one);
+  /// `before`: the same case as it was opened before; its scan and fields serve until those of this one are there.
+  OpenCase(const DeskLibrary& library, DeskCase one, const OpenCase* before = nullptr);
   ~OpenCase();
   OpenCase(const OpenCase&) = delete;
   OpenCase& operator=(const OpenCase&) = delete;
@@ -61,7 +62,8 @@ class OpenCase {
     double fraction = 0;
     std::string fault;
     bool has_scan = false;
-    std::vector<std::string> fields;  ///< anatomies whose field is there
+    std::vector<std::string> fields;             ///< anatomies whose field is there
+    std::vector<cases::CaseLandmark> landmarks;  ///< as they are found, where the recipe seeks them
     std::vector<std::string> warnings;
   };
   Now now() const;

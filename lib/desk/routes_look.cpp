@@ -29,7 +29,10 @@ Vec3 vector_of(const Request& request, const std::string& name) {
 }  // namespace
 
 Reply Desk::open(const Request& request) {
-  const auto one = opened(request.value("case"), request.value("again") == "1");
+  const std::string again = request.value("again");
+  const auto one = opened(request.value("case"), again == "1"        ? Opening::anew
+                                                 : again == "behind" ? Opening::behind
+                                                                     : Opening::as_it_is);
   const OpenCase::Now now = one->now();
   Json out = {{"state", now.state == OpenCase::State::opening ? "opening"
                         : now.state == OpenCase::State::ready ? "ready"
@@ -39,6 +42,12 @@ Reply Desk::open(const Request& request) {
               {"fault", now.fault},
               {"fields", now.fields},
               {"warnings", now.warnings}};
+  out["landmarks"] = Json::array();
+  for (const cases::CaseLandmark& l : now.landmarks)
+    out["landmarks"].push_back({{"name", l.name},
+                                {"position_mm", Json::array({l.position_mm.x, l.position_mm.y, l.position_mm.z})},
+                                {"confidence", l.confidence},
+                                {"source", l.source}});
   if (const auto scan = one->scan()) out["lattice"] = json_of(grid::lattice_of(*scan));
   return json_reply(out);
 }

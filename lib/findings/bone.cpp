@@ -147,6 +147,17 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
   return all;
 }
 
+/// The voxel of a piece that is nearest to its middle: between two pieces, or in a ring, the middle itself is none.
+Vec3 within_piece(const mask::Components& all, int piece, const grid::Lattice& lattice) {
+  std::vector<Vec3> cells;
+  mask::for_each_voxel(all, [&](int c, int i, int j, int k) {
+    if (c == piece) cells.push_back(lattice.to_world_mm({double(i), double(j), double(k)}));
+  });
+  const Vec3 middle = extent_of(cells).middle_mm;
+  return *std::min_element(cells.begin(), cells.end(),
+                           [&](Vec3 a, Vec3 b) { return norm(a - middle) < norm(b - middle); });
+}
+
 std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                            const FindingsParams& params, const Progress& progress) {
   const mask::HuView hu(volume);
@@ -155,8 +166,7 @@ std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const
   // Teeth and their fillings lie below the base; the template says where that is.
   const mask::Components metal = mask::components(mask::above(hu, params.metal_hu), true);
   double metal_ml = 0;
-  std::vector<Vec3> points;
-  int pieces = 0;
+  int pieces = 0, largest = -1;
   for (std::size_t c = 0; c < metal.list.size(); ++c) {
     const grid::Box& b = metal.list[c].box;
     Vec3 at;
@@ -167,13 +177,13 @@ std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const
         in.place.sure ? in.place.to_template(lps).z > above_base_mm : lps.z > in.envelope.centre_mm().z - 35;
     if (!above || mm3 < min_metal_mm3) continue;
     metal_ml += mm3 / 1000, ++pieces;
-    points.push_back(lps);
+    if (largest < 0 || metal.list[c].voxels > metal.list[std::size_t(largest)].voxels) largest = int(c);
   }
   if (pieces > 0) {
     Seen s;
     s.finding.kind = FindingKind::metal;
     s.finding.where = "in the head";
-    s.finding.position_mm = extent_of(points).middle_mm;
+    s.finding.position_mm = within_piece(metal, largest, l);
     s.finding.confidence = 0.9 * mask::ramp(1000 * metal_ml, 0.5 * min_metal_mm3, 3 * min_metal_mm3);
     s.finding.figures = {{"volume_ml", metal_ml}, {"pieces_count", double(pieces)}};
     s.finding.text = fmt::format("{} piece{} of metal above the base of the skull, {}", pieces, pieces == 1 ? "" : "s",

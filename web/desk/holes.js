@@ -36,7 +36,7 @@ function holesOf(page) {
   // Where a saved hole lies: as the configuration says; one by Kocher's rule as the case was built, else at the point that was found.
   const placed = (h, i) => {
     const built = builtOf(h, i)
-    const found = name => ((page.info.built ? [...page.info.built.landmarks, ...page.info.built.targets] : []).find(l => l.name === name) || {}).position_mm
+    const found = name => ([...page.foundMarks(), ...page.info.built ? page.info.built.targets : []].find(l => l.name === name) || {}).position_mm
     const toward = h.target_mm ? h.target_mm.map(Number) : h.toward && (page.info.now.landmarks[h.toward] || found(h.toward))
     const kocher = `kocher_${h.side || 'right'}`
     const entry = h.position_mm ? h.position_mm.map(Number) : built ? built.position_mm : page.info.now.landmarks[kocher] || found(kocher)
@@ -46,7 +46,12 @@ function holesOf(page) {
     return { entry, target: toward || (n ? entry.map((v, k) => v + d[k] / n * 60) : null) }
   }
   // Those that the configuration has and the case not yet, or elsewhere.
-  const waiting = () => said().map((h, i) => ({ name: nameOf(h, i), i, built: builtOf(h, i), at: placed(h, i) })).filter(w => w.at && w.i !== hole.index && (!w.built || Math.hypot(...w.built.position_mm.map((v, k) => v - w.at.entry[k])) > 2))
+  const waiting = () => said().map((h, i) => ({ name: nameOf(h, i), i, built: builtOf(h, i), at: placed(h, i) })).filter(w => w.at && w.i !== hole.index && (!w.built || w.built.diameter_mm !== (+said()[w.i].diameter_mm || 14) || [w.at.entry, w.at.target].some(p => p && fromAxis(w.built, p) > 1.5)))
+  // The hole is cut from the surface of the bone on, so what was clicked lies on its axis, not at its begin.
+  const fromAxis = (built, p) => {
+    const to = p.map((v, k) => v - built.position_mm[k]), along = to.reduce((sum, v, k) => sum + v * built.direction[k], 0)
+    return Math.hypot(...to.map((v, k) => v - built.direction[k] * along))
+  }
   const change = i => {
     const at = placed(said()[i], i)
     if (!at) throw new Refused(t('hole_unknown'))
@@ -79,7 +84,9 @@ function holesOf(page) {
     if (mine !== hole || !now) return
     const [report] = now.reports
     mine.tried = now.fault ? { text: now.fault, kind: 'bad', rows: [] } : { text: t('hole_good'), kind: 'good', rows: report ? Object.entries(report.figures).filter(([, v]) => typeof v === 'number') : [] }
-    if (report && !now.fault && report.warnings.length) mine.tried = { ...mine.tried, text: report.warnings.join('\n'), kind: 'warn' }
+    const near = said().map((h, i) => ({ name: nameOf(h, i), i, at: placed(h, i), mm: (+h.diameter_mm || 14) / 2 + mine.diameter_mm / 2 })).find(o => o.i !== mine.index && o.at && Math.hypot(...o.at.entry.map((v, k) => v - mine.entry[k])) < o.mm)
+    if (!now.fault && near) mine.tried = { ...mine.tried, text: `${t('overlaps')} ${label(near.name)}`, kind: 'warn' }
+    else if (report && !now.fault && report.warnings.length) mine.tried = { ...mine.tried, text: report.warnings.join('\n'), kind: 'warn' }
     page.show_('place')
   }
 
@@ -129,7 +136,7 @@ function holesOf(page) {
     const centre = nasion.map((v, k) => (v + inion[k]) / 2), out = unit(less(bregma, centre)), ahead = less(nasion, centre)
     const forwards = unit(ahead.map((v, k) => v - out[k] * dot(ahead, out))), left = unit(cross(out, forwards))
     const before = dot(less(entry, bregma), forwards), beside = dot(less(entry, bregma), left)
-    const found = page.info.now.landmarks.bregma ? null : page.info.built.landmarks.find(l => l.name === 'bregma'), unsure = found && found.confidence < .5
+    const found = page.info.now.landmarks.bregma ? null : page.foundMarks().find(l => l.name === 'bregma'), unsure = found && found.confidence < .5
     const row = (name, mm, where, doubt) => make('tr', { 'data-skull': name }, make('td', { text: t(name) }), make('td', { class: 'number', text: digits(Math.abs(mm), 1) }), make('td', { class: doubt ? 'warn' : '', text: t(where) + (doubt ? ` (${label('bregma')}: ${digits(found.confidence * 100, 0)} %)` : '') }))
     return [row('coronal_suture', before, before < 0 ? 'behind_it' : 'before_it', unsure), row('midline_sagittal', beside, beside < 0 ? 'right' : 'left', false)]
   }

@@ -145,11 +145,13 @@ function casePage(token) {
     c.beginPath(), c.moveTo(x0, y0), c.lineTo(x1, y1), c.stroke()
     inked(c, digits(m.mm, 1) + ' mm', x1 + 6 * p.r, y1 - 6 * p.r, c.strokeStyle, p.r)
   }
+  // As the case was built; of one that was not, as they are found now.
+  page.foundMarks = () => page.info && page.info.built ? page.info.built.landmarks : page.found || []
   page.allMarks = () => {
     const marks = []
     const built = page.info && page.info.built, now = page.info && page.info.now
     const given = now ? now.landmarks : {}
-    for (const l of built ? built.landmarks : []) if (!given[l.name]) marks.push({ name: l.name, position_mm: l.position_mm, colour: '#ffd84a' })
+    for (const l of page.foundMarks()) if (!given[l.name]) marks.push({ name: l.name, position_mm: l.position_mm, colour: '#ffd84a' })
     for (const [name, position_mm] of Object.entries(given)) marks.push({ name, position_mm, colour: '#ff9c3c' })
     for (const target of built ? built.targets : []) if (!given[target.name] && !marks.some(m => m.name === target.name)) marks.push({ name: target.name, position_mm: target.position_mm, colour: '#7cf0a0' })
     for (const h of built ? built.holes : []) marks.push({ name: h.name, position_mm: h.position_mm, colour: '#ff6a5c' })
@@ -262,16 +264,17 @@ function casePage(token) {
     await tell(path, { case: token, by: who(), why, base: page.info.base, ...body })
     hint(t('saved'))
     await page.reloadInfo()
-    if (['edit', 'switch', 'scene'].includes(path)) page.refresh()
+    if (path === 'scene') page.opening(true).catch(e => problem(e.message)).finally(() => { $('busy').textContent = '' })
+    else if (path === 'edit' || path === 'switch') page.refresh()
   }
   // The outlines as the configuration makes them now, computed behind what goes on.
-  page.refresh = () => { page.opening(true).catch(e => problem(e.message)).finally(() => { $('busy').textContent = '' }) }
+  page.refresh = () => { page.opening('behind').catch(e => problem(e.message)).finally(() => { $('busy').textContent = '' }) }
 
   // ---- opening
   page.opening = async again => {
     wait.hidden = !!page.volume
-    let fresh = again
-    const query = again ? { case: token, again: 1 } : { case: token }
+    let fresh = again === true
+    const query = again ? { case: token, again: again === true ? 1 : again } : { case: token }
     for (let first = true; desk.page === page; first = false) {
       const now = await askJson('open', first ? query : { case: token })
       if (now.state === 'failed' && !now.lattice) throw wait.textContent = now.fault, new Refused(now.fault)
@@ -292,7 +295,12 @@ function casePage(token) {
         if (page.tab === 'look') page.show_('look')
         page.redraw()
       }
+      page.found = now.landmarks
       if (now.state !== 'opening') {
+        // What was drawn meanwhile is of the case as it was.
+        if (again === 'behind') now.fields.forEach(f => page.volume.forget(f + ':'))
+        if (page.tab === 'place' && again !== 'behind' && !panel.contains(document.activeElement)) page.show_('place')
+        page.redraw()
         if (now.fault) problem(now.fault)
         return
       }

@@ -35,6 +35,7 @@ function lookPanel(page) {
       select.value = page.stepShown || ''
       return make('div', { class: 'row' }, field('step_of', select), told)
     }
+    const mine = desk.cases.find(c => c.case === page.token), refusal = mine && mine.last_code ? `${mine.last_code}: ${mine.last_reason}` : ''
     const info = page.info || {}, figures = info.built ? Object.entries(info.built.figures) : []
     return [
       make('h2', { text: t('at') }), where,
@@ -46,7 +47,7 @@ function lookPanel(page) {
       make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', checked: page.marks, change: e => { page.marks = e.target.checked, page.redraw() } }), make('span', { text: t('marks') }))),
       page.measures.length ? [make('h2', { text: t('measures') }), make('div', { class: 'row' }, page.measures.map(m => make('span', { class: 'tag', text: `${t(m.plane)} ${digits(m.mm, 1)} mm` })), button('clear', () => { page.measures = [], page.show_('look'), page.redraw() }))] : null,
       make('h2', { text: t('profile') }), page.line ? chartOf(page) : make('p', { class: 'faint', text: t('no_profile') }),
-      make('h2', { text: t('warnings') }), !info.built ? make('p', { class: 'warn', text: t('not_built') }) : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
+      make('h2', { text: t('warnings') }), !info.built ? [make('p', { class: 'warn', text: t('not_built') }), refusal ? make('p', { class: 'bad', text: refusal }) : null].flat() : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
       info.fault ? make('p', { class: 'bad', text: info.fault }) : null,
       figures.length ? [make('h2', { text: t('figures') }), table([['', 0], ['', 1]], figures.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: typeof v === 'number' ? 'number' : '', text: figure(v) }))))] : null
     ].flat()
@@ -63,7 +64,9 @@ function warningLine(page, text) {
   const mm = text.match(/\(?\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?),\s*(-?\d+(?:\.\d+)?)\s*\)?\s*mm/), mark = page.allMarks().find(m => text.includes(m.name))
   const found = (page.info.built ? page.info.built.findings : []).find(f => text.includes(f.text))
   const at = mm ? mm.slice(1).map(Number) : found ? found.position_mm : mark && mark.position_mm
-  const named = page.fields.find(f => text.includes(f))
+  // "doubtful ... 2 of dense_tissue": each leads to its own place.
+  const several = /the report says where each is/.test(text) ? (page.info.built ? page.info.built.findings : []).filter(f => f.confidence < .5) : []
+  const named = several.length ? null : page.fields.find(f => text.includes(f))
   const go = async () => {
     if (named) page.outlines.set(named, true), page.redraw()
     if (at) page.goWorld(at)
@@ -76,6 +79,7 @@ function warningLine(page, text) {
   const tools = points.map(name => [...link('place_it', () => { page.chooseLandmark(name), page.pick('landmark') }), points.length > 1 ? ` (${label(name)})` : ''])
   const horn = !points.length && /\b(horn|body) of the|ventricles' (volume|found)|frontal horn/.test(text) && page.info.now && page.info.now.anatomies.some(a => a.name === 'ventricles' && a.field)
   if (horn) tools.push(link('paint_it', () => { page.chooseAnatomy('ventricles'), page.show_('paint') }))
+  for (const f of several) tools.push([make('br'), make('a', { href: '#', text: f.text, click: doing(async e => { e.preventDefault(); page.goWorld(f.position_mm) }) })])
   const end = text.match(/the scan ends (above|below)/)
   if (end && !at && !named && page.volume) {
     const p = page.volume.planes[0], up = page.volume.toWorld([0, 0, 0].map((v, k) => k === p.n ? 1 : 0))[2] > page.volume.toWorld([0, 0, 0])[2]

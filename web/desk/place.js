@@ -7,10 +7,10 @@ function placePanel(page) {
   const names = () => {
     const all = new Set(page.info && page.info.now ? page.info.now.known_landmarks : [])
     for (const name of Object.keys(given())) all.add(name)
-    for (const l of page.info && page.info.built ? page.info.built.landmarks : []) all.add(l.name)
+    for (const l of page.foundMarks()) all.add(l.name)
     return [...all].sort()
   }
-  const placeOf = name => given()[name] || (page.info.built ? (page.info.built.landmarks.find(l => l.name === name) || {}).position_mm : null)
+  const placeOf = name => given()[name] || (page.foundMarks().find(l => l.name === name) || {}).position_mm || null
 
   page.landmarkNames = names
   page.chooseLandmark = name => { chosen = name, placeOf(name) && page.goWorld(placeOf(name)), page.show_('place') }
@@ -58,9 +58,9 @@ function placePanel(page) {
   page.more = () => [...page.dragged ? [{ name: chosen, position_mm: page.volume.toWorld(page.dragged), colour: '#ffffff' }] : [], ...holes.marks()]
 
   page.addPanel('place', () => {
-    const fixed = page.info && (page.info.fixed || !page.info.now), built = page.info && page.info.built
+    const fixed = page.info && (page.info.fixed || !page.info.now)
     const rows = names().map(name => {
-      const at = placeOf(name), found = built && built.landmarks.find(l => l.name === name)
+      const at = placeOf(name), found = page.foundMarks().find(l => l.name === name)
       const row = make('tr', { class: 'jump' + (name === chosen ? ' chosen' : ''), tabIndex: 0, 'data-landmark': name }, make('td', { text: label(name) }), make('td', { text: given()[name] ? t('given') : found ? `${t('found')} ${digits(found.confidence * 100, 0)} %` : t('not_found') }), make('td', { class: 'number', text: at ? at.map(v => v.toFixed(1)).join(', ') : '' }))
       const choose = () => { chosen = name, at && page.goWorld(at), page.show_('place') }
       row.addEventListener('click', choose)

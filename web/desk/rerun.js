@@ -25,6 +25,8 @@ function rerunPanel(page) {
     desk.stats.rebuilt = (desk.stats.rebuilt || 0) + 1
     if (page.tab === 'build') page.show_('build')
   }
+  // A build that was begun elsewhere is shown here too.
+  askJson('status').then(s => { if (s.running) watch() }, () => {})
   const run = async () => {
     before = volumes(), difference = null, drawn.clear()
     await tell('build', { only: [page.token] })
@@ -46,6 +48,7 @@ function rerunPanel(page) {
   }
   // What it was in orange, dashed; what it is in blue: colours that all eyes tell apart.
   page.overlays.push((p, c) => {
+    if (page.tab !== 'build') return  // elsewhere nothing would say what the lines are
     for (const name of drawn) for (const [which, colour, dash] of [['is', '#4db1ff', []], ['was', '#ff9c3c', [5, 4]]]) {
       const line = page.volume.cut(which, name, p.n, page.at[p.n])
       if (line.then) line.then(page.redraw, () => drawn.clear())
