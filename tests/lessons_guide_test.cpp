@@ -55,25 +55,6 @@ TEST(LessonsGuide, EveryStepSaysWhyAndHowOneSeesThatItIsRight) {
   });
 }
 
-TEST(LessonsGuide, ACaseThatIsDrilledOnOneSideServesForThatSide) {
-  Head head(Kind::whole);
-  cases::CaseManifest manifest = head.felt().loaded.manifest;
-  const auto sides = [&] {
-    std::string all;
-    for (const lessons::LessonTask& t : lessons::lesson_type("ventriculostomy").tasks(manifest)) all += t.name + " ";
-    return all;
-  };
-  manifest.burr_holes.clear();
-  EXPECT_EQ(sides(), "right left ");
-  cases::CaseBurrHole hole;
-  hole.position_mm = {30, -40, 100};  // L
-  manifest.burr_holes = {hole};
-  EXPECT_EQ(sides(), "left ");
-  hole.position_mm.x = -30;
-  manifest.burr_holes.push_back(hole);
-  EXPECT_EQ(sides(), "right left ");
-}
-
 TEST(LessonsGuide, TheTextHasAllOfItInEitherLanguage) {
   each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
     for (const Language language : {Language::english, Language::german}) {
