@@ -74,7 +74,7 @@ function casePage(token) {
     c.drawImage(p.voxels, p.left, p.top, p.wide, p.high)
     for (const overlay of page.overlays) overlay(p, c)
     for (const [name, on] of page.outlines) {
-      if (!on || !page.fields.includes(name) || page.compared && page.compared.has(name)) continue  // drawn as it was and is
+      if (!on || !page.fields.includes(name) || page.compared && page.tab === 'build' && page.compared.has(name)) continue  // drawn as it was and is
       const line = volume.outline(name, p.n, index)
       if (line.then) line.then(page.redraw, () => {})
       else strokeOutline(c, p, line, colourOf(name))
@@ -238,6 +238,7 @@ function casePage(token) {
     // Whoever works by keyboard keeps the place: what had the focus is found again by its name.
     const had = panel.contains(document.activeElement) ? document.activeElement : null, scrolled = page.tab === name ? panel.scrollTop : 0
     const named = had && (had.id ? '#' + had.id : [...had.attributes].filter(a => a.name.startsWith('data-')).map(a => `[${a.name}="${CSS.escape(a.value)}"]`).join(''))
+    if (page.tab !== name) page.redraw()  // a tab may have lines of its own
     page.tab = name
     for (const b of tabs.children) b.setAttribute('aria-selected', b.dataset.tab === name)
     page.told = null

@@ -83,7 +83,7 @@ function valuesPanel(page) {
         const look = () => { if (value.value.trim()) doing(() => preview(v.path, value.value.trim()))() }
         value.addEventListener('keydown', e => { if (e.key === 'Enter') save() })
         value.addEventListener('input', () => { clearTimeout(later); if (live && anatomyOf(v.path)) later = setTimeout(look, 600) })
-        return make('tr', {}, make('td', {}, v.path, make('br'), make('span', { class: 'faint', text: `${t('source')} ${v.source}` })), make('td', {}, value, make('div', { class: 'row' }, make('button', { text: t('set'), disabled: fixed, click: save }), anatomyOf(v.path) ? make('button', { text: t('preview'), 'data-preview': v.path, click: look }) : null,
+        return make('tr', {}, make('td', { class: 'path' }, v.path, make('br'), make('span', { class: 'faint', text: `${t('source')} ${v.source}` })), make('td', {}, value, make('div', { class: 'row' }, make('button', { text: t('set'), disabled: fixed, click: save }), anatomyOf(v.path) ? make('button', { text: t('preview'), 'data-preview': v.path, click: look }) : null,
           is_place && page.volume ? make('button', { text: t('at_cross'), disabled: fixed, click: () => { value.value = `[${page.volume.toWorld(page.at).map(x => Math.round(x * 100) / 100).join(', ')}]`; look() } }) : null,
           by ? make('button', { text: t('unset'), disabled: fixed, click: doing(() => page.change('value', { path: v.path, value: v.value }, { path: v.path, value: null })) }) : null)))
       })), ...all.length > fit.length ? [make('p', { class: 'faint', text: `${fit.length} ${t('of')} ${all.length}: ${t('narrow')}` })] : [])
