@@ -103,6 +103,14 @@ HandEntry& add_entry(std::vector<HandEntry>& entries, HandEntry entry) {
   return entries.back();
 }
 
+HandChange change_of(const nlohmann::json& request) {
+  HandChange change;
+  change.base_sha256 = request.at("base").get<std::string>();
+  change.by = request.at("by").get<std::string>();
+  change.why = request.value("why", "");
+  return change;
+}
+
 std::string config_sha256(const DeskCase& one) { return sha256_of_bytes(read_text(one.text_file())); }
 
 DeskLock::DeskLock(const DeskLibrary& library) {

@@ -39,6 +39,10 @@ struct HandChange {
   std::function<void(const config::CaseConfig& now)> check;
 };
 
+/// Who wants it, why, and what that person saw, as a page's request says; nothing is changed yet. Throws
+/// nlohmann::json::exception where it says nothing of it.
+HandChange change_of(const nlohmann::json& request);
+
 /// SHA-256 of the text that says now what the case is made of.
 std::string config_sha256(const DeskCase& one);
 

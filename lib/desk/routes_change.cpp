@@ -112,14 +112,6 @@ Said said_of(const nlohmann::json& json) {
   return {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()};
 }
 
-HandChange change_of(const nlohmann::json& json) {
-  HandChange change;
-  change.base_sha256 = json.at("base").get<std::string>();
-  change.by = json.at("by").get<std::string>();
-  change.why = json.value("why", "");
-  return change;
-}
-
 fs::path draft_file(const DeskLibrary& library, const Request& request) {
   const std::string what = request.value("what");
   if (what != "paint" && what != "view") throw Error(ExitCode::usage, "", "what", "must be paint or view");

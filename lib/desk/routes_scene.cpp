@@ -60,10 +60,7 @@ Reply Desk::scene(const Request& request) {
   const auto found = std::find_if(scenes.begin(), scenes.end(), [&](const Json& s) { return s["file"] == wanted; });
   if (found == scenes.end())
     throw Error(ExitCode::usage, "", "scene", printable(wanted) + ", must be a scene beside the one that the case has");
-  HandChange change;
-  change.base_sha256 = json.at("base").get<std::string>();
-  change.by = json.at("by").get<std::string>();
-  change.why = json.value("why", "");
+  HandChange change = change_of(json);
   change.kind = "scene";
   change.what = "scene: " + wanted;
   change.changes = {{{"scene"}, config::yaml_scalar(wanted)}};
