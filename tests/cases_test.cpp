@@ -292,5 +292,19 @@ TEST(CaseToken, OnlyWhatIsSafeAsAName) {
   }
 }
 
+TEST(CaseHoles, ThatBreakIntoEachOtherAreTold) {
+  std::vector<cases::CaseBurrHole> holes(3);
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    holes[i].name = "burr_hole_" + std::to_string(i + 1);
+    holes[i].position_mm = {std::array{0.0, 30.0, 36.9}[i], 0, 0};
+    holes[i].diameter_mm = i == 2 ? 4 : 10;
+  }
+  const std::vector<std::string> lines = cases::overlapping_holes(holes);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].substr(0, 66), "burr_hole_2 and burr_hole_3 overlap: their entries lie 6.9 mm apar");
+  holes[2].position_mm.x = 37.1;
+  EXPECT_TRUE(cases::overlapping_holes(holes).empty());
+}
+
 }  // namespace
 }  // namespace trephine

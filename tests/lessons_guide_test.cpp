@@ -55,6 +55,28 @@ TEST(LessonsGuide, EveryStepSaysWhyAndHowOneSeesThatItIsRight) {
   });
 }
 
+TEST(LessonsGuide, ACaseThatIsDrilledOnOneSideIsOfferedForThatSide) {
+  Head head(Kind::whole);
+  cases::CaseManifest manifest = head.felt().loaded.manifest;
+  const lessons::LessonType& type = lessons::lesson_type("ventriculostomy");
+  const auto sides = [&] {
+    std::string all;
+    for (const lessons::LessonTask& t : lessons::offered_tasks(type, manifest)) all += t.name + " ";
+    return all;
+  };
+  manifest.burr_holes.clear();
+  EXPECT_EQ(sides(), "right left ");
+  cases::CaseBurrHole hole;
+  hole.position_mm = {30, -40, 100};  // L
+  manifest.burr_holes = {hole};
+  EXPECT_EQ(sides(), "left ");
+  EXPECT_EQ(lessons::use_of(type, manifest).tasks, std::vector<std::string>{"left"});
+  EXPECT_EQ(lessons::task_of(type, manifest, "right").name, "right") << "what was recorded of it is judged";
+  hole.position_mm.x = -30;
+  manifest.burr_holes.push_back(hole);
+  EXPECT_EQ(sides(), "right left ");
+}
+
 TEST(LessonsGuide, TheTextHasAllOfItInEitherLanguage) {
   each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
     for (const Language language : {Language::english, Language::german}) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cases/case.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -81,6 +83,20 @@ const CaseFile* CaseManifest::find_file(std::string_view name) const {
   for (const auto& f : files)
     if (f.name == name) return &f;
   return nullptr;
+}
+
+std::vector<std::string> overlapping_holes(const std::vector<CaseBurrHole>& holes) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < holes.size(); ++i)
+    for (std::size_t j = i + 1; j < holes.size(); ++j) {
+      const double apart = norm(holes[i].position_mm - holes[j].position_mm);
+      const double least = (holes[i].diameter_mm + holes[j].diameter_mm) / 2;
+      if (apart < least)
+        lines.push_back(fmt::format("{} and {} overlap: their entries lie {:.1f} mm apart, from {:.1f} mm on they are two "
+                                    "holes; move one of them, or take it away",
+                                    holes[i].name, holes[j].name, apart, least));
+    }
+  return lines;
 }
 
 void validate_case_token(const std::string& token, ExitCode code) {

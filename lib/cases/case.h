@@ -337,6 +337,9 @@ struct CaseManifest {
 /// Throws Error with that code (64 from a flag, 78 from a config) unless the token is [a-z0-9][a-z0-9_-]{0,63}.
 void validate_case_token(const std::string& token, ExitCode code);
 
+/// A line for each two holes that break into each other: their entries lie nearer than half of both widths.
+std::vector<std::string> overlapping_holes(const std::vector<CaseBurrHole>& holes);
+
 /// The bytes of case.json: keys in fixed order, shortest numbers, files sorted by name, and at the end a checksum of
 /// everything before it. It holds no time, host or path unless the caller put one into a value. Throws Error 70 where
 /// the manifest contradicts itself (an anatomy's file that is not listed, repeated names, numbers that are not finite).

@@ -97,10 +97,14 @@ class Desk {
   std::vector<std::pair<std::string, std::shared_ptr<OpenCase>>> open_;  ///< the one looked at last is the last
   /// The surfaces of a case before its last rebuild and now, by anatomy.
   struct Compared {
-    std::string token;
+    std::string token, state;  ///< state: SHA-256 of case.json, of built surfaces alone
     std::map<std::string, surface::TriMesh> was, is;
   };
   std::shared_ptr<const Compared> compared_;
+  /// Throws what load_case throws.
+  std::shared_ptr<const Compared> built_surfaces(const std::string& token);
+  std::mutex built_mutex_;
+  std::shared_ptr<const Compared> built_;
   std::shared_ptr<Trial> trial_;
   std::string trial_of_;
   LiveEdit live_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a person changes of a case, and what is known of it.
+#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -138,6 +139,30 @@ config::YamlChange holes_line(const nlohmann::json& holes) {
           yaml_of_json(holes)};  // an empty list says that none is meant, which a scene that cuts asks for
 }
 
+/// For the history: "2 burr holes: Kocher's point on the right, 14 mm; 31.2, -12.0, 80.4 mm (LPS), 11 mm".
+std::string in_words(const nlohmann::json& holes) {
+  if (holes.empty()) return "no burr hole";
+  std::string out = fmt::format("{} burr hole{}: ", holes.size(), holes.size() == 1 ? "" : "s");
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    const auto& hole = holes[i];
+    // What a file says may be anything until it was read as a configuration, which comes next and explains it.
+    if (!hole.is_object()) return "burr holes";
+    const auto said = [&](const char* key, double usual) {
+      const auto found = hole.find(key);
+      return found != hole.end() && found->is_number() ? found->get<double>() : usual;
+    };
+    out += i ? "; " : "";
+    const auto place = hole.find("position_mm");
+    const bool by_place = place != hole.end() && place->is_array() && place->size() == 3 &&
+                          std::all_of(place->begin(), place->end(), [](const auto& v) { return v.is_number(); });
+    out += by_place ? fmt::format("{:.1f}, {:.1f}, {:.1f} mm (LPS)", (*place)[0].template get<double>(),
+                                  (*place)[1].template get<double>(), (*place)[2].template get<double>())
+                    : fmt::format("Kocher's point on the {}", hole.value("side", "right") == "left" ? "left" : "right");
+    out += fmt::format(", {:g} mm", said("diameter_mm", boolean::BurrHoleParams().diameter_mm));
+  }
+  return out;
+}
+
 void check_holes_count(const config::CaseConfig& now, std::size_t count) {
   if (now.burr_holes.size() != count)
     throw Error(ExitCode::usage, "", "burr_holes",
@@ -229,7 +254,7 @@ Reply Desk::holes(const Request& request) {
   change.kind = "burr_holes";
   const auto& holes = json.at("holes");
   change.changes = {holes_line(holes)};
-  change.what = holes.empty() ? "no burr hole" : yaml_of_json(holes);
+  change.what = in_words(holes);
   change.check = [count = holes.size()](const config::CaseConfig& now) { check_holes_count(now, count); };
   save(library_, json.at("case"), change);
   return json_reply({{"done", change.what}});

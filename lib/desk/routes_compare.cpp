@@ -19,6 +19,10 @@ fs::path before_folder(const DeskLibrary& library, const std::string& token) {
   return library.options().library / ".library" / "desk" / (token + ".before");
 }
 
+void put_surfaces(const cases::LoadedCase& loaded, std::map<std::string, surface::TriMesh>& to) {
+  for (std::size_t i = 0; i < loaded.surfaces.size(); ++i) to[loaded.manifest.anatomies[i].name] = loaded.surfaces[i];
+}
+
 }  // namespace
 
 // The files of a case are named by their content and never written again, so links to them are a copy. Where a file
@@ -49,15 +53,15 @@ Reply Desk::compare(const Request& request) {
   const fs::path before = before_folder(library_, token);
   std::error_code ignored;
   if (token.empty() || !fs::exists(before / "case.json", ignored))
-    throw Error(ExitCode::no_input, "", "case", "was not rebuilt by the desk: there is nothing to compare with");
+    throw Error(ExitCode::no_input, "", "case",
+                "has no earlier version here: the desk keeps what a case was when it builds the case again");
   const Progress progress([](double) {}, &cancel_requested());
   const cases::LoadedCase was = cases::load_case(before), is = cases::load_case(library_.options().library / token);
   const compare::CaseComparison made = compare::compare_cases(was, is, {}, progress);
   auto surfaces = std::make_shared<Compared>();
   surfaces->token = token;
-  for (const auto& [loaded, to] : {std::pair{&was, &surfaces->was}, {&is, &surfaces->is}})
-    for (std::size_t i = 0; i < loaded->surfaces.size(); ++i)
-      (*to)[loaded->manifest.anatomies[i].name] = loaded->surfaces[i];
+  put_surfaces(was, surfaces->was);
+  put_surfaces(is, surfaces->is);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     compared_ = std::move(surfaces);
@@ -67,17 +71,34 @@ Reply Desk::compare(const Request& request) {
   return json_reply(out);
 }
 
-// Where a surface of the comparison meets a plane of the scan's voxels: four float32 a line, its ends in voxels, the
-// lower of the plane's axes first.
+// The surfaces that the case holds now, read once for each state of it.
+std::shared_ptr<const Desk::Compared> Desk::built_surfaces(const std::string& token) {
+  const fs::path folder = library_.options().library / token;
+  const std::string state = sha256_of_file(folder / "case.json");
+  const std::lock_guard<std::mutex> lock(built_mutex_);  // several planes ask at once, and one of them reads
+  if (built_ && built_->token == token && built_->state == state) return built_;
+  auto made = std::make_shared<Compared>();
+  made->token = token;
+  made->state = state;
+  put_surfaces(cases::load_case(folder), made->is);
+  built_ = std::move(made);
+  return built_;
+}
+
+// Where a surface of the comparison, or of the case as it is built, meets a plane of the scan's voxels: four float32 a
+// line, its ends in voxels, the lower of the plane's axes first.
 Reply Desk::cut(const Request& request) {
   const auto one = looked_at(request);
+  const std::string which = request.value("which");
   std::shared_ptr<const Compared> of;
-  {
+  if (which == "built") {
+    of = built_surfaces(request.value("case"));
+  } else {
     const std::lock_guard<std::mutex> lock(mutex_);
     of = compared_;
   }
   if (!of || of->token != request.value("case")) throw Error(ExitCode::no_input, "", "case", "was not compared");
-  const auto& surfaces = request.value("which") == "was" ? of->was : of->is;
+  const auto& surfaces = which == "was" ? of->was : of->is;
   const auto found = surfaces.find(request.value("name"));
   const grid::Lattice& lattice = grid::lattice_of(*one->scan());
   const int axis = number_of(request, "axis"), index = number_of(request, "index");

@@ -91,7 +91,8 @@ Reply Desk::series(const Request& request) {
     if (it->path().extension() != ".yaml" || it->path().filename().string().front() == '.') continue;
     try {
       const config::YamlNode file = config::read_yaml(it->path());
-      if (file.find("pipeline") && file.find("scene"))
+      // One that names its series is a case of its own, and no recipe.
+      if (file.find("pipeline") && file.find("scene") && !file.find("series"))
         recipes.push_back({{"file", it->path().filename().string()},
                            {"pipeline", file.find("pipeline")->text},
                            {"scene", file.find("scene")->text},

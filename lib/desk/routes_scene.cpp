@@ -16,8 +16,11 @@ namespace fs = std::filesystem;
 std::string first_comment(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string out;
-  for (std::string line; std::getline(in, line) && line.rfind('#', 0) == 0 && out.size() < 500;)
-    out += (out.empty() ? "" : " ") + trimmed(printable(line.substr(1)));
+  for (std::string line; std::getline(in, line) && line.rfind('#', 0) == 0 && out.size() < 500;) {
+    const std::string text(trimmed(printable(line.substr(1))));
+    if (text.rfind("trephine ", 0) == 0 || text.rfind("--", 0) == 0) continue;  // what one would type elsewhere
+    out += (out.empty() ? "" : " ") + text;
+  }
   return out;
 }
 

@@ -8,7 +8,7 @@
 
 namespace trephine::desk {
 
-/// What a file says of itself: the lines of comment at its begin, at most some 500 bytes.
+/// What a file says of itself: the lines of comment at its begin but for commands, at most some 500 bytes.
 std::string first_comment(const std::filesystem::path& file);
 
 /// The scenes that lie beside the one of the case, in the order of their names: {file, as the configuration would say

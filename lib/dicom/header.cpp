@@ -68,6 +68,8 @@ class HeaderReader {
 
   FileHeader read() {
     if (source_.size() == 0) throw WalkFault{"", "an empty file, not a DICOM file"};
+    if (const std::uint8_t* p = source_.get(0, 4); p && std::memcmp(p, "PK\3\4", 4) == 0)
+      throw WalkFault{"", "a ZIP archive, not a DICOM file: choose the archive itself in place of its folder"};
     const std::uint64_t begin = meta();
     const bool explicit_vr = h_.syntax->explicit_vr;
     h_.pixels = walk_elements(source_, begin, source_.size(), explicit_vr, descend,

@@ -349,6 +349,10 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       throw;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
+    for (const std::string& overlap : cases::overlapping_holes(content.manifest.burr_holes)) {
+      log_warning(token + ": " + overlap);
+      warnings.push_back(overlap);
+    }
     if (request.params.page)
       for (CasePicture& file :
            make_page_files(config, made.graph, made.results, content, warnings, publishing.part(content_share, 0.95)))

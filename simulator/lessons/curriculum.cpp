@@ -45,7 +45,7 @@ std::string why_left_out(const fs::path& folder, const LessonType& module, Curri
   if (!module.classes.empty()) out.patient_class = class_of(m);
   if (const std::string fault = class_fault(module, out.patient_class); !fault.empty()) return fault;
   if (m.case_token != folder.filename().string()) return "its folder has another name than the case, " + m.case_token;
-  for (const LessonTask& t : module.tasks(m)) out.tasks.push_back(t.name);
+  for (const LessonTask& t : offered_tasks(module, m)) out.tasks.push_back(t.name);
   out.token = m.case_token;
   out.approved_by = approval->by;
   out.difficulty_level = approval->difficulty_level;

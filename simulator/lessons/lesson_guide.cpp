@@ -47,7 +47,7 @@ bool is_for_tool(const LessonGuide& step, const std::string& tool) {
 LessonBriefing briefing_of(const LessonType& type, const cases::LoadedCase& loaded, const std::string& task) {
   type.require(loaded.manifest);
   LessonBriefing out;
-  const std::vector<LessonTask> all = type.tasks(loaded.manifest);
+  const std::vector<LessonTask> all = offered_tasks(type, loaded.manifest);
   if (!task.empty())
     out.task = task_of(type, loaded.manifest, task);
   else if (!all.empty())

@@ -34,7 +34,7 @@ haptics::RecordingHeader header_of(const session::FeltCase& felt, const LessonOp
   const LessonType& type = lesson_type(o.script.module);
   if (!h.task.empty())
     task_of(type, felt.loaded.manifest, h.task);
-  else if (const std::vector<LessonTask> all = type.tasks(felt.loaded.manifest); !all.empty())
+  else if (const std::vector<LessonTask> all = offered_tasks(type, felt.loaded.manifest); !all.empty())
     h.task = all.front().name;
   return h;
 }

@@ -25,6 +25,12 @@ LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, 
       printable(name) + " is no task of " + type.name + " in this case; it has " + (known.empty() ? "none" : known));
 }
 
+std::vector<LessonTask> offered_tasks(const LessonType& type, const cases::CaseManifest& manifest) {
+  std::vector<LessonTask> all = type.tasks(manifest);
+  all.erase(std::remove_if(all.begin(), all.end(), [](const LessonTask& t) { return !t.is_offered; }), all.end());
+  return all;
+}
+
 std::string class_fault(const LessonType& type, const std::string& patient_class) {
   const std::vector<std::string>& known = type.classes;
   if (known.empty()) return "";
@@ -41,7 +47,7 @@ LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
     type.require(manifest);
     out.why_not = class_fault(type, class_of(manifest));
     if (!out.why_not.empty()) return out;
-    for (const LessonTask& task : type.tasks(manifest)) out.tasks.push_back(task.name);
+    for (const LessonTask& task : offered_tasks(type, manifest)) out.tasks.push_back(task.name);
     if (out.tasks.empty()) out.why_not = "the case holds no task of it";
   } catch (const Error& e) {
     out.why_not = e.line("").substr(2);

@@ -22,6 +22,8 @@ struct LessonTask {
   std::string name;  ///< as recordings have it: "right", "pedicle_2_left"
   std::string aim, indication;
   std::string german_aim, german_indication;
+  /// false: nobody is asked for it, as the case was drilled for another one; a recording of it is judged all the same.
+  bool is_offered = true;
 };
 
 /// A column of the log of attempts beside those that every lesson has.
@@ -102,7 +104,7 @@ struct LessonType {
   /// Throws Error 65 where the case holds no such lesson.
   std::function<void(const cases::CaseManifest&)> require;
   std::function<std::vector<haptics::BeltToolParams>()> tools;
-  /// What may be asked for in this case; the first is the usual one. None: the case holds no task.
+  /// What a recording of this case may be of, the usual one first. None: the case holds no task.
   std::function<std::vector<LessonTask>(const cases::CaseManifest&)> tasks;
   /// What a script asks of the hand; throws Error 65 naming the step.
   std::function<std::vector<HandMove>(const LessonScript&, const ScriptScene&, const ScriptAim&)> plan;
@@ -143,7 +145,9 @@ struct LessonType {
 const std::vector<LessonType>& lesson_types();
 /// Throws Error 65 with the field `lesson` where there is none of that name.
 const LessonType& lesson_type(const std::string& name);
-/// The task of that name; throws Error 65 with the field `task` where the case holds no such task.
+/// What a participant may be asked for in this case; the first is the usual one.
+std::vector<LessonTask> offered_tasks(const LessonType& type, const cases::CaseManifest& manifest);
+/// The task of that name, offered or not; throws Error 65 with the field `task` where the case holds no such task.
 LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name);
 /// What a case offers to a lesson: its tasks, or why it cannot be exercised.
 struct LessonUse {

@@ -53,7 +53,7 @@ LessonDesk::LessonDesk(const LessonPlay& play, const session::Patient& patient, 
     module_.require(loaded.manifest);
     if (module_.needs_pictures) fluoro::require_ct(loaded.ct);
     lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
-    const std::vector<lessons::LessonTask> all = module_.tasks(loaded.manifest);
+    const std::vector<lessons::LessonTask> all = lessons::offered_tasks(module_, loaded.manifest);
     if (!play.task.empty())
       task_ = lessons::task_of(module_, loaded.manifest, play.task);
     else if (!all.empty())

@@ -125,6 +125,8 @@ def holes(page, check, own):
     page.click("#save-hole")
     page.until("desk.page.info.journal.length === 2", "the hole is saved")
     text = own.read_text()
+    what = browser.js("return desk.page.info.journal[1].what")
+    check(re.fullmatch(r"1 burr hole: -2\d\.\d, -\d\d\.\d, 1\d\d\.\d mm \(LPS\), 14 mm", what), f"the history tells it in words: {what}")
     check("burr_holes: [{at: position" in text and text.count("target_mm: [") == 1 and "direction" not in text, f"as a line: {text[-300:]}")
     check(browser.js("return desk.page.allMarks().some(m => m.name.includes('not built yet'))"), "it is drawn before the case is built again")
     page.click("#undo")
@@ -177,6 +179,9 @@ def brush(page, check, own):
     browser.js("const s = document.getElementById('anatomy'); s.value = 'skull'; s.dispatchEvent(new Event('change'))")
     browser.js("document.getElementById('anatomy').focus()")
     browser.key("b")
+    own_range = browser.js("return ['low', 'high'].map(id => +document.getElementById(id).value)")
+    said = browser.js("return desk.page.info.now.values.filter(v => v.path.startsWith('skull.') && v.path.endsWith('.lower_hu')).map(v => +v.value).pop()")
+    check(own_range[0] == said and own_range[1] > 1000, f"the range of HU is the skull's own: {own_range}, {said}")
     check(browser.js("return desk.page.tool + ' ' + document.getElementById('anatomy').value") == "add skull", "a tool's key in the list of anatomies is the tool's")
     middle = [round(v) for v in browser.js("return desk.page.volume.toIndex([0, 0, 60])")]
     page.go(middle)
@@ -333,6 +338,31 @@ def links(page, check):
     page.until("desk.page.tab === 'place' && desk.page.tool === 'landmark' && !!document.querySelector('tr.chosen[data-landmark=inion]')", "the tool for it")
 
 
+def finished(page, check):
+    """What was built is shown with its hole; the field that it was made of has none."""
+    browser = page.b
+    browser.js("desk.page.goWorld(desk.page.info.built.holes[0].position_mm)")
+    # The length of line (mm) within 4 mm of the hole's middle on the axial slice.
+    near = """const v = desk.page.volume, p = v.planes.find(p => p.id === 'axial'), at = v.toIndex(desk.page.info.built.holes[0].position_mm), line = %s
+      if (line.then) return -1
+      const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
+      let mm = 0
+      for (let i = 0; i < line.length; i += 4) {
+        const a = [(line[i] - at[lo]) * v.spacing[lo], (line[i + 1] - at[hi]) * v.spacing[hi]], b = [(line[i + 2] - at[lo]) * v.spacing[lo], (line[i + 3] - at[hi]) * v.spacing[hi]]
+        if (Math.hypot(a[0], a[1]) < 4 && Math.hypot(b[0], b[1]) < 4) mm += Math.hypot(a[0] - b[0], a[1] - b[1])
+      }
+      return mm"""
+    lines = {"field": near % "v.outline('skull', p.n, desk.page.at[p.n])", "built": near % "v.cut('built', 'skull', p.n, desk.page.at[p.n])"}
+    page.click("[data-tab=look]")
+    page.click("#as-built")
+    found = {}
+    for name, line in lines.items():
+        page.until(f"(() => {{ {line} }})() >= 0", f"the line of the {name}")
+        found[name] = browser.js(line)
+    check(found["field"] > 3 and found["built"] < 0.5, f"the finished skull is open at its hole, the field is not: {found}")
+    page.click("#as-built")
+
+
 def main():
     check = Checks()
     with tempfile.TemporaryDirectory() as folder:
@@ -367,6 +397,7 @@ def main():
                 page.until("['was', 'is'].every(w => desk.page.volume.cut(w, 'skull', 2, desk.page.at[2]).length > 100)", "both lines on the slice")
                 manifest = json.loads((library / "head-01/case.json").read_text())
                 check([h["diameter_mm"] for h in manifest["burr_holes"]] == [11], "the case has the hole")
+                finished(page, check)
                 page.click("[data-tab=approve]")
                 page.until("!!document.querySelector('[data-lesson=ventriculostomy]')", "what the simulator says of lessons")
                 check("cannot serve" in browser.js("return document.querySelector('[data-lesson=ventriculostomy]').textContent"), "a skull alone serves no ventriculostomy, and that is said before approval")
@@ -384,6 +415,9 @@ def main():
                 page.until("!!document.querySelector('.thumb') && document.querySelector('.thumb').naturalWidth > 100", "the series of the ZIP with its middle slices")
                 lying = [f.name for f in (root / "configs/dropped").iterdir()]
                 check(len(lying) == 1 and lying[0].endswith(".zip") and "patient" not in lying[0] and (root / "configs/dropped" / lying[0]).read_bytes() == packed.read_bytes(), f"it lies under a name of its content: {lying}")
+                words = browser.js("return document.querySelector('#recipe option[value=\"coarse.yaml\"]').textContent")
+                names = browser.js("return [...document.getElementById('recipe').options].map(o => o.value)")
+                check(words == "The sample phantom, coarse (coarse.yaml)" and "ct_head.yaml" in names and "sample.yaml" not in names, f"a recipe in words; one that names its series is a case, not a recipe: {words}, {names}")
                 page.write("#token", "head-02")
                 browser.js("document.getElementById('recipe').value = 'coarse.yaml'")
                 page.click("#create")

@@ -73,9 +73,11 @@ function casePage(token) {
     c.imageSmoothingEnabled = p.k * Math.min(volume.spacing[p.u], volume.spacing[p.v]) < 4
     c.drawImage(p.voxels, p.left, p.top, p.wide, p.high)
     for (const overlay of page.overlays) overlay(p, c)
+    // What is approved, and what is asked for as built, is the surface with its holes, not the field that it was made of.
+    const built = page.asBuilt || page.tab === 'approve' ? (desk.cases.find(c => c.case === token) || {}).anatomies : null, asBuilt = new Set((built || []).map(a => a.name))
     for (const [name, on] of page.outlines) {
       if (!on || !page.fields.includes(name) || page.compared && page.tab === 'build' && page.compared.has(name)) continue  // drawn as it was and is
-      const line = volume.outline(name, p.n, index)
+      const line = asBuilt.has(name) ? volume.cut('built', name, p.n, index) : volume.outline(name, p.n, index)
       if (line.then) line.then(page.redraw, () => {})
       else strokeOutline(c, p, line, colourOf(name))
     }

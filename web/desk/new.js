@@ -59,7 +59,7 @@ function newPage() {
     try { data = await askJson('series', { path }) } catch (e) { right.replaceChildren(start()); throw e }
     const stem = file => file.replace(/^.*\//, '').replace(/\.yaml$/, '')
     const about = make('p', { class: 'faint', id: 'about' })
-    const token = make('input', { id: 'token', maxLength: 64, size: 34, placeholder: t('token_help'), autocomplete: 'off' }), recipe = make('select', { id: 'recipe', change: () => tellAbout() }, data.recipes.map(r => make('option', { value: r.file, text: `${r.file} (${stem(r.pipeline)}, ${stem(r.scene)})` })))
+    const token = make('input', { id: 'token', maxLength: 64, size: 34, placeholder: t('token_help'), autocomplete: 'off' }), recipe = make('select', { id: 'recipe', change: () => tellAbout() }, data.recipes.map(r => make('option', { value: r.file, text: `${r.about ? r.about.split(/[:.]( |$)/)[0] : `${stem(r.pipeline)}, ${stem(r.scene)}`} (${r.file})` })))
     const tellAbout = () => { about.textContent = (data.recipes.find(r => r.file === recipe.value) || { about: '' }).about }
     if (data.recipes.some(r => r.file === data.recipe)) recipe.value = data.recipe
     const chosen = data.series.find(s => s.proposed) || data.series.find(s => s.usable)

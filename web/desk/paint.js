@@ -22,6 +22,13 @@ function paintPanel(page) {
   }
   const placeOf = n => [n % page.volume.size[0], Math.floor(n / page.volume.size[0]) % page.volume.size[1], Math.floor(n / page.volume.size[0] / page.volume.size[1])]
   const huAt = (p, data, at) => { const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]; return data[at[hi] * page.volume.size[lo] + at[lo]] }
+  // The HU that the configuration says of an anatomy, where one of its steps has such values; the last step counts.
+  const usualRange = () => {
+    if (brush.own || !page.info || !page.info.now) return
+    const said = end => page.info.now.values.filter(v => v.path.startsWith(anatomy + '.') && v.path.endsWith('.' + end)).map(v => +v.value).filter(isFinite).pop()
+    const low = said('lower_hu'), high = said('upper_hu')
+    if (low !== undefined || high !== undefined) brush.low = low === undefined ? -1024 : low, brush.high = high === undefined ? 3071 : high
+  }
   const inRange = hu => hu >= brush.low && hu <= brush.high
 
   // A disc in the plane, or a ball; voxel centres within the radius, and always the one that is pointed at.
@@ -281,9 +288,10 @@ function paintPanel(page) {
   page.addPanel('paint', () => {
     const list = choices()
     if (!anatomy && list.length) anatomy = (list.find(a => a.shown) || list[0]).name
-    const select = make('select', { id: 'anatomy', change: e => { anatomy = e.target.value } }, list.map(a => make('option', { value: a.name, text: label(a.name) })))
+    usualRange()
+    const select = make('select', { id: 'anatomy', change: e => { anatomy = e.target.value, usualRange(), $('low').value = brush.low, $('high').value = brush.high, range(), page.redraw() } }, list.map(a => make('option', { value: a.name, text: label(a.name) })))
     select.value = anatomy
-    const number = (key, name, given) => make('input', { type: 'number', value: brush[key], 'aria-label': t(name), ...given, change: e => { if (isFinite(e.target.valueAsNumber)) brush[key] = e.target.valueAsNumber; range(), page.redraw() } })
+    const number = (key, name, given) => make('input', { type: 'number', value: brush[key], 'aria-label': t(name), ...given, change: e => { if (isFinite(e.target.valueAsNumber)) brush[key] = e.target.valueAsNumber; if (key === 'low' || key === 'high') brush.own = true; range(), page.redraw() } })
     const showing = make('input', { type: 'checkbox', id: 'show-range', checked: !!page.range, change: () => { range(), page.redraw() } })
     const range = () => { page.range = showing.checked ? [brush.low, brush.high] : null }
     const plane = make('select', { id: 'plane', change: e => { brush.plane = e.target.value } }, PLANES.map(p => make('option', { value: p.id, text: t(p.id) })))

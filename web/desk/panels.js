@@ -43,6 +43,7 @@ function lookPanel(page) {
       make('div', { class: 'row' }, presets.map(([key, l, w]) => make('button', { text: t(key), click: () => page.setWindow(l, w) })), field('level', level), field('width', width),
         button('reset', () => { if (page.volume) for (const p of page.volume.planes) p.zoom = 1, p.panX = p.panY = 0; page.redraw() })),
       make('h2', { text: t('outlines') }), outlines.length ? outlines : make('p', { class: 'faint', text: t('no_field') }),
+      info.built ? make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', id: 'as-built', checked: !!page.asBuilt, change: e => { page.asBuilt = e.target.checked, page.redraw() } }), make('span', { text: t('as_built') }))) : null,
       between(),
       make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', checked: page.marks, change: e => { page.marks = e.target.checked, page.redraw() } }), make('span', { text: t('marks') }))),
       page.measures.length ? [make('h2', { text: t('measures') }), make('div', { class: 'row' }, page.measures.map(m => make('span', { class: 'tag', text: `${t(m.plane)} ${digits(m.mm, 1)} mm` })), button('clear', () => { page.measures = [], page.show_('look'), page.redraw() }))] : null,

@@ -60,7 +60,7 @@ function rerunPanel(page) {
     if (d.identical) return [make('p', { class: 'good', text: t('identical') })]
     const rows = d.anatomies.map(a => make('tr', {}, make('td', {}, make('label', {}, make('input', { type: 'checkbox', 'data-drawn': a.name, checked: drawn.has(a.name), change: e => { e.target.checked ? drawn.add(a.name) : drawn.delete(a.name), page.redraw() } }), ' ', label(a.name))),
       ...a.same_bytes ? [make('td', { class: 'faint', colSpan: 3, text: t('same') })] : a.deviation ? [a.deviation.max_mm, a.deviation.p99_mm].map(v => make('td', { class: 'number', text: digits(v, 2) })).concat(make('td', { class: 'number', text: a.volume_ml.old === null || a.volume_ml.new === null ? '' : signed(a.volume_ml.new - a.volume_ml.old) })) : [make('td', { class: 'faint', colSpan: 3, text: a.not_measured || a.in })]))
-    const moved = d.points.filter(p => p.moved_mm === null || p.moved_mm > 0).map(p => make('tr', { class: 'jump', tabIndex: 0, click: () => page.goWorld(p.position_mm.new || p.position_mm.old) }, make('td', {}, label(p.name), make('span', { class: 'faint', text: ` (${t(p.kind)})` })), make('td', { class: 'number', text: p.moved_mm === null ? p.in : digits(p.moved_mm, 2) })))
+    const moved = d.points.filter(p => p.moved_mm === null || p.moved_mm > 0).map(p => make('tr', { class: 'jump', tabIndex: 0, click: () => page.goWorld(p.position_mm.new || p.position_mm.old) }, make('td', {}, label(p.name), make('span', { class: 'faint', text: ` (${t(p.kind)})` })), make('td', { class: 'number', text: p.moved_mm === null ? t(p.in) : digits(p.moved_mm, 2) })))
     const values = d.parameters.map(v => make('p', {}, v.name, make('br'), make('span', { class: 'faint', text: `${text(v.old)} → ${text(v.new)}` })))
     return [make('p', { class: 'faint' }, make('span', { class: 'was', text: t('was_line') }), ' ', make('span', { class: 'is', text: t('is_line') })),
       table([[t('anatomy'), 0], [t('largest_mm'), 1], ['p99 mm', 1], [t('change_ml'), 1]], rows),
@@ -84,7 +84,7 @@ function rerunPanel(page) {
       faults.map(f => make('p', { class: 'bad', text: f })),
       ended ? make('p', { id: 'ended', class: ended.code ? 'warn' : 'good', text: endOf(ended) }) : null,
       log ? make('pre', { id: 'rerun-log', class: 'file', text: log }) : make('pre', { id: 'rerun-log', class: 'faint' }),
-      rows.length ? [make('h2', { text: t('change') }), table([[t('volume'), 0], [t('before'), 1], [t('after'), 1], [t('change'), 1]], rows)] : null,
+      rows.length ? [make('h2', { text: t('change') }), table([[t('volume'), 0], [t('before'), 1], [t('after'), 1], [t('change'), 1]], rows), make('p', { class: 'faint', text: t('volume_of') })] : null,
       make('h2', { text: t('compare') }),
       make('div', { class: 'row' }, button('compare_it', compare, { id: 'compare' }), comparing ? make('span', { class: 'faint', text: t('comparing') }) : null),
       difference ? make('div', { id: 'changes' }, changes()) : null,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "lessons/lesson_type.h"
@@ -104,6 +105,15 @@ std::string ways_html(const VentriculostomyFacts& facts, const cases::LoadedCase
 
 const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
 
+// Where the skull was drilled beforehand there must be a hole on that side: through the other side's no catheter goes.
+bool may_be_entered(const cases::CaseManifest& manifest, bool left) {
+  const auto own = foramen_of(manifest, left), other = foramen_of(manifest, !left);
+  const auto& holes = manifest.burr_holes;
+  return holes.empty() || !own || !other || std::any_of(holes.begin(), holes.end(), [&](const auto& hole) {
+           return norm(hole.position_mm - *own) < norm(hole.position_mm - *other);
+         });
+}
+
 std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
   std::vector<LessonTask> all;
   for (const bool left : {false, true}) {  // the right is the usual one: it is seldom the dominant hemisphere
@@ -117,7 +127,8 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
                      fmt::format("Eine externe Ventrikeldrainage durch Kochers Punkt {}: die Spitze im {} "
                                  "Seitenventrikel, am Foramen Monroi, beim ersten Durchgang.",
                                  left ? "links" : "rechts", left ? "linken" : "rechten"),
-                     "Akuter Hydrozephalus: Liquor muss abfließen, und der Druck im Kopf ist zu messen."});
+                     "Akuter Hydrozephalus: Liquor muss abfließen, und der Druck im Kopf ist zu messen.",
+                     may_be_entered(manifest, left)});
   }
   return all;
 }
