@@ -336,6 +336,14 @@ def links(page, check):
     check("landmarks:" not in browser.js(f"return {warn}.textContent", "inion is doubtful"), "no line of YAML where there is a tool")
     browser.js(f"[...{warn}.querySelectorAll('a')].pop().click()", "inion is doubtful")
     page.until("desk.page.tab === 'place' && desk.page.tool === 'landmark' && !!document.querySelector('tr.chosen[data-landmark=inion]')", "the tool for it")
+    # A refusal leads to what it names.
+    browser.js("document.body.append(Object.assign(refusalLine(desk.page, '80: burr_hole_1: removes nothing (skull.segment); move it, or lower `lower_hu` of its `segment`'), { id: 'refused' }))")
+    go = "[...document.querySelectorAll('#refused a')].find(a => a.textContent.includes(arguments[0])).click()"
+    browser.js(go, "Change the hole")
+    page.until("desk.page.tab === 'place' && !!document.querySelector('[data-change]')", "the holes, from a refusal")
+    browser.js(go, "lower_hu")
+    page.until("desk.page.tab === 'values' && [...document.querySelectorAll('[data-value]')].map(e => e.dataset.value).join() === 'skull.segment.lower_hu'", "the value that a refusal names")
+    browser.js("document.getElementById('refused').remove()")
 
 
 def finished(page, check):

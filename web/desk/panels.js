@@ -48,7 +48,7 @@ function lookPanel(page) {
       make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', checked: page.marks, change: e => { page.marks = e.target.checked, page.redraw() } }), make('span', { text: t('marks') }))),
       page.measures.length ? [make('h2', { text: t('measures') }), make('div', { class: 'row' }, page.measures.map(m => make('span', { class: 'tag', text: `${t(m.plane)} ${digits(m.mm, 1)} mm` })), button('clear', () => { page.measures = [], page.show_('look'), page.redraw() }))] : null,
       make('h2', { text: t('profile') }), page.line ? chartOf(page) : make('p', { class: 'faint', text: t('no_profile') }),
-      make('h2', { text: t('warnings') }), !info.built ? [make('p', { class: 'warn', text: t('not_built') }), refusal ? make('p', { class: 'bad', text: refusal }) : null].flat() : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
+      make('h2', { text: t('warnings') }), !info.built ? [make('p', { class: 'warn', text: t('not_built') }), refusal ? refusalLine(page, refusal) : null].flat() : info.warnings.length ? info.warnings.map(w => warningLine(page, w)) : make('p', { class: 'good', text: t('no_warnings') }),
       info.fault ? make('p', { class: 'bad', text: info.fault }) : null,
       figures.length ? [make('h2', { text: t('figures') }), table([['', 0], ['', 1]], figures.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: typeof v === 'number' ? 'number' : '', text: figure(v) }))))] : null
     ].flat()
@@ -58,6 +58,20 @@ const swatch = colour => {
   const s = make('span', { class: 'swatch' })
   s.style.background = colour
   return s
+}
+
+// Why a case was refused, with the tools that reach what it names: a burr hole, and values that the line has in backquotes.
+function refusalLine(page, text) {
+  const now = page.info && page.info.now, links = []
+  const link = (words, go) => links.push(' ', make('a', { href: '#', text: words, click: doing(async e => { e.preventDefault(); go() }) }))
+  if (now && now.cuts_holes && text.includes('burr_hole')) link(t('to_hole'), () => page.show_('place'))
+  for (const name of new Set([...text.matchAll(/`([a-z_]+)`/g)].map(m => m[1]))) {
+    const all = now ? now.values.filter(v => v.path.endsWith('.' + name)) : []
+    // Those of the stage that the line names, else of its anatomy.
+    const near = [v => v.path.slice(0, -name.length - 1), v => v.path.split('.')[0]].map(of => all.filter(v => text.includes(of(v)))).find(found => found.length)
+    if (near) link(`${t('to_value')} ${name}`, () => page.findValue(near.length === 1 ? near[0].path : `${near[0].path.split('.')[0]} ${name}`))
+  }
+  return make('p', { class: 'bad' }, text, links)
 }
 
 // A warning leads to its place: the point that it names in mm, else the landmark or hole that it names.

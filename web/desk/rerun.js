@@ -81,7 +81,7 @@ function rerunPanel(page) {
     return [make('p', { class: 'faint', text: t('rerun_text') }), page.info && page.info.config ? null : make('p', { class: 'warn', text: t('no_config') }),
       make('div', { class: 'row' }, button('rerun', run, { id: 'rerun', class: 'main', disabled: !desk.config }), button('stop', () => tell('stop', {}), { id: 'stop-rerun' })),
       reasons.length ? [make('details', { open: reasons.length < 8 }, make('summary', { class: 'warn', text: `${t('why_stale')} (${reasons.length})` }), make('ul', {}, reasons.map(r => make('li', { text: r }))))] : plan && !plan.fault ? make('p', { class: 'good', text: t('fresh_text') }) : null,
-      faults.map(f => make('p', { class: 'bad', text: f })),
+      faults.map(f => refusalLine(page, f)),
       ended ? make('p', { id: 'ended', class: ended.code ? 'warn' : 'good', text: endOf(ended) }) : null,
       log ? make('pre', { id: 'rerun-log', class: 'file', text: log }) : make('pre', { id: 'rerun-log', class: 'faint' }),
       rows.length ? [make('h2', { text: t('change') }), table([[t('volume'), 0], [t('before'), 1], [t('after'), 1], [t('change'), 1]], rows), make('p', { class: 'faint', text: t('volume_of') })] : null,

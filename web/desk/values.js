@@ -14,6 +14,7 @@ function valuesPanel(page) {
       await new Promise(done => setTimeout(done, 200))
     }
   }
+  page.findValue = text => { find = text, page.show_('values') }
   const anatomyOf = path => page.fields.find(f => path.startsWith(f + '.'))
   const say = () => {
     const at = $('tried')
