@@ -57,6 +57,12 @@ struct Graph {
   std::vector<int> results(stages::DataKind kind) const;
   /// -1: none.
   int find(const std::string& name) const;
+  /// The first node of the stage with those parameters, of that anatomy or (empty) of the case; -1: none.
+  int find_stage(const ParameterSet& params, const std::string& anatomy) const;
+  template <class P>
+  int find_stage(const std::string& anatomy = "") const {
+    return find_stage(parameters_of<P>(), anatomy);
+  }
 };
 
 /// Throws Error 64 where a node runs a program that the configuration names (StageType::runs_program) and the user did

@@ -65,6 +65,13 @@ int Graph::find(const std::string& name) const {
   return -1;
 }
 
+int Graph::find_stage(const ParameterSet& params, const std::string& anatomy) const {
+  const std::string begin = anatomy.empty() ? "" : anatomy + ".";
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].params.set == &params && nodes[i].name.compare(0, begin.size(), begin) == 0) return static_cast<int>(i);
+  return -1;
+}
+
 void require_allowed(const Graph& graph, bool allow_external) {
   if (allow_external) return;
   for (const Node& node : graph.nodes)

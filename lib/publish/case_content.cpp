@@ -12,8 +12,10 @@
 #include "cases/glb.h"
 #include "grid/nrrd.h"
 #include "meshing/contour.h"
+#include "meshing/decimate.h"
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
+#include "metrics/measure.h"
 #include "picture/render.h"
 #include "publish/ct_content.h"
 #include "publish/findings_content.h"
@@ -21,6 +23,7 @@
 #include "publish/head_content.h"
 #include "surface/bounds.h"
 #include "surface/results.h"
+#include "voxel/mismatch.h"
 #include "voxel/shape_field.h"
 
 namespace trephine::publish {
@@ -96,10 +99,9 @@ class Builder {
   const voxel::HapticVolume& haptic() const {
     return *std::get<std::shared_ptr<const voxel::HapticVolume>>(at(haptic_).data);
   }
-  const Report& report_of(const std::string& node) const {
+  const Report& report_of(int node) const {
     static const Report none;
-    const int i = graph_.find(node);
-    return i < 0 ? none : at(i).report;
+    return node < 0 ? none : at(node).report;
   }
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
@@ -145,7 +147,7 @@ class Builder {
       for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
         if (const Parameter* p = step.params.set->find(bound)) {
           out.budget_asked_mm += std::get<double>(step.params.get(*p));
-          const Report& report = report_of(recipe.name + "." + step.type->name);
+          const Report& report = report_of(graph_.find(recipe.name + "." + step.type->name));
           out.budget_used_mm += report.find("displacement_max_mm")
                                     ? result_of<surface::SmoothingResult>(report).displacement_max_mm
                                     : result_of<surface::BoundResult>(report).deviation_max_mm;
@@ -163,7 +165,7 @@ class Builder {
   void add_anatomy(const pipeline::Graph::Anatomy& nodes, const config::SceneAnatomy& limit) {
     const config::RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
     const surface::TriMesh& surface = mesh(nodes.surface);
-    const Report& measured = report_of(nodes.name + ".measure");
+    const Report& measured = report_of(graph_.find_stage<metrics::MeasureParams>(nodes.name));
 
     cases::GlbParams glb;
     glb.center_mm = manifest().center_mm;
@@ -200,7 +202,7 @@ class Builder {
     result.deviation_rms_mm = out.deviation.rms_mm;
     result.volume_ml = out.volume_ml;
     if (recipe.find_step("decimate"))
-      result.stopped_by = result_of<surface::DecimationResult>(report_of(nodes.name + ".decimate")).stopped_by;
+      result.stopped_by = result_of<surface::DecimationResult>(report_of(graph_.find_stage<meshing::DecimateParams>(nodes.name))).stopped_by;
     for (const config::RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
     add_stage_figures(nodes.name, "boolean", out, result);
     hold_against_limits(limit, result);
@@ -223,7 +225,7 @@ class Builder {
   }
 
   void add_haptic() {
-    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report, report_of("haptic.mismatch"));
+    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report, report_of(graph_.find_stage<voxel::MismatchParams>()));
     add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
@@ -260,7 +262,7 @@ class Builder {
     const std::string& bone = config_.roles.burr_holes.bone;
     for (const config::SceneDrill& drilled : config_.drilled) {
       hole.cut.push_back(drilled.anatomy);
-      const int cut = graph_.find(drilled.anatomy + ".boolean");
+      const int cut = graph_.find_stage<boolean::CutSurfaceParams>(drilled.anatomy);
       if (cut >= 0)
         add_removed(hole, "mesh.", drilled.anatomy, result_of<surface::RemovedResult>(at(cut).report, name + "."));
       if (drilled.anatomy == bone) require_free(drilled, cutter, name);

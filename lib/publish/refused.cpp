@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "consistency/anatomy_gate.h"
+#include "face/deface.h"
 #include "meshing/contour.h"
 #include "publish/case_pictures.h"
 
@@ -64,7 +65,7 @@ class Made {
 bool may_show_face(const RefusedRun& run, const Made& made) {
   const bool face_in_it = std::any_of(run.config.anatomies.begin(), run.config.anatomies.end(),
                                       [](const config::RecipeAnatomy& a) { return a.shows_face; });
-  return !face_in_it || !run.config.takes_face_away() || made.is_done(run.graph.find("face"));
+  return !face_in_it || !run.config.takes_face_away() || made.is_done(run.graph.find_stage<face::FaceBeliefParams>());
 }
 
 std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal) {

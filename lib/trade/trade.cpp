@@ -254,7 +254,7 @@ class Sweep {
                                    metrics::measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
           }));
     if (truth_) add_truth(p, nodes, a);
-    if (const int mismatch = p.graph.find("haptic.mismatch"); mismatch >= 0) {
+    if (const int mismatch = p.graph.find_stage<voxel::MismatchParams>(); mismatch >= 0) {
       const Report& report = store_.find(key_of(p, mismatch))->report;
       if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_of(report, a.name + ".mismatch_rms_mm");
     }
