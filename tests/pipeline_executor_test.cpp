@@ -2,8 +2,10 @@
 // The executor on graphs of small made-up stages: order, lifetime of intermediates, errors, cancelling, the cache.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <mutex>
 #include <thread>
 
@@ -48,6 +50,7 @@ struct Fixture {
   std::mutex mutex;
   pipeline::Graph graph;
   double stage_seconds = 0;
+  std::map<std::string, std::function<void(const Progress&)>> first;  // what a stage does before anything else
 
   int add(const std::string& name, std::vector<int> sources, const std::string& key = "") {
     auto type = std::make_unique<stages::StageType>();
@@ -58,7 +61,8 @@ struct Fixture {
     type->run = [this, name, n = sources.size()](const AnyParams& p, const stages::StageInputs& in, Report& report,
                                                  const Progress& progress) -> stages::StageData {
       progress.report(0.5);
-      if (name == "fails") throw Error(ExitCode::quality, "", "", "as asked");
+      if (const auto f = first.find(name); f != first.end()) f->second(progress);
+      if (name.rfind("fails", 0) == 0) throw Error(ExitCode::quality, "", "", "as asked");
       if (name == "waits")
         for (;;) {
           progress.check();
@@ -138,37 +142,84 @@ TEST(Executor, AnErrorNamesItsStageAndStopsTheOthers) {
   set_thread_count(0);
 }
 
-// What the scene can do without is refused: all that does not read it is made, and is not made again without it.
-TEST(Executor, WhatMayBeMissingStopsNothing) {
-  for (const int threads : {1, 2}) {
-    set_thread_count(threads);
+// The order hangs on the graph alone: the node that others wait for comes first, though it fails later.
+TEST(Executor, TellsTheFirstErrorInOrderAndNotInTime) {
+  for (const bool may_be_missing : {false, true}) {
+    set_thread_count(2);
     Fixture f;
-    const int fails = f.add("fails", {}), reader = f.add("reader", {fails}), a = f.add("a", {}), b = f.add("b", {a}),
-              last = f.add("last", {b, reader});
-    for (const int n : {fails, reader}) f.graph.nodes[std::size_t(n)].may_be_missing = true;
-    std::vector<pipeline::NodeResult> made;
-    pipeline::ExecuteOptions options;
-    options.made = &made;
+    std::atomic<bool> other_failed{false};
+    const int soon = f.add("fails_soon", {}), late = f.add("fails_late", {}), reader = f.add("reader", {late});
+    for (const int n : {soon, late}) f.graph.nodes[std::size_t(n)].may_be_missing = may_be_missing;
+    f.first["fails_soon"] = [&](const Progress&) { other_failed = true; };
+    f.first["fails_late"] = [&](const Progress& progress) {
+      while (!other_failed) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      for (int i = 0; i < 300; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) progress.check();
+    };
     Silent silent;
     try {
-      pipeline::execute(f.graph, {last}, options, silent);
+      pipeline::execute(f.graph, {soon, reader}, {}, silent);
       FAIL() << "no error";
     } catch (const Error& e) {
-      EXPECT_EQ(e.field(), "fails");
+      EXPECT_EQ(e.field(), "fails_late") << may_be_missing;
     }
-    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"a", "computed"}, {"b", "computed"}}));
-    ASSERT_EQ(made.size(), f.graph.nodes.size());
-
-    Fixture without;
-    const int a2 = without.add("a", {}, f.graph.nodes[std::size_t(a)].key),
-              b2 = without.add("b", {a2}, f.graph.nodes[std::size_t(b)].key), last2 = without.add("last", {b2});
-    for (const int n : {a, b}) options.known[f.graph.nodes[std::size_t(n)].key] = made[std::size_t(n)];
-    Silent again;
-    const auto results = pipeline::execute(without.graph, {last2}, options, again);
-    EXPECT_EQ(again.log, (std::map<std::string, std::string>{{"last", "computed"}}));
-    EXPECT_EQ(x_of(results[std::size_t(last2)]), (3 + 4) + 3);  // a and b have the values of the first graph
-    EXPECT_EQ(results[std::size_t(a2)].state, pipeline::NodeResult::State::computed);
   }
+  set_thread_count(0);
+}
+
+// What comes after a refused node in order is not begun: whether the case can do without it is to be known first.
+TEST(Executor, BeginsNothingAfterARefusal) {
+  for (const bool may_be_missing : {false, true}) {
+    set_thread_count(1);
+    Fixture f;
+    const int a = f.add("a", {}), fails = f.add("fails", {a}), reader = f.add("reader", {fails}), b = f.add("b", {a}),
+              c = f.add("c", {}), last = f.add("last", {b, c, reader});
+    f.graph.nodes[std::size_t(fails)].may_be_missing = may_be_missing;
+    Silent silent;
+    EXPECT_THROW(pipeline::execute(f.graph, {last}, {}, silent), Error);
+    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"a", "computed"}}));
+  }
+  set_thread_count(0);
+}
+
+// What the scene can do without is refused: what runs beside it is made, and is not made again without it.
+TEST(Executor, WhatMayBeMissingEndsNothingThatRuns) {
+  set_thread_count(2);
+  Fixture f;
+  std::atomic<bool> runs{false}, refused{false};
+  const int fails = f.add("fails", {}), reader = f.add("reader", {fails}), a = f.add("a", {}), b = f.add("b", {a}),
+            last = f.add("last", {b, reader});
+  for (const int n : {fails, reader}) f.graph.nodes[std::size_t(n)].may_be_missing = true;
+  f.first["fails"] = [&](const Progress&) {
+    while (!runs) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    refused = true;
+  };
+  f.first["a"] = [&](const Progress& progress) {
+    runs = true;
+    while (!refused) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < 100; ++i, std::this_thread::sleep_for(std::chrono::milliseconds(1))) progress.check();
+  };
+  std::vector<pipeline::NodeResult> made;
+  pipeline::ExecuteOptions options;
+  options.made = &made;
+  Silent silent;
+  try {
+    pipeline::execute(f.graph, {last}, options, silent);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.field(), "fails");
+  }
+  EXPECT_EQ(silent.log.count("a"), 1u);
+  ASSERT_EQ(made.size(), f.graph.nodes.size());
+
+  Fixture without;
+  const int a2 = without.add("a", {}, f.graph.nodes[std::size_t(a)].key),
+            b2 = without.add("b", {a2}, f.graph.nodes[std::size_t(b)].key), last2 = without.add("last", {b2});
+  options.known[f.graph.nodes[std::size_t(a)].key] = made[std::size_t(a)];
+  Silent again;
+  const auto results = pipeline::execute(without.graph, {last2}, options, again);
+  EXPECT_EQ(again.log, (std::map<std::string, std::string>{{"b", "computed"}, {"last", "computed"}}));
+  EXPECT_EQ(x_of(results[std::size_t(last2)]), (3 + 2) + 3);  // a has the value of the first graph
+  EXPECT_EQ(results[std::size_t(a2)].state, pipeline::NodeResult::State::computed);
   set_thread_count(0);
 }
 

@@ -55,6 +55,9 @@ class Executor {
         observer_(observer),
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
+    set_order();
+    std::optional<RefusalAbout> refused;
+    int refused_node = -1;
     // The report of every node is wanted, so a node whose report is not in the cache runs again.
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
       if (const auto made = options_.known.find(graph.nodes[i].key); made != options_.known.end()) {
@@ -63,12 +66,16 @@ class Executor {
       }
       auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
       if (known.refusal) {
-        known.refusal->in_field(graph.nodes[i].name);
-        throw *known.refusal;
+        if (refused && !comes_before(int(i), refused_node)) continue;
+        refused = *known.refusal;
+        refused->in_field(graph.nodes[i].name);
+        refused_node = int(i);
+        continue;
       }
       tasks_[i].unknown = !known.report;
       if (known.report) results_[i].report = std::move(*known.report);
     }
+    if (refused) throw *refused;
     for (const int w : wanted) {
       demand(w);
       ++tasks_[w].readers;  // the caller
@@ -80,11 +87,6 @@ class Executor {
       if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
       if (tasks_[i].readers == 0) results_[i].data = {};
     }
-    // A node runs the earlier, the more nodes wait for it.
-    for (std::size_t i = graph.nodes.size(); i-- > 0;)
-      if (tasks_[i].needed && !tasks_[i].done)
-        for (const auto& [port, source] : graph.nodes[i].sources)
-          tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
   }
 
   std::vector<NodeResult> run() {
@@ -96,16 +98,14 @@ class Executor {
       std::unique_lock<std::mutex> lock(mutex_);
       while (!(running_ == 0 && (stop_ || next_ready() < 0))) {
         wake_.wait_for(lock, std::chrono::milliseconds(100));
-        if (options_.cancel && *options_.cancel) stop_ = true;
+        if (options_.cancel && *options_.cancel) stop_all();
       }
       finished_ = true;
     }
-    for (const bool may_be_missing : {false, true})
-      for (std::size_t i = 0; i < tasks_.size(); ++i)
-        if (tasks_[i].error && graph_.nodes[i].may_be_missing == may_be_missing) {
-          if (options_.made) *options_.made = std::move(results_);
-          std::rethrow_exception(tasks_[i].error);
-        }
+    if (failed_ >= 0) {
+      if (options_.made) *options_.made = std::move(results_);
+      std::rethrow_exception(tasks_[failed_].error);
+    }
     if (stop_) throw Cancelled{};
     return std::move(results_);
   }
@@ -115,6 +115,7 @@ class Executor {
     bool unknown = false, needed = false, started = false, done = false;
     int readers = 0, urgency = 0;
     std::exception_ptr error;
+    std::atomic<bool> stop{false};  // ends it while it runs
   };
 
   // The threads are stopped and joined however the scope is left: at the end of the work, or because a thread could not
@@ -124,7 +125,7 @@ class Executor {
     ~Workers() {
       {
         const std::lock_guard<std::mutex> lock(executor.mutex_);
-        if (!executor.finished_) executor.stop_ = true;
+        if (!executor.finished_) executor.stop_all();
       }
       executor.wake_.notify_all();
       for (std::thread& t : threads) t.join();
@@ -132,6 +133,24 @@ class Executor {
     Executor& executor;
     std::vector<std::thread> threads;
   };
+
+  // The order in which one thread would compute the nodes: the earlier, the more nodes wait for it one after another.
+  // It hangs on the graph alone, and sources come before their readers.
+  void set_order() {
+    for (std::size_t i = graph_.nodes.size(); i-- > 0;)
+      for (const auto& [port, source] : graph_.nodes[i].sources)
+        tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
+  }
+
+  bool comes_before(int i, int other) const {
+    const int a = tasks_[i].urgency, b = tasks_[other].urgency;
+    return a != b ? a > b : i < other;
+  }
+
+  void stop_all() {
+    stop_ = true;
+    for (Task& t : tasks_) t.stop = true;
+  }
 
   void tell_plan() {
     std::vector<int> planned(tasks_.size(), -1);  // its place among the tasks
@@ -190,11 +209,11 @@ class Executor {
     int best = -1;
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       const Task& t = tasks_[i];
-      if (!t.needed || t.started) continue;
+      if (!t.needed || t.started || (failed_ >= 0 && !comes_before(int(i), failed_))) continue;
       const auto& sources = graph_.nodes[i].sources;
       const bool ready =
           std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return tasks_[s.second].done; });
-      if (ready && (best < 0 || t.urgency > tasks_[best].urgency)) best = static_cast<int>(i);
+      if (ready && (best < 0 || comes_before(int(i), best))) best = static_cast<int>(i);
     }
     return best;
   }
@@ -225,24 +244,34 @@ class Executor {
 
   void finish(int i, const std::exception_ptr& error) {
     if (error) {
-      // A node that was stopped because another failed, or because the user asked for it, is not an error of its own.
+      bool can_do_without = false;
       try {
         std::rethrow_exception(error);
       } catch (const Cancelled&) {
+        // Stopped because another failed: no error of its own. Or because the user asked for it.
+        if (!tasks_[i].stop) stop_all();
+        return;
       } catch (const Error& e) {
-        tasks_[i].error = error;
-        // What reads it is never ready; the rest goes on.
-        if (graph_.nodes[i].may_be_missing && e.code() == ExitCode::quality) return;
+        can_do_without = graph_.nodes[i].may_be_missing && e.code() == ExitCode::quality;
       } catch (...) {
-        tasks_[i].error = error;
       }
-      stop_ = true;
+      fail(i, error, can_do_without);
       return;
     }
     tasks_[i].done = true;
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
     if (tasks_[i].readers == 0) results_[i].data = {};
     malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage
+  }
+
+  // Only what comes before it in order may still fail instead of it, and goes on. What comes after it is not begun;
+  // what runs is of use to a run that does without the failed one, and else is stopped.
+  void fail(int i, const std::exception_ptr& error, bool can_do_without) {
+    tasks_[i].error = error;
+    if (failed_ < 0 || comes_before(i, failed_)) failed_ = i;
+    if (can_do_without) return;
+    for (std::size_t n = 0; n < tasks_.size(); ++n)
+      if (comes_before(i, int(n))) tasks_[n].stop = true;
   }
 
   void release(int i) {
@@ -299,7 +328,8 @@ class Executor {
   }
 
   void compute(const Node& node, NodeResult& result) {
-    const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
+    const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); },
+                            &tasks_[std::size_t(&node - graph_.nodes.data())].stop);
     stages::StageInputs inputs;
     inputs.shared = &shared_;
     for (const auto& [port, source] : node.sources) {
@@ -329,6 +359,7 @@ class Executor {
   std::atomic<bool> stop_{false}, cache_failed_{false};
   bool finished_ = false;
   int running_ = 0;
+  int failed_ = -1;  // of the nodes that failed, the first in order
 };
 
 }  // namespace

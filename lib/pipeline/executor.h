@@ -59,9 +59,11 @@ stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Rep
 /// these. Independent nodes run at the same time on up
 /// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
-/// the thread count. If nodes fail, the others are stopped and the error of the first one in the graph's order is
-/// thrown, with its field naming the node. Where a node that may be missing is refused (80), what does not read it is
-/// made first, so that a run without it has only the rest to do.
+/// the thread count. Nodes run in an order that hangs on the graph alone: the earlier, the more nodes wait for one
+/// after another. Where a node fails, what comes after it in that order is not begun, and is stopped where it runs;
+/// what comes before it is made, for it might fail too. So the error thrown is that of the first node in order,
+/// whatever failed first in time; its field names the node. Where a node that may be missing is refused (80), what runs
+/// beside it is made to its end, so that a run without it has only the rest to do.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 
