@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "craniometry/skin_arc.h"
 #include "findings/findings_parts.h"
 #include "mask/filters.h"
 
@@ -30,26 +31,6 @@ float hu_near(const mask::HuView& hu, Vec3 lps) {
   return hu.lattice().contains(i, j, k) ? hu(i, j, k) : -3000.f;
 }
 
-/// The skull's field between its voxels. The nearest voxel alone closes a burr hole in thick slices: a slanting ray
-/// meets the step of the slice above or below before it is through.
-float skull_at(const grid::Field& skull, Vec3 lps) {
-  const Vec3 p = skull.to_index(lps);
-  if (!skull.contains(int(std::lround(p.x)), int(std::lround(p.y)), int(std::lround(p.z)))) return -1;
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    int at[3];
-    for (int a = 0; a < 3; ++a) {
-      const double low = std::floor(p[a]);
-      const int upper = corner >> a & 1;
-      weight *= upper ? p[a] - low : 1 - (p[a] - low);
-      at[a] = std::clamp(int(low) + upper, 0, skull.size[a] - 1);
-    }
-    sum += weight * double(skull.at(at[0], at[1], at[2]));
-  }
-  return float(sum);
-}
-
 /// What a ray from the middle of the head meets beyond the brain.
 enum class Ray { bone, gap, unknown };
 struct Met {
@@ -57,7 +38,9 @@ struct Met {
   Vec3 at_mm;  ///< where it leaves the inside of the head
 };
 
-Met along(const Inside& in, const mask::HuView& hu, const grid::Field& skull, Vec3 from, Vec3 way) {
+// The skull is read between its voxels. The nearest voxel alone closes a burr hole in thick slices: a slanting ray
+// meets the step of the slice above or below before it is through.
+Met along(const Inside& in, const mask::HuView& hu, const craniometry::FieldView& skull, Vec3 from, Vec3 way) {
   const grid::Lattice& cells = in.cells();
   double inner = 0;
   bool inside = false;
@@ -74,7 +57,7 @@ Met along(const Inside& in, const mask::HuView& hu, const grid::Field& skull, Ve
     const Vec3 lps = from + way * d;
     const float value = hu_near(hu, lps);
     if (value < -2500) return met;  // the scan ends
-    if (skull_at(skull, lps) > 0) return met.is = Ray::bone, met;
+    if (skull(lps) > 0) return met.is = Ray::bone, met;
     // Where the scan or its field cuts the head, the brain ends in air, without a scalp over it.
     if (d > inner && value < skin_hu) return met.is = d > inner + scalp_mm ? Ray::gap : Ray::unknown, met;
   }
@@ -86,6 +69,7 @@ Met along(const Inside& in, const mask::HuView& hu, const grid::Field& skull, Ve
 std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                             const FindingsParams& params) {
   const mask::HuView hu(volume);
+  const craniometry::FieldView bone(skull, hu.lattice());
   const Vec3 middle = in.envelope.centre_mm();
   std::vector<Vec3> ways, at;
   std::vector<double> area;         // mm^2 of a ray's share of the vault
@@ -94,7 +78,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
     const Vec3 about = middle + way * 70;
     if (in.place.sure ? in.place.to_template(about).z < least_up_mm + 20 : z < 0.35) continue;
-    const Met met = along(in, hu, skull, middle, way);
+    const Met met = along(in, hu, bone, middle, way);
     if (met.is != Ray::gap) continue;
     const double out = norm(met.at_mm - middle);
     ways.push_back(way);
