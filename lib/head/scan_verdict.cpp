@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/refusal.h"
 #include "base/result.h"
+#include "head/motion.h"
 
 namespace trephine::head {
 namespace {
@@ -20,6 +23,18 @@ void worsen(Suitability& s, Suitability to) {
 
 Suitability above(double value, double doubtful, double unsuited) {
   return value > unsuited ? Suitability::unsuited : value > doubtful ? Suitability::doubtful : Suitability::suited;
+}
+
+void blame(const Motion& m, ScanVerdict& verdict) {
+  for (Suitability* s : {&verdict.skin, &verdict.skull, &verdict.brain}) worsen(*s, Suitability::doubtful);
+  const double left = m.by_mm.x, back = m.by_mm.y;
+  verdict.reasons.push_back(fmt::format(
+      "doubtful for skin, skull and brain: the head moved while it was scanned, by {:.1f} mm (above z = {:.0f} mm it "
+      "lies "
+      "{:.1f} mm farther to the {} and {:.1f} mm farther to the {}): every surface has a step there; choose another "
+      "series, or look at the step in the pictures",
+      norm(m.by_mm), m.at_mm.z, std::abs(left), left > 0 ? "left" : "right", std::abs(back),
+      back > 0 ? "back" : "front"));
 }
 
 }  // namespace
@@ -129,8 +144,11 @@ ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
 
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
   const mask::ScanFigures figures = mask::measure_scan(volume, progress);
-  const ScanVerdict verdict = judge_scan(figures, limits);
+  ScanVerdict verdict = judge_scan(figures, limits);
+  const std::optional<Motion> motion = find_motion(volume, progress);
+  if (motion) blame(*motion, verdict);
   add_result(report, figures);
+  if (motion) report.add("motion_mm", norm(motion->by_mm));
   report.add("kernel", verdict.kernel);
   report.add("brain", to_text(verdict.brain));
   report.add("ventricles", to_text(verdict.ventricles));

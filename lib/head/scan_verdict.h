@@ -70,7 +70,8 @@ struct ScanVerdict {
 ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limits);
 
 /// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles`, `skull` and `skin`
-/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, and a warning for every reason.
+/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, where the head moved (motion.h)
+/// `motion_mm`, and a warning for every reason.
 /// Throws Error 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not
 /// finite.
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});

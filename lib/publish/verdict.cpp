@@ -49,7 +49,9 @@ std::string reasons(const Report& scan) {
     const auto* v = value ? std::get_if<double>(value) : nullptr;
     return v ? *v : 0.0;
   };
-  return fmt::format(" (slices of {:.3g} mm, noise of {:.0f} HU)", number("slice_step_mm"), number("noise_hu"));
+  const double motion_mm = number("motion_mm");
+  return fmt::format(" (slices of {:.3g} mm, noise of {:.0f} HU{})", number("slice_step_mm"), number("noise_hu"),
+                     motion_mm > 0 ? fmt::format(", the head moved by {:.1f} mm", motion_mm) : "");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace trephine::stages {
 StageType scan_stage() {
   StageType s;
   s.name = "scan";
-  s.version = 2;
+  s.version = 3;
   s.place = StagePlace::scan;
   s.serves = "what the scan is suited for";
   s.case_figures = "scan.";
@@ -16,7 +16,8 @@ StageType scan_stage() {
   s.description =
       "Noise is the standard deviation of a voxel and of the mean over a cube of 2 mm, in tiles of even soft tissue "
       "within the skull; the kernel shows in how neighbours go together and in the skin's edge. The verdict on brain, "
-      "ventricles and skull is suited, doubtful or unsuited, each with what to do.";
+      "ventricles and skull is suited, doubtful or unsuited, each with what to do. Where the head moved between two "
+      "slices (by 1.5 mm or more, in slices up to 3 mm apart), it says where and by how much.";
   s.examples = {"trephine scan head.nrrd --report scan.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
