@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "head/motion.h"
 #include "head/scan_verdict.h"
+#include "mask/motion.h"
 
 using namespace trephine;
 
@@ -49,7 +49,7 @@ grid::HuVolume head_of(const Scan& is) {
 TEST(Motion, AStepOfTheHeadIsSeenWithItsPlaceAndDirection) {
   for (const bool upside_down : {false, true})
     for (const double slice : {1.0, 2.0, 3.0}) {
-      const auto m = head::find_motion(head_of({slice, 70.5, 4, -3, 0.2, -1, upside_down}));
+      const auto m = mask::find_motion(head_of({slice, 70.5, 4, -3, 0.2, -1, upside_down}));
       ASSERT_TRUE(m) << slice << upside_down;
       EXPECT_NEAR(m->by_mm.x, 4, 0.7) << slice << upside_down;
       EXPECT_NEAR(m->by_mm.y, -3, 0.7) << slice << upside_down;
@@ -59,11 +59,11 @@ TEST(Motion, AStepOfTheHeadIsSeenWithItsPlaceAndDirection) {
 }
 
 TEST(Motion, NothingIsSaidOfAHeadThatLiesStill) {
-  EXPECT_FALSE(head::find_motion(head_of({}))) << "inclined";
-  EXPECT_FALSE(head::find_motion(head_of({2, 70, 0, 0, 0.9}))) << "more inclined";
-  EXPECT_FALSE(head::find_motion(head_of({2, 70, 0.7, 0}))) << "less than what is sure";
-  EXPECT_FALSE(head::find_motion(head_of({2, 70, 6, 0, 0.2, 25}))) << "one slice that is wrong is no motion";
-  EXPECT_FALSE(head::find_motion(head_of({4, 70, 6, 0}))) << "slices too far apart";
+  EXPECT_FALSE(mask::find_motion(head_of({}))) << "inclined";
+  EXPECT_FALSE(mask::find_motion(head_of({2, 70, 0, 0, 0.9}))) << "more inclined";
+  EXPECT_FALSE(mask::find_motion(head_of({2, 70, 0.7, 0}))) << "less than what is sure";
+  EXPECT_FALSE(mask::find_motion(head_of({2, 70, 6, 0, 0.2, 25}))) << "one slice that is wrong is no motion";
+  EXPECT_FALSE(mask::find_motion(head_of({4, 70, 6, 0}))) << "slices too far apart";
 }
 
 TEST(Motion, IsSaidByTheVerdictOnAScan) {
@@ -83,9 +83,9 @@ TEST(Motion, IsSaidByTheVerdictOnAScan) {
 TEST(Motion, HangsOnNoThreads) {
   const grid::HuVolume scan = head_of({2, 70, 3, 3});
   set_thread_count(1);
-  const auto one = head::find_motion(scan);
+  const auto one = mask::find_motion(scan);
   set_thread_count(7);
-  const auto many = head::find_motion(scan);
+  const auto many = mask::find_motion(scan);
   set_thread_count(0);
   ASSERT_TRUE(one && many);
   EXPECT_EQ(norm(one->by_mm - many->by_mm), 0);

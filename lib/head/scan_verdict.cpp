@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "base/result.h"
-#include "head/motion.h"
+#include "mask/motion.h"
 
 namespace trephine::head {
 namespace {
@@ -25,7 +25,7 @@ Suitability above(double value, double doubtful, double unsuited) {
   return value > unsuited ? Suitability::unsuited : value > doubtful ? Suitability::doubtful : Suitability::suited;
 }
 
-void blame(const Motion& m, ScanVerdict& verdict) {
+void blame(const mask::Motion& m, ScanVerdict& verdict) {
   for (Suitability* s : {&verdict.skin, &verdict.skull, &verdict.brain}) worsen(*s, Suitability::doubtful);
   const double left = m.by_mm.x, back = m.by_mm.y;
   verdict.reasons.push_back(fmt::format(
@@ -145,7 +145,7 @@ ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
   const mask::ScanFigures figures = mask::measure_scan(volume, progress);
   ScanVerdict verdict = judge_scan(figures, limits);
-  const std::optional<Motion> motion = find_motion(volume, progress);
+  const std::optional<mask::Motion> motion = mask::find_motion(volume, progress);
   if (motion) blame(*motion, verdict);
   add_result(report, figures);
   if (motion) report.add("motion_mm", norm(motion->by_mm));

@@ -70,7 +70,7 @@ struct ScanVerdict {
 ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limits);
 
 /// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles`, `skull` and `skin`
-/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, where the head moved (motion.h)
+/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, where the head moved (mask/motion.h)
 /// `motion_mm`, and a warning for every reason.
 /// Throws Error 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not
 /// finite.

@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "grid/grid.h"
 
-namespace trephine::head {
+namespace trephine::mask {
 
 /// The head lies elsewhere from one slice to the next: the patient moved.
 struct Motion {
@@ -19,4 +19,4 @@ struct Motion {
 /// result whatever the thread count. Throws Cancelled.
 std::optional<Motion> find_motion(const grid::HuVolume& volume, const Progress& progress = {});
 
-}  // namespace trephine::head
+}  // namespace trephine::mask

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/motion.h"
+#include "mask/motion.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "mask/filters.h"
 
-namespace trephine::head {
+namespace trephine::mask {
 namespace {
 
 constexpr double lower_hu = 200, upper_hu = 1000;  ///< bone: apparatus has little of it
@@ -95,9 +95,9 @@ class Shifts {
     for (int n = k - around; n <= k + around; ++n)
       if (std::abs(n - k) > beside && has(n)) others.push_back(float(all_[std::size_t(n)]));
     if (int(others.size()) < around) return 0;
-    const double usual = mask::median(others, 0.f);
+    const double usual = median(others, 0.f);
     for (float& o : others) o = std::abs(o - float(usual));
-    const double spread = mask::median(others, 0.f), step = all_[std::size_t(k)] - usual;
+    const double spread = median(others, 0.f), step = all_[std::size_t(k)] - usual;
     if (std::abs(step) < std::max(least_mm, spreads * spread)) return 0;
     // A single slice that lies elsewhere makes a step there, and one back.
     double sum = 0;
@@ -138,4 +138,4 @@ std::optional<Motion> find_motion(const grid::HuVolume& volume, const Progress& 
   return found;
 }
 
-}  // namespace trephine::head
+}  // namespace trephine::mask
