@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "head/brain.h"
 #include "head/brain_pits.h"
 #include "head/deep_csf.h"
 #include "head/ventricle_parts.h"
@@ -87,6 +88,33 @@ TEST(SegmentPlace, ATiltedStretchedAndCutHeadIsFound) {
       for (const Vec3 p : {Vec3{0, -6, 43}, Vec3{22, -44, 56}, Vec3{-24, 40, 50}, Vec3{0, 26, -24}})
         EXPECT_LT(norm(found.to_template(truth.to_lps(p)) - p), top_mm < 100 ? 5 : 2) << pitch_deg << " " << top_mm;
     }
+}
+
+// A ball of 65 mm in 8 mm of bone; below `dark_z_mm` it is as dark as CSF, and so no brain.
+TEST(SegmentPlace, ABrainThatFillsLittleOfItsCavityIsTold) {
+  for (const double dark_z_mm : {-1e3, -20.0}) {
+    const grid::Lattice l = lattice_about({0, 0, 0}, {80, 80, 80}, 2);
+    grid::Grid<std::int16_t> ct;
+    static_cast<grid::Lattice&>(ct) = l;
+    ct.voxels.resize(l.count());
+    grid::Field skull;
+    static_cast<grid::Lattice&>(skull) = l;
+    skull.voxels.resize(l.count());
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+          const double out = norm(p) - 65;
+          ct.at(i, j, k) = out < 0 ? (p.z < dark_z_mm ? 0 : 35) : out < 8 ? 1000 : -1000;
+          skull.at(i, j, k) = float(4 - std::abs(out - 4));
+        }
+    Report report;
+    head::find_brain(ct, {&skull, nullptr, nullptr, {}}, {}, report);
+    const bool told = std::any_of(report.warnings.begin(), report.warnings.end(), [](const std::string& w) {
+      return w.find("% of the space that bone encloses was taken for brain") != std::string::npos;
+    });
+    EXPECT_EQ(told, dark_z_mm > -65) << dark_z_mm;
+  }
 }
 
 TEST(SegmentPlace, WhatIsNoHeadIsNotSure) {

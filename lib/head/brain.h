@@ -61,7 +61,8 @@ struct BrainMasks {
 /// more than about 15 degrees, and the brain ends where the spinal canal begins to be narrow.
 ///
 /// This is a first automatic estimate; strong cupping misleads it, and brain that bulges out of a skull with a large
-/// defect is cut off. The report says what was found ("volume_ml", ...) and warns where that is implausible.
+/// defect is cut off. The report says what was found ("volume_ml", ...) and warns where that is implausible, as where
+/// the envelope fills less than 85 % of the space that bone encloses.
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 80 also where all voxels have one
 /// value, or no space enclosed by bone is found.
