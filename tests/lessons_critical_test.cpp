@@ -150,6 +150,37 @@ TEST(LessonsCritical, DoingNothingScoresOneInEveryRow) {
   }
 }
 
+// One picture, a tool in the hand, or a draw at the syringe is as good as nothing.
+TEST(LessonsCritical, NearlyNothingScoresOneInEveryRow) {
+  lessons_chest::Chest chest(false);
+  Head whole(Kind::whole);
+  for (const char* lesson : {"spine_needle", "pedicle_screw"}) {
+    const auto looked = spine().run(R"({"shoot": {"seconds": 1}}, "finish")", lesson);
+    EXPECT_EQ(looked.facts.shots.size(), 1u);
+    expect_nothing(looked);
+  }
+  expect_nothing(whole.run(R"({"take": {"tool": "burr"}}, "erase", "finish")"));
+  expect_nothing(chest.run(R"("aspirate", "finish")"));
+}
+
+// What was placed and taken out again earns nothing for having been quick.
+TEST(LessonsCritical, WhoPlacesNothingEarnsNothingForFewPasses) {
+  auto taken_out = drilled().run(catheter(R"({"at": "monro_right"})"));
+  EXPECT_EQ(taken_out.points("passes"), 5);
+  taken_out.facts.passes.back().in_place = false;
+  const lessons::LessonScore score = lessons::score_ventriculostomy(taken_out.facts, drilled().felt().loaded.manifest,
+                                                                    drilled().whole(), Head::rubric());
+  EXPECT_EQ(score.row("passes")->score, 1);
+  EXPECT_EQ(score.row("passes")->why, "no catheter lies in the brain");
+
+  lessons_chest::Chest chest(false);
+  const auto pricked = chest.run(
+      R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},
+          "toward": {"at": "vein_right"}, "short_of_mm": 18}}, "aspirate", "finish")");
+  EXPECT_EQ(pricked.facts.passes.size(), 1u);
+  EXPECT_EQ(pricked.points("passes"), 1) << pricked.row("passes").why;
+}
+
 // As head_invesalius_0051, whose foramina have a confidence of 0.23.
 TEST(LessonsCritical, ACaseThatDoesNotKnowItsForaminaMarksNobodyDown) {
   for (const char* toward : {R"({"at": "monro_right"})", R"({"at": "monro_right", "offset_mm": [1.5, 2, -12]})",

@@ -90,6 +90,10 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
           if (n > 0) f.passes.back().in_place = false;
         }),
         false);
+  check(name, "one picture and nothing else, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
+          if (n > 0) f.passes.clear();
+        }),
+        false);
   check(name, "nothing done, from step 1", happened([](lessons::SpineNeedleFacts& f, int n) {
           if (n > 0) f.passes.clear(), f.shots.clear();
         }),

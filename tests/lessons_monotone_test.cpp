@@ -151,6 +151,10 @@ void check_head(bool left, const SpoiltHead& head = spoilt_phantom()) {
           if (n > 0) f.end = lessons::LessonEnd::running;
         }),
         false);
+  check(name, "catheter drawn out again, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
+          if (n > 0) f.passes.back().in_place = false;
+        }),
+        false);
   check(name, "nothing done, from step 1", before([](lessons::VentriculostomyFacts& f, int n) {
           if (n == 0) return;
           f.traces.clear(), f.passes.clear(), f.incisions.clear(), f.hole.reset();

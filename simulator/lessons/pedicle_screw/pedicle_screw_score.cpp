@@ -55,7 +55,7 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
     score.rows.push_back(std::move(row));
   };
   if (r.exposure_s) {
-    ScoreRow row = exposure_row(facts, *r.exposure_s);
+    ScoreRow row = exposure_row(facts, *r.exposure_s, nowhere);
     if (facts.shots.empty() && manifest.ct.file.empty()) {  // nobody could have taken one
       row.score.reset();
       row.why = "the case holds no CT";

@@ -15,11 +15,11 @@ ScoreRow four_limits_row(const char* name, const char* title, const lesson::Four
   return r;
 }
 
-ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits) {
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& nowhere) {
   ScoreRow r = four_limits_row("exposure", "Fluoroscopic exposure", limits, "s");
   r.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
-  r.score = facts.shots.empty() ? 1 : limits.score(facts.exposure_s());
-  r.why = facts.shots.empty() ? "no picture was taken" : "X-rays were on";
+  r.score = facts.shots.empty() || !nowhere.empty() ? 1 : limits.score(facts.exposure_s());
+  r.why = facts.shots.empty() ? "no picture was taken" : nowhere.empty() ? "X-rays were on" : nowhere;
   if (!facts.shots.empty()) r.decided_s = facts.shots.back().end_s;
   return r;
 }

@@ -9,8 +9,9 @@ namespace trephine::lessons {
 ScoreRow four_limits_row(const char* name, const char* title, const lesson::FourLimits& limits,
                          const std::string& unit);
 
-/// How long X-rays were on; 1 where no picture was taken.
-ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits);
+/// How long X-rays were on; 1 where no picture was taken, and where `nowhere` says why no tool lies where it should:
+/// few pictures are no merit of who placed nothing.
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& nowhere);
 
 /// How often a tool entered bone. `nowhere`: why none lies where it should, and the row scores 1; empty: one does.
 ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,

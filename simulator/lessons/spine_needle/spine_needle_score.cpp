@@ -130,12 +130,10 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   score.rows.push_back(rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
                                        depth > 0 ? "beyond the target" : "before the target"));
 
-  score.rows.push_back(exposure_row(facts, r.exposure_s));
   const bool there = rows.pass && (rows.at_it() || !rows.doubt.empty());
-  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle",
-                                       there       ? ""
-                                       : rows.pass ? rows.not_there()
-                                                   : "no needle lies in bone"));
+  const std::string nowhere = there ? "" : rows.pass ? rows.not_there() : "no needle lies in bone";
+  score.rows.push_back(exposure_row(facts, r.exposure_s, nowhere));
+  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle", nowhere));
   score.rows.push_back(spine_time_row(facts, r.procedure_s, score.unreached));
 
   const bool judged = rows.at_it() && rows.doubt.empty();

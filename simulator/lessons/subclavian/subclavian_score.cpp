@@ -84,9 +84,13 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
   ScoreRow row{"passes", "Needle passes", 1, "the needle entered nothing", {{"passes_count", count}}, {}, f.end_s};
   row.limits = {{"ideal_count", r.ideal_count}, {"good_count", r.good_count}, {"most_count", r.most_count}};
   if (f.passes.empty()) return row;
+  row.decided_s = f.passes.back().begin_s;
+  if (f.vein_s < 0) {  // a prick of the skin is one pass too, and spares nobody one
+    row.why = "the vein was never reached";
+    return row;
+  }
   row.score = count <= r.ideal_count.limit ? 5 : count <= r.good_count.limit ? 4 : count <= r.most_count.limit ? 3 : 1;
   row.why = *row.score == 5 ? "as few as can be" : *row.score > 1 ? "several passes" : "too many passes";
-  row.decided_s = f.passes.back().begin_s;
   return row;
 }
 

@@ -207,9 +207,9 @@ ScoreRow score_passes(const Scoring& s) {
   row.measured = {{"passes_count", double(count)}};
   row.limits = {{"five_count", r.five}, {"four_count", r.four}, {"three_count", r.three}, {"two_count", r.two}};
   if (count == 0) return row;
-  row.score = r.score(count);
-  row.why = "times that the catheter entered the brain";
   row.decided_s = s.facts.passes.back().begin_s;
+  row.score = s.final_pass() ? r.score(count) : 1;
+  row.why = s.final_pass() ? "times that the catheter entered the brain" : no_catheter;
   return row;
 }
 
