@@ -306,6 +306,35 @@ TEST(LessonsAdvice, ALineUnderTheClavicleIsToldPunctureAndDirection) {
   EXPECT_TRUE(has(told(score(turned(180)), "direction", Language::german), "sie zeigte von ihm weg"));
 }
 
+// The body's own directions and frontal plane, also of a patient who lies askew in the scanner.
+TEST(LessonsAdvice, ALineIsMeasuredInTheBodysOwnFrontalPlane) {
+  lessons_chest::Chest chest(false);
+  const auto done = chest.run(
+      R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},
+          "toward": {"at": "vein_right", "offset_mm": [6, 0, -14]}, "short_of_mm": -4}}, "aspirate", "finish")");
+  const double roll = 20 * M_PI / 180, tilt = 8 * M_PI / 180;
+  const auto turn = [&](Vec3 p) {
+    p = {p.x * std::cos(tilt) - p.z * std::sin(tilt), p.y, p.x * std::sin(tilt) + p.z * std::cos(tilt)};
+    return Vec3{p.x * std::cos(roll) - p.y * std::sin(roll), p.x * std::sin(roll) + p.y * std::cos(roll), p.z};
+  };
+  voxel::HapticVolume askew = chest.whole();
+  askew.voxels.origin_mm = turn(askew.voxels.origin_mm);
+  askew.voxels.direction = {{turn({1, 0, 0}), turn({0, 1, 0}), turn({0, 0, 1})}};
+  lessons::SubclavianFacts facts = done.facts;
+  for (lessons::VeinPass& p : facts.passes) p.entry_mm = turn(p.entry_mm), p.tip_mm = turn(p.tip_mm);
+  const auto& manifest = chest.felt().loaded.manifest;
+  const auto rubric = lessons_chest::Chest::rubric();
+  const auto straight = lessons::score_subclavian(done.facts, manifest, chest.whole(), rubric);
+  const auto turned = lessons::score_subclavian(facts, manifest, askew, rubric);
+  for (const char* row : {"puncture", "direction"}) {
+    ASSERT_EQ(straight.row(row)->measured.size(), 1u);
+    EXPECT_NEAR(turned.row(row)->measured[0].second, straight.row(row)->measured[0].second, 1.5) << row;
+    EXPECT_EQ(turned.row(row)->score, straight.row(row)->score) << row;
+  }
+  ASSERT_LT(straight.row("direction")->score, 5);
+  EXPECT_EQ(told(turned, "direction"), told(straight, "direction"));
+}
+
 // The last line of the table and the head of the page, which a lesson words itself.
 TEST(LessonsAdvice, WhatALessonSaysOfItselfIsGermanToo) {
   const auto german = [](const std::string& module, const lessons::LessonFacts& facts,

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "lessons/directions.h"
 #include "voxel/decode.h"
 
 namespace trephine::lessons {
@@ -24,7 +25,7 @@ void each_voxel(const voxel::HapticVolume& v, int shape, const std::function<voi
         if (decoder.shape_at(i, j, k) == shape) visit(v.voxels.to_world_mm({double(i), double(j), double(k)}));
 }
 
-int column_of(double x) { return int(std::floor(x / ChestFrame::border_step_mm)); }
+int column_of(double across_mm) { return int(std::floor(across_mm / ChestFrame::border_step_mm)); }
 
 struct Mean {
   Vec3 sum;
@@ -35,6 +36,38 @@ struct Mean {
   }
   Vec3 value() const { return sum / count; }
 };
+
+// Where the two clavicles end towards the middle, along the body's left.
+struct Gap {
+  double right_end = -1e9, left_end = 1e9;
+  bool parts() const { return right_end > -1e9 && left_end < 1e9 && left_end - right_end >= min_gap_mm; }
+};
+
+// The patient's right is at smaller places. The gap that is nearest to the middle parts the two.
+Gap gap_at(const std::map<int, double>& border_mm, double middle) {
+  Gap gap;
+  for (const auto& [column, up] : border_mm) {
+    const double across = (column + 0.5) * ChestFrame::border_step_mm;
+    if (across < middle) gap.right_end = std::max(gap.right_end, across);
+    if (across > middle) gap.left_end = std::min(gap.left_end, across);
+  }
+  return gap;
+}
+
+// The body's left goes from the middle of what lies in the patient's right half to that of the other half: so a
+// patient who lies askew is measured by his own frontal plane. Only how far he is bent forwards no clavicle tells.
+void take_axes(const voxel::HapticVolume& volume, int clavicle, ChestFrame& f) {
+  Mean all, halves[2];
+  each_voxel(volume, clavicle, [&](Vec3 p) { all.add(p); });
+  if (all.count == 0) return;
+  const double middle = all.value().x;
+  each_voxel(volume, clavicle, [&](Vec3 p) { halves[p.x > middle ? 1 : 0].add(p); });
+  if (halves[0].count == 0 || halves[1].count == 0) return;
+  const Vec3 left = halves[1].value() - halves[0].value();
+  const BodyAxes axes = body_axes(true, left, cross(left, {0, 0, 1}));
+  f.left = axes.lateral;
+  f.cranial = axes.cranial;
+}
 
 }  // namespace
 
@@ -53,35 +86,31 @@ ChestShapes chest_shapes_of(const cases::CaseManifest& manifest) {
 
 ChestFrame chest_frame_of(const voxel::HapticVolume& volume, const ChestShapes& shapes) {
   ChestFrame f;
+  take_axes(volume, shapes.clavicle, f);
   double least = 1e9, most = -1e9;
   each_voxel(volume, shapes.clavicle, [&](Vec3 p) {
-    least = std::min(least, p.x);
-    most = std::max(most, p.x);
-    double& z = f.border_z_mm.try_emplace(column_of(p.x), p.z).first->second;
-    z = std::min(z, p.z);
+    const double across = dot(p, f.left), up = dot(p, f.cranial);
+    least = std::min(least, across);
+    most = std::max(most, across);
+    double& border = f.border_mm.try_emplace(column_of(across), up).first->second;
+    border = std::min(border, up);
   });
-  // The patient's right is at smaller x. The gap that is nearest to the middle parts the two.
-  const double middle = (least + most) / 2;
-  double right_end = -1e9, left_end = 1e9;
-  for (const auto& [column, z] : f.border_z_mm) {
-    const double x = (column + 0.5) * ChestFrame::border_step_mm;
-    if (x < middle) right_end = std::max(right_end, x);
-    if (x > middle) left_end = std::min(left_end, x);
-  }
-  if (f.border_z_mm.empty() || left_end - right_end < min_gap_mm)
+  const Gap gap = gap_at(f.border_mm, (least + most) / 2);
+  if (!gap.parts())
     throw Error(ExitCode::bad_input, "", "haptic.shapes.clavicle",
                 "is not two bones beside each other, between which the sternal notch would lie");
   Mean ends[2];
   each_voxel(volume, shapes.clavicle, [&](Vec3 p) {
-    if (p.x <= right_end + 2 && p.x > right_end - end_mm) ends[0].add(p);
-    if (p.x >= left_end - 2 && p.x < left_end + end_mm) ends[1].add(p);
+    const double across = dot(p, f.left);
+    if (across <= gap.right_end + 2 && across > gap.right_end - end_mm) ends[0].add(p);
+    if (across >= gap.left_end - 2 && across < gap.left_end + end_mm) ends[1].add(p);
   });
   f.notch_mm = (ends[0].value() + ends[1].value()) / 2;
-  const double thirds[2] = {right_end + (least - right_end) / 3, left_end + (most - left_end) / 3};
+  const double thirds[2] = {gap.right_end + (least - gap.right_end) / 3, gap.left_end + (most - gap.left_end) / 3};
   Mean veins[2];
   each_voxel(volume, shapes.vein, [&](Vec3 p) {
     for (int side = 0; side < 2; ++side)
-      if (std::abs(p.x - thirds[side]) < slab_mm) veins[side].add(p);
+      if (std::abs(dot(p, f.left) - thirds[side]) < slab_mm) veins[side].add(p);
   });
   double lung_voxels[2] = {0, 0};
   for (const int shape : {shapes.lung, shapes.pleura})
@@ -96,24 +125,26 @@ ChestFrame chest_frame_of(const voxel::HapticVolume& volume, const ChestShapes& 
 }
 
 double ChestFrame::below_border_mm(Vec3 p) const {
-  const auto after = border_z_mm.lower_bound(column_of(p.x));
-  auto nearest = after == border_z_mm.end() ? std::prev(after) : after;
-  if (after != border_z_mm.begin() && after != border_z_mm.end())
-    if (const auto before = std::prev(after); column_of(p.x) - before->first < after->first - column_of(p.x))
-      nearest = before;
-  return nearest->second - p.z;
+  const int column = column_of(dot(p, left));
+  const auto after = border_mm.lower_bound(column);
+  auto nearest = after == border_mm.end() ? std::prev(after) : after;
+  if (after != border_mm.begin() && after != border_mm.end())
+    if (const auto before = std::prev(after); column - before->first < after->first - column) nearest = before;
+  return nearest->second - dot(p, cranial);
 }
 
+Vec3 ChestFrame::in_frontal_plane(Vec3 way) const { return left * dot(way, left) + cranial * dot(way, cranial); }
+
 Vec3 ChestFrame::to_notch(Vec3 entry, Vec3 towards) const {
-  const Vec3 line{notch_mm.x - entry.x, 0, notch_mm.z - entry.z}, way = normalized(Vec3{towards.x, 0, towards.z});
+  const Vec3 line = in_frontal_plane(notch_mm - entry), way = normalized(in_frontal_plane(towards));
   return line - way * dot(line, way);
 }
 
 double ChestFrame::off_notch_deg(Vec3 entry, Vec3 towards) const {
-  const Vec3 line = notch_mm - entry;
-  const double a = std::hypot(line.x, line.z), b = std::hypot(towards.x, towards.z);
+  const Vec3 line = in_frontal_plane(notch_mm - entry), way = in_frontal_plane(towards);
+  const double a = norm(line), b = norm(way);
   if (!(a > 0) || !(b > 0)) return 90;  // straight into the chest
-  return std::acos(std::clamp((line.x * towards.x + line.z * towards.z) / (a * b), -1.0, 1.0)) * 180 / M_PI;
+  return std::acos(std::clamp(dot(line, way) / (a * b), -1.0, 1.0)) * 180 / M_PI;
 }
 
 }  // namespace trephine::lessons

@@ -150,7 +150,7 @@ std::vector<Advice> advice_of(const SubclavianFacts& f, const ChestFrame& frame,
     all.push_back({"direction", {away_words.in[0], away_words.in[1]}});
     return all;
   }
-  const BodyAxes axes = body_axes(frame.side_of(pass->entry_mm) == 1, {1, 0, 0}, {0, -1, 0});
+  const BodyAxes axes = body_axes(frame.side_of(pass->entry_mm) == 1, frame.left, cross(frame.left, frame.cranial));
   std::vector<NamedPart> off = parts_of(axes, -frame.to_notch(pass->entry_mm, way));
   if (off.empty()) return all;
   off.resize(1);
