@@ -17,7 +17,7 @@ struct RubricLimit {
   enum class From { none, thesis, ours };
   double limit = 0;
   From from = From::none;
-  std::string why;
+  std::string why, why_de = {};
   template <class V>
   static void describe(V& v) {
     using P = RubricLimit;
@@ -26,6 +26,7 @@ struct RubricLimit {
              "Where it comes from: the dissertation, or our own choice.")
         .is_required();
     v.text(&P::why, "why", "The dissertation's table, or the reason for our choice.").is_required();
+    v.text(&P::why_de, "why_de", "The same in German; a German page shows `why` where it is left out.");
   }
   std::string fault() const {
     return why.find_first_not_of(" \t\r\n") == std::string::npos ? "why: is blank" : std::string();
@@ -38,7 +39,7 @@ struct CriticalRule {
   std::string error;  ///< as the lesson calls it; its name ends in the limit's unit, where it has one
   double limit = 0;
   RubricLimit::From from = RubricLimit::From::none;
-  std::string why;
+  std::string why, why_de = {};
   template <class V>
   static void describe(V& v) {
     using P = CriticalRule;
@@ -49,6 +50,7 @@ struct CriticalRule {
              "Where it comes from: the dissertation, or our own choice.")
         .is_required();
     v.text(&P::why, "why", "The dissertation's table, or the reason for our choice.").is_required();
+    v.text(&P::why_de, "why_de", "The same in German; a German page shows `why` where it is left out.");
   }
 };
 /// What is wrong with such a list, as a struct's fault() says it: an error that is not known, or is listed twice; "".

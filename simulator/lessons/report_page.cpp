@@ -64,6 +64,22 @@ constexpr Wording made_words{{"Made of", "Gemacht aus"}};
 constexpr Wording made_of_words{{"recording {} ({}, {})<br>motion {}<br>haptic volume {}<br>rubric {}",
                                  "Aufnahme {} ({}, {})<br>Bewegung {}<br>haptisches Volumen {}<br>Bewertungsbogen {}"}};
 
+// A rubric's reason, in German where its author wrote that too.
+template <class Rule>
+const std::string& reason_of(const Rule& rule, Language language) {
+  return language == Language::german && !rule.why_de.empty() ? rule.why_de : rule.why;
+}
+
+// Why the rubric lets each critical error fail the lesson.
+std::string critical_html(const LessonScore& score, Language language) {
+  if (score.critical.empty()) return "";
+  std::string out = "<ul>\n";
+  for (const CriticalError& e : score.critical)
+    out += fmt::format("<li>{}{}: <span class=\"faint\">{}</span>\n", escaped(lesson_words(language, e.what)),
+                       e.at_s ? fmt::format(" ({:.1f} s)", *e.at_s) : "", escaped(reason_of(e.rule, language)));
+  return out + "</ul>\n";
+}
+
 std::string rows_html(const LessonScore& score, Language language) {
   const auto words = [&](const std::string& english) { return escaped(lesson_words(language, english)); };
   std::string out = "<table><tr>";
@@ -74,7 +90,7 @@ std::string rows_html(const LessonScore& score, Language language) {
     for (const auto& [name, value] : row.measured)
       measured += fmt::format("{} {:.1f} {}<br>", escaped(figure_title(language, name)), value, figure_unit(name));
     for (const auto& [name, l] : row.limits)
-      limits += fmt::format("<span title=\"{}\">{} {:g} {} <b>{}</b></span><br>", escaped(l.why),
+      limits += fmt::format("<span title=\"{}\">{} {:g} {} <b>{}</b></span><br>", escaped(reason_of(l, language)),
                             escaped(figure_title(language, name)), l.limit, figure_unit(name),
                             (l.from == lesson::RubricLimit::From::thesis ? thesis_word : ours_word).of(language));
     out += fmt::format("<tr><td><b>{}</b><br>{}<td class=\"score\">{}<td>{}<td class=\"faint\">{}<td>{}</tr>\n",
@@ -193,6 +209,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
                      facts.task.empty() ? ""
                                         : std::string("<br>") + say(task_words) +
                                               escaped(aim_of(task_of(module, loaded.manifest, facts.task), language)));
+  out += critical_html(score, language);
   if (!head.replayed) out += std::string("<p class=\"failed\"><b>") + say(trusted_words) + "</b></p>\n";
   if (facts.undone > 0) out += "<p><b>" + fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "</b></p>\n";
   out += rows_html(score, language) + advice_html(score, language);

@@ -28,6 +28,23 @@ assert [s["view"] for s in j["facts"]["shots"]] == ["ap", "lateral", "lateral", 
 row = next(csv.DictReader(open(sys.argv[2])))
 assert row["module"] == "spine_needle" and row["breach_score"] == "5" and float(row["entry_off_mm"]) < 2, row
 PY
+# A German page gives the limits' reasons in German, and so does every shipped rubric.
+"${score[@]}" --page "$work/german.html" --language de >/dev/null
+for r in "$SOURCE"/configs/rubrics/*.yaml; do "$OFFLINE" rubric "$r" --output "$work/$(basename "$r" .yaml).shipped.json" >/dev/null; done
+python3 - "$work" <<'PY'
+import glob, json, re, sys
+def reasons(j, at):
+    if isinstance(j, dict):
+        if "why" in j: yield at, j["why"], j["why_de"]
+        for k, v in j.items(): yield from reasons(v, at + "." + k)
+    elif isinstance(j, list):
+        for n, v in enumerate(j): yield from reasons(v, f"{at}.{n}")
+all_of = [r for f in glob.glob(sys.argv[1] + "/*.shipped.json") for r in reasons(json.load(open(f)), f)]
+assert len(all_of) > 100, len(all_of)
+assert all(german and german != english for _, english, german in all_of), [r for r in all_of if not r[2] or r[1] == r[2]]
+english, german = (re.findall('title="([^"]*)"', open(f"{sys.argv[1]}/{page}.html").read()) for page in ("one", "german"))
+assert len(english) == len(german) > 20 and not set(english) & set(german), set(english) & set(german)
+PY
 # A rubric, a log and a case of another lesson.
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/other.json" >/dev/null
 expect 65 'lesson: spine_needle, but the rubric is of ventriculostomy' "$TREPHINE" score "$work/one.lesson" --case "$library/spine" --rubric "$work/other.json"
