@@ -117,6 +117,9 @@ class Exercise {
       plan_.cases.push_back({c.token, c.patient_class, lessons::assigned_task(c, assigned), "", c.difficulty_level});
     plan_.cases = lessons::phased(plan_.cases, asked);
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
+    if (const int n = cases_.of_other_lessons; n > 0)
+      std::cout << fmt::format("{} beside {} of other lessons\n", n == 1 ? "a case" : fmt::format("{} cases", n),
+                               n == 1 ? "is" : "are");
     if (plan_.cases.empty())
       throw Error(ExitCode::no_input, parsed_.text("library"), "",
                   "holds no approved case of these classes and difficulties: trephine library approve CASE --by TOKEN");

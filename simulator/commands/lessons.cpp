@@ -32,8 +32,17 @@ std::string joined(const std::vector<std::string>& words) {
 void print_text(const cases::CaseManifest& manifest) {
   for (const lessons::LessonType& type : lessons::lesson_types()) {
     const lessons::LessonUse use = lessons::use_of(type, manifest);
-    std::cout << (use.why_not.empty() ? fmt::format("{}: serves: {}\n", type.name, printable(joined(use.tasks)))
-                                      : fmt::format("{}: cannot serve: {}\n", type.name, use.why_not));
+    std::vector<std::string> sure, doubtful;
+    for (const std::string& task : use.tasks) {
+      std::string why;
+      for (const auto& [name, doubt] : use.doubtful)
+        if (name == task) why = doubt;
+      (why.empty() ? sure : doubtful).push_back(why.empty() ? task : task + " (" + why + ")");
+    }
+    std::string said = use.why_not.empty() ? "" : ": cannot serve: " + use.why_not;
+    if (!sure.empty()) said += ": serves: " + joined(sure);
+    if (!doubtful.empty()) said += (sure.empty() ? ": doubtful: " : "; doubtful: ") + joined(doubtful);
+    std::cout << type.name << printable(said) << "\n";
   }
 }
 
@@ -41,7 +50,10 @@ void print_json(const cases::CaseManifest& manifest) {
   nlohmann::ordered_json out = {{"case", manifest.case_token}, {"lessons", nlohmann::ordered_json::array()}};
   for (const lessons::LessonType& type : lessons::lesson_types()) {
     const lessons::LessonUse use = lessons::use_of(type, manifest);
-    out["lessons"].push_back({{"name", type.name}, {"tasks", use.tasks}, {"why_not", use.why_not}});
+    nlohmann::ordered_json doubtful = nlohmann::ordered_json::object();
+    for (const auto& [task, why] : use.doubtful) doubtful[task] = why;
+    out["lessons"].push_back(
+        {{"name", type.name}, {"tasks", use.tasks}, {"doubtful", doubtful}, {"why_not", use.why_not}});
   }
   std::cout << out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
@@ -68,7 +80,7 @@ cli::Command lessons_command() {
   c.summary = "says which lessons a case can serve, what each may ask for, and why another cannot be done in it";
   c.description =
       "Reads case.json alone. `trephine library approve` prints the same before a reviewer's token stands beside the "
-      "case. What a lesson measures from a doubtful landmark is not judged; the lesson's report says so.";
+      "case. A task whose landmark is doubtful is named with the reason: what a lesson measures from it is not judged.";
   c.arguments = {cli::positional_argument("case", Kind::in_folder, "Folder of the case.")};
   c.groups = {cli::ParameterGroup::of<LessonsParams>("Parameters")};
   c.examples = {"trephine-sim lessons library/sample", "trephine-sim lessons library/sample --json"};

@@ -53,6 +53,21 @@ std::string why_left_out(const fs::path& folder, const LessonType& module, Curri
   return "";
 }
 
+// A chest is no head that failed: only what could have served is named with the reason.
+bool is_of_another_lesson(const fs::path& folder, const LessonType& module) {
+  const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
+  const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
+  try {
+    module.require(m);
+    return false;
+  } catch (const Error&) {
+  }
+  const std::vector<LessonType>& all = lesson_types();
+  return std::any_of(all.begin(), all.end(), [&](const LessonType& other) {
+    return other.name != module.name && use_of(other, m).why_not.empty();
+  });
+}
+
 }  // namespace
 
 LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module) {
@@ -67,6 +82,10 @@ LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module
     CurriculumCase c;
     std::string why;
     try {
+      if (is_of_another_lesson(folder, module)) {
+        ++out.of_other_lessons;
+        continue;
+      }
       why = why_left_out(folder, module, c);
     } catch (const Error& e) {  // one damaged case must not keep a class from its lesson
       why = e.what();

@@ -52,6 +52,7 @@ struct CurriculumCase {
 struct LibraryCases {
   std::vector<CurriculumCase> approved;                       ///< by token
   std::vector<std::pair<std::string, std::string>> left_out;  ///< folder, why
+  int of_other_lessons = 0;  ///< cases that cannot serve this lesson, and serve another
 };
 
 /// Reads case.json and the approval of every case of the library. A case is left out that is not approved, whose

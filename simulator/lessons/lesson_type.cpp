@@ -40,6 +40,10 @@ std::string class_fault(const LessonType& type, const std::string& patient_class
   return "";
 }
 
+std::string doubt_words(double confidence) {
+  return fmt::format("confidence {:.2f}, below {:g}", confidence, sure_confidence);
+}
+
 LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
   LessonUse out;
   try {
@@ -47,7 +51,10 @@ LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
     type.require(manifest);
     out.why_not = class_fault(type, class_of(manifest));
     if (!out.why_not.empty()) return out;
-    for (const LessonTask& task : offered_tasks(type, manifest)) out.tasks.push_back(task.name);
+    for (const LessonTask& task : offered_tasks(type, manifest)) {
+      out.tasks.push_back(task.name);
+      if (!task.doubt.empty()) out.doubtful.emplace_back(task.name, task.doubt);
+    }
     if (out.tasks.empty()) out.why_not = "the case holds no task of it";
   } catch (const Error& e) {
     out.why_not = e.line("").substr(2);

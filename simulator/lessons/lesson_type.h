@@ -22,9 +22,14 @@ struct LessonTask {
   std::string name;  ///< as recordings have it: "right", "pedicle_2_left"
   std::string aim, indication;
   std::string german_aim, german_indication;
+  std::string doubt = {};  ///< what of it the case knows only doubtfully, so that rows are not judged; empty: nothing
   /// false: nobody is asked for it, as the case was drilled for another one; a recording of it is judged all the same.
   bool is_offered = true;
 };
+/// Below it the shipped rubrics judge nothing by a landmark, and the programs that find them call it doubtful.
+constexpr double sure_confidence = 0.5;
+/// "confidence 0.34, below 0.5"
+std::string doubt_words(double confidence);
 
 /// A column of the log of attempts beside those that every lesson has.
 struct LessonColumn {
@@ -152,7 +157,8 @@ LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, 
 /// What a case offers to a lesson: its tasks, or why it cannot be exercised.
 struct LessonUse {
   std::vector<std::string> tasks;
-  std::string why_not;  ///< empty: it can
+  std::vector<std::pair<std::string, std::string>> doubtful;  ///< those that can be done and not wholly judged, and why
+  std::string why_not;                                        ///< empty: it can
 };
 LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest);
 /// The patient's class, as the case's figures have it; "": none.

@@ -52,11 +52,27 @@ expect 65 'the lesson needs a pedicle' "$TREPHINE" lesson "$library/head-drilled
 sed 's/module: spine_needle/module: spine/' "$SOURCE/configs/rubrics/spine_needle.yaml" >"$work/wrong.yaml"
 expect 78 'module: spine, no such lesson; known are .*spine_needle, .*ventriculostomy' "$OFFLINE" rubric "$work/wrong.yaml" --output "$work/x"
 [[ ! -e $work/x ]] || fail "something was written"
-# A curriculum needs no class of a spine, and leaves a head out.
+# A pedicle that the case hardly knows is said to be doubtful, not to serve.
+cp -r "$library/spine" "$work/doubted"
+python3 - "$work/doubted/case.json" <<'PY'
+import hashlib, json, sys
+text = open(sys.argv[1]).read()
+case = json.loads(text)
+for landmark in case["landmarks"]:
+    if landmark["name"].startswith("pedicle_2_left"): landmark["confidence"] = 0.34
+del case["checksum"]
+body = json.dumps(case, indent=1)[:-2]
+open(sys.argv[1], "w").write(body + ',\n "checksum": "' + hashlib.sha256(body.encode()).hexdigest() + '"\n}\n')
+PY
+"$TREPHINE" lessons "$work/doubted" >"$work/text"
+grep -Eq '^spine_needle: serves: pedicle_1_left, .*; doubtful: pedicle_2_left \(the pedicle: confidence 0.34, below 0.5\)$' "$work/text" &&
+  ! grep -q 'serves: .*pedicle_2_left,.*; doubtful' "$work/text" || { cat "$work/text"; fail "a doubtful pedicle serves"; }
+# A curriculum needs no class of a spine, and does not speak of a head.
 for c in spine head-drilled; do "$OFFLINE" library approve "$library/$c" --by prof-1 >/dev/null; done
 "$TREPHINE" exercise "$library" --module spine_needle --participant r-01 --out "$work/results" \
   --script "$SOURCE/examples/lessons/spine_needle.json" --rubric "$rubric" >"$work/text"
-grep -Eq '^left out: head-drilled: .*needs a pedicle' "$work/text" || { cat "$work/text"; fail "a head is exercised"; }
+! grep -q 'head-drilled' "$work/text" || { cat "$work/text"; fail "a head is named, or exercised"; }
+grep -qx 'a case beside is of other lessons' "$work/text" || { cat "$work/text"; fail "a head is not told of"; }
 grep -Eq '^1 +spine +- +3 +pedicle_2_left +- +35 of 35 points: 5 5 5 5 5 5 5, completed$' "$work/text" || { cat "$work/text"; fail "the exercise is not done"; }
 [[ $(wc -l <"$work/results/attempts-spine_needle.csv") == 2 ]] || fail "no attempt is logged"
 # The open exercise, by its own rubric.

@@ -6,7 +6,7 @@ function approvePanel(page) {
   let uses = null, usesOf = '', fill = () => {}
   const lessons = c => {
     const of = String(desk.stats.rebuilt || 0), box = make('div', { id: 'lessons' })
-    fill = () => box.replaceChildren(...!uses ? [make('p', { class: 'faint', text: t('asking_lessons') })] : uses.fault ? [make('p', { class: 'warn', text: uses.fault })] : [uses.lessons.some(l => !l.why_not) ? null : make('p', { class: 'warn', text: t('no_lesson') }), table([[t('lesson'), 0], [t('tasks'), 0]], uses.lessons.map(l => make('tr', { 'data-lesson': l.name }, make('td', { text: label(l.name) }), l.why_not ? make('td', { class: 'faint', text: `${t('not_served')} ${l.why_not}` }) : make('td', { class: 'good', text: l.tasks.map(label).join(', ') }))))].filter(x => x))
+    fill = () => box.replaceChildren(...!uses ? [make('p', { class: 'faint', text: t('asking_lessons') })] : uses.fault ? [make('p', { class: 'warn', text: uses.fault })] : [uses.lessons.some(l => !l.why_not) ? null : make('p', { class: 'warn', text: t('no_lesson') }), table([[t('lesson'), 0], [t('tasks'), 0]], uses.lessons.map(l => make('tr', { 'data-lesson': l.name }, make('td', { text: label(l.name) }), l.why_not ? make('td', { class: 'faint', text: `${t('not_served')} ${l.why_not}` }) : make('td', { class: Object.keys(l.doubtful).length < l.tasks.length ? 'good' : 'warn', text: l.tasks.map(x => label(x) + (l.doubtful[x] ? ` (${l.doubtful[x]})` : '')).join(', ') }))))].filter(x => x))
     if (usesOf !== of) {
       uses = null, usesOf = of
       askJson('lessons', { case: page.token }).then(said => { uses = said }, e => { uses = { fault: e.message } }).then(() => fill())

@@ -71,7 +71,8 @@ LessonType pedicle_screw_lesson() {
                      "A lumbar fusion: the vertebra is to be held by its pedicles.",
                      "Eine Schraube der passenden Größe durch " + pedicle_in_words(name, true) +
                          ", nach dem Pfriem: der Kopf am Knochen, die Spitze in der vorderen Hälfte des Wirbelkörpers.",
-                     "Eine Versteifung: der Wirbel soll an seinen Pedikeln gehalten werden."});
+                     "Eine Versteifung: der Wirbel soll an seinen Pedikeln gehalten werden.",
+                     pedicle_doubt(manifest, name)});
     return all;
   };
   m.plan = plan_spine_moves;

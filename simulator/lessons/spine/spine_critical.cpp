@@ -6,8 +6,6 @@
 namespace trephine::lessons {
 namespace {
 
-constexpr double sure_confidence = 0.5;  // below it `trephine pedicles` calls an axis doubtful
-
 bool on_left(const std::string& pedicle) { return pedicle.find("_left") != std::string::npos; }
 
 bool is_great_vessel(const std::string& shape) {
@@ -67,6 +65,12 @@ std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest) {
   std::vector<std::string> names;
   for (const CasePedicle& p : all) names.push_back(p.name);
   return names;
+}
+
+std::string pedicle_doubt(const cases::CaseManifest& manifest, const std::string& task) {
+  for (const CasePedicle& p : pedicles_of(manifest))
+    if (p.name == task && p.confidence < sure_confidence) return "the pedicle: " + doubt_words(p.confidence);
+  return "";
 }
 
 std::string pedicle_in_words(const std::string& task, bool german) {

@@ -13,6 +13,8 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
 
 /// What may be asked for: a pedicle of the case, those that are sure first.
 std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest);
+/// LessonTask::doubt of such a task.
+std::string pedicle_doubt(const cases::CaseManifest& manifest, const std::string& task);
 /// "the left pedicle 2, counted from the lowest vertebra that the scan shows".
 std::string pedicle_in_words(const std::string& task, bool german = false);
 

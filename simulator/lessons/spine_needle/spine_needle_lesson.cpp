@@ -63,7 +63,8 @@ LessonType spine_needle_lesson() {
                      "A biopsy of the vertebral body, or the way for a wire, a screw or cement.",
                      "Eine Jamshidi-Nadel von der Haut durch " + pedicle_in_words(name, true) +
                          ": die Spitze in der vorderen Hälfte des Wirbelkörpers, auf dem ganzen Weg im Knochen.",
-                     "Eine Biopsie des Wirbelkörpers, oder der Weg für einen Draht, eine Schraube oder Zement."});
+                     "Eine Biopsie des Wirbelkörpers, oder der Weg für einen Draht, eine Schraube oder Zement.",
+                     pedicle_doubt(manifest, name)});
     return all;
   };
   m.plan = plan_spine_moves;

@@ -114,6 +114,16 @@ bool may_be_entered(const cases::CaseManifest& manifest, bool left) {
          });
 }
 
+std::string side_doubt(const cases::CaseManifest& manifest, bool left) {
+  double foramen = 1;
+  foramen_of(manifest, left, &foramen);
+  std::string doubt = foramen < sure_confidence ? "the foramen of Monro: " + doubt_words(foramen) : "";
+  const cases::CaseLandmark* kocher = find_landmark(manifest, left ? "kocher_left" : "kocher_right");
+  if (manifest.burr_holes.empty() && kocher && kocher->confidence < sure_confidence)
+    doubt += (doubt.empty() ? "" : "; ") + ("Kocher's point: " + doubt_words(kocher->confidence));
+  return doubt;
+}
+
 std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
   std::vector<LessonTask> all;
   for (const bool left : {false, true}) {  // the right is the usual one: it is seldom the dominant hemisphere
@@ -128,7 +138,7 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest& manifest) {
                                  "Seitenventrikel, am Foramen Monroi, beim ersten Durchgang.",
                                  left ? "links" : "rechts", left ? "linken" : "rechten"),
                      "Akuter Hydrozephalus: Liquor muss abfließen, und der Druck im Kopf ist zu messen.",
-                     may_be_entered(manifest, left)});
+                     side_doubt(manifest, left), may_be_entered(manifest, left)});
   }
   return all;
 }
