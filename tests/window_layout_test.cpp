@@ -4,10 +4,26 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
 using namespace trephine;
+
+// The work on the left, the patient in the middle, the monitor on the right: the patient has the most room.
+TEST(Layout, ThePatientHasMoreRoomThanTheMonitor) {
+  constexpr float letter = 13;
+  for (const auto& [width, height] : {std::pair<float, float>{1024, 600}, {1280, 800}, {1366, 768}, {1920, 1080}}) {
+    SCOPED_TRACE(testing::Message() << width << " x " << height);
+    const window::Layout l(width, height, letter, true, false, false, false);
+    const float from = l.work.x + l.work.width, to = std::min(l.xray.x, l.status.x);
+    EXPECT_GT(to - from, l.xray.width);
+    EXPECT_GE(to - from, 0.35f * width);
+    EXPECT_LT(from, 0.5f * width) << "what is looked at lies in the middle of the window";
+    EXPECT_GT(to, 0.5f * width);
+    EXPECT_GE(l.xray.width, 300) << "too small to see a pedicle in";
+  }
+}
 
 TEST(Layout, NoPanelLiesOverAnother) {
   const std::pair<float, float> sizes[] = {{1024, 600}, {1024, 768},  {1280, 720},

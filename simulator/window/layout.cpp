@@ -29,9 +29,14 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
     return Place{on_right ? width - margin - w : margin, bottom - h, w, h};
   };
   const float side = std::clamp(0.5f * std::min(width, height), 120.f, 512.f);
-  // X-rays are what such a lesson is done by: as large as the patient beside them allows. The status keeps some lines.
-  const float monitor = std::clamp(0.68f * std::min(width, height), 120.f, 900.f), few_lines = 6 * letter;
-  if (has_xray) xray = below(status, monitor, monitor + 4.2f * letter, true, std::min(0.82f, 1 - few_lines / room));
+  // X-rays are what such a lesson is done by: as large as the patient beside them allows, who keeps more of the width
+  // than the monitor has. The status keeps some lines.
+  const float monitor = std::clamp(std::min(0.68f * height, 0.32f * width), 120.f, 900.f), few_lines = 6 * letter;
+  if (has_xray) {
+    status.width = std::min(right, std::max(monitor, 14 * letter));
+    status.x = width - margin - status.width;
+    xray = below(status, monitor, monitor + 6.3f * letter, true, std::min(0.82f, 1 - few_lines / room));
+  }
   if (has_scores) scores = below(status, 30 * letter, 0.55f * room, true);
   if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
 }
