@@ -74,7 +74,7 @@ TEST(Theatre, AMirroredPlaceIsMirroredBack) {
 }
 
 TEST(Theatre, TheMonitorIsOfUsefulSizeAndDarkByChoice) {
-  EXPECT_GE(window::Layout(1024, 600, 13, true, false, false, false).xray.width, 400);
+  EXPECT_GE(window::Layout(1024, 600, 13, true, false, false, false).xray.width, 320);
   EXPECT_GE(window::Layout(1920, 1080, 13, true, false, false, false).xray.width, 700);
   const fluoro::FluoroPicture picture{2, {0, 200, 255, 10}};
   EXPECT_EQ(fluoro::shown_grey(picture, fluoro::MetalShown::bright), picture.grey);

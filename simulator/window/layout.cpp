@@ -29,9 +29,10 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
     return Place{on_right ? width - margin - w : margin, bottom - h, w, h};
   };
   const float side = std::clamp(0.5f * std::min(width, height), 120.f, 512.f);
-  // X-rays are what such a lesson is done by: as large as the patient beside them allows, who keeps more of the width
-  // than the monitor has. The status keeps some lines.
-  const float monitor = std::clamp(std::min(0.68f * height, 0.32f * width), 120.f, 900.f), few_lines = 6 * letter;
+  // X-rays are what such a lesson is done by: as large as the patient beside them allows, who keeps a little more of
+  // what the work leaves. The status keeps some lines.
+  const float beside_work = 0.48f * (width - work.width - 3 * margin);
+  const float monitor = std::clamp(std::min(0.68f * height, beside_work), 120.f, 900.f), few_lines = 6 * letter;
   if (has_xray) {
     status.width = std::min(right, std::max(monitor, 14 * letter));
     status.x = width - margin - status.width;
