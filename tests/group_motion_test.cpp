@@ -99,6 +99,8 @@ TEST(GroupMotion, WhoIsOutsideOfTheBandIsToldWhatToDo) {
   const std::vector<std::string> told = lessons::motion_advice({{"path_mm", 2140}, {"tremor_um", 60}}, bands);
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0], "Your hand moved 2140 mm; experts' lie between 900 and 1400. Plan the way before you move.");
+  EXPECT_TRUE(lessons::motion_advice({{"path_mm", 1460}}, bands).empty()) << "as good as in the band";
+  EXPECT_EQ(lessons::motion_advice({{"path_mm", 1480}}, bands).size(), 1u);
   EXPECT_TRUE(lessons::motion_advice({{"path_mm", 500}}, bands).empty());  // less than an expert needs is no fault
 }
 

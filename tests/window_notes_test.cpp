@@ -128,5 +128,6 @@ TEST(Notes, EveryToolAndViewHasANameInTheOtherLanguage) {
     if (name == "jamshidi") continue;
     EXPECT_NE(window::translated_name(texts::Language::german, name), name);
   }
+  EXPECT_EQ(window::translated_name(texts::Language::german, "finder"), "Pfriem");
   EXPECT_EQ(window::translated_name(texts::Language::german, "axial"), "axial");
 }

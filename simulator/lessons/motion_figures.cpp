@@ -220,6 +220,10 @@ std::vector<ExpertBand> expert_bands(const std::vector<std::vector<std::pair<std
   return bands;
 }
 
+// Nearer to the band than this part of its edge a hand is as good as in it: few experts make a band that is narrow by
+// chance.
+constexpr double beyond_ratio = 0.05;
+
 std::vector<std::string> motion_advice(const std::vector<std::pair<std::string, double>>& figures,
                                        const std::vector<ExpertBand>& bands, texts::Language language) {
   using texts::Wording;
@@ -280,9 +284,9 @@ std::vector<std::string> motion_advice(const std::vector<std::pair<std::string, 
     for (const auto& [name, value] : figures)
       for (const Words& w : words) {
         if (name != band.name || name != w.name) continue;
-        const char* advice = (value > band.high  ? w.too_high
-                              : value < band.low ? w.too_low
-                                                 : Wording{{"", ""}})
+        const char* advice = (value > band.high + beyond_ratio * std::abs(band.high) ? w.too_high
+                              : value < band.low - beyond_ratio * std::abs(band.low) ? w.too_low
+                                                                                     : Wording{{"", ""}})
                                  .of(language);
         if (*advice == '\0') continue;
         const auto plain = [](double v) {
