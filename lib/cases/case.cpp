@@ -92,9 +92,10 @@ std::vector<std::string> overlapping_holes(const std::vector<CaseBurrHole>& hole
       const double apart = norm(holes[i].position_mm - holes[j].position_mm);
       const double least = (holes[i].diameter_mm + holes[j].diameter_mm) / 2;
       if (apart < least)
-        lines.push_back(fmt::format("{} and {} overlap: their entries lie {:.1f} mm apart, from {:.1f} mm on they are two "
-                                    "holes; move one of them, or take it away",
-                                    holes[i].name, holes[j].name, apart, least));
+        lines.push_back(
+            fmt::format("{} and {} overlap: their entries lie {:.1f} mm apart, from {:.1f} mm on they are two "
+                        "holes; move one of them, or take it away",
+                        holes[i].name, holes[j].name, apart, least));
     }
   return lines;
 }

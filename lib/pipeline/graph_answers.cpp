@@ -68,7 +68,8 @@ int Graph::find(const std::string& name) const {
 int Graph::find_stage(const ParameterSet& params, const std::string& anatomy) const {
   const std::string begin = anatomy.empty() ? "" : anatomy + ".";
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (nodes[i].params.set == &params && nodes[i].name.compare(0, begin.size(), begin) == 0) return static_cast<int>(i);
+    if (nodes[i].params.set == &params && nodes[i].name.compare(0, begin.size(), begin) == 0)
+      return static_cast<int>(i);
   return -1;
 }
 

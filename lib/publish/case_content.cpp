@@ -202,7 +202,9 @@ class Builder {
     result.deviation_rms_mm = out.deviation.rms_mm;
     result.volume_ml = out.volume_ml;
     if (recipe.find_step("decimate"))
-      result.stopped_by = result_of<surface::DecimationResult>(report_of(graph_.find_stage<meshing::DecimateParams>(nodes.name))).stopped_by;
+      result.stopped_by =
+          result_of<surface::DecimationResult>(report_of(graph_.find_stage<meshing::DecimateParams>(nodes.name)))
+              .stopped_by;
     for (const config::RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
     add_stage_figures(nodes.name, "boolean", out, result);
     hold_against_limits(limit, result);
@@ -225,7 +227,8 @@ class Builder {
   }
 
   void add_haptic() {
-    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report, report_of(graph_.find_stage<voxel::MismatchParams>()));
+    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report,
+                                             report_of(graph_.find_stage<voxel::MismatchParams>()));
     add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);

@@ -34,8 +34,8 @@ struct ExpertBand {
 };
 std::vector<ExpertBand> expert_bands(const std::vector<std::vector<std::pair<std::string, double>>>& experts);
 
-/// What a hand is told that lies outside of the band by more than a twentieth of its edge, a sentence for each figure: "You moved 2140 mm; experts moved 900 to 1400
-/// mm. Plan the way before you move."
+/// What a hand is told that lies outside of the band by more than a twentieth of its edge, a sentence for each figure:
+/// "You moved 2140 mm; experts moved 900 to 1400 mm. Plan the way before you move."
 std::vector<std::string> motion_advice(const std::vector<std::pair<std::string, double>>& figures,
                                        const std::vector<ExpertBand>& bands,
                                        texts::Language language = texts::Language::english);
