@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/memory_kills.h"
 #include "base/temporary_folder.h"
 
 namespace trephine {
@@ -120,6 +121,23 @@ TEST_F(TemporaryFolders, AFullFolderIsNamedAndNoOtherFault) {
   EXPECT_EQ(full.find("out.nrrd"), std::string::npos) << full;
   EXPECT_NE(told(1, ExitCode::io).find("out.nrrd"), std::string::npos);
   EXPECT_NE(told(std::uint64_t{1} << 62, ExitCode::bad_input).find("out.nrrd"), std::string::npos);
+}
+
+TEST(MemoryKills, AreReadOfEitherVersionOfControlGroups) {
+  const TemporaryFolder folder;
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::filesystem::create_directories((folder.path() / name).parent_path());
+    std::ofstream(folder.path() / name) << text;
+    return folder.path() / name;
+  };
+  const auto second = write("second", "0::/system.slice/slurmstepd.scope/job_4/step_0\n");
+  EXPECT_EQ(memory_kills(second, folder.path()), 0u);
+  write("system.slice/slurmstepd.scope/job_4/step_0/memory.events", "low 0\nhigh 9\nmax 31\noom 5\noom_kill 3\n");
+  EXPECT_EQ(memory_kills(second, folder.path()), 3u);
+  const auto first = write("first", "9:name=systemd:/\n4:cpu,memory:/slurm/job_4\n0::/\n");
+  write("memory/slurm/job_4/memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 2\n");
+  EXPECT_EQ(memory_kills(first, folder.path()), 2u);
+  EXPECT_EQ(memory_kills(folder.path() / "none", folder.path()), 0u);
 }
 
 }  // namespace

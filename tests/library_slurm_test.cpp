@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_folder.h"
-#include "library/memory_kills.h"
 #include "library/slurm.h"
 #include "library/slurm_engine.h"
 
@@ -33,6 +32,11 @@ TEST(LibrarySlurm, ReadsWhatSlurmSays) {
   EXPECT_EQ(tasks[2].index, -1);
   EXPECT_TRUE(is_alive(tasks[1]));
   EXPECT_FALSE(is_alive(tasks[3]));
+  const auto why = parse_tasks("7|0|PENDING||JobHeldUser\n7|1|RUNNING|n1|None\n");
+  ASSERT_EQ(why.size(), 2u);
+  EXPECT_EQ(why[0].reason, "JobHeldUser");
+  EXPECT_EQ(why[0].node, "");
+  EXPECT_EQ(why[1].reason, "");
 }
 
 TEST(LibrarySlurm, WavesClassesAndChunks) {
@@ -157,23 +161,6 @@ TEST(LibrarySlurm, WhatATaskLackedIsWhatItsLastTrySays) {
   EXPECT_EQ(tasks[1].index, 1);
   EXPECT_EQ(tasks[2].index, -1);  // tasks that wait stand together, and lack nothing
   EXPECT_FALSE(is_alive(tasks[0]));
-}
-
-TEST(LibrarySlurm, KillsForWantOfMemoryAreReadOfEitherVersionOfControlGroups) {
-  const TemporaryFolder folder;
-  const auto write = [&](const std::string& name, const std::string& text) {
-    std::filesystem::create_directories((folder.path() / name).parent_path());
-    std::ofstream(folder.path() / name) << text;
-    return folder.path() / name;
-  };
-  const auto second = write("second", "0::/system.slice/slurmstepd.scope/job_4/step_0\n");
-  EXPECT_EQ(memory_kills(second, folder.path()), 0u);
-  write("system.slice/slurmstepd.scope/job_4/step_0/memory.events", "low 0\nhigh 9\nmax 31\noom 5\noom_kill 3\n");
-  EXPECT_EQ(memory_kills(second, folder.path()), 3u);
-  const auto first = write("first", "9:name=systemd:/\n4:cpu,memory:/slurm/job_4\n0::/\n");
-  write("memory/slurm/job_4/memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 2\n");
-  EXPECT_EQ(memory_kills(first, folder.path()), 2u);
-  EXPECT_EQ(memory_kills(folder.path() / "none", folder.path()), 0u);
 }
 
 TEST(LibrarySlurm, ABatchIsReadAsItWasWritten) {

@@ -36,7 +36,8 @@ struct LibraryDisplay::State {
   }
 };
 
-LibraryDisplay::LibraryDisplay(bool quiet) : state_(std::make_unique<State>()) {
+LibraryDisplay::LibraryDisplay(bool said_quiet) : state_(std::make_unique<State>()) {
+  const bool quiet = said_quiet || !log_tells(LogLevel::info);  // all that it says itself is of that level
   State& s = *state_;
   s.quiet = quiet;
   s.json = log_is_json();

@@ -118,6 +118,11 @@ void set_log_form(const LogForm& form) {
   log_form() = form;
 }
 
+bool log_tells(LogLevel level) {
+  const std::lock_guard<std::mutex> lock(log_mutex());
+  return level <= log_form().level;
+}
+
 bool log_is_json() {
   const std::lock_guard<std::mutex> lock(log_mutex());
   return log_form().json;

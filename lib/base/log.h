@@ -25,6 +25,8 @@ struct LogForm {
 };
 void set_log_form(const LogForm& form);
 bool log_is_json();
+/// Whether lines of that level are written.
+bool log_tells(LogLevel level);
 
 /// Sends the lines (without their newline) to `sink`, one call at a time; null sends them to stderr again. It is for
 /// displays that own the terminal's last line. Returns the previous sink.

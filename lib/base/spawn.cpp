@@ -43,6 +43,9 @@ struct Plan {
       const std::string name(*e, std::strcspn(*e, "="));
       bool replaced = false;
       for (const auto& [key, value] : r.environment) replaced = replaced || key == name;
+      for (const std::string& key : r.without)
+        replaced = replaced ||
+                   (key.back() == '*' ? name.compare(0, key.size() - 1, key, 0, key.size() - 1) == 0 : key == name);
       if (!replaced) environment.push_back(*e);
     }
     for (const auto& [key, value] : r.environment) own_environment.push_back(key + "=" + value);

@@ -20,6 +20,7 @@ struct SpawnRequest {
   bool shares_stdout = false;    ///< it writes to our stdout instead
   bool shares_stderr = false;    ///< it writes to our stderr instead
   std::vector<std::pair<std::string, std::string>> environment;  ///< added to ours
+  std::vector<std::string> without;  ///< what of ours it does not get: names, or how they begin, as in "SQUEUE_*"
   std::vector<int> descriptors;  ///< our descriptors that it gets as 3, 4, ...; with n of them each must be above 3 + n
   bool own_group = false;        ///< it runs in its own process group, so the terminal's Ctrl-C does not reach it
   bool core_file = true;         ///< false: it may not leave a core file

@@ -134,7 +134,8 @@ struct ProgressDisplay::State {
   }
 };
 
-ProgressDisplay::ProgressDisplay(bool quiet, int fd, Style style) : state_(std::make_unique<State>()) {
+ProgressDisplay::ProgressDisplay(bool said_quiet, int fd, Style style) : state_(std::make_unique<State>()) {
+  const bool quiet = said_quiet || !log_tells(LogLevel::info);  // all that it says itself is of that level
   State& s = *state_;
   s.quiet = quiet;
   s.fd = fd;

@@ -21,8 +21,8 @@ class JobMaker {
     // Ninja takes what is ready in this order: each phantom stands before its cases, so that the first cases are there
     // soon.
     std::set<int> made;
-    // Cases of one series share stages: the second takes them from the cache when it comes after the first.
-    std::map<fs::path, std::string> last;
+    // Cases of one series share stages: all others take them from the cache when they come after the first.
+    std::map<fs::path, std::string> first;
     for (const PlannedCase& c : plan_.cases) {
       if (c.fault || c.reasons.empty()) continue;
       const int phantom = c.entry.phantom;
@@ -30,8 +30,8 @@ class JobMaker {
           made.insert(phantom).second)
         made_.jobs.push_back(phantom_job(static_cast<std::size_t>(phantom)));
       NinjaJob job = case_job(c);
-      if (const auto before = last.find(c.series); before != last.end()) job.after.push_back(before->second);
-      last[c.series] = job.job.name;
+      if (const auto [of_series, is_first] = first.emplace(c.series, job.job.name); !is_first)
+        job.after.push_back(of_series->second);
       made_.weights[job.job.name] = static_cast<double>(c.voxels) + 1e6;
       made_.jobs.push_back(std::move(job));
     }

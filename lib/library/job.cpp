@@ -19,12 +19,12 @@
 
 #include "base/error.h"
 #include "base/file_descriptor.h"
+#include "base/memory_kills.h"
 #include "base/progress.h"
 #include "base/spawn.h"
 #include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
-#include "library/memory_kills.h"
 #include "library/series_state.h"
 #include "publish/bring_case.h"
 

@@ -83,6 +83,25 @@ class Reader {
       faults_.add(out_.file, at_.at("configs"), "configs", "stands beside config: give one of them");
   }
 
+  // What is wrong with a further option of sbatch; "": nothing. Short options may be several in one word, and long ones
+  // may be cut short (getopt_long), so that "--arr=0-2" is an array as well.
+  static std::string fault_of_option(const std::string& word) {
+    if (word.rfind("--", 0) != 0 || word.size() < 3) return ", must be a long option: --qos=low, not -q low";
+    const std::string name = word.substr(2, word.find('=') - 2);
+    for (const std::string ours : {"account",    "array",         "chdir",       "cluster-constraint",
+                                   "clusters",   "cpus-per-task", "dependency",  "help",
+                                   "job-name",   "mem",           "mem-per-cpu", "mem-per-gpu",
+                                   "no-requeue", "ntasks",        "open-mode",   "output",
+                                   "parsable",   "partition",     "requeue",     "test-only",
+                                   "time",       "usage",         "version",     "wait",
+                                   "wrap"})
+      if (ours.rfind(name, 0) == 0)
+        return ", is what the build itself says to sbatch (memory and time: `classes`; partition and account are keys "
+               "of "
+               "their own)";
+    return "";
+  }
+
   void read_engine() {
     out_.engine = said_.engine;
     auto& classes = out_.engine.classes;
@@ -91,11 +110,8 @@ class Reader {
     for (std::size_t i = 0; i < said_.engine.sbatch.size(); ++i) {
       const std::string& word = said_.engine.sbatch[i].text;
       const std::string where = "engine.sbatch[" + std::to_string(i) + "]";
-      if (word.rfind("-", 0) != 0) faults_.add(out_.file, at_.at(where), where, word + ", must begin with -");
-      for (const char* ours :
-           {"--array", "--dependency", "--job-name", "--parsable", "--wrap", "--test-only", "-a", "-d", "-J"})
-        if (word == ours || word.rfind(std::string(ours) + "=", 0) == 0)
-          faults_.add(out_.file, at_.at(where), where, word + ", is what the build itself says to sbatch");
+      if (const std::string fault = fault_of_option(word); !fault.empty())
+        faults_.add(out_.file, at_.at(where), where, word + fault);
     }
   }
 

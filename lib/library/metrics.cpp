@@ -63,7 +63,9 @@ std::string cluster_text(const std::vector<Batch>& open) {
         ++states[read_task(batch.folder, task_begun, j.name) ? "begun" : "waiting"];
     }
   }
-  std::string out = head("trephine_cluster_jobs", "Jobs of open batches by state.");
+  std::string out = head("trephine_cluster_jobs",
+                         "Jobs of open batches by state; what Slurm lost counts as waiting or begun until `library "
+                         "status` or a build asks it.");
   for (const auto& [state, n] : states) out += line("trephine_cluster_jobs", "state=" + label(state), n);
   return out + head("trephine_cluster_submissions", "How often the jobs of open batches were submitted, together.") +
          line("trephine_cluster_submissions", "", tries);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/spawn.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -113,12 +114,20 @@ std::vector<OnePlannedJob> plan_of_library(const LibraryBuildRequest& request, c
   const LibraryState state(fs::absolute(request.library).lexically_normal());
   const Planned p = planned(request, state, request.only, progress);
   std::map<std::string, const std::vector<std::string>*> reasons;
+  std::vector<OnePlannedJob> out;
   for (const PlannedCase& c : p.plan.cases) {
-    if (c.fault) throw Error(c.fault->code(), c.fault->file(), c.token, c.fault->what());
-    reasons["case." + c.token] = &c.reasons;
+    if (!c.fault) {
+      reasons["case." + c.token] = &c.reasons;
+      continue;
+    }
+    if (c.token.empty()) throw Error(c.fault->code(), c.fault->file(), c.fault->field(), c.fault->what());
+    // Its job says the same and fails, and all others are built.
+    const std::string why = c.fault->line("").substr(2);
+    log_warning(c.token + ": " + why);
+    const std::string name = "case." + c.token;
+    out.push_back({name, {}, {why}, words_of(request, name), c.estimate.memory_mb, request.params.case_limit_s});
   }
   for (const PlannedPhantom& phantom : p.plan.phantoms) reasons["phantom." + phantom.name] = &phantom.reasons;
-  std::vector<OnePlannedJob> out;
   for (const NinjaJob& j : p.jobs.jobs) {
     OnePlannedJob one;
     one.name = j.job.name;

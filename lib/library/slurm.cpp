@@ -47,6 +47,10 @@ Said ask(const std::vector<std::string>& argv) {
   request.argv = argv;
   request.output = "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(memory.get());
   request.environment = {{"LC_ALL", "C"}};
+  // A user's own defaults would hide jobs from us, end others', or make of one submission something else.
+  request.without = {"SQUEUE_*",           "SCANCEL_*",        "SACCT_*",         "SLURM_CLUSTERS",
+                     "SBATCH_CLUSTERS",    "SBATCH_ARRAY_INX", "SBATCH_WAIT",     "SBATCH_MEM_PER_CPU",
+                     "SBATCH_MEM_PER_GPU", "SBATCH_REQUEUE",   "SBATCH_JOB_NAME", "SBATCH_TIMELIMIT"};
   pid_t pid = 0;
   try {
     pid = spawn(request);
@@ -116,9 +120,9 @@ std::vector<SlurmTask> parse_tasks(const std::string& said) {
     std::vector<std::string> parts;
     std::istringstream in(line);
     for (std::string part; std::getline(in, part, '|');) parts.push_back(part);
-    if (parts.size() == 3) parts.emplace_back();  // it waits, so that it has no node
-    if (parts.size() != 4 || !is_number(parts[0]) || parts[2].empty()) continue;
-    SlurmTask task{parts[0], -1, parts[2], parts[3]};
+    if (parts.size() < 3 || parts.size() > 5 || !is_number(parts[0]) || parts[2].empty()) continue;
+    parts.resize(5);  // it waits, so that it has no node; accounts say no reason
+    SlurmTask task{parts[0], -1, parts[2], parts[3], parts[4] == "None" ? "" : parts[4]};
     if (is_number(parts[1]) && parts[1].size() < 9) task.index = std::stoi(parts[1]);
     all.push_back(std::move(task));
   }
@@ -161,7 +165,7 @@ std::string submit_to_slurm(const std::vector<std::string>& options, const std::
 
 std::optional<std::vector<SlurmTask>> tasks_of_slurm(const std::string& job_name) {
   const Said said =
-      ask({"squeue", "--noheader", "--array", "--states=all", "--name=" + job_name, "--format=%F|%K|%T|%N"});
+      ask({"squeue", "--noheader", "--array", "--states=all", "--name=" + job_name, "--format=%F|%K|%T|%N|%r"});
   if (!said.ended || said.code != 0) return {};
   return parse_tasks(said.text);
 }

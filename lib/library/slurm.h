@@ -15,6 +15,7 @@ struct SlurmTask {
   std::string array;  ///< the number of the array's job
   int index = -1;
   std::string state, node;  ///< PENDING, RUNNING, COMPLETING, ...; the node is empty while it waits
+  std::string reason{};     ///< why it waits, in Slurm's word: Resources, JobHeldUser; "": none was said
 };
 
 /// Whether the task still waits or runs; one that is COMPLETING has ended, though its node may not have said so yet.
@@ -22,7 +23,8 @@ bool is_alive(const SlurmTask& task);
 
 /// What `sbatch --parsable` said: the job's number, also where warnings stand around it. Empty where there is none.
 std::string parse_submitted(const std::string& said);
-/// What `squeue --noheader --array --format=%F|%K|%T|%N` said; lines of another form are left out.
+/// What `squeue --noheader --array --format=%F|%K|%T|%N|%r` said, the last ones left out or not; lines of another form
+/// are left out.
 std::vector<SlurmTask> parse_tasks(const std::string& said);
 /// MaxArraySize in what `scontrol show config` said; 0 where it is not there.
 long parse_max_array(const std::string& said);

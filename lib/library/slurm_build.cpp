@@ -66,7 +66,12 @@ class SlurmBuild {
     }
     write_jobs(jobs_file(plan), words);
     write_batch(plan);
-    submit_jobs(plan, names, submission_patience_s);
+    try {
+      submit_jobs(plan, names, submission_patience_s);
+    } catch (const Error&) {
+      if (plan.arrays.empty()) close_batch(plan);  // nothing of it was taken: the next build plans anew
+      throw;
+    }
     follow(plan.id);
   }
 

@@ -212,6 +212,11 @@ std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<Slurm
   return lacks;
 }
 
+void close_batch(const Batch& batch) {
+  mark_cancelled(batch);
+  remove_words(read_batch(batch.folder).value_or(batch));
+}
+
 void submit_jobs(Batch& batch, const std::set<std::string>& names, double patience_s) {
   const auto jobs = read_jobs(jobs_file(batch));
   std::map<int, std::vector<std::string>> numbers;  // of the arrays, by wave
@@ -237,7 +242,17 @@ void submit_jobs(Batch& batch, const std::set<std::string>& names, double patien
     options.push_back("--output=" + (batch.folder / ("array-" + std::to_string(k) + ".log")).string());
     batch.arrays.push_back(array);
     write_batch(batch);  // the tries count before they are made: a submission that is broken off is one
-    batch.arrays.back().slurm = submit_to_slurm(options, script.string(), patience_s);
+    try {
+      batch.arrays.back().slurm = submit_to_slurm(options, script.string(), patience_s);
+    } catch (const Error& e) {
+      for (const std::string& name : array.names) --job_named(batch, name).tries;
+      batch.arrays.pop_back();
+      write_batch(batch);
+      if (all.empty()) throw;
+      // As where a user may have so many jobs at once.
+      log_warning(std::string("sbatch ") + e.what() + "; the rest is submitted when those before have ended");
+      break;
+    }
     write_batch(batch);
     numbers[array.wave].push_back(batch.arrays.back().slurm);
     all.push_back(batch.arrays.back().slurm);
@@ -248,7 +263,13 @@ void submit_jobs(Batch& batch, const std::set<std::string>& names, double patien
   options.push_back("--chdir=" + batch.folder.string());
   options.push_back("--output=" + (batch.folder / "last.log").string());
   const fs::path script = write_script(batch, "last", "finish " + quoted(batch.folder.string()));
-  batch.finish = submit_to_slurm(options, script.string(), patience_s);
+  try {
+    batch.finish = submit_to_slurm(options, script.string(), patience_s);
+  } catch (const Error& e) {
+    log_warning(
+        std::string("sbatch ") + e.what() +
+        "; no job of Slurm's ends this build: leave it running, or `library build` again when the jobs have ended");
+  }
   write_batch(batch);
 }
 
@@ -277,7 +298,13 @@ BatchStep advance_batch(const LibraryState& state, const std::string& id, bool a
     ending.end();
     return BatchStep::finished;
   }
-  submit_jobs(*batch, again, last_job_patience_s);
+  try {
+    submit_jobs(*batch, again, last_job_patience_s);
+  } catch (const Error& e) {
+    // What is left of it is stale, and the next build submits it with the options of then.
+    close_batch(*batch);
+    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; `library build` again submits what is left");
+  }
   return BatchStep::resubmitted;
 }
 

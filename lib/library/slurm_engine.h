@@ -30,8 +30,12 @@ std::vector<std::string> options_of_array(const Batch& batch, const BatchJob& fi
 std::vector<BatchArray> part_into_arrays(const Batch& batch, const std::set<std::string>& names);
 
 /// Submits these jobs of the batch and a last job after them; batch.json is written after each step, so that a
-/// submission that is broken off is continued by advance_batch. Throws Error 70, 73, 74; Cancelled.
+/// submission that is broken off is continued by advance_batch. Where sbatch refuses an array after it took others, or
+/// the last job, advance_batch goes on with the rest. Throws Error 70, 73, 74; Cancelled.
 void submit_jobs(Batch& batch, const std::set<std::string>& names, double patience_s);
+
+/// Nothing of the batch is submitted any more, and what it did not build is stale.
+void close_batch(const Batch& batch);
 
 enum class BatchStep {
   under_way,    ///< tasks wait or run, or another process works on the batch

@@ -47,7 +47,7 @@ class Looking {
       if (task != in_slurm.end()) {
         const bool waits = task->second.state == "PENDING";
         ++(waits ? out_.waiting : out_.running);
-        add(j, waits ? "waits" : "runs", task->second.node, "");
+        add(j, waits ? "waits" : "runs", task->second.node, waits ? task->second.reason : "");
       } else if (is_final(batch, j, ended)) {
         const JobResult& r = ended.at(j.name).result;
         ++(r.code == 0 ? out_.built : out_.failed);

@@ -20,6 +20,10 @@ for word; do
     *) script=$word ;;
   esac
 done
+if [[ " $* " == *" --partition=nopart "* || ( -e $FAKE/few && $(ls "$FAKE/jobs" | wc -l) -gt $(cat "$FAKE/few") ) ]]; then
+  echo "sbatch: error: no such partition, or too many jobs" >&2
+  exit 1
+fi
 if [[ -e $FAKE/down ]]; then
   rm "$FAKE/down"
   echo "sbatch: error: Batch job submission failed: Unable to contact slurm controller (connect failure)" >&2
@@ -66,7 +70,9 @@ for job in "$FAKE"/jobs/*/; do
     [[ -e $task ]] || continue
     index=$(basename "$task")
     [[ $(cat "$job/words") == *--array=* ]] || index=N/A
-    echo "$(basename "$job")|$index|RUNNING|played"
+    how='RUNNING|played|None'
+    [[ ! -e $FAKE/held ]] || how='PENDING||JobHeldUser'
+    echo "$(basename "$job")|$index|$how"
   done
 done
 S
@@ -149,9 +155,9 @@ echo OUT_OF_MEMORY 1 >"$FAKE/starve"
 again() { "$TREPHINE" library build l.yaml --case a --out "$work/out" --no-pictures >said 2>&1; }
 rm -r "$work/out/a"
 again || { cat said; fail "a case that lacked memory once"; }
-cat "$FAKE"/jobs/*/said said | grep -q 'case.a: took more than the 1024 MB that Slurm grants it; again with 9000 MB, 3000 s' ||
+grep -qh 'case.a: took more than the 1024 MB that Slurm grants it; again with 9000 MB, 3000 s' "$FAKE"/jobs/*/said said ||
   fail "the larger class is not told: $(cat said "$FAKE"/jobs/*/said | tail)"
-words_since "$before" | grep -e '--mem=9000M' | grep -e '--time=53' | grep -qe '--partition=big' || fail "no larger class: $(words_since "$before")"
+grep -e '--mem=9000M' <<<"$(words_since "$before")" | grep -e '--time=53' | grep -e '--partition=big' >/dev/null || fail "no larger class: $(words_since "$before")"
 [[ $(case_digest "$work/out/a") == "$(grep '^a ' <<<"$want" | cut -d' ' -f2-)" ]] || fail "another case a"
 echo TIMEOUT 9 >"$FAKE/starve"
 rm -r "$work/out/a"
@@ -165,8 +171,33 @@ echo none 0 >"$FAKE/starve"
 again || { cat said; fail "a case that failed for want of time is not built again"; }
 for batch in "$work"/out/.library/slurm/*; do [[ $batch == */$first ]] || rm -r "$batch"; done
 
+# What sbatch refuses leaves nothing behind: put right, the same command builds. Of a user who may have few jobs at once the rest follows.
+sed 's/account: lab/partition: nopart/' l.yaml >nopart.yaml
+code=0
+"$TREPHINE" library build nopart.yaml --case b --out "$work/out" --no-pictures --rebuild >said 2>&1 || code=$?
+[[ $code == 70 ]] && grep -q 'refused the jobs: .*no such partition' said || fail "a partition that is none: $code $(cat said)"
+"$TREPHINE" library status "$work/out" >said
+grep -q 'no cluster works' said || fail "a refused batch is left open: $(cat said)"
+before=$(submitted)
+"$TREPHINE" library build l.yaml --case b --out "$work/out" --no-pictures --rebuild >said 2>&1 || { cat said; fail "the partition put right"; }
+! grep -q nopart <<<"$(words_since "$before")" || fail "the options of before: $(words_since "$before")"
+submitted >"$FAKE/few"
+"$TREPHINE" library build l.yaml --case a --case b --case c --case e --out "$work/out" --no-pictures --no-wait --rebuild >said 2>&1 && grep -q 'the rest is submitted when' said ||
+  fail "too many jobs: $(cat said)"
+rm "$FAKE/few"
+"$TREPHINE" library build l.yaml --out "$work/out" --case a --case b --case c --case e --no-pictures >said 2>&1 || { cat said; fail "the rest of them"; }
+[[ $(digests) == "$want" ]] || fail "after refusals: $(diff <(echo "$want") <(digests))"
+for option in -qlow -Jmine --arr=0-2 --wait --mem=1M --clusters=other --partition=mine; do
+  sed "s/--qos=low/$option/" l.yaml >option.yaml
+  expect 78 "engine.sbatch\[0\]: $option" "$TREPHINE" library build option.yaml --out "$work/out" --no-pictures --quiet
+done
+for batch in "$work"/out/.library/slurm/*; do [[ $batch == */$first ]] || rm -r "$batch"; done
+
 # A batch that is cancelled is no hindrance any more.
 build l.yaml --no-wait --rebuild >/dev/null 2>&1
+touch "$FAKE/held"
+grep -q 'case.a .*waits .*JobHeldUser' <<<"$("$TREPHINE" library status "$work/out")" || fail "why it waits: $("$TREPHINE" library status "$work/out")"
+rm "$FAKE/held"
 "$TREPHINE" library cancel "$work/out" | grep -q '1 batch cancelled' || fail "cancel"
 "$TREPHINE" library status "$work/out" >said
 grep -q 'no cluster works' said || fail "status after cancel: $(cat said)"
@@ -200,6 +231,16 @@ for format in ninja make; do
   "$TREPHINE" library plan l.yaml --out "$work/out" --no-pictures --quiet >plan.json
   python3 -c 'import json; assert json.load(open("plan.json"))["jobs"] == []' || fail "a plan of nothing: $(cat plan.json)"
 done
+# One scan that is gone stops no other case.
+sed 's|case: b, series: DOE_2|case: b, series: gone|' l.yaml >gone.yaml
+"$TREPHINE" library plan gone.yaml --out "$work/out" --no-pictures --rebuild --format json >plan.json 2>said || fail "a plan with a scan that is gone: $(cat said)"
+grep -q 'warning: b: .*no such file' said || fail "which scan is gone: $(cat said)"
+python3 - <<'PY'
+import json
+jobs = {j["name"]: j for j in json.load(open("plan.json"))["jobs"]}
+assert {"case.a", "case.b", "case.c", "case.e"} <= set(jobs) and jobs["case.c"]["after"] == ["case.a"], jobs
+PY
+expect 66 'no such file' "$TREPHINE" library one gone.yaml --out "$work/out" case.b --quiet
 expect 64 'no such job' "$TREPHINE" library one l.yaml --out "$work/out" phantom.other --quiet
 "$TREPHINE" library list "$work/out" --metrics >metrics
 grep -qx 'trephine_library_cases{state="published"} 5' metrics && grep -q '^trephine_stage_seconds{stage="skull.segment"} ' metrics || fail "metrics: $(cat metrics)"
@@ -216,6 +257,8 @@ lines = [json.loads(line) for line in open("lines")]
 assert any(l["text"].startswith("a: ") for l in lines) and all(set(l) == {"time", "level", "program", "text"} for l in lines), lines
 assert {l["program"] for l in lines} == {"trephine library build"}, lines
 PY
+"$TREPHINE" library build l.yaml --out "$work/out" --rebuild --engine ninja --no-pictures --log-level warning >/dev/null 2>lines
+[[ ! -s lines ]] || fail "lines below their level: $(cat lines)"
 "$TREPHINE" library verify /nowhere --json-log 2>lines && fail "verify" || true
 python3 -c 'import json; l = json.loads(open("lines").read()); assert "nowhere" in l["text"]' || fail "$(cat lines)"
 echo ok

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace trephine::library {
+namespace trephine {
 
 /// How many processes of this process's control group the kernel has killed for want of memory, by `oom_kill` of its
 /// memory.events (version 2) or memory.oom_control (version 1); 0 where the system does not say. What grows it between
@@ -11,4 +11,4 @@ namespace trephine::library {
 std::uint64_t memory_kills(const std::filesystem::path& groups_of_process = "/proc/self/cgroup",
                            const std::filesystem::path& mounted = "/sys/fs/cgroup");
 
-}  // namespace trephine::library
+}  // namespace trephine

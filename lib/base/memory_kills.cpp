@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "library/memory_kills.h"
+#include "base/memory_kills.h"
 
 #include <fstream>
 #include <optional>
 #include <string>
 
-namespace trephine::library {
+namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
@@ -38,4 +38,4 @@ std::uint64_t memory_kills(const fs::path& groups_of_process, const fs::path& mo
   return 0;
 }
 
-}  // namespace trephine::library
+}  // namespace trephine
