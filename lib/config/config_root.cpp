@@ -101,7 +101,8 @@ fs::path path_in_roots(const fs::path& folder, const std::string& text, const st
   const fs::path path = follow_text(folder / text, why);
   if (why.empty()) {
     if (std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return lies_in(path, root); })) return path;
-    why = "leads out of the root " + roots[0].string() + "; --root adds one";
+    why = "leads out of the root " + roots[0].string() +
+          "; an empty file trephine.root in a folder above makes that the root, and --root adds one";
   }
   fault = printable(text) + ", " + why;
   return {};

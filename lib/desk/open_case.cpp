@@ -40,6 +40,12 @@ DrawnField drawn_field(const grid::Field& field, const grid::Lattice& scan) {
   return out;
 }
 
+double volume_ml(const DrawnField& field) {
+  const auto& v = field.samples.voxels;
+  const auto inside = std::count_if(v.begin(), v.end(), [](std::int16_t one) { return one > 0; });
+  return double(inside) * field.samples.voxel_volume_mm3() / 1000;
+}
+
 int field_node(const CaseGraph& of, const std::string& anatomy) {
   if (const int corrected = of.graph.find(anatomy + ".correct"); corrected >= 0) return corrected;
   const std::string made = config::corrected_field(*of.config, anatomy);

@@ -33,6 +33,8 @@ struct DrawnField {
 
 /// `scan`: on whose voxels it is drawn. Throws Error 65 where the field does not lie on them.
 DrawnField drawn_field(const grid::Field& field, const grid::Lattice& scan);
+/// Of the voxels whose centre lies inside.
+double volume_ml(const DrawnField& field);
 /// The node whose field says what the anatomy is, after any correction; -1: it has none.
 int field_node(const CaseGraph& graph, const std::string& anatomy);
 /// Computes that node and what it needs, and nothing else of the case: so a stage that is refused hides no other one,

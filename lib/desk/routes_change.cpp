@@ -326,6 +326,7 @@ Reply Desk::tried(const Request& request) {
   const Trial::Now now = trial->now();
   Json out = {{"running", now.running}, {"doing", now.doing},         {"fraction", now.fraction},
               {"fault", now.fault},     {"has_field", now.has_field}, {"reports", Json::array()}};
+  if (now.volumes_ml) out["volume_ml"] = {{"now", now.volumes_ml->first}, {"then", now.volumes_ml->second}};
   for (const auto& [node, report] : now.reports) {
     Json figures = Json::object();
     for (const auto& [name, value] : report.figures)

@@ -6,6 +6,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "config/config.h"
 #include "config/config_root.h"
 #include "config/yaml_document.h"
 #include "config/yaml_edit.h"
@@ -42,6 +43,21 @@ dicom::ImportParams import_of(const std::string& series) {
   dicom::ImportParams params;
   params.series = series;
   return params;
+}
+
+/// Refuses a recipe of which no case can be made, before LIBRARY.yaml names it. Throws what read_case_config throws.
+void require_usable(const DeskLibrary& library, const fs::path& recipe, const fs::path& scan,
+                    const std::string& series) {
+  config::ConfigOverrides overrides;
+  overrides.roots = library.options().roots;
+  overrides.series = scan;
+  if (!series.empty()) overrides.set = {"import.series=" + series};
+  const config::CaseConfig made = config::read_case_config(recipe, overrides);
+  for (const config::CaseScan& further : made.scans)
+    if (further.series.empty())
+      throw Error(
+          ExitCode::usage, recipe.filename().string(), "scans." + further.name + ".series",
+          "is not said: it needs a further scan; write the folder of it into a copy of the recipe, and choose that");
 }
 
 }  // namespace
@@ -149,6 +165,7 @@ Reply Desk::new_case(const Request& request) {
       return library::read_library_config(f, {{}, {}, library_.options().roots});
     });
   }
+  require_usable(library_, folder / recipe, scan, series);
   write_file(file, text);
   library_.plan();
   return json_reply({{"done", token}});

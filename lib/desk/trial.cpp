@@ -84,7 +84,11 @@ void Trial::work(const TrialWish& wish) {
     std::shared_ptr<const DrawnField> drawn;
     if (const auto* field = std::get_if<std::shared_ptr<const grid::Field>>(&made.data); field && *field)
       drawn = std::make_shared<const DrawnField>(drawn_field(**field, grid::lattice_of(*looked_at_->scan())));
+    std::optional<std::pair<double, double>> volumes_ml;
+    if (const auto before = wish.anatomy.empty() ? nullptr : looked_at_->field(wish.anatomy); before && drawn)
+      volumes_ml = {volume_ml(*before), volume_ml(*drawn)};
     const std::lock_guard<std::mutex> lock(mutex_);
+    now_.volumes_ml = volumes_ml;
     now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, std::move(made.report));
     if (drawn) {
       field_ = std::move(drawn);

@@ -41,6 +41,8 @@ class Trial {
     std::string fault;                                    ///< empty: it ended well, or runs
     std::vector<std::pair<std::string, Report>> reports;  ///< of the field's stage, and of each hole by its name
     bool has_field = false;
+    /// Of the anatomy's field as it is drawn now, and with what is tried; only with an anatomy.
+    std::optional<std::pair<double, double>> volumes_ml;
   };
   Now now() const;
   /// Null until it is there.

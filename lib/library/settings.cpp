@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "library/settings.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -29,6 +30,16 @@ template <class P>
 void add_leaves(const std::string& prefix, const P& params, Values& out) {
   const AnyParams copy = AnyParams::make(params);
   for (const ParameterLeaf& leaf : leaves_of(copy)) out[prefix + "." + leaf.path] = to_text(leaf.value());
+}
+
+// What a person did, whose values say nothing to a reader: digests, and each number of a landmark by itself. Else "".
+std::string in_words(const std::string& name) {
+  const std::string correction = ".correct.file", given = "given_landmarks.landmarks.", known = "landmarks.";
+  if (name.size() > correction.size() &&
+      name.compare(name.size() - correction.size(), std::string::npos, correction) == 0)
+    return name.substr(0, name.size() - correction.size()) + ": its correction by hand changed";
+  const std::size_t at = name.rfind(given, 0) == 0 ? given.size() : name.rfind(known, 0) == 0 ? known.size() : 0;
+  return at ? "landmark " + name.substr(at, name.find('.', at) - at) + " changed" : "";
 }
 
 }  // namespace
@@ -88,7 +99,9 @@ std::map<std::string, std::string> parse_settings_json(std::string_view json) {
 std::vector<std::string> explain_difference(const Values& before, const Values& now) {
   std::vector<std::string> lines, keys;
   const auto add = [&](const std::string& name, const std::string& what) {
-    if (name.rfind(key_prefix, 0) == 0)
+    if (const std::string words = in_words(name); !words.empty()) {
+      if (std::find(lines.begin(), lines.end(), words) == lines.end()) lines.push_back(words);
+    } else if (name.rfind(key_prefix, 0) == 0)
       keys.push_back(name.substr(std::string(key_prefix).size()) + ": what it is made from differs");
     else
       lines.push_back(name + ": " + what);

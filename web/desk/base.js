@@ -56,12 +56,13 @@ const hint = text => {
   clearTimeout(hinted)
   hinted = setTimeout(() => { $('hint').hidden = true }, 3500)
 }
-// Runs what a button does; it cannot be pressed twice meanwhile, and what it throws is told.
+// Runs what a button does; it cannot be pressed twice meanwhile, and what it throws is told. What is told stays until a person does
+// something again: a page that asks by itself how far a build is takes nothing away.
 const doing = (f, ...given) => async event => {
   const button = event && event.currentTarget
   if (button && 'disabled' in button) button.disabled = true
   try {
-    problem('')
+    if (event) problem('')
     await f(event, ...given)
   } catch (e) {
     problem(e instanceof Refused ? e.message : String(e && e.stack || e))

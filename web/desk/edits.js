@@ -19,6 +19,19 @@ function editsOf(page) {
   }
   // What was set of such an edit last is where the next one begins.
   const last = structuredClone(fresh)
+  // Until a person sets a range, a snake begins with that of the voxels about its seed: their mean, and three deviations to both sides.
+  let ownRange = false
+  const rangeAbout = async (seed_mm, radius_mm) => {
+    const { volume } = page, p = volume.planes[0], at = volume.toIndex(seed_mm), [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
+    const hu = await volume.slice(p.n, Math.round(at[p.n])), found = [], reach = [lo, hi].map(a => Math.ceil(radius_mm / volume.spacing[a]))
+    for (let v = -reach[1]; v <= reach[1]; ++v) for (let u = -reach[0]; u <= reach[0]; ++u) {
+      const i = Math.round(at[lo]) + u, j = Math.round(at[hi]) + v
+      if (i >= 0 && j >= 0 && i < volume.size[lo] && j < volume.size[hi] && Math.hypot(u * volume.spacing[lo], v * volume.spacing[hi]) <= radius_mm) found.push(hu[j * volume.size[lo] + i])
+    }
+    if (!found.length) return null
+    const mean = found.reduce((a, b) => a + b, 0) / found.length, deviation = Math.max(5, Math.sqrt(found.reduce((a, b) => a + (b - mean) ** 2, 0) / found.length))
+    return [Math.round(mean - 3 * deviation), Math.round(mean + 3 * deviation)]
+  }
   const begin = (name, place) => {
     if (kind !== name || name === 'snake') { if (kind) tell('snake', { forget: true }).catch(() => {}); steps = 0, grown = null }
     running = false, ++asked
@@ -72,7 +85,13 @@ function editsOf(page) {
   }
 
   // ---- tools
-  page.tools.snake = { key: 's', down: (p, at) => { page.needAnatomy(); if (page.volume.inside(at.map(Math.round))) begin('snake', { seed_mm: rounded(page.volume.toWorld(at)), ...page.rangeWanted() }), page.redraw() } }
+  page.tools.snake = { key: 's', down: async (p, at) => {
+    page.needAnatomy()
+    if (!page.volume.inside(at.map(Math.round))) return
+    const seed_mm = rounded(page.volume.toWorld(at)), wanted = page.rangeWanted(), about = ownRange || 'lower_hu' in wanted ? null : await rangeAbout(seed_mm, last.snake.seed_radius_mm)
+    begin('snake', { seed_mm, ...about ? { lower_hu: about[0], upper_hu: about[1] } : {}, ...wanted })
+    page.redraw()
+  } }
   page.tools.smooth = { key: 'o', down: (p, at) => { page.needAnatomy(); begin('smooth', { point_mm: rounded(page.volume.toWorld(at)) }) } }
   // A line that is drawn on a slice is a plane across it; what lies to the right of the way that the line was drawn goes.
   let line = null
@@ -159,7 +178,7 @@ function editsOf(page) {
     const head = make('h2', { text: t('shapes') }), how = make('p', { class: 'faint', text: t('shapes_how') })
     if (!edit) return [head, how]
     const changed = () => { asked++, running = false; if (kind === 'snake') steps = 0, grown = null; hide(), say(t('edit_' + kind)), told() }
-    const number = (key, name, given = {}) => field(name, make('input', { type: 'number', 'data-edit': key, value: edit[key], ...given, change: e => { if (isFinite(e.target.valueAsNumber)) edit[key] = e.target.valueAsNumber; changed() } }))
+    const number = (key, name, given = {}) => field(name, make('input', { type: 'number', 'data-edit': key, value: edit[key], ...given, change: e => { if (isFinite(e.target.valueAsNumber)) edit[key] = e.target.valueAsNumber; if (key.endsWith('_hu')) ownRange = true; changed() } }))
     const kinds = { snake: 'n_snake', cut: 'n_cut', smooth: 'n_smooth' }
     const at = (edit.seed_mm || edit.point_mm).map(v => v.toFixed(1)).join(', ')
     return [head, make('p', { id: 'edit-what', text: `${t(kinds[kind])} · ${at} mm` }),

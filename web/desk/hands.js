@@ -73,7 +73,7 @@ function handsOf(page, canvases, step) {
       const p = plane()
       e.preventDefault()
       if (!p) return
-      if (!e.ctrlKey) return step(p, e.deltaY > 0 ? 1 : -1)
+      if (!e.ctrlKey) return step(p, e.deltaY > 0 ? -1 : 1)  // forward as Page Up
       p.zoom = Math.max(.5, Math.min(30, p.zoom * (e.deltaY > 0 ? 1 / 1.15 : 1.15)))
       page.redraw()
     }, { passive: false })

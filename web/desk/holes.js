@@ -52,6 +52,7 @@ function holesOf(page) {
     const to = p.map((v, k) => v - built.position_mm[k]), along = to.reduce((sum, v, k) => sum + v * built.direction[k], 0)
     return Math.hypot(...to.map((v, k) => v - built.direction[k] * along))
   }
+  page.changeHole = i => said()[i] && placed(said()[i], i) ? change(i) : page.show_('place')
   const change = i => {
     const at = placed(said()[i], i)
     if (!at) throw new Refused(t('hole_unknown'))
@@ -80,7 +81,13 @@ function holesOf(page) {
     hole.tried = { text: t('checking'), kind: 'faint', rows: [] }
     page.show_('place')
     const mine = hole, all = lines()
-    const now = await page.tryIt({ holes: all, hole: hole.index < 0 ? all.length - 1 : hole.index }, what => { if ($('hole-tried')) $('hole-tried').textContent = `${t('checking')}: ${what}` })
+    let now
+    try {
+      now = await page.tryIt({ holes: all, hole: hole.index < 0 ? all.length - 1 : hole.index }, what => { if ($('hole-tried')) $('hole-tried').textContent = `${t('checking')}: ${what}` })
+    } catch (e) {
+      if (mine === hole) mine.tried = { text: e.message, kind: 'bad', rows: [] }, page.show_('place')
+      return
+    }
     if (mine !== hole || !now) return
     const [report] = now.reports
     mine.tried = now.fault ? { text: now.fault, kind: 'bad', rows: [] } : { text: t('hole_good'), kind: 'good', rows: report ? Object.entries(report.figures).filter(([, v]) => typeof v === 'number') : [] }
@@ -144,14 +151,18 @@ function holesOf(page) {
   const distances = async (d, entry, all) => {
     const { volume } = page, p = volume.planes[0], rows = [], [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]
     for (const name of page.fields.filter(f => page.outlines.get(f))) {
-      let least = Infinity
+      let least = Infinity, enters = false
       for (let s = 0; s <= 24; ++s) {
         const at = volume.toIndex(entry.map((v, k) => v + d[k] * all * s / 24)), index = Math.round(at[p.n])
         if (index < 0 || index >= volume.size[p.n]) continue
         const line = await volume.outline(name, p.n, index)
+        // Even and odd: how often a ray from the point meets the outline.
+        let met = 0
+        for (let i = 0; i < line.length; i += 4) if (line[i + 1] > at[hi] !== line[i + 3] > at[hi] && at[lo] < line[i] + (at[hi] - line[i + 1]) / (line[i + 3] - line[i + 1]) * (line[i + 2] - line[i])) ++met
+        enters = enters || met % 2 === 1
         for (let i = 0; i < line.length; i += 2) least = Math.min(least, Math.hypot((line[i] - at[lo]) * volume.spacing[lo], (line[i + 1] - at[hi]) * volume.spacing[hi]))
       }
-      if (isFinite(least)) rows.push(make('tr', {}, make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)), make('td', { class: 'number', text: digits(least, 1) })))
+      if (isFinite(least)) rows.push(make('tr', {}, make('td', {}, swatch(page.colourOf(name)), ' ' + label(name)), make('td', { class: 'number', 'data-clear': name, text: enters ? t('passes_through') : digits(least, 1) })))
     }
     // Where no outline is: points, such as the bregma, in which the sutures meet.
     const skull = toSutures(entry)
@@ -194,7 +205,7 @@ function holesOf(page) {
     setTimeout(() => page.heldHole(), 0)
     return [make('h2', { text: t('holes') }), cuts() || fixed ? null : [make('p', { class: 'warn', text: t('no_holes') }), page.sceneChoice(s => s.cuts_holes)], list.map(row), cuts() && !list.length ? make('p', { class: 'warn', text: t('no_hole_yet') }) : null,
       make('h2', { text: hole.index < 0 ? t('add_hole') : `${t('change_it')}: ${t('hole')} ${hole.index + 1}` }), told,
-      make('div', { class: 'row' }, at('entry'), at('target'), field('diameter', make('input', { type: 'number', id: 'diameter', min: 1, max: 60, value: hole.diameter_mm, change: e => { hole.diameter_mm = +e.target.value, hole.tried = null, page.heldHole() } }), make('span', { text: t('mm') }))),
+      make('div', { class: 'row' }, at('entry'), at('target'), field('diameter', make('input', { type: 'number', id: 'diameter', min: 1, max: 60, value: hole.diameter_mm, change: e => { if (e.target.valueAsNumber > 0) hole.diameter_mm = e.target.valueAsNumber; else e.target.value = hole.diameter_mm; hole.tried = null, page.heldHole() } }), make('span', { text: t('mm') }))),
       make('div', { class: 'row' }, button('check_hole', check, { id: 'check-hole' }), button('save_hole', save, { id: 'save-hole', class: 'main' }), hole.entry || hole.target ? button('cancel', () => { hole = fresh(hole.diameter_mm), page.show_('place'), page.redraw() }, { id: 'cancel-hole' }) : null),
       tried ? make('p', { class: tried.kind, id: 'hole-tried', text: tried.text }) : null, tried && tried.rows.length ? table([['', 0], ['', 1]], tried.rows.map(([name, v]) => make('tr', {}, make('td', { text: label(name) }), make('td', { class: 'number', text: digits(v, 1) })))) : null,
       (cut.append(make('div', { class: 'row' }, field('turn', angle))), cut), clear]

@@ -295,7 +295,7 @@ function casePage(token) {
       if (String(now.fields) !== String(page.fields)) {
         page.fields = now.fields
         for (const f of now.fields) if (!page.outlines.has(f)) page.outlines.set(f, !(page.off || []).includes(f))
-        if (page.tab === 'look') page.show_('look')
+        if (page.tab === 'look' || page.tab === 'paint' && !panel.contains(document.activeElement)) page.show_(page.tab)
         page.redraw()
       }
       page.found = now.landmarks

@@ -23,11 +23,14 @@ function paintPanel(page) {
   const placeOf = n => [n % page.volume.size[0], Math.floor(n / page.volume.size[0]) % page.volume.size[1], Math.floor(n / page.volume.size[0] / page.volume.size[1])]
   const huAt = (p, data, at) => { const [lo, hi] = p.u < p.v ? [p.u, p.v] : [p.v, p.u]; return data[at[hi] * page.volume.size[lo] + at[lo]] }
   // The HU that the configuration says of an anatomy, where one of its steps has such values; the last step counts.
-  const usualRange = () => {
-    if (brush.own || !page.info || !page.info.now) return
-    const said = end => page.info.now.values.filter(v => v.path.startsWith(anatomy + '.') && v.path.endsWith('.' + end)).map(v => +v.value).filter(isFinite).pop()
+  page.rangeOf = name => {
+    const said = end => page.info && page.info.now ? page.info.now.values.filter(v => v.path.startsWith(name + '.') && v.path.endsWith('.' + end)).map(v => +v.value).filter(isFinite).pop() : undefined
     const low = said('lower_hu'), high = said('upper_hu')
-    if (low !== undefined || high !== undefined) brush.low = low === undefined ? -1024 : low, brush.high = high === undefined ? 3071 : high
+    return low === undefined && high === undefined ? null : [low === undefined ? -1024 : low, high === undefined ? 3071 : high]
+  }
+  const usualRange = () => {
+    const usual = brush.own ? null : page.rangeOf(anatomy)
+    if (usual) [brush.low, brush.high] = usual
   }
   const inRange = hu => hu >= brush.low && hu <= brush.high
 
@@ -272,6 +275,17 @@ function paintPanel(page) {
     tellCount()
     page.redraw()
   }
+  // What is thrown away is a stroke: undo brings it back.
+  const throwAway = () => {
+    if (!bytes) return
+    stroke = new Map()
+    for (let k = Math.max(0, box.low[2]); k <= box.high[2]; ++k) for (let j = Math.max(0, box.low[1]); j <= box.high[1]; ++j) for (let i = Math.max(0, box.low[0]); i <= box.high[0]; ++i) {
+      const n = page.volume.at(i, j, k)
+      if (bytes[n]) write(n, 0, [i, j, k])
+    }
+    finish()
+    page.redraw()
+  }
   const clearAll = () => {
     bytes = null, count = [0, 0], done.length = undone.length = 0
     box.low = [1e9, 1e9, 1e9], box.high = [-1, -1, -1]
@@ -320,7 +334,7 @@ function paintPanel(page) {
       make('p', { class: 'faint', text: t('grow_how') }),
       make('div', { class: 'row' }, field('between_', plane), button('between', between, { id: 'between' })),
       make('h2', { text: t('painted') }), make('div', { class: 'row' }, counted), field('why', why),
-      make('div', { class: 'row' }, button('save_patch', save, { id: 'save-patch', class: 'main', disabled: !!fixed }), button('throw_', () => { clearAll(), page.show_('paint') }, { id: 'throw' })),
+      make('div', { class: 'row' }, button('save_patch', save, { id: 'save-patch', class: 'main', disabled: !!fixed }), button('throw_', throwAway, { id: 'throw' })),
       edits.panel(why, fixed),
       make('h2', { text: t('patches') }), patches.length ? make('p', { class: 'faint', text: t('patches_how') }) : null, patches.length ? patches.map(e => make('div', { class: 'row' }, make('label', {}, make('input', { type: 'checkbox', 'data-patch': String(e.id), checked: e.on, change: doing(ev => page.save('switch', { id: e.id, on: ev.target.checked })) }), make('span', { text: t('on') })), make('span', { text: e.what }), make('span', { class: 'faint', text: `${e.by} ${e.when}${e.why ? ': ' + e.why : ''}` }))) : make('p', { class: 'faint', text: t('nothing') })
     ].flat(2)

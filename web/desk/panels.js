@@ -64,7 +64,8 @@ const swatch = colour => {
 function refusalLine(page, text) {
   const now = page.info && page.info.now, links = []
   const link = (words, go) => links.push(' ', make('a', { href: '#', text: words, click: doing(async e => { e.preventDefault(); go() }) }))
-  if (now && now.cuts_holes && text.includes('burr_hole')) link(t('to_hole'), () => page.show_('place'))
+  const hole = text.match(/burr_hole_?(\d*)/)
+  if (now && now.cuts_holes && hole) link(t('to_hole'), () => page.changeHole(hole[1] ? hole[1] - 1 : 0))
   for (const name of new Set([...text.matchAll(/`([a-z_]+)`/g)].map(m => m[1]))) {
     const all = now ? now.values.filter(v => v.path.endsWith('.' + name)) : []
     // Those of the stage that the line names, else of its anatomy.

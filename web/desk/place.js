@@ -34,7 +34,12 @@ function placePanel(page) {
   page.undo = () => paints() ? page.undoPaint() : page.undoEdit(page.tool) || page.undoPlace()
   page.redo = () => paints() ? page.redoPaint() : page.redoPlace()
 
-  const put = (name, position_mm) => page.change('landmark', { name, position_mm: given()[name] || null }, { name, position_mm })
+  const put = async (name, position_mm) => {
+    await page.change('landmark', { name, position_mm: given()[name] || null }, { name, position_mm })
+    // The patient's left is L, greater x: a pair that lies the other way round has one of its points on the wrong side.
+    const other = name.includes('left') ? name.replace('left', 'right') : name.includes('right') ? name.replace('right', 'left') : null, at = position_mm && other && placeOf(other)
+    if (at && (position_mm[0] - at[0]) * (name.includes('left') ? 1 : -1) < 0) throw new Refused(`${label(name)}: ${t('other_side')} ${label(other)}. ${t('saved_all_the_same')}`)
+  }
   const needed = () => { if (!chosen) throw page.show_('place'), new Refused(t('choose_first')) }
   // What is dragged on a slice that it lies in keeps its place across the slice, to a fraction of a voxel.
   page.withinSlice = (p, at, was) => {

@@ -24,6 +24,7 @@ function rerunPanel(page) {
     $('busy').textContent = ''
     desk.stats.rebuilt = (desk.stats.rebuilt || 0) + 1
     if (page.tab === 'build') page.show_('build')
+    else if (ended && ended.code && ended.code !== 130) problem(`${endOf(ended)}: ${mine().last_reason || ''}`)
   }
   // A build that was begun elsewhere is shown here too.
   askJson('status').then(s => { if (s.running) watch() }, () => {})

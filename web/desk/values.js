@@ -34,9 +34,16 @@ function valuesPanel(page) {
     page.tried = null
     tried = { path, text: t('previewing'), kind: 'faint', rows: [] }
     say()
-    const now = await page.tryIt({ values, anatomy }, what => { tried.text = `${t('previewing')}: ${what}`, say() })
+    let now
+    try {
+      now = await page.tryIt({ values, anatomy }, what => { tried.text = `${t('previewing')}: ${what}`, say() })
+    } catch (e) {
+      tried = { path, text: e.message, kind: 'bad', rows: [] }
+      return say()
+    }
     if (!now) return
-    const figures = now.reports.length ? Object.entries(now.reports[0].figures).filter(([, v]) => typeof v === 'number').slice(0, 8) : []
+    // What the value changes is the volume; the stage's own figures stand below.
+    const figures = [...now.volume_ml ? [[t('volume_now'), now.volume_ml.now], [t('volume_then'), now.volume_ml.then]] : [], ...now.reports.length ? Object.entries(now.reports[0].figures).filter(([, v]) => typeof v === 'number').slice(0, 8) : []]
     tried = now.fault ? { path, text: now.fault, kind: 'bad', rows: [] } : { path, text: `${name}: ${t('preview_line')}`, kind: 'good', rows: figures }
     page.volume.forget('~tried')
     page.tried = now.has_field ? anatomy : null
