@@ -8,6 +8,7 @@ import math
 import pathlib
 import re
 import tempfile
+import time
 import zipfile
 
 from desk import SOURCE, Desk, Page, digest, make_root, no_console_errors, run
@@ -74,6 +75,11 @@ def build(page, check, library):
     check((library / "head-01").exists() == (library / "head-01/case.json").exists(), "nothing half made lies there")
     page.click("#build")
     page.until("desk.page.building", "the next build")
+    page.b.js("problem('what a person was told')")
+    time.sleep(1.5)  # in which the page asks several times how far the build is
+    told = page.b.js("return document.getElementById('problem').hidden ? '' : document.getElementById('problem-text').textContent")
+    check(told == "what a person was told", "a page that asks how far the build is takes away nothing that was told")
+    page.b.js("problem('')")
     page.until("document.querySelector('.card .tag.good') && desk.cases.length === 1 && !desk.page.building", "the case")
     check((library / "head-01/case.json").exists(), "the next build goes on")
 
@@ -203,6 +209,12 @@ def brush(page, check, own):
     page.click("[data-tool=erase]")
     page.point("axial", bone)
     check(page.painted()["count"] < ranged["count"], "rubbed out")
+    page.click("#undo")
+    page.click("#throw")
+    check(page.painted()["count"] == 0, "thrown away")
+    page.click("#undo")
+    back = page.painted(1)["count"]
+    check(back == ranged["count"], f"and undo brings it back: {back} of {ranged['count']}")
     page.click("#throw")
     page.click("[data-tool=grow]")
     seed = browser.js("""const v = desk.page.volume, at = arguments[0], hu = v.has(2, at[2])
@@ -299,6 +311,10 @@ def brush(page, check, own):
     check(union.read_bytes() == one and "corrections: {skull: head-01.desk/skull.nrrd}" in own.read_text(), "on again, it is what it was")
 
 
+def browser_ml(page):
+    return page.b.js("return [...document.querySelectorAll('#tried tr')].map(r => r.textContent.match(/volume .* ml(\\d+\\.?\\d*)$/)).filter(m => m).map(m => m[1])")
+
+
 def preview(page, check, own):
     before = own.read_text()
     page.click("[data-tab=values]")
@@ -310,6 +326,8 @@ def preview(page, check, own):
     sizes = page.b.js("const v = desk.page.volume, k = desk.page.at[2]; return [v.outline('~tried', 2, k), v.outline('skull', 2, k)].map(l => { let s = 0; for (let i = 0; i < l.length; i += 4) s += Math.hypot(l[i] - l[i + 2], l[i + 1] - l[i + 3]); return s })")
     check(sizes[0] > 20 and sizes[0] != sizes[1], f"it is another outline: {sizes}")
     check(own.read_text() == before, "a preview writes nothing")
+    ml = [float(v) for v in browser_ml(page)]
+    check(len(ml) == 2 and ml[0] > ml[1] > 10, f"it tells the volume before and after: {ml}")
     page.click("#no-preview")
     page.write("[data-value]", "-5e9")
     page.until("!!document.querySelector('#tried .bad') || !document.getElementById('problem').hidden || null", "a value that cannot be")
@@ -344,6 +362,15 @@ def links(page, check):
     browser.js(go, "lower_hu")
     page.until("desk.page.tab === 'values' && [...document.querySelectorAll('[data-value]')].map(e => e.dataset.value).join() === 'skull.segment.lower_hu'", "the value that a refusal names")
     browser.js("document.getElementById('refused').remove()")
+    # A landmark on the side of its pair is saved, and told.
+    page.click("[data-tab=place]")
+    page.click("tr[data-landmark=tragus_left]")
+    browser.js("desk.page.goWorld([-80, 0, 0])")
+    page.click("#here")
+    page.until("document.getElementById('problem-text').textContent.includes('lies on the other side of tragus right')", "a landmark on the wrong side")
+    page.click("[data-tool=cross]")
+    page.click("#undo")
+    page.until("desk.page.info.now.landmarks.tragus_left[0] === 77", "the landmark where it was")
 
 
 def finished(page, check):
@@ -427,6 +454,11 @@ def main():
                 names = browser.js("return [...document.getElementById('recipe').options].map(o => o.value)")
                 check(words == "The sample phantom, coarse (coarse.yaml)" and "ct_head.yaml" in names and "sample.yaml" not in names, f"a recipe in words; one that names its series is a case, not a recipe: {words}, {names}")
                 page.write("#token", "head-02")
+                listed = (root / "configs/LIBRARY.yaml").read_text()
+                browser.js("document.getElementById('recipe').value = 'head_ct_mr.yaml'")
+                page.click("#create")
+                page.until("document.getElementById('problem-text').textContent.includes('it needs a further scan')", "a recipe that cannot be used")
+                check((root / "configs/LIBRARY.yaml").read_text() == listed, "and LIBRARY.yaml is as it was")
                 browser.js("document.getElementById('recipe').value = 'coarse.yaml'")
                 page.click("#create")
                 page.until("document.documentElement.dataset.ready === 'library' && document.querySelectorAll('.card').length === 2", "the new case's card")
