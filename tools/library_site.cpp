@@ -144,6 +144,8 @@ cli::Command library_timeline_command() {
   c.arguments = {library_folder(), cli::required_argument("output", Kind::out_file, "The picture (.svg) to write.")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const library::LibraryState state(std::filesystem::absolute(parsed.path("library")).lexically_normal());
+    if (!std::filesystem::exists(state.timeline_file()))
+      throw Error(ExitCode::no_input, state.library().string(), "", "has no timeline yet: `library build` writes it");
     const auto items = library::read_timeline(state);
     library::StagesOfCases stages;
     library::each_case(state.library(), {},

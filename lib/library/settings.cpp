@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -34,12 +35,10 @@ void add_leaves(const std::string& prefix, const P& params, Values& out) {
 
 // What a person did, whose values say nothing to a reader: digests, and each number of a landmark by itself. Else "".
 std::string in_words(const std::string& name) {
-  const std::string correction = ".correct.file", given = "given_landmarks.landmarks.", known = "landmarks.";
-  if (name.size() > correction.size() &&
-      name.compare(name.size() - correction.size(), std::string::npos, correction) == 0)
-    return name.substr(0, name.size() - correction.size()) + ": its correction by hand changed";
-  const std::size_t at = name.rfind(given, 0) == 0 ? given.size() : name.rfind(known, 0) == 0 ? known.size() : 0;
-  return at ? "landmark " + name.substr(at, name.find('.', at) - at) + " changed" : "";
+  static const std::regex correction(R"((.*)\.correct\.file)"), landmark(R"((given_landmarks\.)?landmarks\.([^.]+).*)");
+  std::smatch found;
+  if (std::regex_match(name, found, correction)) return found[1].str() + ": its correction by hand changed";
+  return std::regex_match(name, found, landmark) ? "landmark " + found[2].str() + " changed" : "";
 }
 
 }  // namespace

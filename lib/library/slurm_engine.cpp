@@ -249,7 +249,6 @@ void submit_jobs(Batch& batch, const std::set<std::string>& names, double patien
       batch.arrays.pop_back();
       write_batch(batch);
       if (all.empty()) throw;
-      // As where a user may have so many jobs at once.
       log_warning(std::string("sbatch ") + e.what() + "; the rest is submitted when those before have ended");
       break;
     }
@@ -351,9 +350,8 @@ int cancel_batches(const LibraryState& state) {
   for (const Batch& open : read_batches(state, true)) {
     cancel_in_slurm(open.slurm_name());
     // The last job may have submitted more a moment ago: it looks again before it does.
-    mark_cancelled(open);
+    close_batch(open);
     cancel_in_slurm(open.slurm_name());
-    remove_words(read_batch(open.folder).value_or(open));
     ++count;
   }
   return count;

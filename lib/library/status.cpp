@@ -59,7 +59,7 @@ class Looking {
         ++out_.lost;
         const auto r = ended.find(j.name);
         add(j, "lost", r == ended.end() ? "" : r->second.node,
-            r == ended.end() ? "ended without a word"
+            r == ended.end() ? "left no result, and Slurm knows it no more"
                              : std::to_string(r->second.result.code) + "  " + r->second.result.reason);
       }
     }
