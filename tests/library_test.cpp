@@ -185,6 +185,19 @@ TEST_F(Library, APlanReadsNoFurtherScanAgain) {
   EXPECT_EQ(plan(true), first);
 }
 
+TEST(LibraryPlan, TellsWhatAPersonDidInWords) {
+  const std::map<std::string, std::string> before = {{"skull.correct.file", "sha256 1"},
+                                                     {"given_landmarks.landmarks.inion.confidence", "1"}},
+                                           now = {{"skull.correct.file", "sha256 2"},
+                                                  {"given_landmarks.landmarks.vertex.confidence", "1"},
+                                                  {"given_landmarks.landmarks.vertex.position_mm", "[0, 0, 9]"},
+                                                  {"landmarks.vertex", "0, 0, 9, given 1"},
+                                                  {"skull.segment.lower_hu", "300"}};
+  EXPECT_EQ(library::explain_difference(before, now),
+            (std::vector<std::string>{"landmark vertex changed", "skull: its correction by hand changed",
+                                      "skull.segment.lower_hu: 300, is new", "landmark inion changed"}));
+}
+
 TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
   const std::vector<std::vector<double>> loads = {
       {300, 300, 300, 300}, {1200, 1200, 300, 300, 300}, {5000, 1200, 600, 300, 100, 100}, {9000, 100}, {100}};
