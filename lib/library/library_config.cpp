@@ -96,9 +96,7 @@ class Reader {
                                    "time",       "usage",         "version",     "wait",
                                    "wrap"})
       if (ours.rfind(name, 0) == 0)
-        return ", is what the build itself says to sbatch (memory and time: `classes`; partition and account are keys "
-               "of "
-               "their own)";
+        return ", is what the build itself says to sbatch, by `classes`, `partition` and `account`";
     return "";
   }
 

@@ -349,10 +349,11 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       throw;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
-    for (const std::string& overlap : cases::overlapping_holes(content.manifest.burr_holes)) {
-      log_warning(token + ": " + overlap);
-      warnings.push_back(overlap);
-    }
+    const auto add_warnings = [&](const std::vector<std::string>& lines) {
+      for (const std::string& line : lines) log_warning(token + ": " + line);
+      warnings.insert(warnings.end(), lines.begin(), lines.end());
+    };
+    add_warnings(cases::overlapping_holes(content.manifest.burr_holes));
     if (request.params.page)
       for (CasePicture& file :
            make_page_files(config, made.graph, made.results, content, warnings, publishing.part(content_share, 0.95)))
@@ -363,10 +364,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
 
     RunResult result = result_of(folder, content);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    for (const std::string& late : overrun(config.trade, seconds)) {
-      log_warning(token + ": " + late);
-      warnings.push_back(late);
-    }
+    add_warnings(overrun(config.trade, seconds));
     result.json =
         run_json(made.graph, made.results, series.folders().at("import"), content.anatomies, warnings, seconds);
     result.warnings = std::move(warnings);

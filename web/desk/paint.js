@@ -227,11 +227,16 @@ function paintPanel(page) {
   page.rangeWanted = () => brush.within ? { lower_hu: brush.low, upper_hu: brush.high } : {}
   const edits = editsOf(page)
 
+  const eachPainted = f => {
+    for (let k = Math.max(0, box.low[2]); k <= box.high[2]; ++k) for (let j = Math.max(0, box.low[1]); j <= box.high[1]; ++j) for (let i = Math.max(0, box.low[0]); i <= box.high[0]; ++i) {
+      const n = page.volume.at(i, j, k)
+      if (bytes[n]) f([i, j, k], n)
+    }
+  }
   // ---- as the desk takes it: where the box begins, its size, a byte a voxel
   const packed = () => {
-    const low = [1e9, 1e9, 1e9], high = [-1, -1, -1], { size } = page.volume
-    for (let k = Math.max(0, box.low[2]); k <= box.high[2]; ++k) for (let j = Math.max(0, box.low[1]); j <= box.high[1]; ++j) for (let i = Math.max(0, box.low[0]); i <= box.high[0]; ++i)
-      if (bytes[page.volume.at(i, j, k)]) for (const [a, v] of [[0, i], [1, j], [2, k]]) low[a] = Math.min(low[a], v), high[a] = Math.max(high[a], v)
+    const low = [1e9, 1e9, 1e9], high = [-1, -1, -1]
+    eachPainted(at => { for (let a = 0; a < 3; ++a) low[a] = Math.min(low[a], at[a]), high[a] = Math.max(high[a], at[a]) })
     if (high[0] < 0) return null
     const n = low.map((v, a) => high[a] - v + 1), out = new Uint8Array(24 + n[0] * n[1] * n[2])
     new Int32Array(out.buffer, 0, 6).set([...low, ...n])
@@ -239,7 +244,6 @@ function paintPanel(page) {
       const from = page.volume.at(low[0], low[1] + j, low[2] + k)
       out.set(bytes.subarray(from, from + n[0]), to)
     }
-    void size
     return out
   }
   const unpack = (bytes_) => {
@@ -279,10 +283,7 @@ function paintPanel(page) {
   const throwAway = () => {
     if (!bytes) return
     stroke = new Map()
-    for (let k = Math.max(0, box.low[2]); k <= box.high[2]; ++k) for (let j = Math.max(0, box.low[1]); j <= box.high[1]; ++j) for (let i = Math.max(0, box.low[0]); i <= box.high[0]; ++i) {
-      const n = page.volume.at(i, j, k)
-      if (bytes[n]) write(n, 0, [i, j, k])
-    }
+    eachPainted((at, n) => write(n, 0, at))
     finish()
     page.redraw()
   }
