@@ -52,6 +52,18 @@ for number in (signal.SIGINT, signal.SIGTERM):
     assert early > 0, "never met it early"
 PY
 
+# A bound by hand for decimation is not the surface's, which is smoothed afterwards: told, with what bounds the whole, which does.
+bounded() {
+  "$TREPHINE" run "$SOURCE/configs/ct_skull.yaml" --series plain --out bounds --no-pictures --no-page "${coarse[@]}" \
+    --set scene.anatomies.skull.max_triangles=0 --set "$1" >said 2>&1 || { cat said; fail "$1"; }
+}
+bounded skull.decimate.max_deviation_mm=0.5
+grep -q 'skull: deviates by 0\.5[0-9]* mm, though skull.decimate.max_deviation_mm is 0.5: .* set scene.anatomies.skull.max_deviation_mm = 0.5' said ||
+  { cat said; fail "a bound that was not had is not told"; }
+bounded scene.anatomies.skull.max_deviation_mm=0.5
+if grep -q 'deviates by' said; then fail "the bound of the whole is exceeded"; fi
+grep -Eq "^skull .* 0\\.[34][0-9]+ " said || { cat said; fail "the bound of the whole"; }
+
 # What needs more memory than there is is refused before anything is taken.
 python3 - <<'PY'
 with open("huge.nrrd", "wb") as f:
