@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/carried_points.h"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -47,6 +48,14 @@ std::uint32_t descend(const CollapseMesh& mesh, std::uint32_t start, Vec3 p, dou
   return triangle;
 }
 
+CarriedPoints::Ball ball_around(Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 middle = (a + b + c) / 3;
+  const double squared =
+      std::max({dot(a - middle, a - middle), dot(b - middle, b - middle), dot(c - middle, c - middle)});
+  constexpr double rounding = 1e-6;  // far above that of distances, and of none of the triangles' own size
+  return {middle, std::sqrt(squared) * (1 + rounding) + rounding};
+}
+
 }  // namespace
 
 void CarriedPoints::take_up(const CollapseMesh& mesh) {
@@ -82,14 +91,21 @@ void CarriedPoints::gather(const CollapseMesh& mesh, std::uint32_t u, std::uint3
 
 bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit, Hand& hand) const {
   hand.assigned.clear();
+  hand.balls.clear();
+  for (const auto& [a, b, c] : corners) hand.balls.push_back(ball_around(a, b, c));
   for (std::size_t i = 0; i < hand.places.size(); ++i) {
     const Vec3 p = hand.places.at(i);
     double best = std::numeric_limits<double>::infinity();
     std::uint32_t where = 0;
+    double best_mm = best;
     for (std::uint32_t n = 0; n < corners.size() && best > 0; ++n) {
+      // No point of the triangle is nearer than the ball around it.
+      const double reach = best_mm + hand.balls[n].radius_mm;
+      if (const Vec3 to = p - hand.balls[n].middle; dot(to, to) > reach * reach) continue;
       const Vec3 d = p - surface::closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
       if (dot(d, d) >= best) continue;
       best = dot(d, d);
+      best_mm = std::sqrt(best);
       where = n;
     }
     if (!(best <= squared_limit)) return false;

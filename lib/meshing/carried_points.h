@@ -17,10 +17,16 @@ namespace trephine::meshing {
 /// of CollapseMesh, each thread with its own Hand.
 class CarriedPoints {
  public:
+  /// Around a triangle.
+  struct Ball {
+    Vec3 middle;
+    double radius_mm;
+  };
   /// The working memory of one thread between gather, assign and commit.
   struct Hand {
     std::vector<std::uint32_t> points;
     PlaceList places;
+    std::vector<Ball> balls;                                ///< around the corners' triangles
     std::vector<std::pair<std::uint32_t, float>> assigned;  ///< per point: number of the corners, squared distance
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;  ///< the points with their place in `points`
   };

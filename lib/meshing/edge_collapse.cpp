@@ -154,13 +154,15 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
   return look(w.wings_u, u, v) && look(w.wings_v, v, u) && worst_after >= std::min(min_compactness, worst_before);
 }
 
-/// Finds it among the triangles around the nearest of the points that are at hand.
-bool EdgeCollapse::near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand) const {
+/// Finds it among the triangles around the nearest of the points that are at hand. `last`: the number of the point that
+/// was found for a place beside this one.
+bool EdgeCollapse::near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand, std::size_t& last) const {
   std::uint32_t near = 0;
   if (!hand.points.empty()) {
     bool certainly = false;
-    near = hand.points[hand.places.nearest(place, limit2, certainly)];
+    last = hand.places.nearest(place, limit2, certainly, last);
     if (certainly) return true;
+    near = hand.points[last];
   }
   return input_->squared_bound(place, near, limit2) <= limit2;
 }
@@ -174,6 +176,7 @@ bool EdgeCollapse::samples_within(Worker& w) const {
   for (const auto& a : w.hand.assigned) farthest = std::max(farthest, a.second);
   if (farthest < some_way * some_way * limit2_) return true;
   const double limit2 = limit2_ * carried_share * carried_share;
+  std::size_t last = 0;
   for (const auto& [at, b, c] : w.corners) {
     // The side to b is another triangle's side to c.
     const Vec3 ab = b - at, ac = c - at;
@@ -181,7 +184,7 @@ bool EdgeCollapse::samples_within(Worker& w) const {
     const int n = static_cast<int>(std::min(std::sqrt(longest2) / sample_spacing_, 30.0)) + 2;
     for (int i = 0; i < n; ++i)
       for (int j = i == 0 ? 0 : 1; j < n - i; ++j)
-        if (!near_input(at + ab * (double(i) / n) + ac * (double(j) / n), limit2, w.hand)) return false;
+        if (!near_input(at + ab * (double(i) / n) + ac * (double(j) / n), limit2, w.hand, last)) return false;
   }
   return true;
 }

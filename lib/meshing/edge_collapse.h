@@ -85,7 +85,7 @@ class EdgeCollapse {
   Outcome attempt(std::uint32_t half_edge, Worker& w);
   bool keeps_manifold(std::uint32_t u, std::uint32_t v, Worker& w) const;
   bool keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker& w) const;
-  bool near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand) const;
+  bool near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand, std::size_t& last) const;
   bool samples_within(Worker& w) const;
   std::size_t undo_at(std::uint32_t triangle);
   std::vector<std::uint32_t> widened(const std::vector<std::uint32_t>& triangles) const;

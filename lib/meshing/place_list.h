@@ -29,10 +29,15 @@ class PlaceList {
   Vec3 at(std::size_t n) const { return {x_[n], y_[n], z_[n]}; }
 
   /// The number of the place nearest to p, to float32's precision, or of any place that is certainly nearer than the
-  /// root of `enough` (from the first block of places that has one). The list must not be empty.
-  std::size_t nearest(Vec3 p, double enough, bool& certainly) const {
+  /// root of `enough`. `hint` is the number of a place that is likely near, such as the answer for a point beside p: it
+  /// only saves time. The list must not be empty.
+  std::size_t nearest(Vec3 p, double enough, bool& certainly, std::size_t hint = 0) const {
     const float px = static_cast<float>(p.x), py = static_cast<float>(p.y), pz = static_cast<float>(p.z);
     const float sure = static_cast<float>(enough * 0.99);
+    if (squared(hint, px, py, pz) <= sure) {
+      certainly = true;
+      return hint;
+    }
     float best = std::numeric_limits<float>::infinity();
     std::size_t where = 0;
     for (std::size_t n = 0; n < size_; n += block) {
@@ -50,14 +55,15 @@ class PlaceList {
       if (best <= sure) break;
     }
     certainly = best <= sure;
-    for (std::size_t i = where; i < std::min(where + block, size_); ++i) {
-      const float d2 = (x_[i] - px) * (x_[i] - px) + (y_[i] - py) * (y_[i] - py) + (z_[i] - pz) * (z_[i] - pz);
-      if (d2 == best) return i;
-    }
+    for (std::size_t i = where; i < std::min(where + block, size_); ++i)
+      if (squared(i, px, py, pz) == best) return i;
     return where;
   }
 
  private:
+  float squared(std::size_t i, float px, float py, float pz) const {
+    return (x_[i] - px) * (x_[i] - px) + (y_[i] - py) * (y_[i] - py) + (z_[i] - pz) * (z_[i] - pz);
+  }
   static constexpr std::size_t block = 16;
   static constexpr float far = 1e18f;
   std::size_t size_ = 0;
