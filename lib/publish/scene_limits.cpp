@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/scene_limits.h"
+
+#include <fmt/format.h>
+
+#include "base/log.h"
+#include "base/params.h"
+#include "base/refusal.h"
+#include "meshing/decimate.h"
+#include "meshing/smooth.h"
+
+namespace trephine::publish {
+
+void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult& result) {
+  if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
+    throw refusal(limit.name,
+                  std::to_string(result.triangles_after) + " triangles, the scene allows " +
+                      std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by,
+                  {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
+                   "smoother kernel"});
+  if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
+    throw refusal(limit.name,
+                  "deviates by " + to_text(result.deviation_max_mm) +
+                      " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm",
+                  {"lower `max_deviation_mm` of `decimate`, or raise `max_deviation_mm` in the scene"});
+}
+
+// Smoothing comes after decimation and moves the surface too, so that a bound set by hand for decimation alone is not
+// the result's. A scene's bound is shared out between the two, and so is a trade's.
+void tell_wider_than_asked(const config::CaseConfig& config, const config::RecipeAnatomy& recipe,
+                           const config::SceneAnatomy& limit, double deviation_max_mm) {
+  const config::RecipeStep* decimate = recipe.find_step("decimate");
+  if (!decimate || !config.trade.rule.empty()) return;
+  const double bound_mm = decimate->params.as<meshing::DecimateParams>().max_deviation_mm;
+  const config::RecipeStep* smooth = recipe.find_step("smooth");
+  const double smoothed_mm = smooth ? smooth->params.as<meshing::SmoothParams>().max_displacement_mm : 0;
+  const bool of_scene = limit.max_deviation_mm > 0 && bound_mm + smoothed_mm >= limit.max_deviation_mm - 1e-9;
+  if (bound_mm <= 0 || of_scene || deviation_max_mm <= bound_mm) return;
+  log_warning(config.case_token + ": " + recipe.name + ": deviates by " + fmt::format("{:.3f}", deviation_max_mm) +
+              " mm, though " + recipe.name + ".decimate.max_deviation_mm is " + to_text(bound_mm) +
+              ": that bounds decimation alone; for a bound of the whole set scene.anatomies." + limit.name +
+              ".max_deviation_mm = " + to_text(bound_mm) + " in its place");
+}
+
+}  // namespace trephine::publish

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "config/config.h"
+#include "publish/case_table.h"
+
+namespace trephine::publish {
+
+/// Throws Error 80 with remedies where a finished surface has more triangles than the scene allows, or deviates by more
+/// from the unreduced one.
+void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult& result);
+
+/// Logs a warning where a surface deviates by more than a bound that a person gave to decimation alone, with the
+/// setting of the scene that bounds decimation and smoothing together.
+void tell_wider_than_asked(const config::CaseConfig& config, const config::RecipeAnatomy& recipe,
+                           const config::SceneAnatomy& limit, double deviation_max_mm);
+
+}  // namespace trephine::publish
