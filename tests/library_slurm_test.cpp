@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/temporary_folder.h"
-#include "library/slurm.h"
+#include "cluster/slurm.h"
 #include "library/slurm_engine.h"
 
 namespace trephine::library {
@@ -19,20 +19,21 @@ NinjaJob job(const std::string& name, double memory_mb, std::vector<std::string>
 }
 
 TEST(LibrarySlurm, ReadsWhatSlurmSays) {
-  EXPECT_EQ(parse_submitted("sbatch: warning: late\n123\n"), "123");
-  EXPECT_EQ(parse_submitted("45;cluster\n"), "45");
-  EXPECT_EQ(parse_submitted("sbatch: error: no\n"), "");
-  EXPECT_EQ(parse_max_array("x\nMaxArraySize            = 1001\ny = 2\n"), 1001);
-  EXPECT_EQ(parse_max_array(""), 0);
-  const auto tasks = parse_tasks("7|0|RUNNING|n1\n7|1|PENDING|\n8|N/A|PENDING|\n9|2|COMPLETING|n2\nslurm: noise\n||\n");
+  EXPECT_EQ(cluster::parse_submitted("sbatch: warning: late\n123\n"), "123");
+  EXPECT_EQ(cluster::parse_submitted("45;cluster\n"), "45");
+  EXPECT_EQ(cluster::parse_submitted("sbatch: error: no\n"), "");
+  EXPECT_EQ(cluster::parse_max_array("x\nMaxArraySize            = 1001\ny = 2\n"), 1001);
+  EXPECT_EQ(cluster::parse_max_array(""), 0);
+  const auto tasks =
+      cluster::parse_tasks("7|0|RUNNING|n1\n7|1|PENDING|\n8|N/A|PENDING|\n9|2|COMPLETING|n2\nslurm: noise\n||\n");
   ASSERT_EQ(tasks.size(), 4u);
   EXPECT_EQ(tasks[0].index, 0);
   EXPECT_EQ(tasks[0].node, "n1");
   EXPECT_EQ(tasks[1].state, "PENDING");
   EXPECT_EQ(tasks[2].index, -1);
-  EXPECT_TRUE(is_alive(tasks[1]));
-  EXPECT_FALSE(is_alive(tasks[3]));
-  const auto why = parse_tasks("7|0|PENDING||JobHeldUser\n7|1|RUNNING|n1|None\n");
+  EXPECT_TRUE(cluster::is_alive(tasks[1]));
+  EXPECT_FALSE(cluster::is_alive(tasks[3]));
+  const auto why = cluster::parse_tasks("7|0|PENDING||JobHeldUser\n7|1|RUNNING|n1|None\n");
   ASSERT_EQ(why.size(), 2u);
   EXPECT_EQ(why[0].reason, "JobHeldUser");
   EXPECT_EQ(why[0].node, "");
@@ -155,12 +156,12 @@ TEST(LibrarySlurm, WhatATaskLackedIsWhatItsLastTrySays) {
                                       {"8", 0, "TIMEOUT", ""}});
   EXPECT_EQ(lacks, (std::map<std::string, Lack>{{"case.a", Lack::time}}));
   const auto tasks =
-      parse_accounts("7_0|TIMEOUT|n1\n7_1|OUT_OF_MEMORY|n2\n7_[2-5]|PENDING|None assigned\n7|FAILED|n1\n");
+      cluster::parse_accounts("7_0|TIMEOUT|n1\n7_1|OUT_OF_MEMORY|n2\n7_[2-5]|PENDING|None assigned\n7|FAILED|n1\n");
   ASSERT_EQ(tasks.size(), 3u);
   EXPECT_EQ(lack_of(tasks[1]), Lack::memory);
   EXPECT_EQ(tasks[1].index, 1);
   EXPECT_EQ(tasks[2].index, -1);  // tasks that wait stand together, and lack nothing
-  EXPECT_FALSE(is_alive(tasks[0]));
+  EXPECT_FALSE(cluster::is_alive(tasks[0]));
 }
 
 TEST(LibrarySlurm, ABatchIsReadAsItWasWritten) {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/progress.h"
-#include "library/slurm.h"
+#include "cluster/slurm.h"
 #include "library/slurm_engine.h"
 #include "publish/case_lock.h"
 
@@ -56,7 +56,7 @@ class SlurmBuild {
     Batch plan = plan_batch(fresh, engine_, params_);
     plan.id = batch.id;
     plan.folder = batch.folder;
-    if (const long most = max_array_of_slurm(); most > 1 && plan.max_array > most)
+    if (const long most = cluster::max_array_of_slurm(); most > 1 && plan.max_array > most)
       plan.max_array = static_cast<int>(most);
     std::vector<LibraryJob> words;
     std::set<std::string> names;

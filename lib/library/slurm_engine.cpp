@@ -15,10 +15,10 @@
 #include "base/spawn.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "cluster/slurm.h"
 #include "library/build_jobs.h"
 #include "library/keeping.h"
 #include "library/sheet.h"
-#include "library/slurm.h"
 #include "library/timeline.h"
 #include "pipeline/stage_cache.h"
 
@@ -60,11 +60,11 @@ BatchJob& job_named(Batch& batch, const std::string& name) {
 // Ends a batch of which nothing runs any more.
 class Ending {
  public:
-  Ending(const LibraryState& state, Batch& batch, const std::vector<SlurmTask>& tasks)
+  Ending(const LibraryState& state, Batch& batch, const std::vector<cluster::SlurmTask>& tasks)
       : state_(state), batch_(batch), ended_(ended_tasks(batch)) {
     std::vector<std::string> arrays;
     for (const BatchArray& a : batch.arrays) arrays.push_back(a.slurm);
-    if (ended_.size() < batch.jobs.size()) lacks_ = lacks_of(batch, accounted_tasks(arrays));
+    if (ended_.size() < batch.jobs.size()) lacks_ = lacks_of(batch, cluster::accounted_tasks(arrays));
     for (const auto& [name, lack] : lacks_of(batch, tasks)) lacks_[name] = lack;
   }
 
@@ -200,11 +200,16 @@ bool is_final(const Batch& batch, const BatchJob& job, const std::map<std::strin
   return r.result.code == 0 || !may_pass_next_time(batch, job, r.result) || r.attempt >= batch.max_tries;
 }
 
-std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<SlurmTask>& tasks) {
+Lack lack_of(const cluster::SlurmTask& task) {
+  if (task.state.rfind("OUT_OF_ME", 0) == 0) return Lack::memory;
+  return task.state == "TIMEOUT" ? Lack::time : Lack::nothing;
+}
+
+std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<cluster::SlurmTask>& tasks) {
   std::map<std::string, Lack> lacks;
   for (const BatchArray& a : batch.arrays) {  // in the order of the tries: the last one counts
     for (const std::string& name : a.names) lacks.erase(name);
-    for (const SlurmTask& t : tasks)
+    for (const cluster::SlurmTask& t : tasks)
       if (t.array == a.slurm && t.index >= 0 && static_cast<std::size_t>(t.index) < a.names.size())
         if (const Lack lack = lack_of(t); lack != Lack::nothing)
           lacks[a.names[static_cast<std::size_t>(t.index)]] = lack;
@@ -243,7 +248,7 @@ void submit_jobs(Batch& batch, const std::set<std::string>& names, double patien
     batch.arrays.push_back(array);
     write_batch(batch);  // the tries count before they are made: a submission that is broken off is one
     try {
-      batch.arrays.back().slurm = submit_to_slurm(options, script.string(), patience_s);
+      batch.arrays.back().slurm = cluster::submit_to_slurm(options, script.string(), patience_s);
     } catch (const Error& e) {
       for (const std::string& name : array.names) --job_named(batch, name).tries;
       batch.arrays.pop_back();
@@ -263,7 +268,7 @@ void submit_jobs(Batch& batch, const std::set<std::string>& names, double patien
   options.push_back("--output=" + (batch.folder / "last.log").string());
   const fs::path script = write_script(batch, "last", "finish " + quoted(batch.folder.string()));
   try {
-    batch.finish = submit_to_slurm(options, script.string(), patience_s);
+    batch.finish = cluster::submit_to_slurm(options, script.string(), patience_s);
   } catch (const Error& e) {
     log_warning(
         std::string("sbatch ") + e.what() +
@@ -284,10 +289,10 @@ BatchStep advance_batch(const LibraryState& state, const std::string& id, bool a
   std::optional<Batch> batch = read_batch(folder);
   if (!batch) throw Error(ExitCode::io, folder.string(), "batch.json", "is missing or damaged: `library build` again");
   if (!batch->is_open()) return BatchStep::finished;
-  const auto tasks = tasks_of_slurm(batch->slurm_name());
+  const auto tasks = cluster::tasks_of_slurm(batch->slurm_name());
   if (!tasks) return BatchStep::not_known;
-  const bool waits = std::any_of(tasks->begin(), tasks->end(), [&](const SlurmTask& t) {
-    return is_alive(t) && (!as_last_job || t.array != batch->finish);
+  const bool waits = std::any_of(tasks->begin(), tasks->end(), [&](const cluster::SlurmTask& t) {
+    return cluster::is_alive(t) && (!as_last_job || t.array != batch->finish);
   });
   if (waits) return BatchStep::under_way;
   Ending ending(state, *batch, *tasks);
@@ -348,10 +353,10 @@ int run_slurm_task(const fs::path& folder, int array) {
 int cancel_batches(const LibraryState& state) {
   int count = 0;
   for (const Batch& open : read_batches(state, true)) {
-    cancel_in_slurm(open.slurm_name());
+    cluster::cancel_in_slurm(open.slurm_name());
     // The last job may have submitted more a moment ago: it looks again before it does.
     close_batch(open);
-    cancel_in_slurm(open.slurm_name());
+    cluster::cancel_in_slurm(open.slurm_name());
     ++count;
   }
   return count;

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "cluster/slurm.h"
 #include "library/batch.h"
 #include "library/build.h"
 #include "library/ninja.h"
-#include "library/slurm.h"
 
 namespace trephine::library {
 
@@ -52,7 +52,9 @@ BatchStep advance_batch(const LibraryState& state, const std::string& id, bool a
 std::map<std::string, TaskRecord> ended_tasks(const Batch& batch);
 bool is_final(const Batch& batch, const BatchJob& job, const std::map<std::string, TaskRecord>& ended);
 /// What the last try of a job lacked, by its name, as Slurm's states of the tasks say; others are left out.
-std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<SlurmTask>& tasks);
+std::map<std::string, Lack> lacks_of(const Batch& batch, const std::vector<cluster::SlurmTask>& tasks);
+/// What Slurm ended the task for want of.
+Lack lack_of(const cluster::SlurmTask& task);
 
 /// What a task of an array runs: the job of this index (SLURM_ARRAY_TASK_ID). Returns the job's exit code. Throws Error
 /// 64 where it was not started by Slurm.

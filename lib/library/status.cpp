@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/text_table.h"
+#include "cluster/slurm.h"
 #include "library/catalogue.h"
-#include "library/slurm.h"
 #include "library/slurm_engine.h"
 
 namespace trephine::library {
@@ -33,12 +33,13 @@ class Looking {
  private:
   void look_at(const Batch& batch) {
     ++batches_;
-    const auto tasks = tasks_of_slurm(batch.slurm_name());
+    const auto tasks = cluster::tasks_of_slurm(batch.slurm_name());
     out_.answers = out_.answers && tasks.has_value();
-    std::map<std::string, SlurmTask> in_slurm;  // by the job's name
-    for (const SlurmTask& t : tasks.value_or(std::vector<SlurmTask>{}))
+    std::map<std::string, cluster::SlurmTask> in_slurm;  // by the job's name
+    for (const cluster::SlurmTask& t : tasks.value_or(std::vector<cluster::SlurmTask>{}))
       for (const BatchArray& a : batch.arrays)
-        if (is_alive(t) && a.slurm == t.array && t.index >= 0 && static_cast<std::size_t>(t.index) < a.names.size())
+        if (cluster::is_alive(t) && a.slurm == t.array && t.index >= 0 &&
+            static_cast<std::size_t>(t.index) < a.names.size())
           in_slurm[a.names[static_cast<std::size_t>(t.index)]] = t;
     const auto ended = ended_tasks(batch);
     for (const BatchJob& j : batch.jobs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "library/slurm.h"
+#include "cluster/slurm.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 #include "base/spawn.h"
 #include "base/text.h"
 
-namespace trephine::library {
+namespace trephine::cluster {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -95,11 +95,6 @@ bool is_alive(const SlurmTask& task) {
        {"COMPLET", "FAIL", "CANCEL", "TIMEOUT", "NODE_FAIL", "BOOT_FAIL", "OUT_OF", "DEADLINE", "PREEMPTED", "REVOKED"})
     if (task.state.rfind(ended, 0) == 0) return false;
   return true;
-}
-
-Lack lack_of(const SlurmTask& task) {
-  if (task.state.rfind("OUT_OF_ME", 0) == 0) return Lack::memory;
-  return task.state == "TIMEOUT" ? Lack::time : Lack::nothing;
 }
 
 std::string parse_submitted(const std::string& said) {
@@ -206,4 +201,4 @@ long max_array_of_slurm() {
   return said.ended && said.code == 0 ? parse_max_array(said.text) : 0;
 }
 
-}  // namespace trephine::library
+}  // namespace trephine::cluster

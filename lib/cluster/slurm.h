@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "library/library_state.h"
-
-namespace trephine::library {
+namespace trephine::cluster {
 
 /// Slurm, by its own programs: sbatch, squeue, scancel, scontrol. Nothing that they are given holds a path of a series.
 
@@ -33,9 +31,6 @@ long parse_max_array(const std::string& said);
 /// `patience_s`. Throws Error 70 where sbatch is missing or refuses, with its own words; Cancelled.
 std::string submit_to_slurm(const std::vector<std::string>& options, const std::string& script, double patience_s);
 
-/// What Slurm ended the task for want of.
-Lack lack_of(const SlurmTask& task);
-
 /// The tasks of that name that wait or run, and those that ended as long as the controller remembers them (MinJobAge);
 /// nothing where it does not answer. Throws Error 70 where squeue is missing.
 std::optional<std::vector<SlurmTask>> tasks_of_slurm(const std::string& job_name);
@@ -51,4 +46,4 @@ void cancel_in_slurm(const std::string& job_name);
 /// The cluster's MaxArraySize; 0 where it cannot be told.
 long max_array_of_slurm();
 
-}  // namespace trephine::library
+}  // namespace trephine::cluster
