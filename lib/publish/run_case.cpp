@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
+#include "grid/resample.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_needs.h"
@@ -229,9 +230,8 @@ std::vector<std::string> wanted_anatomies(const config::CaseConfig& config) {
   return all;
 }
 
-const Report* scan_report(const Made& made) {
-  const int scan = made.graph.find("scan");
-  return scan < 0 ? nullptr : &made.results[static_cast<std::size_t>(scan)].report;
+const Report* report_of(const Made& made, int node) {
+  return node < 0 ? nullptr : &made.results[static_cast<std::size_t>(node)].report;
 }
 
 // Computes what the case needs and makes its content of it. What is refused and the scene can do without is taken out
@@ -251,7 +251,9 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
                                               series.input(config), request.params.pictures, progress);
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;
-      content.manifest.figures.emplace_back("verdict", verdict_of(wanted, content.manifest, scan_report(made)));
+      content.manifest.figures.emplace_back(
+          "verdict", verdict_of(wanted, content.manifest, report_of(made, made.graph.find("scan")),
+                                report_of(made, made.graph.find_stage<grid::ResampleParams>())));
       return content;
     } catch (const Error& e) {
       if (!concede(config, e, made.without)) throw;

@@ -54,10 +54,24 @@ std::string reasons(const Report& scan) {
                      motion_mm > 0 ? fmt::format(", the head moved by {:.1f} mm", motion_mm) : "");
 }
 
+// Deviations are measured from the surface on the voxels that it was made on, and say nothing of what coarser ones
+// lost.
+std::string coarser_voxels(const Report& resample) {
+  const ParameterValue* ratio = resample.find("voxels_ratio");
+  const ParameterValue* spacing = resample.find("spacing_mm");
+  const double share = ratio ? std::get<double>(*ratio) : 1;
+  if (!spacing || share >= 1) return "";
+  const auto& mm = std::get<std::vector<double>>(*spacing);
+  return fmt::format(
+      "; on voxels of {:.3g} x {:.3g} x {:.3g} mm, {:.2g} % of the scan's: the deviations leave out what "
+      "that loses (`trade` measures it)",
+      mm.at(0), mm.at(1), mm.at(2), 100 * share);
+}
+
 }  // namespace
 
-std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
-                       const Report* scan) {
+std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest, const Report* scan,
+                       const Report* resample) {
   std::vector<std::pair<std::string, std::string>> parts;  // word, names
   for (const std::string& anatomy : wanted) {
     const std::string word = word_for(anatomy, manifest, scan);
@@ -72,6 +86,7 @@ std::string verdict_of(const std::vector<std::string>& wanted, const cases::Case
   const std::string to_look_at = findings_text(manifest.findings);
   const bool hard = std::any_of(wanted.begin(), wanted.end(), [&](const auto& a) { return is_hard_in(scan, a); });
   if (hard) text += reasons(*scan);
+  if (resample) text += coarser_voxels(*resample);
   return to_look_at.empty() ? text : text + "; to be looked at: " + to_look_at;
 }
 

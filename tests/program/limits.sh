@@ -60,6 +60,9 @@ bounded() {
 bounded skull.decimate.max_deviation_mm=0.5
 grep -q 'skull: deviates by 0\.5[0-9]* mm, though skull.decimate.max_deviation_mm is 0.5: .* set scene.anatomies.skull.max_deviation_mm = 0.5' said ||
   { cat said; fail "a bound that was not had is not told"; }
+# Deviations are those from the surface on the voxels of the run: what coarser voxels lost is not in them, which is said.
+((LONG == 1)) || grep -q 'good; on voxels of 2.5 x 2.5 x 2.5 mm, [0-9.]* % of the scan.s: the deviations leave out' said ||
+  { cat said; fail "coarser voxels are not told"; }
 bounded scene.anatomies.skull.max_deviation_mm=0.5
 if grep -q 'deviates by' said; then fail "the bound of the whole is exceeded"; fi
 grep -Eq "^skull .* 0\\.[34][0-9]+ " said || { cat said; fail "the bound of the whole"; }
