@@ -238,10 +238,21 @@ class Planner {
         plan_.phantoms[static_cast<std::size_t>(c.entry.phantom)].needed = true;
   }
 
+  // How many anatomies the scene names; where nothing is known of it, as many as that of a head.
+  static std::size_t anatomies_of(const PlannedCase& c) {
+    if (!c.settings) return 9;
+    const std::string before = "scene.anatomies.";
+    std::set<std::string> names;
+    for (auto at = c.settings->values.lower_bound(before);
+         at != c.settings->values.end() && at->first.rfind(before, 0) == 0; ++at)
+      names.insert(at->first.substr(before.size(), at->first.find('.', before.size()) - before.size()));
+    return names.size();
+  }
+
   void find_reasons_of(PlannedCase& c) {
     if (c.fault) return;
     const bool with_ct = c.settings && c.settings->values.count("scene.ct.margin_mm") > 0;
-    c.estimate = publish::case_needs(c.voxels, with_ct, options_.pictures);
+    c.estimate = publish::case_needs(c.voxels, anatomies_of(c), with_ct, options_.pictures);
     const fs::path folder = state_.library() / c.token;
     const auto built = read_built(state_, c.token);
     if (options_.rebuild) c.reasons.emplace_back("everything is built anew");

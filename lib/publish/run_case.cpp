@@ -330,14 +330,17 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
-    const auto check_disk = [&](const Report& scan) {
+    const auto check_needs = [&](const Report& scan) {
+      const std::uint64_t voxels = voxels_by_report(scan);
+      const CaseNeeds needs =
+          case_needs(voxels, wanted_anatomies(config).size(), config.ct.has_value(), request.params.page);
+      tell_memory(token, voxels, needs.memory_mb);
       if (!request.params.check_disk) return;
-      const CaseNeeds needs = case_needs(voxels_by_report(scan), config.ct.has_value(), request.params.page);
       const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
       require_disk(request.library,
                    needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
     };
-    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second, check_disk);
+    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second, check_needs);
     CaseContent content;
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);

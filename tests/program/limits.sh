@@ -67,6 +67,13 @@ bounded scene.anatomies.skull.max_deviation_mm=0.5
 if grep -q 'deviates by' said; then fail "the bound of the whole is exceeded"; fi
 grep -Eq "^skull .* 0\\.[34][0-9]+ " said || { cat said; fail "the bound of the whole"; }
 
+# What a run will take of memory is said when its scan is known, and where that is more than there is, what to do.
+(ulimit -v 450000; "$TREPHINE" run "$SOURCE/configs/ct_head.yaml" --series plain --out little --no-pictures --no-page) >said 2>&1 || true
+grep -q 'warning: .*: about 4[0-9]0 MB of memory by estimate, [0-9.]* MB are available: end other programs' said ||
+  { cat said; fail "too little memory is not told"; }
+"$TREPHINE" run "$SOURCE/configs/ct_skull.yaml" --series plain --out enough --no-pictures --no-page "${coarse[@]}" >said 2>&1
+grep -q ': about 2[0-9]0 MB of memory by estimate, [0-9.]* [MG]B are available$' said || { cat said; fail "memory is not told"; }
+
 # What needs more memory than there is is refused before anything is taken.
 python3 - <<'PY'
 with open("huge.nrrd", "wb") as f:
