@@ -50,7 +50,8 @@ TEST(LessonsCritical, ANeedleThroughTheFrontOfTheVertebraFails) {
   const auto d = spine().run(needle("\"short_of_mm\": -33"));
   EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::failed);
   EXPECT_TRUE(failed_by(d.score, "anterior_cortex_mm")) << d.score.reason();
-  EXPECT_GT(lessons::sum_of(d.score).points, 20) << "the sum stands beside it";
+  // The sum stands beside it: of where the needle went in and to where it pointed, and of nothing else.
+  EXPECT_EQ(lessons::sum_of(d.score).points, 5 + 5 + 1 + 1 + 1 + 1 + 1);
   const std::string text = lessons::score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
   EXPECT_NE(text.find("failed: needle came through the front of the vertebra"), std::string::npos) << text;
   // What the rubric does not list does not fail.
@@ -117,7 +118,8 @@ TEST(LessonsCritical, ABurrThatBreachedTheDuraFails) {
   const lessons::LessonScore score =
       lessons::score_ventriculostomy(facts, drilled().felt().loaded.manifest, drilled().whole(), Head::rubric());
   EXPECT_EQ(score.outcome(), lessons::LessonOutcome::failed);
-  EXPECT_EQ(lessons::sum_of(score).points, lessons::sum_of(d.score).points);
+  EXPECT_EQ(lessons::sum_of(score).of_table, lessons::sum_of(d.score).of_table) << "Table XIII scores none of it";
+  EXPECT_EQ(score.row("passes")->score, 1) << "who did harm saved nothing";
 }
 
 TEST(LessonsCritical, AMissedVeinIsNotCompletedAndALungFails) {
@@ -172,6 +174,8 @@ TEST(LessonsCritical, WhoPlacesNothingEarnsNothingForFewPasses) {
                                                                     drilled().whole(), Head::rubric());
   EXPECT_EQ(score.row("passes")->score, 1);
   EXPECT_EQ(score.row("passes")->why, "no catheter lies in the brain");
+  const auto dry = drilled().run(catheter(R"({"at": "monro_right", "offset_mm": [-25, 0, 0]})"));
+  EXPECT_EQ(dry.points("passes"), 1) << dry.row("passes").why;
 
   lessons_chest::Chest chest(false);
   const auto pricked = chest.run(
@@ -179,6 +183,9 @@ TEST(LessonsCritical, WhoPlacesNothingEarnsNothingForFewPasses) {
           "toward": {"at": "vein_right"}, "short_of_mm": 18}}, "aspirate", "finish")");
   EXPECT_EQ(pricked.facts.passes.size(), 1u);
   EXPECT_EQ(pricked.points("passes"), 1) << pricked.row("passes").why;
+  EXPECT_EQ(pricked.points("lung"), 1) << pricked.row("lung").why;
+  EXPECT_EQ(pricked.points("puncture"), 5);
+  EXPECT_EQ(lessons::sum_of(pricked.score).points, 5 + 5 + 1 + 1 + 1 + 1);  // the phantom has no artery
 }
 
 // As head_invesalius_0051, whose foramina have a confidence of 0.23.

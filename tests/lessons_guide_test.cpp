@@ -90,6 +90,19 @@ TEST(LessonsGuide, TheTextHasAllOfItInEitherLanguage) {
   });
 }
 
+// What stands in recordings and scripts as a name is a title for a reader.
+TEST(LessonsGuide, EachToolHasATitleInEitherLanguage) {
+  EXPECT_EQ(lessons::tool_title(Language::english, "screw_5.5x45"), "screw 5.5 x 45 mm");
+  EXPECT_EQ(lessons::tool_title(Language::german, "screw_5.5x45"), "Schraube 5.5 x 45 mm");
+  EXPECT_EQ(lessons::tool_title(Language::german, "needle"), "Nadel");
+  for (const lessons::LessonType& type : lessons::lesson_types())
+    for (const haptics::BeltToolParams& tool : type.tools()) {
+      const std::string english = lessons::tool_title(Language::english, tool.name);
+      EXPECT_EQ(english.find('_'), std::string::npos) << english;
+      EXPECT_NE(lessons::tool_title(Language::german, tool.name), english);
+    }
+}
+
 TEST(LessonsGuide, AStepMayBeForAnyOfSeveralTools) {
   const lessons::LessonGuide screw{"", "screw_*", "", "", ""}, finder{"", "finder", "", "", ""}, none;
   EXPECT_TRUE(lessons::is_for_tool(screw, "screw_5.5x45") && lessons::is_for_tool(finder, "finder"));

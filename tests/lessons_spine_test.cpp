@@ -319,3 +319,42 @@ TEST(PedicleScrew, AFinderThatIsLeftThereIsNoScrew) {
   EXPECT_EQ(swapped.facts.passes[0].tool, "finder");
   EXPECT_FALSE(swapped.score.flag("screw_in_bone"));
 }
+
+namespace {
+
+std::string whole(const std::string& more) {
+  return R"({"shoot": {}}, )" + needle(more) + R"(, {"shoot": {}}, "finish")";
+}
+
+}  // namespace
+
+// Through the canal and on into the body, or stuck in the canal: whole lessons, so that tissue says where the tip ends.
+TEST(LessonsCritical, ANeedleEverFartherMedialNeverScoresMore) {
+  int last = 100;
+  for (int n = 0; n <= 12; ++n) {
+    const auto d = spine().run(whole(fmt::format("\"entry_aside_mm\": {}, \"target_aside_mm\": {}", -n, -n)));
+    const int points = lessons::sum_of(d.score).points;
+    EXPECT_LE(points, last) << n << " mm: " << d.score.reason();
+    if (d.score.outcome() == lessons::LessonOutcome::failed) {
+      for (const char* row : {"exposure", "passes", "time"}) EXPECT_EQ(d.points(row), 1) << n << " mm, " << row;
+    }
+    last = points;
+  }
+  EXPECT_LT(last, 15);
+}
+
+// A needle or a screw that stops within the pedicle was well begun, and has spared no wall, no picture and no pass.
+TEST(LessonsCritical, WhoStopsShortOfTheBodyEarnsItsBeginAlone) {
+  const auto needle_short = spine().run(whole("\"short_of_mm\": 33"));
+  EXPECT_EQ(needle_short.score.reason(), "the tip does not reach the vertebra's body");
+  EXPECT_EQ(needle_short.points("entry"), 5);
+  EXPECT_EQ(needle_short.points("target"), 5);
+  for (const char* row : {"breach", "depth", "exposure", "passes", "time"})
+    EXPECT_EQ(needle_short.points(row), 1) << row;
+  EXPECT_EQ(needle_short.row("breach").why, "the tip does not reach the vertebra's body");
+
+  const auto screw =
+      spine().run(R"({"take": {"tool": "screw_5.5x45"}}, )" + whole("\"short_of_mm\": 33"), "pedicle_screw");
+  EXPECT_EQ(screw.score.reason(), "the tip does not reach the vertebra's body");
+  for (const char* row : {"size", "exposure", "passes", "time"}) EXPECT_EQ(screw.points(row), 1) << row;
+}

@@ -2,6 +2,9 @@
 // Subclavian lines in a chest of known lengths: perfect and wrong ones, through the servo.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "lessons/score_report.h"
 #include "lessons_chest.h"
 
@@ -93,6 +96,19 @@ TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   EXPECT_EQ(artery.points("lung"), 5);
   EXPECT_EQ(colour(artery), lessons::NeedleColour::red);
   EXPECT_FALSE(artery.score.flag("success"));
+}
+
+// What examples/lessons/subclavian_lung.json is shipped for.
+TEST(LessonsSubclavian, TheShippedScriptEntersTheLungAndFails) {
+  std::ifstream file(std::string(TREPHINE_SOURCE_DIR) + "/examples/lessons/subclavian_lung.json");
+  const nlohmann::json script = nlohmann::json::parse(file);
+  std::string steps;
+  for (const nlohmann::json& step : script.at("steps")) steps += (steps.empty() ? "" : ", ") + step.dump();
+  const Chest::Done d = chest().run(steps);
+  EXPECT_EQ(d.score.outcome(), lessons::LessonOutcome::failed);
+  EXPECT_TRUE(::lesson_cases::failed_by(d.score, "pleura_or_lung")) << d.score.reason();
+  EXPECT_GE(d.facts.lung_s, 0) << "it ended in the pleura";
+  EXPECT_LE(lessons::sum_of(d.score).points, 15);
 }
 
 TEST(LessonsSubclavian, ALungThatTheCaseDoesNotShowIsNotJudged) {

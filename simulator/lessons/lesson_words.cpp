@@ -2,6 +2,7 @@
 #include "lessons/lesson_words.h"
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,6 +28,7 @@ constexpr Wording common[] = {{{"Finish the lesson", "Lektion beenden"}},
                               {{"not in the allotted time", "nicht in der gegebenen Zeit"}},
                               {{"not completed in the allotted time", "nicht in der gegebenen Zeit vollendet"}},
                               {{"not completed: {}", "nicht vollendet: {}"}},
+                              {{"a critical error happened", "ein kritischer Fehler geschah"}},
                               {{"Time to complete procedure", "Dauer des Eingriffs"}},
                               {{"{} of this case is doubtful", "{} ist in diesem Fall nicht sicher bekannt"}},
                               // critical errors, by their names in a rubric
@@ -176,6 +178,14 @@ std::string lesson_words(Language language, const std::string& english) {
     if (const auto values = values_of(w.of(Language::english), english))
       return filled(w.of(language), language, *values);
   return english;
+}
+
+std::string tool_title(Language language, const std::string& name) {
+  const std::size_t size = name.rfind('_'), by = name.find('x', size);
+  if (size == std::string::npos || by == std::string::npos || !std::isdigit(static_cast<unsigned char>(name[by - 1])))
+    return lesson_words(language, name);
+  return lesson_words(language, name.substr(0, size) + " " + name.substr(size + 1, by - size - 1) + " x " +
+                                    name.substr(by + 1) + " mm");
 }
 
 std::string figure_title(Language language, const std::string& name) {

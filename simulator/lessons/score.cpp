@@ -22,6 +22,10 @@ const ScoreRow* LessonScore::row(const std::string& name) const {
   return nullptr;
 }
 
+std::string LessonScore::unsaved() const {
+  return !unreached.empty() ? unreached : critical.empty() ? "" : "a critical error happened";
+}
+
 std::string LessonScore::reason() const {
   if (critical.empty()) return unreached;
   std::string all;

@@ -48,6 +48,8 @@ struct LessonScore {
            : unreached.empty() ? LessonOutcome::completed
                                : LessonOutcome::not_completed;
   }
+  /// Why nothing that was saved (passes, X-rays, time) or spared counts in rows of ours; empty: it does.
+  std::string unsaved() const;
   /// The reason: of a failure all critical errors, of what is not completed what is missing; else empty.
   std::string reason() const;
   std::vector<LessonFigure> figures;

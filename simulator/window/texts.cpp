@@ -100,7 +100,7 @@ std::string translated_name(texts::Language language, const std::string& english
       if (english == kind.name) return kind.german;
   for (const texts::Wording& name : names)
     if (english == name.of(texts::Language::english)) return name.of(language);
-  return lessons::lesson_words(language, english);
+  return lessons::tool_title(language, english);
 }
 
 const char* text_of(texts::Language language, Text text) { return table[std::size_t(text)].in.of(language); }

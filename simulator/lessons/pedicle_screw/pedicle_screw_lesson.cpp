@@ -100,6 +100,7 @@ LessonType pedicle_screw_lesson() {
   m.pictures = spine_pictures;
   m.status = spine_status;
   m.texts = {
+      {"screw {} x {} mm", "Schraube {} x {} mm"},
       {"Pass the finder through the pedicle", "Pfriem durch den Pedikel führen"},
       {"A finder follows the soft middle of the pedicle, and makes the way that the screw takes.",
        "Der Pfriem folgt der weichen Mitte des Pedikels und macht den Weg, den die Schraube nimmt."},

@@ -63,7 +63,7 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
     push(row);
   }
   if (r.passes_count) push(bone_passes_row(facts, *r.passes_count, "Passes through bone", nowhere));
-  if (r.procedure_s) push(spine_time_row(facts, *r.procedure_s, score.unreached));
+  if (r.procedure_s) push(spine_time_row(facts, *r.procedure_s, score.unsaved()));
 }
 
 }  // namespace
@@ -104,10 +104,15 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
       none.clear();  // a case that does not know counts for nobody
     }
   LessonScore score;
-  score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
-                    : !pass                          ? "no screw lies in bone"
-                    : !none.empty()                  ? "the screw is " + none
-                    : e.depth_mm < -reach_mm         ? "the tip does not reach the vertebra's body"
+  const char* const too_short = pass && none.empty() && doubt.empty() && e.depth_mm < -reach_mm
+                                    ? "the tip does not reach the vertebra's body"
+                                    : "";
+  // What our rows beside the five errors are judged by: who stops short of the body has placed no screw.
+  const std::string nowhere = !pass ? "no screw lies in bone" : !none.empty() ? none : too_short;
+  score.unreached = facts.end != LessonEnd::finished                                  ? name_of(facts.end)
+                    : !pass                                                           ? "no screw lies in bone"
+                    : !none.empty()                                                   ? "the screw is " + none
+                    : *too_short                                                      ? too_short
                     : r.procedure_s && facts.procedure_s() > r.procedure_s->two.limit ? "not in the allotted time"
                                                                                       : "";
   CriticalErrors critical(r.critical_errors, score);
@@ -153,8 +158,9 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   }
   score.rows.push_back(last);
   if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
-    score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : none, doubt.empty()));
-  push_effort_rows(facts, manifest, r, pass ? none : "no screw lies in bone", score);
+    score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : nowhere, doubt.empty()));
+  push_effort_rows(facts, manifest, r,
+                   !nowhere.empty() || score.critical.empty() ? nowhere : "a critical error happened", score);
   if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
     score.advice = screw_advice(score, e, entry_off, axial, sagittal);
     if (score.lost("length")) score.advice.push_back(depth_advice("length", e.depth_mm));

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 
+#include "lessons/lesson_words.h"
+
 namespace trephine::lessons {
 namespace {
+
+std::string tool_of(const NeedlePass& pass) { return tool_title(texts::Language::english, pass.tool); }
 
 bool on_left(const std::string& pedicle) { return pedicle.find("_left") != std::string::npos; }
 
@@ -23,7 +27,7 @@ void note_front(const CasePedicle& p, const NeedlePass& pass, int bone, Critical
     if (n.inside == bone)
       left_at = std::max(left_at, along);
     else if (along > left_at)
-      errors.above("anterior_cortex_mm", along - left_at, pass.tool + " came through the front of the vertebra",
+      errors.above("anterior_cortex_mm", along - left_at, tool_of(pass) + " came through the front of the vertebra",
                    n.time_s);
   }
 }
@@ -38,17 +42,17 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
     for (const NeedlePoint& n : pass.path)
       for (const cases::CaseShape& shape : manifest.haptic.shapes) {
         if (shape.number != n.inside) continue;
-        if (shape.name == "canal") errors.happened("canal", pass.tool + " entered the spinal canal", n.time_s);
+        if (shape.name == "canal") errors.happened("canal", tool_of(pass) + " entered the spinal canal", n.time_s);
         if (is_great_vessel(shape.name))
-          errors.happened("great_vessel", pass.tool + " entered a great vessel", n.time_s);
+          errors.happened("great_vessel", tool_of(pass) + " entered a great vessel", n.time_s);
       }
     const NeedlePoint& end = pass.path.back();
     const NeedleErrors e = nearest_pedicle(pedicles, end.tip_mm, end.axis);
     if (e.entry_mm > farthest_mm) continue;
     note_front(*e.pedicle, pass, bone, errors);
     const PedicleBreach breach = find_breach(*e.pedicle, pass, before, bone);
-    errors.above("medial_breach_mm", breach.medial_mm, pass.tool + " came through the medial wall, towards the canal",
-                 breach.time_s);
+    errors.above("medial_breach_mm", breach.medial_mm,
+                 tool_of(pass) + " came through the medial wall, towards the canal", breach.time_s);
   }
   if (facts.task.empty() || facts.passes.empty()) return;
   const NeedlePass& last = facts.passes.back();
@@ -56,7 +60,8 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
   if (e.entry_mm > farthest_mm || e.pedicle->name == facts.task) return;
   const bool side = on_left(e.pedicle->name) != on_left(facts.task);
   errors.happened(side ? "wrong_side" : "wrong_level",
-                  last.tool + " went into " + e.pedicle->name + ", and " + facts.task + " was asked for", last.begin_s);
+                  tool_of(last) + " went into " + e.pedicle->name + ", and " + facts.task + " was asked for",
+                  last.begin_s);
 }
 
 std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest) {

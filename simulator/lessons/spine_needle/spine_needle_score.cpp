@@ -29,14 +29,17 @@ struct Rows {
   const char* not_there() const {
     return facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
   }
-  // Why the needle does not lie where it should.
-  std::string unreached(int bone) const {
-    if (facts.end != LessonEnd::finished) return name_of(facts.end);
+  // Why the needle does not lie where it should; empty: it does, as far as the case knows.
+  std::string nowhere(int bone) const {
     if (!pass || pass->path.back().inside != bone) return "no needle lies in bone";
-    if (doubt.empty() && !at_it()) return std::string("the needle is ") + not_there();
-    if (doubt.empty() && errors.depth_mm < -rubric.depth_mm.two.limit)
-      return "the tip does not reach the vertebra's body";
-    if (doubt.empty() && errors.target_mm > rubric.target_mm.two.limit) return "the needle misses the target";
+    if (!doubt.empty()) return "";
+    if (!at_it()) return not_there();
+    if (errors.depth_mm < -rubric.depth_mm.two.limit) return "the tip does not reach the vertebra's body";
+    return errors.target_mm > rubric.target_mm.two.limit ? "the needle misses the target" : "";
+  }
+  std::string unreached(const std::string& nowhere) const {
+    if (facts.end != LessonEnd::finished) return name_of(facts.end);
+    if (!nowhere.empty()) return nowhere == not_there() ? "the needle is " + nowhere : nowhere;
     return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
   }
 
@@ -83,9 +86,12 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
     if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit)
       rows.doubt = p.name + " of this case is doubtful";
   LessonScore score;
-  score.unreached = rows.unreached(bone);
+  const std::string nowhere = rows.nowhere(bone);
+  score.unreached = rows.unreached(nowhere);
   CriticalErrors errors(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, errors);
+  // Nor did anybody save or spare anything who did harm.
+  const std::string unsaved = !nowhere.empty() || score.critical.empty() ? nowhere : "a critical error happened";
   const std::string at = rows.errors.pedicle ? rows.errors.pedicle->name : "";
   score.rows.push_back(rows.at_pedicle("entry", "Entry into the pedicle", r.entry_mm, "entry_off_mm",
                                        rows.errors.entry_mm, "the needle's line at the entry of " + at));
@@ -109,13 +115,15 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   ScoreRow breach = four_limits_row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
   // A clean pass beside says nothing of the pedicle that is doubtful; a breach that was seen stays one.
   // Where a pedicle was asked for, it is the one that must be entered, and whose wall must be known.
+  // And who stops short of the body spared no wall: it is judged where the needle came to where it should.
   if (!facts.task.empty()) any = rows.at_it();
   const bool breach_judged = facts.task.empty() ? !doubtful || worst.depth_mm > 0 : rows.doubt.empty();
   if (breach_judged) {
-    breach.score = any ? r.breach_mm.score(worst.depth_mm) : 1;
+    breach.score = any && unsaved.empty() ? r.breach_mm.score(worst.depth_mm) : 1;
     breach.why = !any                 ? (facts.task.empty() ? "the needle entered no pedicle" : rows.not_there())
                  : worst.depth_mm > 0 ? "through the " + worst.side + " wall"
-                                      : std::string("within the pedicle");
+                 : unsaved.empty()    ? std::string("within the pedicle")
+                                      : unsaved;
     if (any) breach.measured = {{"breach_mm", worst.depth_mm}};
     if (worst.depth_mm > 0)
       breach.decided_s = worst.time_s;
@@ -130,11 +138,9 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   score.rows.push_back(rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
                                        depth > 0 ? "beyond the target" : "before the target"));
 
-  const bool there = rows.pass && (rows.at_it() || !rows.doubt.empty());
-  const std::string nowhere = there ? "" : rows.pass ? rows.not_there() : "no needle lies in bone";
-  score.rows.push_back(exposure_row(facts, r.exposure_s, nowhere));
-  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle", nowhere));
-  score.rows.push_back(spine_time_row(facts, r.procedure_s, score.unreached));
+  score.rows.push_back(exposure_row(facts, r.exposure_s, unsaved));
+  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle", unsaved));
+  score.rows.push_back(spine_time_row(facts, r.procedure_s, score.unsaved()));
 
   const bool judged = rows.at_it() && rows.doubt.empty();
   if (judged) {  // elsewhere the failure says it all

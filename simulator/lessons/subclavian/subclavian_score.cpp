@@ -68,9 +68,9 @@ ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char*
                          double entered_s, const std::string& entered) {
   ScoreRow row{name, title, {}, unknown, {}, {}, {}};
   if (!known && entered_s < 0) return row;  // before all else: a case that does not know counts for nobody
-  if (f.passes.empty()) {                   // who does nothing spares nothing
+  if (entered_s < 0 && f.vein_s < 0) {      // who does nothing, or pricks the skin alone, spares nothing
     row.score = 1;
-    row.why = "the needle entered nothing";
+    row.why = f.passes.empty() ? "the needle entered nothing" : "the vein was never reached";
     return row;
   }
   row.score = entered_s < 0 ? 5 : 1;
@@ -79,7 +79,7 @@ ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char*
   return row;
 }
 
-ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
+ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r, bool harmed) {
   const double count = double(f.passes.size());
   ScoreRow row{"passes", "Needle passes", 1, "the needle entered nothing", {{"passes_count", count}}, {}, f.end_s};
   row.limits = {{"ideal_count", r.ideal_count}, {"good_count", r.good_count}, {"most_count", r.most_count}};
@@ -87,6 +87,10 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
   row.decided_s = f.passes.back().begin_s;
   if (f.vein_s < 0) {  // a prick of the skin is one pass too, and spares nobody one
     row.why = "the vein was never reached";
+    return row;
+  }
+  if (harmed) {
+    row.why = "a critical error happened";
     return row;
   }
   row.score = count <= r.ideal_count.limit ? 5 : count <= r.good_count.limit ? 4 : count <= r.most_count.limit ? 3 : 1;
@@ -186,6 +190,7 @@ LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest
   LessonScore score;
   score.unreached = unreached_goal(f, rubric.time);
   note_critical(f, frame, rubric.critical_errors, score);
+  const bool harmed = !score.critical.empty();
   score.rows = {
       score_puncture(f, frame, rubric.puncture),
       score_direction(f, frame, rubric.direction),
@@ -193,8 +198,8 @@ LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest
       score_untouched(f, "artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery"),
       score_untouched(f, "lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
                       f.lung_s >= 0 ? "the lung" : "the pleura"),
-      score_passes(f, rubric.passes),
-      time_row(f, rubric.time, score.unreached)};
+      score_passes(f, rubric.passes, harmed),
+      time_row(f, rubric.time, score.unsaved())};
   score.advice = advice_of(f, frame, rubric.puncture, score);
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;
   score.figures = {{"success", success},

@@ -16,6 +16,17 @@ constexpr double beyond_doubt_mm = 5;   // of the midline: nearer to it a side i
 
 Vec3 tip_of(const CatheterPass& pass) { return pass.path.back().tip_mm; }
 
+// Why the catheter does not lie where it should; empty: it does.
+std::string misplaced(const Scoring& s) {
+  const CatheterPass* pass = s.final_pass();
+  if (!pass) return no_catheter;
+  if (pass->path.back().inside != s.shapes.ventricles) return "the catheter lies in no ventricle";
+  if (in_third_ventricle(s, *pass, pass->path.back())) return "the catheter lies in the third ventricle";
+  return (s.frame.left_of_midline_mm(tip_of(*pass)) > 0) != s.on_left()
+             ? "the catheter lies in the contralateral ventricle"
+             : "";
+}
+
 // How far to the left what was done lies; by default right, as the table's figures.
 double done_left_mm(const Scoring& s) {
   const Vec3 at = s.facts.hole              ? s.facts.hole->outer_mm
@@ -199,7 +210,7 @@ ScoreRow score_tip(const Scoring& s) {
   return decide(3, "in the ipsilateral ventricle");
 }
 
-ScoreRow score_passes(const Scoring& s) {
+ScoreRow score_passes(const Scoring& s, bool harmed) {
   const lesson::FourLimits& r = *s.rubric.passes;
   const int count = int(s.facts.passes.size());
   ScoreRow row{"passes", "Passes of the catheter", 1, "no catheter entered the brain", {}, {}, {}};
@@ -208,8 +219,10 @@ ScoreRow score_passes(const Scoring& s) {
   row.limits = {{"five_count", r.five}, {"four_count", r.four}, {"three_count", r.three}, {"two_count", r.two}};
   if (count == 0) return row;
   row.decided_s = s.facts.passes.back().begin_s;
-  row.score = s.final_pass() ? r.score(count) : 1;
-  row.why = s.final_pass() ? "times that the catheter entered the brain" : no_catheter;
+  std::string why = misplaced(s);  // one pass that ends beside the ventricle saved nobody anything
+  if (why.empty() && harmed) why = "a critical error happened";
+  row.score = why.empty() ? r.score(count) : 1;
+  row.why = why.empty() ? "times that the catheter entered the brain" : why;
   return row;
 }
 
@@ -218,13 +231,8 @@ bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPo
 }
 
 std::string unreached_goal(const Scoring& s) {
-  const CatheterPass* pass = s.final_pass();
   if (s.facts.end != LessonEnd::finished) return name_of(s.facts.end);
-  if (!pass) return no_catheter;
-  if (pass->path.back().inside != s.shapes.ventricles) return "the catheter lies in no ventricle";
-  if (in_third_ventricle(s, *pass, pass->path.back())) return "the catheter lies in the third ventricle";
-  if ((s.frame.left_of_midline_mm(pass->path.back().tip_mm) > 0) != s.on_left())
-    return "the catheter lies in the contralateral ventricle";
+  if (const std::string why = misplaced(s); !why.empty()) return why;
   return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";
 }
 
@@ -265,7 +273,7 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
   detail::note_critical(s, score);
   score.rows = {detail::score_landmarks(s), detail::score_burr_hole(s), detail::score_trajectory(s),
                 detail::score_depth(s),     detail::score_tip(s),       time_row(facts, rubric.time, score.unreached)};
-  if (rubric.passes) score.rows.push_back(detail::score_passes(s));
+  if (rubric.passes) score.rows.push_back(detail::score_passes(s, !score.critical.empty()));
   bool in_ventricle = false, first_pass = false, contralateral = false, third_ventricle = false;
   if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty()) {
     const PassPoint& end = pass->path.back();

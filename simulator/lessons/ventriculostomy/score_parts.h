@@ -51,7 +51,7 @@ ScoreRow score_burr_hole(const Scoring& s);
 ScoreRow score_trajectory(const Scoring& s);
 ScoreRow score_depth(const Scoring& s);
 ScoreRow score_tip(const Scoring& s);
-ScoreRow score_passes(const Scoring& s);
+ScoreRow score_passes(const Scoring& s, bool harmed);
 /// Why the catheter does not lie where it should; empty where it does, and the lesson was finished in time.
 std::string unreached_goal(const Scoring& s);
 
