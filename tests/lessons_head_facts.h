@@ -11,8 +11,9 @@ inline Head& phantom_head() {
   return one;
 }
 
+// By how much the line misses the foramen there, and how much too deep the tip lies along it.
 struct HeadAim {
-  Vec3 tip_off;
+  Vec3 off_mm;
   double beyond_mm = 0;
 };
 
@@ -39,11 +40,18 @@ inline lessons::VentriculostomyFacts perfect_head(bool left) {
   return f;
 }
 
-// A pass through the hole to that foramen.
+// A pass through the hole to that foramen. A line that misses it is of the same depth below the inner table, so that
+// what spoils the direction spoils no depth.
 inline void pass_to(lessons::VentriculostomyFacts& f, const cases::CaseManifest& manifest,
                     const voxel::HapticVolume& volume, Vec3 foramen_mm, const HeadAim& aim) {
-  const Vec3 end = foramen_mm + aim.tip_off;
-  const Vec3 way = normalized(end - f.hole->outer_mm);
+  const lessons::BoneHole& hole = *f.hole;
+  const auto along = [&](Vec3 from, Vec3 to) {  // towards `to`, where it meets the inner table
+    const Vec3 way = normalized(to - from);
+    return from + way * (dot(from - hole.inner_mm, hole.out) / -dot(way, hole.out));
+  };
+  const Vec3 way = normalized(foramen_mm + aim.off_mm - hole.outer_mm);
+  const double depth_mm = norm(foramen_mm - along(hole.outer_mm, foramen_mm));
+  const Vec3 end = aim.off_mm == Vec3{} ? foramen_mm : along(hole.outer_mm, hole.outer_mm + way) + way * depth_mm;
   const lessons::HeadShapes shapes = lessons::head_shapes_of(manifest);
   lessons::CatheterPass pass;
   pass.out = -way;

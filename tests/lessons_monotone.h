@@ -60,23 +60,23 @@ inline std::string better(const lessons::LessonScore& now, const lessons::Lesson
   return out;
 }
 
-// In a case of a library a spoilt line may meet what it was not spoilt in: a tip that lay beside a ventricle lies in
-// one again, or the way along a slanted line is of ideal depth again. Then its row, and the time of what is completed
-// with it, may rise; no other may.
+// In a case of a library a line that is spoilt more may end better by Table XIII: in a ventricle again (3 or more as it
+// is printed), where it ended beside one (1). Then the row of the tip, and what is judged of a catheter that lies in
+// place, may rise; no other may.
 inline bool& in_a_case() {
   static bool one = false;
   return one;
 }
-inline bool met_anatomy(const lessons::LessonScore& now, const lessons::LessonScore& before) {
-  bool met = false;
+inline bool drains_again(const lessons::LessonScore& now, const lessons::LessonScore& before) {
+  const lessons::ScoreRow *tip = now.row("tip"), *was = before.row("tip");
+  if (!tip || was->why != "not in the ventricle" || tip->score.value_or(0) <= was->score.value_or(0)) return false;
   for (std::size_t n = 0; n < now.rows.size() && n < before.rows.size(); ++n) {
-    const lessons::ScoreRow &a = now.rows[n], &b = before.rows[n];
-    if (a.score.value_or(0) <= b.score.value_or(0)) continue;
-    const bool own = a.name == "depth" || (a.name == "tip" && b.why == "not in the ventricle");
-    if (!own && a.name != "time") return false;
-    met = met || own;
+    const std::string& name = now.rows[n].name;
+    if (name != "tip" && name != "time" && name != "passes" &&
+        now.rows[n].score.value_or(0) > before.rows[n].score.value_or(0))
+      return false;
   }
-  return met;
+  return true;
 }
 
 // `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/lessons.md.
@@ -84,14 +84,16 @@ inline void check(const std::string& lesson, const std::string& axis,
                   const std::function<lessons::LessonScore(int)>& spoilt, bool ends_completed) {
   std::string sums;
   int last = 0, last_rank = 1;
+  bool drained_again = false;
   lessons::LessonScore score, before;
   for (int n = 0; n < steps_count; ++n) {
     score = spoilt(n);
     expect_german(score);
     const int points = lessons::sum_of(score).points;
     sums += fmt::format("{}{}", n == 0 ? "" : " ", points);
-    if (n > 0 && in_a_case() && met_anatomy(score, before)) {
-      std::printf("  met again in step %d:%s\n", n, better(score, before).c_str());
+    if (n > 0 && in_a_case() && drains_again(score, before)) {
+      drained_again = true;
+      std::printf("  drains again in step %d:%s\n", n, better(score, before).c_str());
     } else if (n > 0) {
       EXPECT_LE(points, last) << lesson << ", " << axis << ", step " << n << ": " << score.reason()
                               << better(score, before);
@@ -103,7 +105,7 @@ inline void check(const std::string& lesson, const std::string& axis,
     last = points;
     last_rank = rank(score);
   }
-  if (!ends_completed) {
+  if (!ends_completed && !drained_again) {
     EXPECT_NE(score.outcome(), lessons::LessonOutcome::completed) << lesson << ", " << axis;
   }
   std::printf("| %s | %s | %s | %s |\n", lesson.c_str(), axis.c_str(), sums.c_str(),

@@ -52,7 +52,14 @@ SpoiltHead spoilt_case(const session::FeltCase& felt) {
     f.hole->outer_mm = f.hole->inner_mm + f.hole->out * 7.0;
     return f;
   };
-  const auto shift = [](lessons::VentriculostomyFacts& f, Vec3 by) { f.hole->outer_mm += by, f.hole->inner_mm += by; };
+  // About the foramen, which stays as far away as it was: what spoils the hole's place spoils no depth.
+  const auto shift = [&m](lessons::VentriculostomyFacts& f, Vec3 by) {
+    const Vec3 monro = *lessons::foramen_of(m, f.task == "left");
+    const double outer = norm(f.hole->outer_mm - monro), inner = norm(f.hole->inner_mm - monro);
+    f.hole->out = normalized(f.hole->outer_mm + by - monro);
+    f.hole->outer_mm = monro + f.hole->out * outer;
+    f.hole->inner_mm = monro + f.hole->out * inner;
+  };
   return {m, felt.loaded.haptic, perfect, shift, frame};
 }
 
@@ -114,14 +121,14 @@ void check_head(bool left, const SpoiltHead& head = spoilt_phantom()) {
           if (n > 0) f.hole->through = false;
         }),
         true);
-  check(name, "catheter too lateral, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off += outwards * (4.0 * n); }),
-        false);
-  check(name, "catheter too medial, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off -= outwards * (4.0 * n); }),
-        false);
-  check(name, "catheter too anterior, 4 mm a step",
-        aimed([&](HeadAim& a, int n) { a.tip_off += forwards * (4.0 * n); }), false);
-  check(name, "catheter too posterior, 4 mm a step",
-        aimed([&](HeadAim& a, int n) { a.tip_off -= forwards * (4.0 * n); }), false);
+  check(name, "catheter too lateral, 4 mm at the foramen a step",
+        aimed([&](HeadAim& a, int n) { a.off_mm += outwards * (4.0 * n); }), false);
+  check(name, "catheter too medial, 4 mm at the foramen a step",
+        aimed([&](HeadAim& a, int n) { a.off_mm -= outwards * (4.0 * n); }), false);
+  check(name, "catheter too anterior, 4 mm at the foramen a step",
+        aimed([&](HeadAim& a, int n) { a.off_mm += forwards * (4.0 * n); }), false);
+  check(name, "catheter too posterior, 4 mm at the foramen a step",
+        aimed([&](HeadAim& a, int n) { a.off_mm -= forwards * (4.0 * n); }), false);
   check(name, "catheter too short, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm -= 4 * n; }), false);
   check(name, "catheter too deep, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm += 4 * n; }), false);
   check(
