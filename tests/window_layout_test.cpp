@@ -17,11 +17,14 @@ TEST(Layout, ThePatientHasMoreRoomThanTheMonitor) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
     const window::Layout l(width, height, letter, true, false, false, false);
     const float from = l.work.x + l.work.width, to = std::min(l.xray.x, l.status.x);
+    EXPECT_FLOAT_EQ(l.patient.x, from) << "what is shown as free is free";
+    EXPECT_FLOAT_EQ(l.patient.x + l.patient.width, to);
     EXPECT_GT(to - from, l.xray.width);
     EXPECT_GE(to - from, 0.35f * width);
     EXPECT_LT(from, 0.5f * width) << "what is looked at lies in the middle of the window";
     EXPECT_GT(to, 0.5f * width);
-    EXPECT_GE(l.xray.width, 300) << "too small to see a pedicle in";
+    // The picture, within the panel's borders of 8 pixels: a third of the window, where its height allows that.
+    EXPECT_GE(l.xray.width - 16, std::min(width / 3, 0.66f * height)) << "too small to see a pedicle in";
   }
 }
 
@@ -35,6 +38,9 @@ TEST(Layout, NoPanelLiesOverAnother) {
         if (has_xray && has_scores) continue;  // one while the lesson goes on, the other after it
         SCOPED_TRACE(testing::Message() << width << " x " << height << ", letters " << letter << ", shown " << shown);
         const window::Layout l(width, height, letter, has_xray, has_scores, has_shots, has_time);
+        EXPECT_GT(l.patient.width, 0);
+        EXPECT_FALSE(l.patient.overlaps(l.work) || l.patient.overlaps(l.status) ||
+                     (has_xray && l.patient.overlaps(l.xray)));
         std::vector<window::Place> places{l.work, l.status};
         if (has_xray) places.push_back(l.xray);
         if (has_scores) places.push_back(l.scores);

@@ -97,9 +97,9 @@ TEST(Notes, NamesAndFiguresStayInTheirPlaces) {
        "step",
        "burr: 196 Takte, Dauer p50 5.6, p99 41.6 us, verspätet p50 0.220, p99 4.015 ms, 473 zu lange, Fehler: "
        "Zeitschritt"},
-      {{texts::NoteId::judged_in, {"12", "15", "out/a.html"}},
-       "the lesson is judged: 12 of 15 points, out/a.html",
-       "die Lektion ist bewertet: 12 von 15 Punkten, out/a.html"},
+      {{texts::NoteId::judged_in, {"out/a.html", "12", "15"}, {texts::NoteId::outcome_failed}},
+       "the lesson is judged in out/a.html: 12 of 15 points, failed",
+       "die Lektion ist bewertet in out/a.html: 12 von 15 Punkten, nicht bestanden"},
   };
   for (const auto& [note, english, german] : all) {
     EXPECT_EQ(texts::text_of(note, texts::Language::english), english);

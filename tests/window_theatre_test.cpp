@@ -8,6 +8,7 @@
 #include "fluoro/fluoroscope.h"
 #include "haptics/tool.h"
 #include "render/mirror.h"
+#include "scene/camera.h"
 #include "scene/fluid.h"
 #include "scene/tool_solid.h"
 #include "window/layout.h"
@@ -73,8 +74,33 @@ TEST(Theatre, AMirroredPlaceIsMirroredBack) {
   }
 }
 
+// Between the panels of a lesson in a small window the drapes' opening is seen whole, as large as it can be.
+TEST(Theatre, TheFieldFitsBetweenThePanels) {
+  constexpr int width = 1024, height = 600;
+  constexpr double radius_mm = 100;
+  const window::Place room = window::Layout(width, height, 13, true, false, false, false).patient;
+  const double middle_px = room.x + 0.5 * room.width;
+  const surface::Bounds bounds{{-200, -100, -150}, {200, 100, 150}};
+  scene::OrbitCamera camera;
+  camera.look(scene::ViewPreset::back, bounds, {}, {});
+  camera.show({10, 40, -20}, radius_mm);
+  camera.aside_ratio = middle_px / width - 0.5;
+  camera.zoom(height / double(room.width));
+  const scene::EyeView eye = camera.eye(width, height, bounds);
+  const Vec3 middle = eye.project({10, 40, -20}, width, height);
+  EXPECT_NEAR(middle.x, middle_px, 1e-6);
+  EXPECT_NEAR(middle.y, 0.5 * height, 1e-6);
+  for (const int side : {-1, 1}) {
+    const double edge = eye.project(Vec3{10, 40, -20} + camera.right() * (side * radius_mm), width, height).x;
+    EXPECT_NEAR(edge, side < 0 ? room.x : room.x + room.width, 0.5);
+  }
+  const Vec3 ray = eye.ray(middle.x, middle.y, width, height);  // what is picked there lies there
+  EXPECT_NEAR(dot(ray, camera.toward), -1, 1e-9);
+}
+
 TEST(Theatre, TheMonitorIsOfUsefulSizeAndDarkByChoice) {
-  EXPECT_GE(window::Layout(1024, 600, 13, true, false, false, false).xray.width, 320);
+  // The picture lies within borders of 8 pixels.
+  EXPECT_GE(window::Layout(1024, 600, 13, true, false, false, false).xray.width - 16, 1024 / 3.0);
   EXPECT_GE(window::Layout(1920, 1080, 13, true, false, false, false).xray.width, 700);
   const fluoro::FluoroPicture picture{2, {0, 200, 255, 10}};
   EXPECT_EQ(fluoro::shown_grey(picture, fluoro::MetalShown::bright), picture.grey);

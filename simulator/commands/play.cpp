@@ -116,9 +116,6 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   o.remote_tells_all = params.remote_tells_all;
   o.hand = parsed.params<window::ScreenHandParams>();
   o.view = parsed.params<scene::ViewParams>();
-  if (o.lesson && !parsed.given.count("view"))
-    for (const auto& [name, preset] : scene::view_presets())
-      if (name == lessons::lesson_type(o.lesson->module).view) o.view.view = preset;
   const bool two_panes = o.view.stereo == scene::ViewParams::Stereo::side_by_side ||
                          o.view.stereo == scene::ViewParams::Stereo::top_bottom;
   if (o.lesson && two_panes && lessons::lesson_type(o.lesson->module).needs_pictures)

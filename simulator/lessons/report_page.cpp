@@ -52,7 +52,7 @@ constexpr Wording to_word{{"to", "bis"}};
 constexpr Wording motion_note{{"These figures score nothing. docs/study.md says how they are measured.",
                                "Diese Größen geben keine Punkte. docs/study.md sagt, wie sie gemessen werden."}};
 constexpr Wording advice_words{{"Next time", "Beim nächsten Mal"}};
-constexpr Wording title_words{{"{} in {}: {} of {} points", "{} in {}: {} von {} Punkten"}};
+constexpr Wording title_words{{"{} in {}: {} of {} points, {}", "{} in {}: {} von {} Punkten, {}"}};
 constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · not a medical device",
                                      "Teilnehmer {} · {} · {:.1f} s · {} · kein Medizinprodukt"}};
 constexpr Wording task_words{{"Task: ", "Aufgabe: "}};
@@ -200,7 +200,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
       "<style>{}</style></head><body>\n",
       language == Language::german ? "de" : "en", policy_hash(style), style);
   out += "<h1>" + fmt::format(fmt::runtime(say(title_words)), escaped(head.module), escaped(head.case_token),
-                              sum.points, sum.most);
+                              sum.points, sum.most, words(name_of(score.outcome())));
   out += "</h1>\n<p class=\"faint\">" + fmt::format(fmt::runtime(say(participant_words)), escaped(head.participant),
                                                     words(name_of(facts.end)), facts.procedure_s(),
                                                     words(module.headline(facts, score)));

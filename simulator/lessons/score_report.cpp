@@ -60,7 +60,7 @@ constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical
                     "OHNE SIEGEL: in eine Pipe oder von einem älteren Programm gemacht"}},
     broken_words{{"BROKEN SEAL: the recording was changed after it was written",
                   "SIEGEL GEBROCHEN: die Aufnahme wurde nachträglich verändert"}},
-    points_words{{"{} of {} points{}; {}, {}", "{} von {} Punkten{}; {}, {}"}},
+    points_words{{"{} of {} points{}, {}; {}, {}", "{} von {} Punkten{}, {}; {}, {}"}},
     table_words{{" ({} of {} by the table)", " ({} von {} nach der Tabelle)"}};
 
 }  // namespace
@@ -173,7 +173,8 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   text += headline_of(score, language) + "\n";
   text += fmt::format(fmt::runtime(say(points_words)), sum.points, sum.most,
                       sum.beside ? fmt::format(fmt::runtime(say(table_words)), sum.of_table, sum.max_of_table) : "",
-                      words(name_of(facts.end)), words(lesson_type(head.module).outcome(facts, score)));
+                      words(name_of(score.outcome())), words(name_of(facts.end)),
+                      words(lesson_type(head.module).outcome(facts, score)));
   return text + "\n";
 }
 

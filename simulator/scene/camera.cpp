@@ -110,6 +110,11 @@ void OrbitCamera::look(ViewPreset preset, const surface::Bounds& b, const std::o
   distance_mm *= 1.04;
 }
 
+void OrbitCamera::show(Vec3 middle_mm, double radius_mm) {
+  target_mm = middle_mm;
+  distance_mm = radius_mm / std::tan(0.5 * field_of_view_deg * radians);
+}
+
 void OrbitCamera::orbit(double right_rad, double up_rad) {
   // Where the view is from straight above or below, the turn is about the picture's own upward axis.
   const Vec3 pole = std::abs(dot(toward, superior)) < 0.999 && dot(up, superior) > 0 ? superior : up;
@@ -148,8 +153,9 @@ EyeView OrbitCamera::eye(int width, int height, const surface::Bounds& scene, do
   e.bottom = -e.top;
   e.left = -e.right_edge;
   const double shift = -offset_mm / (convergence_mm > 0 ? convergence_mm : distance_mm);
-  e.left += shift;
-  e.right_edge += shift;
+  const double aside = aside_ratio * (e.right_edge - e.left);
+  e.left += shift - aside;
+  e.right_edge += shift - aside;
   double nearest = 1e300, farthest = 1;
   for (const Vec3 corner : surface::corners_of(scene)) {
     const double d = -dot(corner - e.eye_mm, toward);

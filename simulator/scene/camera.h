@@ -36,12 +36,15 @@ class OrbitCamera {
  public:
   Vec3 target_mm, toward{0, -1, 0}, up{0, 0, 1};  ///< toward: unit, from the target to the eye
   double distance_mm = 500, field_of_view_deg = 25;
+  double aside_ratio = 0;  ///< by that part of the picture's width the target is seen right of its middle
 
   /// Shows the whole box from there. `surgeon` looks along `approach` (unit, into the patient) at the box's part around
   /// `site_mm`; without a site it is `oblique`. `beside`: tangent of the angle between its line of sight and the way,
   /// so that a tool hides less of what it does.
   void look(ViewPreset preset, const surface::Bounds& bounds, const std::optional<Vec3>& site_mm, Vec3 approach,
             double beside = 0.5);
+  /// Shows a ball of that radius from where it is.
+  void show(Vec3 middle_mm, double radius_mm);
   /// Turns by angles to the right and upwards; the superior direction stays upright, except next to it.
   void orbit(double right_rad, double up_rad);
   /// Moves the target by parts of the picture's height.

@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "window/ways.h"
 
 namespace trephine::window {
@@ -11,6 +14,8 @@ namespace {
 constexpr double beyond_mm = 150;     // so far outside the depth of the tip is measured from
 constexpr double drop_mm = 60;        // up to this distance the place where the tool would land is lit
 constexpr double around_field = 1.8;  // of a lesson's field more is seen than of a site
+constexpr double about_field = 1.2;   // of a field that lies on a back or a chest so much is seen
+constexpr double least_room = 0.2;    // part of the picture's width
 constexpr double leap_mm = 1e3;       // no trace is that long from one picture to the next
 constexpr std::size_t max_forces = 240;
 
@@ -36,10 +41,26 @@ texts::Answer CaseView::set_view(const std::string& asked) {
     if (name == preset) {
       scene::ViewParams v = stage_.view();
       v.view = value;
+      const double aside = camera.aside_ratio;
       camera = scene::camera_of(v, manifest(), stage_.scene());
+      const std::optional<scene::TheatreField>& field = stage_.state.theatre;
+      if (preset != asked && field && field->open_mm > 0) camera.show(field->centre_mm, about_field * field->open_mm);
+      camera.aside_ratio = aside;
+      camera.zoom(fit_);
       return {};
     }
   return texts::Note{texts::NoteId::no_view, {preset}};
+}
+
+void CaseView::set_room(double from_px, double to_px, int width, int height) {
+  if (stands_at.empty() || width <= 0 || height <= 0) return;
+  // With letters so large that hardly any room is left, the panels are moved or hidden to see the patient.
+  if (!(to_px - from_px >= least_room * width)) from_px = 0, to_px = width;
+  const double room = to_px - from_px;
+  camera.aside_ratio = 0.5 * (from_px + to_px) / width - 0.5;
+  // The camera fits what it shows to the picture's shorter side.
+  const double fit = std::max(1.0, std::min(width, height) / room);
+  camera.zoom(fit / std::exchange(fit_, fit));
 }
 
 texts::Answer CaseView::set_opacity(const std::string& anatomy, double opacity) {

@@ -26,6 +26,9 @@ class CaseView {
   CaseView(std::shared_ptr<session::Patient> patient, const scene::ViewParams& params);
 
   texts::Answer set_view(const std::string& preset);
+  /// Panels leave that part of the picture free, from the left edge on. In a lesson whose surgeon stands before a back
+  /// or a chest, what is looked at lies in its middle and fits into it.
+  void set_room(double from_px, double to_px, int width, int height);
   texts::Answer set_opacity(const std::string& anatomy, double opacity);
   texts::Answer cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal: at the tip
   void move_cut(double mm);
@@ -70,6 +73,7 @@ class CaseView {
   haptics::ServoFrame frame_{};
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1;
+  double fit_ = 1;  ///< by which factor the eye stands back for the room
   bool traces_ = false;
   Vec3 last_trace_mm_;
 };

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "window/hand.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "surface/bounds.h"
 
 namespace trephine::window {
 namespace {
@@ -23,7 +26,14 @@ Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
   }
-  if (view.open_field_mm) {
+  if (view.open_field_mm && !view.stands_at.empty()) {  // before a chest: held from below, outside of all
+    const Vec3 toward = view.camera.toward, up = view.camera.up;
+    double out_mm = 0;
+    for (const Vec3 corner : surface::corners_of(b))
+      out_mm = std::max(out_mm, dot(corner - *view.open_field_mm, toward));
+    goal_.axis = normalized(toward - up);
+    goal_.tip_mm = *view.open_field_mm + toward * (out_mm + begin_mm) - up * before_field_mm;
+  } else if (view.open_field_mm) {
     goal_.axis = normalized(*view.open_field_mm - view.middle_mm());
     goal_.tip_mm = *view.open_field_mm + (goal_.axis + view.camera.right()) * before_field_mm;
   }

@@ -19,7 +19,7 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
     bottom -= high + margin;
   }
   const float room = bottom - margin;
-  work = {margin, margin, std::min(23.5f * letter, half), room};
+  work = {margin, margin, std::min(22 * letter, half), room};
   const float right = std::min(27 * letter, half);
   status = {width - margin - right, margin, right, room};
   // The lower part of a column; the panel above it keeps the rest.
@@ -30,8 +30,8 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
   };
   const float side = std::clamp(0.5f * std::min(width, height), 120.f, 512.f);
   // X-rays are what such a lesson is done by: as large as the patient beside them allows, who keeps a little more of
-  // what the work leaves. The status keeps some lines.
-  const float beside_work = 0.48f * (width - work.width - 3 * margin);
+  // what the work leaves (at 1024 pixels a third of the window is left for the picture). The status keeps some lines.
+  const float beside_work = 0.497f * (width - work.width - 2 * margin);
   const float monitor = std::clamp(std::min(0.68f * height, beside_work), 120.f, 900.f), few_lines = 6 * letter;
   if (has_xray) {
     status.width = std::min(right, std::max(monitor, 14 * letter));
@@ -39,6 +39,8 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
     xray = below(status, monitor, monitor + 6.3f * letter, true, std::min(0.82f, 1 - few_lines / room));
   }
   if (has_scores) scores = below(status, 30 * letter, 0.55f * room, true);
+  const float column = std::max(has_xray ? xray.width : 0.f, status.width);
+  patient = {work.x + work.width, 0, width - margin - column - work.x - work.width, height};
   if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
 }
 

@@ -7,6 +7,22 @@
 
 namespace trephine::window {
 
+namespace {
+
+texts::NoteId outcome_note(const lessons::LessonScore& score) {
+  switch (score.outcome()) {
+    case lessons::LessonOutcome::completed:
+      return texts::NoteId::outcome_completed;
+    case lessons::LessonOutcome::failed:
+      return texts::NoteId::outcome_failed;
+    case lessons::LessonOutcome::not_completed:
+      break;
+  }
+  return texts::NoteId::outcome_not_completed;
+}
+
+}  // namespace
+
 Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : options_(options), stop_(stop) {
   session::SessionOptions& o = options_.session;
   if (!options_.playback.empty()) {
@@ -32,8 +48,6 @@ void Player::set_stage() {
   scene::ViewParams params = options_.view;
   if (lesson_) {  // nothing is seen that a surgeon would not see
     params.view_site = params.opacity = "";
-    // Where a C-arm stands, the surgeon works from behind.
-    if (lesson_->has_arm() && params.view == scene::ViewPreset::surgeon) params.view = scene::ViewPreset::back;
     params.cut = scene::ViewParams::Cut::none;
     params.places = params.insets = false;
   }
@@ -41,7 +55,7 @@ void Player::set_stage() {
   if (lesson_) {
     for (double& opacity : view_->stage().state.opacity) opacity = 1;
     show_field_of(*lesson_, *view_);
-    if (params.view == scene::ViewPreset::surgeon) view_->set_view("surgeon");  // before a field that is open already
+    if (params.view == scene::ViewPreset::surgeon) view_->set_view("surgeon");  // where the lesson's surgeon stands
   } else
     view_->stage().state.ghost_mm = ghost_mm_;
   if (shown_) {
@@ -101,10 +115,12 @@ void Player::begin_review() {
   shown_->show_tool(*view_);
   show_tool_of(*lesson_, *view_);
   const lessons::ScoreSum sum = lessons::sum_of(lesson_->scored()->score);
-  texts::Note note{texts::NoteId::judged, {std::to_string(sum.points), std::to_string(sum.most)}};
+  texts::Note note{texts::NoteId::judged,
+                   {std::to_string(sum.points), std::to_string(sum.most)},
+                   {outcome_note(lesson_->scored()->score)}};
   if (const std::string page = lesson_->lesson().report.page.string(); !page.empty()) {
     note.id = texts::NoteId::judged_in;
-    note.values.push_back(page);
+    note.values.insert(note.values.begin(), page);
   }
   notes.add(note);
 }

@@ -2,6 +2,8 @@
 // What the remote is told of a window's state.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "window/actions.h"
 
 namespace trephine::window {
@@ -40,8 +42,12 @@ std::string lesson_text(const Player& player) {
   text += fmt::format(" end {}", lesson->ended() ? lessons::name_of(f.end) : "none");
   if (lesson->paused()) text += " paused";
   if (const int verdict = lesson->verdict(); verdict != 0) text += verdict > 0 ? " green" : " red";
-  if (const lessons::ScoredLesson* s = lesson->scored())
-    text += fmt::format(" points {} of {}", lessons::sum_of(s->score).points, lessons::sum_of(s->score).most);
+  if (const lessons::ScoredLesson* s = lesson->scored()) {
+    std::string outcome = lessons::name_of(s->score.outcome());
+    std::replace(outcome.begin(), outcome.end(), ' ', '_');
+    text += fmt::format(" points {} of {} outcome {}", lessons::sum_of(s->score).points, lessons::sum_of(s->score).most,
+                        outcome);
+  }
   return text;
 }
 

@@ -13,7 +13,7 @@ lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json")
 "${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
 score=("$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json")
 "${score[@]}" --json "$work/one.json" >"$work/text" || { cat "$work/text"; fail "no score"; }
-grep -q '^25 of 25 points (20 of 20 by the table); finished, catheter passes: 1, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
+grep -q '^25 of 25 points (20 of 20 by the table), completed; finished, catheter passes: 1, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
 grep -Eq '^Burr hole placement +not judged  the hole was there beforehand$' "$work/text" || fail "the case's own hole is judged"
 "${score[@]}" --json "$work/two.json" >/dev/null
 cmp "$work/one.json" "$work/two.json" || fail "scored again it is not the same"

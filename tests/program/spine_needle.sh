@@ -13,7 +13,7 @@ lesson=("$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/s
 "${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
 score=("$TREPHINE" score "$work/one.lesson" --case "$library/spine" --rubric "$rubric")
 "${score[@]}" --json "$work/one.json" --page "$work/one.html" --log "$work/log.csv" >"$work/text" || { cat "$work/text"; fail "no score"; }
-grep -Eq '^35 of 35 points; finished, needle passes: 1, exposure [0-9.]+ s in 6 shots, the needle lies in bone$' "$work/text" || {
+grep -Eq '^35 of 35 points, completed; finished, needle passes: 1, exposure [0-9.]+ s in 6 shots, the needle lies in bone$' "$work/text" || {
   cat "$work/text"; fail "the example is not perfect"; }
 "${score[@]}" --json "$work/two.json" --page "$work/two.html" >/dev/null
 cmp "$work/one.json" "$work/two.json" && cmp "$work/one.html" "$work/two.html" || fail "scored again it is not the same"
@@ -79,4 +79,4 @@ grep -Eq '^1 +spine +- +3 +pedicle_2_left +- +35 of 35 points: 5 5 5 5 5 5 5, co
 "$OFFLINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output "$work/screw.json" >/dev/null
 "$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/pedicle_screw.json" --record "$work/screw.lesson" >/dev/null
 "$TREPHINE" score "$work/screw.lesson" --case "$library/spine" --rubric "$work/screw.json" --page "$work/screw.html" >"$work/text"
-grep -q '^50 of 50 points (30 of 30 by the table); finished, passes: 2, errors: 0, acceptable$' "$work/text" || { cat "$work/text"; fail "no perfect screw"; }
+grep -q '^50 of 50 points (30 of 30 by the table), completed; finished, passes: 2, errors: 0, acceptable$' "$work/text" || { cat "$work/text"; fail "no perfect screw"; }

@@ -99,13 +99,15 @@ ChestFrame chest_frame_of(const voxel::HapticVolume& volume, const ChestShapes& 
   if (!gap.parts())
     throw Error(ExitCode::bad_input, "", "haptic.shapes.clavicle",
                 "is not two bones beside each other, between which the sternal notch would lie");
-  Mean ends[2];
+  Mean ends[2], bones[2];
   each_voxel(volume, shapes.clavicle, [&](Vec3 p) {
     const double across = dot(p, f.left);
+    bones[across > (gap.right_end + gap.left_end) / 2 ? 1 : 0].add(p);
     if (across <= gap.right_end + 2 && across > gap.right_end - end_mm) ends[0].add(p);
     if (across >= gap.left_end - 2 && across < gap.left_end + end_mm) ends[1].add(p);
   });
   f.notch_mm = (ends[0].value() + ends[1].value()) / 2;
+  for (int side = 0; side < 2; ++side) f.clavicle_mm[side] = bones[side].value();
   const double thirds[2] = {gap.right_end + (least - gap.right_end) / 3, gap.left_end + (most - gap.left_end) / 3};
   Mean veins[2];
   each_voxel(volume, shapes.vein, [&](Vec3 p) {

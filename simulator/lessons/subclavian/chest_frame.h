@@ -22,6 +22,7 @@ struct ChestFrame {
   Vec3 left{1, 0, 0},
       cranial{0, 0, 1};  ///< from the right clavicle's middle to the left one's; across it, in the frontal plane
   Vec3 notch_mm;         ///< the sternal notch: in the middle between the medial ends of the clavicles
+  Vec3 clavicle_mm[2];   ///< the middle of that clavicle
   Vec3 vein_mm[2];       ///< a point of the vein (0: right, 1: left) under the medial third of that clavicle
   bool has_vein[2] = {false, false};
   bool has_lung[2] = {false, false};  ///< at least min_lung_ml of lung or pleura on that side of the notch

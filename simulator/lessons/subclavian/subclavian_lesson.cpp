@@ -83,6 +83,14 @@ std::vector<LessonTask> tasks_of(const cases::CaseManifest&) {
   return all;
 }
 
+// Drapes leave the whole clavicle of the side that was asked for open, with the notch: what everybody sees and feels.
+LessonField field_of(const SubclavianFacts& f) {
+  constexpr double beyond_mm = 25;
+  const Vec3 middle = f.clavicle_mm[f.task == "left" ? 1 : 0];
+  const double open = norm(f.notch_mm - middle) + beyond_mm;
+  return {middle, open, open + 2 * beyond_mm};
+}
+
 std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
   return {{"passes_count", "Passes", std::to_string(f.passes.size())},
           {"aspirations_count", "Aspirations", std::to_string(f.aspirations.size())},
@@ -115,8 +123,7 @@ LessonType subclavian_lesson() {
   m.tools = subclavian_tools;
   m.plan = plan_chest_moves;
   m.begin = [](const cases::CaseManifest& manifest, const voxel::HapticVolume& before, const voxel::HapticVolume&) {
-    chest_frame_of(before, chest_shapes_of(manifest));  // refused here rather than by the scorer
-    return std::unique_ptr<Lesson>(std::make_unique<Subclavian>(manifest));
+    return std::unique_ptr<Lesson>(std::make_unique<Subclavian>(manifest, before));
   };
   m.score = [](const LessonFacts& facts, const cases::LoadedCase& loaded, const voxel::HapticVolume& before,
                const AnyParams& rubric) {
@@ -142,6 +149,7 @@ LessonType subclavian_lesson() {
         {"Finish the lesson", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.field = [](const LessonFacts& facts, const cases::CaseManifest&) { return field_of(own(facts)); };
   m.fluid = [](const LessonFacts& facts, const cases::CaseManifest&) {
     return own(facts).blood_s >= 0 ? LessonFluid::blood : LessonFluid::none;
   };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/subclavian/subclavian_watch.h"
 
+#include <algorithm>
+
 namespace trephine::lessons {
 namespace {
 
@@ -19,7 +21,12 @@ std::vector<haptics::BeltToolParams> subclavian_tools() {
   return {needle};
 }
 
-Subclavian::Subclavian(const cases::CaseManifest& manifest) : shapes_(chest_shapes_of(manifest)) {}
+Subclavian::Subclavian(const cases::CaseManifest& manifest, const voxel::HapticVolume& before)
+    : shapes_(chest_shapes_of(manifest)) {
+  const ChestFrame frame = chest_frame_of(before, shapes_);
+  facts_.notch_mm = frame.notch_mm;
+  std::copy(frame.clavicle_mm, frame.clavicle_mm + 2, facts_.clavicle_mm);
+}
 
 void Subclavian::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool) {
   const Vec3 tip = vec(f.proxy_mm);

@@ -38,15 +38,16 @@ struct SubclavianFacts : LessonFacts {
   std::vector<VeinPass> passes;
   std::vector<Aspiration> aspirations;
   double vein_s = -1, artery_s = -1, pleura_s = -1, lung_s = -1;  ///< when the tip was there first
-  double blood_s = -1;  ///< when blood of the vein was drawn last, with the tip still in it
-  int inside = 0;       ///< where the tip is
+  double blood_s = -1;            ///< when blood of the vein was drawn last, with the tip still in it
+  int inside = 0;                 ///< where the tip is
+  Vec3 notch_mm, clavicle_mm[2];  ///< of the patient, between and about which drapes leave the skin open
 };
 
 /// The lesson as a state machine over frames.
 class Subclavian : public Lesson {
  public:
-  /// Throws as chest_shapes_of does.
-  explicit Subclavian(const cases::CaseManifest& manifest);
+  /// Throws as chest_shapes_of and chest_frame_of do.
+  Subclavian(const cases::CaseManifest& manifest, const voxel::HapticVolume& before);
   void close() override { end_pass(facts_.end_s, true); }
   const SubclavianFacts& facts() const override { return facts_; }
   std::shared_ptr<const LessonFacts> copy_of_facts() const override {
