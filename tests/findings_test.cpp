@@ -213,6 +213,42 @@ TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
   EXPECT_NE(s.report.warnings[0].find("cannot be measured"), std::string::npos) << s.report.warnings[0];
 }
 
+/// Sets the voxels about a point to `hu`.
+void plate(Scene& scene, Vec3 at_mm, int half, int hu) {
+  auto& grid = std::get<grid::Grid<std::int16_t>>(scene.volume);
+  const Vec3 p = grid.to_index(at_mm);
+  for (int k = -1; k <= 1; ++k)
+    for (int j = -half; j <= half; ++j)
+      for (int i = -half; i <= half; ++i)
+        grid.at(int(std::lround(p.x)) + i, int(std::lround(p.y)) + j, int(std::lround(p.z)) + k) = std::int16_t(hu);
+}
+
+// A scan that shows the skull as dense as 2300 HU shows the bone about the inner ear at 2750.
+TEST(Findings, MetalIsDenserThanTheBoneOfItsScanAndInTheHead) {
+  const Vec3 ear{40, 8, 22}, left{45, -30, 95}, right{-45, -30, 95}, clamp{-105, 40, 70};
+  const auto of_scan = [](int bone_hu, const std::vector<std::pair<Vec3, int>>& plates) {
+    const Scene s({}, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
+      auto& grid = std::get<grid::Grid<std::int16_t>>(scene.volume);
+      for (std::size_t v = 0; v < grid.voxels.size(); ++v)
+        if (scene.skull.voxels[v] > 1) grid.voxels[v] = std::int16_t(bone_hu);
+      for (const auto& [at, hu] : plates) plate(scene, at, 3, hu);
+    });
+    return s.of(FindingKind::metal);
+  };
+  const auto usual = of_scan(1500, {{ear, 2750}, {clamp, 3050}});
+  ASSERT_EQ(usual.size(), 1u);
+  EXPECT_EQ(Scene::figure(usual[0], "pieces_count"), 1) << "the clamp beside the head is none of the head's";
+  EXPECT_GT(usual[0].confidence, findings::sure_confidence);
+
+  const auto dense = of_scan(2300, {{left, 3050}, {right, 2750}, {ear, 2850}});
+  ASSERT_EQ(dense.size(), 2u);
+  EXPECT_EQ(Scene::figure(dense[0], "pieces_count"), 1);
+  EXPECT_EQ(Scene::figure(dense[0], "mean_hu"), 3050);
+  EXPECT_GT(dense[0].confidence, findings::sure_confidence);
+  EXPECT_EQ(Scene::figure(dense[1], "pieces_count"), 2) << "told, though as doubtful";
+  EXPECT_LT(dense[1].confidence, findings::sure_confidence);
+}
+
 TEST(Findings, MetalLiesWhereItIsSaidToLie) {
   const auto hu_at = [](const Scene& s, Vec3 lps) {
     const auto& grid = std::get<grid::Grid<std::int16_t>>(s.volume);
@@ -221,14 +257,7 @@ TEST(Findings, MetalLiesWhereItIsSaidToLie) {
   };
   // Two plates: between them, where their middle is, no metal lies.
   const Scene s({}, phantom::Variant::normal, 2, 5, [](Scene& scene, const phantom::Head&) {
-    auto& grid = std::get<grid::Grid<std::int16_t>>(scene.volume);
-    for (const double side : {-1.0, 1.0}) {
-      const Vec3 p = grid.to_index({45 * side, -30, 95});
-      for (int k = -1; k <= 1; ++k)
-        for (int j = -3; j <= 3; ++j)
-          for (int i = -3; i <= 3; ++i)
-            grid.at(int(std::lround(p.x)) + i, int(std::lround(p.y)) + j, int(std::lround(p.z)) + k) = 3050;
-    }
+    for (const double side : {-1.0, 1.0}) plate(scene, {45 * side, -30, 95}, 3, 3050);
   });
   const auto metal = s.of(FindingKind::metal);
   ASSERT_EQ(metal.size(), 1u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Gaps in the vault, metal and tubes.
+// Gaps in the vault, and tubes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,8 +19,6 @@ constexpr double step_mm = 0.5, reach_mm = 45;
 constexpr float skin_hu = -400;
 constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
-constexpr double above_base_mm = -5;
-constexpr double min_metal_mm3 = 15;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
 constexpr double round_ratio = 0.6, most_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
 constexpr double suture_mm = 4;  ///< a gap of bone that is narrower is a suture or a thin place
@@ -131,58 +129,20 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
   return all;
 }
 
-/// The voxel of a piece that is nearest to its middle: between two pieces, or in a ring, the middle itself is none.
-Vec3 within_piece(const mask::Components& all, int piece, const grid::Lattice& lattice) {
-  std::vector<Vec3> cells;
-  mask::for_each_voxel(all, [&](int c, int i, int j, int k) {
-    if (c == piece) cells.push_back(lattice.to_world_mm({double(i), double(j), double(k)}));
-  });
-  const Vec3 middle = extent_of(cells).middle_mm;
-  return *std::min_element(cells.begin(), cells.end(),
-                           [&](Vec3 a, Vec3 b) { return norm(a - middle) < norm(b - middle); });
-}
-
-std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
-                           const FindingsParams& params, const Progress& progress) {
+std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+                        const FindingsParams& params, const Progress& progress) {
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
   std::vector<Seen> all;
-  // Teeth and their fillings lie below the base; the template says where that is.
-  const mask::Components metal = mask::components(mask::above(hu, params.metal_hu), true);
-  double metal_ml = 0;
-  int pieces = 0, largest = -1;
-  for (std::size_t c = 0; c < metal.list.size(); ++c) {
-    const grid::Box& b = metal.list[c].box;
-    Vec3 at;
-    for (int a = 0; a < 3; ++a) at[a] = 0.5 * (b.begin[a] + b.end[a] - 1);
-    const Vec3 lps = l.to_world_mm(at);
-    const double mm3 = double(metal.list[c].voxels) * l.voxel_volume_mm3();
-    const bool above =
-        in.place.sure ? in.place.to_template(lps).z > above_base_mm : lps.z > in.envelope.centre_mm().z - 35;
-    if (!above || mm3 < min_metal_mm3) continue;
-    metal_ml += mm3 / 1000, ++pieces;
-    if (largest < 0 || metal.list[c].voxels > metal.list[std::size_t(largest)].voxels) largest = int(c);
-  }
-  if (pieces > 0) {
-    Seen s;
-    s.finding.kind = FindingKind::metal;
-    s.finding.where = "in the head";
-    s.finding.position_mm = within_piece(metal, largest, l);
-    s.finding.confidence = 0.9 * mask::ramp(1000 * metal_ml, 0.5 * min_metal_mm3, 3 * min_metal_mm3);
-    s.finding.figures = {{"volume_ml", metal_ml}, {"pieces_count", double(pieces)}};
-    s.finding.text = fmt::format("{} piece{} of metal above the base of the skull, {}", pieces, pieces == 1 ? "" : "s",
-                                 ml_text(metal_ml));
-    all.push_back(std::move(s));
-  }
-  // Tubes: dense, thin, long and straight, in the brain.
+  // Dense, thin, long and straight, in the brain.
   const double slice = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   mask::BitMask deep = mask::fine_mask(in.envelope, in.raster);
   deep.remove(mask::dilated(mask::positive(skull, l), std::max(off_bone_mm, 1.05 * slice), progress));
   mask::BitMask dense = mask::above(hu, params.tube_hu);
   dense &= deep;
-  const mask::Components tubes = mask::components(dense, true);
-  std::vector<std::vector<Vec3>> of(tubes.list.size());
-  mask::for_each_voxel(tubes, [&](int c, int i, int j, int k) {
+  const mask::Components pieces = mask::components(dense, true);
+  std::vector<std::vector<Vec3>> of(pieces.list.size());
+  mask::for_each_voxel(pieces, [&](int c, int i, int j, int k) {
     of[std::size_t(c)].push_back(l.to_world_mm({double(i), double(j), double(k)}));
   });
   for (std::size_t c = 0; c < of.size(); ++c) {

@@ -151,15 +151,16 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   report.add("template_sure", in.place.sure ? "yes" : "no");
   report.add("tissue_noise_hu", in.noise_hu);
   report.add("contrast_ml", in.contrast_ml);
-  std::vector<Seen> seen_implants = implants(in, volume, *shapes.skull, params, progress.part(0.5, 0.55));
-  std::vector<Seen> all = dense_tissue(in, seen_implants, params, progress.part(0.55, 0.6));
+  std::vector<Seen> implants = metal(in, volume, *shapes.skull, params, progress.part(0.5, 0.52));
+  for (Seen& s : tubes(in, volume, *shapes.skull, params, progress.part(0.52, 0.55))) implants.push_back(std::move(s));
+  std::vector<Seen> all = dense_tissue(in, implants, params, progress.part(0.55, 0.6));
   const auto append = [&](std::vector<Seen> more) {
     for (Seen& s : more) all.push_back(std::move(s));
   };
   append(dark_tissue(in, params, progress.part(0.6, 0.7)));
   append(of_figures(shapes, params, progress.part(0.7, 0.8)));
   append(bone_gaps(in, volume, *shapes.skull, params));
-  append(std::move(seen_implants));
+  append(std::move(implants));
 
   // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it.
   if (!in.noise_known) {

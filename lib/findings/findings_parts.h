@@ -52,8 +52,10 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
 std::vector<Seen> dark_tissue(const Inside& in, const FindingsParams& params, const Progress& progress);
 std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                             const FindingsParams& params);
-std::vector<Seen> implants(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
-                           const FindingsParams& params, const Progress& progress);
+std::vector<Seen> metal(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+                        const FindingsParams& params, const Progress& progress);
+std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+                        const FindingsParams& params, const Progress& progress);
 
 /// "1.2 ml", "34 ml".
 std::string ml_text(double ml);

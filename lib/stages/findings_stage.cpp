@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 5;
+  s.version = 6;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.examines = true;
