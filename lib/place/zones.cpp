@@ -23,6 +23,10 @@ constexpr double third_wide_mm = 9;   ///< fluid that goes on beyond this from t
 constexpr double third_near_mm = 3;   ///< and so is what does not come as near to it as this
 constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by this
 constexpr double base_z = 20, air_hu = -300, min_air_ml = 0.3;
+constexpr double air_share = 0.25, near_air_mm = 4;
+constexpr float some_air_hu = -60;
+constexpr double among_cells_mm = 8, between_cells_mm = 3;
+constexpr double air_walls_mm = 3, air_wall_mm = 1;  ///< between bone cells, and between them and the dura
 constexpr double stem_room_mm = 12, told_beyond_ml = 3;
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
@@ -178,46 +182,83 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
                     ml));
 }
 
-/// Takes off the dura the air of sinuses and of bone cells at the skull's base, whose thin walls thick slices lose. Air
-/// above the base may be inside the dura, as after an operation.
-void leave_air(grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place, Report& report,
-               const Progress& progress) {
-  if (!place.sure) return;
+/// Of the cells near the wall, at the skull's base: those that hold air, and those that hold some of it, darker than
+/// all that the dura encloses. The nearest voxel alone misses bone cells, where air and their walls are mixed.
+struct AirCells {
+  mask::BitMask air, some;
+};
+AirCells air_at_base(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place) {
   const mask::HuView hu(volume);
-  grid::Field air(grid::Lattice(wall), static_cast<float>(-inside_hu));
-  parallel_for(0, wall.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < to; ++k)
-      for (int j = 0; j < wall.size[1]; ++j)
-        for (int i = 0; i < wall.size[0]; ++i) {
-          const Vec3 p = wall.to_world_mm({double(i), double(j), double(k)});
-          if (place.to_template(p).z >= base_z) continue;
-          const Vec3 at = hu.lattice().to_index(p);
-          const int x = int(std::lround(at.x)), y = int(std::lround(at.y)), z = int(std::lround(at.z));
-          if (!hu.lattice().contains(x, y, z)) continue;
-          air.at(i, j, k) = static_cast<float>(std::clamp(air_hu - double(hu(x, y, z)), -inside_hu, inside_hu));
-        }
+  grid::Grid<float> mean(grid::Lattice(wall), 0.f);
+  const auto air = mask::make_mask(grid::Lattice(wall), [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < wall.size[0]; ++i) {
+      row[i] = 0;
+      if (wall.at(i, j, k) < -near_air_mm) continue;
+      const Vec3 middle{double(i), double(j), double(k)};
+      if (place.to_template(wall.to_world_mm(middle)).z >= base_z) continue;
+      int air = 0, looked = 0;
+      double sum = 0;
+      for (int n = 0; n < 27; ++n) {
+        const Vec3 part{(n % 3 - 1) / 3.0, (n / 3 % 3 - 1) / 3.0, (n / 9 - 1) / 3.0};
+        const Vec3 at = hu.lattice().to_index(wall.to_world_mm(middle + part));
+        const int x = int(std::lround(at.x)), y = int(std::lround(at.y)), z = int(std::lround(at.z));
+        if (hu.lattice().contains(x, y, z)) ++looked, air += hu(x, y, z) < air_hu, sum += hu(x, y, z);
+      }
+      if (looked > 0) mean.at(i, j, k) = float(sum / looked);
+      row[i] = looked > 0 && air >= air_share * looked;
+    }
   });
+  auto some = mask::make_mask(mean, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < mean.size[0]; ++i) row[i] = mean.at(i, j, k) < some_air_hu;
+  });
+  some |= air;
+  return {air, some};
+}
+
+/// How far each cell lies from the air of sinuses and of bone cells at the skull's base, whose thin walls thick slices
+/// lose, less those walls: no dura where it is not above 0. Empty without such air inside the wall. Air above the base
+/// may be inside the dura, as after an operation.
+std::vector<float> off_air_mm(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place,
+                              Report& report, const Progress& progress) {
+  if (!place.sure) return {};
+  const AirCells cells = air_at_base(wall, volume, place);
+  const mask::Components some = mask::components(mask::closed(cells.some, air_walls_mm, progress));
   const mask::BitMask pieces =
-      mask::at_least_ml(mask::components(mask::both(mask::positive(air, air), mask::positive(wall, wall))), min_air_ml);
-  if (!pieces.any()) return;
-  const double ml = double(pieces.count()) * wall.voxel_volume_mm3() / 1000;
+      mask::at_least_ml(mask::components(mask::select(some, mask::touching(some, cells.air))), min_air_ml);
+  const mask::BitMask inside = mask::positive(wall, wall);
+  const double ml = double(mask::both(pieces, inside).count()) * wall.voxel_volume_mm3() / 1000;
+  if (ml == 0) return {};
   report.add("air_ml", ml);
   if (ml > told_beyond_ml)
     report.warn(fmt::format(
         "{:.0f} ml of air at the skull's base were left out of it, as of sinuses and bone cells whose walls "
         "the scan does not show: look there where the head may hold air inside the skull",
         ml));
-  for (int k = 0; k < air.size[2]; ++k)
-    for (int j = 0; j < air.size[1]; ++j)
-      for (int i = 0; i < air.size[0]; ++i)
-        if (air.at(i, j, k) >= 0 && !pieces.get(i, j, k)) air.at(i, j, k) = -1;
-  const grid::Field air_mm = mask::signed_distance_mm(air, progress);
-  for (std::size_t n = 0; n < wall.voxels.size(); ++n) wall.voxels[n] = std::min(wall.voxels[n], -air_mm.voxels[n]);
+  std::vector<float> off = mask::distance_mm(pieces, progress).voxels;
+  // What is left between bone cells is no place of the dura's.
+  mask::BitMask room = mask::make_mask(wall, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < wall.size[0]; ++i) row[i] = inside.get(i, j, k) && off[wall.index(i, j, k)] > air_wall_mm;
+  });
+  const mask::BitMask wide = mask::dilated(mask::eroded(room, between_cells_mm, progress), between_cells_mm, progress);
+  for (int k = 0; k < wall.size[2]; ++k)
+    for (int j = 0; j < wall.size[1]; ++j)
+      for (int i = 0; i < wall.size[0]; ++i) {
+        float& v = off[wall.index(i, j, k)];
+        if (v < among_cells_mm && room.get(i, j, k) && !wide.get(i, j, k)) v = 0;
+        v -= float(air_wall_mm);
+      }
+  return off;
+}
+
+/// Keeps what lies off the air, in one piece.
+void leave_air(grid::Field& wall, const std::vector<float>& off) {
+  if (off.empty()) return;
+  for (std::size_t n = 0; n < wall.voxels.size(); ++n) wall.voxels[n] = std::min(wall.voxels[n], off[n]);
   const mask::BitMask whole = mask::largest(mask::components(mask::positive(wall, wall)));
   for (int k = 0; k < wall.size[2]; ++k)
     for (int j = 0; j < wall.size[1]; ++j)
       for (int i = 0; i < wall.size[0]; ++i)
-        if (wall.at(i, j, k) > 0 && !whole.get(i, j, k)) wall.at(i, j, k) = -1e-6f;
+        if (wall.at(i, j, k) >= 0 && !whole.get(i, j, k)) wall.at(i, j, k) = -1e-6f;
 }
 
 /// The smallest box around what is positive, with room for the surface.
@@ -291,15 +332,18 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   const grid::Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
     grid::Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
+    std::vector<float> off_air;
     if (params.max_beyond_mm > 0) {
       const HeadPlace place = place_of(cavity, shapes, false, progress);
       keep_near_template(wall, place, params, report);
-      if (shapes.volume) leave_air(wall, *shapes.volume, place, report, progress);
+      if (shapes.volume) off_air = off_air_mm(wall, *shapes.volume, place, report, progress);
+      leave_air(wall, off_air);
     }
     if (params.smooth_mm > 0) {
       mask::gaussian(wall, params.smooth_mm);
       for (float& v : wall.voxels)
         if (v == 0) v = -1e-6f;
+      leave_air(wall, off_air);  // which a smoothed surface runs into again
     }
     if (params.inset_mm > 0)
       for (float& v : wall.voxels) v = v == float(params.inset_mm) ? -1e-6f : v - float(params.inset_mm);

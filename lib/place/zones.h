@@ -80,7 +80,8 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// midline is lateral.
 ///
 /// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off ("beyond_ml"), with a warning above
-/// 3 ml, and so is the air of sinuses and bone cells at the skull's base ("air_ml": 0.3 ml and more below -300 HU).
+/// 3 ml, and so is the air of sinuses and bone cells at the skull's base, with their walls and what is left between
+/// them ("air_ml": 0.3 ml and more of what is darker than -60 HU, where some of it is below -300 HU).
 /// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.

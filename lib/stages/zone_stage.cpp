@@ -7,7 +7,7 @@ namespace trephine::stages {
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 5;
+  s.version = 6;
   s.typical_s = 5;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
