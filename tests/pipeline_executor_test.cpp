@@ -181,6 +181,21 @@ TEST(Executor, BeginsNothingAfterARefusal) {
   set_thread_count(0);
 }
 
+// A check may refuse the case: what it reads comes first, and what it does not read is not made before it has passed.
+TEST(Executor, ChecksAndWhatTheyReadComeFirst) {
+  set_thread_count(1);
+  Fixture f;
+  const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {b}), field = f.add("field", {}),
+            check = f.add("fails_check", {field}), last = f.add("last", {c});
+  f.types[std::size_t(check)]->output = stages::DataKind::nothing;
+  f.types[std::size_t(check)]->place = stages::StagePlace::scan;
+  f.graph.nodes[std::size_t(check)].output = stages::DataKind::nothing;
+  Silent silent;
+  EXPECT_THROW(pipeline::execute(f.graph, {last, check}, {}, silent), Error);
+  EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"field", "computed"}}));
+  set_thread_count(0);
+}
+
 // What the scene can do without is refused: what runs beside it is made, and is not made again without it.
 TEST(Executor, WhatMayBeMissingEndsNothingThatRuns) {
   set_thread_count(2);

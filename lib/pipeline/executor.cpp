@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -113,7 +114,7 @@ class Executor {
  private:
   struct Task {
     bool unknown = false, needed = false, started = false, done = false;
-    int readers = 0, urgency = 0;
+    int readers = 0, urgency = 0, group = 0;
     std::exception_ptr error;
     std::atomic<bool> stop{false};  // ends it while it runs
   };
@@ -134,17 +135,38 @@ class Executor {
     std::vector<std::thread> threads;
   };
 
-  // The order in which one thread would compute the nodes: the earlier, the more nodes wait for it one after another.
-  // It hangs on the graph alone, and sources come before their readers.
+  // The order of one thread: what a check reads, and the check, which may refuse the case, the check that reads the
+  // least first; then the rest. Among these the earlier, the more nodes wait. It hangs on the graph alone.
   void set_order() {
-    for (std::size_t i = graph_.nodes.size(); i-- > 0;)
-      for (const auto& [port, source] : graph_.nodes[i].sources)
+    std::vector<std::vector<int>> checks;  // each with all that it needs, itself the first
+    for (std::size_t i = graph_.nodes.size(); i-- > 0;) {
+      const Node& node = graph_.nodes[i];
+      for (const auto& [port, source] : node.sources)
         tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
+      if (node.type->is_check() && node.output == stages::DataKind::nothing) checks.push_back(needs_of(int(i)));
+    }
+    std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
+      return a.size() != b.size() ? a.size() < b.size() : a.front() < b.front();
+    });
+    for (Task& t : tasks_) t.group = int(checks.size());
+    for (int c = int(checks.size()); c-- > 0;)
+      for (const int n : checks[c]) tasks_[n].group = c;
+  }
+
+  // The node and all that it is made of.
+  std::vector<int> needs_of(int i) const {
+    std::vector<int> all{i};
+    std::vector<char> is(graph_.nodes.size());
+    for (std::size_t n = 0; n < all.size(); ++n)
+      for (const auto& [port, source] : graph_.nodes[all[n]].sources)
+        if (!std::exchange(is[source], char(1))) all.push_back(source);
+    return all;
   }
 
   bool comes_before(int i, int other) const {
-    const int a = tasks_[i].urgency, b = tasks_[other].urgency;
-    return a != b ? a > b : i < other;
+    const Task &a = tasks_[i], &b = tasks_[other];
+    if (a.group != b.group) return a.group < b.group;
+    return a.urgency != b.urgency ? a.urgency > b.urgency : i < other;
   }
 
   void stop_all() {

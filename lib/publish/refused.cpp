@@ -9,6 +9,7 @@
 #include "base/write_file.h"
 #include "consistency/anatomy_gate.h"
 #include "face/deface.h"
+#include "mask/coarse.h"
 #include "meshing/contour.h"
 #include "publish/case_pictures.h"
 
@@ -18,6 +19,12 @@ namespace {
 
 template <class T>
 using Shared = std::shared_ptr<const T>;
+
+/// The field on cells of about a millimetre: a surface of a scan's voxels takes seconds that a refusal need not.
+grid::Field for_a_look(const grid::Field& field) {
+  constexpr double cell_mm = 1;
+  return mask::coarse_mean(field, mask::coarse_raster(field, cell_mm));
+}
 
 /// Finds what stages have made, in memory or else in the cache.
 class Made {
@@ -40,24 +47,33 @@ class Made {
     return data ? *data : Shared<T>();
   }
 
-  /// The newest surface of an anatomy: the published one, an earlier one, or one made now of its field.
+  /// The newest surface of an anatomy: the published one, an earlier one, or one made now of the newest field.
   Shared<surface::TriMesh> surface_of(const pipeline::Graph::Anatomy& a) const {
     for (const int node : {a.surface, a.finished, a.first_surface})
       if (auto mesh = find<surface::TriMesh>(node)) return mesh;
-    for (const auto& [port, source] : run_.graph.nodes[a.first_surface].sources) {
-      const auto field = find<grid::Field>(source);
-      if (!field) continue;
-      try {
-        Report ignored;
-        return std::make_shared<const surface::TriMesh>(meshing::contour(*field, meshing::ContourParams(), ignored));
-      } catch (const Error&) {  // what has no surface has no picture
-        return {};
-      }
+    const auto field = field_before(a.first_surface, a.name);
+    if (!field) return {};
+    try {
+      Report ignored;
+      return std::make_shared<const surface::TriMesh>(
+          meshing::contour(for_a_look(*field), meshing::ContourParams(), ignored));
+    } catch (const Error&) {  // what has no surface has no picture
+      return {};
+    }
+  }
+
+ private:
+  /// The newest field of the anatomy that the node would have been made of: a refusal may come before the last ones.
+  Shared<grid::Field> field_before(int node, const std::string& anatomy) const {
+    for (const auto& [port, source] : run_.graph.nodes[node].sources) {
+      const pipeline::Node& of = run_.graph.nodes[source];
+      if (of.output != stages::DataKind::field || of.name.rfind(anatomy + ".", 0) != 0) continue;
+      if (auto field = find<grid::Field>(source)) return field;
+      if (auto field = field_before(source, anatomy)) return field;
     }
     return {};
   }
 
- private:
   const RefusedRun& run_;
 };
 
