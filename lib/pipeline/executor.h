@@ -56,14 +56,15 @@ stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Rep
 
 /// Computes the wanted nodes and what they need that is not in the cache, and any other node of the graph whose report
 /// is not in the cache: the report of every node is part of the results. Who wants a few nodes alone gives a graph of
-/// these. Independent nodes run at the same time on up
-/// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
+/// these. Independent nodes run at the same time on up to
+/// thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
-/// the thread count. Nodes run in an order that hangs on the graph alone: the earlier, the more nodes wait for one
-/// after another. Where a node fails, what comes after it in that order is not begun, and is stopped where it runs;
-/// what comes before it is made, for it might fail too. So the error thrown is that of the first node in order,
-/// whatever failed first in time; its field names the node. Where a node that may be missing is refused (80), what runs
-/// beside it is made to its end, so that a run without it has only the rest to do.
+/// the thread count. Nodes run in an order that hangs on the graph alone: first what the checks read, and the checks,
+/// which may refuse the case; among them, and among the others, those come first that more nodes wait for. Where a node
+/// fails, what comes after it in that order is not begun, and is stopped where it runs; what comes before it is made,
+/// for it might fail too. So the error thrown is that of the first node in order, whatever failed first in time; its
+/// field names the node. Where a node that may be missing is refused (80), what runs beside it is made to its end, so
+/// that a run without it has only the rest to do.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 
