@@ -36,14 +36,18 @@ int differing(const drill::LiveSurface& a, const drill::LiveSurface& b) {
 }
 
 // Edges of all bricks together, by the bits of their ends: each must be met as often one way as the other. And the
-// volume that the triangles enclose, in mm3.
+// volume that the triangles enclose, in mm3. A crowded edge has more than two triangles; a corner faces away where its
+// normal and its triangle's are more than a right angle apart.
 struct Closed {
-  std::size_t open = 0, triangles = 0;
+  std::size_t open = 0, crowded = 0, triangles = 0, away = 0;
   double volume_mm3 = 0;
 };
 Closed look_at(const drill::LiveSurface& s) {
   using Point = std::array<float, 3>;
-  std::map<std::pair<Point, Point>, int> edges;
+  struct Edge {
+    int balance = 0, faces = 0;
+  };
+  std::map<std::pair<Point, Point>, Edge> edges;
   Closed out;
   for (std::size_t n = 0; n < s.layout().count(); ++n) {
     const drill::BrickMesh& b = s.brick(n);
@@ -58,11 +62,21 @@ Closed look_at(const drill::LiveSurface& s) {
       out.volume_mm3 += dot(u, cross(v, w)) / 6;
       for (std::size_t c = 0; c < 3; ++c) {
         const Point &a = p[c], &z = p[(c + 1) % 3];
-        a < z ? ++edges[{a, z}] : --edges[{z, a}];
+        Edge& edge = a < z ? edges[{a, z}] : edges[{z, a}];
+        edge.balance += a < z ? 1 : -1;
+        ++edge.faces;
+      }
+      const Vec3 out_of = cross(v - u, w - u);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float* normal = b.vertices[b.indices[t + c]].normal;
+        out.away += dot(out_of, Vec3{normal[0], normal[1], normal[2]}) < 0;
       }
     }
   }
-  for (const auto& [edge, balance] : edges) out.open += balance != 0;
+  for (const auto& [ends, edge] : edges) {
+    out.open += edge.balance != 0;
+    out.crowded += edge.faces > 2;
+  }
   return out;
 }
 
@@ -81,6 +95,40 @@ TEST(LiveSurface, TheCellsTrianglesAreClosedByTheirNeighbours) {
     EXPECT_EQ(is.open, 0u) << n;
     EXPECT_GT(is.volume_mm3, 0) << "turned outwards";
   }
+}
+
+// 10,000 cuts of a ball that goes about in a block as a hand does: no edge has more than two triangles, as before a fan
+// of triangles was begun where none of its diagonals lies in a face of its cell.
+TEST(LiveSurface, TenThousandCutsLeaveASurfaceOfTwoFacesAnEdge) {
+  voxel::HapticVolume v;
+  v.voxels = grid::Grid<std::int16_t>(lattice(72, 0.4), voxel::haptic_empty);
+  v.shapes = {voxel::occupancy_shape("bone", 1)};
+  for (int k = 4; k < 68; ++k)
+    for (int j = 4; j < 68; ++j)
+      for (int i = 4; i < 68; ++i) v.voxels.at(i, j, k) = voxel::detail::join(1, 255, true);
+  drill::DrillShapes shapes;
+  shapes[1] = {true, 0.02};
+  drill::Cutter cutter;
+  cutter.radius_mm = 1.25;
+  drill::Drill drill(v, shapes, cutter, {}, nullptr);
+  std::mt19937_64 rng(5);
+  Vec3 tip = v.voxels.to_world_mm({36, 36, 60}), way;
+  for (int n = 0; n < 10000; ++n) {
+    if (n % 50 == 0) {
+      const Vec3 to = v.voxels.to_world_mm({uniform(rng, 5, 67), uniform(rng, 5, 67), uniform(rng, 10, 67)});
+      way = (to - tip) * (1.0 / 50);
+    }
+    drill::ToolPose pose;
+    pose.tip_mm = tip;
+    drill.cut_way(pose, tip + normalized(way) * 0.1, 0, 0.001);
+    tip += way;
+  }
+  const Closed is = look_at(drill::LiveSurface(v, 1));
+  std::printf("  %zu triangles, %zu edges with more than two, %zu corners of %zu whose normal faces away\n",
+              is.triangles, is.crowded, is.away, 3 * is.triangles);
+  EXPECT_GT(is.triangles, 20000u) << "else little was cut";
+  EXPECT_EQ(is.open, 0u);
+  EXPECT_EQ(is.crowded, 0u);
 }
 
 TEST(LiveSurface, ABallHasItsVolumeAndNormals) {

@@ -14,6 +14,30 @@ int edge_between(int a, int b) {
 // The corners of each face, counter-clockwise seen from outside the cell.
 constexpr int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
 
+bool in_one_face(int edge, int other) {
+  for (const auto& face : faces) {
+    bool one = false, two = false;
+    for (int n = 0; n < 4; ++n) {
+      const int e = edge_between(face[n], face[(n + 1) & 3]);
+      one = one || e == edge;
+      two = two || e == other;
+    }
+    if (one && two) return true;
+  }
+  return false;
+}
+
+// Where the loop's fan begins so that none of its diagonals lies in a face of the cell: the neighbour's could lie there
+// too, and that edge would have four triangles. Of all loops of a cell there is one.
+int fan_begin(const int* loop, int length) {
+  for (int first = 0; first < length; ++first) {
+    bool good = true;
+    for (int n = 2; n + 1 < length; ++n) good = good && !in_one_face(loop[first], loop[(first + n) % length]);
+    if (good) return first;
+  }
+  return 0;
+}
+
 // Each face's outline passes from empty to solid and back. What lies between is cut off by a segment; the segments of
 // all faces join at the edges to closed loops, and each loop is a fan of triangles.
 CellTriangles triangles_of(int solid) {
@@ -37,11 +61,12 @@ CellTriangles triangles_of(int solid) {
       next[e] = -1;
       e = then;
     }
+    const int begin = fan_begin(loop, length);
     for (int n = 1; n + 1 < length; ++n) {
       const std::size_t at = std::size_t(3 * out.count++);
-      out.edge[at] = std::uint8_t(loop[0]);
-      out.edge[at + 1] = std::uint8_t(loop[n + 1]);
-      out.edge[at + 2] = std::uint8_t(loop[n]);
+      out.edge[at] = std::uint8_t(loop[begin]);
+      out.edge[at + 1] = std::uint8_t(loop[(begin + n + 1) % length]);
+      out.edge[at + 2] = std::uint8_t(loop[(begin + n) % length]);
     }
   }
   return out;
