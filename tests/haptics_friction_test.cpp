@@ -2,6 +2,8 @@
 // Friction on planes of any direction: the dynamic ratio and nothing else, whatever the static one is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "device/device.h"
 #include "haptics_tools.h"
 
@@ -73,6 +75,53 @@ TEST(HapticsFriction, IsTheDynamicRatioOnPlanesOfAnyDirection) {
       std::printf("  %-8s %.2f/%.2f: mean %+.4f, worst %.4f\n", name, at_rest, sliding, mean, worst);
       EXPECT_LT(std::abs(mean), 0.02) << name;
       EXPECT_LT(worst, 0.05) << name;
+    }
+}
+
+// Single ticks: how far the tangential force is from the dynamic ratio, and at which ratio a tool that rested begins to
+// slide. Planes that are no planes of the lattice are rough by what a voxel holds of them, so a point's normal leans.
+TEST(HapticsFriction, SingleTicksAndTheOnset) {
+  struct Bound {
+    const char* name;
+    haptics::ToolParams params;
+    double p99, worst, onset;
+  };
+  const Bound held[] = {{"point", {}, 0.06, 0.2, 0.02},
+                        {"burr", params_of("burr", 3, 6), 0.06, 0.2, 0.02},
+                        {"ball", params_of("ball", 3), 0.06, 0.2, 0.02},
+                        {"catheter", params_of("catheter", 2.5, 8, 1), 0.06, 0.2, 0.02}};
+  const double at_rest = 0.35, sliding = 0.3;
+  for (const Bound& b : held)
+    for (const double depth_mm : {0.3, 1.0}) {
+      std::mt19937_64 rng(5);
+      std::vector<double> off, onset;
+      for (int n = 0; n < 24; ++n) {
+        const Vec3 normal = unit_vector(rng);
+        voxel::HapticVolume volume = half_space(normal);
+        const contact::ContactVolume contact(volume);
+        const Mat3 frame = haptics::frame_along(normal);
+        const double a = uniform(rng, 0, 2 * M_PI);
+        const Vec3 along = frame.column[0] * std::cos(a) + frame.column[1] * std::sin(a);
+        haptics::Proxy proxy(contact, one_shape(1, face(1, at_rest, sliding), face(1)), plain(), {},
+                             haptics::make_tool(b.params));
+        for (double up = 3; up > -depth_mm; up -= 0.05) proxy.update(pose(along * -6 + normal * up, normal));
+        double most = 0;
+        for (double s = -6; s < 6; s += s < -5 ? 0.001 : 0.02) {
+          const haptics::HapticState& is = proxy.update(pose(along * s - normal * depth_mm, normal));
+          const double ratio = -dot(is.force_n, along) / dot(is.force_n, normal);
+          if (s < -5) most = std::max(most, ratio);
+          if (s > -4) off.push_back(std::abs(ratio / sliding - 1));
+        }
+        onset.push_back(most / at_rest - 1);
+      }
+      std::sort(off.begin(), off.end());
+      std::sort(onset.begin(), onset.end());
+      std::printf(
+          "  %-8s %.1f mm deep: single ticks off by p50 %.3f, p99 %.3f, at most %.3f; onset off by %+.3f to %+.3f\n",
+          b.name, depth_mm, off[off.size() / 2], off[off.size() * 99 / 100], off.back(), onset.front(), onset.back());
+      EXPECT_LT(off[off.size() * 99 / 100], b.p99) << b.name;
+      EXPECT_LT(off.back(), b.worst) << b.name;
+      EXPECT_LT(std::max(-onset.front(), onset.back()), b.onset) << b.name;
     }
 }
 
