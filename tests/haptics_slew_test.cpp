@@ -135,3 +135,47 @@ TEST(HapticsSlew, AFloorThatGivesWay) {
   EXPECT_EQ(third.changes.above[2], third.changes.named) << "a change above 0.1 N/ms without a name";
   EXPECT_GT(second.changes.turns, third.changes.turns);
 }
+
+// Two holes through a plate are two breaches, and the way through the first hole again is none. Sessions of before told
+// the first alone, and their recordings still do.
+TEST(HapticsSlew, EachPassThroughBoneIsABreach) {
+  for (const auto& [law, expected] :
+       {std::pair{haptics::ForceParams::Law::fourth, 2}, std::pair{haptics::ForceParams::Law::third, 1}}) {
+    voxel::HapticVolume volume = empty(44, {0.5, 0.5, 0.5});
+    fill_wide(volume, 1, [](Vec3 p) { return 1.5 - std::abs(p.z); });
+    contact::ContactVolume contact(volume);
+    drill::DrillShapes shapes;
+    shapes[1] = {true, 0.02};
+    haptics::DrillingParams params;
+    params.drill = true;
+    const haptics::ToolParams tool = haptics::own_tool(params_of("ball", 4));
+    haptics::Drilling drilling(volume, contact, shapes, params, {}, haptics::cutter_of(params, tool));
+    haptics::ForceParams force;
+    force.force_law = law;
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
+                         haptics::make_tool(tool));
+    std::vector<int> breaches;
+    Vec3 tip{-4, 0, 3};
+    const auto go = [&](Vec3 to, int ticks, std::uint32_t buttons) {
+      int told = 0;
+      const Vec3 from = tip;
+      for (int n = 1; n <= ticks; ++n) {
+        tip = from + (to - from) * (double(n) / ticks);
+        haptics::HapticInput in = pose(tip, {0, 0, 1});
+        in.buttons = buttons;
+        drilling.prepare(in);
+        const haptics::HapticState& is = proxy.update(in);
+        drilling.tick(in, is);
+        told += (is.events & haptics::haptic_event::breach) != 0;
+      }
+      breaches.push_back(told);
+    };
+    for (const double x : {-4.0, -4.0, 4.0}) {
+      go({x, 0, 3}, 100, 0);
+      go({x, 0, -4}, 700, haptics::Drilling::pedal);
+      go({x, 0, 3}, 100, 0);
+    }
+    EXPECT_EQ(breaches, (std::vector<int>{0, 1, 0, 0, 0, 0, 0, expected - 1, 0}));
+    EXPECT_TRUE(drilling.outcome().breached);
+  }
+}

@@ -24,7 +24,7 @@ def names(bits, known):
 
 def of_recording(data):
     version, length = struct.unpack_from("<II", data, 8)
-    if not 1 <= version <= 6 or 16 + length > len(data):
+    if not 1 <= version <= 7 or 16 + length > len(data):
         raise ValueError(f"version {version}, or a header that is cut short")
     header = json.loads(data[16:16 + length])
     each = header.get("frame_bytes", 176)

@@ -104,6 +104,7 @@ Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact,
       heat_(params, radius_of(cutter)),
       voxel_mm3_(volume.voxels.voxel_volume_mm3()) {
   const double radius_mm = radius_of(cutter);
+  least_pass_units_ = M_PI * radius_mm * radius_mm / 4 * min_depth_mm / voxel_mm3_ * voxel::haptic_full;
   rim_m_per_s_ = params.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
   stands_.resize(std::size_t(params.undo_steps));
   if (params.undo_steps > 0) drill_.keep_steps(int(params.undo_steps));
@@ -117,6 +118,7 @@ void Drilling::count(const drill::Removal& r) {
   outcome_.late_units += r.late_units;
   for (std::size_t n = 1; n < r.units.size(); ++n) {
     outcome_.units[n] += r.units[n];
+    if (shapes_[n].energy_j_per_mm3 > 0) pass_units_ += r.units[n];
     if (shapes_[n].energy_j_per_mm3 > 0) removed_mm3_ += double(r.units[n]) / voxel::haptic_full * voxel_mm3_;
     removed_[n].store(outcome_.units[n], std::memory_order_relaxed);
   }
@@ -183,6 +185,7 @@ void Drilling::prepare(HapticInput& in) const {
   in.extra_n = in.extra_n == Vec3{} ? force_ : in.extra_n + force_;
   in.drilling = in.buttons & pedal;
   in.breached = came_through_;
+  in.breached_first = came_through_ && first_;
   in.away = putting_back();
 }
 
@@ -253,15 +256,25 @@ bool Drilling::was_bone(Vec3 at) const {
   return false;
 }
 
+// A breach is a way through bone from its outside that a drill made: at least min_depth_mm deep, and on it as much bone
+// was removed as such a hole of half the cutter's width holds. So a tool that passes through its own hole again
+// breaches nothing.
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   came_through_ = false;
-  if (outcome_.breached || !(in.buttons & pedal)) return;
+  if (!(in.buttons & pedal)) return;
   const bool is = was_bone(tip);
-  if (is && !in_bone_) entry_mm_ = tip;
+  if (is && !in_bone_) {
+    entry_mm_ = tip;
+    pass_units_ = 0;
+  }
   if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
-    outcome_.breached = came_through_ = true;
-    outcome_.breach_time_s = time_s_;
-    outcome_.breach_mm = tip;
+    first_ = !outcome_.breached;
+    came_through_ = first_ || double(pass_units_) > least_pass_units_;
+    if (first_) {
+      outcome_.breached = true;
+      outcome_.breach_time_s = time_s_;
+      outcome_.breach_mm = tip;
+    }
   }
   in_bone_ = is;
 }

@@ -74,7 +74,7 @@ struct DrillingOutcome {
   double max_bone_c = BoneHeat::body_c, above_harm_s = 0, heat_dose_min = 0;  ///< BoneHeat
   int incisions = 0;
   int undone = 0, resets = 0;  ///< strokes and incisions that were taken back; how often all was
-  bool breached = false;       ///< the tip left drilled bone on the other side than it came in
+  bool breached = false;       ///< the tip left drilled bone on the other side than it came in, for the first time
   double breach_time_s = 0;
   Vec3 breach_mm;
 };
@@ -89,8 +89,9 @@ ToolParams felt_tool(const DrillingParams& params, const ToolParams& own_tool, V
 /// The tool's cutter. Throws Error 64 where the tool cuts nothing.
 drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
 
-/// Removal within the tick of the servo loop, after the proxy: the tool cuts at the device, and its force is felt in
-/// the next tick. Only the constructor allocates; nothing locks or makes a system call; equal ticks give equal bits.
+/// Removal within the tick of the servo loop, after the proxy: the cutter stands where the tool is shown (`cut_at`),
+/// and its force is felt in the next tick. Only the constructor allocates; nothing locks or makes a system call; equal
+/// ticks give equal bits.
 class Drilling {
  public:
   /// All must outlive it; `marks` may be null.
@@ -157,6 +158,7 @@ class Drilling {
     std::array<std::int64_t, voxel::haptic_max_shapes + 1> units;
     int incisions;
     bool breached, in_bone;
+    std::int64_t pass_units;
     double breach_time_s;
     Vec3 breach_mm, entry_mm;
   };
@@ -167,7 +169,10 @@ class Drilling {
   std::vector<Stand> stands_;  ///< by the steps' places
   Stand back_to_;
   std::atomic<bool> putting_back_{false};
-  bool begun_ = false, in_bone_ = false, came_through_ = false;
+  bool begun_ = false, in_bone_ = false;
+  bool came_through_ = false, first_ = false;  ///< in this tick; that was the session's first time
+  std::int64_t pass_units_ = 0;                ///< of what a drill removes, since the tip is in bone
+  double least_pass_units_ = 0;                ///< of a way through bone that is a breach
   Vec3 entry_mm_;
   DrillingOutcome outcome_;
   std::array<std::atomic<std::int64_t>, voxel::haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads

@@ -5,8 +5,8 @@
 namespace trephine::haptics {
 
 Drilling::Stand Drilling::stand() const {
-  return {outcome_.units,         outcome_.incisions, outcome_.breached, in_bone_,
-          outcome_.breach_time_s, outcome_.breach_mm, entry_mm_};
+  return {outcome_.units, outcome_.incisions,     outcome_.breached,  in_bone_,
+          pass_units_,    outcome_.breach_time_s, outcome_.breach_mm, entry_mm_};
 }
 
 void Drilling::go_back_to(const Stand& s) {
@@ -16,6 +16,7 @@ void Drilling::go_back_to(const Stand& s) {
   outcome_.breach_time_s = s.breach_time_s;
   outcome_.breach_mm = s.breach_mm;
   in_bone_ = s.in_bone;
+  pass_units_ = s.pass_units;
   entry_mm_ = s.entry_mm;
   for (std::size_t n = 1; n < outcome_.units.size(); ++n)
     removed_[n].store(outcome_.units[n], std::memory_order_relaxed);

@@ -31,13 +31,13 @@ inline contact::TouchableFaces touchable_of(const Feels& feels) {
 
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
-  enum class Law { third, second, first };
+  enum class Law { fourth, third, second, first };
   enum class Shape { cosine, line, snap };
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
-  Law force_law = Law::third;
+  Law force_law = Law::fourth;
   double release_s = 0.02, event_s = 0.01;
   Shape event_shape = Shape::cosine;
   template <class V>
@@ -56,8 +56,11 @@ struct ForceParams {
              "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.")
         .is_since(5);
     v.choice(
-         &P::force_law, "force_law", {{"third", Law::third}, {"second", Law::second}, {"first", Law::first}},
-         "How contacts give way. third: as second, and the force of a running drill changes by less than 0.1 N in a "
+         &P::force_law, "force_law",
+         {{"fourth", Law::fourth}, {"third", Law::third}, {"second", Law::second}, {"first", Law::first}},
+         "How contacts give way. fourth: as third, a tool that is jammed where it is drawn out is worked loose, and "
+         "each breach of bone is an event, not a session's first alone. third: as second, and the force of a running "
+         "drill changes by less than 0.1 N in a "
          "millisecond, but where a membrane pops or bone is breached. second: forces change smoothly where a membrane "
          "or bone gives way, and a tool that is drawn out of a hole is never locked. first: as before version 5.")
         .is_since(5);

@@ -125,7 +125,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
     force += inside_force(in) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   if (third_law()) {
-    if (in.breached) state_.events |= haptic_event::breach;
+    if (fourth_law() ? in.breached : in.breached_first) state_.events |= haptic_event::breach;
     const bool event = state_.events & (haptic_event::breach | haptic_event::popped);
     force = slew_.follow(force, in.drilling, event, 2 * stiffest_n_per_mm_ * moved_mm, in.dt_s);
   }

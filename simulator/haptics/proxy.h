@@ -24,9 +24,10 @@ struct HapticInput {
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
   bool drilling = false;  ///< the tool runs and may cut
-  bool breached = false;  ///< in the last tick it came through (Drilling)
-  bool away = false;      ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
-  double dt_s = 0.001;    ///< since the previous frame
+  /// In the last tick the drill came through (Drilling); that was the session's first time.
+  bool breached = false, breached_first = false;
+  bool away = false;    ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
+  double dt_s = 0.001;  ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 
@@ -132,7 +133,8 @@ class Proxy {
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
   bool second_law() const { return force_.force_law != ForceParams::Law::first; }
-  bool third_law() const { return force_.force_law == ForceParams::Law::third; }
+  bool third_law() const { return second_law() && force_.force_law != ForceParams::Law::second; }
+  bool fourth_law() const { return force_.force_law == ForceParams::Law::fourth; }
   void hold_corner(Vec3 device_mm);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
@@ -151,13 +153,26 @@ class Proxy {
   int put_plane(const Plane& plane, const contact::Contact& contact);
   void approach_tool(const ToolBody::Meeting& m);
   bool step_over_tool(Vec3 normal, Vec3 device_mm, Vec3 goal_mm);
-  bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
-  bool draws_out() const;
-  void slide_out(Vec3 device_mm);
-  void try_unlock(Vec3 axis);
+  void pop_into(const contact::Contact& contact);
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();
   contact::TouchableFaces closed_faces() const;
+
+  // The functions of proxy_lock.cpp.
+  struct Loose {
+    Mat3 frame;
+    Vec3 way_mm;  // of the tip
+  };
+  bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
+  void try_unlock(Vec3 axis, Vec3 device_mm);
+  bool holds_line(Vec3 device_mm) const;
+  void follow_line(Vec3 device_mm);
+  void note_drawn(Vec3 behind_mm);
+  bool draws_out() const;
+  void slide_out(Vec3 device_mm);
+  Loose next_loose(const Mat3& frame);
+  void work_loose();
+  void slide_out_round(Vec3 device_mm);
 
   // The functions of proxy_round.cpp: the same for a round tool.
   void begin_round(const HapticInput& in);
@@ -171,6 +186,7 @@ class Proxy {
 
   static constexpr double same_surface =
       0.8;  // cosine between normals of one curved surface, not of two that meet in an edge
+  static constexpr double max_turn_rad = 0.5;  // of a tool of many points, in a frame
   static constexpr double nearest_exit_mm = 0.1, farthest_exit_mm = 60;
   static constexpr int exit_ways =
       27;                       // directions out of bone in which the tool starts: to a cube's faces, edges and corners
@@ -215,10 +231,13 @@ class Proxy {
   int slice_ = 0;  // the slice of the axis to be examined next
   Vec3 lock_normal_;
   double lock_dot_ = 0;
+  Held line_held_{};                    // the wall of the lock
   int locked_for_ = 0, drawn_for_ = 0;  // frames
+  int loosened_ = 0;                    // places that were tried, to work it loose
   struct Collided {                     // in this frame
     int point;
     Vec3 at_mm, normal;
+    Held held;
   };
   Collided from_tip_, from_tail_;
   bool any_collided_ = false;

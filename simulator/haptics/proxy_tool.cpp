@@ -10,11 +10,7 @@ namespace trephine::haptics {
 namespace {
 
 constexpr int max_passes = 10, turning_passes = 3;
-constexpr double cancels = 0.2;       // two normals whose sum is shorter than this share of their lengths cancel
-constexpr double max_turn_rad = 0.5;  // in a frame
-constexpr int unlock_frames = 8;
-constexpr double drawn_out_mm = 0.3;
-constexpr int drawn_frames = 5, out_tries = 4;
+constexpr double cancels = 0.2;  // two normals whose sum is shorter than this share of their lengths cancel
 constexpr int slices = 16;
 constexpr std::uint64_t max_looks = 4000;  // points that are tried in a frame, on the way out of bone
 
@@ -56,7 +52,8 @@ void Proxy::follow_tool(const HapticInput& in) {
   solved_ = any_collided_ = false;
   const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;
   open_behind();
-  try_unlock(normalized(axis));
+  try_unlock(normalized(axis), in.tip_mm);
+  if (holds_line(in.tip_mm)) return follow_line(in.tip_mm);
   Mat3 aim = state_.locked         ? b.frame()
              : in.across == Vec3{} ? turned(b.frame(), axis, max_turn_rad)
                                    : turned_to(b.frame(), frame_of(axis, in.across), max_turn_rad);
@@ -73,7 +70,7 @@ void Proxy::follow_tool(const HapticInput& in) {
   state_.proxy_mm = b.tip_mm();
   state_.axis = b.frame().column[2];
   state_.inside = b.shape(0);
-  drawn_for_ = dot(in.tip_mm - b.tip_mm(), state_.axis) > drawn_out_mm ? drawn_for_ + 1 : 0;
+  note_drawn(in.tip_mm - b.tip_mm());
   if (count_ == 0) sliding_ = false;
 }
 
@@ -184,15 +181,8 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     const cases::CaseFace& feel = held_[put[n]].feel;
     if (!(feel.pop_through_n > 0) || feel.stiffness_n_per_mm * nearest_.pressure_mm[put[n]] <= feel.pop_through_n)
       continue;
-    open_.front |= bit(contacts[n].into);
-    open_.back |= bit(contacts[n].from);
-    crossed_.front |= bit(contacts[n].into);
-    crossed_.back |= bit(contacts[n].from);
-    slice_ = 0;
-    state_.events |= haptic_event::popped;
+    pop_into(contacts[n]);
     goal = device;
-    count_ = 0;
-    solved_ = false;
     return true;
   }
   // Friction acts along the walls. For a turn, the tip may first have to give way.
@@ -209,6 +199,18 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   }
   goal = from + rest * (1 - feel.dynamic_friction_ratio * depth / length);
   return true;
+}
+
+// Opens the faces that a point has popped through to all points.
+void Proxy::pop_into(const contact::Contact& c) {
+  open_.front |= bit(c.into);
+  open_.back |= bit(c.from);
+  crossed_.front |= bit(c.into);
+  crossed_.back |= bit(c.from);
+  slice_ = 0;
+  state_.events |= haptic_event::popped;
+  count_ = 0;
+  solved_ = false;
 }
 
 // Goes up by a step, along, and down towards the device, as step_over() does.
@@ -236,72 +238,6 @@ bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
     }
   }
   return !barred;
-}
-
-// The orientation lock of [Rizzi, chapter 5, Table V]: the first points that collide from either end are further apart
-// than lock_distance_mm, while the tool is turned into the wall of one of them. The normal of that wall is kept, not
-// always that of the point h in the table: between opposite walls the tool may turn away from the wall of h.
-bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
-  const ToolBody& b = *body_;
-  const auto collided = [&](int point) {
-    return Collided{point, b.met(point).point_mm, contact_.normal_of(b.met(point), b.way(point))};
-  };
-  if (tool_.search != ToolParams::Search::both || !(tool_.lock_distance_mm > 0) || state_.locked) {
-    any_collided_ = true;
-    return false;
-  }
-  if (!any_collided_ || m.from_tip < from_tip_.point) from_tip_ = collided(m.from_tip);
-  if (!any_collided_ || m.from_tail > from_tail_.point) from_tail_ = collided(m.from_tail);
-  any_collided_ = true;
-  if (second_law() && draws_out()) return false;
-  if (norm(turn) < 1e-9 || !(norm(from_tip_.at_mm - from_tail_.at_mm) > tool_.lock_distance_mm)) return false;
-  const Collided* into = dot(from_tip_.normal, turn) < 0    ? &from_tip_
-                         : dot(from_tail_.normal, turn) < 0 ? &from_tail_
-                                                            : nullptr;
-  if (!into) return false;
-  state_.locked = true;
-  state_.events |= haptic_event::locked;
-  lock_normal_ = into->normal;
-  lock_dot_ = dot(lock_normal_, b.frame().column[2]);
-  locked_for_ = 0;
-  return true;
-}
-
-// Whether the device has drawn the tool outwards for some frames, and it did not come: then no lock may hold it in its
-// hole.
-bool Proxy::draws_out() const { return drawn_for_ >= drawn_frames; }
-
-// Moves the tool along its own axis as far as the device is drawn, without friction: a straight shaft is always free to
-// leave that way. Where it touches the rim, it gives way a little to the side.
-void Proxy::slide_out(Vec3 device) {
-  ToolBody& b = *body_;
-  const Vec3 axis = b.frame().column[2];
-  for (int n = 0; n < out_tries; ++n) {
-    const double left = dot(device - b.tip_mm(), axis);
-    if (!(left > 0)) return;
-    const ToolBody::Meeting m = b.sweep(b.tip_mm() + axis * left, b.frame(), closed_faces());
-    if (!m.hit) {
-      b.arrive();
-      return;
-    }
-    const Vec3 normal = contact_.normal_of(b.met(m.nearest), b.way(m.nearest));
-    approach_tool(m);
-    if (b.sweep(b.tip_mm() + normal * step_mm_, b.frame(), closed_faces()).hit) return;
-    b.arrive();
-  }
-}
-
-// Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether anything still bars the
-// turn, and ends the lock where nothing does, because the tool was drawn out.
-void Proxy::try_unlock(Vec3 axis) {
-  if (!state_.locked) return;
-  ToolBody& b = *body_;
-  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) && !(second_law() && draws_out()) &&
-      (++locked_for_ % unlock_frames != 0 ||
-       b.sweep(b.tip_mm(), turned(b.frame(), axis, max_turn_rad), closed_faces()).hit))
-    return;
-  state_.locked = false;
-  state_.events |= haptic_event::unlocked;
 }
 
 // Looks at one slice of the axis in each frame. Shapes that were popped through and are found in no slice close again.

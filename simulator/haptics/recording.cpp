@@ -23,10 +23,17 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
+bool locks_a_line(const RecordingHeader& h) {
+  bool line = h.tool.lock == ToolParams::Lock::line;
+  for (const BeltToolParams& tool : h.tools) line = line || tool.lock == ToolParams::Lock::line;
+  return line;
+}
+
 int version_of(const RecordingHeader& h) {
-  if (h.force.force_law == ForceParams::Law::third) return recording_version;
+  if (h.force.force_law == ForceParams::Law::fourth || locks_a_line(h)) return recording_version;
+  if (h.force.force_law == ForceParams::Law::third) return third_law_version;
   if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))
-    return recording_version;
+    return third_law_version;
   if (h.force.force_law == ForceParams::Law::second ||
       (h.drilling.drill && h.drilling.cut_at == DrillingParams::At::tool))
     return second_law_version;

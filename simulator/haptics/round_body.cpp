@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace trephine::haptics {
 namespace {
@@ -70,12 +71,16 @@ RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPar
     voxels *= (2 * (largest_radius_mm_ + disc_mm_ + margin_mm_) + (a == 0 ? 2 * length_mm_ : 0)) / s[a] + 4;
   samples_.resize(std::size_t(std::clamp(voxels, 64.0, 200000.0)));
   near_.resize(samples_.size());
+  normals_.resize(known_normals);
 }
 
 void RoundBody::begin_frame() {
+  calls_ = 0;
+  spent_ = 0;
   const std::uint32_t now = contact_.loosened();
   if (now != seen_ || ++frames_ >= frames_known) known_ = false;
   if (!known_) frames_ = 0;
+  if (!known_ && now != 0) ++since_;  // nothing can have changed before the first loosening
   seen_ = now;
 }
 
@@ -84,13 +89,34 @@ void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
   if (known_ && norm(centre_mm - looked_mm_) <= margin_mm_ && norm(end - looked_end_mm_) <= margin_mm_) return;
   count_ = contact_.samples_near(centre_mm, end, largest_radius_mm_ + disc_mm_ + margin_mm_, samples_.data(),
                                  int(samples_.size()));
+  spent_ += spent_by_look;
   looked_mm_ = centre_mm;
   looked_end_mm_ = end;
   known_ = true;
 }
 
+// The normals of places that were asked for since the volume was last seen to change are kept, for looking anew finds
+// most of them again.
+Vec3 RoundBody::normal_of(const contact::SurfaceSample& s) {
+  std::uint64_t hash = std::uint64_t(s.low) << 8 ^ std::uint64_t(s.high);
+  for (const double x : {s.point_mm.x, s.point_mm.y, s.point_mm.z}) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &x, sizeof bits);
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15;
+    hash ^= hash >> 29;
+  }
+  KnownNormal& known = normals_[hash % known_normals];
+  if (known.since == since_ && known.point_mm == s.point_mm && known.low == s.low && known.high == s.high)
+    return known.normal;
+  spent_ += spent_by_normal;
+  known = {s.point_mm, contact_.normal_at(s.point_mm, s.low, s.high), s.low, s.high, since_};
+  return known.normal;
+}
+
 RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
   look(centre_mm, axis);
+  ++calls_;
+  spent_ += count_;
   Touch t;
   const bool alone = is_ball();
   for (int n = 0; n < count_; ++n) {
@@ -105,7 +131,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       const double far = p.radius_mm - std::max(0.0, shallowest) + disc_mm_;
       if (dot(r, r) > far * far) continue;
       if (s.normal == Vec3{}) {
-        s.normal = contact_.normal_at(s.point_mm, s.low, s.high);
+        s.normal = normal_of(s);
         if (s.normal == Vec3{}) s.normal = normalized(r);
       }
       const Disc disc{s.point_mm, s.normal, disc_mm_};
