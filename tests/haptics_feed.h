@@ -14,7 +14,7 @@ struct FeedRun {
   double rate_hz = 1000;
   haptics::DrillingParams drilling;
   drill::DrillParams law;
-  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::third;
+  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::fourth;
 };
 
 struct Feed {
@@ -24,7 +24,9 @@ struct Feed {
   double late_mm = 0;        ///< depth of the last quarter of the time less that before: 0 where it has stopped
   double max_step_n = 0;     ///< largest change of the force from tick to tick while it cuts
   double removed_mm3 = 0;
+  double depth_after_mm[4] = {};  ///< after each of feed_times_s; after its end as at its end
 };
+constexpr double feed_times_s[4] = {0.25, 0.5, 1, 2};
 
 inline haptics::DrillingParams drills(haptics::DrillingParams params) {
   params.drill = true;
@@ -86,6 +88,8 @@ inline Feed feed_of(FeedRun run) {
     depth.push_back(out.depth_mm);
   }
   const std::size_t ticks = depth.size();
+  for (int n = 0; n < 4; ++n)
+    out.depth_after_mm[n] = depth[std::min(ticks, std::size_t(feed_times_s[n] * run.rate_hz)) - 1];
   std::size_t half = 0;
   while (half + 1 < ticks && depth[half] < 0.5 * out.depth_mm) ++half;
   out.feed_mm_per_s = (out.depth_mm - depth[half]) / (double(ticks - half) * dt);

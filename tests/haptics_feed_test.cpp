@@ -79,19 +79,22 @@ TEST(HapticsFeed, AStallIsReported) {
   EXPECT_LT(is.depth_mm, 1);
 }
 
-// docs/haptics.md has this table.
+// docs/haptics.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller force is left.
 TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
   struct Row {
     const char* kind;
-    double tilt_deg, tremor_mm;
+    double tilt_deg, tremor_mm, least;
   };
-  for (const Row& row : {Row{"ball", 0, 0}, Row{"ball", 30, 0.3}, Row{"ball", 60, 0.3}, Row{"round_burr", 0, 0},
-                         Row{"burr", 0, 0}, Row{"craniotome", 0, 0}})
+  for (const Row& row : {Row{"ball", 0, 0, 0.8}, Row{"ball", 0, 0.3, 0.8}, Row{"ball", 30, 0.3, 0.8},
+                         Row{"ball", 60, 0.3, 0.8}, Row{"round_burr", 0, 0, 0.8}, Row{"burr", 0, 0, 0.8},
+                         Row{"matchstick", 0, 0, 0.8}, Row{"cylinder", 0, 0, 0.8}, Row{"craniotome", 0, 0, 0.8}})
     for (const double diameter_mm : {2.0, 3.0, 5.0, 7.0, 14.0})
       for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) {
-        if (diameter_mm >= 14 && (voxel_mm < 0.5 || std::string(row.kind) != "ball")) continue;
-        std::printf("  %-10s %4.1f mm, voxels %.1f, %2.0f degrees:", row.kind, diameter_mm, voxel_mm, row.tilt_deg);
-        double most = 0;
+        if (diameter_mm >= 14 && (row.tilt_deg > 0 || std::string(row.kind) != "ball")) continue;
+        std::printf(
+            "%s %.0f degrees, tremor %.1f mm, %.0f mm in voxels of %.1f mm, mm/s and (mm after 0.25, 0.5, 1, 2 s):",
+            row.kind, row.tilt_deg, row.tremor_mm, diameter_mm, voxel_mm);
+        double most = 0, least = 1, step_n = 0;
         for (const double force_n : forces_n) {
           FeedRun run;
           run.kind = row.kind;
@@ -102,14 +105,19 @@ TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
           run.tremor_mm = row.tremor_mm;
           if (diameter_mm >= 14) run.max_depth_mm = 4;
           const Feed is = feed_of(run);
-          std::printf(" %5.1f", is.feed_mm_per_s);
+          const double* at = is.depth_after_mm;
+          std::printf(" %.1f (%.1f %.1f %.1f %.1f)%s", is.feed_mm_per_s, at[0], at[1], at[2], at[3],
+                      is.late_mm > 0.05 ? "" : " stopped");
+          if (row.tilt_deg > 45 && force_n >= 3) continue;  // such a hand slips over the surface
           EXPECT_GT(is.late_mm, 0.05) << "it stopped at " << is.depth_mm << " mm with " << force_n << " N";
-          EXPECT_EQ(is.stalled_s, 0);
-          if (row.tilt_deg == 0) {
-            EXPECT_GT(is.feed_mm_per_s, 0.8 * most) << force_n << " N";
-          }
+          EXPECT_LT(is.stalled_s, force_n < 5 ? 1e-9 : 0.05);
+          EXPECT_GT(is.feed_mm_per_s, row.least * most) << force_n << " N";
+          if (most > 0) least = std::min(least, is.feed_mm_per_s / most);
           most = std::max(most, is.feed_mm_per_s);
+          step_n = std::max(step_n, is.max_step_n);
+          if (is.stalled_s > 0) std::printf(" stalled %.3f s", is.stalled_s);
         }
-        std::printf(" mm/s\n");
+        std::printf("; least %.2f, force steps at most %.3f N\n", least, step_n);
+        std::fflush(stdout);
       }
 }
