@@ -12,7 +12,10 @@ constexpr int unlock_frames = 8;
 constexpr double drawn_out_mm = 0.3, loose_tilt_rad = 0.02;
 constexpr double line_holds_mm = 6;      // across the tool
 constexpr double touching_ratio = 0.02;  // of a voxel's side: as deep as discs let a round tool be
-constexpr int drawn_frames = 5, out_tries = 4, loose_tries = 4;
+constexpr int drawn_frames = 5, out_tries = 4;
+
+// In a tick: more where it took long already.
+int loose_tries(int drawn_frames_so_far) { return std::min(4 + drawn_frames_so_far / 4, 16); }
 
 }  // namespace
 
@@ -95,7 +98,7 @@ Proxy::Loose Proxy::next_loose(const Mat3& frame) {
 // is walked as any other way is, so no point crosses a face.
 void Proxy::work_loose() {
   ToolBody& b = *body_;
-  for (int n = 0; n < loose_tries; ++n) {
+  for (int n = 0; n < loose_tries(drawn_for_); ++n) {
     const Loose to = next_loose(b.frame());
     if (b.sweep(b.tip_mm() + to.way_mm, to.frame, closed_faces()).hit) continue;
     b.arrive();
@@ -125,21 +128,24 @@ void Proxy::slide_out_round(Vec3 device) {
   for (int n = 0; n < out_tries; ++n) {
     const double left = dot(device - centre_mm_, state_.axis);
     if (!(left > 0)) return;
-    const RoundBody::Touch touch = move_round(centre_mm_ + state_.axis * left);
-    if (!touch.hit) return;
+    const Vec3 begin = centre_mm_;
+    const RoundBody::Touch touch = move_round(begin + state_.axis * left);
+    if (!touch.hit && !(centre_mm_ == begin)) return;
+    if (!touch.hit) break;
     const Place aside = look(centre_mm_ + touch.contact.normal * step_mm_, state_.axis);
     if (aside.depth_mm > 0) break;
     go_to(aside);
   }
   Place best = look(centre_mm_, state_.axis);
   const double touches_mm = touching_ratio * contact_.smallest_side_mm();  // counts as free
-  for (int n = 0; n < loose_tries; ++n) {
+  for (int n = 0; n < loose_tries(drawn_for_); ++n) {
     const Loose to = next_loose(frame_along(state_.axis));
     const Vec3 axis = to.frame.column[2];
     const Vec3 turned_mm = (axis - state_.axis) * round_->centre_mm();  // of the centre, about the tip
     const Place place = look(centre_mm_ + to.way_mm + turned_mm, axis);
-    if (place.depth_mm <= std::max(touches_mm, best.depth_mm)) best = place;
-    if (best.depth_mm <= touches_mm) break;
+    if (place.depth_mm > std::max(touches_mm, best.depth_mm)) continue;
+    best = place;
+    if (place.depth_mm <= touches_mm) break;
   }
   go_to(best);
 }

@@ -65,7 +65,7 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
   const int steps = std::clamp(int(std::ceil(length / step)), 1, max_steps);
   const double share = std::min(1.0, max_steps * step / std::max(length, 1e-12));
   for (int n = 1; n <= steps; ++n) {
-    if (fourth_law() && n > 1 && round_->busy(1)) return {};
+    if (n > 1 && (fourth_law() && !draws_out() && round_->busy(1))) return {};
     const Vec3 next = begin + way * (share * n / steps);
     const contact::Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
@@ -102,7 +102,7 @@ void Proxy::turn_round(Vec3 axis) {
   const double reach = round_->length_mm() + round_->centre_mm();
   const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
   for (int n = 0; n < max_turn_steps && !(state_.axis == axis); ++n) {
-    if (fourth_law() && round_->busy(0.5)) return;
+    if (fourth_law() && !draws_out() && round_->busy(0.5)) return;
     const bool last = norm(axis - state_.axis) <= step / reach;
     const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
     const Vec3 begin = centre_mm_ + (next - state_.axis) * round_->centre_mm();
@@ -134,7 +134,7 @@ void Proxy::follow_round(const HapticInput& in) {
   count_ = 0;
   solved_ = false;
   Vec3 goal = device;
-  for (int pass = 0; pass < max_passes && !(pass > 1 && fourth_law() && round_->busy(1)); ++pass) {
+  for (int pass = 0; pass < max_passes && !(pass > 1 && (fourth_law() && !draws_out() && round_->busy(1))); ++pass) {
     const RoundBody::Touch touch = move_round(goal);
     if (!touch.hit || !meet_round(touch, device, goal)) break;
   }

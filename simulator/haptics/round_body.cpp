@@ -89,7 +89,7 @@ void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
   if (known_ && norm(centre_mm - looked_mm_) <= margin_mm_ && norm(end - looked_end_mm_) <= margin_mm_) return;
   count_ = contact_.samples_near(centre_mm, end, largest_radius_mm_ + disc_mm_ + margin_mm_, samples_.data(),
                                  int(samples_.size()));
-  spent_ += spent_by_look;
+  spent_ += std::min(spent_by_look, 7 * count_);  // in air it is soon done
   looked_mm_ = centre_mm;
   looked_end_mm_ = end;
   known_ = true;
