@@ -44,7 +44,7 @@ meshio::ExportCheck verify(const std::string& format, const meshio::ExportSurfac
 
 std::vector<std::string> all_names() {
   std::vector<std::string> names;
-  for (const meshio::ExportFormat& f : meshio::all_export_formats()) names.emplace_back(f.name);
+  for (const meshio::ExportFormat& f : meshio::format_types()) names.emplace_back(f.name);
   return names;
 }
 

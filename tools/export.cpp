@@ -32,7 +32,7 @@ constexpr const char* markups_format = "mrk.json";
 // Every name that --format takes.
 std::vector<std::string> format_choices() {
   std::vector<std::string> names;
-  for (const meshio::ExportFormat& f : meshio::all_export_formats()) names.emplace_back(f.name);
+  for (const meshio::ExportFormat& f : meshio::format_types()) names.emplace_back(f.name);
   for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
   names.emplace_back(markups_format);
   return names;
@@ -258,7 +258,7 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
 // What the formats hold, from their own declarations.
 std::string formats_text() {
   std::vector<std::string> formats;
-  for (const meshio::ExportFormat& f : meshio::all_export_formats()) formats.emplace_back(f.help);
+  for (const meshio::ExportFormat& f : meshio::format_types()) formats.emplace_back(f.help);
   const auto says_space = [](const meshio::ExportFormat& f) { return f.says_space; };
   const auto in_metres = [](const meshio::ExportFormat& f) { return f.metres_y_up; };
   const auto rounds = [](const meshio::ExportFormat& f) { return f.precision == meshio::Precision::float32_world; };

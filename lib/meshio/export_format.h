@@ -31,8 +31,8 @@ struct ReadBack {
 /// A format of surfaces, declared once. --format, its help, the reference pages, the writer and the comparison of what
 /// was written come from the declaration.
 ///
-/// A format is defined in the source of its writer, as `ExportFormat NAME_format()`, and listed in export_formats.cpp,
-/// which orders the formats. No other place names one.
+/// A format is one source, NAME_format.cpp of this folder, which holds the writer and defines `ExportFormat
+/// NAME_format()`. CMake finds it; no other place names a format.
 struct ExportFormat {
   const char* name = "";     ///< "stl": what --format takes, and the extension without its dot
   const char* help = "";     ///< "stl (binary)": what a list of the formats says
@@ -46,7 +46,8 @@ struct ExportFormat {
   ReadBack read_back;
 };
 
-const std::vector<ExportFormat>& all_export_formats();
+/// All of them, by name of their source.
+const std::vector<ExportFormat>& format_types();
 /// The format with that name, or null.
 const ExportFormat* find_export_format(std::string_view name);
 /// Throws Error 70 where there is no such format.

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The list of the formats, in the order in which help and reports name them. Each is declared beside its writer.
+// How formats are found. Each is declared beside its writer, in NAME_format.cpp, and CMake makes the list of them.
 #include "base/error.h"
 #include "meshio/export_format.h"
 
 namespace trephine::meshio {
 
-ExportFormat stl_format(), ply_format(), obj_format(), vtp_format(), vtk_format(), wrl_format(), x3d_format(),
-    glb_format();
-
-const std::vector<ExportFormat>& all_export_formats() {
-  static const std::vector<ExportFormat> all = {stl_format(), ply_format(), obj_format(), vtp_format(),
-                                                vtk_format(), wrl_format(), x3d_format(), glb_format()};
-  return all;
-}
-
 const ExportFormat* find_export_format(std::string_view name) {
-  for (const ExportFormat& format : all_export_formats())
+  for (const ExportFormat& format : format_types())
     if (name == format.name) return &format;
   return nullptr;
 }
@@ -27,7 +18,7 @@ const ExportFormat& export_format(std::string_view name) {
 
 std::string format_names(bool (*is_so)(const ExportFormat&), const std::string& word) {
   std::vector<std::string> names;
-  for (const ExportFormat& format : all_export_formats())
+  for (const ExportFormat& format : format_types())
     if (is_so(format)) names.emplace_back(format.name);
   std::string text;
   for (std::size_t n = 0; n < names.size(); ++n) {

@@ -47,7 +47,7 @@ std::vector<Case> cases_of(const meshio::ExportFormat& format) {
 std::vector<Section> export_sections() {
   return {{"export", "Export", "", [] {
              std::vector<Case> all;
-             for (const meshio::ExportFormat& format : meshio::all_export_formats())
+             for (const meshio::ExportFormat& format : meshio::format_types())
                for (Case& c : cases_of(format)) all.push_back(std::move(c));
              return all;
            }}};
