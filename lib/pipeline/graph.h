@@ -57,11 +57,11 @@ struct Graph {
   std::vector<int> results(stages::DataKind kind) const;
   /// -1: none.
   int find(const std::string& name) const;
-  /// The first node of the stage with those parameters, of that anatomy or (empty) of the case; -1: none.
-  int find_stage(const ParameterSet& params, const std::string& anatomy) const;
+  /// The first node of the stage with those parameters, of that anatomy or further scan, or (empty) of any; -1: none.
+  int find_stage(const ParameterSet& params, const std::string& of) const;
   template <class P>
-  int find_stage(const std::string& anatomy = "") const {
-    return find_stage(parameters_of<P>(), anatomy);
+  int find_stage(const std::string& of = "") const {
+    return find_stage(parameters_of<P>(), of);
   }
 };
 

@@ -65,8 +65,8 @@ int Graph::find(const std::string& name) const {
   return -1;
 }
 
-int Graph::find_stage(const ParameterSet& params, const std::string& anatomy) const {
-  const std::string begin = anatomy.empty() ? "" : anatomy + ".";
+int Graph::find_stage(const ParameterSet& params, const std::string& of) const {
+  const std::string begin = of.empty() ? "" : of + ".";
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (nodes[i].params.set == &params && nodes[i].name.compare(0, begin.size(), begin) == 0)
       return static_cast<int>(i);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/graph_nodes.h"
+
+#include <utility>
+
+#include "base/hash.h"
+#include "stages/import.h"
+
+namespace trephine::pipeline {
+
+Node node_of(const stages::StageType& type, const std::string& name, AnyParams params) {
+  Node node;
+  node.name = name;
+  node.type = &type;
+  node.params = std::move(params);
+  node.output = type.output;
+  return node;
+}
+
+Node node_with(const AnyParams& params, const std::string& of) {
+  const stages::StageType& type = stages::stage_with(*params.set);
+  return node_of(type, of.empty() ? type.name_in_case() : of + "." + type.name_in_case(), params);
+}
+
+Node import_node(const dicom::SeriesChoice& series, const std::string& hash, const std::string& scan) {
+  stages::ImportStageParams params;
+  static_cast<dicom::ImportParams&>(params) = series.params;
+  params.input = series.folder_or_file.string();
+  Node node = node_with(AnyParams::make(params), scan);
+  node.file_sha256["input"] = hash;
+  return node;
+}
+
+void add_file_hashes(Node& node) {
+  for (const std::string& p : node.type->file_params())
+    if (const auto file = std::get<std::string>(node.params.get(*node.params.set->find(p))); !file.empty())
+      node.file_sha256[p] = sha256_of_file(file);
+}
+
+Node node_of_step(const config::RecipeStep& step, const std::string& name) {
+  Node node = node_of(*step.type, name, step.params);
+  add_file_hashes(node);
+  return node;
+}
+std::string anatomy_of(const std::string& source) { return source.substr(0, source.find('.')); }
+
+}  // namespace trephine::pipeline
