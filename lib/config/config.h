@@ -30,6 +30,13 @@ struct RecipeAnatomy : RecipeAnatomyParams {
   std::string name;
   std::vector<RecipeStep> steps;
   const RecipeStep* find_step(const std::string& stage) const;
+  /// What the recipe sets for the stage with those parameters; null: the anatomy has no such step.
+  template <class P>
+  const P* params_of() const {
+    for (const RecipeStep& step : steps)
+      if (step.params.set == &parameters_of<P>()) return &step.params.as<P>();
+    return nullptr;
+  }
 };
 
 /// The limits that a scene sets for one anatomy; 0 means no limit.

@@ -141,11 +141,10 @@ class Builder {
         }
   }
 
-  void add_stage_figures(const std::string& anatomy, const std::string& stage, cases::CaseAnatomy& out,
-                         AnatomyResult& result) const {
-    const int node = graph_.find(anatomy + "." + stage);
+  void add_stage_figures(int node, cases::CaseAnatomy& out, AnatomyResult& result) const {
     if (node < 0) return;
     result.seconds += at(node).seconds;
+    const std::string& stage = graph_.nodes[std::size_t(node)].type->name;
     for (const auto& f : at(node).report.figures) out.figures.emplace_back(stage + "." + f.first, f.second);
   }
 
@@ -188,12 +187,13 @@ class Builder {
     result.deviation_p99_mm = out.deviation.p99_mm;
     result.deviation_rms_mm = out.deviation.rms_mm;
     result.volume_ml = out.volume_ml;
-    if (recipe.find_step("decimate"))
+    if (recipe.params_of<meshing::DecimateParams>())
       result.stopped_by =
           result_of<surface::DecimationResult>(report_of(graph_.find_stage<meshing::DecimateParams>(nodes.name)))
               .stopped_by;
-    for (const config::RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
-    add_stage_figures(nodes.name, "boolean", out, result);
+    for (const config::RecipeStep& step : recipe.steps)
+      add_stage_figures(graph_.find(nodes.name + "." + step.type->name), out, result);
+    if (nodes.surface != nodes.finished) add_stage_figures(nodes.surface, out, result);
     hold_against_limits(limit, result);
     tell_wider_than_asked(config_, recipe, limit, result.deviation_max_mm);
 

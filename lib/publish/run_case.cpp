@@ -370,8 +370,8 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     RunResult result = result_of(folder, content);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     add_warnings(overrun(config.trade, seconds));
-    result.json =
-        run_json(made.graph, made.results, series.folders().at("import"), content.anatomies, warnings, seconds);
+    result.json = run_json(made.graph, made.results, series.folders().at(made.graph.nodes[0].name), content.anatomies,
+                           warnings, seconds);
     result.warnings = std::move(warnings);
     write_file(made_in / "run.json", result.json);
     place.appear();

@@ -7,6 +7,7 @@
 #include "dicom/identity.h"
 #include "itk/same_place.h"
 #include "itk/transform_file.h"
+#include "stages/import.h"
 
 namespace trephine::publish {
 namespace {
@@ -80,7 +81,7 @@ std::vector<std::string> require_one_patient(const config::CaseConfig& config, c
 void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
                         const std::function<const Report&(int node)>& report_of) {
   for (const config::CaseScan& scan : config.scans) {
-    const int read = graph.find(scan.name + ".import");
+    const int read = graph.find_stage<stages::ImportStageParams>(scan.name);
     if (read < 0) continue;  // no stage reads it
     const ParameterValue* said = report_of(read).find("modality");
     const std::string is = said ? std::get<std::string>(*said) : "";

@@ -29,11 +29,11 @@ void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult&
 // the result's. A scene's bound is shared out between the two, and so is a trade's.
 void tell_wider_than_asked(const config::CaseConfig& config, const config::RecipeAnatomy& recipe,
                            const config::SceneAnatomy& limit, double deviation_max_mm) {
-  const config::RecipeStep* decimate = recipe.find_step("decimate");
+  const auto* decimate = recipe.params_of<meshing::DecimateParams>();
   if (!decimate || !config.trade.rule.empty()) return;
-  const double bound_mm = decimate->params.as<meshing::DecimateParams>().max_deviation_mm;
-  const config::RecipeStep* smooth = recipe.find_step("smooth");
-  const double smoothed_mm = smooth ? smooth->params.as<meshing::SmoothParams>().max_displacement_mm : 0;
+  const double bound_mm = decimate->max_deviation_mm;
+  const auto* smooth = recipe.params_of<meshing::SmoothParams>();
+  const double smoothed_mm = smooth ? smooth->max_displacement_mm : 0;
   const bool of_scene = limit.max_deviation_mm > 0 && bound_mm + smoothed_mm >= limit.max_deviation_mm - 1e-9;
   if (bound_mm <= 0 || of_scene || deviation_max_mm <= bound_mm) return;
   log_warning(config.case_token + ": " + recipe.name + ": deviates by " + fmt::format("{:.3f}", deviation_max_mm) +

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "stages/import.h"
+#include "stages/stage.h"
 
 namespace trephine::publish {
 namespace {
@@ -28,11 +30,22 @@ std::string with_settings(const Error& e, const std::string& import) {
   return what;
 }
 
+// The node that imports a further scan, or (empty) the CT; its parameters are set under the same name.
+std::string importing(const std::string& scan = "") {
+  const std::string& stage = stages::stage_with(parameters_of<stages::ImportStageParams>()).name_in_case();
+  return scan.empty() ? stage : scan + "." + stage;
+}
+
+bool is_importing(const std::string& node) {
+  const std::size_t dot = node.rfind('.');
+  return node == importing(dot == std::string::npos ? "" : node.substr(0, dot));
+}
+
 }  // namespace
 
 Error in_settings(const Error& error) {
   const std::string node = error.field().substr(0, error.field().find(": "));
-  if (node != "import" && (node.size() < 7 || node.compare(node.size() - 7, 7, ".import") != 0)) return error;
+  if (!is_importing(node)) return error;
   Error told(error.code(), error.file(), error.field(), with_settings(error, node));
   told.in_case(error.case_token());
   return told;
@@ -40,12 +53,12 @@ Error in_settings(const Error& error) {
 
 pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
   return pipeline::make_graph(config, input(config), [&](const std::string& name, const dicom::SeriesChoice& scan) {
-    return hash(name + ".import", scan);
+    return hash(importing(name), scan);
   });
 }
 
 const std::string& SeriesHashes::input(const config::CaseConfig& config) {
-  return hash("import", {config.series, config.import});
+  return hash(importing(), {config.series, config.import});
 }
 
 const std::string& SeriesHashes::hash(const std::string& import, const dicom::SeriesChoice& series) {
