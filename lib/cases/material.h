@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <string>
+#include <string_view>
 
 #include "base/params.h"
 
@@ -10,7 +11,8 @@ namespace trephine::cases {
 /// What the materials of a haptic volume are made of, each value declared once: here. From these lines come
 /// configs/materials.yaml and its schema, case.json, its schema and its reference page, what `trephine diff` and
 /// `trephine-sim check` say, and the digest by which a recording knows its case's materials. A new value says with
-/// is_since() which minor version of the case package has it first.
+/// is_since() which minor version of the case package has it first, and stands in `not_felt` where it is none that the
+/// hand feels.
 
 /// How one side of a shape's surface acts on the tool. A front face is met from outside, a back face from inside.
 struct CaseFace {
@@ -40,6 +42,8 @@ struct MaterialParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
   CaseFace front, back;
   double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0, removal_energy_j_per_mm3 = 0;
+  /// The values that no hand feels: what is seen, and what a drill makes of it, which a recording's outcome tells.
+  static constexpr std::string_view not_felt[] = {"colour_rgb", "removal_energy_j_per_mm3"};
   template <class V>
   static void describe(V& v) {
     using P = MaterialParams;

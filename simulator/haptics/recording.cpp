@@ -214,8 +214,7 @@ std::string feel_digest(const Feels& feels) {
     const std::vector<ParameterLeaf> leaves = leaves_of(params), fresh = leaves_of(defaults);
     for (std::size_t n = 0; n < leaves.size(); ++n) {
       const ParameterValue v = leaves[n].value();
-      // What is seen of a material, and what a drill makes of it, which the recording's outcome tells.
-      if (leaves[n].path == "colour_rgb" || leaves[n].path == "removal_energy_j_per_mm3") continue;
+      if (std::count(std::begin(ShapeFeel::not_felt), std::end(ShapeFeel::not_felt), leaves[n].path)) continue;
       if (leaves[n].parameter->since > 0 && v == fresh[n].value()) continue;  // as before there was such a value
       const bool* flag = std::get_if<bool>(&v);
       text += (flag ? to_text(double(*flag)) : to_text(v)) + " ";
