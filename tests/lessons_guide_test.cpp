@@ -35,6 +35,17 @@ bool translated(const std::string& english) { return lessons::lesson_words(Langu
 
 }  // namespace
 
+TEST(LessonsGuide, EveryLessonHasATitleInBothLanguages) {
+  for (const lessons::LessonType& type : lessons::lesson_types()) {
+    SCOPED_TRACE(type.name);
+    const std::string english = lessons::lesson_title(type.name, Language::english);
+    EXPECT_EQ(english.find('_'), std::string::npos) << english;
+    const std::string german = lessons::lesson_title(type.name, Language::german);
+    EXPECT_FALSE(german.empty());
+    EXPECT_NE(german, english);
+  }
+}
+
 TEST(LessonsGuide, EveryStepSaysWhyAndHowOneSeesThatItIsRight) {
   each_briefing([](const lessons::LessonType& type, const lessons::LessonBriefing& b) {
     EXPECT_NE(lessons::aim_of(b.task, Language::german), b.task.aim);

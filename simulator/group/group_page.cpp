@@ -8,6 +8,7 @@
 #include "base/html_text.h"
 #include "group/group_view.h"
 #include "group/group_words.h"
+#include "lessons/lesson_type.h"
 #include "lessons/lesson_words.h"
 #include "study/words.h"
 
@@ -88,10 +89,6 @@ constexpr texts::Wording words[] = {
     {{"Trephine: a group", "Trephine: eine Gruppe"}},
     {{"A group of {} participants, {} attempts", "Eine Gruppe von {} Teilnehmern, {} Versuche"}},
     {{"not a medical device", "kein Medizinprodukt"}},
-    {{"ventriculostomy", "Ventrikeldrainage"}},
-    {{"spine needle", "Nadel durch den Pedikel"}},
-    {{"pedicle screw", "Pedikelschraube"}},
-    {{"subclavian", "Zugang zur Vena subclavia"}},
 };
 const char* said(texts::Language language, std::string_view english) {
   for (const texts::Wording& w : words)
@@ -113,11 +110,6 @@ std::string title_of(std::string name) {
 std::string unit_of(const std::string& figure) {
   const std::string unit = lessons::figure_unit(figure);
   return unit.empty() ? "" : ", " + unit;
-}
-
-std::string module_title(const std::string& module, texts::Language l) {
-  const std::string title = title_of(module);
-  return said(l, title);
 }
 
 std::string table_begin(const std::vector<std::string>& heads, std::size_t texts) {
@@ -310,7 +302,7 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
          "</h1>\n<p class=\"faint\">" + said(l, "not a medical device") + "</p>\n";
   for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note_words(l, note)) + "</p>\n";
   for (const ModuleView& m : view.modules) {
-    out += "<h2>" + html_text(module_title(m.module, l)) + "</h2>\n" + participants_html(m, l);
+    out += "<h2>" + html_text(lessons::lesson_title(m.module, l)) + "</h2>\n" + participants_html(m, l);
     if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
       out += "<div class=\"plots\">\n";
       for (const auto& [title, svg] : at->second)

@@ -14,6 +14,14 @@ const LessonType& lesson_type(const std::string& name) {
   throw Error(ExitCode::bad_input, "", "lesson", printable(name) + " is not known");
 }
 
+std::string lesson_title(const std::string& name, texts::Language language) {
+  for (const LessonType& m : lesson_types())
+    if (m.name == name && language == texts::Language::german) return m.german_title;
+  std::string title = name;
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return title;
+}
+
 LessonTask task_of(const LessonType& type, const cases::CaseManifest& manifest, const std::string& name) {
   std::string known;
   for (const LessonTask& t : type.tasks(manifest)) {

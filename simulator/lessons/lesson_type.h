@@ -97,6 +97,7 @@ struct LessonShot {
 /// declared beside it, in NAME_rubric.cpp. Nothing else names a lesson.
 struct LessonType {
   std::string name;                   ///< as scripts, rubrics, recordings and --module have it
+  std::string german_title;           ///< the English title is the name with spaces
   std::string summary;                ///< half a line
   std::vector<std::string> rows;      ///< the names of the score's rows, in their order
   std::vector<LessonColumn> columns;  ///< of the log, after the rows
@@ -165,6 +166,8 @@ LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest);
 std::string class_of(const cases::CaseManifest& manifest);
 /// Why no case of that patient's class is exercised ("": it has none); empty where such cases are.
 std::string class_fault(const LessonType& type, const std::string& patient_class);
+/// What people call the lesson of that name; of one that is not known, the name with spaces.
+std::string lesson_title(const std::string& name, texts::Language language);
 /// The values of --module.
 std::vector<std::string> lesson_names();
 

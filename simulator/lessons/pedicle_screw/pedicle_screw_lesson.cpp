@@ -40,6 +40,7 @@ std::vector<haptics::BeltToolParams> pedicle_screw_tools() {
 LessonType pedicle_screw_lesson() {
   LessonType m;
   m.name = "pedicle_screw";
+  m.german_title = "Pedikelschraube";
   m.view = "back";
   m.summary = "a pedicle finder and a screw, judged by five errors";
   m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size", "exposure", "passes", "time"};

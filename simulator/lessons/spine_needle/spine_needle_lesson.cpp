@@ -33,6 +33,7 @@ std::string outcome(const LessonFacts& facts, const LessonScore& score) {
 LessonType spine_needle_lesson() {
   LessonType m;
   m.name = "spine_needle";
+  m.german_title = "Nadel durch den Pedikel";
   m.view = "back";
   m.summary = "a Jamshidi needle through a pedicle, under fluoroscopy";
   m.rows = {"entry", "target", "breach", "depth", "exposure", "passes", "time"};

@@ -105,6 +105,7 @@ std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
 LessonType subclavian_lesson() {
   LessonType m;
   m.name = "subclavian";
+  m.german_title = "Zugang zur Vena subclavia";
   m.view = "front";
   m.summary = "a needle under the clavicle into the subclavian vein";
   m.rows = {"puncture", "direction", "vein", "artery", "lung", "passes", "time"};

@@ -223,6 +223,7 @@ std::string outcome(const LessonFacts&, const LessonScore& score) {
 LessonType ventriculostomy_lesson() {
   LessonType m;
   m.name = "ventriculostomy";
+  m.german_title = "Ventrikeldrainage";
   m.summary = "a burr hole, and a catheter into the ventricle";
   m.rows = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time", "passes"};
   const auto measured = [&](const char* row, const char* name) {
