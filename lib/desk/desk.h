@@ -82,7 +82,7 @@ class Desk {
   Reply drop(const Request&);
   Reply dropped(const Request&);
 
-  /// `behind`: computed anew while the scan and the fields that are there serve; of a change that leaves the scan.
+  /// `behind`: the old scan and fields are shown while new ones are computed; only where the scan did not change.
   enum class Opening { as_it_is, anew, behind };
   std::shared_ptr<OpenCase> opened(const std::string& token, Opening how);
   /// Of a case that was opened before; throws Error 66 where it was not, or its scan is not there yet.

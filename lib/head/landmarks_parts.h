@@ -66,8 +66,8 @@ void judge_foramina(HeadLandmarks& all, const std::set<std::string>& given, Reas
 /// What cannot belong to one head together becomes doubtful (craniometry/plausible.h), and with the nasion all that is
 /// measured from it; the tragi are judged as a pair. What was given stays.
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
-/// Nothing of which nothing speaks is a landmark: what is below min_confidence is left out. Warns of that and of each
-/// doubtful one, with the reason and how to give it.
+/// Removes found landmarks below min_confidence; given ones stay. Warns of each that is removed, with the reason, and
+/// of each doubtful one, with the reason and how to give it.
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report);
 
@@ -75,7 +75,7 @@ void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& giv
 /// left where half of the slices' distance is an error beside the 5 mm within which readers agree, and noise one beside
 /// the contrast by which the landmark is seen (skin 500 HU, a suture 250, fluid of a ventricle 20 in a cube of 2 mm).
 double allowed_by_scan(const std::string& name, const mask::ScanFigures& scan);
-/// Lowers what was found in the scan by that.
+/// Multiplies the confidence of each landmark that was found in the scan by allowed_by_scan().
 void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const mask::ScanFigures& scan,
                   Reasons& reasons);
 /// Kocher's points are where they are because the coronal suture lies behind them: none is surer than the bregma.

@@ -30,7 +30,7 @@ class UndoLog {
   }
   /// Steps that can be taken back, the last one too if nothing was noted in it.
   int steps() const { return count_; }
-  /// Which of `most_steps` places the newest step has: it keeps it as long as it is kept. There must be one.
+  /// Index, 0 to most_steps - 1, of the newest step. It does not change while the step is kept. There must be one.
   int place() const { return (first_ + count_ - 1) % int(steps_.size()); }
   /// Ends the newest step; forgets it if nothing was noted in it.
   void end_step();

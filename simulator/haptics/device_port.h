@@ -38,12 +38,10 @@ struct PortParams {
 /// energy that a delay would give to the hand. A jump or a gap is a fault that passes: it is named in the frames that
 /// have it (haptic_fault::passing), in which the force is zero; then the force comes back.
 ///
-/// - A jump is a way of more than jump_m_per_s since the pose last changed, at least 5 ms ago and at most 10: poses
-/// come
-///   late by some ms, and not every device gives one in each tick. The tool counts as lifted in that tick.
-/// - While the device is silent nothing drills or is commanded. Afterwards the tool goes on from where it was; where
-/// the
-///   device has moved by more than 10 ms of a jump's speed, the tool is placed anew.
+/// - A jump is a motion faster than jump_m_per_s. The speed is that since the pose last changed, taken over 5 to 10 ms:
+///   poses come late by some ms, and not every device gives one in each tick. The tool counts as lifted in that tick.
+/// - While the device is silent nothing drills, and no command is taken. Afterwards the tool goes on from where it was;
+///   where the device has moved meanwhile by more than it does in 10 ms at jump_m_per_s, the tool is placed anew.
 ///
 /// With PortParams::none() every input and answer is passed on as it is. It neither allocates nor locks; equal inputs
 /// give equal bits.

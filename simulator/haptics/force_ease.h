@@ -18,7 +18,7 @@ class ForceEase {
   std::uint64_t count() const { return count_; }
 
  private:
-  Vec3 last_, left_;  ///< the force before; what it had too much or too little when it began to change
+  Vec3 last_, left_;  ///< the previous force; the jump that is being faded out, in its whole size
   double age_s_ = 0, takes_s_ = 0;
   bool begun_ = false;
   std::uint64_t count_ = 0;

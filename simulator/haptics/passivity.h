@@ -16,9 +16,9 @@ namespace trephine::haptics {
 /// Equal inputs give equal bits; it allocates only in its constructor.
 class Passivity {
  public:
-  /// What may be given before the hand has put anything in; what is forgiven in each second of what was.
+  /// spare_j: energy that the hand may get in advance. forgiven_w: how fast a debt is dropped.
   static constexpr double spare_j = 0.6e-3, forgiven_w = 0.1e-3;
-  /// By how much the hand may be faster, of each second until the force has acted.
+  /// Acceleration that the prediction of the hand's motion allows for.
   static constexpr double spare_m_per_s2 = 75;
 
   /// From the hand's motion to the force that answers it.

@@ -49,8 +49,8 @@ class RoundBody {
     double along_mm = 0;    ///< where on the middle line, from the centre
     double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep: a rod may lie on a surface
     contact::Contact contact;
-    /// Of another shape whose disc faces the same way and is less deep by at most a quarter of a voxel: its contact,
-    /// and its share of what is felt, 0 to 1/2, which grows as it comes as deep.
+    /// The contact with a second shape that faces the same way, where the tool is nearly as deep in it (within a
+    /// quarter of a voxel); and its weight in what is felt, 0 to 1/2: the larger, the less the depths differ.
     contact::Contact beside;
     double beside_share = 0;
   };

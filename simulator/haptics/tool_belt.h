@@ -88,8 +88,8 @@ class ToolBelt {
   void after(const HapticInput& in, const HapticState& state);
   /// update() with an answer that is known from a recording, or from a belt that works in another thread.
   void follow(const HapticInput& in, const HapticState& state);
-  /// From now on it only follows a belt whose drill is that one (null: it has none): what was removed is what that one
-  /// says, and nothing is cut by this one.
+  /// From now on this belt cuts nothing, and only follows another one: it reports what `others`, the drill of that
+  /// belt, removed. Null: that belt has no drill.
   void watch(const Drilling* others) { watched_ = others; }
   void latch(std::uint32_t fault);
 

@@ -50,7 +50,7 @@ std::vector<Chunk> make_chunks(std::vector<std::uint32_t>& indices, const std::v
 /// Whether something of the chunk may be within the planes; whether the range may show a face.
 bool may_be_seen(const Chunk& chunk, const Sight& sight);
 bool may_face(const Chunk& chunk, const Chunk::Range& range, const Sight& sight);
-/// Of the chunk's box from `near`, mm.
+/// Distance in mm from Sight::near to the chunk's bounding box.
 double away_from_near(const Chunk& chunk, const Sight& sight);
 
 // ----------------------------------------------------------------------------------------------------------------

@@ -111,9 +111,9 @@ class Stage {
   std::size_t shown_incisions_ = 0;
   bool told_incisions_ = false, told_over_ = false;
   std::pair<int, int> told_picture_{0, 0};
-  /// By surface, how coarse it is everywhere: at least, for want of memory, and now. 0: it is whole.
+  /// By surface, the coarsening in mm: what memory demands, and the present one. 0: full resolution.
   std::vector<double> needed_mm_, shown_mm_;
-  /// By surface, what is drawn where nothing is coarse for the sake of time, and what the worker was given.
+  /// By surface, the triangles as coarse as memory demands, and those that the worker was given to coarsen.
   std::vector<std::shared_ptr<const SurfaceParts>> needed_, given_;
   double scale_ = 1;
   int samples_ = 1;  ///< of the pictures that are drawn now
