@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "surface/bounds.h"
+#include "surface/float_box.h"
 
 namespace trephine::surface {
 namespace {
@@ -20,25 +21,10 @@ constexpr int bins = 16;
 constexpr int max_sah_depth = 48;  // below it halves by count: at most 32 levels more
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-struct FloatBox {
-  float lo[3]{infinity, infinity, infinity}, hi[3]{-infinity, -infinity, -infinity};
-  void add(const float* l, const float* h) {
-    for (int k = 0; k < 3; ++k) {
-      lo[k] = l[k] < lo[k] ? l[k] : lo[k];
-      hi[k] = h[k] > hi[k] ? h[k] : hi[k];
-    }
-  }
-  void add(const FloatBox& b) { add(b.lo, b.hi); }
-  float half_area() const {
-    const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-    return x >= 0 ? x * y + y * z + z * x : 0;
-  }
-};
-
 struct Ref {
   FloatBox box;
   std::uint32_t triangle = 0;
-  float centre(int axis) const { return box.lo[axis] + box.hi[axis]; }  // twice it
+  float centre(int axis) const { return box.min[axis] + box.max[axis]; }  // twice it
 };
 
 // A node of the binary tree. A leaf has count > 0 and begins at ref `first`.
@@ -61,15 +47,15 @@ class Splitter {
     FloatBox centres;
     for (std::uint32_t i = r.begin; i < r.end; ++i) {
       box.add(refs_[i].box);
-      const float c[3] = {refs_[i].centre(0), refs_[i].centre(1), refs_[i].centre(2)};
+      const std::array<float, 3> c{refs_[i].centre(0), refs_[i].centre(1), refs_[i].centre(2)};
       centres.add(c, c);
     }
     const std::uint32_t n = r.end - r.begin;
     if (n <= max_leaf) return r.begin;
     int axis = 0;
     for (int k = 1; k < 3; ++k)
-      if (centres.hi[k] - centres.lo[k] > centres.hi[axis] - centres.lo[axis]) axis = k;
-    const float from = centres.lo[axis], extent = centres.hi[axis] - from;
+      if (centres.max[k] - centres.min[k] > centres.max[axis] - centres.min[axis]) axis = k;
+    const float from = centres.min[axis], extent = centres.max[axis] - from;
     const float scale = float(bins) * 0.9999f / extent;
     if (r.depth >= max_sah_depth || !(extent > 0) || !std::isfinite(scale)) return r.begin + n / 2;
     const auto bin_of = [&](const Ref& ref) { return std::min(bins - 1, int((ref.centre(axis) - from) * scale)); };
@@ -204,8 +190,8 @@ std::uint32_t merge(const std::vector<BinaryNode>& binary, std::uint32_t b, std:
   node.children = std::uint8_t(n);
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k) {
-      node.lo[k][i] = i < n ? binary[child[i]].box.lo[k] : infinity;
-      node.hi[k][i] = i < n ? binary[child[i]].box.hi[k] : infinity;
+      node.lo[k][i] = i < n ? binary[child[i]].box.min[k] : infinity;
+      node.hi[k][i] = i < n ? binary[child[i]].box.max[k] : infinity;
     }
   for (int i = 0; i < n; ++i) {
     const BinaryNode& c = binary[child[i]];
@@ -232,7 +218,7 @@ Bvh::Bvh(const TriMesh& mesh, const Progress& progress) : mesh_(mesh) {
       refs[i].triangle = std::uint32_t(i);
       for (const std::uint32_t v : mesh.triangles[i]) {
         const Vec3 p = mesh.points_mm[v] - centre_;
-        const float f[3] = {float(p.x), float(p.y), float(p.z)};
+        const std::array<float, 3> f{float(p.x), float(p.y), float(p.z)};
         refs[i].box.add(f, f);
       }
     }

@@ -83,13 +83,6 @@ void FloatBox::add(Vec3 p) {
   }
 }
 
-void FloatBox::add(const FloatBox& b) {
-  for (int a = 0; a < 3; ++a) {
-    min[a] = std::min(min[a], b.min[a]);
-    max[a] = std::max(max[a], b.max[a]);
-  }
-}
-
 double FloatBox::squared_distance(Vec3 p) const {
   double d2 = 0;
   for (int a = 0; a < 3; ++a) {

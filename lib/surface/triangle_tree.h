@@ -4,23 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "surface/float_box.h"
 #include "surface/point_triangle.h"
 #include "surface/trimesh.h"
 
 namespace trephine::surface {
-
-/// An axis-parallel box in float, rounded outwards.
-struct FloatBox {
-  std::array<float, 3> min{3e38f, 3e38f, 3e38f}, max{-3e38f, -3e38f, -3e38f};
-  void add(Vec3 p);
-  void add(const FloatBox& b);
-  bool meets(const FloatBox& b) const {
-    return min[0] <= b.max[0] && b.min[0] <= max[0] && min[1] <= b.max[1] && b.min[1] <= max[1] && min[2] <= b.max[2] &&
-           b.min[2] <= max[2];
-  }
-  /// Squared distance from the point to the box, 0 inside.
-  double squared_distance(Vec3 p) const;
-};
 
 /// Boxes over a mesh's triangles, sorted along a Morton curve, with four triangles in a leaf and four children of a
 /// node. It refers to the mesh, which must not change meanwhile. Coordinates are points_mm, without the origin.
