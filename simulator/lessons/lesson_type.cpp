@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/lesson_type.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
