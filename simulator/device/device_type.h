@@ -35,7 +35,7 @@ struct DeviceChoice {
 /// How the picture lies in the case, unit: what a device that is pushed means by right and up.
 struct ViewAxes {
   Vec3 right{1, 0, 0}, up{0, 0, 1};
-  double min_most_n = 0;  ///< a hand that is led may pull as hard as that: what the tool needs to pierce
+  double min_most_n = 0;  ///< a led hand may always pull this hard: what the tool needs to pierce
 };
 /// Where a tool is held at first.
 struct HandBegin {

@@ -99,7 +99,7 @@ class Drill {
   /// it before the first cut. begin_step() says that a new one begins.
   void keep_steps(int most_steps);
   void begin_step() { log_.begin_step(); }
-  /// The place of the newest step among `most_steps` (UndoLog::place); -1 where there is none.
+  /// Index of the newest step that is kept (UndoLog::place); -1 where there is none.
   int step_place() const { return log_.steps() > 0 ? log_.place() : -1; }
   /// Begins to take the newest step back, or all that this object cut: `begin` are the voxels as they were at its
   /// start. Each put_back() then gives some thousand voxels their old value again, to the bit, with what was cut of
@@ -139,7 +139,7 @@ class Drill {
   grid::Box box_around(Vec3 middle_mm, double reach_mm) const;
   void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
   void collect_to(const CutterBody& body, double time_s, int slice, int slices);
-  /// What a tool went, to be cut in so many passes.
+  /// A straight piece of the tool's way, which is cut in so many passes.
   struct Way {
     ToolPose from;
     Vec3 to_tip_mm;

@@ -33,7 +33,7 @@ struct FreeParams {
   bool any() const { return viscosity_n_s_per_mm > 0 || weight_n != std::array<double, 3>{} || guide != Guide::none; }
 };
 
-/// The force of these. It neither allocates nor locks; equal inputs give equal bits.
+/// The force of FreeParams on the tool. It neither allocates nor locks; equal inputs give equal bits.
 class FreeFeel {
  public:
   /// `cutoff_hz`: of the low-pass filter on the velocity (ForceParams::velocity_cutoff_hz). Throws Error 64 for a guide

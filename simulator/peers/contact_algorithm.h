@@ -35,7 +35,7 @@ struct PeerScene {
   int shape = 1;  ///< its number in the volume
 };
 
-/// What the algorithms' papers leave to who uses them.
+/// Parameters that the algorithms' papers leave open.
 struct PeerParams {
   double spring_n_per_mm = 0.5;
   double god_object_lift_mm = 0;

@@ -34,7 +34,7 @@ CoarseTriangles coarse_triangles(const std::vector<scene::SceneVertex>& vertices
 /// The surface of such triangles, with the vertices that they use; the whole one where no triangle would be left.
 scene::SceneSurface coarse_surface(const scene::SceneSurface& whole, double within_mm, const Progress& progress = {});
 
-/// Coarser triangles are worth what they are off where at most this share of the triangles is left.
+/// Coarser triangles are used only where at most this share of the triangles is left: else they save too little.
 constexpr double worth_ratio = 2.0 / 3;
 inline bool is_worth_it(std::size_t left, std::size_t whole) { return double(left) <= worth_ratio * double(whole); }
 

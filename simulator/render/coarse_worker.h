@@ -30,7 +30,7 @@ struct CoarseMade {
   std::shared_ptr<const SurfaceParts> whole;  ///< of the CoarseAsk: what `beside` belongs to
   std::optional<CoarseParts> beside;
   std::shared_ptr<const SurfaceParts> instead;
-  CoarseFacts facts;  ///< of either
+  CoarseFacts facts;  ///< of `beside` or `instead`, whichever was made
 };
 
 /// Makes coarser triangles, and measures them, for somebody who may not wait, such as a window: in one thread, which

@@ -20,7 +20,7 @@ struct FeltCase {
   /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
   /// shape is given, no other can be touched.
   FeltCase(const std::filesystem::path& folder, const std::string& shape, cases::LoadParts parts = {});
-  /// What cuts, where the recording's tool does; else null. Throws as Drilling and cutter_of do.
+  /// The drill of the recording's tool; null where that tool cuts nothing. Throws as Drilling and cutter_of do.
   std::unique_ptr<haptics::Drilling> drilling_of(const haptics::RecordingHeader& header,
                                                  contact::ContactVolume& contact, drill::DirtyBricks* marks = nullptr);
   /// The tool of a session with one, as it is felt.
