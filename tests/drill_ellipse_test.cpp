@@ -11,7 +11,7 @@ using namespace trephine::drilling;
 namespace {
 
 struct Width {
-  double mean_ratio = 0, least_ratio = 1e9, most_ratio = 0;  ///< of the hole to the cutter's, across its thin side
+  double mean_ratio = 0, min_ratio = 1e9, max_ratio = 0;  ///< of the hole to the cutter's, across its thin side
 };
 
 // Plunged into the block at random places and turns; the hole is where less than half of bone is felt.
@@ -47,11 +47,11 @@ Width width_of(double semi_a_mm, double semi_b_mm, double voxel_mm) {
       width += decoder.trilinear(1, middle_mm + pose.frame.column[1] * at) < 0.5 ? step : 0;
     const double ratio = width / (2 * semi_b_mm);
     out.mean_ratio += ratio / holes;
-    out.least_ratio = std::min(out.least_ratio, ratio);
-    out.most_ratio = std::max(out.most_ratio, ratio);
+    out.min_ratio = std::min(out.min_ratio, ratio);
+    out.max_ratio = std::max(out.max_ratio, ratio);
   }
   std::printf("  %.2f x %.2f mm, voxels of %.1f mm: %.2f of the width, %.2f to %.2f\n", 2 * semi_a_mm, 2 * semi_b_mm,
-              voxel_mm, out.mean_ratio, out.least_ratio, out.most_ratio);
+              voxel_mm, out.mean_ratio, out.min_ratio, out.max_ratio);
   return out;
 }
 
@@ -65,7 +65,7 @@ TEST(DrillEllipse, CutsAsWideAsItIs) {
       const bool held = 2 * semi_b_mm > 1.4 * voxel_mm;
       EXPECT_NEAR(is.mean_ratio, 1, held ? 0.1 : 0.4);
       if (held) {
-        EXPECT_GT(is.least_ratio, 0.85);
+        EXPECT_GT(is.min_ratio, 0.85);
       }
     }
 }

@@ -11,8 +11,8 @@ namespace {
 
 struct Swept {
   double removed_mm3 = 0, late_mm3 = 0;
-  int ticks_after = 0;           ///< after the tool stood still, until nothing was late any more
-  std::int64_t most_a_call = 0;  ///< units
+  int ticks_after = 0;          ///< after the tool stood still, until nothing was late any more
+  std::int64_t max_a_call = 0;  ///< units
 };
 
 // A groove of 20 mm along a face of the block, half a ball deep, then the tool is lifted.
@@ -29,7 +29,7 @@ Swept sweep(double radius_mm, double voxel_mm, double m_per_s, double dt_s, bool
   const auto count = [&](const drill::Removal& r) {
     out.removed_mm3 += mm3(volume, r.units[1]);
     out.late_mm3 += mm3(volume, r.late_units);
-    out.most_a_call = std::max(out.most_a_call, r.units[1]);
+    out.max_a_call = std::max(out.max_a_call, r.units[1]);
   };
   const double step_mm = 1000 * m_per_s * dt_s;
   for (int tick = 0;; ++tick) {
@@ -65,7 +65,7 @@ TEST(DrillWay, HoweverFastTheToolGoes) {
                        << radius_mm << " mm, voxels " << voxel_mm << ", " << m_per_s << " m/s, " << dt_s << " s");
           const Swept is = sweep(radius_mm, voxel_mm, m_per_s, dt_s, true);
           EXPECT_NEAR(is.removed_mm3 / slow.removed_mm3, 1, 0.015);
-          EXPECT_LE(is.most_a_call, std::int64_t(17000) * 255) << "a call is bounded";
+          EXPECT_LE(is.max_a_call, std::int64_t(17000) * 255) << "a call is bounded";
         }
     }
 }

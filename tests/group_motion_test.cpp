@@ -29,7 +29,7 @@ std::map<std::string, double> figures_of(const std::vector<ServoFrame>& frames) 
   return {all.begin(), all.end()};
 }
 // From 0 to `way` with least jerk.
-double least_jerk(double t, double way) { return way * (10 - 15 * t + 6 * t * t) * t * t * t; }
+double min_jerk(double t, double way) { return way * (10 - 15 * t + 6 * t * t) * t * t * t; }
 
 // The authors' own example: exp(-5 t^2) over two seconds gives -1.41403.
 TEST(GroupMotion, TheSpectralArcLengthIsItsAuthors) {
@@ -42,7 +42,7 @@ TEST(GroupMotion, TheSpectralArcLengthIsItsAuthors) {
 }
 
 TEST(GroupMotion, AStraightMovementIsEconomical) {
-  const auto f = figures_of(frames_of(2, [](double t) { return least_jerk(t / 2, 100); }));
+  const auto f = figures_of(frames_of(2, [](double t) { return min_jerk(t / 2, 100); }));
   EXPECT_NEAR(f.at("path_mm"), 100, 0.1);
   EXPECT_NEAR(f.at("economy_ratio"), 1, 1e-6);
   EXPECT_GT(f.at("smoothness_sparc"), -1.6);

@@ -316,7 +316,7 @@ TEST(HapticsPassivity, ADelayGivesNoEnergyOverClosedPaths) {
       const int delay = int(delay_ms * fine);
       haptics::PortParams with, without;
       with.device_delay_ms = delay_ms;
-      Given most{-1e9, -1e9}, most_without{-1e9, -1e9};
+      Given most{-1e9, -1e9}, max_without{-1e9, -1e9};
       for (int n = 0; n < 1000; ++n) {
         const std::vector<Vec3> path = closed_path(rng);
         const haptics::ForceParams limits = n % 4 == 0 ? plain() : device_limits();
@@ -326,14 +326,14 @@ TEST(HapticsPassivity, ADelayGivesNoEnergyOverClosedPaths) {
         }
         most.mj = std::max(most.mj, a.mj);
         most.damped_mj = std::max(most.damped_mj, a.damped_mj);
-        most_without.mj = std::max(most_without.mj, b.mj);
-        most_without.damped_mj = std::max(most_without.damped_mj, b.damped_mj);
+        max_without.mj = std::max(max_without.mj, b.mj);
+        max_without.damped_mj = std::max(max_without.damped_mj, b.damped_mj);
       }
       std::printf("  %4.1f %s  %4.1f   %8.3f  %8.3f  %8.3f  %8.3f  %5.2f  %5.2f\n", stiffness, friction > 0 ? "f" : " ",
-                  delay_ms, most_without.mj, most_without.damped_mj, most.mj, most.damped_mj,
+                  delay_ms, max_without.mj, max_without.damped_mj, most.mj, most.damped_mj,
                   depth_of_3_n(floor, delay, without), depth_of_3_n(floor, delay, with));
       EXPECT_LE(delay == 0 ? most.damped_mj : most.mj, 1.0) << stiffness << " N/mm, " << delay_ms << " ms";
-      worst_without = std::max(worst_without, most_without.mj);
+      worst_without = std::max(worst_without, max_without.mj);
     }
     EXPECT_GT(worst_without, 10) << "the paths were too tame to show anything";
   }

@@ -44,7 +44,7 @@ TEST(Peers, TheFasterTheDeviceTheLessASmallLocalSetHolds) {
 TEST(Peers, TheGodObjectFallsWhereItSlidesFromFacetToFacet) {
   const auto slab = make_slab(0.5, 0.25);
   PokeParams straight;
-  straight.most_tilt_rad = 0;
+  straight.max_tilt_rad = 0;
   for (const double mm_a_tick : {1.0, 10.0, 100.0}) {
     GodObject a({slab->mesh.get(), slab->contact.get(), 1}, PeerParams{});
     EXPECT_EQ(count_falls(a, *slab, mm_a_tick, 100, straight), 0);

@@ -25,7 +25,7 @@ void refresh_sheet(const std::filesystem::path& library) {
   }
 }
 
-constexpr double least_line_s = 1;  // stages that take less are told by the table at the end alone
+constexpr double min_line_s = 1;  // stages that take less are told by the table at the end alone
 
 // Shows the run's stages on the terminal: those that take long or have something to say.
 class DisplayObserver : public pipeline::RunObserver {
@@ -49,7 +49,7 @@ class DisplayObserver : public pipeline::RunObserver {
     std::string note;
     if (const ParameterValue* verdict = report.find("verdict"))
       note = std::get<std::string>(*verdict) + (cached ? ", from the cache" : "");
-    display_.finish(node, note, least_line_s);
+    display_.finish(node, note, min_line_s);
   }
 
  private:

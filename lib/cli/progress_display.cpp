@@ -204,7 +204,7 @@ void ProgressDisplay::report(const std::string& stage, double fraction) {
   state_->line((whole.empty() ? "" : whole + " | ") + State::stage_text(*s, now));
 }
 
-void ProgressDisplay::finish(const std::string& stage, const std::string& note, double least_line_s) {
+void ProgressDisplay::finish(const std::string& stage, const std::string& note, double min_line_s) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   std::string text = stage + ":";
   double seconds = 0;
@@ -216,7 +216,7 @@ void ProgressDisplay::finish(const std::string& stage, const std::string& note, 
   }
   if (!note.empty()) text += " " + note;
   if (const auto e = state_->expected_s.find(stage); e != state_->expected_s.end()) state_->done_s += e->second;
-  const bool short_one = note.empty() && seconds < least_line_s && !state_->json;
+  const bool short_one = note.empty() && seconds < min_line_s && !state_->json;
   if (!state_->quiet && !short_one) state_->line(text);
 }
 

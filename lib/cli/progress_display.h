@@ -33,8 +33,8 @@ class ProgressDisplay {
   void report(const std::string& stage, double fraction);
   /// Ends a stage and shows "skull.decimate: 12.3 s, 80,000 triangles", where the note is the part after the time. A
   /// stage that was not started ("cached") shows no time. No line is written for a stage without a note that took less
-  /// than `least_line_s`; a log in JSON has them all.
-  void finish(const std::string& stage, const std::string& note = "", double least_line_s = 0);
+  /// than `min_line_s`; a log in JSON has them all.
+  void finish(const std::string& stage, const std::string& note = "", double min_line_s = 0);
 
  private:
   struct State;

@@ -10,7 +10,7 @@
 namespace trephine::dicom {
 
 void require_offset(const grid::HuVolume& volume, const std::string& field) {
-  constexpr double least_air = 0.02, least_tissue = 0.05, most_light = 0.001;
+  constexpr double min_air = 0.02, min_tissue = 0.05, max_light = 0.001;
   constexpr std::size_t step = 7;  // a prime: no column of the picture alone
   std::size_t all = 0, light = 0, air = 0, between = 0, tissue = 0;
   std::visit(
@@ -27,8 +27,8 @@ void require_offset(const grid::HuVolume& volume, const std::string& field) {
       },
       volume);
   const double of = all > 0 ? 1.0 / double(all) : 0;
-  if (all == 0 || double(light) * of > most_light || double(air) * of < least_air ||
-      double(tissue) * of < least_tissue || tissue < between)
+  if (all == 0 || double(light) * of > max_light || double(air) * of < min_air || double(tissue) * of < min_tissue ||
+      tissue < between)
     return;
   throw Error(
       ExitCode::bad_input, "", field,

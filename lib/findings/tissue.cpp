@@ -22,8 +22,8 @@ constexpr double flat_ratio = 0.35;  ///< of the spread across the slices to the
 constexpr double high_mm = 20, high_slices = 4;  ///< what is higher is not flat, however long: a level in both horns is
 constexpr double streak_ratio = 1.4;             ///< of the jumps between slices there to those of the scan
 constexpr double thick_streaks = 1.25;  ///< times that in slices of 6 mm, whose neighbours differ as tissue does
-constexpr double clear_mm = 3, least_cells = 60;
-constexpr double most_doubtful = 0.42;
+constexpr double clear_mm = 3, min_cells = 60;
+constexpr double max_doubtful = 0.42;
 constexpr double dark_core_mm = 3.5, dark_smooth_mm = 1.5;
 constexpr double off_ventricles_mm = 4, off_surface_mm = 6, off_cistern_mm = 5;
 
@@ -108,7 +108,7 @@ std::vector<double> slice_jumps(const Inside& in, mask::BitMask without, const P
         const double jump = here - 0.5 * (below + above);
         squares += jump * jump, ++n;
       }
-    if (n >= least_cells) jumps[std::size_t(k)] = std::sqrt(squares / n);
+    if (n >= min_cells) jumps[std::size_t(k)] = std::sqrt(squares / n);
   }
   return jumps;
 }
@@ -164,7 +164,7 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
   const double usual = usual_jump(jumps);
   const Vec3 spacing = in.raster.fine.spacing_mm;
   const double slice_mm = std::max({spacing.x, spacing.y, spacing.z});
-  const double most_streaks = streak_ratio * (1 + (thick_streaks - 1) * mask::ramp(slice_mm, 3, 6));
+  const double max_streaks = streak_ratio * (1 + (thick_streaks - 1) * mask::ramp(slice_mm, 3, 6));
   std::vector<Seen> all;
   for (mask::BitMask& piece : pieces_of(grown, p.min_blood_ml)) {
     if (share(piece, [&](int i, int j, int k) { return at_tubes.get(i, j, k); }) > 0.5) continue;
@@ -202,8 +202,8 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
     const double streaks = usual > 0 ? slices.jump / usual : 0;
     const double high = 3.46 * slices.sigma_mm;  // of an even column
     const bool is_flat = flat < flat_ratio && !(in_ventricles && high > std::max(high_mm, high_slices * slice_mm));
-    if (in.contrast_ml > vessels_ml || is_flat || streaks > most_streaks || !in.place.sure)
-      sure = std::min(sure, most_doubtful);
+    if (in.contrast_ml > vessels_ml || is_flat || streaks > max_streaks || !in.place.sure)
+      sure = std::min(sure, max_doubtful);
     s.finding.confidence = std::max(0.1, 0.95 * sure);
     s.finding.figures = {{"volume_ml", ml},
                          {"longest_mm", e.longest_mm()},

@@ -39,7 +39,8 @@ constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as C
 constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
 constexpr double lesion_ml = 0.3;
 constexpr double stem_darker_hu = 9;
-constexpr double least_share = 0.85;  ///< of the cavity that the envelope fills; 0.90 to 0.98 in 27 heads and phantoms
+constexpr double min_filled_share =
+    0.85;  ///< of the cavity that the envelope fills; 0.90 to 0.98 in 27 heads and phantoms
 // The fourth ventricle's place from the brain's centre, LPS, in an adult. It is wider than twice neck_mm, and its
 // outlets are narrower.
 constexpr double neck_mm = 2.0, fourth_core_ml = 0.2;
@@ -190,7 +191,7 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   report.add("filled_ml", double(filled.count()) * soft.voxel_volume_mm3() / 1000);
   shape = mask::largest(mask::components(shape));
   report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
-  if (const double share = double(shape.count()) / double(cavity.count()); share < least_share)
+  if (const double share = double(shape.count()) / double(cavity.count()); share < min_filled_share)
     report.warn(fmt::format(
         "only {:.0f} % of the space that bone encloses was taken for brain with its sulci (90 % and more in "
         "heads): look in the pictures whether a part of the brain is missing",

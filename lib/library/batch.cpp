@@ -224,9 +224,9 @@ void write_task(const fs::path& folder, const char* which, const std::string& na
 }
 
 std::optional<BatchJob> with_more(const Batch& batch, const BatchJob& job, Lack lack) {
-  constexpr int most_mb = 1 << 30;
+  constexpr int max_mb = 1 << 30;
   BatchJob more = job;
-  if (batch.classes.empty() && lack == Lack::memory && job.memory_mb < most_mb) {
+  if (batch.classes.empty() && lack == Lack::memory && job.memory_mb < max_mb) {
     more.memory_mb *= 2;
     return more;
   }

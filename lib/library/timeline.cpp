@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double width_px = 1200, left_px = 110, right_px = 20, top_px = 46, lane_px = 18, gap_px = 4;
 constexpr double axis_px = 24, legend_px = 18;
-constexpr std::size_t most_stages = 9;
+constexpr std::size_t max_stages = 9;
 const std::vector<std::string> colours = {"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#76b7b2",
                                           "#edc948", "#b07aa1", "#9c755f", "#ff9da7"};
 constexpr const char *other_colour = "#bab0ac", *failed_colour = "#c00000";
@@ -109,7 +109,7 @@ class Picture {
     for (const auto& [stage, s] : sums) order.emplace_back(-s, stage);
     std::sort(order.begin(), order.end());
     for (std::size_t k = 0; k < order.size(); ++k) {
-      if (k < most_stages)
+      if (k < max_stages)
         shown_.emplace_back(order[k].second, -order[k].first);
       else
         others_s_ -= order[k].first;

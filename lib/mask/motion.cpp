@@ -13,9 +13,9 @@ namespace trephine::mask {
 namespace {
 
 constexpr double lower_hu = 200, upper_hu = 1000;  ///< bone: apparatus has little of it
-constexpr double least_bone_mm2 = 1500;            ///< of a slice: a skull's ring
+constexpr double min_bone_mm2 = 1500;              ///< of a slice: a skull's ring
 constexpr double reach_mm = 12, shift_step_mm = 0.25;
-constexpr double least_mm = 1.5, most_slice_mm = 3;
+constexpr double least_mm = 1.5, max_slice_mm = 3;
 constexpr int around = 8,
               beside = 2;           ///< slices on either side: that say how the outlines change; that the step touches
 constexpr double spreads = 6;       ///< a step is that many times their spread
@@ -47,7 +47,7 @@ std::vector<Profiles> profiles_of(const grid::HuVolume& volume, const Progress& 
               p.along[1][std::size_t(j)] += bone;
               sum += bone;
             }
-          p.is = sum * l.spacing_mm.x * l.spacing_mm.y >= least_bone_mm2;
+          p.is = sum * l.spacing_mm.x * l.spacing_mm.y >= min_bone_mm2;
           for (auto& line : p.along)
             for (float& f : line) f = float(f / std::max(sum, 1e-9));
         });
@@ -124,7 +124,7 @@ class Shifts {
 
 std::optional<Motion> find_motion(const grid::HuVolume& volume, const Progress& progress) {
   const grid::Lattice& l = grid::lattice_of(volume);
-  if (l.spacing_mm.z > most_slice_mm) return {};
+  if (l.spacing_mm.z > max_slice_mm) return {};
   const std::vector<Profiles> slices = profiles_of(volume, progress);
   const Shifts x(slices, 0, l.spacing_mm.x, progress), y(slices, 1, l.spacing_mm.y, progress);
   std::optional<Motion> found;

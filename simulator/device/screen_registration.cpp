@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
 constexpr double far_mm = 1e4;
-constexpr double least_spread_mm = 5;  // of the marks across their longest line
+constexpr double min_spread_mm = 5;  // of the marks across their longest line
 
 // The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations.
 std::array<double, 4> largest_eigenvector(Matrix4 a) {
@@ -84,7 +84,7 @@ Vec3 vec_of(const Json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(
 ScreenRegistration fit_screen(const std::vector<Vec3>& device_mm, const std::vector<Vec3>& screen_mm, bool scales) {
   if (device_mm.size() != screen_mm.size() || device_mm.size() < 3)
     throw refusal("marks", "are fewer than three", {"touch all of them with `register`"});
-  if (spread_mm(device_mm) < least_spread_mm || spread_mm(screen_mm) < least_spread_mm)
+  if (spread_mm(device_mm) < min_spread_mm || spread_mm(screen_mm) < min_spread_mm)
     throw refusal("marks", "were touched on one line, so the screen's plane is not known",
                   {"touch those that `register` names, one after the other"});
   const Vec3 from = mean_of(device_mm), to = mean_of(screen_mm);

@@ -95,9 +95,9 @@ class Drill {
   bool incising() const { return next_ < incision_.end[2]; }
   const Removal& go_on();
 
-  /// Keeps what is changed from then on, by steps, so that the last `most_steps` can be taken back. It allocates: call
+  /// Keeps what is changed from then on, by steps, so that the last `max_steps` can be taken back. It allocates: call
   /// it before the first cut. begin_step() says that a new one begins.
-  void keep_steps(int most_steps);
+  void keep_steps(int max_steps);
   void begin_step() { log_.begin_step(); }
   /// Index of the newest step that is kept (UndoLog::place); -1 where there is none.
   int step_place() const { return log_.steps() > 0 ? log_.place() : -1; }

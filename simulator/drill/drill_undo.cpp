@@ -8,15 +8,15 @@
 namespace trephine::drill {
 namespace {
 
-constexpr std::size_t most_kept = std::size_t(1) << 20, most_put_back = 4000;
-constexpr int most_looked = 16000;  // voxels of which most are as they were
+constexpr std::size_t max_kept = std::size_t(1) << 20, max_put_back = 4000;
+constexpr int max_looked = 16000;  // voxels of which most are as they were
 
 }  // namespace
 
-void Drill::keep_steps(int most_steps) {
+void Drill::keep_steps(int max_steps) {
   const std::size_t count = volume_.voxels.count();
-  log_ = UndoLog(count, most_steps, std::min(count, most_kept));
-  changes_.reserve(std::max(changes_.capacity(), most_put_back));
+  log_ = UndoLog(count, max_steps, std::min(count, max_kept));
+  changes_.reserve(std::max(changes_.capacity(), max_put_back));
 }
 
 // All that was ever cut lies in such boxes.
@@ -75,14 +75,14 @@ const Removal& Drill::put_back() {
   changes_.clear();
   changing_ = {};
   if (back_ == Back::step) {
-    const UndoLog::Part part = log_.take(most_put_back);
+    const UndoLog::Part part = log_.take(max_put_back);
     for (std::size_t n = 0; n < part.count; ++n)
       change_back(part.first[n].at, part.first[n].raw, part.first[n].fraction);
     if (part.last) back_ = Back::none;
   } else if (back_ == Back::all) {
     const int across = ever_.end[0] - ever_.begin[0];
-    for (int looked = 0; back_slice_ < ever_.end[2] && looked < most_looked &&
-                         (changes_.empty() || changes_.size() + std::size_t(across) <= most_put_back);
+    for (int looked = 0; back_slice_ < ever_.end[2] && looked < max_looked &&
+                         (changes_.empty() || changes_.size() + std::size_t(across) <= max_put_back);
          looked += across) {
       for (int i = ever_.begin[0]; i < ever_.end[0]; ++i) {
         const std::size_t at = volume_.voxels.index(i, back_row_, back_slice_);

@@ -10,11 +10,11 @@ constexpr std::uint16_t last_number = 65000;
 
 }  // namespace
 
-UndoLog::UndoLog(std::size_t voxel_count, int most_steps, std::size_t most_voxels) {
-  if (most_steps <= 0 || most_voxels == 0) return;
+UndoLog::UndoLog(std::size_t voxel_count, int max_steps, std::size_t max_voxels) {
+  if (max_steps <= 0 || max_voxels == 0) return;
   stamp_.assign(voxel_count, 0);
-  kept_.resize(most_voxels);
-  steps_.resize(std::size_t(most_steps));
+  kept_.resize(max_voxels);
+  steps_.resize(std::size_t(max_steps));
 }
 
 void UndoLog::begin_step() {

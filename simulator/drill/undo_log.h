@@ -18,8 +18,8 @@ struct KeptVoxel {
 /// whatever comes after 65,000 steps.
 class UndoLog {
  public:
-  /// `most_steps`: 0 keeps nothing. `most_voxels`: of all kept steps together.
-  UndoLog(std::size_t voxel_count, int most_steps, std::size_t most_voxels);
+  /// `max_steps`: 0 keeps nothing. `max_voxels`: of all kept steps together.
+  UndoLog(std::size_t voxel_count, int max_steps, std::size_t max_voxels);
 
   /// What is noted from now on belongs to a new step, unless nothing was noted since the last one began.
   void begin_step();
@@ -30,7 +30,7 @@ class UndoLog {
   }
   /// Steps that can be taken back, the last one too if nothing was noted in it.
   int steps() const { return count_; }
-  /// Index, 0 to most_steps - 1, of the newest step. It does not change while the step is kept. There must be one.
+  /// Index, 0 to max_steps - 1, of the newest step. It does not change while the step is kept. There must be one.
   int place() const { return (first_ + count_ - 1) % int(steps_.size()); }
   /// Ends the newest step; forgets it if nothing was noted in it.
   void end_step();

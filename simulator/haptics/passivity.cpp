@@ -55,8 +55,8 @@ double Passivity::allow(Vec3 tip_mm, Vec3 wanted_n, double dt_s, double period_s
   }
   const double budget_n_mm = 1e3 * spare_j - given_n_mm_;
   // As much as can go on for a whole delay, and no more than what is under way leaves.
-  const double most_n = std::min(budget_n_mm / whole_way_mm, (budget_n_mm - under_way_n_mm) / last_way_mm);
-  share_ = std::clamp(most_n / size, 0.0, std::min(1.0, share_ + dt_s / let_in_s));
+  const double max_n = std::min(budget_n_mm / whole_way_mm, (budget_n_mm - under_way_n_mm) / last_way_mm);
+  share_ = std::clamp(max_n / size, 0.0, std::min(1.0, share_ + dt_s / let_in_s));
   sent(0) = wanted_n * share_;
   return share_;
 }

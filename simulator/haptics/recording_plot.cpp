@@ -11,7 +11,7 @@
 namespace trephine::haptics {
 namespace {
 
-constexpr std::size_t most_pieces = 1200;  // more than there are columns of pixels
+constexpr std::size_t max_pieces = 1200;  // more than there are columns of pixels
 
 double size_of(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double finite(double v) { return std::isfinite(v) ? v : 0; }
@@ -26,8 +26,7 @@ std::string events_of(const Recording& r, std::string& tics, int& rows) {
       for (const ServoFrame& f : r.frames) {
         if (!((faults ? f.faults : f.events) & 1u << bit)) continue;
         // Marks nearer than a pixel are one.
-        if (some && f.time_s - last < (r.frames.back().time_s - r.frames.front().time_s) / double(most_pieces))
-          continue;
+        if (some && f.time_s - last < (r.frames.back().time_s - r.frames.front().time_s) / double(max_pieces)) continue;
         if (!some) {
           ++rows;
           tics += fmt::format("{}{} {}", tics.empty() ? "" : ", ",
@@ -72,7 +71,7 @@ std::string tools_of(const Recording& r, std::string& objects) {
 
 std::string recording_plot(const Recording& r) {
   if (r.frames.empty()) return "set title 'the recording holds no frame'\nset yrange [0:1]\nplot NaN notitle\n";
-  const std::size_t piece = std::max<std::size_t>(1, r.frames.size() / most_pieces);
+  const std::size_t piece = std::max<std::size_t>(1, r.frames.size() / max_pieces);
   std::string force = "$force << END\n", place = "$place << END\n";
   const double* first = r.frames.front().tip_mm;
   for (std::size_t begin = 0; begin < r.frames.size(); begin += piece) {

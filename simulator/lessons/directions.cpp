@@ -37,12 +37,12 @@ std::vector<Axis> axes_of(const BodyAxes& b) {
 }
 
 std::vector<NamedPart> largest(std::vector<NamedPart> parts, double least) {
-  constexpr double least_share = 1.0 / 3;
+  constexpr double min_share = 1.0 / 3;
   std::stable_sort(parts.begin(), parts.end(), [](const NamedPart& a, const NamedPart& b) { return a.size > b.size; });
   if (parts.size() > 2) parts.resize(2);
   const double most = parts.empty() ? 0 : parts.front().size;
   parts.erase(std::remove_if(parts.begin(), parts.end(),
-                             [&](const NamedPart& p) { return p.size < least || p.size < least_share * most; }),
+                             [&](const NamedPart& p) { return p.size < least || p.size < min_share * most; }),
               parts.end());
   return parts;
 }
@@ -87,9 +87,9 @@ std::vector<NamedPart> opposite(std::vector<NamedPart> parts) {
 }
 
 std::vector<NamedPart> as_turns(std::vector<NamedPart> parts, double length_mm) {
-  constexpr double least_deg = 1;
+  constexpr double min_deg = 1;
   for (NamedPart& p : parts) p.size = std::atan2(p.size, length_mm) * 180 / M_PI;
-  parts.erase(std::remove_if(parts.begin(), parts.end(), [](const NamedPart& p) { return p.size < least_deg; }),
+  parts.erase(std::remove_if(parts.begin(), parts.end(), [](const NamedPart& p) { return p.size < min_deg; }),
               parts.end());
   return parts;
 }

@@ -16,7 +16,7 @@ namespace trephine::lessons {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr double piece_s = 0.01, moving_mm_per_s = 5, least_movement_s = 0.2;
+constexpr double piece_s = 0.01, moving_mm_per_s = 5, min_movement_s = 0.2;
 constexpr double tremor_low_hz = 8, tremor_high_hz = 12;
 
 using haptics::ServoFrame;
@@ -82,7 +82,7 @@ Movements movements_of(const std::vector<Piece>& pieces) {
   double way = 0;
   const auto end = [&](std::size_t last) {
     const double seconds = double(speed.size()) * piece_s;
-    if (seconds >= least_movement_s - 1e-9) {
+    if (seconds >= min_movement_s - 1e-9) {
       out.way_mm += way;
       out.straight_mm += norm(pieces[last].tip_mm - pieces[begin].tip_mm);
       out.arc += seconds * spectral_arc_length(speed, 1 / piece_s);
@@ -137,11 +137,11 @@ std::optional<double> tremor_um(const std::vector<Piece>& pieces) {
 }  // namespace
 
 double spectral_arc_length(const std::vector<double>& speed, double rate_hz) {
-  constexpr double most_hz = 10, least_amplitude = 0.05;
+  constexpr double max_hz = 10, min_amplitude = 0.05;
   std::size_t length = 1;
   while (length < speed.size()) length *= 2;
   length *= 16;
-  const std::size_t bins = std::min(length / 2, std::size_t(std::floor(most_hz * double(length) / rate_hz))) + 1;
+  const std::size_t bins = std::min(length / 2, std::size_t(std::floor(max_hz * double(length) / rate_hz))) + 1;
   std::vector<double> amplitude(bins);
   for (std::size_t bin = 0; bin < bins; ++bin) {
     const std::complex<double> turn = std::polar(1.0, -2 * pi * double(bin) / double(length));
@@ -153,7 +153,7 @@ double spectral_arc_length(const std::vector<double>& speed, double rate_hz) {
   std::size_t last = 0;
   for (std::size_t bin = 0; bin < bins; ++bin) {
     amplitude[bin] /= most;
-    if (amplitude[bin] >= least_amplitude) last = bin;
+    if (amplitude[bin] >= min_amplitude) last = bin;
   }
   double arc = 0;
   for (std::size_t bin = 1; bin <= last; ++bin)

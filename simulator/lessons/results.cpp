@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int most_levels = 16;
+constexpr int max_levels = 16;
 
 struct NoReport {};
 
@@ -26,7 +26,7 @@ Json parsed(const fs::path& file) {
   const std::vector<char> bytes = read_file(file, 8 << 20);
   try {
     Json j = Json::parse(bytes.begin(), bytes.end(), [](int depth, Json::parse_event_t, Json&) {
-      if (depth > most_levels) throw Error(ExitCode::bad_input, "", "", "nests too deep");
+      if (depth > max_levels) throw Error(ExitCode::bad_input, "", "", "nests too deep");
       return true;
     });
     if (!j.is_object() || !j.contains("trephine_score")) throw NoReport();

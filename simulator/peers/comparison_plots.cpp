@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* colours[] = {"#0072b2", "#56b4e9", "#cc79a7", "#d55e00", "#e69f00", "#009e73",
                                    "#8c564b", "#444444", "#7f7f00", "#b2182b", "#542788", "#1b7837"};
-constexpr double least_us = 0.1;  // the clock tells no less
+constexpr double min_us = 0.1;  // the clock tells no less
 constexpr int symbols[] = {7, 6, 9, 5, 4, 13, 11, 3};
 
 struct Figure {
@@ -86,14 +86,14 @@ Figure servo_histogram(const Comparison& c) {
 
 Figure anomalies(const Comparison& c) {
   std::string coefficient, without, tics;
-  double most_coefficient = 0.0005, most_without = 0.01;  // what the axes show at least
+  double max_coefficient = 0.0005, max_without = 0.01;  // what the axes show at least
   int n = 0;
   for (const AlgorithmKind& kind : c.kinds) {
     const Spread a = spread_of(c, kind.name, true, [](const RunFigures& f) { return f.force.anomaly_ratio; });
     const Spread z = spread_of(c, kind.name, true, [](const RunFigures& f) { return f.force.zero_force_ratio; });
     if (a.runs == 0) continue;
-    most_coefficient = std::max(most_coefficient, 1.05 * a.most);
-    most_without = std::max(most_without, 1.05 * z.most);
+    max_coefficient = std::max(max_coefficient, 1.05 * a.most);
+    max_without = std::max(max_without, 1.05 * z.most);
     coefficient += fmt::format("{} {:.6g} {:.6g} {:.6g}\n", n, a.mean, a.least, a.most);
     without += fmt::format("{} {:.6g} {:.6g} {:.6g}\n", n, z.mean, z.least, z.most);
     tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", kind.title, n++);
@@ -111,9 +111,9 @@ Figure anomalies(const Comparison& c) {
                            fmt::format("set xtics ({}) rotate by -25\nset xrange [-0.6:{}]\nset boxwidth 0.6\n"
                                        "set style fill solid\nset multiplot layout 2,1\n",
                                        tics, n - 0.4) +
-                           fmt::format("set yrange [0:{:.6g}]\n", most_coefficient) +
+                           fmt::format("set yrange [0:{:.6g}]\n", max_coefficient) +
                            "set title 'Force anomaly coefficient: mean, least and most of the runs'\n" +
-                           panel("$coefficient") + fmt::format("set yrange [0:{:.6g}]\n", most_without) +
+                           panel("$coefficient") + fmt::format("set yrange [0:{:.6g}]\n", max_without) +
                            "set title 'Frames without force: mean, least and most of the runs'\n" + panel("$without") +
                            "unset multiplot"};
 }
@@ -136,7 +136,7 @@ std::vector<std::string> plot_comparison(const Comparison& c, const fs::path& ou
       over_polygons<ServoRow>(
           "servo_polygons", "Servo loop: mean time of a tick, what feels polygons", "ms", c, c.servo,
           [](const ServoRow& r) {
-            return keeps_contact(r) ? std::optional<double>(1e-3 * std::max(least_us, r.times.mean_us)) : std::nullopt;
+            return keeps_contact(r) ? std::optional<double>(1e-3 * std::max(min_us, r.times.mean_us)) : std::nullopt;
           },
           limit + "set yrange [5e-5:3]\n"),
       servo_histogram(c), anomalies(c),

@@ -111,7 +111,7 @@ int count_falls(ContactAlgorithm& algorithm, const Slab& slab, double mm_a_tick,
   };
   int falls = 0;
   for (int poke = 0; poke < pokes; ++poke) {
-    const double tilt = between(0, params.most_tilt_rad), turn = between(0, 2 * M_PI);
+    const double tilt = between(0, params.max_tilt_rad), turn = between(0, 2 * M_PI);
     const Vec3 aside = slab.along * std::cos(turn) + slab.across * std::sin(turn);
     const Vec3 way = -slab.normal * std::cos(tilt) + aside * std::sin(tilt);
     // Aimed so that the proxy, which slides along, stays over the plate.

@@ -26,8 +26,8 @@ std::unique_ptr<Slab> make_slab(double thickness_mm, double voxel_mm);
 std::unique_ptr<Slab> make_voxel_wall(double voxel_mm);
 
 struct PokeParams {
-  double most_tilt_rad = M_PI / 3;  ///< from the plate's normal
-  double farthest_mm = 60;          ///< from the plate along the poke, where the device rests before
+  double max_tilt_rad = M_PI / 3;  ///< from the plate's normal
+  double farthest_mm = 60;         ///< from the plate along the poke, where the device rests before
   int ticks_a_picture = peers::ticks_a_picture;
 };
 

@@ -12,7 +12,7 @@
 namespace trephine::study::detail {
 namespace {
 
-constexpr std::size_t most_rows = 1'000'000;
+constexpr std::size_t max_rows = 1'000'000;
 
 struct Columns {
   std::optional<std::size_t> participant, group, phase, attempt, count, acceptable;
@@ -190,11 +190,11 @@ Observations observations_of(const Table& table, const StudyParams& params) {
     long long count = 1;
     if (columns.count) {
       const auto given = parse_integer(cells[*columns.count]);
-      if (!given || *given < 0 || *given > (long long)most_rows)
+      if (!given || *given < 0 || *given > (long long)max_rows)
         fault(table, n, *columns.count, "must be a whole number from 0 to 1000000");
       count = *given;
     }
-    if (all.rows.size() + std::size_t(count) > most_rows)
+    if (all.rows.size() + std::size_t(count) > max_rows)
       fault(table, n, columns.count.value_or(0), "gives more than 1000000 observations");
     all.rows.insert(all.rows.end(), std::size_t(count), o);
   }

@@ -9,7 +9,7 @@
 namespace trephine::study {
 namespace {
 
-constexpr std::size_t most_exact = 49;  // values in a sample, as R has it
+constexpr std::size_t max_exact = 49;  // values in a sample, as R has it
 
 double sign(double v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 
@@ -77,7 +77,7 @@ TestResult mann_whitney(const std::vector<double>& first, const std::vector<doub
   const double n1 = double(first.size()), n2 = double(second.size()), middle = n1 * n2 / 2;
   TestResult r;
   r.statistic = all.sums[1] - n2 * (n2 + 1) / 2;
-  if (all.ranks.ties == 0 && first.size() <= most_exact && second.size() <= most_exact) {
+  if (all.ranks.ties == 0 && first.size() <= max_exact && second.size() <= max_exact) {
     r.p = detail::two_sided(detail::mann_whitney_ways(first.size(), second.size()), r.statistic);
     r.note = "exact";
   } else {
@@ -104,7 +104,7 @@ TestResult signed_rank(const std::vector<double>& first, const std::vector<doubl
   const double n = double(differences.size()), total = n * (n + 1) / 2;
   TestResult r;
   for (std::size_t k = 0; k < differences.size(); ++k) r.statistic += differences[k] > 0 ? ranks.of[k] : 0;
-  if (ranks.ties == 0 && equal == 0 && differences.size() <= most_exact) {
+  if (ranks.ties == 0 && equal == 0 && differences.size() <= max_exact) {
     r.p = detail::two_sided(detail::signed_rank_ways(differences.size()), r.statistic);
     r.note = "exact";
   } else {

@@ -11,7 +11,7 @@
 namespace trephine::study {
 namespace {
 
-constexpr std::size_t most_cells = 20'000'000;
+constexpr std::size_t max_cells = 20'000'000;
 
 [[noreturn]] void fault(std::size_t line, const std::string& what) {
   throw Error(ExitCode::bad_input, "", "line " + std::to_string(line), what);
@@ -113,8 +113,8 @@ Table parse_table(std::string_view text) {
     if (cells.size() != table.columns.size())
       fault(line, "has " + std::to_string(cells.size()) + " cells, the first line names " +
                       std::to_string(table.columns.size()) + " columns");
-    if ((table.rows.size() + 1) * table.columns.size() > most_cells)
-      fault(line, "the table has more than " + std::to_string(most_cells) + " cells");
+    if ((table.rows.size() + 1) * table.columns.size() > max_cells)
+      fault(line, "the table has more than " + std::to_string(max_cells) + " cells");
     table.rows.push_back(cells);
     table.lines.push_back(line);
   }
