@@ -15,6 +15,8 @@ add_test(NAME house.anatomies COMMAND bash ${house}/anatomies.sh ${PROJECT_SOURC
 add_test(NAME house.anatomies_selftest COMMAND bash ${house}/anatomies_selftest.sh ${house}/anatomies.sh)
 add_test(NAME house.tools COMMAND bash ${house}/tools.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.tools_selftest COMMAND bash ${house}/tools_selftest.sh ${house}/tools.sh)
+add_test(NAME house.stages COMMAND bash ${house}/stages.sh ${PROJECT_SOURCE_DIR})
+add_test(NAME house.stages_selftest COMMAND bash ${house}/stages_selftest.sh ${house}/stages.sh)
 add_test(NAME house.spdx COMMAND bash ${house}/spdx.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.format COMMAND bash ${house}/format.sh ${PROJECT_SOURCE_DIR})
 set_tests_properties(house.format PROPERTIES SKIP_RETURN_CODE 77)

@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "publish/run_case.h"
+#include "publish/series_hashes.h"
 
 namespace trephine::publish {
 
@@ -28,7 +29,7 @@ void EarlyWarnings::finished(const std::string& node, const std::string& how, do
   if (tells_at_once(node))
     for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
   observer_.finished(node, how, seconds, report);
-  if (node == "import") scan_is_read_(report);
+  if (node == importing()) scan_is_read_(report);
 }
 
 }  // namespace trephine::publish

@@ -30,18 +30,17 @@ std::string with_settings(const Error& e, const std::string& import) {
   return what;
 }
 
-// The node that imports a further scan, or (empty) the CT; its parameters are set under the same name.
-std::string importing(const std::string& scan = "") {
-  const std::string& stage = stages::stage_with(parameters_of<stages::ImportStageParams>()).name_in_case();
-  return scan.empty() ? stage : scan + "." + stage;
-}
-
 bool is_importing(const std::string& node) {
   const std::size_t dot = node.rfind('.');
   return node == importing(dot == std::string::npos ? "" : node.substr(0, dot));
 }
 
 }  // namespace
+
+std::string importing(const std::string& scan) {
+  const std::string& stage = stages::stage_with(parameters_of<stages::ImportStageParams>()).name_in_case();
+  return scan.empty() ? stage : scan + "." + stage;
+}
 
 Error in_settings(const Error& error) {
   const std::string node = error.field().substr(0, error.field().find(": "));
