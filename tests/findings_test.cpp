@@ -249,6 +249,33 @@ TEST(Findings, MetalIsDenserThanTheBoneOfItsScanAndInTheHead) {
   EXPECT_LT(dense[1].confidence, findings::sure_confidence);
 }
 
+// A large implant is not what metal is compared with, and a frame around the head is none of the head's.
+TEST(Findings, ALargeImplantIsMetalAndAFrameAroundTheHeadIsNone) {
+  const auto of_scan = [](const std::function<bool(Vec3, bool bone)>& is_metal) {
+    const Scene s({}, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
+      auto& grid = std::get<grid::Grid<std::int16_t>>(scene.volume);
+      for (int k = 0; k < grid.size[2]; ++k)
+        for (int j = 0; j < grid.size[1]; ++j)
+          for (int i = 0; i < grid.size[0]; ++i) {
+            const bool bone = scene.skull.at(i, j, k) > 1;
+            if (bone) grid.at(i, j, k) = 1500;
+            if (is_metal(grid.to_world_mm({double(i), double(j), double(k)}), bone)) grid.at(i, j, k) = 3050;
+          }
+    });
+    return s.of(FindingKind::metal);
+  };
+  const auto implant = of_scan([](Vec3 p, bool bone) { return bone && p.x > 20 && p.z > 70; });
+  ASSERT_EQ(implant.size(), 1u);
+  EXPECT_GT(Scene::figure(implant[0], "volume_ml"), 10);
+  EXPECT_GT(implant[0].confidence, findings::sure_confidence);
+  // A bow from ear to ear over the back: the middle of its box lies in the brain.
+  const auto frame = of_scan([](Vec3 p, bool) {
+    const double from_middle_mm = std::hypot(p.x, p.y);
+    return std::abs(p.z - 80) < 5 && from_middle_mm > 108 && from_middle_mm < 113 && p.y > -60;
+  });
+  for (const Finding& f : frame) ADD_FAILURE() << f.text << f.position_mm.x << " " << f.position_mm.y;
+}
+
 TEST(Findings, MetalLiesWhereItIsSaidToLie) {
   const auto hu_at = [](const Scene& s, Vec3 lps) {
     const auto& grid = std::get<grid::Grid<std::int16_t>>(s.volume);

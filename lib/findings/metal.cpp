@@ -20,15 +20,18 @@ constexpr double vault_share = 0.99;
 /// Of a piece's mean HU to those of the vault's densest hundredth: metal is denser than that. The bone about the inner
 /// ear is the densest of the body, and a slice thinner than it shows it at up to 1.5 times the vault's.
 constexpr double metal_ratio = 1.3, ear_ratio = 1.7;
+constexpr double blur_mm = 3;
 constexpr double doubtful = 0.42;
 
 /// Where the template has the petrous bones.
 bool is_at_ear(Vec3 t) { return std::abs(t.x) > 18 && std::abs(t.x) < 60 && t.y > -15 && t.y < 25 && t.z < 18; }
 
-/// What only the densest hundredth of the vault's bone exceeds (HU); 0 without a vault.
-double densest_hu(const Inside& in, const mask::HuView& hu, const grid::Field& skull) {
+/// What only the densest hundredth of the vault's bone exceeds (HU); 0 without a vault. What is judged by it, and its
+/// blur, is left out of it: a large implant would hide itself.
+double densest_hu(const Inside& in, const mask::HuView& hu, const grid::Field& skull, const mask::BitMask& judged,
+                  const Progress& progress) {
   const grid::Lattice& l = hu.lattice();
-  const mask::BitMask bone = mask::positive(skull, l);
+  const mask::BitMask bone = mask::without(mask::positive(skull, l), mask::dilated(judged, blur_mm, progress));
   std::vector<std::int64_t> of(4096, 0);
   std::int64_t all = 0;
   const double middle = in.envelope.centre_mm().z;
@@ -86,12 +89,15 @@ std::vector<Seen> metal(const Inside& in, const grid::HuVolume& volume, const gr
                         const FindingsParams& params, const Progress& progress) {
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
-  const mask::Components pieces = mask::components(mask::above(hu, params.metal_hu), true);
+  // Cut off where the head ends: a frame may hold on to the skull, and go around the head.
+  const mask::BitMask head = mask::dilated(in.envelope, head_mm, progress);
+  const mask::BitMask dense =
+      mask::both(mask::above(hu, params.metal_hu), mask::placed(mask::fine_mask(head, in.raster), l));
+  const mask::Components pieces = mask::components(dense, true);
   if (pieces.list.empty()) return {};
   std::vector<double> sum_hu(pieces.list.size(), 0);
   mask::for_each_voxel(pieces, [&](int c, int i, int j, int k) { sum_hu[std::size_t(c)] += hu(i, j, k); });
-  const mask::BitMask head = mask::dilated(in.envelope, head_mm, progress);
-  const double densest = densest_hu(in, hu, skull), lowest = in.envelope.centre_mm().z + not_placed_mm;
+  const double densest = densest_hu(in, hu, skull, dense, progress), lowest = in.envelope.centre_mm().z + not_placed_mm;
   Pieces sure, not_sure;
   for (std::size_t c = 0; c < pieces.list.size(); ++c) {
     const std::int64_t voxels = std::int64_t(pieces.list[c].voxels);
@@ -100,10 +106,9 @@ std::vector<Seen> metal(const Inside& in, const grid::HuVolume& volume, const gr
     for (int a = 0; a < 3; ++a) at[a] = 0.5 * (box.begin[a] + box.end[a] - 1);
     at = l.to_world_mm(at);
     const double mm3 = double(voxels) * l.voxel_volume_mm3(), mean = sum_hu[c] / double(voxels);
-    const Vec3 t = in.place.to_template(at), cell = in.cells().to_index(at);
-    const int i = int(std::lround(cell.x)), j = int(std::lround(cell.y)), k = int(std::lround(cell.z));
+    const Vec3 t = in.place.to_template(at);
     const bool above = in.place.sure ? t.z > above_base_mm : at.z > lowest;
-    if (mm3 < min_metal_mm3 || !above || !in.cells().contains(i, j, k) || !head.get(i, j, k)) continue;
+    if (mm3 < min_metal_mm3 || !above) continue;
     const double ratio = in.place.sure && is_at_ear(t) ? ear_ratio : metal_ratio;
     Pieces& with = mean >= ratio * densest ? sure : not_sure;
     if (voxels > with.voxels_of_largest) with.largest = c, with.voxels_of_largest = voxels;
