@@ -34,6 +34,9 @@ class DisplayObserver : public pipeline::RunObserver {
   void kept(const std::filesystem::path& folder) override {
     if (!quiet_) log_line("what was made is kept for looking in " + folder.string());
   }
+  void estimated(const std::string& needs) override {
+    if (!quiet_) log_line(needs);
+  }
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override { display_.plan(expected_s); }
   void publishing() override {
     if (cached_ > 0 && !quiet_)

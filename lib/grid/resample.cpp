@@ -141,6 +141,9 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
   HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled(g, step_mm, progress)); }, volume);
   const Lattice& made = lattice_of(out);
   report.figures.emplace_back("spacing_mm", std::vector<double>{step_mm[0], step_mm[1], step_mm[2]});
+  double coarser = 0;
+  for (int a = 0; a < 3; ++a) coarser = std::max(coarser, step_mm[a] / old.spacing_mm[a]);
+  report.add("coarsest_ratio", coarser);
   report.add("voxels_count", made.count());
   report.add("voxels_ratio", old.count() ? double(made.count()) / double(old.count()) : 1.0);
   progress.report(1);

@@ -23,6 +23,8 @@ class RunObserver {
   virtual void publishing() {}
   /// The run is refused, and what was made is kept for looking in that folder.
   virtual void kept(const std::filesystem::path& folder) { (void)folder; }
+  /// What the whole run will take, in a line, once its scan is known.
+  virtual void estimated(const std::string& needs) { (void)needs; }
   virtual void started(const std::string& node) = 0;
   virtual void progressed(const std::string& node, double fraction) = 0;
   /// `how`: computed or cached.

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/log.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
 
@@ -24,11 +23,29 @@ CaseNeeds case_needs(std::uint64_t voxels_count, std::size_t anatomies_count, bo
   return {memory_mb, 3 + 0.8 * mega + ct_mb + page_mb, 6 * mega + 20 * std::cbrt(mega * mega)};
 }
 
-std::uint64_t voxels_by_report(const Report& scan) {
+std::uint64_t ScanRaster::count() const {
+  return static_cast<std::uint64_t>(voxels_count[0] * voxels_count[1] * voxels_count[2]);
+}
+
+ScanRaster ScanRaster::on_voxels(const std::array<double, 3>& wanted_mm) const {
+  ScanRaster out = *this;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (wanted_mm[a] > 0) {
+      out.voxels_count[a] = std::max(1.0, std::round(voxels_count[a] * spacing_mm[a] / wanted_mm[a]));
+      out.spacing_mm[a] = wanted_mm[a];
+    }
+  return out;
+}
+
+ScanRaster raster_by_report(const Report& scan) {
+  ScanRaster out;
+  auto& n = out.voxels_count;
   const ParameterValue* size = scan.find("size");
-  unsigned long long n[3] = {0, 0, 0};
-  if (!size || std::sscanf(std::get<std::string>(*size).c_str(), "%llux%llux%llu", &n[0], &n[1], &n[2]) != 3) return 0;
-  return n[0] * n[1] * n[2];
+  if (!size || std::sscanf(std::get<std::string>(*size).c_str(), "%lfx%lfx%lf", &n[0], &n[1], &n[2]) != 3) return {};
+  const char* const names[] = {"spacing_x_mm", "spacing_y_mm", "spacing_z_mm"};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (const ParameterValue* mm = scan.find(names[a])) out.spacing_mm[a] = std::get<double>(*mm);
+  return out;
 }
 
 std::string megabytes_text(double mb) {
@@ -45,15 +62,28 @@ void require_disk(const std::filesystem::path& folder, double need_mb) {
                   " are free; --no-check-disk begins all the same");
 }
 
-void tell_memory(const std::string& case_token, std::uint64_t voxels_count, double need_mb) {
-  if (voxels_count < 1'000'000) return;
-  const double there_mb = static_cast<double>(available_memory_bytes()) / 1e6;
-  const std::string text = case_token + ": about " + megabytes_text(10 * std::round(need_mb / 10)) +
-                           " of memory by estimate, " + megabytes_text(there_mb) + " are available";
-  if (need_mb <= there_mb)
-    log_line(text);
-  else
-    log_warning(text + ": end other programs, or take larger voxels (`--set resample.spacing_mm=[1,1,1]`)");
+MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size_t anatomies_count) {
+  if (scan.count() < 1'000'000) return {};
+  const auto need_mb = [&](const ScanRaster& r) {
+    return case_needs(r.count(), anatomies_count, false, false).memory_mb;
+  };
+  const double there_mb = static_cast<double>(available_memory_bytes()) / 1e6, mb = need_mb(used);
+  MemoryNeed need;
+  need.text = "about " + megabytes_text(10 * std::round(mb / 10)) + " of memory by estimate, " +
+              megabytes_text(there_mb) + " are available";
+  if (mb <= there_mb) return need;
+  need.remedy = "end other programs";
+  constexpr double max_mm = 3;  // on larger voxels nothing is left of a head that anybody would look for
+  for (double mm = 0.5; mm <= max_mm; mm += 0.1) {
+    std::array<double, 3> larger{};
+    for (std::size_t a = 0; a < 3; ++a) larger[a] = std::max(std::round(10 * mm) / 10, used.spacing_mm[a]);
+    if (need_mb(used.on_voxels(larger)) > 0.9 * there_mb) continue;
+    const auto text = [](double v) { return to_text(std::round(1000 * v) / 1000); };
+    need.remedy += ", or take larger voxels: `--set resample.spacing_mm=[" + text(larger[0]) + "," + text(larger[1]) +
+                   "," + text(larger[2]) + "]`";
+    break;
+  }
+  return need;
 }
 
 }  // namespace trephine::publish

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -18,9 +19,6 @@ struct CaseNeeds {
 };
 CaseNeeds case_needs(std::uint64_t voxels_count, std::size_t anatomies_count, bool with_ct, bool with_page);
 
-/// The voxels of a scan that was read, by its report's figure `size` ("512x512x200"); 0 where that says nothing.
-std::uint64_t voxels_by_report(const Report& scan);
-
 /// "250 MB", "1.2 GB".
 std::string megabytes_text(double mb);
 
@@ -28,8 +26,22 @@ std::string megabytes_text(double mb);
 /// of the folder. Where the system does not say what is free, nothing is refused.
 void require_disk(const std::filesystem::path& folder, double need_mb);
 
-/// Logs what memory the case will take, as a warning with what to do where that is more than is available; nothing for
-/// scans of less than a million voxels.
-void tell_memory(const std::string& case_token, std::uint64_t voxels_count, double need_mb);
+/// A scan's raster as its report says it; zeros where that says nothing.
+struct ScanRaster {
+  std::array<double, 3> voxels_count{}, spacing_mm{};
+  std::uint64_t count() const;
+  /// On voxels of these sizes; 0 keeps an axis as it is.
+  ScanRaster on_voxels(const std::array<double, 3>& spacing_mm) const;
+};
+ScanRaster raster_by_report(const Report& scan);
+
+/// What memory the case will take, and how much there is; empty for scans of less than a million voxels. `scan` as it
+/// was read, `used` as it goes into the stages.
+struct MemoryNeed {
+  std::string text;
+  /// Where there is too little: what to do. Larger voxels are named where the estimate then fits.
+  std::string remedy;
+};
+MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size_t anatomies_count);
 
 }  // namespace trephine::publish

@@ -332,10 +332,20 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
     const auto check_needs = [&](const Report& scan) {
-      const std::uint64_t voxels = voxels_by_report(scan);
-      const CaseNeeds needs =
-          case_needs(voxels, wanted_anatomies(config).size(), config.ct.has_value(), request.params.page);
-      tell_memory(token, voxels, needs.memory_mb);
+      const ScanRaster raster = raster_by_report(scan);
+      const std::size_t anatomies = wanted_anatomies(config).size();
+      const int resample = made.graph.find_stage<grid::ResampleParams>();
+      const MemoryNeed memory = memory_need(
+          raster,
+          resample < 0
+              ? raster
+              : raster.on_voxels(made.graph.nodes[std::size_t(resample)].params.as<grid::ResampleParams>().spacing_mm),
+          anatomies);
+      if (!memory.remedy.empty())
+        log_warning(token + ": " + memory.text + ": " + memory.remedy);
+      else if (!memory.text.empty())
+        observer.estimated(memory.text);
+      const CaseNeeds needs = case_needs(raster.count(), anatomies, config.ct.has_value(), request.params.page);
       if (!request.params.check_disk) return;
       const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
       require_disk(request.library,

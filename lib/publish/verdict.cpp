@@ -57,15 +57,18 @@ std::string reasons(const Report& scan) {
 // Deviations are measured from the surface on the voxels that it was made on, and say nothing of what coarser ones
 // lost.
 std::string coarser_voxels(const Report& resample) {
-  const ParameterValue* ratio = resample.find("voxels_ratio");
+  const auto number = [&](const char* name) {
+    const ParameterValue* v = resample.find(name);
+    return v ? std::get<double>(*v) : 1.0;
+  };
   const ParameterValue* spacing = resample.find("spacing_mm");
-  const double share = ratio ? std::get<double>(*ratio) : 1;
-  if (!spacing || share >= 1) return "";
+  if (!spacing || !(number("coarsest_ratio") > 1 + 1e-6)) return "";
   const auto& mm = std::get<std::vector<double>>(*spacing);
+  const double percent = 100 * number("voxels_ratio");
   return fmt::format(
-      "; on voxels of {:.3g} x {:.3g} x {:.3g} mm, {:.2g} % of the scan's: the deviations leave out what "
+      "; on voxels of {:.3g} x {:.3g} x {:.3g} mm, {:.{}f} % of the scan's: the deviations leave out what "
       "that loses (`trade` measures it)",
-      mm.at(0), mm.at(1), mm.at(2), 100 * share);
+      mm.at(0), mm.at(1), mm.at(2), percent, percent < 10 ? 1 : 0);
 }
 
 }  // namespace
