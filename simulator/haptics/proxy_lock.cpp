@@ -184,8 +184,8 @@ void Proxy::follow_line(Vec3 device) {
   count_ = 1;
 }
 
-// Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether anything still bars the
-// turn, or the way off the line, and ends the lock where nothing does, because the tool was drawn out.
+// Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether the turn, or of a line
+// the way to the hand, is free, and ends the lock where it is, because the tool was drawn out.
 void Proxy::try_unlock(Vec3 axis, Vec3 device) {
   if (!state_.locked) return;
   ToolBody& b = *body_;

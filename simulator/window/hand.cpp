@@ -26,7 +26,8 @@ Hand::Hand(CaseView& view, const std::string& site, bool behind) : view_(view) {
     goal_.axis = {0, 1, 0};
     goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
   }
-  if (view.open_field_mm && !view.stands_at.empty()) {  // before a chest: held from below, outside of all
+  if (view.open_field_mm &&
+      !view.stands_at.empty()) {  // a surgeon's view without a C-arm, as of a chest: held from below, outside of all
     const Vec3 toward = view.camera.toward, up = view.camera.up;
     double out_mm = 0;
     for (const Vec3 corner : surface::corners_of(b))

@@ -121,9 +121,9 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   if (breach_judged) {
     breach.score = any && unsaved.empty() ? r.breach_mm.score(worst.depth_mm) : 1;
     breach.why = !any                 ? (facts.task.empty() ? "the needle entered no pedicle" : rows.not_there())
+                 : !unsaved.empty()   ? unsaved
                  : worst.depth_mm > 0 ? "through the " + worst.side + " wall"
-                 : unsaved.empty()    ? std::string("within the pedicle")
-                                      : unsaved;
+                                      : std::string("within the pedicle");
     if (any) breach.measured = {{"breach_mm", worst.depth_mm}};
     if (worst.depth_mm > 0)
       breach.decided_s = worst.time_s;
