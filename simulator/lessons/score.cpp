@@ -22,8 +22,8 @@ const ScoreRow* LessonScore::row(const std::string& name) const {
   return nullptr;
 }
 
-std::string LessonScore::unsaved() const {
-  return !unreached.empty() ? unreached : critical.empty() ? "" : "a critical error happened";
+std::string unsaved_by(const std::string& missed, bool harmed) {
+  return !missed.empty() ? missed : harmed ? "a critical error happened" : "";
 }
 
 std::string LessonScore::reason() const {

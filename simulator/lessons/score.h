@@ -39,6 +39,10 @@ struct CriticalError {
 enum class LessonOutcome { not_completed, completed, failed };
 const char* name_of(LessonOutcome outcome);
 
+/// Why nothing that was saved (passes, X-rays, time) or spared counts in rows of ours: what was missed, or else that
+/// harm was done by a critical error; empty: it counts.
+std::string unsaved_by(const std::string& missed, bool harmed);
+
 struct LessonScore {
   std::vector<ScoreRow> rows;
   std::vector<CriticalError> critical;
@@ -48,8 +52,8 @@ struct LessonScore {
            : unreached.empty() ? LessonOutcome::completed
                                : LessonOutcome::not_completed;
   }
-  /// Why nothing that was saved (passes, X-rays, time) or spared counts in rows of ours; empty: it does.
-  std::string unsaved() const;
+  /// unsaved_by() of the lesson's goal and its critical errors.
+  std::string unsaved() const { return unsaved_by(unreached, !critical.empty()); }
   /// The reason: of a failure all critical errors, of what is not completed what is missing; else empty.
   std::string reason() const;
   std::vector<LessonFigure> figures;

@@ -159,8 +159,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   score.rows.push_back(last);
   if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
     score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : nowhere, doubt.empty()));
-  push_effort_rows(facts, manifest, r,
-                   !nowhere.empty() || score.critical.empty() ? nowhere : "a critical error happened", score);
+  push_effort_rows(facts, manifest, r, unsaved_by(nowhere, !score.critical.empty()), score);
   if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
     score.advice = screw_advice(score, e, entry_off, axial, sagittal);
     if (score.lost("length")) score.advice.push_back(depth_advice("length", e.depth_mm));

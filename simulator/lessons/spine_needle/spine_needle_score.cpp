@@ -91,7 +91,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   CriticalErrors errors(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, errors);
   // Nor did anybody save or spare anything who did harm.
-  const std::string unsaved = !nowhere.empty() || score.critical.empty() ? nowhere : "a critical error happened";
+  const std::string unsaved = unsaved_by(nowhere, !score.critical.empty());
   const std::string at = rows.errors.pedicle ? rows.errors.pedicle->name : "";
   score.rows.push_back(rows.at_pedicle("entry", "Entry into the pedicle", r.entry_mm, "entry_off_mm",
                                        rows.errors.entry_mm, "the needle's line at the entry of " + at));

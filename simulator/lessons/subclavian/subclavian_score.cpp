@@ -90,7 +90,7 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r, bool harm
     return row;
   }
   if (harmed) {
-    row.why = "a critical error happened";
+    row.why = unsaved_by("", harmed);
     return row;
   }
   row.score = count <= r.ideal_count.limit ? 5 : count <= r.good_count.limit ? 4 : count <= r.most_count.limit ? 3 : 1;

@@ -219,8 +219,8 @@ ScoreRow score_passes(const Scoring& s, bool harmed) {
   row.limits = {{"five_count", r.five}, {"four_count", r.four}, {"three_count", r.three}, {"two_count", r.two}};
   if (count == 0) return row;
   row.decided_s = s.facts.passes.back().begin_s;
-  std::string why = misplaced(s);  // one pass that ends beside the ventricle saved nobody anything
-  if (why.empty() && harmed) why = "a critical error happened";
+  // One pass that ends beside the ventricle saved nobody anything.
+  const std::string why = unsaved_by(misplaced(s), harmed);
   row.score = why.empty() ? r.score(count) : 1;
   row.why = why.empty() ? "times that the catheter entered the brain" : why;
   return row;
