@@ -14,7 +14,7 @@ const fs::path old = fs::path(TREPHINE_SOURCE_DIR) / "tests/data/old";
 
 TEST(HapticsOld, EveryVersionReplays) {
   for (const char* name : {"version_1.servo", "version_2.servo", "version_3.lesson", "version_4.servo",
-                           "version_5.servo", "version_6.servo"}) {
+                           "version_5.servo", "version_6.servo", "version_7.servo"}) {
     SCOPED_TRACE(name);
     const haptics::Recording r = haptics::read_recording(old / name);
     session::FeltCase felt = session::felt_again(old / "case-1.4", name, r.header);
@@ -28,6 +28,7 @@ TEST(HapticsOld, EveryVersionReplays) {
         EXPECT_NEAR(again[n].force_n[a], r.frames[n].force_n[a], 1e-9) << n;
         max_n = std::max(max_n, std::abs(again[n].force_n[a]));
       }
+    for (std::size_t n = 0; n < again.size(); ++n) EXPECT_EQ(again[n].events, r.frames[n].events) << n;
     EXPECT_GT(max_n, 0.5) << "it was felt";
     EXPECT_EQ(r.header.outcome.has_value(), r.header.drilling.drill);
     if (!r.header.outcome) continue;
@@ -62,6 +63,10 @@ TEST(HapticsOld, WhatAVersionKnowsIsRead) {
   EXPECT_EQ(six.force.force_law, haptics::ForceParams::Law::third);
   EXPECT_EQ(six.tool.lock, haptics::ToolParams::Lock::turn);
   EXPECT_EQ(six.outcome->undone, 1);
+  const haptics::RecordingHeader seven = haptics::read_recording(old / "version_7.servo").header;
+  EXPECT_EQ(seven.force.force_law, haptics::ForceParams::Law::fourth);
+  EXPECT_EQ(seven.tool.lock, haptics::ToolParams::Lock::line);
+  EXPECT_EQ(seven.drilling.way_ends, haptics::DrillingParams::WayEnds::running);
 }
 
 // The digest by which a recording knows its case's materials: other materials are refused, the same ones never.

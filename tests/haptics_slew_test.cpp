@@ -2,6 +2,8 @@
 // The force of a running drill: continuous, but for a pop or a breach, which have a time and a shape.
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "haptics/force_changes.h"
 #include "haptics/force_slew.h"
 #include "haptics/recording.h"
@@ -136,46 +138,102 @@ TEST(HapticsSlew, AFloorThatGivesWay) {
   EXPECT_GT(second.changes.turns, third.changes.turns);
 }
 
+namespace {
+
+struct Move {
+  Vec3 to;
+  int ticks;
+  std::uint32_t buttons;
+};
+
+// How many breaches each move tells of a ball of 4 mm at a plate of 3 mm, 18 mm wide; the drill has been through first.
+std::vector<int> breaches_of(haptics::ForceParams::Law law, haptics::DrillingParams::WayEnds way_ends,
+                             const std::vector<Move>& moves, bool& breached) {
+  voxel::HapticVolume volume = empty(44, {0.5, 0.5, 0.5});
+  fill_wide(volume, 1, [](Vec3 p) { return std::min(1.5 - std::abs(p.z), 9 - std::abs(p.y)); });
+  contact::ContactVolume contact(volume);
+  drill::DrillShapes shapes;
+  shapes[1] = {true, 0.02};
+  haptics::DrillingParams params;
+  params.drill = true;
+  params.way_ends = way_ends;
+  const haptics::ToolParams tool = haptics::own_tool(params_of("ball", 4));
+  haptics::Drilling drilling(volume, contact, shapes, params, {}, haptics::cutter_of(params, tool));
+  haptics::ForceParams force;
+  force.force_law = law;
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
+                       haptics::make_tool(tool));
+  std::vector<int> breaches;
+  Vec3 tip{-4, 0, 3};
+  for (const Move& move : moves) {
+    int told = 0;
+    const Vec3 from = tip;
+    for (int n = 1; n <= move.ticks; ++n) {
+      tip = from + (move.to - from) * (double(n) / move.ticks);
+      haptics::HapticInput in = pose(tip, {0, 0, 1});
+      in.buttons = move.buttons;
+      drilling.prepare(in);
+      const haptics::HapticState& is = proxy.update(in);
+      drilling.tick(in, is);
+      told += (is.events & haptics::haptic_event::breach) != 0;
+    }
+    breaches.push_back(told);
+  }
+  breached = drilling.outcome().breached;
+  return breaches;
+}
+
+constexpr std::uint32_t up = 0, down = haptics::Drilling::pedal;
+
+}  // namespace
+
 // Two holes through a plate are two breaches, and the way through the first hole again is none. Sessions of before told
 // the first alone, and their recordings still do.
 TEST(HapticsSlew, EachPassThroughBoneIsABreach) {
+  std::vector<Move> moves;
+  for (const double x : {-4.0, -4.0, 4.0})
+    for (const Move& m : {Move{{x, 0, 3}, 100, up}, {{x, 0, -4}, 700, down}, {{x, 0, 3}, 100, up}}) moves.push_back(m);
   for (const auto& [law, expected] :
        {std::pair{haptics::ForceParams::Law::fourth, 2}, std::pair{haptics::ForceParams::Law::third, 1}}) {
-    voxel::HapticVolume volume = empty(44, {0.5, 0.5, 0.5});
-    fill_wide(volume, 1, [](Vec3 p) { return 1.5 - std::abs(p.z); });
-    contact::ContactVolume contact(volume);
-    drill::DrillShapes shapes;
-    shapes[1] = {true, 0.02};
-    haptics::DrillingParams params;
-    params.drill = true;
-    const haptics::ToolParams tool = haptics::own_tool(params_of("ball", 4));
-    haptics::Drilling drilling(volume, contact, shapes, params, {}, haptics::cutter_of(params, tool));
-    haptics::ForceParams force;
-    force.force_law = law;
-    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
-                         haptics::make_tool(tool));
-    std::vector<int> breaches;
-    Vec3 tip{-4, 0, 3};
-    const auto go = [&](Vec3 to, int ticks, std::uint32_t buttons) {
-      int told = 0;
-      const Vec3 from = tip;
-      for (int n = 1; n <= ticks; ++n) {
-        tip = from + (to - from) * (double(n) / ticks);
-        haptics::HapticInput in = pose(tip, {0, 0, 1});
-        in.buttons = buttons;
-        drilling.prepare(in);
-        const haptics::HapticState& is = proxy.update(in);
-        drilling.tick(in, is);
-        told += (is.events & haptics::haptic_event::breach) != 0;
-      }
-      breaches.push_back(told);
-    };
-    for (const double x : {-4.0, -4.0, 4.0}) {
-      go({x, 0, 3}, 100, 0);
-      go({x, 0, -4}, 700, haptics::Drilling::pedal);
-      go({x, 0, 3}, 100, 0);
-    }
-    EXPECT_EQ(breaches, (std::vector<int>{0, 1, 0, 0, 0, 0, 0, expected - 1, 0}));
-    EXPECT_TRUE(drilling.outcome().breached);
+    bool breached = false;
+    EXPECT_EQ(breaches_of(law, haptics::DrillingParams::WayEnds::outside, moves, breached),
+              (std::vector<int>{0, 1, 0, 0, 0, 0, 0, expected - 1, 0}));
+    EXPECT_TRUE(breached);
   }
+}
+
+// A pit that is left with the pedal up is no way through: neither where the drill then runs beside the bone, nor where
+// it goes through the hole that it made before. Recordings of before version 8 told both, and still do.
+TEST(HapticsSlew, APitThatWasLeftIsNoBreachElsewhere) {
+  using Ends = haptics::DrillingParams::WayEnds;
+  const auto fourth = haptics::ForceParams::Law::fourth;
+  const std::vector<Move> pit = {{{-4, 0, 3}, 100, up}, {{-4, 0, 0.2}, 400, down}, {{-4, 0, 4}, 100, up}},
+                          beside = {{{-4, 12.5, 4}, 100, up},
+                                    {{-4, 12.5, -1}, 100, up},
+                                    {{-4, 12.5, -4}, 100, down},
+                                    {{-4, 12.5, 4}, 100, up}},
+                          hole = {{{4, 0, 4}, 100, up}, {{4, 0, -4}, 700, down}, {{4, 0, 4}, 100, up}},
+                          again = {{{4, 0, 4}, 100, up},
+                                   {{4, 0, 0.5}, 100, up},
+                                   {{4, 0, -4}, 100, down},
+                                   {{4, 0, 4}, 100, up}};
+  const auto told = [&](Ends ends, std::initializer_list<const std::vector<Move>*> parts, bool& breached) {
+    std::vector<Move> moves;
+    for (const std::vector<Move>* part : parts) moves.insert(moves.end(), part->begin(), part->end());
+    const std::vector<int> each = breaches_of(fourth, ends, moves, breached);
+    std::vector<int> sums;
+    auto from = each.begin();
+    for (const std::vector<Move>* part : parts) {
+      sums.push_back(std::accumulate(from, from + std::ptrdiff_t(part->size()), 0));
+      from += std::ptrdiff_t(part->size());
+    }
+    return sums;
+  };
+  bool breached = false;
+  EXPECT_EQ(told(Ends::outside, {&pit, &beside}, breached), (std::vector<int>{0, 0}));
+  EXPECT_FALSE(breached);
+  EXPECT_EQ(told(Ends::running, {&pit, &beside}, breached), (std::vector<int>{0, 1}));
+  EXPECT_TRUE(breached);
+  EXPECT_EQ(told(Ends::outside, {&hole, &pit, &again}, breached), (std::vector<int>{1, 0, 0}));
+  EXPECT_EQ(told(Ends::running, {&hole, &pit, &again}, breached), (std::vector<int>{1, 0, 1}));
 }

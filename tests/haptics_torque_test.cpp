@@ -196,6 +196,7 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   header.drilling.drill = true;
   header.drilling.cut_at = haptics::DrillingParams::At::device;  // of version 2
   header.drilling.undo_steps = 0;
+  header.drilling.way_ends = haptics::DrillingParams::WayEnds::running;
   header.force.force_law = haptics::ForceParams::Law::first;
   haptics::RecordingWriter writer(file, header);
   writer.add({haptics::ServoFrame()});

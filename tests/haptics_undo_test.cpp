@@ -155,6 +155,7 @@ TEST(HapticsUndo, ARecordingKnowsOfIt) {
   haptics::RecordingHeader h;
   h.drilling.drill = true;
   h.drilling.cut_at = haptics::DrillingParams::At::tool;
+  h.drilling.way_ends = haptics::DrillingParams::WayEnds::running;
   h.force.force_law = haptics::ForceParams::Law::second;
   const auto file = std::filesystem::temp_directory_path() / ("undo-" + std::to_string(getpid()) + ".servo");
   for (const std::int64_t steps : {std::int64_t(0), std::int64_t(7)}) {

@@ -258,10 +258,14 @@ bool Drilling::was_bone(Vec3 at) const {
 
 // A breach is a way through bone from its outside that a drill made: at least min_depth_mm deep, and on it as much bone
 // was removed as such a hole of half the cutter's width holds. So a tool that passes through its own hole again
-// breaches nothing.
+// breaches nothing. A way that the tool leaves with its pedal up ends there: what comes next is another one.
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   came_through_ = false;
-  if (!(in.buttons & pedal)) return;
+  if (!(in.buttons & pedal)) {
+    const bool lifted = in.buttons & haptic_button::lifted;
+    if (in_bone_ && params_.way_ends == DrillingParams::WayEnds::outside) in_bone_ = !lifted && was_bone(tip);
+    return;
+  }
   const bool is = was_bone(tip);
   if (is && !in_bone_) {
     entry_mm_ = tip;

@@ -19,8 +19,10 @@ namespace trephine::haptics {
 struct DrillingParams : HeatParams {
   enum class Cutter { own, ball, cylinder };
   enum class At { way, tool, device };
+  enum class WayEnds { outside, running };
   bool drill = false;
   At cut_at = At::way;
+  WayEnds way_ends = WayEnds::outside;
   Cutter cutter = Cutter::own;
   double cutter_height_mm = 0, cutter_width_ratio = 1, cutter_turn_deg = 0;
   double spindle_rpm = 60000, stall_force_n = 8, reaction_ratio = 0.5;
@@ -61,6 +63,11 @@ struct DrillingParams : HeatParams {
     v.integer(&P::undo_steps, "undo_steps", Range{0, 1000},
               "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.")
         .is_since(6);
+    v.choice(&P::way_ends, "way_ends", {{"outside", WayEnds::outside}, {"running", WayEnds::running}},
+             "When a way of the tip through bone ends, whose end on the other side is a breach. outside: where the tip "
+             "is outside of bone. running: only while the drill runs there, as in recordings before version 8, so a "
+             "pit that was left with the pedal up could be called a breach elsewhere.")
+        .is_since(8);
     v.template all_of<HeatParams>();
   }
 };

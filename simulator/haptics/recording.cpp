@@ -30,7 +30,8 @@ bool locks_a_line(const RecordingHeader& h) {
 }
 
 int version_of(const RecordingHeader& h) {
-  if (h.force.force_law == ForceParams::Law::fourth || locks_a_line(h)) return recording_version;
+  if (h.drilling.drill && h.drilling.way_ends == DrillingParams::WayEnds::outside) return recording_version;
+  if (h.force.force_law == ForceParams::Law::fourth || locks_a_line(h)) return fourth_law_version;
   if (h.force.force_law == ForceParams::Law::third) return third_law_version;
   if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))
     return third_law_version;
@@ -75,6 +76,7 @@ HeaderFile read_header(std::string_view text, int version) {
   h.drilling.clearance_voxels = 0;
   h.drilling.undo_steps = 0;
   h.drilling.cut_at = DrillingParams::At::device;
+  h.drilling.way_ends = DrillingParams::WayEnds::running;
   h.force.force_law = ForceParams::Law::first;
   json::JsonRules rules;
   rules.version = version;
