@@ -309,7 +309,7 @@ TEST(LoadCase, L3ANewerMajorVersionIsRefusedWithBothVersions) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     EXPECT_EQ(e.file(), "case.json");
-    EXPECT_EQ(std::string(e.what()), "version 2.4, this program reads version 1.6");
+    EXPECT_EQ(std::string(e.what()), "version 2.4, this program reads version 1.7");
   }
 }
 

@@ -46,6 +46,19 @@ TEST(Material, FaultsNameFaceAndValue) {
             "back.stiffness_n_per_mm: 0, must be more where the face is touchable");
   EXPECT_EQ(fault([](cases::MaterialParams& m) { m.front.stiffness_n_per_mm = 0.05; }),
             "front.pop_through_n: 2 N are met 40 mm deep, at most 30 mm");
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.front.across_grain_ratio = 0.05; }),
+            "front.across_grain_ratio: 0.05, must be a number from 0.1 to 10");
+  EXPECT_EQ(fault([](cases::MaterialParams& m) { m.back.across_grain_ratio = 2; }),
+            "grain_direction: is 0 long, at least 0.1 where across_grain_ratio is not 1");
+  EXPECT_EQ(fault([](cases::MaterialParams& m) {
+              m.front.across_grain_ratio = 0.5;
+              m.grain_direction = {0.3, 0, -0.4};
+            }),
+            "");
+  EXPECT_EQ(fault([&](cases::MaterialParams& m) {
+              m.grain_direction = {0, nan, 0};
+            }).rfind("grain_direction: ", 0),
+            0u);
   EXPECT_EQ(fault([](cases::MaterialParams& m) {
               m.back = {};
               m.back.touchable = false;

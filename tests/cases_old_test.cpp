@@ -26,7 +26,7 @@ cases::LoadedCase load(const std::string& json) {
 }
 
 TEST(CasesOld, EveryFormatIsRead) {
-  for (int minor = 0; minor <= 4; ++minor) {
+  for (int minor = 0; minor <= 6; ++minor) {
     SCOPED_TRACE(minor);
     const cases::LoadedCase c = load(case_json(minor));
     const cases::CaseManifest& m = c.manifest;
@@ -42,12 +42,15 @@ TEST(CasesOld, EveryFormatIsRead) {
     EXPECT_EQ(m.figures.size(), minor >= 2 ? 3u : 0u);
     EXPECT_EQ(m.ct.file.empty(), minor < 3);
     EXPECT_EQ(m.missing.size(), minor >= 4 ? 1u : 0u);
+    EXPECT_EQ(m.stand_ins.size(), minor >= 5 ? 1u : 0u);
+    EXPECT_EQ(m.findings.size(), minor >= 6 ? 1u : 0u);
     if (minor == 0) continue;
     const cases::CaseShape& bone = m.haptic.shapes[0];
     EXPECT_EQ(bone.material.name, "bone");
     EXPECT_TRUE(bone.cuttable);
     EXPECT_EQ(bone.material.front.static_friction_ratio, 0.4);
     EXPECT_EQ(bone.material.removal_energy_j_per_mm3, 0.01);
+    EXPECT_EQ(bone.material.front.across_grain_ratio, 1);
     EXPECT_EQ(bone.mismatch.samples, 50000u);
     EXPECT_EQ(cases::to_json(m), case_json(minor)) << "written again, the same bytes";
   }

@@ -136,8 +136,8 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("version 2.7"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("version 1.6"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.8"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.7"), std::string::npos);
   }
 }
 

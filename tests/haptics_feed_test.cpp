@@ -79,15 +79,16 @@ TEST(HapticsFeed, AStallIsReported) {
   EXPECT_LT(is.depth_mm, 1);
 }
 
-// docs/haptics.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller force is left.
+// docs/haptics.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller force is left:
+// 0.8 at least.
 TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
   struct Row {
     const char* kind;
-    double tilt_deg, tremor_mm, least;
+    double tilt_deg, tremor_mm;
   };
-  for (const Row& row : {Row{"ball", 0, 0, 0.8}, Row{"ball", 0, 0.3, 0.8}, Row{"ball", 30, 0.3, 0.8},
-                         Row{"ball", 60, 0.3, 0.8}, Row{"round_burr", 0, 0, 0.8}, Row{"burr", 0, 0, 0.8},
-                         Row{"matchstick", 0, 0, 0.8}, Row{"cylinder", 0, 0, 0.8}, Row{"craniotome", 0, 0, 0.8}})
+  for (const Row& row :
+       {Row{"ball", 0, 0}, Row{"ball", 0, 0.3}, Row{"ball", 30, 0.3}, Row{"ball", 60, 0.3}, Row{"round_burr", 0, 0},
+        Row{"burr", 0, 0}, Row{"matchstick", 0, 0}, Row{"cylinder", 0, 0}, Row{"craniotome", 0, 0}})
     for (const double diameter_mm : {2.0, 3.0, 5.0, 7.0, 14.0})
       for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) {
         if (diameter_mm >= 14 && (row.tilt_deg > 0 || std::string(row.kind) != "ball")) continue;
@@ -111,7 +112,7 @@ TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
           if (row.tilt_deg > 45 && force_n >= 3) continue;  // such a hand slips over the surface
           EXPECT_GT(is.late_mm, 0.05) << "it stopped at " << is.depth_mm << " mm with " << force_n << " N";
           EXPECT_LT(is.stalled_s, force_n < 5 ? 1e-9 : 0.05);
-          EXPECT_GT(is.feed_mm_per_s, row.least * most) << force_n << " N";
+          EXPECT_GT(is.feed_mm_per_s, 0.8 * most) << force_n << " N";
           if (most > 0) least = std::min(least, is.feed_mm_per_s / most);
           most = std::max(most, is.feed_mm_per_s);
           step_n = std::max(step_n, is.max_step_n);

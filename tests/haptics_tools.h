@@ -18,6 +18,14 @@ inline haptics::ToolParams params_of(const char* kind, double diameter = 0, doub
   return p;
 }
 
+/// What friction is tested with.
+inline std::vector<std::pair<const char*, haptics::ToolParams>> held_tools() {
+  return {{"point", {}},
+          {"burr", params_of("burr", 3, 6)},
+          {"ball", params_of("ball", 3)},
+          {"catheter", params_of("catheter", 2.5, 8, 1)}};
+}
+
 inline haptics::HapticInput pose(Vec3 tip_mm, Vec3 axis) {
   haptics::HapticInput in;
   in.tip_mm = tip_mm;

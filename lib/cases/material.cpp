@@ -4,6 +4,7 @@
 namespace trephine::cases {
 namespace {
 
+constexpr double min_direction = 0.1;  ///< what is shorter is no direction that somebody meant
 constexpr double deepest_mm = 30;  ///< a face that gives way only beyond this depth is taken for a mistake in the file
 
 }  // namespace
@@ -19,6 +20,14 @@ std::string CaseFace::fault() const {
            to_text(ParameterValue(pop_through_n / stiffness_n_per_mm)) + " mm deep, at most " +
            to_text(ParameterValue(deepest_mm)) + " mm";
   return "";
+}
+
+std::string MaterialParams::fault() const {
+  const bool needs = front.across_grain_ratio != 1 || back.across_grain_ratio != 1;
+  const double length = norm(grain_direction);
+  if (!needs || length >= min_direction) return "";
+  return "grain_direction: is " + to_text(ParameterValue(length)) + " long, at least " +
+         to_text(ParameterValue(min_direction)) + " where across_grain_ratio is not 1";
 }
 
 }  // namespace trephine::cases

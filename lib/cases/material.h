@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/params.h"
+#include "base/vec3.h"
 
 namespace trephine::cases {
 
@@ -19,7 +20,7 @@ struct CaseFace {
   bool touchable = true;
   double stiffness_n_per_mm = 0, damping_n_s_per_mm = 0;
   double static_friction_ratio = 0, dynamic_friction_ratio = 0;
-  double pop_through_n = 0;
+  double pop_through_n = 0, across_grain_ratio = 1;
   template <class V>
   static void describe(V& v) {
     using P = CaseFace;
@@ -32,6 +33,10 @@ struct CaseFace {
     v.number(&P::dynamic_friction_ratio, "dynamic_friction_ratio", Range{0, 5},
              "Ratio of tangential to normal force of a sliding tool.");
     v.number(&P::pop_through_n, "pop_through_n", Range{0, 100}, "Force above which the tool enters; 0: never.");
+    v.number(&P::across_grain_ratio, "across_grain_ratio", Range{0.1, 10},
+             "Friction across the material's grain, as a share of that along it, which the two ratios say.")
+        .not_always()
+        .is_since(7);
   }
   /// No face may have more dynamic than static friction, one that is felt must have a stiffness, and one that gives way
   /// must do so within 30 mm of the surface. A face that is not felt need not set more.
@@ -42,6 +47,7 @@ struct MaterialParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
   CaseFace front, back;
   double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0, removal_energy_j_per_mm3 = 0;
+  Vec3 grain_direction;
   /// The values that no hand feels: what is seen, and what a drill makes of it, which a recording's outcome tells.
   static constexpr std::string_view not_felt[] = {"colour_rgb", "removal_energy_j_per_mm3"};
   template <class V>
@@ -55,7 +61,13 @@ struct MaterialParams {
              "Friction on the shaft, for each mm of it inside.");
     v.number(&P::removal_energy_j_per_mm3, "removal_energy_j_per_mm3", Range{0, 10},
              "Energy that a drill spends on a mm^3; 0: it cannot be drilled.");
+    v.numbers(&P::grain_direction, "grain_direction", Range{-1, 1},
+              "Along which its fibres run, in the patient (LPS); only the direction counts. [0, 0, 0]: none.")
+        .not_always()
+        .is_since(7);
   }
+  /// A face whose friction depends on the direction needs one, of a length of 0.1 or more.
+  std::string fault() const;
 };
 
 struct CaseMaterial : MaterialParams {

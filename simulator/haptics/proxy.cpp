@@ -9,8 +9,6 @@ namespace {
 
 constexpr int max_passes = 6;
 constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
-constexpr double turned_back = 0.6;     // of the dynamic cone: roughness alone does not make a way that short
-constexpr double rested_s = 0.05;       // without motion, until static friction holds a tool that slid
 constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
 
 bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
@@ -176,7 +174,13 @@ Vec3 Proxy::exit_way(int n) { return normalized(Vec3{double(n % 3 - 1), double(n
 Proxy::Held Proxy::held(const contact::Contact& c) const {
   const ShapeFeel& shape = feels_[std::size_t(c.shape)];
   const bool front = c.face == contact::ContactFace::front;
-  return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back, {}};
+  const cases::CaseFace& feel = front ? shape.front : shape.back;
+  return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}};
+}
+
+// The place straight under `from` that lies as deep as the device.
+Vec3 Proxy::straight_under(Vec3 from, Vec3 normal, Vec3 device) {
+  return from - normal * std::max(0.0, dot(normal, from - device));
 }
 
 // Moves the proxy to just before the contact, a margin off its surface. A proxy that is already there stays, or it
@@ -248,29 +252,7 @@ bool Proxy::meet(const contact::Contact& c, Vec3 device, Vec3& goal, int pass) {
       return true;
     }
   }
-  const Vec3 way = nearest_.point_mm - state_.proxy_mm;
-  const double length = norm(way), depth = norm(nearest_.point_mm - device);
-  if (!slides(feel, length, depth)) return false;
-  goal = state_.proxy_mm + way * (1 - feel.dynamic_friction_ratio * depth / length);
-  return true;
-}
-
-// Whether the proxy moves along a surface: `length` is the way that is left, and the device is `depth` behind the
-// surface. A proxy that slides goes on sliding: on an uneven surface the way may be a little shorter than the dynamic
-// cone for a tick, which does not bring the static limit back. Only a device that turns back or rests does.
-bool Proxy::slides(const cases::CaseFace& feel, double length, double depth) {
-  const double limit = feel.dynamic_friction_ratio * depth;
-  if (!sliding_) {
-    sliding_ = length > feel.static_friction_ratio * depth;
-    if (sliding_) since_slid_s_ = 0;
-    return sliding_ && length > limit;
-  }
-  if (length > limit) {
-    since_slid_s_ = 0;
-    return true;
-  }
-  sliding_ = length > turned_back * limit && since_slid_s_ < rested_s;
-  return false;
+  return slide(at, state_.proxy_mm, device, goal);
 }
 
 // Goes up by a step, along, and down towards the device; false where that is barred as well.
@@ -284,7 +266,15 @@ bool Proxy::step_over(const contact::Contact& c, Vec3 device, Vec3 goal) {
   const double share = across.hit ? std::max(0.0, across.along - 0.01) : 1;
   state_.proxy_mm = top + (goal + up - top) * share;
   state_.inside = across.hit ? across.from : across.into;
-  const contact::Contact down = contact_.intersect(state_.proxy_mm, device, state_.inside, faces_);
+  // Friction that turns a tool aside is not to be lost on the way down: there the tool goes straight down first.
+  const bool straight = held(c).grain.any();
+  const Vec3 below = straight ? straight_under(state_.proxy_mm, c.normal, device) : device;
+  contact::Contact down = contact_.intersect(state_.proxy_mm, below, state_.inside, faces_);
+  if (straight && !down.hit) {
+    state_.proxy_mm = below;
+    state_.inside = down.into;
+    down = contact_.intersect(below, device, state_.inside, faces_);
+  }
   if (down.hit) {
     approach(down);
   } else {

@@ -10,6 +10,7 @@
 #include "haptics/feel.h"
 #include "haptics/force_ease.h"
 #include "haptics/force_slew.h"
+#include "haptics/grain.h"
 #include "haptics/round_body.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
@@ -121,14 +122,17 @@ class Proxy {
   struct Held {
     int shape, face, into;
     cases::CaseFace feel;
+    Grain grain;
     Vec3 arm_mm;  // from the tip to where it presses
   };
   void begin(const HapticInput& in);
   void follow(Vec3 device_mm);
   bool meet(const contact::Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
+  static Vec3 straight_under(Vec3 from_mm, Vec3 normal, Vec3 device_mm);
   bool step_over(const contact::Contact& c, Vec3 device_mm, Vec3 goal_mm);
   void approach(const contact::Contact& c);
   bool slides(const cases::CaseFace& feel, double length, double depth);
+  bool slide(int plane, Vec3 from_mm, Vec3 device_mm, Vec3& goal_mm);
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
@@ -152,7 +156,7 @@ class Proxy {
   Plane tip_plane(int point, Vec3 normal) const;
   int put_plane(const Plane& plane, const contact::Contact& contact);
   void approach_tool(const ToolBody::Meeting& m);
-  bool step_over_tool(Vec3 normal, Vec3 device_mm, Vec3 goal_mm);
+  bool step_over_tool(Vec3 normal, bool straight, Vec3 device_mm, Vec3 goal_mm);
   void pop_into(const contact::Contact& contact);
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();

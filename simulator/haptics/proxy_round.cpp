@@ -158,6 +158,7 @@ Proxy::Held Proxy::held_of(const RoundBody::Touch& touch) const {
   mixed(&cases::CaseFace::damping_n_s_per_mm);
   mixed(&cases::CaseFace::static_friction_ratio);
   mixed(&cases::CaseFace::dynamic_friction_ratio);
+  is.grain = is.grain.mixed(other.grain, touch.beside_share);
   if (other.shape == state_.touched && touch.beside_share > 0.4) {
     is.shape = other.shape;
     is.face = other.face;
@@ -212,11 +213,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
       state_.inside = through.into;
     }
   }
-  const Vec3 way = nearest_.point_mm - centre_mm_;
-  const double length = norm(way), depth = norm(nearest_.point_mm - device);
-  if (!slides(feel, length, depth)) return false;
-  goal = centre_mm_ + way * (1 - feel.dynamic_friction_ratio * depth / length);
-  return true;
+  return slide(at, centre_mm_, device, goal);
 }
 
 }  // namespace trephine::haptics

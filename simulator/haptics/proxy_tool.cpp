@@ -162,7 +162,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     return true;
   }
   if (barred) {
-    if (!turning && step_over_tool(walls[0].plane.normal, device, goal)) return false;
+    if (!turning && step_over_tool(walls[0].plane.normal, held(contacts[0]).grain.any(), device, goal)) return false;
     const Vec3 exact = contact_.exact_normal(contacts[0], way);
     if (exact != Vec3{} && dot(exact, way) < 0)
       walls[0].plane = {contacts[0].point_mm + exact * margin_mm_ - arm, exact};
@@ -186,19 +186,13 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     return true;
   }
   // Friction acts along the walls. For a turn, the tip may first have to give way.
-  const cases::CaseFace& feel = held_[put[0]].feel;
   Nearest here;
   Vec3 from = b.tip_mm();
   const bool gives = nearest_before(planes_, count_, from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
   if (gives) from = here.point_mm;
-  const Vec3 rest = nearest_.point_mm - from;
-  const double length = norm(rest), depth = norm(nearest_.point_mm - device);
-  if (!slides(feel, length, depth)) {
-    goal = from;
-    return gives || turning;
-  }
-  goal = from + rest * (1 - feel.dynamic_friction_ratio * depth / length);
-  return true;
+  if (slide(put[0], from, device, goal)) return true;
+  goal = from;
+  return gives || turning;
 }
 
 // Opens the faces that a point has popped through to all points.
@@ -214,7 +208,7 @@ void Proxy::pop_into(const contact::Contact& c) {
 }
 
 // Goes up by a step, along, and down towards the device, as step_over() does.
-bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
+bool Proxy::step_over_tool(Vec3 normal, bool straight, Vec3 device, Vec3 goal) {
   ToolBody& b = *body_;
   const Mat3 frame = b.frame();
   const contact::TouchableFaces faces = closed_faces();
@@ -227,7 +221,12 @@ bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
     b.arrive();
   else if (!barred)
     b.advance(across.along - 0.01, faces);
-  const ToolBody::Meeting down = b.sweep(barred ? before : device, frame, faces);
+  const Vec3 below = straight ? straight_under(b.tip_mm(), normal, device) : device;
+  ToolBody::Meeting down = b.sweep(barred ? before : below, frame, faces);
+  if (straight && !barred && !down.hit) {
+    b.arrive();
+    down = b.sweep(device, frame, faces);
+  }
   if (down.hit) {
     approach_tool(down);
   } else {
