@@ -77,7 +77,7 @@ std::vector<haptics::ServoFrame> run_heard(session::Rerun& rerun, const std::vec
   for (const haptics::ServoFrame& f : frames) {
     out.push_back(rerun.run({f}).front());
     const haptics::Drilling::Heard h = rerun.drilling()->heard();
-    heard.push_back({f.dt_s, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3});
+    heard.push_back({f.dt_s, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3, h.flutes});
   }
   return out;
 }
@@ -96,8 +96,7 @@ void require_sound(const cli::ParsedCommand& parsed, const haptics::Recording& r
 void write_sound(const cli::ParsedCommand& parsed, const haptics::RecordingHeader& h,
                  const std::vector<sound::DrillHeard>& heard) {
   const sound::SoundParams& params = parsed.params<sound::SoundParams>();
-  const std::vector<float> samples =
-      sound::sound_of(heard, {h.drilling.spindle_rpm, session::drill_kind(h).flutes}, params);
+  const std::vector<float> samples = sound::sound_of(heard, {h.drilling.spindle_rpm}, params);
   write_file(parsed.path("sound"), sound::wav_bytes(samples, params.sound_hz));
   std::cout << fmt::format("sound of {:.2f} s at {:g} Hz\n", double(samples.size()) / params.sound_hz, params.sound_hz);
 }

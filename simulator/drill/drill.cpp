@@ -25,8 +25,6 @@ Drill::Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutte
     : volume_(volume), shapes_(shapes), cutter_(cutter), params_(params), marks_(marks) {
   if (volume.encoding != voxel::HapticEncoding::occupancy)
     throw Error(ExitCode::bad_input, "", "encoding", "must be occupancy: a volume of HU cannot be drilled");
-  if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
-    throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
   const grid::Lattice& l = volume.voxels;
   voxel_mm3_ = l.voxel_volume_mm3();
   fraction_.assign(l.count(), 0);
@@ -40,19 +38,42 @@ Drill::Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutte
                                                (removes(s.number, true) ? incised : 0) | (rest ? shared : 0));
     }
   for (const std::int16_t raw : volume.voxels.voxels) any_shared_ = any_shared_ || (kind_[std::uint16_t(raw)] & shared);
-  // The box of the cutter on a way of a tick, and the one around an incision's share.
-  double voxels = 1, grown = 1;
-  const double reach = 0.5 * std::sqrt(2.0) * size_of(cutter);
-  for (int a = 0; a < 3; ++a) {
-    voxels *= 2 * std::min(reach, 0.5 * size_of(cutter)) / l.spacing_mm[a] + 2;
-    grown *= (2 * reach + max_way_mm) / l.spacing_mm[a] + 4;
-  }
-  slices_ = std::clamp(int(std::ceil(voxels / max_voxels)), 1, max_slices);
+  add_cutter(cutter);
+  hold(0);
+  brick_marked_.assign(marks ? marks->layout().count() : 0, 0);
+}
+
+void Drill::add_cutter(const Cutter& cutter) {
+  if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
+    throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
+  cutters_.push_back(cutter);
+  make_room(cutter);
+}
+
+// The box of the cutter on a way of a tick, and the one around an incision's share.
+void Drill::make_room(const Cutter& cutter) {
+  const grid::Lattice& l = volume_.voxels;
+  double grown = 1;
+  for (int a = 0; a < 3; ++a) grown *= (std::sqrt(2.0) * size_of(cutter) + max_way_mm) / l.spacing_mm[a] + 4;
   const std::size_t most = std::size_t(std::min({grown, double(l.count()), 4e6}));
   entries_.reserve(most + incision_voxels);
   changes_.reserve(2 * most + 2 * incision_voxels);
   shared_.reserve(most + 30 * incision_voxels);
-  brick_marked_.assign(marks ? marks->layout().count() : 0, 0);
+}
+
+void Drill::hold(int number) {
+  // One place is free for the first way of the cutter that comes, which goes on to no way of the one before.
+  if (ways_count_ == max_ways) {
+    join(way_at(max_ways - 2), way_at(max_ways - 1), true);
+    --ways_count_;
+  }
+  held_ = number;
+  cutter_ = cutters_[std::size_t(number)];
+  const grid::Lattice& l = volume_.voxels;
+  double voxels = 1;
+  for (int a = 0; a < 3; ++a) voxels *= size_of(cutter_) / l.spacing_mm[a] + 2;
+  slices_ = std::clamp(int(std::ceil(voxels / max_voxels)), 1, max_slices);
+  rest();
 }
 
 grid::Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {

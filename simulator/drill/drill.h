@@ -83,6 +83,11 @@ class Drill {
   /// Goes on with that while the tool does not run.
   const Removal& cut_late(double dt_s);
   bool late() const { return ways_count_ > 0; }
+  /// A further cutter, number cutters() before. It allocates: call it before the first cut. Throws as the constructor.
+  void add_cutter(const Cutter& cutter);
+  /// From now on that cutter is in hand, which was not moved so far; what is late is cut with its own.
+  void hold(int number);
+
   /// The tool does not run.
   void rest() {
     calls_ = 0;
@@ -145,11 +150,14 @@ class Drill {
     Vec3 to_tip_mm;
     double wider_mm = 0, time_s = 0, energy_j = 0;
     int passes = 1, pass = 0;
+    int cutter = 0;
   };
   Way& way_at(int n) { return ways_[std::size_t((first_way_ + n) % max_ways)]; }
   double turn_between(const Mat3& a, const Mat3& b) const;
   Vec3 tip_in(const Mat3& frame, const ToolPose& pose) const;
   double voxels_of(const Way& way) const;
+  bool join(Way& last, const Way& way, bool always);
+  void make_room(const Cutter& cutter);
   void add_way(const Way& way);
   const Removal& go_ways(double dt_s);
   double rate_for(double budget_j);
@@ -167,6 +175,8 @@ class Drill {
   voxel::HapticVolume& volume_;
   DrillShapes shapes_;
   Cutter cutter_;
+  std::vector<Cutter> cutters_;
+  int held_ = 0;  // of cutters_
   DrillParams params_;
   DirtyBricks* marks_;
   std::vector<std::uint8_t> fraction_;  ///< of 1/255, by voxel

@@ -42,32 +42,37 @@ Vec3 Drill::tip_in(const Mat3& frame, const ToolPose& pose) const {
 // How many voxels have to be looked at for a way: those of the box around it.
 double Drill::voxels_of(const Way& way) const {
   const Vec3 s = volume_.voxels.spacing_mm;
-  const double ramp = std::max({s.x, s.y, s.z}), radius = 0.5 * width_of(cutter_) + way.wider_mm + ramp;
-  const double length = norm(way.to_tip_mm - way.from.tip_mm) + length_of(cutter_);
+  const Cutter& cutter = cutters_[std::size_t(way.cutter)];
+  const double ramp = std::max({s.x, s.y, s.z}), radius = 0.5 * width_of(cutter) + way.wider_mm + ramp;
+  const double length = norm(way.to_tip_mm - way.from.tip_mm) + length_of(cutter);
   return (M_PI * radius * radius * length + 4.0 / 3 * M_PI * radius * radius * radius) / voxel_mm3_;
 }
 
-// Adds what the tool went in this tick: to the last way where that has not begun and goes on straight, else as one
-// more.
+// Makes the way part of the last one, where that has not begun and goes on straight, or `always`. Both are of one
+// cutter.
+bool Drill::join(Way& last, const Way& way, bool always) {
+  const Vec3 chord = way.to_tip_mm - last.from.tip_mm, middle = last.to_tip_mm - last.from.tip_mm;
+  const double squared = dot(chord, chord);
+  const double off =
+      squared > 0 ? norm(middle - chord * std::clamp(dot(middle, chord) / squared, 0.0, 1.0)) : norm(middle);
+  const Vec3 s = volume_.voxels.spacing_mm;
+  const bool joins = off <= straight_voxels * std::min({s.x, s.y, s.z}) && squared <= longest_mm * longest_mm &&
+                     turn_between(last.from.frame, way.from.frame) <= max_turn;
+  if (last.pass != 0 || !(joins || always)) return false;
+  last.from.tip_mm = tip_in(way.from.frame, last.from);
+  last.from.frame = way.from.frame;
+  last.to_tip_mm = way.to_tip_mm;
+  last.wider_mm = std::max(last.wider_mm, way.wider_mm);
+  last.time_s += way.time_s;
+  last.energy_j += way.energy_j;
+  return true;
+}
+
+// Adds what the tool went in this tick, to the last way or as one more.
 void Drill::add_way(const Way& way) {
   if (ways_count_ > 0) {
     Way& last = way_at(ways_count_ - 1);
-    const Vec3 chord = way.to_tip_mm - last.from.tip_mm, middle = last.to_tip_mm - last.from.tip_mm;
-    const double squared = dot(chord, chord);
-    const double off =
-        squared > 0 ? norm(middle - chord * std::clamp(dot(middle, chord) / squared, 0.0, 1.0)) : norm(middle);
-    const Vec3 s = volume_.voxels.spacing_mm;
-    const bool joins = off <= straight_voxels * std::min({s.x, s.y, s.z}) && squared <= longest_mm * longest_mm &&
-                       turn_between(last.from.frame, way.from.frame) <= max_turn;
-    if (last.pass == 0 && (joins || ways_count_ == max_ways)) {
-      last.from.tip_mm = tip_in(way.from.frame, last.from);
-      last.from.frame = way.from.frame;
-      last.to_tip_mm = way.to_tip_mm;
-      last.wider_mm = std::max(last.wider_mm, way.wider_mm);
-      last.time_s += way.time_s;
-      last.energy_j += way.energy_j;
-      return;
-    }
+    if (last.cutter == way.cutter && join(last, way, ways_count_ == max_ways)) return;
   }
   way_at(ways_count_++) = way;
 }
@@ -82,7 +87,7 @@ const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider
   end_ = {to_tip_mm, pose.frame};
   runs_ = true;
   const double energy_j = params_.power_w * std::clamp(power_ratio, 0.0, 1.0) * dt_s;
-  if (energy_j > 0 && dt_s > 0) add_way({from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0});
+  if (energy_j > 0 && dt_s > 0) add_way({from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_});
   return go_ways(dt_s);
 }
 
@@ -104,7 +109,8 @@ const Removal& Drill::go_ways(double dt_s) {
     left -= voxels / w.passes;
     const std::int64_t before = units_of(out_);
     entries_.clear();
-    collect_to(CutterBody(cutter_, w.from, w.to_tip_mm, w.wider_mm, volume_.voxels), w.time_s, w.pass, w.passes);
+    collect_to(CutterBody(cutters_[std::size_t(w.cutter)], w.from, w.to_tip_mm, w.wider_mm, volume_.voxels), w.time_s,
+               w.pass, w.passes);
     const double rate = rate_for(w.energy_j / w.passes);
     apply(rate * voxel::haptic_full * fine, false);
     if (!runs_ || norm(w.to_tip_mm - end_.tip_mm) > gone_on) out_.late_units += units_of(out_) - before;

@@ -15,11 +15,15 @@ constexpr double max_dose_min = 1e6;
 }  // namespace
 
 BoneHeat::BoneHeat(const HeatParams& p, double radius_mm)
-    : into_bone_ratio_(p.heat_into_bone_ratio), saline_c_(p.irrigation_c) {
+    : into_bone_ratio_(p.heat_into_bone_ratio), saline_c_(p.irrigation_c), water_ml_per_min_(p.irrigation_ml_per_min) {
+  set_radius(radius_mm);
+}
+
+void BoneHeat::set_radius(double radius_mm) {
   const double area_mm2 = 2 * M_PI * radius_mm * radius_mm;
   capacity_j_per_k_ = density_g_per_mm3 * capacity_j_per_g_k * area_mm2 * shell_mm;
   bone_w_per_k_ = 2 * M_PI * conductivity_w_per_mm_k * radius_mm;
-  saline_w_per_k_ = std::min(film_w_per_mm2_k * area_mm2, saline_j_per_ml_k * p.irrigation_ml_per_min / 60);
+  saline_w_per_k_ = std::min(film_w_per_mm2_k * area_mm2, saline_j_per_ml_k * water_ml_per_min_ / 60);
 }
 
 // The temperature goes to that at which gain and loss are equal, exactly, however long the step.

@@ -29,6 +29,8 @@ class BoneHeat {
  public:
   static constexpr double body_c = 37, harm_c = 47, harm_s = 60;
   BoneHeat(const HeatParams& params, double cutter_radius_mm);
+  /// Another burr is in hand: the bone about it is as warm as that about the last one was.
+  void set_radius(double cutter_radius_mm);
   /// `power_w`: what removes bone in that step; `runs`: the saline flows. It does not allocate.
   void step(double power_w, bool runs, double dt_s);
 
@@ -38,7 +40,7 @@ class BoneHeat {
   double dose_min() const { return dose_min_; }  ///< at most 1e6
 
  private:
-  const double into_bone_ratio_, saline_c_;
+  const double into_bone_ratio_, saline_c_, water_ml_per_min_;
   double capacity_j_per_k_, bone_w_per_k_, saline_w_per_k_;
   double now_c_ = body_c, max_c_ = body_c, above_s_ = 0, dose_min_ = 0;
 };

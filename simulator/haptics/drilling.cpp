@@ -94,20 +94,41 @@ drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
 Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
                    const DrillingParams& params, const drill::DrillParams& law, const drill::Cutter& cutter,
                    drill::DirtyBricks* marks)
+    : Drilling(volume, contact, shapes, params, law, std::vector<Burr>(1, Burr{cutter}), marks) {}
+
+Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
+                   const DrillingParams& params, const drill::DrillParams& law, std::vector<Burr> burrs,
+                   drill::DirtyBricks* marks)
     : contact_(contact),
       params_(params),
+      burrs_(std::move(burrs)),
       power_w_(law.power_w),
       shapes_(shapes),
       before_(voxel::copy_without_hardness(volume)),
       before_decoder_(before_),
-      drill_(volume, shapes, cutter, law, marks),
-      heat_(params, radius_of(cutter)),
+      drill_(volume, shapes, burrs_.front().cutter, law, marks),
+      heat_(params, radius_of(burrs_.front().cutter)),
       voxel_mm3_(volume.voxels.voxel_volume_mm3()) {
-  const double radius_mm = radius_of(cutter);
-  least_pass_units_ = M_PI * radius_mm * radius_mm / 4 * min_depth_mm / voxel_mm3_ * voxel::haptic_full;
-  rim_m_per_s_ = params.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
+  for (std::size_t n = 1; n < burrs_.size(); ++n) drill_.add_cutter(burrs_[n].cutter);
+  measure_burr();
   stands_.resize(std::size_t(params.undo_steps));
   if (params.undo_steps > 0) drill_.keep_steps(int(params.undo_steps));
+}
+
+// What follows from the width of the burr in hand.
+void Drilling::measure_burr() {
+  const double radius_mm = radius_of(burrs_[std::size_t(burr_)].cutter);
+  least_pass_units_ = M_PI * radius_mm * radius_mm / 4 * min_depth_mm / voxel_mm3_ * voxel::haptic_full;
+  rim_m_per_s_ = params_.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
+  heat_.set_radius(radius_mm);
+}
+
+void Drilling::hold(int burr) {
+  if (burr == burr_) return;
+  burr_ = burr;
+  drill_.hold(burr);
+  measure_burr();
+  wider_voxels_ = 0;
 }
 
 void Drilling::count(const drill::Removal& r) {

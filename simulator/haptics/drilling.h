@@ -9,6 +9,7 @@
 #include "cases/case.h"
 #include "drill/drill.h"
 #include "haptics/bone_heat.h"
+#include "haptics/burrs.h"
 #include "haptics/proxy.h"
 #include "voxel/decode.h"
 
@@ -105,6 +106,14 @@ class Drilling {
   Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
            const DrillingParams& params, const drill::DrillParams& law, const drill::Cutter& cutter,
            drill::DirtyBricks* marks = nullptr);
+  /// With several burrs, of which the first is in hand.
+  Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact, const drill::DrillShapes& shapes,
+           const DrillingParams& params, const drill::DrillParams& law, std::vector<Burr> burrs,
+           drill::DirtyBricks* marks = nullptr);
+
+  /// From the next tick on that burr is in hand. A way through bone that another one began goes on.
+  void hold(int burr);
+  int in_hand() const { return burr_; }
 
   /// The force on the hand since the last tick: against the motion, and a vibration across the tool. But for the
   /// vibration it never gives energy to a device at rest.
@@ -131,12 +140,14 @@ class Drilling {
   struct Heard {
     bool runs, stalled;
     double load_ratio, energy_j_per_mm3;
+    int flutes;
   };
   Heard heard() const;
 
   static constexpr std::uint32_t pedal = 1, mark = 2;
 
  private:
+  void measure_burr();
   void count(const drill::Removal& removal);
   void cut_late(double dt_s);
   void feel_heat(bool runs, double dt_s);
@@ -148,6 +159,8 @@ class Drilling {
 
   contact::ContactVolume& contact_;
   const DrillingParams params_;
+  const std::vector<Burr> burrs_;
+  std::atomic<int> burr_{0};
   const double power_w_;
   drill::DrillShapes shapes_;
   voxel::HapticVolume before_;  ///< as it was at the start

@@ -13,7 +13,8 @@ void Drilling::feel_heat(bool runs, double dt_s) {
 
 Drilling::Heard Drilling::heard() const {
   return {runs_.load(std::memory_order_relaxed), stalls_.load(std::memory_order_relaxed),
-          double(load_.load(std::memory_order_relaxed)), double(hardness_.load(std::memory_order_relaxed))};
+          double(load_.load(std::memory_order_relaxed)), double(hardness_.load(std::memory_order_relaxed)),
+          burrs_[std::size_t(burr_.load(std::memory_order_relaxed))].flutes};
 }
 
 }  // namespace trephine::haptics

@@ -87,9 +87,10 @@ struct ToolKind {
   bool has_neck = true;                                   ///< false: of a tip that is a ball, the ball alone is felt
   bool from_file = false;                                 ///< points of ToolParams::tool_points
   Cut cut = Cut::nothing;
-  double cutting_mm = 0;  ///< of a cylinder, how far from the tip it cuts
-  int flutes = 0;         ///< cutting edges of what rotates: what is heard of it
-  bool marks = false;     ///< while the pedal is down it draws on what it touches
+  double cutting_mm = 0;         ///< of a cylinder, how far from the tip it cuts
+  int flutes = 0;                ///< cutting edges of what rotates: what is heard of it
+  std::vector<double> sizes_mm;  ///< the usual diameters of what rotates, ascending; a window's keys change them
+  bool marks = false;            ///< while the pedal is down it draws on what it touches
   Look look = Look::steel;
 
   bool cuts() const { return cut != Cut::nothing; }
@@ -104,6 +105,7 @@ struct ToolKind {
   ToolKind& of_a_file();
   ToolKind& cuts_with(Cut what);
   ToolKind& rotating(Cut what, int edges, double cutting = 0);
+  ToolKind& sizes(std::vector<double> usual_mm);
   ToolKind& draws();
   ToolKind& looks(Look how);
 };

@@ -32,6 +32,8 @@ ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, co
     : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), in_open_(in_open) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
+  int burrs = 0;
+  for (const BeltToolParams& t : tools_) burrs_.push_back(t.cuts ? burrs++ : -1);
   for (const BeltToolParams& t : tools_)
     proxies_.push_back(std::make_unique<Proxy>(contact, felt_by(t, feels), force, shaft, make_tool(t)));
 }
@@ -46,6 +48,7 @@ bool ToolBelt::take(const HapticInput& in) {
   if (in_open_ && !idle && (state_.touched != 0 || state_.inside != 0 || contact_.shape_at(in.tip_mm) != 0))
     return false;
   in_hand_ = to;
+  if (const int burr = burrs_[std::size_t(to)]; drilling_ && burr >= 0) drilling_->hold(burr);
   return true;
 }
 

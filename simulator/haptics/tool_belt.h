@@ -115,6 +115,7 @@ class ToolBelt {
   const ForceParams force_;
   const std::vector<BeltToolParams> tools_;
   std::vector<std::unique_ptr<Proxy>> proxies_;
+  std::vector<int> burrs_;  ///< by tool, its number among those that cut, as the drill counts them; -1: it does not
   Drilling* drilling_;
   const Drilling* watched_ = nullptr;
   HapticState state_;

@@ -42,6 +42,11 @@ ToolKind& ToolKind::rotating(Cut what, int edges, double cutting) {
   return *this;
 }
 
+ToolKind& ToolKind::sizes(std::vector<double> usual_mm) {
+  sizes_mm = std::move(usual_mm);
+  return *this;
+}
+
 ToolKind& ToolKind::draws() {
   marks = true;
   return *this;
@@ -62,30 +67,39 @@ const std::vector<ToolKind>& all_tool_kinds() {
       Kind("point", "Spitze", "the tip alone"),
       Kind("needle", "Nadel", "of 18 gauge, for the spine").shaped(Tip::cone, 1.27, 90, 2).looks(Look::syringe),
       Kind("catheter", "Katheter", "for a ventricle").shaped(Tip::round, 2.5, 100, 2).looks(Look::tube),
-      Kind("burr", "Bohrer", "a ball on a thinner neck").shaped(Tip::ball, 5, 30, 1.2).rotating(Cut::ball, 8),
+      Kind("burr", "Bohrer", "a ball on a thinner neck")
+          .shaped(Tip::ball, 5, 30, 1.2)
+          .rotating(Cut::ball, 8)
+          .sizes({2, 3, 4, 5, 6, 7}),
       Kind("ball", "Kugel", "a burr's ball alone, exactly round")
           .shaped(Tip::ball, 5, 5, 1.2)
           .ball_alone()
-          .rotating(Cut::ball, 8),
+          .rotating(Cut::ball, 8)
+          .sizes({2, 3, 4, 5, 6, 7}),
       Kind("round_burr", "Rundbohrer", "a ball on a thinner neck, exactly round")
           .shaped(Tip::ball, 5, 30, 1.2)
           .exactly_round()
-          .rotating(Cut::ball, 8),
+          .rotating(Cut::ball, 8)
+          .sizes({2, 3, 4, 5, 6, 7}),
       Kind("diamond", "Diamant", "a ball of fine grit on a thinner neck, exactly round")
           .shaped(Tip::ball, 4, 30, 1.2)
           .exactly_round()
-          .rotating(Cut::ball, 40),
+          .rotating(Cut::ball, 40)
+          .sizes({2, 3, 4, 5, 6}),
       Kind("matchstick", "Matchstick", "a slim cylinder with a round end that cuts at its side, exactly round")
           .shaped(Tip::round, 3, 30, 1.2)
           .exactly_round()
-          .rotating(Cut::rounded, 6, 8),
+          .rotating(Cut::rounded, 6, 8)
+          .sizes({2, 3, 4}),
       Kind("cylinder", "Walze", "a cylinder with a flat end, thicker than a craniotome")
           .shaped(Tip::flat, 4, 24, 1.2)
-          .rotating(Cut::cylinder, 8, 6),
+          .rotating(Cut::cylinder, 8, 6)
+          .sizes({3, 4, 5, 6}),
       Kind("rod", "Stab", "a rod with round ends, exactly round").shaped(Tip::round, 2.5, 30, 2).exactly_round(),
       Kind("craniotome", "Kraniotom", "a cylinder with a flat end")
           .shaped(Tip::flat, 2.3, 20, 1.2)
-          .rotating(Cut::cylinder, 4, 8),
+          .rotating(Cut::cylinder, 4, 8)
+          .sizes({1.5, 2.3, 3}),
       Kind("jamshidi", "Jamshidi", "a needle of 11 gauge, for bone")
           .shaped(Tip::cone, 3.05, 100, 2)
           .looks(Look::cross_handle),

@@ -38,7 +38,8 @@ struct LessonColumn {
 };
 
 /// A step that a window leads through, by the name of the tool to be taken, or of the command. "screw_*": any of the
-/// tools of which that is the begin; which of them, the participant decides.
+/// tools of which that is the begin; which of them, the participant decides. "burr*", where a tool is called "burr":
+/// that one, unless the participant takes another.
 struct LessonGuide {
   std::string text, tool, command;
   std::string why, sign;  ///< why it is done, and how one sees that it is right

@@ -27,21 +27,18 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
 std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::RecordingHeader& header,
                                                          contact::ContactVolume& contact, drill::DirtyBricks* marks) {
   if (!header.drilling.drill) return nullptr;
-  haptics::ToolParams tool = header.tool;
+  std::vector<haptics::ToolParams> tools;
   for (const haptics::BeltToolParams& t : header.tools)
-    if (t.cuts) tool = haptics::whole_tool(t);
+    if (t.cuts) tools.push_back(haptics::whole_tool(t));
+  if (tools.empty()) tools.push_back(header.tool);
   drill::DrillShapes shapes = haptics::drill_shapes_of(loaded.manifest.haptic);
-  if (haptics::tool_kind(tool.tool).cut == haptics::ToolKind::Cut::incision)
+  if (haptics::tool_kind(tools.front().tool).cut == haptics::ToolKind::Cut::incision)
     for (drill::DrillShape& s : shapes) s.cuttable = s.cuttable && !(s.energy_j_per_mm3 > 0);
+  std::vector<haptics::Burr> burrs;
+  for (const haptics::ToolParams& t : tools)
+    burrs.push_back({haptics::cutter_of(header.drilling, haptics::own_tool(t)), haptics::tool_kind(t.tool).flutes});
   return std::make_unique<haptics::Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
-                                             haptics::cutter_of(header.drilling, haptics::own_tool(tool)), marks);
-}
-
-const haptics::ToolKind& drill_kind(const haptics::RecordingHeader& header) {
-  std::string tool = header.tool.tool;
-  for (const haptics::BeltToolParams& t : header.tools)
-    if (t.cuts) tool = t.tool;
-  return haptics::tool_kind(tool);
+                                             std::move(burrs), marks);
 }
 
 haptics::ToolParams FeltCase::felt_tool_of(const haptics::RecordingHeader& header) const {

@@ -29,9 +29,6 @@ struct FeltCase {
   haptics::RecordingHeader header() const;
 };
 
-/// The kind of the tool that cuts in such a recording: its only tool, or of several the one that does.
-const haptics::ToolKind& drill_kind(const haptics::RecordingHeader& header);
-
 /// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled,
 /// and is felt narrower than it cuts by the clearance of `header.drilling`.
 void set_lesson(haptics::RecordingHeader& header, const std::vector<haptics::BeltToolParams>& tools,

@@ -77,11 +77,10 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
   }
   servo_->set_port(&port_);
   if (options.sound.sound && options.servo.paced && drilling_)
-    sound_ = std::make_unique<sound::LiveSound>(
-        options.sound, sound::BurrVoice{header_.drilling.spindle_rpm, drill_kind(header_).flutes}, [this] {
-          const haptics::Drilling::Heard h = drilling_->heard();
-          return sound::DrillHeard{0, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3};
-        });
+    sound_ = std::make_unique<sound::LiveSound>(options.sound, sound::BurrVoice{header_.drilling.spindle_rpm}, [this] {
+      const haptics::Drilling::Heard h = drilling_->heard();
+      return sound::DrillHeard{0, h.runs, h.stalled, h.load_ratio, h.energy_j_per_mm3, h.flutes};
+    });
 }
 
 Session::~Session() {

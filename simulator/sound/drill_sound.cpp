@@ -26,10 +26,7 @@ void put(std::string& out, std::uint32_t value, int bytes) {
 }  // namespace
 
 DrillSound::DrillSound(const SoundParams& p, const BurrVoice& voice)
-    : rate_hz_(p.sound_hz),
-      gain_(p.sound_gain),
-      voice_hz_(voice.spindle_rpm / 60),
-      flutes_(std::max(1, voice.flutes)) {}
+    : rate_hz_(p.sound_hz), gain_(p.sound_gain), voice_hz_(voice.spindle_rpm / 60) {}
 
 std::size_t DrillSound::samples_of(double dt_s) {
   left_ += dt_s * rate_hz_;
@@ -57,7 +54,7 @@ void DrillSound::render(const DrillHeard& h, float* out, std::size_t count) {
         sample += loud / k * std::sin(2 * M_PI * k * per_turn * turn_);
     };
     tones(1, turns_overtones, turns_share * speed_);
-    tones(flutes_, edges_overtones, (edges_idle + edges_loaded * load_) * speed_);
+    tones(std::max(1, h.flutes), edges_overtones, (edges_idle + edges_loaded * load_) * speed_);
     // A resonance of the noise, louder and fuller with the load, that swells with each turn.
     seed_ = seed_ * 1664525u + 1013904223u;
     const double white = double(seed_ >> 8) / double(1 << 23) - 1;

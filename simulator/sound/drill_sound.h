@@ -19,10 +19,9 @@ struct SoundParams {
   }
 };
 
-/// What is heard of a burr whatever it does: how fast it turns without a load, and how many edges it has.
+/// What is heard of a drill whatever it does: how fast it turns without a load.
 struct BurrVoice {
   double spindle_rpm = 60000;
-  int flutes = 8;
 };
 
 /// What a drill does in one tick.
@@ -32,6 +31,7 @@ struct DrillHeard {
   bool stalled = false;         ///< and it is pressed so hard that it stands
   double load_ratio = 0;        ///< of its power, 0 to 1
   double energy_j_per_mm3 = 0;  ///< of what it removes, 0: nothing; hard bone sounds brighter than soft
+  int flutes = 8;               ///< edges of the burr in hand
 };
 
 /// The sound of a drill, tick by tick: the spindle's turns and its edges, which follow its speed as it runs up, is
@@ -47,7 +47,6 @@ class DrillSound {
 
  private:
   const double rate_hz_, gain_, voice_hz_;
-  const int flutes_;
   double left_ = 0, turn_ = 0, speed_ = 0, load_ = 0, bright_ = 0;
   double noise_1_ = 0, noise_2_ = 0;
   std::uint32_t seed_ = 1;

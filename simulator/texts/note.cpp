@@ -99,6 +99,7 @@ constexpr Row table[] = {
     {NoteId::choose_tool,
      {{"the next step has several tools: take one by its figure",
        "der nächste Schritt hat mehrere Instrumente: eines mit seiner Ziffer nehmen"}}},
+    {NoteId::no_other_burr, {{"there is no such burr here", "diesen Bohrer gibt es hier nicht"}}},
     {NoteId::not_now,
      {{"not now: the lesson waits for its device, or has ended",
        "nicht jetzt: die Lektion wartet auf ihr Gerät oder ist zu Ende"}}},

@@ -70,6 +70,7 @@ enum class NoteId {
   last_step,
   first_step,
   choose_tool,
+  no_other_burr,
   not_now,
   count
 };

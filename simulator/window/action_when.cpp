@@ -29,6 +29,11 @@ texts::Answer with_drill(const Player& p) {
   return p.live() && p.live()->cuts() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
 }
 
+texts::Answer with_burr(const Player& p) {
+  if (const texts::Answer not_here = without_recording(p)) return not_here;
+  return p.live() && p.live()->holds_burr() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
+}
+
 texts::Answer with_marker(const Player& p) {
   return p.live() && p.live()->draws() ? texts::Answer() : texts::Answer(texts::NoteId::nothing_there);
 }

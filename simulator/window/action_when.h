@@ -10,6 +10,7 @@ texts::Answer outside_lesson(const Player& p);
 texts::Answer of_lesson(const Player& p);    ///< in a lesson that has begun
 texts::Answer of_arm(const Player& p);       ///< in a lesson with a C-arm, and a case with a CT
 texts::Answer with_drill(const Player& p);   ///< where something can be cut
+texts::Answer with_burr(const Player& p);    ///< where a tool that rotates is in hand, and may be changed
 texts::Answer with_marker(const Player& p);  ///< where something can be drawn
 
 }  // namespace trephine::window

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "window/action_replies.h"
 #include "window/action_when.h"
 #include "window/texts.h"
 
@@ -20,49 +21,8 @@ using Group = Action::Group;
 
 constexpr const char *nearer = "0.9", *farther = "1.1111111111111112";
 constexpr double orbit_rad_per_px = 0.006, max_head_mm = 1e5;
-constexpr std::size_t answered_notes = 8;
 
 double rad(double deg) { return deg * M_PI / 180; }
-
-// A command of the lesson that has the action's own name.
-Reply command(Player& p, Words& w) { return p.lesson()->give(w.verb()); }
-
-Reply move_arm(Player& p, Words& w) {
-  const std::string how = w.word();
-  for (const char* view : {"ap", "lateral", "oblique"})
-    if (how == view) return p.lesson()->give("view_" + how);
-  for (const char* turn : {"orbit_more", "orbit_less", "tilt_more", "tilt_less"})
-    if (how == turn) return p.lesson()->give(how);
-  return texts::Answer(texts::Note{texts::NoteId::no_arm_place, {how}});
-}
-
-Reply pause(Player& p, Words& w) {
-  if (p.shown())
-    p.shown()->paused = w.on(p.shown()->paused);
-  else if (const bool on = w.on(p.lesson() && p.lesson()->paused()); p.lesson() && p.live()->begun())
-    p.lesson()->give(on ? "pause" : "resume");
-  return {};
-}
-
-Reply opacity(Player& p, Words& w) {
-  const std::string anatomy = w.word();
-  return p.view().set_opacity(anatomy, w.verb() == "show" ? 1 : w.verb() == "hide" ? 0 : w.number());
-}
-
-Reply zoom(Player& p, Words& w) {
-  const double factor = w.number();
-  if (!(factor > 0)) throw Error(ExitCode::usage, "", w.verb(), "the factor must be above 0");
-  p.view().camera.zoom(factor);
-  return {};
-}
-
-Reply notes(Player& p, Screen& s, Words& w) {
-  if (!w.more()) return notes_line(p.notes, answered_notes, s.language);
-  const std::string asked = w.word();
-  for (const auto& [name, language] : texts::languages())
-    if (asked == name) return notes_line(p.notes, answered_notes, language);
-  throw Error(ExitCode::usage, "", w.verb(), "the window has no language of that name");
-}
 
 // The four arrows, with what is held beside them.
 void add_arrows(Action& a, KeyUse::With with) {
@@ -247,6 +207,12 @@ void view_actions(Entries e) {
   e->keys = {{GLFW_KEY_1, How::numbered}};
   e->choices = [](const Player& p) { return p.tools(); };
   e->run = does([](Player& p, Words& w) { return p.live()->take_tool(w.word()); });
+  e.add("burr", "smaller|larger|kind",
+        {{"another burr in the hand: smaller, larger, of the next kind",
+          "ein anderer Bohrer: kleiner, größer, der nächsten Art"}},
+        with_burr);
+  e->keys = {{GLFW_KEY_V, How::press, "smaller"}, {GLFW_KEY_B, How::press, "larger"}, {GLFW_KEY_J, How::press, "kind"}};
+  e->run = does([](Player& p, Words& w) { return p.live()->change_burr(w.word()); });
   e.add("view", "NAME",
         {{"views: surgeon, front, back, left, right, top, bottom, oblique", "Ansichten, wie die Tafel sie aufführt"}});
   e->keys = {{GLFW_KEY_F1, How::numbered}};

@@ -163,6 +163,9 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
   if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
   line(say(Text::tool),
        translated_name(language_, player.tool()) +
+           (player.live() && !player.in_lesson() && player.live()->holds_burr()
+                ? fmt::format(" {:g} mm", player.live()->burr_mm())
+                : "") +
            (f.buttons & haptics::Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
        f.buttons & haptics::Drilling::pedal ? orange : white);
   if (!working) {  // a surgeon is not told where the tip is

@@ -21,7 +21,8 @@ std::vector<LessonStep> steps_of(const lessons::LessonType& module, const lesson
     step.guide = g;
     for (std::size_t n = tools.size(); n-- > 0;)
       if (lessons::is_for_tool(g, tools[n].name)) {
-        step.choice_of_tools = step.tool >= 0;
+        const bool usual = tools[n].name + "*" == g.tool;  // it is taken unless the participant chooses another
+        step.choice_of_tools = step.tool >= 0 && !usual;
         step.tool = int(n);
       }
     for (int n = 1; n < haptics::belt_command::count; ++n)

@@ -167,18 +167,45 @@ texts::Answer LiveSession::take_tool(const std::string& name) {
   if (lesson_) return session_ ? lesson_->take(name) : texts::Answer(texts::NoteId::not_now);
   haptics::ToolParams next;
   next.tool = name;
+  return take(next);
+}
+
+texts::Answer LiveSession::take(const haptics::ToolParams& next) {
   try {
-    haptics::tool_kind(name);
+    haptics::tool_kind(next.tool);
     haptics::make_tool(haptics::own_tool(next));
   } catch (const Error& e) {
     return texts::Note{texts::NoteId::verbatim, {e.what()}};
   }
   end();
   hand.press(~0u, false);
-  tool_name_ = name;
+  tool_name_ = next.tool;
   options_.tool = next;
   begin();
   return {};
+}
+
+haptics::ToolParams LiveSession::held() const {
+  return lesson_ ? haptics::whole_tool(lesson_->tool()) : haptics::own_tool(options_.tool);
+}
+
+bool LiveSession::holds_burr() const { return haptics::tool_kind(held().tool).rotates(); }
+double LiveSession::burr_mm() const { return held().tool_diameter_mm; }
+
+texts::Answer LiveSession::change_burr(const std::string& asked) {
+  std::vector<haptics::ToolParams> burrs;
+  std::vector<std::string> names;
+  if (lesson_)
+    for (const haptics::BeltToolParams& t : lesson_->tools()) {
+      if (!t.cuts) continue;
+      burrs.push_back(haptics::whole_tool(t));
+      names.push_back(t.name);
+    }
+  else
+    burrs = haptics::burr_library();
+  const int n = haptics::other_burr(burrs, held(), asked);
+  if (n < 0) return texts::NoteId::no_other_burr;
+  return lesson_ ? take_tool(names[std::size_t(n)]) : take(burrs[std::size_t(n)]);
 }
 
 void LiveSession::set_pedal(bool down) {

@@ -30,6 +30,10 @@ class LiveSession {
   void end();  ///< the recording is complete then
 
   texts::Answer take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
+  /// Takes another burr than the one in hand (other_burr); in a lesson of those that it offers.
+  texts::Answer change_burr(const std::string& asked);
+  bool holds_burr() const;
+  double burr_mm() const;  ///< the width of the burr in hand
   void set_pedal(bool down);
   texts::Answer incise();
   texts::Answer command(const std::string& name);  ///< a name of belt_command, for the lesson or the drill
@@ -50,6 +54,8 @@ class LiveSession {
   std::uint32_t faults() const { return faults_; }  ///< of any session so far
 
  private:
+  texts::Answer take(const haptics::ToolParams& next);
+  haptics::ToolParams held() const;
   void meet();
   void tell_screen();
   void follow();

@@ -23,13 +23,15 @@ std::string state_text(const Player& player) {
   const bool tells = player.tells_tip();  // a surgeon is not told where the tip is
   const auto named = [&](int shape) { return !tells ? "hidden" : shape != 0 ? view.shape_name(shape) : "none"; };
   return fmt::format(
-      "time {:.3f} tool {} tip {:.3f} {:.3f} {:.3f} in {} touching {} force {:.3f} depth {} faults {} "
-      "incisions {} servo_hz {:.0f} tool_at {:.3f} {:.3f} {:.3f} axis {:.4f} {:.4f} {:.4f}",
-      f.time_s, player.tool(), f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2], named(f.inside), named(f.touched),
-      norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]}), tells ? fmt::format("{:.2f}", view.depth_mm()) : "hidden",
-      f.faults, player.live() ? player.live()->incisions().size() : player.shown()->playback().incisions().size(),
-      player.live() ? player.live()->servo_hz() : 0, f.tip_mm[0], f.tip_mm[1], f.tip_mm[2], f.axis[0], f.axis[1],
-      f.axis[2]);
+             "time {:.3f} tool {} tip {:.3f} {:.3f} {:.3f} in {} touching {} force {:.3f} depth {} faults {} "
+             "incisions {} servo_hz {:.0f} tool_at {:.3f} {:.3f} {:.3f} axis {:.4f} {:.4f} {:.4f}",
+             f.time_s, player.tool(), f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2], named(f.inside), named(f.touched),
+             norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]}),
+             tells ? fmt::format("{:.2f}", view.depth_mm()) : "hidden", f.faults,
+             player.live() ? player.live()->incisions().size() : player.shown()->playback().incisions().size(),
+             player.live() ? player.live()->servo_hz() : 0, f.tip_mm[0], f.tip_mm[1], f.tip_mm[2], f.axis[0], f.axis[1],
+             f.axis[2]) +
+         (player.live() && player.live()->holds_burr() ? fmt::format(" burr_mm {:g}", player.live()->burr_mm()) : "");
 }
 
 std::string lesson_text(const Player& player) {

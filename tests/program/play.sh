@@ -43,8 +43,20 @@ until_file "$work/shots/picture-001.png"
 rm -r "$work/shots"
 ok shot
 until_is 'notes en' 'a picture could not be written: .*shots'
+# Other burrs by keys, and only where a burr is in the hand.
+until_state 'burr_mm 5$'
+xdotool key b
+until_state 'tool burr .* burr_mm 6$'
+ok 'burr smaller'; ok 'burr smaller'
+until_state 'burr_mm 4$'
+ok 'burr kind'
+until_state 'tool ball .* burr_mm 4$'
+ask 'burr bigger'
+[[ $answer == 'error: burr: must be smaller, larger or kind' ]] || fail "another word: $answer"
 xdotool key 3
 until_state 'tool catheter'
+ask 'burr larger'
+[[ $answer == error:* ]] || fail "a catheter is made a larger burr"
 # What became of the burr is a note, in either language.
 until_is notes '[0-9]:[0-9][0-9] burr: [0-9]+ ticks'
 until_is 'notes de' '[0-9]:[0-9][0-9] burr hat entfernt: .*skull .* \| [0-9]:[0-9][0-9] burr: [0-9]+ Takte'

@@ -97,6 +97,7 @@ ScoreRow score_burr_hole(const Scoring& s) {
   const double before = s.frame.before_suture_mm(hole.outer_mm);
   row.measured = {
       {"kocher_off_mm", off}, {"lateral_mm", side}, {"before_suture_mm", before}, {"removed_mm3", hole.removed_mm3}};
+  if (s.facts.burr_mm > 0) row.measured.emplace_back("burr_mm", s.facts.burr_mm);
   row.limits = {{"midline_mm", r.midline_mm}, {"kocher_mm", r.kocher_mm}, {"near_mm", r.near_mm}, {"far_mm", r.far_mm}};
   if (!hole.through) return decide(1, "the hole does not let the catheter through");
   if (side <= r.midline_mm.limit)

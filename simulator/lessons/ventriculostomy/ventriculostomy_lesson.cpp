@@ -35,14 +35,9 @@ Json json_of(const VentriculostomyFacts& f) {
                       {"tip_mm", list_of(p.path.back().tip_mm)},
                       {"csf_s", moment(p.csf_s)},
                       {"in_place", p.in_place}});
-  Json out = {{"drilled_beforehand", f.drilled_beforehand},
-              {"traces", traces},
-              {"incisions", incisions},
-              {"drill_begin_s", moment(f.drill_begin_s)},
-              {"drill_s", f.drill_s},
-              {"through_s", moment(f.through_s)},
-              {"hole", nullptr},
-              {"passes", passes}};
+  Json out = {{"drilled_beforehand", f.drilled_beforehand}, {"traces", traces},     {"incisions", incisions},
+              {"drill_begin_s", moment(f.drill_begin_s)},   {"drill_s", f.drill_s}, {"burr_mm", f.burr_mm},
+              {"through_s", moment(f.through_s)},           {"hole", nullptr},      {"passes", passes}};
   if (f.dura) {
     Json pops = Json::array();
     for (const DuraPop& p : f.dura->pops)
@@ -152,7 +147,7 @@ std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
          "The line of the midline runs from the nasion; the other crosses it at the suture."},
         {"Erase the traces", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare."},
         {"Incise the skin at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open."},
-        {"Drill: the pedal runs the burr", "burr", "",
+        {"Drill: the pedal runs the burr", "burr*", "",
          "The hole is as wide as the catheter needs, and upright on the skull.",
          "The inner table gives way; lift the pedal before the dura is pressed."}};
   steps.push_back({"Pass the catheter", "catheter", "",
@@ -264,7 +259,9 @@ LessonType ventriculostomy_lesson() {
     return score_ventriculostomy(own(facts), loaded.manifest, before, rubric.as<VentriculostomyRubric>(),
                                  CriticalZones(loaded));
   };
-  m.texts = {{"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"},
+  m.texts = {{"burr {} mm", "Bohrer {} mm"},
+             {"burr diamond {} mm", "Diamantbohrer {} mm"},
+             {"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"},
              {"Erase the traces", "Spuren löschen"},
              {"Incise the skin at the last mark", "Haut an der letzten Marke einschneiden"},
              {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"},

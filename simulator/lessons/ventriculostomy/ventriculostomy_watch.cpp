@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/error.h"
 
@@ -31,7 +32,23 @@ std::vector<haptics::BeltToolParams> ventriculostomy_tools() {
                           catheter = tool_of("catheter", "catheter");
   marker.blunt = marker.marks = true;
   burr.blunt = burr.cuts = true;
-  return {marker, burr, catheter};
+  std::vector<haptics::BeltToolParams> all = {marker, burr, catheter};
+  // Further burrs, each a tool named by its kind and width; the numbers of the others stay as they were.
+  for (const auto& [name, kind, width_mm] : {std::tuple{"burr", "ball", 3},
+                                             {"burr", "ball", 4},
+                                             {"burr", "ball", 6},
+                                             {"burr", "ball", 7},
+                                             {"burr_diamond", "diamond", 3},
+                                             {"burr_diamond", "diamond", 5}}) {
+    haptics::BeltToolParams other = burr;
+    other.name = std::string(name) + "_" + std::to_string(width_mm);
+    static_cast<haptics::ToolParams&>(other) = {};
+    other.tool = kind;
+    other.tool_diameter_mm = width_mm;
+    static_cast<haptics::ToolParams&>(other) = haptics::own_tool(other);
+    all.push_back(other);
+  }
+  return all;
 }
 
 HeadShapes head_shapes_of(const cases::CaseManifest& manifest) {
@@ -141,7 +158,11 @@ void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBel
       drilled_box_.end[n] = first ? at + reach + 1 : std::max(drilled_box_.end[n], at + reach + 1);
     }
   }
-  removed_units_ = belt.removed_units(shapes_.bone);
+  const std::int64_t removed = belt.removed_units(shapes_.bone);
+  if (pedal && removed > removed_units_)
+    facts_.burr_mm =
+        std::max(facts_.burr_mm, haptics::whole_tool(belt.tools()[std::size_t(belt.in_hand())]).tool_diameter_mm);
+  removed_units_ = removed;
   const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
   drilling_ = pedal;
   if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);

@@ -12,7 +12,8 @@
 
 namespace trephine::lessons {
 
-/// The tools of the lesson [Rizzi, chapter 7.1]: a marker, a burr, and a catheter.
+/// The tools of the lesson [Rizzi, chapter 7.1]: a marker, a burr, and a catheter; and burrs of other widths, which a
+/// participant may take instead.
 std::vector<haptics::BeltToolParams> ventriculostomy_tools();
 
 /// The shapes of a case that the lesson knows, by number; 0 where there is none.
@@ -58,6 +59,7 @@ struct VentriculostomyFacts : LessonFacts {
   std::vector<MarkerTrace> traces;
   std::vector<LessonIncision> incisions;
   double drill_s = 0;            ///< how long the burr ran
+  double burr_mm = 0;            ///< the width of the widest burr that removed bone; 0: none did
   double drill_begin_s = -1;     ///< when it first ran; -1: never
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "window/actions.h"
+
+namespace trephine::window {
+
+/// What actions of actions.cpp do that is more than a call; of the remote's words. They throw as Words does.
+Reply command(Player& p, Words& w);
+Reply move_arm(Player& p, Words& w);
+Reply pause(Player& p, Words& w);
+Reply opacity(Player& p, Words& w);
+Reply zoom(Player& p, Words& w);
+Reply notes(Player& p, Screen& s, Words& w);
+
+}  // namespace trephine::window

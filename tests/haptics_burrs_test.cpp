@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Burrs of several sizes and kinds: which comes next, and that each cuts its own hole, now and when it is run again.
+#include "haptics/burrs.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "haptics/recording.h"
+#include "haptics_tools.h"
+
+using namespace trephine;
+using namespace trephine::tools;
+
+namespace {
+
+haptics::ToolParams burr(const char* kind, double mm) { return haptics::own_tool(params_of(kind, mm)); }
+
+std::string named(const std::vector<haptics::ToolParams>& burrs, int n) {
+  return n < 0 ? "none"
+               : burrs[std::size_t(n)].tool + " " + std::to_string(int(burrs[std::size_t(n)].tool_diameter_mm));
+}
+
+haptics::BeltToolParams belt_burr(const char* name, double mm) {
+  haptics::BeltToolParams t;
+  static_cast<haptics::ToolParams&>(t) = burr("ball", mm);
+  t.name = name;
+  t.blunt = t.cuts = true;
+  return t;
+}
+
+// A block, and a belt of two burrs that drill it.
+struct Scene {
+  voxel::HapticVolume volume = empty(60, {0.5, 0.5, 0.5});
+  std::unique_ptr<contact::ContactVolume> contact;
+  std::unique_ptr<haptics::Drilling> drilling;
+  std::unique_ptr<haptics::ToolBelt> belt;
+  Scene() {
+    fill_wide(volume, 1, [](Vec3 p) { return -p.z; });
+    contact = std::make_unique<contact::ContactVolume>(volume);
+    drill::DrillShapes shapes;
+    shapes[1] = {true, 0.02};
+    haptics::DrillingParams params;
+    params.drill = true;
+    const std::vector<haptics::BeltToolParams> tools = {belt_burr("burr", 4), belt_burr("burr_7", 7)};
+    std::vector<haptics::Burr> burrs;
+    for (const haptics::BeltToolParams& t : tools) burrs.push_back({haptics::cutter_of(params, t), 8});
+    drilling = std::make_unique<haptics::Drilling>(volume, *contact, shapes, params, drill::DrillParams{}, burrs);
+    belt = std::make_unique<haptics::ToolBelt>(*contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)),
+                                               haptics::ForceParams{}, haptics::ShaftParams{}, tools, drilling.get(),
+                                               true);
+  }
+  /// How wide the block is open at that place of its surface, and 3 mm deep, along y.
+  double width_mm(double x) const {
+    int open = 0;
+    for (double y = -12; y < 12; y += 0.1) open += contact->shape_at({x, y, -2.0}) == 0;
+    return 0.1 * open;
+  }
+};
+
+std::vector<haptics::ServoFrame> drilled(Scene& s) {
+  std::vector<haptics::ServoFrame> frames;
+  Vec3 tip{-7, 0, 4};
+  const auto go = [&](Vec3 to, int ticks, std::uint32_t buttons) {
+    const Vec3 from = tip;
+    for (int n = 1; n <= ticks; ++n) {
+      tip = from + (to - from) * (double(n) / ticks);
+      haptics::HapticInput in = pose(tip, {0, 0, 1});
+      in.buttons = buttons;
+      const haptics::HapticState is = s.belt->update(in);
+      s.belt->after(in, is);
+      haptics::ServoFrame f;
+      haptics::put_input(in, f);
+      haptics::put_answer(is, f);
+      f.tick = frames.size();
+      f.dt_s = 0.001;
+      f.time_s = 0.001 * double(frames.size() + 1);
+      frames.push_back(f);
+    }
+  };
+  const std::uint32_t second = 1u << haptics::belt_button::tool_shift, down = haptics::belt_button::pedal;
+  go({-7, 0, 3}, 20, 0);
+  go({-7, 0, -6}, 900, down);
+  go({-7, 0, -6.6}, 50, second);  // it touches: the burr is not changed there
+  EXPECT_EQ(s.belt->in_hand(), 0);
+  go({-7, 0, 4}, 100, 0);
+  go({6, 0, 4}, 100, second);
+  EXPECT_EQ(s.belt->in_hand(), 1);
+  go({6, 0, -6}, 1500, second | down);
+  go({6, 0, 4}, 100, second);
+  return frames;
+}
+
+}  // namespace
+
+TEST(HapticsBurrs, TheNextSizeAndKind) {
+  const std::vector<haptics::ToolParams> all = haptics::burr_library();
+  ASSERT_GT(all.size(), 20u);
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("ball", 5), "larger")), "ball 6");
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("ball", 5), "smaller")), "ball 4");
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("ball", 4.5), "smaller")), "ball 4");
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("ball", 7), "larger")), "none");
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("ball", 2), "smaller")), "none");
+  std::string kinds;
+  haptics::ToolParams held = burr("burr", 6);
+  for (int n = 0; n < 7; ++n) {
+    held = all[std::size_t(haptics::other_burr(all, held, "kind"))];
+    kinds += held.tool + " ";
+  }
+  EXPECT_EQ(kinds, "ball round_burr diamond matchstick cylinder craniotome burr ");
+  EXPECT_EQ(named(all, haptics::other_burr(all, burr("round_burr", 6), "kind")), "diamond 6");
+  const std::vector<haptics::ToolParams> one = {burr("ball", 5)};
+  for (const char* asked : {"smaller", "larger", "kind"})
+    EXPECT_EQ(haptics::other_burr(one, one[0], asked), -1) << asked;
+  EXPECT_THROW(haptics::other_burr(all, held, "bigger"), Error);
+  for (const haptics::ToolParams& b : all) EXPECT_NO_THROW(haptics::make_tool(b)) << b.tool << b.tool_diameter_mm;
+}
+
+TEST(HapticsBurrs, EachCutsAsWideAsItIs) {
+  Scene s;
+  const std::vector<haptics::ServoFrame> frames = drilled(s);
+  const double first = s.width_mm(-7), second = s.width_mm(6);
+  std::printf("  holes of %.1f and %.1f mm by burrs of 4 and 7 mm\n", first, second);
+  EXPECT_NEAR(first, 4, 0.8);
+  EXPECT_NEAR(second, 7, 0.8);
+  EXPECT_EQ(s.drilling->in_hand(), 1);
+  Scene again;
+  const std::vector<haptics::ServoFrame> replayed = haptics::replay_frames(frames, 1000, *again.belt);
+  ASSERT_EQ(replayed.size(), frames.size());
+  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(frames[n], replayed[n])) << n;
+  EXPECT_EQ(haptics::volume_digest(again.volume), haptics::volume_digest(s.volume));
+}
