@@ -12,6 +12,7 @@
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "render/stage.h"
+#include "scene/bone_dust.h"
 
 namespace trephine::commands {
 namespace {
@@ -88,6 +89,7 @@ void render_recording(const cli::ParsedCommand& parsed) {
   session::Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true},
                              progress);
   Pictures pictures(parsed, playback.loaded(), playback.patient()->uncut.get());
+  scene::DustWatch dust = scene::dust_watch_of(playback);
   std::string tool;  // in hand in the picture before
   const PictureParams& p = pictures.params();
   const double begin = std::max(p.from_s, playback.begin_s()),
@@ -107,6 +109,8 @@ void render_recording(const cli::ParsedCommand& parsed) {
     std::size_t incisions = 0;
     for (const session::IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();
     pictures.stage().show_incisions(playback.incisions(), incisions);
+    dust.go_to(playback.frames(), playback.frame_number() + 1);
+    pictures.stage().show_dust(dust.dust());
     pictures.stage().show_frame(playback.frame());
     pictures.write();
   }

@@ -36,7 +36,7 @@ void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
 }
 
 void Renderer::Impl::begin_surface(const scene::EyeView& eye, const scene::SceneState& state, bool cut) {
-  begun = 0;
+  begun.reset();
   surface_eye = &eye;
   surface_state = &state;
   surface_cut = cut && state.cut;
@@ -48,20 +48,21 @@ void Renderer::Impl::surface_with(int parts) {
   using namespace shaders;
   GlProgram& p = surfaces[parts];
   surface = &p;
-  if (!(made >> parts & 1)) {
-    static const std::pair<int, const char*> names[] = {{grain_part, "GRAIN"},   {glow_part, "GLOW"},
-                                                        {balls_part, "BALLS"},   {wall_part, "WALL"},
-                                                        {shadow_part, "SHADOW"}, {theatre_part, "THEATRE"}};
+  const std::size_t number = std::size_t(parts);
+  if (!made[number]) {
+    static const std::pair<int, const char*> names[] = {
+        {grain_part, "GRAIN"},   {glow_part, "GLOW"},       {balls_part, "BALLS"}, {wall_part, "WALL"},
+        {shadow_part, "SHADOW"}, {theatre_part, "THEATRE"}, {dust_part, "DUST"}};
     std::string source = fmt::format("#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n",
                                      key_light[0], key_light[1], key_light[2]);
     for (const auto& [part, name] : names)
       if (parts & part) source += std::string("#define ") + name + "\n";
     p = GlProgram((source + surface_vertex).c_str(), (source + surface_fragment).c_str());
-    made |= std::uint64_t{1} << parts;
+    made.set(number);
   }
   p.use();
-  if (begun >> parts & 1) return;
-  begun |= std::uint64_t{1} << parts;
+  if (begun[number]) return;
+  begun.set(number);
   // What is the same for all that this program draws in this picture.
   const scene::SceneState& state = *surface_state;
   p.set("to_camera", surface_eye->to_camera(centre_mm));
@@ -78,6 +79,7 @@ void Renderer::Impl::surface_with(int parts) {
   }
   if (parts & wall_part) p.set("occupancy", 1);
   if (parts & theatre_part) set_theatre(p);
+  if (parts & dust_part) set_dust(p);
   if (parts & shadow_part) receive_shadow(p);
   if (parts & glow_part) {
     p.set("glow_colour", 0.05f, 0.55f, 0.9f);
@@ -146,7 +148,8 @@ void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, 
   using namespace shaders;
   const Item& item = items[n];
   surface_with((item.skin && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
-               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | theatre_parts(state));
+               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | (dusty ? dust_part : 0) |
+               theatre_parts(state));
   if (state.theatre) set_tissue(item.skin, item.skin ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
@@ -183,7 +186,7 @@ void Renderer::Impl::draw_walls(const scene::SceneState& state) {
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
     surface_with(shaders::wall_part | shaders::balls_part | (quality.grain ? shaders::grain_part : 0) |
                  (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0) |
-                 theatre_parts(state));
+                 (dusty ? shaders::dust_part : 0) | theatre_parts(state));
     if (state.theatre) set_tissue(false, 1);
     surface->set("model", scene::affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface->set("opacity", 1.f);
@@ -323,6 +326,7 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_CLIP_DISTANCE0);
+  take_dust(state);
   cast_shadow(eye, state);
   if (casts) kept.after_pass();
   glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);

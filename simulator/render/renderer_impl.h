@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <bitset>
 #include <map>
 
 #include "render/kept_fences.h"
@@ -28,6 +29,9 @@ struct Renderer::Impl {
   // renderer_theatre.cpp
   int theatre_parts(const scene::SceneState& state) const;  ///< shaders::SurfacePart of a surface in a theatre
   void set_theatre(const GlProgram& program) const;         ///< what is the same for all that it draws
+  /// Takes the powder and water of the picture, and whether there is any.
+  void take_dust(const scene::SceneState& state);
+  void set_dust(const GlProgram& program) const;
   /// Of what is drawn next: only skin is draped; what lies beneath it, and drops, are wet.
   void set_tissue(bool skin, double wet) const;
 
@@ -70,15 +74,20 @@ struct Renderer::Impl {
   int samples = 1;
   std::vector<Item> items;
   SolidBuffer tool, ball, dot_solid;
-  GlProgram surfaces[shaders::all_parts + 1];  ///< made where they are first needed
-  std::uint64_t made = 0, begun = 0;           ///< bit n: of surfaces[n]
-  const GlProgram* surface = nullptr;          ///< in use
+  GlProgram surfaces[shaders::all_parts + 1];       ///< made where they are first needed
+  std::bitset<shaders::all_parts + 1> made, begun;  ///< of surfaces
+  const GlProgram* surface = nullptr;               ///< in use
   const scene::EyeView* surface_eye = nullptr;
   const scene::SceneState* surface_state = nullptr;
   bool surface_cut = false;
   GlProgram plane, box, openness, smoothing, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
+  GlObject dust;
+  std::uint64_t dust_version = 0;  ///< of what it holds
+  const scene::BoneDust* dust_of = nullptr;
+  bool dusty = false;  ///< in this picture
+  scene::Mat4 to_dust;
   scene::Mat4 to_ct;
   grid::Lattice ct_lattice;
   struct Wall {

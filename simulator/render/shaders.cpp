@@ -67,6 +67,10 @@ vec3 bumped(vec3 n, float high_mm) {
   return normalize(n - lean * min(1, 0.5 / max(length(lean), 1e-6)));  // seen from afar it is no steeper than that
 }
 #endif
+#ifdef DUST
+uniform mat4 to_dust;
+uniform sampler3D dust, grains;
+#endif
 #ifdef SHADOW  // of the tool
 uniform int shadow_taps;
 in vec3 in_shadow;
@@ -139,6 +143,18 @@ void main() {
   if (!inner) n = bumped(n, bump_mm * rough);
 #endif
 #endif
+#ifdef DUST
+  // Powder lies in flecks; where it is wet it is a slurry, darker and redder. Wet bone shines.
+  vec2 powder = texture(dust, (to_dust * vec4(place, 1)).xyz).rg;
+  float water = 0;
+  if (!inner && powder.r + powder.g > 0) {
+    water = powder.g;
+    float fleck = texture(grains, place * 0.11).r * 0.5 + texture(grains, place * 0.37).r * 0.5;
+    float lies = smoothstep(0.40, 0.60, 0.8 * powder.r + 1.1 * (fleck - 0.5)) * min(1, 4 * powder.r);
+    vec3 powdered = mix(vec3(0.92, 0.90, 0.86), vec3(0.48, 0.25, 0.20), 0.75 * water) * (0.45 + 1.0 * fleck);
+    base = mix(base * (1 - 0.25 * water), powdered, 0.92 * lies);
+  }
+#endif
   const vec3 key = normalize(KEY_LIGHT), fill = normalize(vec3(0.80, 0.05, 0.45)),
              rim = normalize(vec3(0.25, 0.55, -0.80));
   float past = past_tool();
@@ -151,6 +167,9 @@ void main() {
   float lamp = 1 - smoothstep(0.55 * field.w, 1.5 * field.w, from_field_mm);
   lit = (base * light + past * (0.06 * shine + moist * (0.30 * shine * shine + 0.05 * shine))) *
         mix(vec3(0.30, 0.33, 0.36), vec3(1.22, 1.17, 1.08), lamp);
+#endif
+#ifdef DUST
+  lit += water * past * (0.22 * shine + 0.25 * shine * shine);
 #endif
 #ifdef GLOW
   // A spot where the tool touches, and a ring of 2.2 mm around it.

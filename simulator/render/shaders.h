@@ -19,7 +19,8 @@ enum SurfacePart {
   wall_part = 8,
   shadow_part = 16,
   theatre_part = 32,
-  all_parts = 63
+  dust_part = 64,
+  all_parts = 127
 };
 extern const char* const plane_vertex;
 extern const char* const plane_fragment;                   ///< caps of a cut, and slices of the CT

@@ -53,6 +53,9 @@ class Stage {
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest
   /// look closed.
   void show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count);
+  void set_dust(bool shown) { params_.dust = shown; }
+  /// Where the parameters of pictures want it.
+  void show_dust(std::shared_ptr<const scene::BoneDust> dust) { state.dust = params_.dust ? std::move(dust) : nullptr; }
   /// Tool, hand and contact as they are in that frame.
   void show_frame(const haptics::ServoFrame& frame);
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,6 +77,8 @@ struct TheatreField {
   double lamp_mm = 130;  ///< radius of the lamp's light
 };
 
+class BoneDust;
+
 /// What changes from picture to picture.
 struct SceneState {
   std::vector<double> opacity;  ///< by surface; 0: not drawn
@@ -92,7 +95,8 @@ struct SceneState {
   std::vector<Vec3> trace_mm;      ///< a line
   std::vector<Vec3> ink_mm;        ///< what a marker drew, as dots that touch
   std::optional<TheatreField> theatre;
-  std::vector<Marker> drops;  ///< of a fluid that comes out of the tool
+  std::vector<Marker> drops;             ///< of a fluid that comes out of the tool
+  std::shared_ptr<const BoneDust> dust;  ///< null: none is shown
   std::vector<CtPlane> ct_planes;
   double ct_low_hu = -160, ct_high_hu = 240;
 };

@@ -23,7 +23,7 @@ struct ViewParams {
   bool cut_ct = true, places = true, insets = false;
   double ct_low_hu = -160, ct_high_hu = 240;
   int samples = 0;
-  bool occlusion = true, shadow = true, grain = true;
+  bool occlusion = true, shadow = true, grain = true, dust = true;
   SurfaceBy surface_by = SurfaceBy::measured;
   double occlusion_mm = 20, coarse_mm = 0, graphics_budget_mb = 2048;
   template <class V>
@@ -74,6 +74,7 @@ struct ViewParams {
         "Where pictures take too long or the graphics memory does not suffice, surfaces are drawn with triangles of "
         "about that size, and the program says by how much they are off; 0: 0.5, 1, 1.5 or 2.5 mm, the finest that "
         "does.");
+    v.flag(&P::dust, "dust", "Bone dust where a drill works, and the saline that wets it and washes it away.");
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
   std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }

@@ -67,6 +67,7 @@ class Playback {
   void go_to(double time_s);
   double time_s() const { return time_s_; }
   const haptics::ServoFrame& frame() const { return recording_.frames[frame_]; }
+  std::size_t frame_number() const { return frame_; }  ///< of frames()
   /// The tool in hand at that time, and its name.
   haptics::ToolParams tool() const;
   std::string tool_name() const;

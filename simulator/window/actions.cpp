@@ -234,6 +234,16 @@ void view_actions(Entries e) {
         outside_lesson);
   e->label = {{"Landmarks and targets", "Landmarken und Ziele"}};
   e->run = does([](Player& p, Words& w) { p.view().show_places(w.on(!p.view().stage().state.markers.empty())); });
+  e.add("dust", "on|off|toggle",
+        {{"bone dust, and the saline that washes it away", "Knochenstaub, und die Spülung, die ihn abwäscht"}});
+  e->label = {{"Bone dust", "Knochenstaub"}};
+  e->keys = {{GLFW_KEY_D, How::press, "toggle"}};
+  e->run = does([](Player& p, Words& w) {
+    render::Stage& stage = p.view().stage();
+    scene::ViewParams view = stage.view();
+    view.dust = w.on(view.dust);
+    stage.set_dust(view.dust);
+  });
   e.add("trace", "on|off|toggle", {{"a trace of the tip, with its length", "eine Spur der Spitze, mit ihrer Länge"}});
   e->keys = {{GLFW_KEY_K, How::press, "toggle"}};
   e->run = does([](Player& p, Words& w) { p.view().trace(w.on(p.view().traces())); });

@@ -133,6 +133,7 @@ void Hud::patient_panel(Player& player, Screen& screen) {
   ImGui::TextColored(sky, "%s", say(Text::view));
   choice_buttons("view", player, screen);
   action_box("places", !stage.state.markers.empty(), player, screen);
+  action_box("dust", stage.view().dust, player, screen);
   if (stage.loaded().has_ct()) action_box("slices", !stage.state.ct_planes.empty(), player, screen);
   ImGui::TextColored(sky, "%s", say(Text::cut_away));
   choice_buttons("cut", player, screen);

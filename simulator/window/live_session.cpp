@@ -130,6 +130,8 @@ void LiveSession::meet() {
     throw;
   }
   watch_ = std::make_unique<session::IncisionWatch>(session_->header());
+  dust_watch_ = std::make_unique<scene::DustWatch>(dust_, session_->header(),
+                                                   haptics::drilled_shapes(patient_->felt.loaded.manifest.haptic));
   session_->start();
   rate_ticks_ = 0;
   press_as_needed();
@@ -258,6 +260,7 @@ void LiveSession::follow() {
   bool marked = false, commanded = false;
   for (const haptics::ServoFrame& f : frames) {
     watch_->look(f, incisions_);
+    dust_watch_->look(f);
     late_us_ = std::max(late_us_, double(f.late_us));
     marked = marked || (f.buttons & haptics::Drilling::mark);
     commanded = commanded || haptics::belt_button::command(f.buttons) != haptics::belt_command::none;
@@ -280,6 +283,7 @@ void LiveSession::follow() {
   if (incisions_.size() > render::Renderer::max_incisions && !std::exchange(many_incisions_, true))
     notes_.add({texts::NoteId::many_incisions, {std::to_string(render::Renderer::max_incisions)}});
   view_.stage().show_incisions(incisions_, incisions_.size());
+  view_.stage().show_dust(dust_);
   if (wall_s_ - rate_wall_s_ > rate_over_s) {
     servo_hz_ = rate_ticks_ > 0 ? double(shown.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
     rate_ticks_ = shown.tick;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/bone_dust.h"
 #include "session/playback.h"
 #include "window/hand.h"
 #include "window/lesson_desk.h"
@@ -77,6 +78,8 @@ class LiveSession {
   std::vector<texts::Note> heard_;  // of sessions that are coming
   std::unique_ptr<session::IncisionWatch> watch_;
   std::vector<session::IncisionMark> incisions_;
+  std::shared_ptr<scene::BoneDust> dust_ = std::make_shared<scene::BoneDust>();  // of all sessions
+  std::unique_ptr<scene::DustWatch> dust_watch_;
   std::shared_ptr<device::Mailbox<device::ScreenView>> screen_ =
       std::make_shared<device::Mailbox<device::ScreenView>>();
   std::shared_ptr<device::Mailbox<device::ViewAxes>> axes_ = std::make_shared<device::Mailbox<device::ViewAxes>>();

@@ -7,6 +7,7 @@
 
 #include "fluoro/fluoro_thread.h"
 #include "lessons/lesson_type.h"
+#include "scene/bone_dust.h"
 #include "session/playback.h"
 #include "window/case_view.h"
 
@@ -15,7 +16,8 @@ namespace trephine::window {
 /// A recording that is shown, at any of its times.
 class ShownRecording {
  public:
-  explicit ShownRecording(std::unique_ptr<session::Playback> playback) : playback_(std::move(playback)) {}
+  explicit ShownRecording(std::unique_ptr<session::Playback> playback)
+      : playback_(std::move(playback)), dust_(scene::dust_watch_of(*playback_)) {}
   /// Goes on by that time, and shows the moment.
   void step(double wall_s, CaseView& view);
   void show_tool(CaseView& view);
@@ -27,6 +29,7 @@ class ShownRecording {
 
  private:
   std::unique_ptr<session::Playback> playback_;
+  scene::DustWatch dust_;
   std::string tool_name_;
 };
 

@@ -55,6 +55,12 @@ done
 grep -q '^3 pictures\|^4 pictures' "$work/text" || { cat "$work/text"; fail "not a picture for each 4 s"; }
 check 'a, b, c = (read(f"film/frame-0000{n}.png")[2] for n in (1, 2, 3)); assert different(a, b) > 50 and different(b, c) > 50'
 
+# Bone dust is seen where it was drilled, the same each time, and can be left out.
+dusty() { "$TREPHINE" render "$work/sample" "$work/hole.servo" --out "$work/$1" "${small[@]}" --from-s 11 --to-s 11 --opacity scalp=0 "${@:2}" >/dev/null; }
+dusty dust; dusty dust_again; dusty no_dust --no-dust
+cmp "$work/dust/frame-00001.png" "$work/dust_again/frame-00001.png" || fail "the same dust differs"
+check 'assert different(read("dust/frame-00001.png")[2], read("no_dust/frame-00001.png")[2]) > 50'
+
 # Settings from a file: what the command line gives comes first, and what is wrong is refused.
 echo '{"view": "left", "width": 320, "height": 240, "occlusion": false}' >"$work/settings.json"
 "$TREPHINE" render "$work/sample" --out "$work/set" --settings "$work/settings.json" --write-settings "$work/all.json" >/dev/null

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/bone_dust.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/splitmix64.h"
+
+namespace trephine::scene {
+namespace {
+
+constexpr double stays_within_mm = 9;                 // of the cells' middle
+constexpr double grains_per_s = 1000, grain = 0.8;    // while it cuts; of a cell's room
+constexpr double near_radii = 0.7, far_radii = 1.9;   // where grains fall, in radii of the cutter from its axis
+constexpr double column_mm = 12, wets_beyond_mm = 7;  // above the tip; beyond the cutter
+constexpr double usual_ml_per_min = 40, washes_per_s = 1.2, wets_per_s = 3;  // at that flow
+constexpr double wash_each_s = 0.02, dry_each_s = 1, dries_in_s = 40;
+
+double unit_of(std::uint64_t n) { return double(splitmix64_mixed(n * splitmix64_step) >> 11) * 0x1p-53; }
+
+}  // namespace
+
+Vec3 BoneDust::first_mm() const { return Vec3{double(base_[0]), double(base_[1]), double(base_[2])} * cell_mm; }
+
+void BoneDust::clear() {
+  dust_.clear();
+  water_.clear();
+  grains_ = 0;
+  owed_ = since_wash_s_ = since_dry_s_ = 0;
+  ++version_;
+}
+
+double BoneDust::at(const std::vector<float>& of, Vec3 p) const {
+  if (of.empty()) return 0;
+  int at[3];
+  for (int a = 0; a < 3; ++a) {
+    at[a] = int(std::lround(p[a] / cell_mm)) - base_[a];
+    if (at[a] < 0 || at[a] >= side) return 0;
+  }
+  return double(of[cell(at[0], at[1], at[2])]);
+}
+double BoneDust::dust_at(Vec3 p) const { return at(dust_, p); }
+double BoneDust::water_at(Vec3 p) const { return at(water_, p); }
+
+void BoneDust::add(const Tick& t) {
+  if (t.runs && t.cuts) {
+    stay_about(t.tip_mm);
+    for (owed_ += t.dt_s * grains_per_s; owed_ >= 1; owed_ -= 1) throw_grain(t);
+  }
+  if (!any()) return;
+  since_wash_s_ += t.dt_s;
+  since_dry_s_ += t.dt_s;
+  if (since_wash_s_ >= wash_each_s) {
+    if (t.runs) wash(t);
+    since_wash_s_ = 0;
+  }
+  if (since_dry_s_ >= dry_each_s) dry();
+}
+
+// The cells go along with the drill, in whole cells; what they leave behind is forgotten.
+void BoneDust::stay_about(Vec3 p) {
+  int base[3];
+  bool stays = any();
+  for (int a = 0; a < 3; ++a) {
+    base[a] = int(std::lround(p[a] / cell_mm)) - side / 2;
+    stays = stays && std::abs(base[a] - base_[a]) * cell_mm <= stays_within_mm;
+  }
+  if (stays) return;
+  std::vector<float> dust(std::size_t(side) * side * side), water(dust.size());
+  for (int k = 0; k < side && any(); ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        const int from[3] = {i + base[0] - base_[0], j + base[1] - base_[1], k + base[2] - base_[2]};
+        if (std::any_of(from, from + 3, [](int n) { return n < 0 || n >= side; })) continue;
+        dust[cell(i, j, k)] = dust_[cell(from[0], from[1], from[2])];
+        water[cell(i, j, k)] = water_[cell(from[0], from[1], from[2])];
+      }
+  dust_ = std::move(dust);
+  water_ = std::move(water);
+  std::copy(base, base + 3, base_);
+}
+
+// A grain lies somewhere about the drill, at any height above its tip: where a surface is there, it is seen on it.
+void BoneDust::throw_grain(const Tick& t) {
+  const double turn = 2 * M_PI * unit_of(3 * grains_), far = unit_of(3 * grains_ + 1), up = unit_of(3 * grains_ + 2);
+  ++grains_;
+  const Mat3 frame = haptics::frame_along(t.axis);
+  const double radius = t.radius_mm * (near_radii + far_radii * far * far);
+  const Vec3 p = (t.tip_mm + t.axis * (up * column_mm) + frame.column[0] * (radius * std::cos(turn)) +
+                  frame.column[1] * (radius * std::sin(turn))) /
+                 cell_mm;
+  int low[3];
+  double share[3];
+  for (int a = 0; a < 3; ++a) {
+    low[a] = int(std::floor(p[a]));
+    share[a] = p[a] - low[a];
+    low[a] -= base_[a];
+    if (low[a] < 0 || low[a] + 1 >= side) return;
+  }
+  for (int n = 0; n < 8; ++n) {
+    double part = grain;
+    for (int a = 0; a < 3; ++a) part *= n >> a & 1 ? share[a] : 1 - share[a];
+    float& of = dust_[cell(low[0] + (n & 1), low[1] + (n >> 1 & 1), low[2] + (n >> 2 & 1))];
+    of = std::min(1.0f, of + float(part));
+  }
+  ++version_;
+}
+
+// Water flows over the cutter and out of the hole: it wets what it reaches, and takes powder with it.
+void BoneDust::wash(const Tick& t) {
+  const double flow = t.water_ml_per_min / usual_ml_per_min * since_wash_s_;
+  if (!(flow > 0)) return;
+  const float stays = float(std::exp(-washes_per_s * flow)), dry = float(std::exp(-wets_per_s * flow));
+  const Vec3 end = t.tip_mm + t.axis * column_mm;
+  const double reach = t.radius_mm + wets_beyond_mm;
+  int from[3], to[3];
+  for (int a = 0; a < 3; ++a) {
+    from[a] = std::max(0, int(std::ceil((std::min(t.tip_mm[a], end[a]) - reach) / cell_mm)) - base_[a]);
+    to[a] = std::min(side - 1, int(std::floor((std::max(t.tip_mm[a], end[a]) + reach) / cell_mm)) - base_[a]);
+  }
+  for (int k = from[2]; k <= to[2]; ++k)
+    for (int j = from[1]; j <= to[1]; ++j)
+      for (int i = from[0]; i <= to[0]; ++i) {
+        const Vec3 off = first_mm() + Vec3{double(i), double(j), double(k)} * cell_mm - t.tip_mm;
+        const Vec3 beside = off - t.axis * std::clamp(dot(off, t.axis), 0.0, column_mm);
+        if (dot(beside, beside) > reach * reach) continue;
+        const std::size_t at = cell(i, j, k);
+        dust_[at] *= stays;
+        water_[at] = 1 - (1 - water_[at]) * dry;
+      }
+  ++version_;
+}
+
+void BoneDust::dry() {
+  const float stays = float(std::exp(-since_dry_s_ / dries_in_s));
+  for (float& w : water_) w *= stays;
+  since_dry_s_ = 0;
+  ++version_;
+}
+
+std::vector<std::uint8_t> BoneDust::texels() const {
+  std::vector<std::uint8_t> out(2 * dust_.size());
+  for (std::size_t n = 0; n < dust_.size(); ++n) {
+    out[2 * n] = std::uint8_t(dust_[n] * 255 + 0.5f);
+    out[2 * n + 1] = std::uint8_t(water_[n] * 255 + 0.5f);
+  }
+  return out;
+}
+
+DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& h, std::uint64_t drilled)
+    : dust_(std::move(dust)),
+      several_(!h.tools.empty()),
+      drilled_(h.drilling.drill ? drilled : 0),
+      water_ml_per_min_(h.drilling.irrigation_ml_per_min) {
+  const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
+    burrs_.push_back({cuts && haptics::tool_kind(whole.tool).rotates(), 0.5 * whole.tool_diameter_mm});
+  };
+  for (const haptics::BeltToolParams& t : h.tools) add(haptics::whole_tool(t), t.cuts);
+  if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
+}
+
+void DustWatch::look(const haptics::ServoFrame& f) {
+  ++looked_;
+  const std::uint32_t before = std::exchange(buttons_, f.buttons);
+  const int command = haptics::belt_button::command(f.buttons);
+  if (command == haptics::belt_command::reset && command != haptics::belt_button::command(before) && dust_->any())
+    dust_->clear();
+  const std::size_t held = several_ ? std::size_t(haptics::belt_button::tool(f.buttons)) : 0;
+  const Burr& burr = burrs_[std::min(held, burrs_.size() - 1)];
+  BoneDust::Tick tick;
+  tick.dt_s = f.dt_s;
+  tick.runs = burr.rotates && (f.buttons & haptics::Drilling::pedal) && f.faults == 0;
+  tick.cuts = tick.runs && f.touched > 0 && (drilled_ >> f.touched & 1);
+  tick.tip_mm = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
+  tick.axis = normalized({f.axis[0], f.axis[1], f.axis[2]});
+  tick.radius_mm = burr.radius_mm;
+  tick.water_ml_per_min = water_ml_per_min_;
+  dust_->add(tick);
+}
+
+void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count) {
+  if (count < looked_) {
+    dust_->clear();
+    looked_ = 0;
+    buttons_ = 0;
+  }
+  while (looked_ < count) look(frames[looked_]);
+}
+
+DustWatch dust_watch_of(const session::Playback& playback) {
+  return {std::make_shared<BoneDust>(), playback.header(), haptics::drilled_shapes(playback.loaded().manifest.haptic)};
+}
+
+}  // namespace trephine::scene

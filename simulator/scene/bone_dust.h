@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "session/playback.h"
+
+namespace trephine::scene {
+
+/// Bone dust, and the water that washes it away, as they are seen where a drill works. A look alone: nothing that is
+/// felt, cut or recorded depends on it. Cells about the place that is drilled hold how much powder lies in them and how
+/// wet they are. All measures are ours, by eye. Equal ticks give equal cells.
+class BoneDust {
+ public:
+  static constexpr int side = 48;  ///< cells along each axis of the patient
+  static constexpr double cell_mm = 0.75;
+
+  /// What a drill did in a tick.
+  struct Tick {
+    double dt_s = 0.001;
+    bool runs = false, cuts = false;  ///< its pedal is down; and it is pressed on what it removes
+    Vec3 tip_mm, axis{0, 0, 1};       ///< as it is shown, from the tip to the tail
+    double radius_mm = 2.5;           ///< of its cutter
+    double water_ml_per_min = 0;
+  };
+  void add(const Tick& tick);
+  void clear();
+
+  bool any() const { return !dust_.empty(); }
+  std::uint64_t version() const { return version_; }  ///< another one where cells changed
+  Vec3 first_mm() const;                              ///< the middle of the first cell
+  double dust_at(Vec3 place_mm) const;                ///< 0 to 1, of the cell
+  double water_at(Vec3 place_mm) const;
+  /// Two bytes a cell, of powder and of water, x fastest.
+  std::vector<std::uint8_t> texels() const;
+
+ private:
+  void stay_about(Vec3 place_mm);
+  void throw_grain(const Tick& tick);
+  void wash(const Tick& tick);
+  void dry();
+  std::size_t cell(int i, int j, int k) const {
+    return std::size_t(i) + side * (std::size_t(j) + side * std::size_t(k));
+  }
+  double at(const std::vector<float>& of, Vec3 place_mm) const;
+
+  std::vector<float> dust_, water_;  // empty until something was drilled
+  int base_[3] = {0, 0, 0};          // of the first cell, in cells from the origin
+  std::uint64_t grains_ = 0, version_ = 0;
+  double owed_ = 0, since_wash_s_ = 0, since_dry_s_ = 0;
+};
+
+/// Has a dust follow the frames of a session or of its recording, as they come.
+class DustWatch {
+ public:
+  /// `drilled`: bit n for a shape that drills remove (haptics::drilled_shapes).
+  DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& header, std::uint64_t drilled);
+  void look(const haptics::ServoFrame& frame);
+  /// As it is after so many of these frames; of the same ones each time. Going back begins anew.
+  void go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count);
+  const std::shared_ptr<BoneDust>& dust() const { return dust_; }
+
+ private:
+  struct Burr {
+    bool rotates;
+    double radius_mm;
+  };
+  std::shared_ptr<BoneDust> dust_;
+  std::vector<Burr> burrs_;  // by the number of the tool
+  const bool several_;
+  const std::uint64_t drilled_;
+  const double water_ml_per_min_;
+  std::uint32_t buttons_ = 0;
+  std::size_t looked_ = 0;
+};
+
+/// Of a recording that is shown.
+DustWatch dust_watch_of(const session::Playback& playback);
+
+}  // namespace trephine::scene
