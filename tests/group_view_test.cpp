@@ -98,7 +98,8 @@ TEST(GroupView, AFolderOfResultsIsRead) {
   EXPECT_EQ(r.attempts[0].figure("in_ventricle"), 1);
   EXPECT_EQ(r.attempts[0].figure("depth_mm"), 55.5);
   const auto says = [&](const std::string& what) {
-    return std::any_of(r.notes.begin(), r.notes.end(), [&](const auto& n) { return n.find(what) != n.npos; });
+    return std::any_of(r.notes.begin(), r.notes.end(),
+                       [&](const texts::Phrase& n) { return n.english().find(what) != std::string::npos; });
   };
   EXPECT_TRUE(says("damaged.json: left out"));
   EXPECT_TRUE(says("p1-ventriculostomy-02-case: the recording is gone"));
@@ -159,15 +160,13 @@ TEST(GroupView, RetentionFailuresAndThePassMark) {
   EXPECT_NE(page.find("wrong side"), std::string::npos);
   EXPECT_EQ(page.find("<script"), std::string::npos);
   group::GroupView noted = view;
-  noted.notes = {"s1-01: the recording is gone; the report stands and cannot be judged again"};
-  group::GroupPageParts parts;
-  parts.pictures[view.modules[0].module] = {
-      {"points by group, phase before", "<svg class=\"points\"><text>group meanwhile, n = 4</text></svg>"}};
-  const std::string german = group::group_page(noted, parts, texts::Language::german);
+  noted.notes = {{"{}: the recording is gone; the report stands and cannot be judged again", {"s1-01"}}};
+  const std::string german = group::group_page(noted, {}, texts::Language::german);
   EXPECT_NE(german.find("die Aufnahme fehlt; der Bericht bleibt"), std::string::npos);
-  EXPECT_NE(german.find("<figcaption>Punkte nach Gruppe, Phase vorher<"), std::string::npos);
-  EXPECT_EQ(group::plot_words(texts::Language::german, parts.pictures.begin()->second[0].second),
-            "<svg class=\"points\"><text>Gruppe meanwhile, n = 4</text></svg>");
+  EXPECT_NE(german.find("s1-01: die Aufnahme fehlt"), std::string::npos);
+  EXPECT_EQ(group::group_words(texts::Language::german,
+                               {"{} by {}, {}", {"points", "level", texts::Phrase("phase {}", {"before"})}}),
+            "Punkte nach Stufe, Phase vorher");
   EXPECT_NE(german.find("Weg der Hand, mm"), std::string::npos);
   for (const char* said : {"lang=\"de\"", "Eine Gruppe von 6 Teilnehmern, 21 Versuche", "falsche Seite", "nachher",
                            "Bestehensgrenze", "Nach der Phase nachher", "Weg der Hand", "Bestanden:"})

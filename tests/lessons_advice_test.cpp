@@ -340,9 +340,9 @@ TEST(LessonsAdvice, WhatALessonSaysOfItselfIsGermanToo) {
   const auto german = [](const std::string& module, const lessons::LessonFacts& facts,
                          const lessons::LessonScore& score) {
     const lessons::LessonType& type = lessons::lesson_type(module);
-    for (const std::string& english : {type.outcome(facts, score), type.headline(facts, score)}) {
+    for (const texts::Phrase& english : {type.outcome(facts, score), type.headline(facts, score)}) {
       const std::string said = lessons::lesson_words(Language::german, english);
-      EXPECT_NE(said, english);
+      EXPECT_NE(said, english.english());
       for (const char* word : {"pass", "needle", "catheter lies", "bone", "success", "failure", "errors", "shots"})
         EXPECT_EQ(said.find(word), std::string::npos) << said;
     }

@@ -97,7 +97,7 @@ TEST(LessonsCells, TheTipOfTheCatheter) {
   const auto check = [&](const Head::Done& d) {
     const Vec3 tip = d.last_tip();
     const double off = norm(tip - foramen), inside = in_ventricles(tip);
-    const std::string why = d.row("tip").why;
+    const std::string why = d.row("tip").why.english();
     ++seen[why];
     EXPECT_EQ(d.score.flag("first_pass"), d.points("tip") >= 3 && why != "in the contralateral ventricle") << why;
     cells.saw(d.points("tip"));
@@ -129,7 +129,7 @@ TEST(LessonsCells, TheTrajectoryOfTheCatheter) {
   Cells cells({5, 10, 20}, 1.6);
   std::map<std::string, int> seen;
   const auto check = [&](const Head::Done& d) {
-    ++seen[d.row("trajectory").why];
+    ++seen[d.row("trajectory").why.english()];
     cells.saw(d.points("trajectory"));
     // Of the whole way, by the frames: how far beyond the midline, and how near to the third ventricle.
     double across = -1e9;
@@ -254,7 +254,7 @@ TEST(LessonsCells, PlaceOfTheBurrHole) {
             along, right > 0 ? right - 2 : right + 2, right),
         500, 1, 0, right > 0 ? "right" : "left");
     ASSERT_GE(d.facts.through_s, 0) << along << " " << right;
-    ++seen[d.row("burr_hole").why];
+    ++seen[d.row("burr_hole").why.english()];
     off.saw(d.points("burr_hole"));
     // The middle of the hole on the bone as the script asked for it.
     const double angle = deg_of(along) + nasion_deg;

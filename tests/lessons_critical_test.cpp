@@ -202,7 +202,7 @@ TEST(LessonsCritical, ACaseThatDoesNotKnowItsForaminaMarksNobodyDown) {
       for (const lessons::ScoreRow& row : score.rows)
         if (row.name == "trajectory" || row.name == "tip") {
           EXPECT_FALSE(row.score) << row.name << ": " << row.why;
-          EXPECT_NE(row.why.find("doubtful"), std::string::npos) << row.why;
+          EXPECT_NE(row.why.english().find("doubtful"), std::string::npos) << row.why;
         }
       EXPECT_FALSE(score.flag("third_ventricle"));
     }

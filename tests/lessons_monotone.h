@@ -23,9 +23,10 @@ inline int rank(const lessons::LessonScore& s) { return s.outcome() == lessons::
 
 // Whatever a score says, a German reader reads it in German.
 inline void expect_german(const lessons::LessonScore& s) {
-  const auto expect = [](const std::string& english) {
-    const std::string german = lessons::lesson_words(texts::Language::german, english);
-    EXPECT_TRUE(english.empty() || german != english) << english;
+  const auto expect = [](const texts::Phrase& phrase) {
+    const std::string german = lessons::lesson_words(texts::Language::german, phrase);
+    EXPECT_TRUE(phrase.empty() || lessons::lesson_words(texts::Language::german, phrase.words) != phrase.words)
+        << phrase;
     EXPECT_EQ(german.find('{'), std::string::npos) << german;
   };
   const auto expect_figure = [](const std::string& name) {
@@ -56,7 +57,7 @@ inline std::string better(const lessons::LessonScore& now, const lessons::Lesson
   std::string out;
   for (std::size_t n = 0; n < now.rows.size() && n < before.rows.size(); ++n)
     if (now.rows[n].score.value_or(0) > before.rows[n].score.value_or(0))
-      out += "\n  " + now.rows[n].name + ": " + now.rows[n].why + ", after " + before.rows[n].why;
+      out += "\n  " + now.rows[n].name + ": " + now.rows[n].why.english() + ", after " + before.rows[n].why.english();
   return out;
 }
 

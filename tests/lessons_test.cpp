@@ -140,7 +140,7 @@ TEST(Lessons, ADoubtfulSutureIsNotJudged) {
   const Head::Done d = doubtful.run(std::string(perfect_marks) + R"(, "finish")");
   for (const char* name : {"landmarks", "burr_hole"}) {
     EXPECT_FALSE(d.row(name).score.has_value()) << name;
-    EXPECT_NE(d.row(name).why.find("doubtful"), std::string::npos) << d.row(name).why;
+    EXPECT_NE(d.row(name).why.english().find("doubtful"), std::string::npos) << d.row(name).why;
   }
   EXPECT_EQ(d.points("tip"), 1);
 }
@@ -202,7 +202,7 @@ TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
   EXPECT_EQ(paused.points("tip"), 5);
   const Head::Done waited = drilled().run(take + R"({"wait": {"seconds": 1000}})" + insert, 100);
   EXPECT_EQ(waited.points("time"), 1);
-  EXPECT_EQ(waited.row("time").why, "not completed: not in the allotted time");
+  EXPECT_EQ(waited.row("time").why.english(), "not completed: not in the allotted time");
   // Nothing is felt meanwhile: a catheter that is pushed in is where it was not.
   const Head::Done pushed = drilled().run(take + R"("pause")" + insert, 100);
   EXPECT_TRUE(pushed.facts.passes.empty());
@@ -245,7 +245,7 @@ TEST(LessonsHostile, ALostDeviceEndsTheLessonAndKeepsWhatWasDone) {
          "lose_device", {"wait": {"seconds": 1}}, "finish")");
   EXPECT_EQ(d.facts.end, lessons::LessonEnd::device_lost);
   EXPECT_EQ(d.points("time"), 1);
-  EXPECT_EQ(d.row("time").why, "not completed: device lost");
+  EXPECT_EQ(d.row("time").why.english(), "not completed: device lost");
   EXPECT_EQ(d.points("tip"), 5);  // where it was when the device went
   for (std::size_t n = d.recording.frames.size() - 100; n < d.recording.frames.size(); ++n)
     for (const double f : d.recording.frames[n].force_n) ASSERT_EQ(f, 0);

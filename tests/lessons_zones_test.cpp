@@ -24,7 +24,7 @@ lessons::LessonScore with_zone(Head& head, const Head::Done& d, const std::strin
 
 std::string trajectory(const lessons::LessonScore& score) {
   for (const lessons::ScoreRow& row : score.rows)
-    if (row.name == "trajectory") return std::to_string(row.score.value_or(0)) + " " + row.why;
+    if (row.name == "trajectory") return std::to_string(row.score.value_or(0)) + " " + row.why.english();
   return "";
 }
 

@@ -162,6 +162,26 @@ TEST(StudyTable, BinsHoldEveryValue) {
   EXPECT_EQ(bins_for({3, 3}, 0).count, 1);
 }
 
+// Whoever words the plots words all of them: what is in angles went through the words, and a group's name is not ours.
+TEST(StudyTable, APlotIsDrawnInTheWordsThatAreGiven) {
+  const auto marked = [](const texts::Phrase& p) {
+    return p.values.empty() ? "<" + p.words + ">" : "<" + p.english() + ">";
+  };
+  const std::string csv =
+      "participant,group,phase,attempt,points\na,mean,before,1,3\na,mean,after,2,5\nb,mean,before,1,4\n"
+      "b,mean,after,2,9\nc,y,before,1,6\nc,y,after,2,8\n";
+  std::string all;
+  for (const StudyPlot& plot : plots_of(of(csv), marked)) {
+    EXPECT_EQ(plot.title.front(), '<') << plot.title;
+    all += plot.script;
+  }
+  for (const char* word : {"'<points>'", "'<median>'", "'<mean>'", "'<count>'", "'<attempt>'", "'<participants>'",
+                           "'<mean, interval>'", "<group> mean, n =", "<phase> <before>, n ="})
+    EXPECT_NE(all.find(word), std::string::npos) << word << "\n" << all;
+  for (const char* word : {"'points'", "'median'", "'mean'", "'count'", "'attempt'", "'participants'", " phase before"})
+    EXPECT_EQ(all.find(word), std::string::npos) << word;
+}
+
 // The same table in another order of rows and columns gives the same figures.
 TEST(StudyTable, TheOrderOfRowsSaysNothing) {
   const std::string a = "participant,group,points\na,x,3\nb,x,7\nc,y,9\nd,y,4\n";

@@ -10,6 +10,7 @@
 #include "commands/commands.h"
 #include "commands/results_table.h"
 #include "group/group_view.h"
+#include "group/group_words.h"
 #include "study/plots.h"
 
 namespace trephine::commands {
@@ -38,7 +39,8 @@ void add_roster(lessons::Results& results, const fs::path& file) {
 }
 
 // Points by phase and level, and over attempts, by the plots of a study.
-auto pictures_of(const study::Table& table, const group::GroupView& view) {
+auto pictures_of(const study::Table& table, const group::GroupView& view, texts::Language language) {
+  const auto words = [&](const texts::Phrase& phrase) { return group::group_words(language, phrase); };
   decltype(group::GroupPageParts::pictures) pictures;
   try {
     for (const group::ModuleView& m : view.modules) {
@@ -49,7 +51,7 @@ auto pictures_of(const study::Table& table, const group::GroupView& view) {
       for (const lessons::AttemptResult& r : m.attempts) levels.insert(r.level);
       if (levels.size() > 1 && table.column("level")) params.group = "level";
       if (m.attempts.empty()) continue;
-      for (const study::StudyPlot& plot : study::plots_of(study::evaluate(table, params)))
+      for (const study::StudyPlot& plot : study::plots_of(study::evaluate(table, params), words))
         if (plot.file.find("-histogram") == std::string::npos)
           pictures[m.module].emplace_back(
               plot.title, gnuplot_picture(gnuplot_svg(study::plot_width, study::plot_height), plot.script));
@@ -65,14 +67,15 @@ ExitCode run_group(const cli::ParsedCommand& parsed) {
   lessons::Results results = lessons::read_results(parsed.path("results"));
   if (parsed.has("roster")) add_roster(results, parsed.path("roster"));
   const group::GroupView view = group::view_of(results, parsed.params<group::GroupParams>());
+  const texts::Language language = parsed.params<group::GroupParams>().language;
   const study::Table table = table_of(results);
-  for (const std::string& note : view.notes) log_warning(note);
+  for (const texts::Phrase& note : view.notes) log_warning(note.english());
   if (parsed.has("csv")) write_file(parsed.path("csv"), study::table_csv(table));
-  group::GroupPageParts parts{pictures_of(table, view), {}};
+  group::GroupPageParts parts{pictures_of(table, view, language), {}};
   if (parsed.has("answers"))
     with_file(parsed.text("answers"),
               [&] { parts.answers = study::evaluate(study::read_table(parsed.path("answers")), {}); });
-  write_file(parsed.path("page"), group::group_page(view, parts, parsed.params<group::GroupParams>().language));
+  write_file(parsed.path("page"), group::group_page(view, parts, language));
   if (!parsed.quiet)
     for (const group::ModuleView& m : view.modules)
       std::cout << m.module << ": " << m.participants.size() << " participants, " << m.attempts.size() << " attempts\n";

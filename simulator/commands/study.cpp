@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 study::Table input_table(const fs::path& input) {
   if (fs::is_directory(input)) {
     const lessons::Results results = lessons::read_results(input);
-    for (const std::string& note : results.notes) log_warning(note);
+    for (const texts::Phrase& note : results.notes) log_warning(note.english());
     return table_of(results);
   }
   if (input.extension() == ".json") {

@@ -300,15 +300,14 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
   out += "<h1>" +
          fmt::format(fmt::runtime(said(l, "A group of {} participants, {} attempts")), participants.size(), attempts) +
          "</h1>\n<p class=\"faint\">" + said(l, "not a medical device") + "</p>\n";
-  for (const std::string& note : view.notes) out += "<p class=\"note\">" + html_text(note_words(l, note)) + "</p>\n";
+  for (const texts::Phrase& note : view.notes) out += "<p class=\"note\">" + html_text(group_words(l, note)) + "</p>\n";
   for (const ModuleView& m : view.modules) {
     out += "<h2>" + html_text(lessons::lesson_title(m.module, l)) + "</h2>\n" + participants_html(m, l);
     if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
       out += "<div class=\"plots\">\n";
       for (const auto& [title, svg] : at->second)
-        out += "<figure><img alt=\"" + html_text(caption_words(l, title)) + "\" src=\"data:image/svg+xml;base64," +
-               base64(plot_words(l, svg)) + "\"><figcaption>" + html_text(caption_words(l, title)) +
-               "</figcaption></figure>\n";
+        out += "<figure><img alt=\"" + html_text(title) + "\" src=\"data:image/svg+xml;base64," + base64(svg) +
+               "\"><figcaption>" + html_text(title) + "</figcaption></figure>\n";
       out += "</div>\n";
     }
     out += rows_html(m, l) + failures_html(m, l) + pass_mark_html(m, l) + motion_html(m, l);

@@ -72,7 +72,7 @@ struct ModuleView {
 
 struct GroupView {
   std::vector<ModuleView> modules;
-  std::vector<std::string> notes;
+  std::vector<texts::Phrase> notes;
 };
 GroupView view_of(const lessons::Results& results, const GroupParams& params);
 

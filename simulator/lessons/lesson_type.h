@@ -11,6 +11,7 @@
 #include "lessons/lesson.h"
 #include "lessons/scripted_hand.h"
 #include "texts/language.h"
+#include "texts/phrase.h"
 
 namespace trephine::lessons {
 
@@ -144,7 +145,7 @@ struct LessonType {
   /// For reports: the facts as JSON, the end of the table in the terminal, what the page's head says beside the time,
   /// and the page's pictures as HTML.
   std::function<nlohmann::ordered_json(const LessonFacts&)> facts_json;
-  std::function<std::string(const LessonFacts&, const LessonScore&)> outcome, headline;
+  std::function<texts::Phrase(const LessonFacts&, const LessonScore&)> outcome, headline;
   std::function<std::string(const LessonFacts&, const cases::LoadedCase&, texts::Language)> pictures;
 };
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,6 +12,7 @@ namespace trephine::lessons {
 namespace {
 
 using texts::Language;
+using texts::Phrase;
 using texts::Wording;
 
 // What every lesson may say.
@@ -126,67 +126,34 @@ constexpr Wording figures[] = {{{"midline off", "Abstand zur Mittellinie"}},
                                {{"tissue force integral n", "Kraft im Gewebe über die Zeit"}},
                                {{"contact force", "Kraft bei Berührung"}}};
 
-// What stands in the places {} of the pattern; nothing where the text is not of it.
-std::optional<std::vector<std::string>> values_of(const std::string& pattern, const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0;;) {
-    const std::size_t place = pattern.find("{}", at);
-    parts.push_back(pattern.substr(at, place == std::string::npos ? place : place - at));
-    if (place == std::string::npos) break;
-    at = place + 2;
-  }
-  if (parts.size() < 2 || text.compare(0, parts[0].size(), parts[0]) != 0) return {};
-  std::vector<std::string> values;
-  std::size_t at = parts[0].size();
-  for (std::size_t n = 1; n < parts.size(); ++n) {
-    const bool last = n + 1 == parts.size();
-    const std::size_t next = last ? text.size() - std::min(text.size(), parts[n].size()) : text.find(parts[n], at);
-    if (next == std::string::npos || next <= at || text.compare(next, parts[n].size(), parts[n]) != 0) return {};
-    values.push_back(text.substr(at, next - at));
-    at = next + parts[n].size();
-  }
-  return values;
-}
-
-std::string filled(std::string text, Language language, const std::vector<std::string>& values) {
-  std::size_t at = 0;
-  for (const std::string& value : values) {
-    const std::size_t place = text.find("{}", at);
-    if (place == std::string::npos) break;
-    const std::string said = lesson_words(language, value);
-    text.replace(place, 2, said);
-    at = place + said.size();
-  }
-  return text;
-}
-
-}  // namespace
-
-std::string lesson_words(Language language, const std::string& english) {
-  if (language == Language::english) return english;
+// Null where no lesson says it.
+const char* looked_up(Language language, const std::string& english) {
   for (const Wording& w : common)
     if (english == w.of(Language::english)) return w.of(language);
   for (const LessonType& lesson : lesson_types())
     for (const LessonText& text : lesson.texts)
-      if (english == text.in[0]) return text.in[std::size_t(language)];
-  // Those of lessons first: they say more exactly what is meant.
-  for (const LessonType& lesson : lesson_types())
-    for (const LessonText& text : lesson.texts)
-      if (const auto values = values_of(text.in[0], english))
-        return filled(text.in[std::size_t(language)], language, *values);
-  for (const Wording& w : common)
-    if (const auto values = values_of(w.of(Language::english), english))
-      return filled(w.of(language), language, *values);
-  return english;
+      if (english == text.in[0]) return text.in[std::size_t(language)].c_str();
+  return nullptr;
 }
 
-std::string tool_title(Language language, const std::string& name) {
+}  // namespace
+
+std::string lesson_words(Language language, const Phrase& phrase) {
+  if (language == Language::english) return phrase.english();
+  std::vector<std::string> values;
+  for (const Phrase& value : phrase.values) values.push_back(lesson_words(language, value));
+  const char* const words = looked_up(language, phrase.words);
+  return texts::filled(words ? words : phrase.words, values);
+}
+
+Phrase tool_phrase(const std::string& name) {
   const std::size_t size = name.rfind('_'), by = name.find('x', size);
   if (size == std::string::npos || by == std::string::npos || !std::isdigit(static_cast<unsigned char>(name[by - 1])))
-    return lesson_words(language, name);
-  return lesson_words(language, name.substr(0, size) + " " + name.substr(size + 1, by - size - 1) + " x " +
-                                    name.substr(by + 1) + " mm");
+    return name;
+  return {name.substr(0, size) + " {} x {} mm", {name.substr(size + 1, by - size - 1), name.substr(by + 1)}};
 }
+
+std::string tool_title(Language language, const std::string& name) { return lesson_words(language, tool_phrase(name)); }
 
 std::string figure_title(Language language, const std::string& name) {
   std::string text = name;

@@ -3,15 +3,16 @@
 #include <string>
 
 #include "texts/language.h"
+#include "texts/phrase.h"
 
 namespace trephine::lessons {
 
-/// Words of any lesson in that language, looked up by their English ones; those that are no lesson's are returned as
-/// they are. A text of a lesson may have places {}: "{} of five errors" says "2 of five errors", and what stands in a
-/// place is looked up too.
-std::string lesson_words(texts::Language language, const std::string& english);
+/// What a lesson says, in that language: the phrase and each of its values are looked up by their English words, and
+/// those that are no lesson's are said as they are.
+std::string lesson_words(texts::Language language, const texts::Phrase& phrase);
 
 /// A tool of a lesson, for a reader: screw_5.5x40 is "screw 5.5 x 40 mm", or "Schraube 5.5 x 40 mm".
+texts::Phrase tool_phrase(const std::string& name);
 std::string tool_title(texts::Language language, const std::string& name);
 
 /// The name of a figure or limit without its unit, for a reader: kocher_off_mm is "kocher off", or "Abstand zu Kocher".

@@ -81,7 +81,7 @@ std::string critical_html(const LessonScore& score, Language language) {
 }
 
 std::string rows_html(const LessonScore& score, Language language) {
-  const auto words = [&](const std::string& english) { return escaped(lesson_words(language, english)); };
+  const auto words = [&](const texts::Phrase& phrase) { return escaped(lesson_words(language, phrase)); };
   std::string out = "<table><tr>";
   for (const Wording& w : row_heads) out += std::string("<th>") + w.of(language);
   out += "</tr>\n";
@@ -190,7 +190,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   const LessonType& module = lesson_type(head.module);
   const Language language = head.language;
   const auto say = [&](const Wording& w) { return w.of(language); };
-  const auto words = [&](const std::string& english) { return escaped(lesson_words(language, english)); };
+  const auto words = [&](const texts::Phrase& phrase) { return escaped(lesson_words(language, phrase)); };
   const ScoreSum sum = sum_of(score);
   std::string out = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\">\n"

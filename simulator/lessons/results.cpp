@@ -105,7 +105,7 @@ void number_attempts(Results& all) {
     if (!r.motion_sha256.empty()) {
       const auto [at, is_new] = motions.emplace(r.motion_sha256, r.report);
       if (!is_new) {
-        all.notes.push_back(r.report + ": its motion is that of " + at->second + ", and it is left out");
+        all.notes.push_back({"{}: its motion is that of {}, and it is left out", {r.report, at->second}});
         continue;
       }
     }
@@ -152,7 +152,7 @@ Results read_results(const fs::path& folder) {
     try {
       all.plans.push_back(read_plan(file));
     } catch (const Error& e) {
-      all.notes.push_back(name + ": left out: " + e.what());
+      all.notes.push_back({"{}: left out: {}", {name, e.what()}});
     }
   }
   for (const ExercisePlan& plan : all.plans)
@@ -166,7 +166,7 @@ Results read_results(const fs::path& folder) {
     } catch (const NoReport&) {
       continue;
     } catch (const Error& e) {
-      all.notes.push_back(file.filename().string() + ": left out: " + e.what());
+      all.notes.push_back({"{}: left out: {}", {file.filename().string(), e.what()}});
       continue;
     }
     try {
@@ -180,10 +180,10 @@ Results read_results(const fs::path& folder) {
         place = n;
       }
       if (!r.recording_is_there)
-        all.notes.push_back(r.report + ": the recording is gone; the report stands and cannot be judged again");
+        all.notes.push_back({"{}: the recording is gone; the report stands and cannot be judged again", {r.report}});
       found.emplace_back(place, r);
     } catch (const Error& e) {
-      all.notes.push_back(file.filename().string() + ": left out: " + e.what());
+      all.notes.push_back({"{}: left out: {}", {file.filename().string(), e.what()}});
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {

@@ -39,7 +39,7 @@ struct AttemptResult {
 struct Results {
   std::vector<AttemptResult> attempts;  ///< by participant, module and attempt
   std::vector<ExercisePlan> plans;
-  std::vector<std::string> notes;  ///< reports that are left out and why, recordings that are gone
+  std::vector<texts::Phrase> notes;  ///< reports that are left out and why, recordings that are gone
 };
 
 /// Reads one report. Throws Error 65 where it is none, 66.

@@ -22,22 +22,30 @@ const ScoreRow* LessonScore::row(const std::string& name) const {
   return nullptr;
 }
 
-std::string unsaved_by(const std::string& missed, bool harmed) {
+texts::Phrase unsaved_by(const texts::Phrase& missed, bool harmed) {
   return !missed.empty() ? missed : harmed ? "a critical error happened" : "";
 }
 
-std::string LessonScore::reason() const {
-  if (critical.empty()) return unreached;
-  std::string all;
-  for (const CriticalError& e : critical) all += (all.empty() ? "" : "; ") + e.what;
+texts::Phrase doubtful(const texts::Phrase& what) { return {"{} of this case is doubtful", {what}}; }
+
+std::vector<texts::Phrase> LessonScore::reasons() const {
+  std::vector<texts::Phrase> all;
+  for (const CriticalError& e : critical) all.push_back(e.what);
+  if (critical.empty() && !unreached.empty()) all.push_back(unreached);
   return all;
 }
 
-void CriticalErrors::happened(const std::string& error, const std::string& what, std::optional<double> at_s) {
+std::string LessonScore::reason() const {
+  std::string all;
+  for (const texts::Phrase& r : reasons()) all += (all.empty() ? "" : "; ") + r.english();
+  return all;
+}
+
+void CriticalErrors::happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s) {
   above(error, 1e300, what, at_s);
 }
 
-void CriticalErrors::above(const std::string& error, double figure, const std::string& what,
+void CriticalErrors::above(const std::string& error, double figure, const texts::Phrase& what,
                            std::optional<double> at_s) {
   for (const CriticalError& e : score_.critical)
     if (e.rule.error == error) return;

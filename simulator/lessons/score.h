@@ -8,6 +8,7 @@
 
 #include "lesson/rubric.h"
 #include "lessons/directions.h"
+#include "texts/phrase.h"
 
 namespace trephine::lessons {
 
@@ -15,7 +16,7 @@ namespace trephine::lessons {
 struct ScoreRow {
   std::string name, title;
   std::optional<int> score;                              ///< 1 to 5; none: not judged
-  std::string why;                                       ///< what of the table applies, or why it is not judged
+  texts::Phrase why;                                     ///< what of the table applies, or why it is not judged
   std::vector<std::pair<std::string, double>> measured;  ///< by names that end in the unit
   std::vector<std::pair<std::string, lesson::RubricLimit>> limits;  ///< those by which it was decided
   std::optional<double> decided_s;  ///< when in the recording; none: nothing ever happened that could decide it
@@ -30,7 +31,7 @@ struct LessonFigure {
 
 /// A critical error that happened.
 struct CriticalError {
-  std::string what;  ///< "the needle came through the front of the vertebra"
+  texts::Phrase what;  ///< "the needle came through the front of the vertebra"
   lesson::CriticalRule rule;
   std::optional<double> at_s;
 };
@@ -41,21 +42,25 @@ const char* name_of(LessonOutcome outcome);
 
 /// Why nothing that was saved (passes, X-rays, time) or spared counts in rows of ours: what was missed, or else that
 /// harm was done by a critical error; empty: it counts.
-std::string unsaved_by(const std::string& missed, bool harmed);
+texts::Phrase unsaved_by(const texts::Phrase& missed, bool harmed);
+
+/// Why a row is not judged: what the case does not know well enough.
+texts::Phrase doubtful(const texts::Phrase& what);
 
 struct LessonScore {
   std::vector<ScoreRow> rows;
   std::vector<CriticalError> critical;
-  std::string unreached;  ///< why the lesson's goal was not reached; empty: it was
+  texts::Phrase unreached;  ///< why the lesson's goal was not reached; empty: it was
   LessonOutcome outcome() const {
     return !critical.empty()   ? LessonOutcome::failed
            : unreached.empty() ? LessonOutcome::completed
                                : LessonOutcome::not_completed;
   }
   /// unsaved_by() of the lesson's goal and its critical errors.
-  std::string unsaved() const { return unsaved_by(unreached, !critical.empty()); }
-  /// The reason: of a failure all critical errors, of what is not completed what is missing; else empty.
-  std::string reason() const;
+  texts::Phrase unsaved() const { return unsaved_by(unreached, !critical.empty()); }
+  /// The reasons: of a failure all critical errors, of what is not completed what is missing; else none.
+  std::vector<texts::Phrase> reasons() const;
+  std::string reason() const;  ///< the same in English, with semicolons between
   std::vector<LessonFigure> figures;
   std::vector<Advice> advice;  ///< of the rows that lost points by a place or a direction, in their order
   const ScoreRow* row(const std::string& name) const;  ///< null where there is none of that name
@@ -73,9 +78,9 @@ class CriticalErrors {
  public:
   CriticalErrors(const std::vector<lesson::CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
   /// It happened, at that moment of the recording.
-  void happened(const std::string& error, const std::string& what, std::optional<double> at_s);
+  void happened(const std::string& error, const texts::Phrase& what, std::optional<double> at_s);
   /// It happened where the figure is above the rule's limit.
-  void above(const std::string& error, double figure, const std::string& what, std::optional<double> at_s);
+  void above(const std::string& error, double figure, const texts::Phrase& what, std::optional<double> at_s);
 
  private:
   const std::vector<lesson::CriticalRule>& rules_;

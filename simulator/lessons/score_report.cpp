@@ -19,15 +19,19 @@ Json json_of(const ScoreRow& row) {
   for (const auto& [name, l] : row.limits)
     limits[name] = {
         {"limit", l.limit}, {"from", l.from == lesson::RubricLimit::From::thesis ? "thesis" : "ours"}, {"why", l.why}};
-  return {
-      {"name", row.name}, {"title", row.title},   {"score", row.score ? Json(*row.score) : Json("not judged")},
-      {"why", row.why},   {"measured", measured}, {"decided_s", row.decided_s ? Json(*row.decided_s) : Json(nullptr)},
-      {"limits", limits}, {"beside", row.beside}};
+  return {{"name", row.name},
+          {"title", row.title},
+          {"score", row.score ? Json(*row.score) : Json("not judged")},
+          {"why", row.why.english()},
+          {"measured", measured},
+          {"decided_s", row.decided_s ? Json(*row.decided_s) : Json(nullptr)},
+          {"limits", limits},
+          {"beside", row.beside}};
 }
 
 Json json_of(const CriticalError& e) {
   return {{"error", e.rule.error},
-          {"what", e.what},
+          {"what", e.what.english()},
           {"at_s", e.at_s ? Json(*e.at_s) : Json(nullptr)},
           {"limit", e.rule.limit},
           {"from", e.rule.from == lesson::RubricLimit::From::thesis ? "thesis" : "ours"},
@@ -80,11 +84,7 @@ ScoreSum sum_of(const LessonScore& score) {
 
 std::string headline_of(const LessonScore& score, texts::Language language) {
   std::string reason;
-  const auto add = [&](const std::string& text) {
-    reason += (reason.empty() ? "" : "; ") + lesson_words(language, text);
-  };
-  for (const CriticalError& e : score.critical) add(e.what);
-  if (score.critical.empty() && !score.unreached.empty()) add(score.unreached);
+  for (const texts::Phrase& r : score.reasons()) reason += (reason.empty() ? "" : "; ") + lesson_words(language, r);
   return lesson_words(language, name_of(score.outcome())) + (reason.empty() ? "" : ": " + reason);
 }
 
@@ -145,7 +145,7 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
 std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
   const texts::Language language = head.language;
   const auto say = [&](const texts::Wording& w) { return w.of(language); };
-  const auto words = [&](const std::string& english) { return lesson_words(language, english); };
+  const auto words = [&](const texts::Phrase& phrase) { return lesson_words(language, phrase); };
   std::string text;
   for (const ScoreRow& row : score.rows) {
     text += fmt::format("{:<33} {:>13}  {}", words(row.title),

@@ -3,14 +3,14 @@
 
 namespace trephine::lessons {
 
-ScoreRow time_row(const LessonFacts& facts, const lesson::TimeRubric& r, const std::string& unfinished) {
+ScoreRow time_row(const LessonFacts& facts, const lesson::TimeRubric& r, const texts::Phrase& unfinished) {
   const double time = facts.procedure_s();
   ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, facts.end_s};
   if (facts.paused_s > 0) row.measured.emplace_back("paused_s", facts.paused_s);
   row.limits = {
       {"ideal_s", r.ideal_s}, {"good_s", r.good_s}, {"acceptable_s", r.acceptable_s}, {"allotted_s", r.allotted_s}};
   if (!unfinished.empty()) {
-    row.why = "not completed: " + unfinished;
+    row.why = {"not completed: {}", {unfinished}};
     return row;
   }
   row.score = time < r.ideal_s.limit         ? 5

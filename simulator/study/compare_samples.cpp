@@ -65,7 +65,7 @@ Comparison compare_groups(const Observations& all, std::size_t measure, const st
                           const StudyParams& params) {
   Comparison c;
   c.by = "group";
-  c.within = phase.empty() ? "" : "phase " + phase;
+  c.phase = phase;
   std::size_t averaged = 0;
   for (const std::string& group : all.groups) {
     Values values;

@@ -32,7 +32,10 @@ std::vector<const Sample*> drawn(const Comparison& c) {
   return out;
 }
 
-std::string name_of_sample(const Comparison& c, const Sample& s) { return c.by + " " + s.name; }
+// A group's name is the table's own; a phase's is put into the language where it has one.
+std::string name_of_sample(const Comparison& c, const Sample& s, const PlotWords& words) {
+  return words(c.by) + " " + (c.by == "phase" ? words(s.name) : s.name);
+}
 
 // Whiskers end at the last value within 1.5 interquartile ranges of the box, as Tukey draws it.
 std::pair<double, double> whiskers(const Sample& s) {
@@ -45,7 +48,7 @@ std::pair<double, double> whiskers(const Sample& s) {
   return {low, high};
 }
 
-std::string box_script(const std::string& measure, const Comparison& c) {
+std::string box_script(const std::string& measure, const Comparison& c, const PlotWords& words) {
   const std::vector<const Sample*> samples = drawn(c);
   std::string boxes = "$boxes << END\n", points = "$points << END\n", tics;
   for (std::size_t n = 0; n < samples.size(); ++n) {
@@ -59,7 +62,7 @@ std::string box_script(const std::string& measure, const Comparison& c) {
       points += fmt::format("{:.4f} {:.10g}\n", double(n + 1) + 0.3 * aside, samples[n]->values[k]);
     }
     tics += fmt::format("{}{} {}", n == 0 ? "" : ", ",
-                        gnuplot_text(fmt::format("{}, n = {}", name_of_sample(c, *samples[n]), s.count)), n + 1);
+                        gnuplot_text(fmt::format("{}, n = {}", name_of_sample(c, *samples[n], words), s.count)), n + 1);
   }
   return boxes + "END\n" + points + "END\n" + look +
          fmt::format(
@@ -67,13 +70,14 @@ std::string box_script(const std::string& measure, const Comparison& c) {
              "offsets 0, 0, graph 0.04, graph "
              "0.04\n"
              "plot $boxes using 1:3:2:6:5 with candlesticks whiskerbars 0.4 lc rgb '{}' lw 1.5 notitle, "
-             "$boxes using 1:4:4:4:4 with candlesticks lc rgb '#000000' lw 2 title 'median', "
+             "$boxes using 1:4:4:4:4 with candlesticks lc rgb '#000000' lw 2 title {}, "
              "$points with points pt 6 ps 0.5 lc rgb '#555555' notitle, "
-             "$boxes using 1:7 with points pt 13 ps 1 lc rgb '{}' title 'mean'\n",
-             gnuplot_text(measure), samples.size(), tics, gnuplot_colour(0), gnuplot_colour(1));
+             "$boxes using 1:7 with points pt 13 ps 1 lc rgb '{}' title {}\n",
+             gnuplot_text(words(measure)), samples.size(), tics, gnuplot_colour(0), gnuplot_text(words("median")),
+             gnuplot_colour(1), gnuplot_text(words("mean")));
 }
 
-std::string histogram_script(const std::string& measure, const Comparison& c, int bins_count) {
+std::string histogram_script(const std::string& measure, const Comparison& c, int bins_count, const PlotWords& words) {
   const std::vector<const Sample*> samples = drawn(c);
   std::vector<double> all;
   for (const Sample* s : samples) all.insert(all.end(), s->values.begin(), s->values.end());
@@ -90,15 +94,16 @@ std::string histogram_script(const std::string& measure, const Comparison& c, in
                           counts[std::size_t(b)], 0.92 * width);
     data += "END\n";
     plot += fmt::format("{}$s{} using 1:2:3 with boxes lc rgb '{}' fs solid 0.7 title {}", n == 0 ? "plot " : ", ", n,
-                        gnuplot_colour(n), gnuplot_text(name_of_sample(c, *samples[n])));
+                        gnuplot_colour(n), gnuplot_text(name_of_sample(c, *samples[n], words)));
   }
   return data + look +
-         fmt::format("set xlabel {} noenhanced\nset ylabel 'count'\nset yrange [0:*]\nset xrange [{:.10g}:{:.10g}]\n",
-                     gnuplot_text(measure), bins.begin - bins.width / 2, bins.begin + (bins.count + 0.5) * bins.width) +
+         fmt::format("set xlabel {} noenhanced\nset ylabel {}\nset yrange [0:*]\nset xrange [{:.10g}:{:.10g}]\n",
+                     gnuplot_text(words(measure)), gnuplot_text(words("count")), bins.begin - bins.width / 2,
+                     bins.begin + (bins.count + 0.5) * bins.width) +
          plot + "\n";
 }
 
-std::string curve_script(const std::string& measure, const LearningCurve& curve) {
+std::string curve_script(const std::string& measure, const LearningCurve& curve, const PlotWords& words) {
   std::string lines = "$lines << END\n", means = "$means << END\n";
   for (const auto& line : curve.lines) {
     for (const auto& [attempt, value] : line) lines += fmt::format("{} {:.10g}\n", attempt, value);
@@ -110,13 +115,14 @@ std::string curve_script(const std::string& measure, const LearningCurve& curve)
   }
   return lines + "END\n" + means + "END\n" + look +
          fmt::format(
-             "set xlabel 'attempt'\nset ylabel {} noenhanced\nset xrange [{}:{}]\nset xtics {}\n"
-             "plot $lines with lines lc rgb '#c4c4c4' title 'participants', "
-             "$means using 1:2:3:4 with yerrorbars pt 7 lw 1.5 lc rgb '{}' title 'mean, interval', "
+             "set xlabel {}\nset ylabel {} noenhanced\nset xrange [{}:{}]\nset xtics {}\n"
+             "plot $lines with lines lc rgb '#c4c4c4' title {}, "
+             "$means using 1:2:3:4 with yerrorbars pt 7 lw 1.5 lc rgb '{}' title {}, "
              "$means using 1:2 with lines lw 2 lc rgb '{}' notitle\n",
-             gnuplot_text(measure), double(curve.points.front().attempt) - 0.5,
+             gnuplot_text(words("attempt")), gnuplot_text(words(measure)), double(curve.points.front().attempt) - 0.5,
              double(curve.points.back().attempt) + 0.5,
-             std::max(1, (curve.points.back().attempt - curve.points.front().attempt) / 12), gnuplot_colour(0),
+             std::max(1, (curve.points.back().attempt - curve.points.front().attempt) / 12),
+             gnuplot_text(words("participants")), gnuplot_colour(0), gnuplot_text(words("mean, interval")),
              gnuplot_colour(0));
 }
 
@@ -138,21 +144,24 @@ Bins bins_for(const std::vector<double>& values, int count) {
   return {begin, width, int(std::floor((s.most - begin) / width)) + 1};
 }
 
-std::vector<StudyPlot> plots_of(const Study& study) {
+std::vector<StudyPlot> plots_of(const Study& study, const PlotWords& words) {
   std::vector<StudyPlot> plots;
   for (const MeasureStudy& m : study.measures) {
     int groups = 0;
     for (const Comparison& c : m.comparisons) {
       if (drawn(c).empty()) continue;
       std::string base = m.name + "-" + c.by;
-      if (!c.within.empty()) base += "-" + std::to_string(++groups);  // a phase's name is free text
-      const std::string what = m.name + " by " + c.by + (c.within.empty() ? "" : ", " + c.within);
-      plots.push_back({m.name, base + "-box", what, box_script(m.name, c)});
-      plots.push_back(
-          {m.name, base + "-histogram", what + ": distribution", histogram_script(m.name, c, study.params.bins_count)});
+      if (!c.phase.empty()) base += "-" + std::to_string(++groups);  // a phase's name is free text
+      const texts::Phrase what = c.phase.empty()
+                                     ? texts::Phrase("{} by {}", {m.name, c.by})
+                                     : texts::Phrase("{} by {}, {}", {m.name, c.by, {"phase {}", {c.phase}}});
+      plots.push_back({m.name, base + "-box", words(what), box_script(m.name, c, words)});
+      plots.push_back({m.name, base + "-histogram", words({"{}: distribution", {what}}),
+                       histogram_script(m.name, c, study.params.bins_count, words)});
     }
     if (m.curve && !m.curve->points.empty())
-      plots.push_back({m.name, m.name + "-curve", m.name + " over attempts", curve_script(m.name, *m.curve)});
+      plots.push_back(
+          {m.name, m.name + "-curve", words({"{} over attempts", {m.name}}), curve_script(m.name, *m.curve, words)});
   }
   return plots;
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "study/study.h"
+#include "texts/phrase.h"
 
 namespace trephine::study {
 
@@ -21,8 +23,10 @@ struct StudyPlot {
   std::string measure, file, title, script;
 };
 /// Box plots and histograms of each comparison, as figures 46 to 48 of the dissertation, and learning curves. The data
-/// of scripts are in full, so that the picture changes with them.
-std::vector<StudyPlot> plots_of(const Study& study);
+/// of scripts are in full, so that the picture changes with them. Titles and labels are said by `words`: "{} by {}",
+/// "median", "participants", the names of measures and, of the phases alone, those of samples.
+using PlotWords = std::function<std::string(const texts::Phrase&)>;
+std::vector<StudyPlot> plots_of(const Study& study, const PlotWords& words = &texts::Phrase::english);
 constexpr int plot_width = 640, plot_height = 400;
 
 /// The study as one HTML page, with its pictures (SVG, by file of the plot, where they could be drawn) in it. It needs

@@ -61,7 +61,9 @@ struct PairTests {
   std::vector<NamedTest> tests;
 };
 struct Comparison {
-  std::string by, within;  ///< "group", "phase", "attempt"; "phase after" or empty
+  std::string by;     ///< "group", "phase", "attempt"
+  std::string phase;  ///< that alone is compared; empty: all
+  std::string within() const { return phase.empty() ? "" : "phase " + phase; }
   bool paired = false;
   std::vector<Sample> samples;
   std::optional<NamedTest> all;  ///< Kruskal-Wallis

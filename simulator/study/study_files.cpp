@@ -62,7 +62,7 @@ Json json_of(const Comparison& c) {
     pairs.push_back(one);
   }
   return {{"by", c.by},
-          {"within", c.within},
+          {"within", c.within()},
           {"paired", c.paired},
           {"samples", samples},
           {"all", c.all ? json_of(*c.all) : Json(nullptr)},
@@ -144,11 +144,11 @@ std::string study_csv(const Study& study) {
   };
   for (const MeasureStudy& m : study.measures) {
     for (const Comparison& c : m.comparisons) {
-      if (c.all) add(m, c.by, c.within, {"", "", "", "", ""}, *c.all);
+      if (c.all) add(m, c.by, c.within(), {"", "", "", "", ""}, *c.all);
       for (const PairTests& p : c.pairs)
         for (const NamedTest& test : p.tests) {
           const Sample &first = c.samples[p.first], &second = c.samples[p.second];
-          add(m, c.by, c.within,
+          add(m, c.by, c.within(),
               {first.name, second.name, std::to_string(first.summary.count), std::to_string(second.summary.count),
                c.paired ? std::to_string(p.pairs_count) : ""},
               test);

@@ -112,7 +112,7 @@ std::string study_page(const Study& study, const std::vector<std::pair<StudyPlot
                "\"><figcaption>" + html_text(plot.title) + "</figcaption></figure>\n";
     out += "</div>\n";
     for (const Comparison& c : m.comparisons)
-      out += "<h3>By " + c.by + (c.within.empty() ? "" : ", " + html_text(c.within)) +
+      out += "<h3>By " + c.by + (c.phase.empty() ? "" : ", " + html_text(c.within())) +
              (c.paired ? ", within participants" : "") + "</h3>\n" + samples_html(c) + notes_html(c.notes) +
              tests_html(c);
     if (m.curve) {

@@ -43,7 +43,7 @@ std::string study_text(const Study& study) {
   for (const MeasureStudy& m : study.measures) {
     out += fmt::format("\n{}: {} values\n", m.name, m.values_count) + notes_text(m.notes, "  ");
     for (const Comparison& c : m.comparisons) {
-      out += fmt::format("  by {}{}{}\n", c.by, c.within.empty() ? "" : ", " + c.within,
+      out += fmt::format("  by {}{}{}\n", c.by, c.phase.empty() ? "" : ", " + c.within(),
                          c.paired ? ", within participants" : "");
       out += summary_table(c) + notes_text(c.notes, "    ");
       if (c.all) out += "    " + sentence(*c.all) + "\n";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "texts/note.h"
 
+#include "texts/phrase.h"
+
 namespace trephine::texts {
 namespace {
 
@@ -127,15 +129,7 @@ std::string text_of(const Note& note, Language language) {
   std::string listed;
   for (const NoteId word : note.words) listed += (listed.empty() ? "" : ", ") + text_of(word, language);
   if (!note.words.empty()) values.push_back(listed);
-  std::string text = wording_of(note.id).of(language);
-  std::size_t from = 0;
-  for (const std::string& value : values) {
-    const std::size_t at = text.find("{}", from);
-    if (at == std::string::npos) break;
-    text.replace(at, 2, value);
-    from = at + value.size();
-  }
-  return text;
+  return filled(wording_of(note.id).of(language), values);
 }
 
 }  // namespace trephine::texts

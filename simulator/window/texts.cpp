@@ -90,10 +90,10 @@ static_assert(complete(), "one row for each word, in the order of Text");
 
 }  // namespace
 
-std::string translated(texts::Language language, const std::string& english) {
+std::string translated(texts::Language language, const texts::Phrase& phrase) {
   for (const Row& row : table)
-    if (english == row.in.of(texts::Language::english)) return row.in.of(language);
-  return lessons::lesson_words(language, english);
+    if (phrase == row.in.of(texts::Language::english)) return row.in.of(language);
+  return lessons::lesson_words(language, phrase);
 }
 
 std::string translated_name(texts::Language language, const std::string& english) {

@@ -64,7 +64,7 @@ enum class Text {
 };
 const char* text_of(texts::Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
-std::string translated(texts::Language language, const std::string& english);
+std::string translated(texts::Language language, const texts::Phrase& phrase);
 /// The name of a tool, a view, a cut or a place of the C-arm as the panels show it; the remote takes the English one.
 std::string translated_name(texts::Language language, const std::string& english);
 

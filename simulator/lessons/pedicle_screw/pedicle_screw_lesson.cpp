@@ -87,16 +87,17 @@ LessonType pedicle_screw_lesson() {
   };
   m.facts_json = spine_facts_json;
   m.outcome = [](const LessonFacts&, const LessonScore& score) {
-    return fmt::format("passes: {}, errors: {}, {}", score.count("passes_count"),
-                       score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
-                       !score.flag("screw_in_bone") ? "no screw lies in bone"
-                       : !score.known("acceptable") ? "the pedicle is doubtful"
-                       : score.flag("acceptable")   ? "acceptable"
-                                                    : "not acceptable");
+    return texts::Phrase("passes: {}, errors: {}, {}",
+                         {std::to_string(score.count("passes_count")),
+                          score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
+                          !score.flag("screw_in_bone") ? "no screw lies in bone"
+                          : !score.known("acceptable") ? "the pedicle is doubtful"
+                          : score.flag("acceptable")   ? "acceptable"
+                                                       : "not acceptable"});
   };
   m.headline = [](const LessonFacts&, const LessonScore& score) {
-    return score.known("errors_count") ? fmt::format("errors of the screw: {}", score.count("errors_count"))
-                                       : std::string("errors of the screw: not judged");
+    return texts::Phrase("errors of the screw: {}",
+                         {score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged"});
   };
   m.pictures = spine_pictures;
   m.status = spine_status;

@@ -25,7 +25,7 @@ double seen_deg(Vec3 a, Vec3 b, Vec3 across, Vec3 anterior) {
 // Whether the screw is as long and as wide as the pedicle wants it: its head on the bone, its thread filling the
 // pedicle without bursting it. `none`: why it is at no pedicle, or why the pedicle is not known.
 ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const NeedleErrors& e,
-                  const voxel::HapticVolume& before, int bone, const std::string& none, bool judged) {
+                  const voxel::HapticVolume& before, int bone, const texts::Phrase& none, bool judged) {
   ScoreRow row{"size", "Size of the screw", {}, none, {}, {}, {}};
   row.beside = true;
   row.limits = {{"head_mm", *r.head_mm}, {"widest_ratio", *r.widest_ratio}, {"narrowest_ratio", *r.narrowest_ratio}};
@@ -49,7 +49,7 @@ ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const Nee
 
 // What it cost: X-rays, passes, time, each where the rubric says limits. `nowhere`: why no screw lies where it should.
 void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest, const PedicleScrewRubric& r,
-                      const std::string& nowhere, LessonScore& score) {
+                      const texts::Phrase& nowhere, LessonScore& score) {
   const auto push = [&](ScoreRow row) {
     row.beside = true;
     score.rows.push_back(std::move(row));
@@ -80,7 +80,8 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   PedicleBreach breach;
   Vec3 entry_off;
   double entry = 0, axial = 0, sagittal = 0;
-  std::string doubt, none = pass ? "" : "no screw lies in bone";
+  texts::Phrase doubt;
+  std::string none = pass ? "" : "no screw lies in bone";
   if (pass) {
     const NeedlePoint& end = pass->path.back();
     e = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
@@ -94,13 +95,13 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
     axial = seen_deg(way, f, e.pedicle->left, front);
     sagittal = seen_deg(way, f, e.pedicle->cranial, front);
     breach = find_breach(*e.pedicle, *pass, before, bone);
-    if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
+    if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = doubtful(pedicle_phrase(e.pedicle->name));
     if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))
       none = facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
   }
   for (const CasePedicle& p : pedicles)
     if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit) {
-      doubt = p.name + " of this case is doubtful";
+      doubt = doubtful(pedicle_phrase(p.name));
       none.clear();  // a case that does not know counts for nobody
     }
   LessonScore score;
@@ -119,7 +120,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
   int errors = 0;
   const auto row = [&](const char* name, const char* title, const char* figure, double value, const char* limit_name,
-                       const lesson::RubricLimit& limit, const std::string& why) {
+                       const lesson::RubricLimit& limit, const texts::Phrase& why) {
     ScoreRow s;
     s.name = name;
     s.title = title;
@@ -129,7 +130,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
       const bool wrong = !none.empty() || std::abs(value) > limit.limit;
       errors += wrong;
       s.score = wrong ? 1 : 5;
-      s.why = !none.empty() ? none : (wrong ? "an error: " : "no error: ") + why;
+      s.why = !none.empty() ? none : texts::Phrase(wrong ? "an error: {}" : "no error: {}", {why});
       if (pass) s.decided_s = pass->end_s;
     } else {
       s.why = doubt;
@@ -144,13 +145,14 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
       e.depth_mm > 0 ? "the tip lies beyond the target" : "the tip lies before the target");
   row("breach", "Pedicle breach", "breach_mm", breach.depth_mm, "breach_mm", r.breach_mm,
       breach.depth_mm > 0 ? "through the " + breach.side + " wall" : "within the pedicle");
+  const texts::Phrase of_five("{} of five errors", {std::to_string(errors)});
   const bool judged = doubt.empty() || !none.empty(), acceptable = none.empty() && errors <= r.most_errors_count.limit;
-  if (judged && score.unreached.empty() && !acceptable) score.unreached = fmt::format("{} of five errors", errors);
+  if (judged && score.unreached.empty() && !acceptable) score.unreached = of_five;
   ScoreRow last;
   last.name = "acceptable";
   last.title = "Acceptable";
   last.limits = {{"most_errors_count", r.most_errors_count}};
-  last.why = !judged ? doubt : !none.empty() ? none : fmt::format("{} of five errors", errors);
+  last.why = !judged ? doubt : !none.empty() ? texts::Phrase(none) : of_five;
   if (judged) {
     last.score = acceptable ? 5 : 1;
     if (none.empty()) last.measured = {{"errors_count", double(errors)}};

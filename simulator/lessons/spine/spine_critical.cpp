@@ -8,9 +8,16 @@
 namespace trephine::lessons {
 namespace {
 
-std::string tool_of(const NeedlePass& pass) { return tool_title(texts::Language::english, pass.tool); }
+texts::Phrase tool_of(const NeedlePass& pass) { return tool_phrase(pass.tool); }
 
 bool on_left(const std::string& pedicle) { return pedicle.find("_left") != std::string::npos; }
+
+std::string number_of(const std::string& pedicle) {
+  std::string number;
+  for (const char c : pedicle)
+    if (c >= '0' && c <= '9') number += c;
+  return number;
+}
 
 bool is_great_vessel(const std::string& shape) {
   for (const char* name : {"aorta", "vena_cava", "artery", "vein", "vessels"})
@@ -27,8 +34,8 @@ void note_front(const CasePedicle& p, const NeedlePass& pass, int bone, Critical
     if (n.inside == bone)
       left_at = std::max(left_at, along);
     else if (along > left_at)
-      errors.above("anterior_cortex_mm", along - left_at, tool_of(pass) + " came through the front of the vertebra",
-                   n.time_s);
+      errors.above("anterior_cortex_mm", along - left_at,
+                   {"{} came through the front of the vertebra", {tool_of(pass)}}, n.time_s);
   }
 }
 
@@ -42,9 +49,9 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
     for (const NeedlePoint& n : pass.path)
       for (const cases::CaseShape& shape : manifest.haptic.shapes) {
         if (shape.number != n.inside) continue;
-        if (shape.name == "canal") errors.happened("canal", tool_of(pass) + " entered the spinal canal", n.time_s);
+        if (shape.name == "canal") errors.happened("canal", {"{} entered the spinal canal", {tool_of(pass)}}, n.time_s);
         if (is_great_vessel(shape.name))
-          errors.happened("great_vessel", tool_of(pass) + " entered a great vessel", n.time_s);
+          errors.happened("great_vessel", {"{} entered a great vessel", {tool_of(pass)}}, n.time_s);
       }
     const NeedlePoint& end = pass.path.back();
     const NeedleErrors e = nearest_pedicle(pedicles, end.tip_mm, end.axis);
@@ -52,7 +59,7 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
     note_front(*e.pedicle, pass, bone, errors);
     const PedicleBreach breach = find_breach(*e.pedicle, pass, before, bone);
     errors.above("medial_breach_mm", breach.medial_mm,
-                 tool_of(pass) + " came through the medial wall, towards the canal", breach.time_s);
+                 {"{} came through the medial wall, towards the canal", {tool_of(pass)}}, breach.time_s);
   }
   if (facts.task.empty() || facts.passes.empty()) return;
   const NeedlePass& last = facts.passes.back();
@@ -60,7 +67,8 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
   if (e.entry_mm > farthest_mm || e.pedicle->name == facts.task) return;
   const bool side = on_left(e.pedicle->name) != on_left(facts.task);
   errors.happened(side ? "wrong_side" : "wrong_level",
-                  tool_of(last) + " went into " + e.pedicle->name + ", and " + facts.task + " was asked for",
+                  {"{} went into {}, and {} was asked for",
+                   {tool_of(last), pedicle_phrase(e.pedicle->name), pedicle_phrase(facts.task)}},
                   last.begin_s);
 }
 
@@ -78,10 +86,15 @@ std::string pedicle_doubt(const cases::CaseManifest& manifest, const std::string
   return "";
 }
 
+texts::Phrase pedicle_phrase(const std::string& name) {
+  const std::string number = number_of(name);
+  if (name == "pedicle_" + number + "_left") return {"pedicle {} left", {number}};
+  if (name == "pedicle_" + number + "_right") return {"pedicle {} right", {number}};
+  return name;
+}
+
 std::string pedicle_in_words(const std::string& task, bool german) {
-  std::string number;
-  for (const char c : task)
-    if (c >= '0' && c <= '9') number += c;
+  const std::string number = number_of(task);
   if (german)
     return std::string("den ") + (on_left(task) ? "linken" : "rechten") + " Pedikel " + number +
            ", gezählt vom untersten Wirbel, dessen Pedikel der Scan zeigt";

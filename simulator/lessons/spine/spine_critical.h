@@ -15,6 +15,8 @@ void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest&
 std::vector<std::string> pedicle_tasks(const cases::CaseManifest& manifest);
 /// LessonTask::doubt of such a task.
 std::string pedicle_doubt(const cases::CaseManifest& manifest, const std::string& task);
+/// A pedicle as a row or an error names it: pedicle_2_left is "pedicle 2 left"; any other name stays as it is.
+texts::Phrase pedicle_phrase(const std::string& name);
 /// "the left pedicle 2, counted from the lowest vertebra that the scan shows".
 std::string pedicle_in_words(const std::string& task, bool german = false);
 

@@ -15,7 +15,7 @@ ScoreRow four_limits_row(const char* name, const char* title, const lesson::Four
   return r;
 }
 
-ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& nowhere) {
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const texts::Phrase& nowhere) {
   ScoreRow r = four_limits_row("exposure", "Fluoroscopic exposure", limits, "s");
   r.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
   r.score = facts.shots.empty() || !nowhere.empty() ? 1 : limits.score(facts.exposure_s());
@@ -25,7 +25,7 @@ ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& l
 }
 
 ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
-                         const std::string& nowhere) {
+                         const texts::Phrase& nowhere) {
   ScoreRow r = four_limits_row("passes", title, limits, "count");
   const int count = int(facts.passes.size());
   r.measured = {{"passes_count", double(count)}};
@@ -35,16 +35,20 @@ ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits
   return r;
 }
 
-ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& unreached) {
+ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits,
+                        const texts::Phrase& unreached) {
   ScoreRow r = four_limits_row("time", "Time to complete procedure", limits, "s");
   const double time_s = facts.procedure_s();
   r.measured = {{"procedure_s", time_s}};
   if (facts.paused_s > 0) r.measured.emplace_back("paused_s", facts.paused_s);
   r.decided_s = facts.end_s;
   r.score = unreached.empty() ? limits.score(time_s) : 1;
-  r.why = unreached.empty()           ? "completed"
-          : time_s > limits.two.limit ? "not completed in the allotted time"
-                                      : "not completed: " + unreached;
+  if (unreached.empty())
+    r.why = "completed";
+  else if (time_s > limits.two.limit)
+    r.why = "not completed in the allotted time";
+  else
+    r.why = {"not completed: {}", {unreached}};
   return r;
 }
 

@@ -11,13 +11,14 @@ ScoreRow four_limits_row(const char* name, const char* title, const lesson::Four
 
 /// How long X-rays were on; 1 where no picture was taken, and where `nowhere` says why no tool lies where it should:
 /// few pictures are no merit of who placed nothing.
-ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& nowhere);
+ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const texts::Phrase& nowhere);
 
 /// How often a tool entered bone. `nowhere`: why none lies where it should, and the row scores 1; empty: one does.
 ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
-                         const std::string& nowhere);
+                         const texts::Phrase& nowhere);
 
 /// How long it took, without pauses. `unreached`: why the goal was not reached, and the row scores 1; empty: it was.
-ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const std::string& unreached);
+ScoreRow spine_time_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits,
+                        const texts::Phrase& unreached);
 
 }  // namespace trephine::lessons

@@ -22,10 +22,11 @@ std::vector<haptics::BeltToolParams> spine_needle_tools() {
 }
 
 const SpineNeedleFacts& own(const LessonFacts& facts) { return static_cast<const SpineNeedleFacts&>(facts); }
-std::string outcome(const LessonFacts& facts, const LessonScore& score) {
-  return fmt::format("needle passes: {}, exposure {:.1f} s in {} shots, {}", score.count("passes_count"),
-                     own(facts).exposure_s(), score.count("shots_count"),
-                     score.flag("in_bone") ? "the needle lies in bone" : "the needle lies in no bone");
+texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
+  return {"needle passes: {}, exposure {} s in {} shots, {}",
+          {std::to_string(score.count("passes_count")), fmt::format("{:.1f}", own(facts).exposure_s()),
+           std::to_string(score.count("shots_count")),
+           score.flag("in_bone") ? "the needle lies in bone" : "the needle lies in no bone"}};
 }
 
 }  // namespace
@@ -80,8 +81,8 @@ LessonType spine_needle_lesson() {
   m.facts_json = spine_facts_json;
   m.outcome = outcome;
   m.headline = [](const LessonFacts& facts, const LessonScore& score) {
-    return fmt::format("passes of the needle: {} · X-rays {:.1f} s", score.count("passes_count"),
-                       own(facts).exposure_s());
+    return texts::Phrase("passes of the needle: {} · X-rays {} s",
+                         {std::to_string(score.count("passes_count")), fmt::format("{:.1f}", own(facts).exposure_s())});
   };
   m.pictures = spine_pictures;
   m.status = spine_status;

@@ -18,7 +18,7 @@ struct Rows {
   const SpineNeedleRubric& rubric;
   const NeedlePass* pass;
   NeedleErrors errors;
-  std::string doubt;  ///< why nothing is measured from the pedicle; empty: it is
+  texts::Phrase doubt;  ///< why nothing is measured from the pedicle; empty: it is
 
   // Farther off a needle is at no pedicle, or not at the one that was asked for.
   double at_mm() const {
@@ -45,7 +45,7 @@ struct Rows {
 
   // Of a figure that needs a needle in place and a pedicle that is sure.
   ScoreRow at_pedicle(const char* name, const char* title, const lesson::FourLimits& limits, const char* figure,
-                      double value, const std::string& why) const {
+                      double value, const texts::Phrase& why) const {
     ScoreRow r = four_limits_row(name, title, limits, "mm");
     if (!doubt.empty()) {  // before all else: a case that does not know counts for nobody
       r.why = doubt;
@@ -80,32 +80,32 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
     const NeedlePoint& end = rows.pass->path.back();
     rows.errors = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
     if (rows.at_it() && rows.errors.pedicle->confidence < r.least_confidence_ratio.limit)
-      rows.doubt = rows.errors.pedicle->name + " of this case is doubtful";
+      rows.doubt = doubtful(pedicle_phrase(rows.errors.pedicle->name));
   }
   for (const CasePedicle& p : pedicles)
     if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit)
-      rows.doubt = p.name + " of this case is doubtful";
+      rows.doubt = doubtful(pedicle_phrase(p.name));
   LessonScore score;
   const std::string nowhere = rows.nowhere(bone);
   score.unreached = rows.unreached(nowhere);
   CriticalErrors errors(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, errors);
   // Nor did anybody save or spare anything who did harm.
-  const std::string unsaved = unsaved_by(nowhere, !score.critical.empty());
-  const std::string at = rows.errors.pedicle ? rows.errors.pedicle->name : "";
+  const texts::Phrase unsaved = unsaved_by(nowhere, !score.critical.empty());
+  const texts::Phrase at = rows.errors.pedicle ? pedicle_phrase(rows.errors.pedicle->name) : "";
   score.rows.push_back(rows.at_pedicle("entry", "Entry into the pedicle", r.entry_mm, "entry_off_mm",
-                                       rows.errors.entry_mm, "the needle's line at the entry of " + at));
+                                       rows.errors.entry_mm, {"the needle's line at the entry of {}", {at}}));
   score.rows.push_back(rows.at_pedicle("target", "Aim at the target", r.target_mm, "target_off_mm",
-                                       rows.errors.target_mm, "the needle's line at the target of " + at));
+                                       rows.errors.target_mm, {"the needle's line at the target of {}", {at}}));
 
   // Of all passes, each at the pedicle that it was nearest to.
   PedicleBreach worst;
-  bool any = false, doubtful = !rows.doubt.empty();
+  bool any = false, any_doubtful = !rows.doubt.empty();
   for (const NeedlePass& pass : facts.passes) {
     const NeedleErrors e = nearest_pedicle(pedicles, pass.path.back().tip_mm, pass.path.back().axis);
     if (e.entry_mm > r.farthest_mm.limit) continue;
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) {
-      doubtful = true;
+      any_doubtful = true;
       continue;
     }
     any = true;
@@ -117,20 +117,20 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   // Where a pedicle was asked for, it is the one that must be entered, and whose wall must be known.
   // And who stops short of the body spared no wall: it is judged where the needle came to where it should.
   if (!facts.task.empty()) any = rows.at_it();
-  const bool breach_judged = facts.task.empty() ? !doubtful || worst.depth_mm > 0 : rows.doubt.empty();
+  const bool breach_judged = facts.task.empty() ? !any_doubtful || worst.depth_mm > 0 : rows.doubt.empty();
   if (breach_judged) {
     breach.score = any && unsaved.empty() ? r.breach_mm.score(worst.depth_mm) : 1;
-    breach.why = !any                 ? (facts.task.empty() ? "the needle entered no pedicle" : rows.not_there())
-                 : !unsaved.empty()   ? unsaved
-                 : worst.depth_mm > 0 ? "through the " + worst.side + " wall"
-                                      : std::string("within the pedicle");
+    const std::string clean = worst.depth_mm > 0 ? "through the " + worst.side + " wall" : "within the pedicle";
+    breach.why = !any               ? (facts.task.empty() ? "the needle entered no pedicle" : rows.not_there())
+                 : !unsaved.empty() ? unsaved
+                                    : texts::Phrase(clean);
     if (any) breach.measured = {{"breach_mm", worst.depth_mm}};
     if (worst.depth_mm > 0)
       breach.decided_s = worst.time_s;
     else if (any)
       breach.decided_s = facts.passes.back().end_s;
   } else {
-    breach.why = "the pedicle of this case is doubtful";
+    breach.why = doubtful("the pedicle");
   }
   score.rows.push_back(breach);
 

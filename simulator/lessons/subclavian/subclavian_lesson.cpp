@@ -160,13 +160,14 @@ LessonType subclavian_lesson() {
   };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = [](const LessonFacts&, const LessonScore& score) {
-    return fmt::format("needle passes: {}, {}", score.count("passes_count"),
-                       score.flag("first_pass") ? "green: success at the first pass"
-                       : score.flag("success")  ? "green: blood from the vein"
-                                                : "red: failure");
+    return texts::Phrase("needle passes: {}, {}", {std::to_string(score.count("passes_count")),
+                                                   score.flag("first_pass") ? "green: success at the first pass"
+                                                   : score.flag("success")  ? "green: blood from the vein"
+                                                                            : "red: failure"});
   };
   m.headline = [](const LessonFacts&, const LessonScore& score) {
-    return fmt::format("needle passes: {}, {}", score.count("passes_count"), score.flag("success") ? "green" : "red");
+    return texts::Phrase("needle passes: {}, {}",
+                         {std::to_string(score.count("passes_count")), score.flag("success") ? "green" : "red"});
   };
   m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
     return ways_html(own(facts), loaded, language);

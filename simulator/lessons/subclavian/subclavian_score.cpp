@@ -98,7 +98,7 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r, bool harm
   return row;
 }
 
-std::string unreached_goal(const SubclavianFacts& f, const lesson::TimeRubric& r) {
+texts::Phrase unreached_goal(const SubclavianFacts& f, const lesson::TimeRubric& r) {
   if (f.end != LessonEnd::finished) return name_of(f.end);
   if (f.passes.empty()) return "the needle entered nothing";
   if (f.blood_s < 0) return "no blood was drawn from the vein";

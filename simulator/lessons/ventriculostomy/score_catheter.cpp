@@ -40,10 +40,10 @@ double done_left_mm(const Scoring& s) {
 bool Scoring::on_left() const { return facts.task.empty() ? done_left_mm(*this) > 0 : facts.task == "left"; }
 bool Scoring::side_known() const { return !facts.task.empty() || std::abs(done_left_mm(*this)) > beyond_doubt_mm; }
 
-std::string Scoring::foramen_doubt() const {
+texts::Phrase Scoring::foramen_doubt() const {
   double confidence = 0;
   if (!foramen_of(manifest, on_left(), &confidence)) return "the case has no foramen of Monro on that side";
-  return confidence < rubric.tip.least_confidence_ratio.limit ? "the foramen of Monro of this case is doubtful" : "";
+  return confidence < rubric.tip.least_confidence_ratio.limit ? doubtful("the foramen of Monro") : "";
 }
 
 std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) const {
@@ -114,7 +114,7 @@ ScoreRow score_trajectory(const Scoring& s) {
   ScoreRow row{"trajectory", "Trajectory of catheter insertion", {}, "", {}, {}, {}};
   row.limits = {
       {"midline_mm", r.midline_mm}, {"ideal_mm", r.ideal_mm}, {"good_mm", r.good_mm}, {"lateral_mm", r.lateral_mm}};
-  const auto decide = [&](int score, const std::string& why, double time_s) {
+  const auto decide = [&](int score, const texts::Phrase& why, double time_s) {
     row.score = score;
     row.why = why;
     row.decided_s = time_s;
@@ -220,7 +220,7 @@ ScoreRow score_passes(const Scoring& s, bool harmed) {
   if (count == 0) return row;
   row.decided_s = s.facts.passes.back().begin_s;
   // One pass that ends beside the ventricle saved nobody anything.
-  const std::string why = unsaved_by(misplaced(s), harmed);
+  const texts::Phrase why = unsaved_by(misplaced(s), harmed);
   row.score = why.empty() ? r.score(count) : 1;
   row.why = why.empty() ? "times that the catheter entered the brain" : why;
   return row;
@@ -230,7 +230,7 @@ bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPo
   return s.foramen_doubt().empty() && s.critical_at(pass, p) == "third_ventricle";
 }
 
-std::string unreached_goal(const Scoring& s) {
+texts::Phrase unreached_goal(const Scoring& s) {
   if (s.facts.end != LessonEnd::finished) return name_of(s.facts.end);
   if (const std::string why = misplaced(s); !why.empty()) return why;
   return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";

@@ -26,12 +26,12 @@ int found(const BestTrace& best, const lesson::RubricLimit& limit, const lesson:
   return best.off_mm() <= limit.limit ? 2 : best.off_mm() <= near.limit ? 1 : 0;
 }
 
-std::string doubt_of(const Scoring& s) {
+texts::Phrase doubt_of(const Scoring& s) {
   const double least = s.rubric.burr_hole.least_confidence_ratio.limit;
   if (s.facts.drilled_beforehand) return "the hole was there beforehand";
   if (!s.frame.bregma_mm) return "the case has no bregma, so the coronal suture is not known";
-  if (s.frame.suture_confidence < least) return "the coronal suture of this case is doubtful";
-  if (s.frame.midline_confidence < least) return "the midline of this case is doubtful";
+  if (s.frame.suture_confidence < least) return doubtful("the coronal suture");
+  if (s.frame.midline_confidence < least) return doubtful("the midline");
   return "";
 }
 
@@ -57,7 +57,7 @@ ScoreRow score_landmarks(const Scoring& s) {
   const int well = (of_midline == 2) + (of_suture == 2), nearly = (of_midline == 1) + (of_suture == 1);
   row.score = 1 + 2 * well + (nearly > 0 ? 1 : 0);
   constexpr const char* how[] = {"not", "nearly", "well"};
-  row.why = std::string("midline ") + how[of_midline] + " identified, coronal suture " + how[of_suture] + " identified";
+  row.why = {"midline {} identified, coronal suture {} identified", {how[of_midline], how[of_suture]}};
   if (midline.any()) row.measured = {{"midline_off_mm", midline.off_mm()}, {"midline_trace_mm", midline.length_mm}};
   if (suture.any()) {
     row.measured.emplace_back("suture_off_mm", suture.off_mm());
@@ -84,7 +84,7 @@ ScoreRow score_burr_hole(const Scoring& s) {
   };
   const cases::CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
   if (!kocher || kocher->confidence < r.least_confidence_ratio.limit) {
-    row.why = kocher ? "Kocher's point of this case is doubtful" : "the case has no Kocher's point";
+    row.why = kocher ? doubtful("Kocher's point") : "the case has no Kocher's point";
     return row;
   }
   if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");

@@ -22,7 +22,7 @@ struct Scoring {
   bool side_known() const;  ///< it was asked for, or what was done lies clearly beside the midline
   std::optional<Vec3> foramen() const { return foramen_of(manifest, on_left()); }
   /// Why nothing can be measured from the foramen; empty where it can.
-  std::string foramen_doubt() const;
+  texts::Phrase foramen_doubt() const;
   /// "sagittal_sinus", "third_ventricle", "brainstem", "eloquent_zone" or "" for a point of a catheter's way.
   std::string critical_at(const CatheterPass& pass, const PassPoint& p) const;
 };
@@ -53,7 +53,7 @@ ScoreRow score_depth(const Scoring& s);
 ScoreRow score_tip(const Scoring& s);
 ScoreRow score_passes(const Scoring& s, bool harmed);
 /// Why the catheter does not lie where it should; empty where it does, and the lesson was finished in time.
-std::string unreached_goal(const Scoring& s);
+texts::Phrase unreached_goal(const Scoring& s);
 
 /// How far the tip is from the ventricles, at most `most_mm`; most_mm and more where none is within that.
 double distance_to_ventricles_mm(const Scoring& s, Vec3 tip_mm, double most_mm);

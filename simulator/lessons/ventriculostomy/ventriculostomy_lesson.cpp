@@ -204,13 +204,14 @@ LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
                                                                                       : LessonFluid::none;
 }
 
-std::string outcome(const LessonFacts&, const LessonScore& score) {
-  return fmt::format("catheter passes: {}, {}", score.count("passes_count"),
-                     score.flag("third_ventricle") ? "the catheter lies in the third ventricle"
-                     : score.flag("contralateral") ? "the catheter lies in the contralateral ventricle"
-                     : score.flag("first_pass")    ? "success at the first pass"
-                     : score.flag("in_ventricle")  ? "the catheter lies in a ventricle"
-                                                   : "the catheter lies in no ventricle");
+texts::Phrase outcome(const LessonFacts&, const LessonScore& score) {
+  return {"catheter passes: {}, {}",
+          {std::to_string(score.count("passes_count")),
+           score.flag("third_ventricle") ? "the catheter lies in the third ventricle"
+           : score.flag("contralateral") ? "the catheter lies in the contralateral ventricle"
+           : score.flag("first_pass")    ? "success at the first pass"
+           : score.flag("in_ventricle")  ? "the catheter lies in a ventricle"
+                                         : "the catheter lies in no ventricle"}};
 }
 
 }  // namespace
@@ -304,7 +305,7 @@ LessonType ventriculostomy_lesson() {
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;
   m.headline = [](const LessonFacts&, const LessonScore& score) {
-    return fmt::format("passes of the catheter: {}", score.count("passes_count"));
+    return texts::Phrase("passes of the catheter: {}", {std::to_string(score.count("passes_count"))});
   };
   m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {
     return ways_html(own(facts), loaded, language);
