@@ -164,6 +164,17 @@ TEST(TradeFront, OfSeveralHeadsIsWhatHoldsForAll) {
   EXPECT_TRUE(config::points_of_all({{a}, {b}}).empty());
 }
 
+TEST(TradeFront, SecondsOfSeveralMachinesAreThoseOfTheFirst) {
+  config::TradeFront first, second;
+  first.points = second.points = {point("a", 10, 0.1, 40)};
+  first.calibration_s = 0.02, second.calibration_s = 0.06;  // the second took three times as long for the same work
+  auto sweeps = config::on_one_machine({first, second});
+  EXPECT_EQ(sweeps[0][0].seconds, 10);
+  EXPECT_NEAR(sweeps[1][0].seconds, 10 / 3.0, 1e-12);
+  second.calibration_s = 0;  // measured by an older program
+  EXPECT_EQ(config::on_one_machine({first, second})[1][0].seconds, 10);
+}
+
 TEST(TradeFile, TheShippedOnesBelongToTheShippedRecipes) {
   const std::filesystem::path configs = std::filesystem::path(TREPHINE_SOURCE_DIR) / "configs";
   int with_front = 0;
@@ -189,6 +200,9 @@ TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
   const auto read = config::read_trade_front(file).points;
   ASSERT_EQ(read.size(), 6u);
   EXPECT_EQ(config::trade_points_json(read), list);
+  EXPECT_EQ(config::read_trade_front(file).calibration_s, 0);
+  write(R"({"format": "trephine.trade", "version": 1, "calibration_s": 0.025, "points": )" + list + "}");
+  EXPECT_EQ(config::read_trade_front(file).calibration_s, 0.025);
   const auto field_of = [&](const std::string& text) {
     write(text);
     try {
@@ -201,6 +215,8 @@ TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
   };
   EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 1, "recipe_sha256": 3, "points": )" + list + "}"),
             "recipe_sha256");
+  EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 1, "calibration_s": 0, "points": )" + list + "}"),
+            "calibration_s");
   EXPECT_EQ(field_of("{"), "format");
   EXPECT_EQ(field_of("[]"), "format");
   EXPECT_EQ(field_of(R"({"format": 3})"), "format");

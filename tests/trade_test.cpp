@@ -131,8 +131,9 @@ TEST_F(Trade, ASweepThatWasStoppedGoesOn) {
   EXPECT_EQ(trade::measure_trade(request).measured_count, 0);
   // A damaged record is one that was never there.
   const fs::path records = at("trade") / ".trade" / "measured";
-  const fs::path one = fs::directory_iterator(records)->path();
-  write_file(one, "{\"report\"");
+  fs::directory_iterator one(records);
+  if (one->path().stem() == "calibration") ++one;  // how fast the machine is: no work of the sweep
+  write_file(one->path(), "{\"report\"");
   EXPECT_EQ(trade::measure_trade(request).measured_count, 1);
   // What no point asks for any more goes.
   request.plan = at("less.yaml");
@@ -141,7 +142,7 @@ sweeps: {bound: {values: {skin.decimate.max_deviation_mm: [1]}}}
 )");
   trade::measure_trade(request);
   const auto count = std::distance(fs::directory_iterator(records), fs::directory_iterator());
-  EXPECT_EQ(count, 1 + 3 + 2 * 5 + 1);
+  EXPECT_EQ(count, 1 + 3 + 2 * 5 + 1 + 1);  // the last is how fast the machine is
 }
 
 TEST_F(Trade, WhatAGateRefusesIsAPointWithAReason) {

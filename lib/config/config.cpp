@@ -244,7 +244,7 @@ class Reader {
     if (said.trade.empty())
       return fault("trade", "trade", "is missing: which trade.json shall " + asked.text() + " be chosen from?");
     std::vector<fs::path> files;
-    std::vector<std::vector<TradePoint>> fronts;
+    std::vector<TradeFront> fronts;
     for (const SaidPath& path : said.trade) try {
         files.push_back(file_of(path.path));
         if (files.back().empty()) return;
@@ -253,7 +253,7 @@ class Reader {
           trade.stale.push_back(std::move(why));
           files.pop_back();
         } else {
-          fronts.push_back(std::move(front.points));
+          fronts.push_back(std::move(front));
         }
       } catch (const Error& e) {
         return r_.faults.add(Error(e.code(), files.back().string(), e.field(), e.what()));
@@ -267,7 +267,8 @@ class Reader {
     trade.rule = asked;
     trade.fronts = files;
     try {
-      trade.choice = choose(points_of_all(fronts), asked);
+      trade.choice = choose(points_of_all(on_one_machine(fronts)), asked);
+      trade.calibration_s = fronts[0].calibration_s;
     } catch (const Error& e) {
       return r_.faults.add(
           Error(e.code(), files.size() == 1 ? files[0].string() : r_.file.string(), e.field(), e.what()));

@@ -289,6 +289,11 @@ TradeFront read_trade_front(const std::filesystem::path& file) {
     if (!json["recipe_sha256"].is_string()) throw fault("recipe_sha256", "is not a text");
     front.recipe_sha256 = json["recipe_sha256"].get<std::string>();
   }
+  if (json.contains("calibration_s")) {
+    if (!json["calibration_s"].is_number()) throw fault("calibration_s", "is not a number");
+    front.calibration_s = json["calibration_s"].get<double>();
+    if (!(front.calibration_s > 0)) throw fault("calibration_s", "must be above 0");
+  }
   std::vector<TradePoint>& points = front.points;
   for (std::size_t i = 0; i < json["points"].size(); ++i) try {
       const Json& from = json["points"][i];
@@ -311,6 +316,16 @@ TradeFront read_trade_front(const std::filesystem::path& file) {
     }
   if (points.empty()) throw fault("points", "is empty");
   return front;
+}
+
+std::vector<std::vector<TradePoint>> on_one_machine(const std::vector<TradeFront>& fronts) {
+  std::vector<std::vector<TradePoint>> sweeps;
+  for (const TradeFront& front : fronts) {
+    sweeps.push_back(front.points);
+    if (front.calibration_s > 0 && fronts[0].calibration_s > 0)
+      for (TradePoint& p : sweeps.back()) p.seconds *= fronts[0].calibration_s / front.calibration_s;
+  }
+  return sweeps;
 }
 
 std::string why_stale(const TradeFront& front, const std::filesystem::path& file, const std::string& recipe_sha256) {

@@ -72,8 +72,12 @@ std::vector<TradePoint> points_of_all(const std::vector<std::vector<TradePoint>>
 /// What a trade.json holds for a rule.
 struct TradeFront {
   std::string recipe_sha256;  ///< of the recipe that was measured (CaseConfig); empty: the file does not say
+  double calibration_s = 0;   ///< calibration_seconds() of the machine that measured it; 0: the file does not say
   std::vector<TradePoint> points;
 };
+/// The fronts' points, their seconds as the machine of the first front would have taken them, where both files say
+/// their machine's calibration_s.
+std::vector<std::vector<TradePoint>> on_one_machine(const std::vector<TradeFront>& fronts);
 
 /// Throws Error 66 where the file cannot be read, 65 naming the field where it is not a trade.json of ours.
 TradeFront read_trade_front(const std::filesystem::path& file);

@@ -167,6 +167,7 @@ std::string trade_json(const TradeResult& result, const std::string& program_ver
   json["version"] = config::trade_format_version;
   json["program"] = "trephine " + program_version;
   json["threads_count"] = thread_count();
+  json["calibration_s"] = result.calibration_s;
   json["recipe_sha256"] = result.recipe_sha256;
   const auto choosable = result.choosable();
   // Only points that may be chosen; the others stand in details alone.

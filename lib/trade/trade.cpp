@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/calibration.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
@@ -81,6 +82,7 @@ class Sweep {
             .in_file(request_.config.string());
     }
     for (PointTrade& p : result.points) compare_volumes(result.points[0], p);
+    result.calibration_s = calibration_s();
     result.measured_count = measured_;
     store_.remove_unused();
     cache_.shrink_to(static_cast<std::uint64_t>(request_.params.cache_limit_mb) * 1'000'000);
@@ -90,6 +92,14 @@ class Sweep {
  private:
   void tell(const std::string& work, double done) const {
     if (observer_) observer_(at_, prepared_.size(), work, done);
+  }
+  // Of the machine that measured last: a sweep that computes nothing says what it said.
+  double calibration_s() {
+    const char* const key = "calibration";
+    if (const Measurement* known = store_.find(key); known && measured_ == 0) return known->median_s();
+    Measurement m;
+    m.seconds = {calibration_seconds()};
+    return store_.keep(key, std::move(m)).median_s();
   }
   static void cancel_check() { Progress({}, &cancel_requested()).check(); }
 
