@@ -273,7 +273,7 @@ struct CaseManifest {
   std::vector<CaseFinding> findings;
   CaseValues figures;  ///< of the patient: class, evans_index_ratio, midline_shift_mm, ...
   std::string face_policy = "keep", face_reason;
-  std::string program_version;  ///< "trephine 0.1.0"
+  std::string program_version;  ///< "trephine 0.2.0"
   std::string input_sha256;
   CaseValues parameters;  ///< "skull.decimate.max_deviation_mm"
   std::vector<CaseFile> files;
