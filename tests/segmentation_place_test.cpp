@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "head/brain.h"
+#include "head/brain_dark.h"
 #include "head/brain_pits.h"
 #include "head/deep_csf.h"
 #include "head/ventricle_parts.h"
@@ -241,6 +242,33 @@ TEST(SegmentPlace, PitsThatNoiseExplainsAreNoSulci) {
   const mask::BitMask pits = head::noise_pits(cut, shape, hu, shape, 12);
   EXPECT_TRUE(holds(pits, {22, 12, 0}));
   EXPECT_FALSE(holds(pits, {0, 0, 20}));
+}
+
+TEST(SegmentPlace, DarkPlacesWithinALesionAreNoSulci) {
+  const grid::Lattice l = lattice_about({0, 0, 0}, {40, 40, 40}, 1);
+  const mask::BitMask shape = mask_of(l, [](Vec3 p) { return norm(p) < 38; });
+  grid::Grid<float> soft(l, 30.f);
+  const auto lesion = [](Vec3 p) { return norm(p - Vec3{28, 0, 0}) < 14; };
+  const auto pit = [](Vec3 p) { return std::hypot(p.y, p.z) < 2.5 && p.x > 20; };
+  const auto narrow = [](Vec3 p) { return std::abs(p.y) < 1 && p.z > 20 && p.x < 10; };
+  const auto fissure = [](Vec3 p) { return std::abs(p.y) < 5 && p.z < -15; };
+  const auto fluid = [](Vec3 p) { return std::abs(p.y - 6) < 1.5 && p.x > 24; };  // a sulcus beside the lesion's middle
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        float& hu = soft.at(i, j, k);
+        if (lesion(p)) hu = 23;
+        if (pit(p)) hu = 19;
+        if (narrow(p)) hu = 20;
+        if (fissure(p) || fluid(p)) hu = 7;
+      }
+  const mask::BitMask cut =
+      mask_of(l, [&](Vec3 p) { return norm(p) < 38 && (pit(p) || narrow(p) || fissure(p) || fluid(p)); });
+  const mask::BitMask tissue = head::dark_tissue(cut, shape, soft);
+  EXPECT_TRUE(holds(tissue, {30, 0, 0}));
+  for (const Vec3 csf : {Vec3{0, 0, 28}, Vec3{0, 0, -25}, Vec3{0, 4, -25}, Vec3{30, 6, 0}})
+    EXPECT_FALSE(holds(tissue, csf)) << csf.x << " " << csf.y << " " << csf.z;
 }
 
 }  // namespace

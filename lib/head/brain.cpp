@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "head/brain_dark.h"
 #include "head/brain_pits.h"
 #include "head/cranium.h"
 #include "head/deep_csf.h"
@@ -238,6 +239,9 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   dark &= deeper;
   mask::BitMask cut = mask::grown_within(reached(outside, dark), deeper, sharpened_mm, progress);
   cut &= shape;
+  const mask::BitMask tissue_cut = dark_tissue(cut, shape, soft, progress);
+  report.add("dark_tissue_ml", double(tissue_cut.count()) * soft.voxel_volume_mm3() / 1000);
+  cut.remove(tissue_cut);
   const mask::BitMask pits = noise_pits(cut, shape, scanned.level, scanned.known, scanned.noise, progress);
   report.add("noise_pits_ml", double(pits.count()) * soft.voxel_volume_mm3() / 1000);
   shape.remove(cut.remove(pits));

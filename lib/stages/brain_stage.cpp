@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType brain_stage() {
   StageType s;
   s.name = "brain";
-  s.version = 5;
+  s.version = 6;
   s.typical_s = 4;
   s.summary = "finds the brain inside the skull";
   s.description =
