@@ -136,6 +136,21 @@ TEST(HeadConfig, PointsOfSlicerAreLandmarksAndOtherLabelsGoNowhere) {
   EXPECT_EQ(won.config.landmarks[0].position_mm.y, -77);
 }
 
+// What skin and skull alone may refuse is asked before brain and ventricles are made.
+TEST(HeadGraph, ACheckIsMadeFirstOfWhatAloneMayBeRefused) {
+  const pipeline::Graph g = Read("", "anatomies: {skin: , skull: , brain: }\n" + keep).graph();
+  const int whole = g.find("anatomy"), early = g.find("anatomy.skin_skull");
+  ASSERT_GE(whole, 0);
+  ASSERT_GE(early, 0);
+  const pipeline::Node& node = g.nodes[std::size_t(early)];
+  EXPECT_TRUE(node.is_early && node.wanted && !g.nodes[std::size_t(whole)].is_early);
+  for (const char* port : {"skin", "skull", "volume"}) EXPECT_GE(source(g, "anatomy.skin_skull", port), 0) << port;
+  EXPECT_EQ(source(g, "anatomy.skin_skull", "brain"), -1);
+  EXPECT_EQ(g.find_stage(*g.nodes[std::size_t(whole)].params.set, ""), whole);
+  // Without another anatomy it is the check itself.
+  EXPECT_EQ(Read("", "anatomies: {skull: , brain: }\n" + keep).graph().find("anatomy.skin_skull"), -1);
+}
+
 TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
   const pipeline::Graph skull = Read("", "anatomies: {skull: }\n" + keep).graph();
   for (const char* needless : {"landmarks", "anatomy", "deface", "face", "skin.contour"})

@@ -44,6 +44,7 @@ struct Gate {
   Report& report;
   const Progress& progress;
   const std::vector<Vec3>& accepted;
+  const MeasuredOnce& once;
   struct Ranked {
     double badness;  ///< ml
     AnatomyFault fault;
@@ -68,7 +69,10 @@ struct Gate {
   void check_pair(const char* name, const grid::Field* one, const char* other_name, const grid::Field* other,
                   Relation relation, double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
     if (!one || !other) return;
-    const Clearance c = clearance(*one, *other, relation, gap_mm, accepted, progress);
+    const auto measure = [&] { return clearance(*one, *other, relation, gap_mm, accepted, progress); };
+    const Clearance c = once ? once("clearance of " + to_text(gap_mm) + " mm, accepted " + params.accepted_places_mm,
+                                    {name, other_name}, measure)
+                             : measure();
     const bool inside = relation == Relation::inside;
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
@@ -222,13 +226,14 @@ AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
       faults_(std::move(faults)) {}
 
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
-                                const AnatomyGateParams& params, Report& report, const Progress& progress) {
+                                const AnatomyGateParams& params, Report& report, const Progress& progress,
+                                const MeasuredOnce& once) {
   AnatomyFindings out;
   out.figures = head::measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
   const std::vector<Vec3> accepted = places_of(params.accepted_places_mm);
   if (!accepted.empty())
     report.warn("what is wrong within 20 mm of " + params.accepted_places_mm + " was accepted and not checked");
-  Gate gate{fields, params, report, progress, accepted, {}};
+  Gate gate{fields, params, report, progress, accepted, once, {}};
   gate.check_empty("skin", fields.skin, out.figures.skin_ml);
   gate.check_empty("skull", fields.skull, out.figures.skull_ml);
   gate.check_empty("brain", fields.brain, out.figures.brain_ml);

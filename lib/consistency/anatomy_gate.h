@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,8 +29,10 @@ struct AnatomyGateParams : head::HeadClassParams {
              "Least distance from the brain's surface to the skull's.");
     v.number(&P::min_brain_ventricles_gap_mm, "min_brain_ventricles_gap_mm", Range{0, 20},
              "Least distance from the ventricles' surface to the brain's.");
-    v.number(&P::max_near_mm2, "max_near_mm2", Range{0, 1e6},
-             "How much of a surface may be nearer than the least distance.");
+    v.number(
+        &P::max_near_mm2, "max_near_mm2", Range{0, 1e6},
+        "How much of a surface may be nearer than the least distance; in slices of more than 1.5 mm as much more as "
+        "they are thicker.");
     v.number(&P::max_outside_ml, "max_outside_ml", Range{0, 10000},
              "How much of an anatomy may lie where it must not: outside of the one that holds it, or in the bone.");
     v.number(&P::max_outside_skull_ml, "max_outside_skull_ml", Range{0, 10000},
@@ -75,6 +78,12 @@ class AnatomyError : public RefusalAbout {
   std::vector<AnatomyFault> faults_;
 };
 
+struct Clearance;
+/// Gives what `measure` gives, which depends on `what` and on the fields of these anatomies alone: for callers who may
+/// have measured it before.
+using MeasuredOnce = std::function<Clearance(const std::string& what, const std::vector<std::string>& anatomies,
+                                             const std::function<Clearance()>& measure)>;
+
 /// The consistency check of a head's anatomies: is each given anatomy where it can be? It checks that
 /// - the ventricles lie inside the brain; brain and ventricles lie apart from the bone and inside the cranial cavity,
 ///   which is found from the skull; the skull (without one, the brain) lies inside the skin; and the surfaces keep the
@@ -90,7 +99,8 @@ class AnatomyError : public RefusalAbout {
 /// cranial_cavity_ml, faults_count. An anatomy without a voxel is a fault. Throws Error 65 where rasters differ or a
 /// voxel is not finite; Cancelled.
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
-                                const AnatomyGateParams& params, Report& report, const Progress& progress = {});
+                                const AnatomyGateParams& params, Report& report, const Progress& progress = {},
+                                const MeasuredOnce& once = {});
 
 /// Throws AnatomyError where there are faults.
 void require_anatomy(const AnatomyFindings& findings);

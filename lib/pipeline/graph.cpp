@@ -105,8 +105,26 @@ void GraphBuilder::add_checks_of_scan(bool as_read) {
       return !step.type->find_port(p.first)->required || is_shown(p);
     });
     if (complete && std::count_if(step.ports.begin(), step.ports.end(), is_shown) >= step.type->min_inputs)
-      want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves);
+      add_early_check(want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves));
   }
+}
+
+// The same check of the inputs by which alone it may refuse, and of the scan, for a picture of what is wrong.
+void GraphBuilder::add_early_check(int check) {
+  const Node& whole = graph_.nodes[check];
+  const auto& by = whole.type->refuses_early_by;
+  Node early = node_of(*whole.type, whole.name, whole.params);
+  early.file_sha256 = whole.file_sha256;
+  early.is_early = true;
+  std::size_t found = 0;
+  for (const auto& [port, source] : whole.sources) {
+    const bool is_first = std::find(by.begin(), by.end(), port) != by.end();
+    if (is_first || whole.type->find_port(port)->kind == DataKind::volume) early.sources[port] = source;
+    found += is_first;
+  }
+  if (by.empty() || found < by.size() || early.sources.size() == whole.sources.size()) return;
+  for (const std::string& port : by) early.name += (&port == &by.front() ? "." : "_") + port;
+  want(add(std::move(early)), whole.type->serves);
 }
 
 // The checks that no recipe names are made where the case has what they need.

@@ -34,6 +34,7 @@ class GraphBuilder {
   void prepare(const config::RecipeStep& step);
   void add_checks_of_scan(bool as_read);
   void add_check_of_scene(const stages::StageType& type);
+  void add_early_check(int check);
   /// The case reads the node's data or report itself.
   int want(int node, const std::string& for_what = "");
   /// Adds the node; the first one connects its ports before.

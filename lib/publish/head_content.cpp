@@ -52,7 +52,7 @@ void add_figures(const pipeline::Graph& graph, const std::vector<pipeline::NodeR
                  cases::CaseManifest& manifest) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const stages::StageType& type = *graph.nodes[i].type;
-    if (!type.case_figures) continue;
+    if (!type.case_figures || graph.nodes[i].is_early) continue;
     const FiguresOf of = type.case_figures->empty() ? FiguresOf::patient
                          : type.is_check()          ? FiguresOf::checks
                                                     : FiguresOf::changes;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "consistency/anatomy_gate.h"
+#include "consistency/anatomy_gate_gap.h"
 #include "stages/scan_figures_of.h"
 #include "stages/stage.h"
 
@@ -8,12 +9,13 @@ namespace trephine::stages {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 5;
+  s.version = 6;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
   s.case_figures = "";
   s.min_inputs = 2;
+  s.refuses_early_by = {"skin", "skull"};  // a scan's field that cuts them, apparatus that is taken for them
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
       "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "
@@ -46,9 +48,13 @@ StageType anatomy_stage() {
     const head::HeadFields fields{in.get<grid::Field>("skin"), in.get<grid::Field>("skull"),
                                   in.get<grid::Field>("brain"), in.get<grid::Field>("ventricles"),
                                   volume ? &scan : nullptr};
-    const consistency::AnatomyFindings findings =
-        consistency::examine_anatomy(fields, in.get<head::HeadLandmarks>("landmarks"),
-                                     params.as<consistency::AnatomyGateParams>(), report, progress);
+    const consistency::AnatomyFindings findings = consistency::examine_anatomy(
+        fields, in.get<head::HeadLandmarks>("landmarks"), params.as<consistency::AnatomyGateParams>(), report, progress,
+        [&](const std::string& what, const std::vector<std::string>& of,
+            const std::function<consistency::Clearance()>& measure) {
+          return *in.once<consistency::Clearance>(
+              what, of, progress, [&] { return std::make_shared<const consistency::Clearance>(measure()); });
+        });
     try {
       consistency::require_anatomy(findings);
     } catch (consistency::AnatomyError& e) {

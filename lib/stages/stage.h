@@ -184,7 +184,10 @@ struct StageType {
   std::string serves;
   /// With this before their names, a case records the report's figures; nothing: it does not.
   std::optional<std::string> case_figures;
-  int min_inputs = 0;            ///< of a check: with fewer anatomies shown it is left out
+  int min_inputs = 0;  ///< of a check: with fewer anatomies shown it is left out
+  /// Of a check: the inputs by which alone it may refuse. A case is held against these first, before what its other
+  /// inputs are made of is made.
+  std::vector<std::string> refuses_early_by;
   bool examines = false;         ///< a check although it hands something on: what a person should look at, as labels
   bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing

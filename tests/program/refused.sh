@@ -24,10 +24,20 @@ refused 'set [0-9]+ for `max_near_mm2` of the stage `anatomy`' run "${strict[@]}
 kept=$library/a.refused
 [[ $(stat -c %a "$kept") == 700 ]] || fail "the folder is open to others: $(stat -c %a "$kept")"
 [[ ! -e $library/a ]] || fail "a refused run left a case"
-for picture in fault overview skin brain axial sagittal; do [[ -s $kept/$picture.png ]] || fail "no $picture.png"; done
+for picture in fault overview skin skull axial sagittal; do [[ -s $kept/$picture.png ]] || fail "no $picture.png"; done
+cmp -s "$kept/skin.png" "$kept/skull.png" && fail "one anatomy's picture is another's"
 [[ -z $(find "$kept" -type f ! -name '*.png' ! -name message.txt) ]] || fail "more than pictures: $(ls "$kept")"
 grep -q 'nearer than the 19 mm asked for' "$kept/message.txt" || fail "the message is not in message.txt"
 ! grep -q -e "$work" -e sample_dicom "$kept/message.txt" || fail "message.txt holds a path"
+
+# Skin and skull alone are at fault: no brain was made for that, and nothing of the others has its name.
+code=0
+"$TREPHINE" run "$work/small.yaml" --root "$SOURCE" --series sample_dicom --out "$library" --case early --no-use-cache --threads 1 \
+  "${coarse[@]}" "${strict[@]}" >"$work/early" 2>&1 || code=$?
+((code == 80)) || { cat "$work/early" >&2; fail "exit code $code instead of 80"; }
+! grep -Eq '^brain\.' "$work/early" || { cat "$work/early" >&2; fail "a brain was made for a fault of skin and skull"; }
+[[ -s $library/early.refused/skull.png && ! -e $library/early.refused/brain.png ]] || fail "pictures: $(ls "$library/early.refused")"
+rm -rf "$library/early.refused"
 
 # Again: the same words, and nothing is computed. The pictures of the run that made them stay.
 cp "$work/said" "$work/said_before"
@@ -44,7 +54,7 @@ stamp=$(tail -1 "$kept/message.txt")
 refused . run --set anatomy.min_skin_skull_gap_mm=18
 [[ $(tail -1 "$kept/message.txt") != "$stamp" ]] || fail "other values, the same stamp"
 refused . run "${strict[@]}"
-[[ $(tail -1 "$kept/message.txt") == "$stamp" && ! -e $kept/fault.png && -s $kept/brain.png ]] ||
+[[ $(tail -1 "$kept/message.txt") == "$stamp" && ! -e $kept/fault.png && -s $kept/skull.png ]] ||
   fail "pictures of another run stay: $(ls "$kept")"
 
 # No program takes it for a case.
@@ -78,7 +88,7 @@ print("scene: defaced_scene.yaml")
 print("landmarks:", json.dumps({"nasion": marks["nasion"], "tragus_left": [77, -2, 0], "tragus_right": [-75, -4, 0]}))
 PY
 refused 'max_near_mm2' "$TREPHINE" run "$work/defaced.yaml" --root "$SOURCE" --series sample_dicom --out "$library" --case b --quiet \
-  "${coarse[@]}" "${strict[@]}"
+  "${coarse[@]}" --set anatomy.min_skull_brain_gap_mm=19
 for picture in skin axial coronal sagittal fault landmarks; do
   [[ ! -e $library/b.refused/$picture.png ]] || fail "$picture.png may show a face"
 done
