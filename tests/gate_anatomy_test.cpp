@@ -160,6 +160,27 @@ TEST(AnatomyGate, SkullTouchesTheSkin) {
   expect_fault(head, {"of the skull lie outside of the skin"}, {83, 0, 0}, 50);
 }
 
+// In thick slices the vertex is a mixture of bone and scalp: there skin and skull may be near over more.
+TEST(AnatomyGate, ThickSlicesMayBringSurfacesNearOverMore) {
+  Report report;
+  consistency::AnatomyGateParams params;
+  params.min_skin_skull_gap_mm = 0.5;
+  const auto faults = [&](double slice_mm) {
+    Head head;
+    head.l = raster({1.4, 1.4, slice_mm}, 90);
+    head.skull_at = head.brain_at = {6.9, 0, 0};
+    head.make();
+    return consistency::examine_anatomy(head.fields(), nullptr, params, report).faults;
+  };
+  const auto thin = faults(1.4);
+  ASSERT_EQ(thin.size(), 1u);
+  ASSERT_FALSE(thin[0].places_to_accept_mm.empty());
+  const double near_mm2 = std::stod(thin[0].what.substr(thin[0].what.find("over ") + 5));
+  params.max_near_mm2 = near_mm2 / 2;
+  EXPECT_EQ(faults(1.4).size(), 1u);
+  EXPECT_TRUE(faults(6).empty());
+}
+
 TEST(AnatomyGate, BrainInTheBone) {
   Head head;
   head.brain_at = {0, 7, 0};

@@ -18,6 +18,8 @@ namespace {
 
 using mask::BitMask;
 
+constexpr double usual_slice_mm = 1.5;  ///< in thicker slices surfaces may be near to each other over more
+
 std::string fixed(double v, int digits) {
   const double scale = std::pow(10.0, digits);
   return to_text(std::round(v * scale) / scale + 0.0);
@@ -74,6 +76,9 @@ struct Gate {
                                     {name, other_name}, measure)
                              : measure();
     const bool inside = relation == Relation::inside;
+    // A slice mixes bone and scalp under the vertex, over the more of it the thicker it is.
+    const Vec3 spacing = one->spacing_mm;
+    const double slices = std::max(1.0, std::max({spacing.x, spacing.y, spacing.z}) / usual_slice_mm);
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
     if (c.wrong_ml > params.max_outside_ml) {
@@ -81,13 +86,13 @@ struct Gate {
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
           wrong_shape, {{"max_outside_ml", above(c.wrong_ml)}}, c.deepest_mm, name, other_name, c.places_mm);
-    } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
+    } else if (c.near_mm2 > slices * params.max_near_mm2 && c.gap_mm < gap_mm) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
           std::string(other_name) == "skin" ? wrong_or_cut_skin : wrong_shape,
-          {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name, c.places_mm);
+          {{"max_near_mm2", std::ceil(c.near_mm2 / slices) + 1}}, c.gap_at_mm, name, other_name, c.places_mm);
     }
   }
 
