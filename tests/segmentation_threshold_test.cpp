@@ -206,5 +206,40 @@ TEST(SegmentThreshold, SmoothingTakesNoiseAway) {
   EXPECT_LT(d.rms, 0.4);
 }
 
+// A kernel that enhances edges: the skin's rim is as bright as bone. What bone lies at the skin stays.
+TEST(SegmentThreshold, TheSkinsBrightRimIsNoBone) {
+  const auto skin_mm = [](Vec3 p) { return 34 - norm(p); };
+  const auto is_bone = [&](Vec3 p) {
+    const double deep = skin_mm(p);
+    return (deep > 6 && deep < 9) || (p.x > 0 && std::hypot(p.y, p.z) < 5 && deep > 0.5 && deep < 9);
+  };
+  const auto hu = [&](Vec3 p) {
+    return skin_mm(p) < 0 ? -1000.0 : is_bone(p) ? 1200.0 : skin_mm(p) < 1.2 ? 420.0 : 40.0;
+  };
+  const grid::Lattice l = lattice(104, 104, 74, {0.7, 0.7, 1.0});
+  const grid::HuVolume volume = rounded(sampled(l, hu));
+  grid::Field skin(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        skin.at(i, j, k) = float(skin_mm(l.to_world_mm({double(i), double(j), double(k)})) + 1e-4);
+  segmentation::SegmentParams p;
+  p.lower_hu = 226;
+  p.seed_lower_hu = 400;
+  Report report;
+  const grid::Field bone = segmentation::segment(volume, {&skin, nullptr}, p, report);
+  const auto inside = [&](Vec3 at) {
+    const Vec3 i = bone.to_index(at);
+    const int x = int(std::lround(i.x)), y = int(std::lround(i.y)), z = int(std::lround(i.z));
+    return bone.contains(x, y, z) && bone.at(x, y, z) > 0;
+  };
+  EXPECT_FALSE(inside({0, 33.4, 0}));
+  EXPECT_FALSE(inside({-33.4, 0, 0}));
+  EXPECT_TRUE(inside({0, 26.5, 0}));
+  EXPECT_TRUE(inside({32.8, 0, 0})) << "bone that reaches the skin";
+  ASSERT_TRUE(report.find("bright_rim_ml"));
+  ASSERT_EQ(report.warnings.size(), 1u);
+}
+
 }  // namespace
 }  // namespace trephine

@@ -92,6 +92,10 @@ struct SegmentMasks {
 /// moves far less. With coarse_mm the work is done on cells of whole voxels: the shape then contains that of the scan's
 /// own voxels, provided the shape is everything above lower_hu, and the field has steps of a cell.
 ///
+/// With hysteresis inside another anatomy (bone in the skin), what lies within 2 mm of that one's surface and not
+/// beside a deeper part of the material is left out where it is 2 ml or more (bright_rim_ml): a kernel that enhances
+/// edges makes the skin's rim as bright as bone.
+///
 /// The result has the same bits whatever the thread count, and the function is safe to call from several threads at a
 /// time. Throws Error 65 where a voxel is not finite, or a mask is on another raster; 64 where coarse_mm is set and a
 /// mask is given, or corners or thresholds are exchanged; 80, with the count of voxels, where the mask is empty, fills

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segmentation/threshold.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,6 +20,8 @@ constexpr double brightest_bone_hu =
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 100;
 constexpr double rejected_piece_ml = 1;  ///< of an opened mask: smaller pieces are thin parts of the kept one (ears)
+constexpr double rim_mm = 2;             ///< how deep below the surface of a body a kernel brightens its rim
+constexpr double min_rim_ml = 2;         ///< less may be thin bone at the surface
 constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
 constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
@@ -104,6 +108,22 @@ mask::BitMask opened_pieces(const mask::BitMask& mask, const SegmentParams& p, c
   return kept |= mask::placed(mine, l);
 }
 
+/// The rim of a body that a kernel which enhances edges makes as bright as bone: what lies within rim_mm of the surface
+/// and not beside something of the shape below that, as bone does. Empty where it is little.
+mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, Report& report,
+                         const Progress& progress) {
+  const mask::BitMask deep = mask::both(shape, mask::eroded(body, rim_mm, progress));
+  mask::BitMask rim = mask::without(shape, mask::grown_within(deep, shape, rim_mm, progress));
+  const double ml = double(rim.count()) * shape.lattice().voxel_volume_mm3() / 1000;
+  if (ml < min_rim_ml) return mask::BitMask(shape.lattice());
+  report.add("bright_rim_ml", ml);
+  report.warn(
+      fmt::format("{:.0f} ml within {:.0f} mm of the surface are as bright as bone and lie beside none, as where a "
+                  "kernel enhances edges: they were left out",
+                  ml, rim_mm));
+  return rim;
+}
+
 }  // namespace
 
 grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
@@ -128,7 +148,11 @@ grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
   };
 
   mask::BitMask shape = make([&](float v) { return window(v) > 0; });
-  if (masks.within) shape &= mask::positive(*masks.within, work);
+  if (masks.within) {
+    const mask::BitMask within = mask::positive(*masks.within, work);
+    shape &= within;
+    if (p.seed_lower_hu > p.lower_hu) shape.remove(bright_rim(shape, within, report, progress));
+  }
   if (masks.without) shape.remove(mask::positive(*masks.without, work));
   progress.report(0.2);
   if (p.seed_lower_hu > p.lower_hu) {

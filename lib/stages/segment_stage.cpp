@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType segment_stage() {
   StageType s;
   s.name = "segment";
-  s.version = 11;
+  s.version = 12;
   s.typical_s = 1.2;
   s.summary = "finds one anatomy in a CT volume by thresholds";
   s.description =
