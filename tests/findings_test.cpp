@@ -91,6 +91,9 @@ TEST(Findings, WhereThereIsContrastMediumBloodIsDoubtful) {
   });
   ASSERT_TRUE(s.report.find("contrast_ml"));
   EXPECT_GT(std::get<double>(*s.report.find("contrast_ml")), 0.65);
+  EXPECT_TRUE(std::any_of(s.report.warnings.begin(), s.report.warnings.end(), [](const std::string& w) {
+    return w.find("as bright as vessels with contrast medium") != std::string::npos;
+  }));
   ASSERT_FALSE(s.of(FindingKind::dense).empty());
   for (const Finding& f : s.of(FindingKind::dense)) EXPECT_LT(f.confidence, 0.5) << f.text;
 }
@@ -124,6 +127,16 @@ TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
     if (f.kind != FindingKind::metal) EXPECT_LT(f.confidence, findings::sure_confidence) << f.text;
   ASSERT_FALSE(s.report.warnings.empty());
   EXPECT_NE(s.report.warnings[0].find("cannot be measured"), std::string::npos) << s.report.warnings[0];
+  // Where the scan's noise is known to be far less than what bone stands out by, its gaps are seen all the same.
+  for (const double noise_hu : {45.0, 195.0}) {
+    findings::FindingShapes shapes{&s.skull, &s.brain, &s.ventricles, nullptr};
+    shapes.voxel_noise_hu = noise_hu;
+    Report report;
+    double surest = 0;
+    for (const Finding& f : findings::find_findings(s.volume, shapes, {}, report).list)
+      if (f.kind == FindingKind::bone_gap) surest = std::max(surest, f.confidence);
+    EXPECT_EQ(surest >= findings::sure_confidence, noise_hu < 90) << noise_hu;
+  }
 }
 
 TEST(Findings, ShiftAndWidthAreThoseOfTheFigures) {

@@ -15,7 +15,8 @@
 namespace trephine::findings {
 namespace {
 
-constexpr double of_parts = 0.42;  ///< most confidence of a shift that is measured in parts of the ventricles
+constexpr double max_bone_noise_hu = 90;  ///< of a voxel: half of what bone is denser by than tissue
+constexpr double of_parts = 0.42;         ///< most confidence of a shift that is measured in parts of the ventricles
 
 /// The shift and the width of the ventricles, as a case's figures have them.
 std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& p, const Progress& progress) {
@@ -162,13 +163,21 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   append(bone_gaps(in, volume, *shapes.skull, params));
   append(std::move(implants));
 
-  // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it.
+  // Noise that leaves no even tissue to measure it in: what is seen through it may be made of it. Bone stands out of
+  // noise that hides all tissue.
   if (!in.noise_known) {
-    report.warn("the noise of the brain's tissue cannot be measured: all but metal is doubtful");
+    const bool bone_is_seen = shapes.voxel_noise_hu > 0 && shapes.voxel_noise_hu < max_bone_noise_hu;
+    report.warn(std::string("the noise of the brain's tissue cannot be measured: all but metal") +
+                (bone_is_seen ? " and gaps of the bone" : "") + " is doubtful");
     for (Seen& s : all)
-      if (s.finding.kind != FindingKind::metal)
+      if (s.finding.kind != FindingKind::metal && !(bone_is_seen && s.finding.kind == FindingKind::bone_gap))
         s.finding.confidence = std::min(s.finding.confidence, 0.9 * sure_confidence);
   }
+  if (in.contrast_ml > vessels_ml)
+    report.warn(
+        fmt::format("{} inside the skull are as bright as vessels with contrast medium, whatever the scan's tags "
+                    "say: dense tissue and tubes are doubtful",
+                    ml_text(in.contrast_ml)));
 
   Findings out;
   grid::Mask labels(in.cells());

@@ -74,6 +74,7 @@ struct FindingShapes {
   const grid::Field* ventricles = nullptr;         ///< may be null
   const head::HeadLandmarks* landmarks = nullptr;  ///< may be null: then sides are those of the scan's axes
   const mask::BitMask* cavity = nullptr;  ///< the cranial cavity on the volume's raster; null: it is looked for
+  double voxel_noise_hu = 0;              ///< of the scan, as measure_scan has it; 0: not known
 };
 
 struct Findings {

@@ -3,13 +3,14 @@
 
 #include "base/error.h"
 #include "stages/cranial_cavity_of.h"
+#include "stages/scan_figures_of.h"
 
 namespace trephine::stages {
 
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 6;
+  s.version = 7;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.examines = true;
@@ -47,9 +48,10 @@ StageType findings_stage() {
     } catch (const Error& e) {  // an open skull encloses nothing
       if (e.code() != ExitCode::quality) throw;
     }
+    shapes.voxel_noise_hu = scan_figures_of(in, progress.part(0.1, 0.15)).noise_hu;
     return std::make_shared<const grid::LabelFile>(
         std::move(findings::find_findings(*in.get<grid::HuVolume>("volume"), shapes,
-                                          params.as<findings::FindingsParams>(), report, progress.part(0.1, 1))
+                                          params.as<findings::FindingsParams>(), report, progress.part(0.15, 1))
                       .labels));
   };
   return s;
