@@ -197,6 +197,18 @@ TEST(Findings, ABurrHoleIsSeenInThickSlices) {
   }
 }
 
+TEST(Findings, AShuntIsSeenInThickSlices) {
+  for (const double slice_mm : {2.0, 5.0}) {
+    phantom::HardParams hard;
+    hard.shunt = true;
+    const Scene s(hard, phantom::Variant::hydrocephalic, slice_mm, 3103);
+    const auto tubes = s.of(FindingKind::tube);
+    ASSERT_FALSE(tubes.empty()) << slice_mm;
+    EXPECT_GT(Scene::figure(tubes[0], "longest_mm"), 40) << slice_mm;
+    EXPECT_GE(tubes[0].confidence, findings::sure_confidence) << slice_mm;
+  }
+}
+
 TEST(Findings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
   const auto shift_with = [](bool in_pieces) {
     const Scene s({}, phantom::Variant::shifted);

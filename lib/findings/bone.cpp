@@ -21,7 +21,8 @@ constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
 constexpr double round_ratio = 0.6, most_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
-constexpr double suture_mm = 4;  ///< a gap of bone that is narrower is a suture or a thin place
+constexpr double few_slices = 4, many_slices = 9;  ///< that a tube is long
+constexpr double suture_mm = 4;                    ///< a gap of bone that is narrower is a suture or a thin place
 
 float hu_near(const mask::HuView& hu, Vec3 lps) {
   const Vec3 p = hu.lattice().to_index(lps);
@@ -157,7 +158,10 @@ std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const gr
     s.finding.kind = FindingKind::tube;
     s.finding.where = "in the brain";
     s.finding.position_mm = e.middle_mm;
-    s.finding.confidence = in.contrast_ml > vessels_ml ? 0.4 : in.place.sure ? 0.85 * mask::ramp(slice, 5, 1.5) : 0.45;
+    // A tube that goes on through many thick slices is none of their streaks.
+    const double slices =
+        std::max(mask::ramp(slice, 5, 1.5), mask::ramp(e.longest_mm() / slice, few_slices, many_slices));
+    s.finding.confidence = in.contrast_ml > vessels_ml ? 0.4 : in.place.sure ? 0.85 * slices : 0.45;
     s.finding.figures = {{"longest_mm", e.longest_mm()}, {"width_mm", thick}};
     s.finding.concerns = {"ventricles"};
     s.finding.text =
