@@ -388,9 +388,7 @@ class Executor {
 
 stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress) {
   inputs.file_sha256 = node.file_sha256;
-  if (!node.is_early) return node.type->run(node.params, inputs, report, progress);
-  Report of_the_whole_check;
-  return node.type->run(node.params, inputs, of_the_whole_check, progress);
+  return node.type->run(node.params, inputs, report, progress);
 }
 
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
