@@ -23,7 +23,7 @@ struct Node {
   stages::DataKind output = stages::DataKind::volume;
   bool may_be_missing = false;  ///< it belongs to an anatomy that may be missing, or has a stand-in
   bool wanted = false;          ///< the case itself reads its data or report
-  bool is_early = false;        ///< a check with its first inputs alone: it may refuse, and reports nothing
+  bool is_early = false;        ///< a check with its first inputs alone: what it reports the whole check does too
   std::string serves;           ///< what the case has of it, in words
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that
   /// runs somebody else's program, the absolute paths without their folders.

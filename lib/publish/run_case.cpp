@@ -120,7 +120,9 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
   for (const cases::CaseStandIn& s : made.without.stand_ins)
     all.push_back(s.anatomy + ": " + s.by + " stands for it: " + s.why);
   for (std::size_t i = 0; i < made.results.size(); ++i)
-    for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
+    for (const std::string& w :
+         made.graph.nodes[i].is_early ? std::vector<std::string>() : made.results[i].report.warnings)
+      all.push_back(made.graph.nodes[i].name + ": " + w);
   for (const std::string& w : all)  // EarlyWarnings has told the others
     if (!tells_at_once(w.substr(0, w.find(": ")))) log_warning(token + ": " + w);
   return all;
