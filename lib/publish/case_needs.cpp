@@ -86,4 +86,11 @@ MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size
   return need;
 }
 
+std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds) {
+  const double budget_s = trade.rule.seconds;
+  if (budget_s <= 0 || seconds <= budget_s) return {};
+  return {"took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
+          to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " + trade.front_names()};
+}
+
 }  // namespace trephine::publish

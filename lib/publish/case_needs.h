@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/report.h"
+#include "config/config.h"
 
 namespace trephine::publish {
 
@@ -25,6 +27,10 @@ std::string megabytes_text(double mb);
 /// Throws Error 73, which says both sizes and how to begin all the same, where less than `need_mb` is free on the disk
 /// of the folder. Where the system does not say what is free, nothing is refused.
 void require_disk(const std::filesystem::path& folder, double need_mb);
+
+/// The warning that a case took longer than the budget by which its point of a front was chosen; empty where it did
+/// not. A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
+std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds);
 
 /// A scan's raster as its report says it; zeros where that says nothing.
 struct ScanRaster {

@@ -119,10 +119,10 @@ std::vector<std::string> tell_warnings(const std::string& token, const std::vect
   for (const cases::CaseMissing& m : made.without.missing) all.push_back(m.anatomy + ": left out: " + m.why);
   for (const cases::CaseStandIn& s : made.without.stand_ins)
     all.push_back(s.anatomy + ": " + s.by + " stands for it: " + s.why);
-  for (std::size_t i = 0; i < made.results.size(); ++i)
-    for (const std::string& w :
-         made.graph.nodes[i].is_early ? std::vector<std::string>() : made.results[i].report.warnings)
-      all.push_back(made.graph.nodes[i].name + ": " + w);
+  for (std::size_t i = 0; i < made.results.size(); ++i) {
+    if (made.graph.nodes[i].is_early) continue;
+    for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
+  }
   for (const std::string& w : all)  // EarlyWarnings has told the others
     if (!tells_at_once(w.substr(0, w.find(": ")))) log_warning(token + ": " + w);
   return all;
@@ -135,14 +135,6 @@ std::map<std::string, double> seconds_of(const Made& made) {
     if (made.results[i].state == pipeline::NodeResult::State::computed)
       seconds[made.graph.nodes[i].name] = made.results[i].seconds;
   return seconds;
-}
-
-// A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
-std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds) {
-  const double budget_s = trade.rule.seconds;
-  if (budget_s <= 0 || seconds <= budget_s) return {};
-  return {"took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
-          to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " + trade.front_names()};
 }
 
 // Pictures and pages of an older state of the case could be mistaken for this one's.
