@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "texts/language.h"
+#include "texts/phrase.h"
 
 namespace trephine::window {
 
