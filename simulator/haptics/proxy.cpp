@@ -8,8 +8,7 @@ namespace trephine::haptics {
 namespace {
 
 constexpr int max_passes = 6;
-constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
-constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
+constexpr double motion_mm = 0.1;  // how far the proxy moves for an event
 
 bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
 
@@ -27,13 +26,12 @@ Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const Fo
     : contact_(contact),
       feels_(feels),
       force_(force),
-      shaft_(shaft),
       faces_(touchable_of(feels)),
       slew_(force),
+      shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
       tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
   if (!tool.round.empty()) round_.emplace(contact, tool.round, third_law());
-  if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;
@@ -50,12 +48,12 @@ void Proxy::latch(std::uint32_t fault) {
 
 void Proxy::reset() {
   state_ = {};
-  begun_ = sliding_ = false;
-  count_ = 0;
+  begun_ = false;
+  friction_.rest();
+  surfaces_.clear();
   ease_.reset();
   slew_.reset();
-  exit_mm_ = nearest_exit_mm;
-  next_exit_ = -1;
+  way_out_ = {};
 }
 
 const HapticState& Proxy::update(const HapticInput& given) {
@@ -95,7 +93,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   velocity_ += ((in.tip_mm - device_mm_) / in.dt_s - velocity_) * (in.dt_s / (in.dt_s + slowness));
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
-  since_slid_s_ += in.dt_s;
+  friction_.pass(in.dt_s);
   Vec3 pressed_mm = in.tip_mm;  // the point that the planes hold back
   if (body_) {
     follow_tool(in);
@@ -148,17 +146,17 @@ void Proxy::begin(const HapticInput& in) {
   state_.proxy_mm = device_mm_ = moved_from_mm_ = in.tip_mm;
   state_.inside = contact_.shape_at(in.tip_mm);
   velocity_ = {};
-  since_s_ = drawn_mm_ = 0;
-  std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
+  since_s_ = 0;
+  shaft_.begin();
   if (body_) return begin_tool(in);
   if (round_) return begin_round(in);
   const cases::CaseFace& front = feels_[std::size_t(state_.inside)].front;
   if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
-  double nearest = farthest_exit_mm;
+  double nearest = WayOut::farthest_mm;
   const contact::TouchableFaces ways_out{0, std::uint64_t{1} << state_.inside};
   const int inside = state_.inside;
-  for (int n = 0; n < exit_ways; ++n) {
-    const Vec3 way = exit_way(n);
+  for (int n = 0; n < WayOut::ways; ++n) {
+    const Vec3 way = WayOut::way(n);
     const contact::Contact c = contact_.cross(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
     if (!c.hit) continue;
     const Vec3 outside = c.point_mm + way * margin_mm_;
@@ -169,9 +167,7 @@ void Proxy::begin(const HapticInput& in) {
   }
 }
 
-Vec3 Proxy::exit_way(int n) { return normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)}); }
-
-Proxy::Held Proxy::held(const contact::Contact& c) const {
+HeldSurface Proxy::held(const contact::Contact& c) const {
   const ShapeFeel& shape = feels_[std::size_t(c.shape)];
   const bool front = c.face == contact::ContactFace::front;
   const cases::CaseFace& feel = front ? shape.front : shape.back;
@@ -197,8 +193,7 @@ void Proxy::approach(const contact::Contact& c) {
 }
 
 void Proxy::follow(Vec3 device) {
-  count_ = 0;
-  solved_ = false;
+  surfaces_.clear();
   Vec3 goal = device;
   for (int pass = 0; pass < max_passes; ++pass) {
     const contact::Contact c = contact_.intersect(state_.proxy_mm, goal, state_.inside, faces_);
@@ -209,7 +204,7 @@ void Proxy::follow(Vec3 device) {
     }
     if (!meet(c, device, goal, pass)) break;
   }
-  if (count_ == 0) sliding_ = false;
+  if (surfaces_.count() == 0) friction_.rest();
 }
 
 // Takes a contact in: pops through it, or adds its plane and sets the next goal. False where the proxy stays for this
@@ -217,11 +212,9 @@ void Proxy::follow(Vec3 device) {
 bool Proxy::meet(const contact::Contact& c, Vec3 device, Vec3& goal, int pass) {
   const Vec3 before = state_.proxy_mm;
   approach(c);
-  int at = count_;
-  for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
-  if (at == 3) return false;
-  const bool known = at < count_;
+  const int at = surfaces_.place_of(c.normal);
+  if (at == HeldSurfaces::max_count) return false;
+  const bool known = at < surfaces_.count();
   // A surface is rougher than its smooth normal says, and may bar the way along its own tangent plane. The proxy then
   // climbs over the roughness; where it cannot, it takes the exact normal.
   const bool barred = known && pass > 0;
@@ -232,27 +225,23 @@ bool Proxy::meet(const contact::Contact& c, Vec3 device, Vec3& goal, int pass) {
     if (exact == Vec3{}) return false;
     if (dot(exact, goal - before) < 0) normal = exact;
   }
-  planes_[at] = {c.point_mm + normal * margin_mm_, normal};
-  held_[at] = held(c);
-  count_ = std::max(count_, at + 1);
-  solved_ = nearest_before(planes_, count_, device, nearest_);
-  if (!solved_) return false;
+  surfaces_.set(at, {c.point_mm + normal * margin_mm_, normal}, held(c));
+  if (!surfaces_.solve(device)) return false;
 
-  const cases::CaseFace& feel = held_[at].feel;
-  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
+  const cases::CaseFace& feel = surfaces_.surface(at).feel;
+  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * surfaces_.pressure_mm(at) > feel.pop_through_n) {
     const Vec3 in = c.point_mm - c.normal * margin_mm_;
     const int inside = contact_.shape_at(in);
     if (inside != c.from) {
       state_.proxy_mm = in;
       state_.inside = inside;
       state_.events |= haptic_event::popped;
-      count_ = 0;
-      solved_ = false;
+      surfaces_.clear();
       goal = device;
       return true;
     }
   }
-  return slide(at, state_.proxy_mm, device, goal);
+  return friction_.slide(surfaces_, at, state_.proxy_mm, device, goal);
 }
 
 // Goes up by a step, along, and down towards the device; false where that is barred as well.
@@ -280,8 +269,7 @@ bool Proxy::step_over(const contact::Contact& c, Vec3 device, Vec3 goal) {
   } else {
     state_.proxy_mm = device;
     state_.inside = down.into;
-    count_ = 0;
-    solved_ = false;
+    surfaces_.clear();
   }
   return true;
 }
@@ -289,73 +277,25 @@ bool Proxy::step_over(const contact::Contact& c, Vec3 device, Vec3 goal) {
 // Surfaces beside the tool may bar its way although none of their planes holds the device back, as in a narrow hole.
 // Then the spring from the proxy to the device is felt, and not for a tick nothing.
 void Proxy::hold_corner(Vec3 device) {
-  if (count_ == 0 || !solved_ || !(norm(state_.proxy_mm - device) > 4 * margin_mm_)) return;
-  for (int n = 0; n < count_; ++n)
-    if (nearest_.pressure_mm[n] > 0) return;
-  solved_ = false;
+  if (surfaces_.count() == 0 || !surfaces_.solved() || !(norm(state_.proxy_mm - device) > 4 * margin_mm_)) return;
+  if (!surfaces_.any_presses()) surfaces_.leave_unsolved();
 }
 
-// Each plane's spring and damper along its normal, which never pull, and the spring along the way that friction held.
 Vec3 Proxy::surface_force(Vec3 device) {
-  const int named = state_.touched;
-  state_.touched = state_.face = state_.held_by = 0;
-  state_.normal = pressed_n_mm_ = {};
-  if (count_ == 0) return {};
-  if (!solved_) {  // a corner that three planes do not describe: the spring of its last plane alone
-    const Held& h = held_[count_ - 1];
-    state_.touched = h.shape;
-    state_.face = h.face;
-    state_.held_by = count_;
-    state_.normal = planes_[count_ - 1].normal;
-    const Vec3 force = (state_.proxy_mm - device) * h.feel.stiffness_n_per_mm;
-    pressed_n_mm_ = cross(h.arm_mm, force);
-    return force;
-  }
-  Vec3 force, arm;
-  double most = -1, pressure = 0, spring = 0;
-  for (int n = 0; n < count_; ++n) {
-    const cases::CaseFace& feel = held_[n].feel;
-    const double mm = nearest_.pressure_mm[n], push = feel.stiffness_n_per_mm * mm;
-    if (!(mm > 0)) continue;
-    ++state_.held_by;
-    pressure += mm;
-    spring += push;
-    const Vec3 back =
-        planes_[n].normal * std::max(0.0, push - feel.damping_n_s_per_mm * dot(velocity_, planes_[n].normal));
-    force += back;
-    pressed_n_mm_ += cross(held_[n].arm_mm, back);
-    arm += held_[n].arm_mm * mm;
-    // Of two that press alike the one that did so before is named, so that the name does not flicker.
-    const double counts = second_law() && held_[n].shape == named ? 1.25 * push : push;
-    if (counts > most) {
-      most = counts;
-      state_.touched = held_[n].shape;
-      state_.face = held_[n].face;
-      state_.normal = planes_[n].normal;
-    }
-  }
-  if (!(pressure > 0)) return force;
-  const Vec3 friction = (state_.proxy_mm - nearest_.point_mm) * (spring / pressure);
-  pressed_n_mm_ += cross(arm / pressure, friction);
-  return force + friction;
+  const HeldSurfaces::Felt felt =
+      surfaces_.felt(state_.proxy_mm, device, velocity_, second_law() ? state_.touched : -1);
+  state_.touched = felt.shape;
+  state_.face = felt.face;
+  state_.held_by = felt.count;
+  state_.normal = felt.normal;
+  pressed_n_mm_ = felt.torque_n_mm;
+  return felt.force_n;
 }
 
-// Drag on the tip, and Coulomb friction along the shaft: a spring that slips at its limit.
+// Drag on the tip, and what the tissue holds of the shaft.
 Vec3 Proxy::inside_force(const HapticInput& in) {
-  Vec3 force = velocity_ * -feels_[std::size_t(state_.inside)].drag_n_s_per_mm;
-  if (!(shaft_.shaft_length_mm > 0)) return force;
-  const double spacing = shaft_.shaft_length_mm / max_samples;
-  for (int n = 0; n < 8; ++n) {
-    next_sample_ = (next_sample_ + 1) % max_samples;
-    const Vec3 at = state_.proxy_mm + state_.axis * (spacing * (next_sample_ + 0.5));
-    sample_shape_[next_sample_] = std::uint8_t(contact_.shape_at(at));
-  }
-  double limit = 0;
-  for (const std::uint8_t s : sample_shape_) limit += feels_[s].shaft_friction_n_per_mm * spacing;
-  drawn_mm_ += dot(velocity_, state_.axis) * in.dt_s;
-  const double most = limit / shaft_n_per_mm;
-  drawn_mm_ = std::clamp(drawn_mm_, -most, most);
-  return force - state_.axis * (shaft_n_per_mm * drawn_mm_);
+  const Vec3 drag = velocity_ * -feels_[std::size_t(state_.inside)].drag_n_s_per_mm;
+  return drag - shaft_.force_n(contact_, feels_, state_.proxy_mm, state_.axis, velocity_, in.dt_s);
 }
 
 void Proxy::note_events(const HapticState& before) {

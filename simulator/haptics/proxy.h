@@ -10,10 +10,13 @@
 #include "haptics/feel.h"
 #include "haptics/force_ease.h"
 #include "haptics/force_slew.h"
-#include "haptics/grain.h"
+#include "haptics/held_surfaces.h"
 #include "haptics/round_body.h"
+#include "haptics/shaft_friction.h"
+#include "haptics/sliding_friction.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
+#include "haptics/way_out.h"
 
 namespace trephine::haptics {
 
@@ -119,20 +122,12 @@ class Proxy {
   const ToolBody* tool_body() const { return body_ ? &*body_ : nullptr; }
 
  private:
-  struct Held {
-    int shape, face, into;
-    cases::CaseFace feel;
-    Grain grain;
-    Vec3 arm_mm;  // from the tip to where it presses
-  };
   void begin(const HapticInput& in);
   void follow(Vec3 device_mm);
   bool meet(const contact::Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
   static Vec3 straight_under(Vec3 from_mm, Vec3 normal, Vec3 device_mm);
   bool step_over(const contact::Contact& c, Vec3 device_mm, Vec3 goal_mm);
   void approach(const contact::Contact& c);
-  bool slides(const cases::CaseFace& feel, double length, double depth);
-  bool slide(int plane, Vec3 from_mm, Vec3 device_mm, Vec3& goal_mm);
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
@@ -152,9 +147,7 @@ class Proxy {
   void follow_tool(const HapticInput& in);
   bool meet_tool(const ToolBody::Meeting& m, Vec3 device_mm, Vec3& goal_mm, Mat3& aim, int pass);
   int find_walls(const ToolBody::Meeting& m, Wall* walls) const;
-  bool knows(Vec3 normal) const;
   Plane tip_plane(int point, Vec3 normal) const;
-  int put_plane(const Plane& plane, const contact::Contact& contact);
   void approach_tool(const ToolBody::Meeting& m);
   bool step_over_tool(Vec3 normal, bool straight, Vec3 device_mm, Vec3 goal_mm);
   void pop_into(const contact::Contact& contact);
@@ -185,43 +178,29 @@ class Proxy {
   void turn_round(Vec3 axis);
   RoundBody::Touch move_round(Vec3 goal_mm);
   RoundBody::Touch close_to(Vec3 next_mm, RoundBody::Touch touch);
-  Held held_of(const RoundBody::Touch& touch) const;
+  HeldSurface held_of(const RoundBody::Touch& touch) const;
   bool meet_round(const RoundBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
 
-  static constexpr double same_surface =
-      0.8;  // cosine between normals of one curved surface, not of two that meet in an edge
   static constexpr double max_turn_rad = 0.5;  // of a tool of many points, in a frame
-  static constexpr double nearest_exit_mm = 0.1, farthest_exit_mm = 60;
-  static constexpr int exit_ways =
-      27;                       // directions out of bone in which the tool starts: to a cube's faces, edges and corners
-  static Vec3 exit_way(int n);  // unit; zero for the one in the middle
-  Held held(const contact::Contact& contact) const;
+  HeldSurface held(const contact::Contact& contact) const;
 
   const contact::ContactVolume& contact_;
   Feels feels_;
   ForceParams force_;
-  ShaftParams shaft_;
   contact::TouchableFaces faces_;
   double margin_mm_, step_mm_;
   bool stepped_;  // the walk
 
   HapticState state_;
-  bool begun_ = false, sliding_ = false, solved_ = false;
+  bool begun_ = false;
   ForceEase ease_;
   ForceSlew slew_;
   double stiffest_n_per_mm_ = 0;
-  double since_s_ = 0, since_slid_s_ = 0;
+  double since_s_ = 0;
   Vec3 device_mm_, velocity_, moved_from_mm_;
-  Plane planes_[3];
-  Held held_[3];
-  int count_ = 0;
-  Nearest nearest_;
-  // The shaft: the shape in which each of its samples is (a few are looked up in each frame), and how far it was drawn
-  // along its axis since it last slipped.
-  static constexpr int max_samples = 64;
-  std::uint8_t sample_shape_[max_samples] = {};
-  int next_sample_ = 0;
-  double drawn_mm_ = 0;
+  HeldSurfaces surfaces_;
+  SlidingFriction friction_;
+  ShaftFriction shaft_;
   Vec3 pressed_n_mm_;  // torque of the surfaces of this frame
 
   Tool tool_;
@@ -230,18 +209,17 @@ class Proxy {
   Vec3 centre_mm_;  // its
   contact::TouchableFaces open_{0, 0},
       crossed_{0, 0};  // faces that were popped through, and those of them found along the axis in this round
-  double exit_mm_ = nearest_exit_mm;  // the distance and direction to be examined next; -1: along the axis
-  int next_exit_ = -1;
+  WayOut way_out_;
   int slice_ = 0;  // the slice of the axis to be examined next
   Vec3 lock_normal_;
   double lock_dot_ = 0;
-  Held line_held_{};                    // the wall of the lock
+  HeldSurface line_held_;               // the wall of the lock
   int locked_for_ = 0, drawn_for_ = 0;  // frames
   int loosened_ = 0;                    // places that were tried, to work it loose
   struct Collided {                     // in this frame
     int point;
     Vec3 at_mm, normal;
-    Held held;
+    HeldSurface held;
   };
   Collided from_tip_, from_tail_;
   bool any_collided_ = false;

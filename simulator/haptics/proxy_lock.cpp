@@ -179,9 +179,7 @@ void Proxy::follow_line(Vec3 device) {
   note_drawn(device - b.tip_mm());
   const Vec3 back = b.tip_mm() - device;
   if (!(norm(back) > 4 * margin_mm_)) return;
-  planes_[0] = {b.tip_mm(), normalized(back)};
-  held_[0] = line_held_;
-  count_ = 1;
+  surfaces_.set(0, {b.tip_mm(), normalized(back)}, line_held_);
 }
 
 // Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether the turn, or of a line

@@ -40,17 +40,14 @@ void Proxy::begin_round(const HapticInput& in) {
   begun_ = round_is_free(at, in.axis);
   // A few places are tried in each frame, each time a little further away.
   const int looks = std::clamp(int(max_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
-  for (int n = 0; !begun_ && exit_mm_ < farthest_exit_mm && n < looks; ++n) {
-    const Vec3 way = next_exit_ < 0 ? in.axis : exit_way(next_exit_);
-    at = centre + way * exit_mm_;
+  for (int n = 0; !begun_ && !way_out_.exhausted() && n < looks; ++n) {
+    const Vec3 way = way_out_.next_mm(in.axis);
+    at = centre + way;
     begun_ = way != Vec3{} && round_is_free(at, in.axis);
-    if (++next_exit_ < exit_ways) continue;
-    next_exit_ = -1;
-    exit_mm_ *= 1.25;
   }
   if (!begun_) {
     at = centre;
-    begun_ = !(exit_mm_ < farthest_exit_mm);
+    begun_ = way_out_.exhausted();
   }
   centre_mm_ = at;
   state_.axis = in.axis;
@@ -131,8 +128,7 @@ void Proxy::follow_round(const HapticInput& in) {
   else
     turn_round(in.axis);
   const Vec3 device = in.tip_mm + state_.axis * round_->centre_mm();
-  count_ = 0;
-  solved_ = false;
+  surfaces_.clear();
   Vec3 goal = device;
   for (int pass = 0; pass < max_passes && !(pass > 1 && (fourth_law() && !draws_out() && round_->busy(1))); ++pass) {
     const RoundBody::Touch touch = move_round(goal);
@@ -142,15 +138,15 @@ void Proxy::follow_round(const HapticInput& in) {
     if (draws_out()) slide_out_round(device);
     note_drawn(in.tip_mm + state_.axis * round_->centre_mm() - centre_mm_);
   }
-  if (count_ == 0) sliding_ = false;
+  if (surfaces_.count() == 0) friction_.rest();
 }
 
 // Where two shapes are touched at once, as the floor of a hole that is thin in places and what lies behind it, both are
 // felt, by how deep the tool is in either. The one that was named before stays named as long as it has two fifths.
-Proxy::Held Proxy::held_of(const RoundBody::Touch& touch) const {
-  Held is = held(touch.contact);
+HeldSurface Proxy::held_of(const RoundBody::Touch& touch) const {
+  HeldSurface is = held(touch.contact);
   if (!touch.beside.hit || !(touch.beside_share > 0)) return is;
-  const Held other = held(touch.beside);
+  const HeldSurface other = held(touch.beside);
   const auto mixed = [&](double cases::CaseFace::*value) {
     is.feel.*value += (other.feel.*value - is.feel.*value) * touch.beside_share;
   };
@@ -171,21 +167,17 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const contact::Contact& c = touch.contact;
   const bool alone = round_->is_ball();
   Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
-  int at = count_;
-  for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
-  if (at == 3) return false;
+  const int at = surfaces_.place_of(c.normal);
+  if (at == HeldSurfaces::max_count) return false;
   // Where two places of a rod touch one surface, the plane of the one that reaches further counts.
-  if (at < count_ && !alone && dot(plane.normal, planes_[at].point_mm - plane.point_mm) > 0)
-    plane.point_mm = planes_[at].point_mm;
-  planes_[at] = plane;
-  held_[at] = held_of(touch);
-  held_[at].arm_mm = state_.axis * (round_->centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
-  count_ = std::max(count_, at + 1);
-  solved_ = nearest_before(planes_, count_, device, nearest_);
-  if (!solved_) return false;
-  const cases::CaseFace& feel = held_[at].feel;
-  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
+  if (at < surfaces_.count() && !alone && dot(plane.normal, surfaces_.plane(at).point_mm - plane.point_mm) > 0)
+    plane.point_mm = surfaces_.plane(at).point_mm;
+  HeldSurface surface = held_of(touch);
+  surface.arm_mm = state_.axis * (round_->centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
+  surfaces_.set(at, plane, surface);
+  if (!surfaces_.solve(device)) return false;
+  const cases::CaseFace& feel = surface.feel;
+  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * surfaces_.pressure_mm(at) > feel.pop_through_n) {
     // Both faces open, because halfway through, the tool lies on both sides of the surface. A shape that nothing enters
     // stays closed, even where the soft tissue that was popped through lies against it.
     for (const int shape : {c.into, c.from}) {
@@ -195,15 +187,14 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
       open_.back |= bit(shape);
     }
     state_.events |= haptic_event::popped;
-    count_ = 0;
-    solved_ = false;
+    surfaces_.clear();
     goal = device;
     return true;
   }
   // The tool may stand up to a step away from the plane: it moves up to the plane first.
-  const double off = dot(planes_[at].normal, centre_mm_ - planes_[at].point_mm);
+  const double off = dot(plane.normal, centre_mm_ - plane.point_mm);
   if (off < 0 || off > 2 * margin_mm_) {
-    const Vec3 to = centre_mm_ - planes_[at].normal * off;
+    const Vec3 to = centre_mm_ - plane.normal * off;
     const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
     const RoundBody::Touch there = through.hit || (alone && off < 0)
                                        ? RoundBody::Touch{}
@@ -213,7 +204,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
       state_.inside = through.into;
     }
   }
-  return slide(at, centre_mm_, device, goal);
+  return friction_.slide(surfaces_, at, centre_mm_, device, goal);
 }
 
 }  // namespace trephine::haptics

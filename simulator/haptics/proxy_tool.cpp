@@ -29,14 +29,11 @@ void Proxy::begin_tool(const HapticInput& in) {
   const Mat3 frame = in.axis == Vec3{} ? frame_along({0, 0, 1}) : frame_of(in.axis, in.across);
   const std::uint64_t until = body_->looked_at() + max_looks;
   bool free = body_->place(in.tip_mm, frame, solid);
-  while (!free && exit_mm_ < farthest_exit_mm && body_->looked_at() < until) {
-    const Vec3 way = next_exit_ < 0 ? frame.column[2] : exit_way(next_exit_);
-    if (way != Vec3{}) free = body_->place(in.tip_mm + way * exit_mm_, frame, solid);
-    if (++next_exit_ < exit_ways) continue;
-    next_exit_ = -1;
-    exit_mm_ *= 1.25;
+  while (!free && !way_out_.exhausted() && body_->looked_at() < until) {
+    const Vec3 way = way_out_.next_mm(frame.column[2]);
+    if (way != Vec3{}) free = body_->place(in.tip_mm + way, frame, solid);
   }
-  begun_ = free || !(exit_mm_ < farthest_exit_mm);
+  begun_ = free || way_out_.exhausted();
   if (!free) body_->place(in.tip_mm, frame);  // where there is no way out, the points inside stay inside
   state_.proxy_mm = moved_from_mm_ = body_->tip_mm();
   state_.axis = frame.column[2];
@@ -48,8 +45,8 @@ contact::TouchableFaces Proxy::closed_faces() const { return {faces_.front & ~op
 void Proxy::follow_tool(const HapticInput& in) {
   ToolBody& b = *body_;
   b.begin_frame();
-  count_ = 0;
-  solved_ = any_collided_ = false;
+  surfaces_.clear();
+  any_collided_ = false;
   const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;
   open_behind();
   try_unlock(normalized(axis), in.tip_mm);
@@ -71,7 +68,7 @@ void Proxy::follow_tool(const HapticInput& in) {
   state_.axis = b.frame().column[2];
   state_.inside = b.shape(0);
   note_drawn(in.tip_mm - b.tip_mm());
-  if (count_ == 0) sliding_ = false;
+  if (surfaces_.count() == 0) friction_.rest();
 }
 
 Plane Proxy::tip_plane(int point, Vec3 normal) const {
@@ -104,30 +101,6 @@ int Proxy::find_walls(const ToolBody::Meeting& m, Wall* walls) const {
   return 1;
 }
 
-bool Proxy::knows(Vec3 normal) const {
-  for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, normal) > same_surface) return true;
-  return false;
-}
-
-// Puts the plane among the three, in place of one that does not press; -1 where all three press.
-int Proxy::put_plane(const Plane& plane, const contact::Contact& contact) {
-  int at = count_ < 3 ? count_ : -1;
-  for (int n = 0; n < count_ && count_ == 3; ++n)
-    if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
-  Plane put = plane;
-  for (int n = 0; n < count_; ++n)
-    if (dot(planes_[n].normal, plane.normal) > same_surface) {
-      at = n;
-      if (dot(plane.normal, planes_[n].point_mm - plane.point_mm) > 0) put.point_mm = planes_[n].point_mm;
-    }
-  if (at < 0) return -1;
-  planes_[at] = put;
-  held_[at] = held(contact);
-  count_ = std::max(count_, at + 1);
-  return at;
-}
-
 void Proxy::approach_tool(const ToolBody::Meeting& m) {
   const double length = norm(body_->way(m.nearest)), reach = m.along * length;
   if (reach > 4 * margin_mm_) body_->advance((reach - margin_mm_) / length, closed_faces());
@@ -136,8 +109,7 @@ void Proxy::approach_tool(const ToolBody::Meeting& m) {
 void Proxy::hold_turn(Vec3 device, Vec3& goal, Mat3& aim) {
   aim = body_->frame();
   goal = device;
-  count_ = 0;
-  solved_ = false;
+  surfaces_.clear();
 }
 
 // As meet(), for a tool of many points. False where the tool stays where it is for this frame.
@@ -147,10 +119,10 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   const Vec3 turn = aim.column[2] - b.frame().column[2];
   Wall walls[2];
   const int walls_met = find_walls(m, walls);
-  bool barred = pass > 0 && walls_met == 1 && knows(walls[0].plane.normal);
+  bool barred = pass > 0 && walls_met == 1 && surfaces_.knows(walls[0].plane.normal);
   if (barred && walls[0].point != m.nearest) {
     walls[0] = {tip_plane(m.nearest, contact_.normal_of(b.met(m.nearest), b.way(m.nearest))), m.nearest};
-    barred = knows(walls[0].plane.normal);
+    barred = surfaces_.knows(walls[0].plane.normal);
   }
   const bool lock = should_lock(m, turn);
   const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point),
@@ -169,17 +141,17 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   }
   int put[2] = {-1, -1};
   for (int n = 0; n < walls_met; ++n)
-    if ((put[n] = put_plane(walls[n].plane, contacts[n])) >= 0) held_[put[n]].arm_mm = arms[n];
-  solved_ = put[0] >= 0 && nearest_before(planes_, count_, device, nearest_);
-  if (!solved_ || (turning && pass + 1 == turning_passes)) {
+    if ((put[n] = surfaces_.put(walls[n].plane, held(contacts[n]))) >= 0) surfaces_.move_arm(put[n], arms[n]);
+  if (put[0] < 0) surfaces_.leave_unsolved();
+  if (put[0] < 0 || !surfaces_.solve(device) || (turning && pass + 1 == turning_passes)) {
     if (!turning) return false;
     hold_turn(device, goal, aim);
     return true;
   }
   for (int n = 0; n < walls_met; ++n) {
     if (put[n] < 0) continue;
-    const cases::CaseFace& feel = held_[put[n]].feel;
-    if (!(feel.pop_through_n > 0) || feel.stiffness_n_per_mm * nearest_.pressure_mm[put[n]] <= feel.pop_through_n)
+    const cases::CaseFace& feel = surfaces_.surface(put[n]).feel;
+    if (!(feel.pop_through_n > 0) || feel.stiffness_n_per_mm * surfaces_.pressure_mm(put[n]) <= feel.pop_through_n)
       continue;
     pop_into(contacts[n]);
     goal = device;
@@ -188,9 +160,9 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   // Friction acts along the walls. For a turn, the tip may first have to give way.
   Nearest here;
   Vec3 from = b.tip_mm();
-  const bool gives = nearest_before(planes_, count_, from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
+  const bool gives = surfaces_.nearest_to(from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
   if (gives) from = here.point_mm;
-  if (slide(put[0], from, device, goal)) return true;
+  if (friction_.slide(surfaces_, put[0], from, device, goal)) return true;
   goal = from;
   return gives || turning;
 }
@@ -203,8 +175,7 @@ void Proxy::pop_into(const contact::Contact& c) {
   crossed_.back |= bit(c.from);
   slice_ = 0;
   state_.events |= haptic_event::popped;
-  count_ = 0;
-  solved_ = false;
+  surfaces_.clear();
 }
 
 // Goes up by a step, along, and down towards the device, as step_over() does.
@@ -232,8 +203,7 @@ bool Proxy::step_over_tool(Vec3 normal, bool straight, Vec3 device, Vec3 goal) {
   } else {
     b.arrive();
     if (!barred) {
-      count_ = 0;
-      solved_ = false;
+      surfaces_.clear();
     }
   }
   return !barred;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Friction on the way of a proxy along surfaces.
-#include "haptics/proxy.h"
+#include "haptics/sliding_friction.h"
 
 namespace trephine::haptics {
 namespace {
@@ -13,7 +12,7 @@ constexpr double rested_s = 0.05;    // without motion, until static friction ho
 // Whether the proxy moves along a surface: `length` is the way that is left, and the device is `depth` behind the
 // surface. A proxy that slides goes on sliding: on an uneven surface the way may be a little shorter than the dynamic
 // cone for a tick, which does not bring the static limit back. Only a device that turns back or rests does.
-bool Proxy::slides(const cases::CaseFace& feel, double length, double depth) {
+bool SlidingFriction::slides(const cases::CaseFace& feel, double length, double depth) {
   const double limit = feel.dynamic_friction_ratio * depth;
   if (!sliding_) {
     sliding_ = length > feel.static_friction_ratio * depth;
@@ -28,23 +27,20 @@ bool Proxy::slides(const cases::CaseFace& feel, double length, double depth) {
   return false;
 }
 
-// Friction on the way from there to the point that is nearest to the device, on the surface of that plane. False where
-// it holds all of it; else the goal is the way's end, short by what friction holds back.
-bool Proxy::slide(int plane, Vec3 from, Vec3 device, Vec3& goal) {
-  const Held& held = held_[plane];
-  const Vec3 way = nearest_.point_mm - from;
-  const double depth = norm(nearest_.point_mm - device), ratio = held.feel.dynamic_friction_ratio;
+bool SlidingFriction::slide(const HeldSurfaces& surfaces, int plane, Vec3 from, Vec3 device, Vec3& goal) {
+  const HeldSurface& held = surfaces.surface(plane);
+  const Vec3 way = surfaces.nearest_mm() - from;
+  const double depth = norm(surfaces.nearest_mm() - device), ratio = held.feel.dynamic_friction_ratio;
   if (!held.grain.any()) {
     const double length = norm(way);
     if (!slides(held.feel, length, depth)) return false;
     goal = from + way * (1 - ratio * depth / length);
     return true;
   }
-  bool alone = true;  // beside other planes the way goes along an edge
-  for (int n = 0; n < count_; ++n) alone = alone && (n == plane || !(nearest_.pressure_mm[n] > 0));
-  const Vec3 normal = alone ? planes_[plane].normal : Vec3{};
+  // Beside other planes the way goes along an edge.
+  const Vec3 normal = surfaces.presses_alone(plane) ? surfaces.plane(plane).normal : Vec3{};
   if (!slides(held.feel, held.grain.length_mm(way, normal), depth)) return false;
-  goal = nearest_.point_mm - held.grain.held_back_mm(way, normal, ratio * depth);
+  goal = surfaces.nearest_mm() - held.grain.held_back_mm(way, normal, ratio * depth);
   return true;
 }
 
