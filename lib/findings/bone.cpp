@@ -14,13 +14,13 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int rays = 16000;
-constexpr double least_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
+constexpr double min_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
 constexpr double step_mm = 0.5, reach_mm = 45;
 constexpr float skin_hu = -400;
 constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
-constexpr double round_ratio = 0.6, most_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
+constexpr double round_ratio = 0.6, max_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
 constexpr double few_slices = 4, many_slices = 9;  ///< that a tube is long
 constexpr double suture_mm = 4;                    ///< a gap of bone that is narrower is a suture or a thin place
 
@@ -76,7 +76,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
     const Vec3 way{r * std::cos(turn), r * std::sin(turn), z};
     const Vec3 about = middle + way * 70;
-    if (in.place.sure ? in.place.to_template(about).z < least_up_mm + 20 : z < 0.35) continue;
+    if (in.place.sure ? in.place.to_template(about).z < min_up_mm + 20 : z < 0.35) continue;
     const Met met = along(in, hu, bone, middle, way);
     if (met.is != Ray::gap) continue;
     const double out = norm(met.at_mm - middle);
@@ -115,7 +115,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     // A small one that is as wide as it is long, and wider than a slice, is a hole that was made: thin places and
     // sutures are long.
     if (e.sigma_mm[1] > round_ratio * e.sigma_mm[0])
-      sure = std::max(sure, most_of_hole * mask::ramp(cm2, 0.5 * min_cm2, 1.2 * min_cm2) *
+      sure = std::max(sure, max_of_hole * mask::ramp(cm2, 0.5 * min_cm2, 1.2 * min_cm2) *
                                 mask::ramp(width_mm / slice, hole_doubtful, hole_sure));
     s.finding.confidence = sure * (in.place.sure ? 1 : 0.5);
     s.finding.figures = {{"area_cm2", cm2}, {"longest_mm", 3.46 * e.sigma_mm[0]}, {"width_mm", width_mm}};

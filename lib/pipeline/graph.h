@@ -32,6 +32,9 @@ struct Node {
   std::string parameters_text() const;
 };
 
+/// The node that imports the case's series, or the further scan of that name; its parameters are set under that name.
+std::string import_name(const std::string& scan = "");
+
 /// The nodes that the scene needs and no others, sources before their readers. Node 0 is the import, which is a stage
 /// like any other. Where the scene's policy takes the face away, this is done to the scan before any anatomy is made of
 /// it; nodes that still see the face are named "original....".

@@ -17,9 +17,17 @@ Node node_of(const stages::StageType& type, const std::string& name, AnyParams p
   return node;
 }
 
+static std::string name_of(const stages::StageType& type, const std::string& of) {
+  return of.empty() ? type.name_in_case() : of + "." + type.name_in_case();
+}
+
 Node node_with(const AnyParams& params, const std::string& of) {
   const stages::StageType& type = stages::stage_with(*params.set);
-  return node_of(type, of.empty() ? type.name_in_case() : of + "." + type.name_in_case(), params);
+  return node_of(type, name_of(type, of), params);
+}
+
+std::string import_name(const std::string& scan) {
+  return name_of(stages::stage_with(parameters_of<stages::ImportStageParams>()), scan);
 }
 
 Node import_node(const dicom::SeriesChoice& series, const std::string& hash, const std::string& scan) {

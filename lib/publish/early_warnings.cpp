@@ -29,7 +29,7 @@ void EarlyWarnings::finished(const std::string& node, const std::string& how, do
   if (tells_at_once(node))
     for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
   observer_.finished(node, how, seconds, report);
-  if (node == importing()) scan_is_read_(report);
+  if (node == pipeline::import_name()) scan_is_read_(report);
 }
 
 }  // namespace trephine::publish

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "stages/import.h"
-#include "stages/stage.h"
 
 namespace trephine::publish {
 namespace {
@@ -32,15 +30,10 @@ std::string with_settings(const Error& e, const std::string& import) {
 
 bool is_importing(const std::string& node) {
   const std::size_t dot = node.rfind('.');
-  return node == importing(dot == std::string::npos ? "" : node.substr(0, dot));
+  return node == pipeline::import_name(dot == std::string::npos ? "" : node.substr(0, dot));
 }
 
 }  // namespace
-
-std::string importing(const std::string& scan) {
-  const std::string& stage = stages::stage_with(parameters_of<stages::ImportStageParams>()).name_in_case();
-  return scan.empty() ? stage : scan + "." + stage;
-}
 
 Error in_settings(const Error& error) {
   const std::string node = error.field().substr(0, error.field().find(": "));
@@ -52,12 +45,12 @@ Error in_settings(const Error& error) {
 
 pipeline::Graph SeriesHashes::graph_of(const config::CaseConfig& config) {
   return pipeline::make_graph(config, input(config), [&](const std::string& name, const dicom::SeriesChoice& scan) {
-    return hash(importing(name), scan);
+    return hash(pipeline::import_name(name), scan);
   });
 }
 
 const std::string& SeriesHashes::input(const config::CaseConfig& config) {
-  return hash(importing(), {config.series, config.import});
+  return hash(pipeline::import_name(), {config.series, config.import});
 }
 
 const std::string& SeriesHashes::hash(const std::string& import, const dicom::SeriesChoice& series) {

@@ -9,9 +9,6 @@
 
 namespace trephine::publish {
 
-/// The node that imports a further scan, or (empty) the CT; its parameters are set under the same name.
-std::string importing(const std::string& scan = "");
-
 /// An import's error with the flags of `trephine import` that it names as the settings that `run` takes: `--gaps
 /// interpolate` is `--set import.gaps=interpolate`. The import's node is the first name in the error's field; the error
 /// of another node is returned as it is.
