@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CPU time of a haptic tick of every tool in holes of 3, 5 and 8 mm, voxels of 0.4 mm: pushed in, moved and turned
 // about at random against the walls, drawn out. The clock's own reading is taken off.
-//   bench_tool_ticks [SESSIONS]     (of each tool in each hole, of about 500 ticks; 20 by default)
+//   bench_tool_ticks [SESSIONS [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default, all tools)
 // Each session is run three times, and the shortest time of a tick counts: equal inputs give equal work, and what else
 // the machine does only adds to it.
 #include <time.h>
@@ -107,6 +107,7 @@ int main(int count, char** words) {
       "| tool | points | hole, mm | ticks | p50 | p99 | p99.9 | most, us |\n|---|---|---|---|---|---|---|---|\n");
   for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     if (!(kind.length_mm > 0) || kind.from_file) continue;
+    if (count > 2 && std::find(words + 2, words + count, std::string(kind.name)) == words + count) continue;
     for (const double hole_mm : {3.0, 5.0, 8.0}) {
       const Times t = times_of(kind.name, hole_mm, sessions);
       const std::size_t points =

@@ -65,17 +65,11 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
     const double left = reach_mm * reach_mm * (1 + 1e-9) + 1e-9 - y * y - z * z;
     return left < 0 ? -1 : std::sqrt(left) * per_x;
   };
-  // The square of the distance from the line.
-  const auto far_from_line = [&](Vec3 world) {
-    Vec3 d = world - from_mm;
-    if (way_squared > 0) d = d - way * std::clamp(dot(d, way) / way_squared, 0.0, 1.0);
-    return dot(d, d);
-  };
   // The samples of a block's voxels lie within a ball about its middle.
   const double block_mm = 0.5 * side * norm(v.spacing_mm), block_reach_mm = (reach_mm + block_mm) * (1 + 1e-9);
   const auto block_is_near = [&](int bi, int bj, int bk) {
     const Vec3 middle = v.to_world_mm({(bi + 0.5) * side, (bj + 0.5) * side, (bk + 0.5) * side});
-    return far_from_line(middle) <= block_reach_mm * block_reach_mm;
+    return squared_from_line(middle, from_mm, to_mm) <= block_reach_mm * block_reach_mm;
   };
   const auto [low_k, high_k] = voxels_of(2, {0, 1});
   for (int bk = low_k >> KnownBlocks::block_bits; bk <= high_k >> KnownBlocks::block_bits; ++bk) {
@@ -124,7 +118,7 @@ int samples_near(const FeltLattice& felt, Vec3 from_mm, Vec3 to_mm, double reach
                 Vec3 p{double(i), double(j), double(k)};
                 p[a] += hu ? 0.5 : crossing_of(here, next[a]);
                 const Vec3 world = v.to_world_mm(p);
-                if (far_from_line(world) > reach_mm * reach_mm || count == most) continue;
+                if (squared_from_line(world, from_mm, to_mm) > reach_mm * reach_mm || count == most) continue;
                 out[count++] = {world, {}, std::uint8_t(shape), std::uint8_t(other)};
               }
             }

@@ -5,15 +5,22 @@
 #include <cmath>
 #include <cstring>
 
+#include "contact/contact_samples.h"
+
 namespace trephine::haptics {
 namespace {
 
-constexpr int frames_known = 16;     // after which it looks again, for another thread may have cut
-constexpr double together = 0.05;    // of a voxel: contacts of a rod that touch as deep as the deepest
-constexpr double beside = 0.25;      // of a voxel: how much less deep another shape may be and still be felt
-constexpr double faces_alike = 0.8;  // cosine between the normals of two shapes that are felt together
-constexpr double no_edge = 0.94;     // cosine: discs that face the way of the touch, as those of a smooth surface do
-constexpr double same_side = 0.95;   // cosine between their normals
+constexpr int frames_known = 16;      // after which it looks again, for another thread may have cut
+constexpr double together = 0.05;     // of a voxel: contacts of a rod that touch as deep as the deepest
+constexpr double beside = 0.25;       // of a voxel: how much less deep another shape may be and still be felt
+constexpr double faces_alike = 0.8;   // cosine between the normals of two shapes that are felt together
+constexpr double no_edge = 0.94;      // cosine: discs that face the way of the touch, as those of a smooth surface do
+constexpr double same_side = 0.95;    // cosine between their normals
+constexpr double certain = 1e-9;      // mm: far beyond rounding
+constexpr double rounding_mm = 0.01;  // the same of floats
+constexpr double most_samples = 200000;
+constexpr std::size_t most_wide = 50000;  // where there are more, each look is taken from the voxels
+constexpr double wider = 6;  // of the way after which a look is taken again: how much further a wide one reaches
 
 // A disc in space, and the nearest of its points to another.
 struct Disc {
@@ -66,11 +73,18 @@ RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPar
     smallest_radius_mm_ = std::min(smallest_radius_mm_, p.radius_mm);
     largest_radius_mm_ = std::max(largest_radius_mm_, p.radius_mm);
   }
-  double voxels = 3;
-  for (int a = 0; a < 3; ++a)
-    voxels *= (2 * (largest_radius_mm_ + disc_mm_ + margin_mm_) + (a == 0 ? 2 * length_mm_ : 0)) / s[a] + 4;
-  samples_.resize(std::size_t(std::clamp(voxels, 64.0, 200000.0)));
-  near_.resize(samples_.size());
+  reach_mm_ = largest_radius_mm_ + disc_mm_ + margin_mm_;
+  wider_mm_ = wider * margin_mm_;
+  const auto room_for = [&](double reach) {
+    double voxels = 3;
+    for (int a = 0; a < 3; ++a) voxels *= (2 * reach + (a == 0 ? 2 * length_mm_ : 0)) / s[a] + 4;
+    return std::size_t(std::clamp(voxels, 64.0, most_samples));
+  };
+  samples_.resize(room_for(reach_mm_));
+  wide_.resize(std::min(most_wide, room_for(reach_mm_ + wider_mm_)));
+  near_.resize(samples_.at.size());
+  within_.resize(samples_.at.size());
+  squares_.resize(std::max(samples_.at.size(), wide_.at.size()));
   normals_.resize(known_normals);
 }
 
@@ -78,21 +92,95 @@ void RoundBody::begin_frame() {
   calls_ = 0;
   spent_ = 0;
   const std::uint32_t now = contact_.loosened();
-  if (now != seen_ || ++frames_ >= frames_known) known_ = false;
-  if (!known_) frames_ = 0;
-  if (!known_ && now != 0) ++since_;  // nothing can have changed before the first loosening
+  if (now != seen_ || ++frames_ >= frames_known) samples_.known = false;
+  if (!samples_.known) frames_ = 0;
+  if (!samples_.known && now != 0) {  // nothing can have changed before the first loosening
+    ++since_;
+    wide_.known = false;
+    looks_ = 0;
+  }
   seen_ = now;
+}
+
+void RoundBody::Samples::resize(std::size_t size) {
+  at.resize(size);
+  for (std::vector<float>& p : place) p.resize(size);
+}
+
+void RoundBody::Samples::found(int number, Vec3 from, Vec3 end) {
+  count = number;
+  from_mm = from;
+  end_mm = end;
+  known = true;
+  for (std::size_t n = 0; n < std::size_t(count); ++n)
+    for (int a = 0; a < 3; ++a) place[a][n] = float(at[n].point_mm[a] - from[a]);
+}
+
+bool RoundBody::Samples::around(Vec3 from, Vec3 end, double reach_mm) const {
+  return known && norm(from - from_mm) <= reach_mm && norm(end - end_mm) <= reach_mm;
+}
+
+void RoundBody::Samples::squares_from_line(Vec3 from, Vec3 axis, double begin, double end, float* out) const {
+  const Vec3 moved = from - from_mm;
+  const float cx = float(moved.x), cy = float(moved.y), cz = float(moved.z);
+  const float ax = float(axis.x), ay = float(axis.y), az = float(axis.z), low = float(begin), high = float(end);
+  const float *const px = place[0].data(), *const py = place[1].data(), *const pz = place[2].data();
+  for (int n = 0; n < count; ++n) {
+    float x = px[n] - cx, y = py[n] - cy, z = pz[n] - cz;
+    float along = x * ax + y * ay + z * az;
+    along = along < low ? low : along;
+    along = along > high ? high : along;
+    x -= along * ax;
+    y -= along * ay;
+    z -= along * az;
+    out[n] = x * x + y * y + z * z;
+  }
 }
 
 void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
   const Vec3 end = centre_mm + axis * length_mm_;
-  if (known_ && norm(centre_mm - looked_mm_) <= margin_mm_ && norm(end - looked_end_mm_) <= margin_mm_) return;
-  count_ = contact_.samples_near(centre_mm, end, largest_radius_mm_ + disc_mm_ + margin_mm_, samples_.data(),
-                                 int(samples_.size()));
-  spent_ += std::min(spent_by_look, 7 * count_);  // in air it is soon done
-  looked_mm_ = centre_mm;
-  looked_end_mm_ = end;
-  known_ = true;
+  if (samples_.around(centre_mm, end, margin_mm_)) return;
+  // Where voxels change in each frame, a wide look would serve only once.
+  if (looks_++ == 0 || !look_in_wide(centre_mm, end))
+    samples_.found(contact_.samples_near(centre_mm, end, reach_mm_, samples_.at.data(), int(samples_.at.size())),
+                   centre_mm, end);
+  spent_ += std::min(spent_by_look, 7 * samples_.count);  // in air it is soon done
+}
+
+// Takes from the wide look, in the same order, what samples_near() would find; false where that holds too much.
+bool RoundBody::look_in_wide(Vec3 centre_mm, Vec3 end_mm) {
+  const int most = int(wide_.at.size());
+  if (!wide_.around(centre_mm, end_mm, wider_mm_ * (1 - 1e-6)))
+    wide_.found(contact_.samples_near(centre_mm, end_mm, reach_mm_ + wider_mm_, wide_.at.data(), most), centre_mm,
+                end_mm);
+  if (wide_.count == most) return false;
+  const Vec3 axis = length_mm_ > 0 ? (end_mm - centre_mm) / length_mm_ : Vec3{};
+  wide_.squares_from_line(centre_mm, axis, 0, length_mm_, squares_.data());
+  const double reach_squared = reach_mm_ * reach_mm_;
+  const auto square = [](double x) { return float(x * x); };
+  const float surely = square(reach_mm_ - rounding_mm), maybe = square(reach_mm_ + rounding_mm);
+  int count = 0;
+  for (std::size_t n = 0; n < std::size_t(wide_.count); ++n) {
+    if (squares_[n] > maybe) continue;
+    const contact::SurfaceSample& s = wide_.at[n];
+    if (squares_[n] > surely && contact::squared_from_line(s.point_mm, centre_mm, end_mm) > reach_squared) continue;
+    if (count == int(samples_.at.size())) break;
+    samples_.at[std::size_t(count++)] = s;
+  }
+  samples_.found(count, centre_mm, end_mm);
+  return true;
+}
+
+// Which samples are so near to a part that their discs may touch it; some more, because floats round.
+void RoundBody::find_within(Vec3 centre_mm, Vec3 axis) {
+  for (std::size_t m = 0; m < parts_.size(); ++m) {
+    samples_.squares_from_line(centre_mm, axis, parts_[m].from_mm, parts_[m].to_mm, squares_.data());
+    const double far = parts_[m].radius_mm + disc_mm_ + rounding_mm;
+    const float far_squared = float(far * far);
+    const int others = m > 0 ? 1 : 0;
+    for (std::size_t n = 0; n < std::size_t(samples_.count); ++n)
+      within_[n] = char((within_[n] & others) | int(squares_[n] <= far_squared));
+  }
 }
 
 // The normals of places that were asked for since the volume was last seen to change are kept, for looking anew finds
@@ -116,12 +204,14 @@ Vec3 RoundBody::normal_of(const contact::SurfaceSample& s) {
 RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
   look(centre_mm, axis);
   ++calls_;
-  spent_ += count_;
+  spent_ += samples_.count;
+  find_within(centre_mm, axis);
+  near_count_ = 0;
   Touch t;
   const bool alone = is_ball();
-  for (int n = 0; n < count_; ++n) {
-    contact::SurfaceSample& s = samples_[std::size_t(n)];
-    near_[std::size_t(n)].depth_mm = -1;
+  for (int n = 0; n < samples_.count; ++n) {
+    if (within_[std::size_t(n)] == 0) continue;
+    contact::SurfaceSample& s = samples_.at[std::size_t(n)];
     for (const RoundPart& p : parts_) {
       const bool rod = p.to_mm > p.from_mm;
       double at = rod ? std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm) : p.from_mm;
@@ -134,6 +224,12 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
         s.normal = normal_of(s);
         if (s.normal == Vec3{}) s.normal = normalized(r);
       }
+      // No place of the line that is near enough to the disc's middle is near enough to its plane. (Less deep places
+      // than these are of no use below.)
+      const double useless = std::max(0.0, t.depth_mm - (both_ ? beside : together) * 2 * margin_mm_);
+      const double off = std::abs(dot(r, s.normal)) - (p.radius_mm - useless) - certain, lean = dot(axis, s.normal);
+      const double widest = p.radius_mm + disc_mm_ + certain;
+      if (off > 0 && (!rod || lean * lean * (widest * widest - dot(r, r)) <= off * off)) continue;
       const Disc disc{s.point_mm, s.normal, disc_mm_};
       if (rod) {
         at = nearest_on_line(disc, centre_mm, axis, p.from_mm, p.to_mm);
@@ -149,9 +245,12 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       const double distance = norm(d), depth = p.radius_mm - distance;
       if (!(depth > 0)) continue;
       const Vec3 normal = distance > 1e-9 ? d / distance : above >= 0 ? s.normal : -s.normal;
-      Near& near = near_[std::size_t(n)];
-      if (depth > near.depth_mm)
-        near = {depth, at, normal, above >= 0 ? s.normal : -s.normal, std::uint8_t(from), std::uint8_t(into), front};
+      if (near_count_ == 0 || near_[std::size_t(near_count_ - 1)].sample != n) {
+        near_[std::size_t(near_count_++)] = {
+            n, depth, at, normal, above >= 0 ? s.normal : -s.normal, std::uint8_t(from), std::uint8_t(into), front};
+      } else if (Near& near = near_[std::size_t(near_count_ - 1)]; depth > near.depth_mm) {
+        near = {n, depth, at, normal, above >= 0 ? s.normal : -s.normal, std::uint8_t(from), std::uint8_t(into), front};
+      }
       if (!(depth > t.depth_mm)) continue;
       t.hit = t.contact.hit = true;
       t.depth_mm = depth;
@@ -172,7 +271,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
   if (!t.hit || alone) return t;
   // A rod that lies on a surface presses between the first and the last place where it touches.
   double first = t.along_mm, last = t.along_mm;
-  for (int n = 0; n < count_; ++n) {
+  for (int n = 0; n < near_count_; ++n) {
     const Near& near = near_[std::size_t(n)];
     if (near.depth_mm < t.depth_mm - together * 2 * margin_mm_ || near.depth_mm <= 0) continue;
     if (dot(near.normal, t.contact.normal) < same_side) continue;
@@ -190,7 +289,7 @@ void RoundBody::smooth_normal(Touch& t) const {
   const double room = beside * 2 * margin_mm_;
   Vec3 sum;
   int count = 0;
-  for (int n = 0; n < count_; ++n) {
+  for (int n = 0; n < near_count_; ++n) {
     const Near& near = near_[std::size_t(n)];
     const double weight = near.depth_mm > 0 ? 1 - (t.depth_mm - near.depth_mm) / room : 0;
     if (!(weight > 0) || std::abs(near.along_mm - t.along_mm) > 4 * margin_mm_) continue;
@@ -207,7 +306,7 @@ void RoundBody::smooth_normal(Touch& t) const {
 void RoundBody::find_beside(Touch& t) const {
   const double room = beside * 2 * margin_mm_;
   double deepest = std::max(0.0, t.depth_mm - room);
-  for (int n = 0; n < count_; ++n) {
+  for (int n = 0; n < near_count_; ++n) {
     const Near& near = near_[std::size_t(n)];
     const int shape = near.front ? near.into : near.from;
     if (!(near.depth_mm > deepest) || shape == t.contact.shape || dot(near.normal, t.contact.normal) < faces_alike)
@@ -226,8 +325,8 @@ void RoundBody::find_beside(Touch& t) const {
 
 bool RoundBody::reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes) {
   look(centre_mm, axis);
-  for (int n = 0; n < count_; ++n) {
-    const contact::SurfaceSample& s = samples_[std::size_t(n)];
+  for (int n = 0; n < samples_.count; ++n) {
+    const contact::SurfaceSample& s = samples_.at[std::size_t(n)];
     if (((shapes >> s.low | shapes >> s.high) & 1) == 0) continue;
     for (const RoundPart& p : parts_) {
       const double at = std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm);
