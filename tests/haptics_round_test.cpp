@@ -69,6 +69,44 @@ TEST(HapticsRound, RoundABallAndInABowl) {
   }
 }
 
+// A body that moved and turned remembers what it saw about its last places; one that begins there sees the same.
+TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
+  const auto level = [](Vec3 p) { return 9 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); };
+  voxel::HapticVolume v = empty(64, {0.5, 0.5, 0.5});
+  fill_wide(v, 1, level);
+  const contact::ContactVolume contact(v);
+  const contact::TouchableFaces faces{2, 2};
+  std::mt19937_64 rng(7);
+  for (const char* tool : {"rod", "round_burr", "matchstick"}) {
+    const std::vector<haptics::RoundPart> parts = haptics::make_tool(params_of(tool, 3)).round;
+    ASSERT_FALSE(parts.empty()) << tool;
+    haptics::RoundBody moved(contact, parts, true);
+    Vec3 at{0, 0, 9}, axis{0, 0, 1};
+    int hits = 0;
+    for (int n = 0; n < 1500; ++n) {
+      // Small steps about the wall, and now and then a leap, as where a session begins anew.
+      const Vec3 step{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)};
+      at = n % 100 == 99 ? unit_vector(rng) * 9.5 : at + step * 0.1;
+      if (norm(at) < 8.5 || norm(at) > 11) at = normalized(at) * 9.5;
+      axis = normalized(axis + Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)} * 0.05);
+      moved.begin_frame();
+      haptics::RoundBody fresh(contact, parts, true);
+      fresh.begin_frame();
+      const int inside = contact.shape_at(at);
+      const haptics::RoundBody::Touch a = moved.deepest(at, axis, inside, faces),
+                                      b = fresh.deepest(at, axis, inside, faces);
+      ASSERT_EQ(a.hit, b.hit) << tool << ", step " << n;
+      if (!a.hit) continue;
+      ++hits;
+      ASSERT_EQ(a.depth_mm, b.depth_mm) << tool << ", step " << n;
+      ASSERT_EQ(a.along_mm, b.along_mm) << tool << ", step " << n;
+      ASSERT_EQ(a.contact.point_mm, b.contact.point_mm) << tool << ", step " << n;
+      ASSERT_EQ(a.contact.normal, b.contact.normal) << tool << ", step " << n;
+    }
+    EXPECT_GT(hits, 200) << tool;
+  }
+}
+
 // Random strokes of any speed against bumpy walls: the ball is never in bone by more than its discs are rough.
 TEST(HapticsRound, GoesThroughNothing) {
   const auto level = [](Vec3 p) { return 10 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); };
