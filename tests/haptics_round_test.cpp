@@ -83,10 +83,10 @@ TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
     haptics::RoundBody moved(contact, parts, true);
     Vec3 at{0, 0, 9}, axis{0, 0, 1};
     int hits = 0;
-    for (int n = 0; n < 1500; ++n) {
+    for (int n = 0; n < 400; ++n) {
       // Small steps about the wall, and now and then a leap, as where a session begins anew.
       const Vec3 step{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)};
-      at = n % 100 == 99 ? unit_vector(rng) * 9.5 : at + step * 0.1;
+      at = n % 40 == 39 ? unit_vector(rng) * 9.5 : at + step * 0.1;
       if (norm(at) < 8.5 || norm(at) > 11) at = normalized(at) * 9.5;
       axis = normalized(axis + Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)} * 0.05);
       moved.begin_frame();
@@ -103,7 +103,7 @@ TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
       ASSERT_EQ(a.contact.point_mm, b.contact.point_mm) << tool << ", step " << n;
       ASSERT_EQ(a.contact.normal, b.contact.normal) << tool << ", step " << n;
     }
-    EXPECT_GT(hits, 200) << tool;
+    EXPECT_GT(hits, 50) << tool;
   }
 }
 

@@ -229,7 +229,14 @@ TEST(HapticsSlew, APitThatWasLeftIsNoBreachElsewhere) {
     }
     return sums;
   };
+  // Out to look, back to the pit's bottom, and through.
+  const std::vector<Move> second_go = {
+      {{-4, 0, 4}, 100, up}, {{-4, 0, 0.4}, 100, up}, {{-4, 0, -4}, 700, down}, {{-4, 0, 4}, 100, up}};
   bool breached = false;
+  for (const Ends ends : {Ends::outside, Ends::running}) {
+    EXPECT_EQ(told(ends, {&pit, &second_go}, breached), (std::vector<int>{0, 1}));
+    EXPECT_TRUE(breached);
+  }
   EXPECT_EQ(told(Ends::outside, {&pit, &beside}, breached), (std::vector<int>{0, 0}));
   EXPECT_FALSE(breached);
   EXPECT_EQ(told(Ends::running, {&pit, &beside}, breached), (std::vector<int>{0, 1}));

@@ -33,6 +33,17 @@ void each_briefing(const std::function<void(const lessons::LessonType&, const le
 
 bool translated(const std::string& english) { return lessons::lesson_words(Language::german, english) != english; }
 
+TEST(LessonsGuide, ToolsAreNamedForAReader) {
+  const auto german = [](const char* name) { return lessons::tool_title(Language::german, name); };
+  EXPECT_EQ(german("burr_3"), "Bohrer 3 mm");
+  EXPECT_EQ(german("burr_diamond_5"), "Diamantbohrer 5 mm");
+  EXPECT_EQ(german("screw_5.5x40"), "Schraube 5.5 x 40 mm");
+  EXPECT_EQ(german("catheter"), "Katheter");
+  EXPECT_EQ(lessons::tool_title(Language::english, "burr_diamond_5"), "burr diamond 5 mm");
+  for (const char* name : {"some_tool", "x", "a_", "_", "a_x", "tool_3x", ""})
+    EXPECT_EQ(lessons::tool_title(Language::english, name), name);
+}
+
 }  // namespace
 
 TEST(LessonsGuide, EveryLessonHasATitleInBothLanguages) {

@@ -269,6 +269,8 @@ class Reader {
     try {
       trade.choice = choose(points_of_all(on_one_machine(fronts)), asked);
       trade.calibration_s = fronts[0].calibration_s;
+      for (const TradeFront& front : fronts)
+        if (!(front.calibration_s > 0)) trade.calibration_s = 0;
     } catch (const Error& e) {
       return r_.faults.add(
           Error(e.code(), files.size() == 1 ? files[0].string() : r_.file.string(), e.field(), e.what()));

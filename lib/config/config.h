@@ -81,7 +81,7 @@ struct CaseTrade {
   std::string front_names() const;            ///< "head.json", or "a.json, b.json"
   std::vector<std::string> stale;             ///< a line for each front that belongs to another recipe and was not used
   TradeChoice choice;
-  double calibration_s = 0;  ///< of the machine whose seconds the chosen point tells; 0: not known
+  double calibration_s = 0;  ///< of the machine whose seconds the chosen point tells; 0: not known of every front
 };
 
 /// A case as its files and --set describe it. Every parameter has its effective value.

@@ -76,9 +76,12 @@ struct Gate {
                                     {name, other_name}, measure)
                              : measure();
     const bool inside = relation == Relation::inside;
-    // A slice mixes bone and scalp under the vertex, over the more of it the thicker it is.
+    // A slice mixes bone and scalp under the vertex, over the more of it the thicker it is. Other pairs do not lie so
+    // flat against each other.
     const Vec3 spacing = one->spacing_mm;
-    const double slices = std::max(1.0, std::max({spacing.x, spacing.y, spacing.z}) / usual_slice_mm);
+    const double slices = std::string(other_name) != "skin"
+                              ? 1
+                              : std::max(1.0, std::max({spacing.x, spacing.y, spacing.z}) / usual_slice_mm);
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
     if (c.wrong_ml > params.max_outside_ml) {

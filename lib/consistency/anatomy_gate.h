@@ -29,10 +29,10 @@ struct AnatomyGateParams : head::HeadClassParams {
              "Least distance from the brain's surface to the skull's.");
     v.number(&P::min_brain_ventricles_gap_mm, "min_brain_ventricles_gap_mm", Range{0, 20},
              "Least distance from the ventricles' surface to the brain's.");
-    v.number(
-        &P::max_near_mm2, "max_near_mm2", Range{0, 1e6},
-        "How much of a surface may be nearer than the least distance; in slices of more than 1.5 mm as much more as "
-        "they are thicker.");
+    v.number(&P::max_near_mm2, "max_near_mm2", Range{0, 1e6},
+             "How much of a surface may be nearer than the least distance; of skull and skin times slice/1.5 in slices "
+             "thicker "
+             "than 1.5 mm.");
     v.number(&P::max_outside_ml, "max_outside_ml", Range{0, 10000},
              "How much of an anatomy may lie where it must not: outside of the one that holds it, or in the bone.");
     v.number(&P::max_outside_skull_ml, "max_outside_skull_ml", Range{0, 10000},

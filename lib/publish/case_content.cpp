@@ -106,8 +106,11 @@ class Builder {
     m.program_version = program_version;
     m.input_sha256 = input_sha256;
     // Only the stages by which the case was made: parameters that the scene does not need change no byte.
-    for (const pipeline::Node& node : graph_.nodes)
+    // A check that is made early is made again with the whole case, by parameters of its own.
+    for (const pipeline::Node& node : graph_.nodes) {
+      if (node.is_early) continue;
       for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
+    }
     for (const auto& [name, node] : graph_.scans) {
       const config::CaseScan& scan = *config_.find_scan(name);
       m.parameters.emplace_back("scans." + name + ".modality",
@@ -116,7 +119,8 @@ class Builder {
         m.parameters.emplace_back("scans." + name + ".same_patient_reason", ParameterValue(scan.same_patient_reason));
     }
     for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
-      for (const std::string& name : graph_.nodes[i].type->provenance)
+      for (const std::string& name :
+           graph_.nodes[i].is_early ? std::vector<std::string>() : graph_.nodes[i].type->provenance)
         if (const ParameterValue* value = results_[i].report.find(name))
           m.parameters.emplace_back(graph_.nodes[i].name + "." + name, *value);
   }

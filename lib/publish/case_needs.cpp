@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/calibration.h"
 #include "base/error.h"
 #include "base/memory_budget.h"
 #include "base/text.h"
@@ -91,6 +92,15 @@ std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds)
   if (budget_s <= 0 || seconds <= budget_s) return {};
   return {"took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
           to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " + trade.front_names()};
+}
+
+std::string seconds_expected(const config::CaseTrade& trade) {
+  if (trade.rule.empty() || !(trade.calibration_s > 0)) return "";
+  const double slower = calibration_seconds() / trade.calibration_s;
+  return "this machine takes " + to_text(ParameterValue(std::round(100 * slower) / 100)) +
+         " times as long as that of " + trade.front_names() + ": expect about " +
+         std::to_string(std::lround(trade.choice.point.seconds * slower)) +
+         " s for a scan of the size that was measured there";
 }
 
 }  // namespace trephine::publish

@@ -32,6 +32,11 @@ void require_disk(const std::filesystem::path& folder, double need_mb);
 /// not. A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
 std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds);
 
+/// What a case takes here by a point of a front that a rule chose: the point's seconds, as much longer as this machine
+/// is slower than the one that measured it (calibration_seconds(), a fifth of a second). Empty without a rule, and
+/// where the front does not say how fast its machine was.
+std::string seconds_expected(const config::CaseTrade& trade);
+
 /// A scan's raster as its report says it; zeros where that says nothing.
 struct ScanRaster {
   std::array<double, 3> voxels_count{}, spacing_mm{};

@@ -7,7 +7,6 @@
 #include <map>
 #include <random>
 
-#include "base/calibration.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -199,16 +198,9 @@ config::CaseConfig read_config(const RunRequest& request) {
 
 void tell_choice(const config::CaseConfig& config) {
   for (const std::string& why : config.trade.stale) log_warning(config.case_token + ": " + why);
-  if (config.trade.rule.empty()) return;
-  const config::TradePoint& point = config.trade.choice.point;
-  log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + point.name + " of " +
-           config.trade.front_names() + ", " + config.trade.choice.why);
-  if (config.trade.calibration_s <= 0) return;
-  const double slower = calibration_seconds() / config.trade.calibration_s;
-  log_line(config.case_token + ": a small work takes " + to_text(std::round(slower * 100) / 100) +
-           " times what it took on the machine that was measured: expect at most about " +
-           std::to_string(std::lround(point.seconds * slower)) +
-           " s for a scan of such a size, less with cached stages");
+  if (!config.trade.rule.empty())
+    log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
+             " of " + config.trade.front_names() + ", " + config.trade.choice.why);
 }
 
 }  // namespace
@@ -347,6 +339,9 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
         log_warning(token + ": " + memory.text + ": " + memory.remedy);
       else if (!memory.text.empty())
         observer.estimated(memory.text);
+      // A case that is there already may be up to date, and looking at the machine would take longer than the run.
+      if (std::error_code ignored; !fs::exists(folder / "case.json", ignored))
+        if (const std::string seconds = seconds_expected(config.trade); !seconds.empty()) observer.estimated(seconds);
       const CaseNeeds needs = case_needs(raster.count(), anatomies, config.ct.has_value(), request.params.page);
       if (!request.params.check_disk) return;
       const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;

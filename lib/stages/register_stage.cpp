@@ -13,7 +13,7 @@ namespace trephine::stages {
 StageType register_stage() {
   StageType s;
   s.name = "register";
-  s.version = 4;
+  s.version = 5;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
   s.typical_s = 12;
   s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",

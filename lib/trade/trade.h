@@ -90,7 +90,7 @@ struct TradeResult {
   std::vector<PointTrade> points;  ///< as planned
   std::string recipe_sha256;       ///< of the recipe that was measured
   std::vector<std::string> stale;  ///< a line for each front of the configuration that belongs to another recipe
-  double calibration_s = 0;        ///< calibration_seconds() of this machine, after the sweep
+  double calibration_s = 0;        ///< calibration_seconds() of the machine that measured last, after it did
   bool has_truth = false;
   int measured_count = 0;  ///< stages, files and comparisons that were not known yet
   /// The points that may be chosen: neither refused nor beyond the scene's limits.

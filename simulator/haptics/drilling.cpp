@@ -279,20 +279,19 @@ bool Drilling::was_bone(Vec3 at) const {
 
 // A breach is a way through bone from its outside that a drill made: at least min_depth_mm deep, and on it as much bone
 // was removed as such a hole of half the cutter's width holds. So a tool that passes through its own hole again
-// breaches nothing. A way that the tool leaves with its pedal up ends there: what comes next is another one.
+// breaches nothing. A way that the tool leaves with its pedal up ends there, and begins anew where it comes back, so a
+// hole that is drilled in two goes is one breach.
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   came_through_ = false;
-  if (!(in.buttons & pedal)) {
-    const bool lifted = in.buttons & haptic_button::lifted;
-    if (in_bone_ && params_.way_ends == DrillingParams::WayEnds::outside) in_bone_ = !lifted && was_bone(tip);
-    return;
-  }
-  const bool is = was_bone(tip);
+  const bool runs = in.buttons & pedal, outside = params_.way_ends == DrillingParams::WayEnds::outside;
+  if (!runs && !outside) return;
+  const bool lifted = outside && (in.buttons & haptic_button::lifted);
+  const bool is = !lifted && was_bone(tip);
   if (is && !in_bone_) {
     entry_mm_ = tip;
     pass_units_ = 0;
   }
-  if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
+  if (runs && !lifted && !is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
     first_ = !outcome_.breached;
     came_through_ = first_ || double(pass_units_) > least_pass_units_;
     if (first_) {

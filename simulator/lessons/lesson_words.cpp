@@ -2,7 +2,6 @@
 #include "lessons/lesson_words.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 #include <vector>
 
@@ -64,6 +63,7 @@ constexpr Wording figures[] = {{{"midline off", "Abstand zur Mittellinie"}},
                                {{"lateral", "seitlich der Mitte"}},
                                {{"before suture", "vor der Kranznaht"}},
                                {{"removed", "abgetragen"}},
+                               {{"burr", "Bohrer"}},
                                {{"kocher", "Kochers Punkt"}},
                                {{"near", "nahe"}},
                                {{"far", "fern"}},
@@ -148,9 +148,17 @@ std::string lesson_words(Language language, const Phrase& phrase) {
 
 Phrase tool_phrase(const std::string& name) {
   const std::size_t size = name.rfind('_'), by = name.find('x', size);
-  if (size == std::string::npos || by == std::string::npos || !std::isdigit(static_cast<unsigned char>(name[by - 1])))
-    return name;
-  return {name.substr(0, size) + " {} x {} mm", {name.substr(size + 1, by - size - 1), name.substr(by + 1)}};
+  if (size == std::string::npos || size + 1 == name.size()) return name;
+  std::string kind = name.substr(0, size);
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  const auto is_number = [](const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
+  };
+  if (const std::string width = name.substr(size + 1); is_number(width)) return {kind + " {} mm", {width}};
+  if (by == std::string::npos) return name;
+  const std::string width = name.substr(size + 1, by - size - 1), length = name.substr(by + 1);
+  if (!is_number(width) || !is_number(length)) return name;
+  return {kind + " {} x {} mm", {width, length}};
 }
 
 std::string tool_title(Language language, const std::string& name) { return lesson_words(language, tool_phrase(name)); }

@@ -11,7 +11,8 @@ namespace trephine::lessons {
 /// those that are no lesson's are said as they are.
 std::string lesson_words(texts::Language language, const texts::Phrase& phrase);
 
-/// A tool of a lesson, for a reader: screw_5.5x40 is "screw 5.5 x 40 mm", or "Schraube 5.5 x 40 mm".
+/// A tool of a lesson, for a reader: screw_5.5x40 is "screw 5.5 x 40 mm", or "Schraube 5.5 x 40 mm"; burr_diamond_3 is
+/// "burr diamond 3 mm".
 texts::Phrase tool_phrase(const std::string& name);
 std::string tool_title(texts::Language language, const std::string& name);
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/base64.h"
 #include "lessons/lesson_guide.h"
@@ -126,6 +127,7 @@ std::string forces_html(const LessonScore& score, const haptics::Recording& reco
   std::string line;
   double piece = 0;
   std::size_t last = 0, from = 0;
+  std::set<std::size_t> used;
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const haptics::ServoFrame& f = frames[n];
     piece = std::max(
@@ -140,9 +142,11 @@ std::string forces_html(const LessonScore& score, const haptics::Recording& reco
       const int tool = haptics::belt_button::tool(frames[from].buttons);
       const std::string name =
           std::size_t(tool) < recording.header.tools.size() ? recording.header.tools[std::size_t(tool)].name : "";
+      used.insert(std::size_t(tool));
       out += fmt::format(
           "<rect class=\"t{}\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"8\"><title>{}</title></rect>", tool % 3,
-          x(frames[from].time_s), height - 16, x(f.time_s) - x(frames[from].time_s), escaped(name));
+          x(frames[from].time_s), height - 16, x(f.time_s) - x(frames[from].time_s),
+          escaped(tool_title(language, name)));
       from = n;
     }
   }
@@ -156,9 +160,10 @@ std::string forces_html(const LessonScore& score, const haptics::Recording& reco
                      y(0.0));
   out += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{:.0f} s</text></svg>\n", width - 40, height, length);
   std::string tools;
-  for (std::size_t n = 0; n < recording.header.tools.size(); ++n)
-    tools += fmt::format("{}{}: {}", n == 0 ? "" : ", ", tool_colours[n % 3].of(language),
-                         escaped(lesson_words(language, recording.header.tools[n].name)));
+  for (const std::size_t n : used)
+    if (n < recording.header.tools.size())
+      tools += fmt::format("{}{}: {}", tools.empty() ? "" : ", ", tool_colours[n % 3].of(language),
+                           escaped(tool_title(language, recording.header.tools[n].name)));
   return out + "<p class=\"faint\">" + fmt::format(fmt::runtime(below_words.of(language)), tools) + "</p>\n";
 }
 

@@ -102,13 +102,6 @@ std::string translated_name(texts::Language language, const std::string& english
       if (english == kind.name) return kind.german;
   for (const texts::Wording& name : names)
     if (english == name.of(texts::Language::english)) return name.of(language);
-  // A burr of a lesson is named by its kind and width: burr_3.
-  const std::size_t end = english.rfind('_');
-  if (end != std::string::npos && english.find_first_not_of("0123456789.", end + 1) == std::string::npos) {
-    std::string kind = english.substr(0, end);
-    std::replace(kind.begin(), kind.end(), '_', ' ');
-    return lessons::lesson_words(language, kind + " " + english.substr(end + 1) + " mm");
-  }
   return lessons::tool_title(language, english);
 }
 
