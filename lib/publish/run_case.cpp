@@ -298,6 +298,10 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     require_outside(folder, request.json, "--json");
     require_face_policy(config);
     tell_choice(config);
+    // Before anything works beside it. A case that is there already may be up to date, and looking at the machine would
+    // take longer than that run.
+    if (std::error_code ignored; !fs::exists(folder / "case.json", ignored))
+      if (const std::string seconds = seconds_expected(config.trade); !seconds.empty()) observer.estimated(seconds);
 
     NewFolders new_folders;
     for (const fs::path& f : {request.library, cache_folder, request.keep})
@@ -339,9 +343,6 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
         log_warning(token + ": " + memory.text + ": " + memory.remedy);
       else if (!memory.text.empty())
         observer.estimated(memory.text);
-      // A case that is there already may be up to date, and looking at the machine would take longer than the run.
-      if (std::error_code ignored; !fs::exists(folder / "case.json", ignored))
-        if (const std::string seconds = seconds_expected(config.trade); !seconds.empty()) observer.estimated(seconds);
       const CaseNeeds needs = case_needs(raster.count(), anatomies, config.ct.has_value(), request.params.page);
       if (!request.params.check_disk) return;
       const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
