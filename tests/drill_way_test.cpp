@@ -96,3 +96,65 @@ TEST(DrillWay, UsesNoMorePowerThanItsTicksHad) {
     EXPECT_GE(0.1 * is.removed_mm3, 0.7 * std::min(300 * seconds, 0.1 * capsule_mm3(7))) << m_per_s;
   }
 }
+
+// Cutters that are changed while the queue of late ways is full: each way is cut with the cutter that went it. A wide
+// ball leaves 32 ways waiting in the block's middle; a thin one and a third, as thin, then run 6 mm beside them.
+TEST(DrillWay, LateWaysOfSeveralCuttersKeepTheirOwn) {
+  voxel::HapticVolume volume = full(100, 0.4);
+  drill::DrillParams law;
+  law.power_w = 1e5;
+  law.max_rate_per_s = 10000;
+  drill::Drill d(volume, only(1, 0.1), ball(7), law);
+  d.add_cutter(ball(1));
+  d.add_cutter(ball(1.5));
+  const Vec3 x = volume.voxels.direction.column[0], y = volume.voxels.direction.column[1], from = middle(volume);
+  const auto go = [&](Vec3 at, double radius_mm) {
+    const drill::ToolPose pose = centred(at, radius_mm);
+    d.cut_way(pose, pose.tip_mm, 0, 0.001);
+  };
+  for (int n = 0; n < 400; ++n) go(from - y * 8 + x * (n % 2 == 0 ? -4.0 : 4.0), 7);  // to and fro: no ways are joined
+  const Vec3 thin = from + y * 13;
+  d.hold(1);
+  go(thin, 1);
+  d.hold(2);
+  go(thin + x * 8, 1.5);
+  for (int n = 0; d.late() && n < 100000; ++n) d.cut_late(0.001);
+  ASSERT_FALSE(d.late());
+  const auto stays = [&](Vec3 at) {
+    const Vec3 i = volume.voxels.to_index(at);
+    const auto near = [](double v) { return int(std::lround(v)); };
+    return volume.voxels.at(near(i.x), near(i.y), near(i.z)) == 1255;
+  };
+  EXPECT_FALSE(stays(from - y * 8)) << "the wide ball's own way";
+  EXPECT_FALSE(stays(thin)) << "the second cutter's";
+  EXPECT_FALSE(stays(thin + x * 8)) << "the third cutter's";
+  EXPECT_TRUE(stays(from + y * 5)) << "between them, where no cutter was";
+  EXPECT_TRUE(stays(thin - y * 4)) << "as far as the wide ball alone would reach from the second cutter's way";
+}
+
+// A cutter that is changed with each way leaves no two that could be made one: all are cut all the same.
+TEST(DrillWay, ACutterChangedWithEachWayLosesNone) {
+  voxel::HapticVolume volume = full(200, 0.4);
+  drill::DrillParams law;
+  law.power_w = 1e6;
+  law.max_rate_per_s = 10000;
+  drill::Drill d(volume, only(1, 0.1), ball(6), law);
+  d.add_cutter(ball(5));
+  const Mat3& along = volume.voxels.direction;
+  const auto place = [&](int n) {  // of a ball, apart from all others
+    return middle(volume) + along.column[0] * (13.0 * (n % 5 - 2)) + along.column[1] * (13.0 * (n / 5 % 5 - 2)) +
+           along.column[2] * (13.0 * (n / 25 - 1.5));
+  };
+  for (int n = 0; n < 100; ++n) {
+    d.hold(n % 2);
+    const drill::ToolPose pose = centred(place(n), n % 2 == 0 ? 6 : 5);
+    d.cut_way(pose, pose.tip_mm, 0, 0.001);
+  }
+  for (int n = 0; d.late() && n < 100000; ++n) d.cut_late(0.001);
+  ASSERT_FALSE(d.late());
+  for (int n = 0; n < 100; ++n) {
+    const Vec3 i = volume.voxels.to_index(place(n));
+    const auto near = [](double v) { return int(std::lround(v)); };
+    EXPECT_NE(volume.voxels.at(near(i.x), near(i.y), near(i.z)), 1255) << n;
+  }
+}

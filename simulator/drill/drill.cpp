@@ -63,10 +63,7 @@ void Drill::make_room(const Cutter& cutter) {
 
 void Drill::hold(int number) {
   // One place is free for the first way of the cutter that comes, which goes on to no way of the one before.
-  if (ways_count_ == max_ways) {
-    join(way_at(max_ways - 2), way_at(max_ways - 1), true);
-    --ways_count_;
-  }
+  if (ways_count_ == max_ways) join_any();
   held_ = number;
   cutter_ = cutters_[std::size_t(number)];
   const grid::Lattice& l = volume_.voxels;

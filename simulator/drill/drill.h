@@ -58,8 +58,8 @@ struct Removal {
 /// cut keeps one of them: that which may not be removed, at its share, else the larger.
 ///
 /// The thread that calls is the only one that lowers voxels; others may read them (relaxed atomics), settle, and take
-/// marks, which are set after the stores. Only the constructor allocates, locks or throws, and nothing makes a system
-/// call; equal calls give equal bits. After a call ContactVolume::loosen(changed) is due.
+/// marks, which are set after the stores. Only the constructor, add_cutter and keep_steps allocate or throw; nothing
+/// locks or makes a system call; equal calls give equal bits. After a call ContactVolume::loosen(changed) is due.
 class Drill {
  public:
   /// `volume` and `marks` (may be null) must outlive it. Throws Error 65 where the encoding is not `occupancy`, or the
@@ -83,9 +83,10 @@ class Drill {
   /// Goes on with that while the tool does not run.
   const Removal& cut_late(double dt_s);
   bool late() const { return ways_count_ > 0; }
-  /// A further cutter, number cutters() before. It allocates: call it before the first cut. Throws as the constructor.
+  /// A further cutter; its number is how many were added before it, the constructor's being 0. It allocates: call it
+  /// before the first cut. Throws as the constructor does.
   void add_cutter(const Cutter& cutter);
-  /// From now on that cutter is in hand, which was not moved so far; what is late is cut with its own.
+  /// Takes that cutter in hand; its way begins with the next call. What is late is cut with the cutter that went there.
   void hold(int number);
 
   /// The tool does not run.
@@ -153,12 +154,13 @@ class Drill {
     int cutter = 0;
   };
   Way& way_at(int n) { return ways_[std::size_t((first_way_ + n) % max_ways)]; }
-  double turn_between(const Mat3& a, const Mat3& b) const;
-  Vec3 tip_in(const Mat3& frame, const ToolPose& pose) const;
   double voxels_of(const Way& way) const;
+  int passes_of(const Way& way) const;
   bool join(Way& last, const Way& way, bool always);
+  void join_any();
   void make_room(const Cutter& cutter);
   void add_way(const Way& way);
+  void cut_pass();
   const Removal& go_ways(double dt_s);
   double rate_for(double budget_j);
   void apply(double units_per_dose, bool incision);
