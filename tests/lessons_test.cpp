@@ -169,6 +169,17 @@ TEST(LessonsHostile, AToolSwappedInTheMiddleOfDrilling) {
   EXPECT_EQ(d.row("burr_hole").why, "the hole does not let the catheter through");
 }
 
+TEST(Lessons, TheBurrIsTheOneOfWhatStaysDrilled) {
+  const auto with = [](const char* between) {
+    return whole().run(std::string(perfect_marks) + R"(, {"take": {"tool": "burr_7"}}, {"drill": {"past_mm": -3}}, )" +
+                       between + R"({"take": {"tool": "burr_3"}}, {"drill": {"past_mm": -3}}, "finish")");
+  };
+  EXPECT_EQ(with("").facts.burr_mm, 7) << "the widest";
+  const Head::Done d = with(R"("reset", {"wait": {"seconds": 0.5}}, "incise", )");
+  EXPECT_EQ(d.facts.undone, 1);
+  EXPECT_EQ(d.facts.burr_mm, 3);
+}
+
 TEST(LessonsScore, AHoleIsNoBetterFartherFromKochersPoint) {
   const Head::Done d =
       whole().run(std::string(perfect_marks) + ", " + perfect_hole + R"(, {"take": {"tool": "marker"}}, "finish")");

@@ -59,7 +59,7 @@ struct VentriculostomyFacts : LessonFacts {
   std::vector<MarkerTrace> traces;
   std::vector<LessonIncision> incisions;
   double drill_s = 0;            ///< how long the burr ran
-  double burr_mm = 0;            ///< the width of the widest burr that removed bone; 0: none did
+  double burr_mm = 0;            ///< the widest burr that removed bone since all was last taken back; 0: none did
   double drill_begin_s = -1;     ///< when it first ran; -1: never
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's
