@@ -115,6 +115,32 @@ TEST(HapticsBurrs, TheNextSizeAndKind) {
   for (const haptics::ToolParams& b : all) EXPECT_NO_THROW(haptics::make_tool(b)) << b.tool << b.tool_diameter_mm;
 }
 
+// What a user has set of the tool stays when a key takes another burr.
+TEST(HapticsBurrs, AnotherBurrKeepsWhatIsSetOfTheTool) {
+  haptics::ToolParams held = burr("ball", 5);
+  held.tool_tip = haptics::ToolParams::Tip::round;
+  held.tool_length_mm = 33;
+  held.tool_spacing_mm = 1.5;
+  held.tool_search = haptics::ToolParams::Search::tail_to_tip;
+  held.lock_distance_mm = 7;
+  held.lock = haptics::ToolParams::Lock::line;
+  const haptics::ToolParams wider = haptics::with_burr(held, burr("ball", 6)),
+                            other = haptics::with_burr(held, burr("diamond", 5));
+  EXPECT_EQ(wider.tool_diameter_mm, 6);
+  EXPECT_EQ(wider.tool_tip, held.tool_tip);
+  EXPECT_EQ(wider.tool_length_mm, 33);
+  EXPECT_EQ(wider.tool_spacing_mm, 1.5);
+  EXPECT_EQ(other.tool, "diamond");
+  EXPECT_EQ(other.tool_tip, burr("diamond", 5).tool_tip);
+  EXPECT_EQ(other.tool_length_mm, burr("diamond", 5).tool_length_mm);
+  EXPECT_EQ(other.tool_spacing_mm, burr("diamond", 5).tool_spacing_mm);
+  for (const haptics::ToolParams& next : {wider, other}) {
+    EXPECT_EQ(next.tool_search, held.tool_search);
+    EXPECT_EQ(next.lock_distance_mm, 7);
+    EXPECT_EQ(next.lock, held.lock);
+  }
+}
+
 TEST(HapticsBurrs, EachCutsAsWideAsItIs) {
   Scene s;
   const std::vector<haptics::ServoFrame> frames = drilled(s);

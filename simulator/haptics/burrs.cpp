@@ -48,4 +48,17 @@ int other_burr(const std::vector<ToolParams>& burrs, const ToolParams& in_hand, 
   return next;
 }
 
+ToolParams with_burr(const ToolParams& in_hand, const ToolParams& burr) {
+  ToolParams next = in_hand;
+  next.tool_diameter_mm = burr.tool_diameter_mm;
+  if (next.tool == burr.tool) return next;
+  next.tool = burr.tool;
+  next.tool_tip = burr.tool_tip;
+  next.tool_length_mm = burr.tool_length_mm;
+  next.tool_spacing_mm = burr.tool_spacing_mm;
+  next.tool_points.clear();
+  next.tool_points_sha256.clear();
+  return next;
+}
+
 }  // namespace trephine::haptics

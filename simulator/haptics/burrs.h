@@ -19,5 +19,8 @@ std::vector<ToolParams> burr_library();
 /// Another of the burrs than the one in hand, by what was asked for: `smaller` or `larger`, the next size of its kind;
 /// `kind`, the next kind, in the size nearest to it. -1 where there is none; 64 for another word.
 int other_burr(const std::vector<ToolParams>& burrs, const ToolParams& in_hand, const std::string& asked);
+/// The tool in hand with that burr of the library: how it is searched and locked stays, and within a kind also its tip,
+/// length and spacing.
+ToolParams with_burr(const ToolParams& in_hand, const ToolParams& burr);
 
 }  // namespace trephine::haptics
