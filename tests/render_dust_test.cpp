@@ -40,6 +40,39 @@ scene::DustWatch watch_of(double water, std::uint64_t drilled = bone) {
   return {std::make_shared<scene::BoneDust>(), header(water), drilled};
 }
 
+constexpr std::uint32_t command(int number) { return std::uint32_t(number) << haptics::belt_button::command_shift; }
+constexpr std::uint32_t second = 1u << haptics::belt_button::tool_shift;
+
+haptics::ServoFrame frame(std::uint32_t buttons, int touched = 0) {
+  haptics::ServoFrame f;
+  f.dt_s = 0.001;
+  f.axis[2] = 1;
+  f.buttons = buttons;
+  f.touched = touched;
+  return f;
+}
+
+// A lesson's belt of a thin burr and a wide one.
+haptics::RecordingHeader belt() {
+  haptics::RecordingHeader h = header(40);
+  h.in_open = true;
+  for (const double mm : {3.0, 7.0}) {
+    haptics::BeltToolParams t;
+    t.tool = t.name = "ball";
+    t.tool_diameter_mm = mm;
+    t.cuts = true;
+    h.tools.push_back(t);
+  }
+  return h;
+}
+
+scene::DustWatch dusty(const haptics::RecordingHeader& h) {
+  scene::DustWatch watch(std::make_shared<scene::BoneDust>(), h, bone);
+  for (const haptics::ServoFrame& f : stroke({0, 0, 0})) watch.look(f);
+  watch.look(frame(0));
+  return watch;
+}
+
 // In the ring about a drill of 5 mm, a little above its tip.
 double about(const scene::BoneDust& dust, Vec3 at, double (scene::BoneDust::*what)(Vec3) const) {
   double sum = 0;
@@ -111,4 +144,77 @@ TEST(BoneDust, ARecordingShowsTheSame) {
   for (const haptics::ServoFrame& f : frames) gone.look(f);
   gone.look(reset);
   EXPECT_FALSE(gone.dust()->any());
+}
+
+// Where the drill takes nothing back, the hole stays, and the dust with it.
+TEST(BoneDust, IsGoneWhereAllIsTakenBackAndOnlyThere) {
+  using namespace haptics;
+  const std::uint32_t reset = command(belt_command::reset);
+  RecordingHeader one = header(40), none = one, no_drill = belt();
+  none.drilling.undo_steps = 0;
+  no_drill.drilling.drill = false;
+  const auto stays = [&](const RecordingHeader& h, const std::vector<ServoFrame>& then) {
+    scene::DustWatch watch(std::make_shared<scene::BoneDust>(), h, bone);
+    scene::BoneDust::Tick tick;
+    tick.runs = tick.cuts = true;
+    for (int n = 0; n < 100; ++n) watch.dust()->add(tick);
+    for (const ServoFrame& f : then) watch.look(f);
+    return watch.dust()->any();
+  };
+  ServoFrame faulty = frame(reset);
+  faulty.faults = 1;
+  const ServoFrame pause = frame(command(belt_command::pause)), resume = frame(command(belt_command::resume));
+  for (const RecordingHeader& h : {one, belt()}) {
+    EXPECT_FALSE(stays(h, {frame(0), frame(reset)}));
+    EXPECT_TRUE(stays(h, {frame(0), frame(Drilling::pedal | reset), frame(reset)})) << "the pedal was down";
+    EXPECT_TRUE(stays(h, {frame(0), faulty}));
+  }
+  EXPECT_FALSE(stays(one, {frame(0), faulty, frame(reset)})) << "taken once the fault is over";
+  EXPECT_TRUE(stays(none, {frame(0), frame(reset)})) << "nothing can be taken back";
+  EXPECT_TRUE(stays(no_drill, {frame(0), frame(reset)})) << "this session drills nothing";
+  EXPECT_TRUE(stays(belt(), {frame(0), pause, frame(0), frame(reset)})) << "in a pause";
+  EXPECT_FALSE(stays(belt(), {frame(0), pause, frame(0), resume, frame(reset)}));
+  EXPECT_FALSE(stays(belt(), {frame(0, 1), pause, frame(0), frame(reset)})) << "no pause where it touches";
+  EXPECT_TRUE(stays(belt(), {frame(0), frame(haptic_button::lifted | reset)}));
+}
+
+TEST(BoneDust, AToolThatIsAwayWashesNothing) {
+  for (const haptics::RecordingHeader& h : {header(40), belt()}) {
+    scene::DustWatch watch = dusty(h);
+    const std::vector<std::uint8_t> before = watch.dust()->texels();
+    for (int n = 0; n < 200; ++n) watch.look(frame(haptics::Drilling::pedal | haptics::haptic_button::lifted));
+    EXPECT_EQ(watch.dust()->texels(), before);
+    for (int n = 0; n < 200; ++n) watch.look(frame(haptics::Drilling::pedal));
+    EXPECT_NE(watch.dust()->texels(), before);
+  }
+}
+
+TEST(BoneDust, IsThatOfTheToolInHandAndNotOfTheOneAskedFor) {
+  const auto drilled_with = [](std::uint32_t begins, std::uint32_t asks) {
+    scene::DustWatch watch(std::make_shared<scene::BoneDust>(), belt(), bone);
+    watch.look(frame(begins));
+    for (haptics::ServoFrame f : stroke({0, 0, 0})) {
+      f.buttons |= asks;
+      watch.look(f);
+    }
+    return watch.dust()->texels();
+  };
+  EXPECT_EQ(drilled_with(0, second), drilled_with(0, 0)) << "it is asked for while the first one touches";
+  EXPECT_NE(drilled_with(second, second), drilled_with(0, 0)) << "taken in the open";
+  EXPECT_EQ(drilled_with(0, 9 * second), drilled_with(0, 0)) << "there is no such tool";
+}
+
+// What is not seen costs nothing, and the hand is followed all the same.
+TEST(BoneDust, NoneFallsWhileNoneIsShown) {
+  scene::DustWatch watch(std::make_shared<scene::BoneDust>(), belt(), bone);
+  watch.look(frame(second), false);
+  for (const haptics::ServoFrame& f : stroke({0, 0, 0})) watch.look(f, false);
+  EXPECT_FALSE(watch.dust()->any());
+  for (haptics::ServoFrame f : stroke({0, 0, 0})) {
+    f.buttons |= second;
+    watch.look(f);
+  }
+  EXPECT_TRUE(watch.dust()->any());
+  watch.look(frame(command(haptics::belt_command::reset)), false);
+  EXPECT_FALSE(watch.dust()->any()) << "it does not come back with the view";
 }

@@ -109,7 +109,7 @@ void render_recording(const cli::ParsedCommand& parsed) {
     std::size_t incisions = 0;
     for (const session::IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();
     pictures.stage().show_incisions(playback.incisions(), incisions);
-    dust.go_to(playback.frames(), playback.frame_number() + 1);
+    if (pictures.stage().view().dust) dust.go_to(playback.frames(), playback.frame_number() + 1);
     pictures.stage().show_dust(dust.dust());
     pictures.stage().show_frame(playback.frame());
     pictures.write();

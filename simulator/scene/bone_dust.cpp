@@ -150,6 +150,8 @@ std::vector<std::uint8_t> BoneDust::texels() const {
 DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& h, std::uint64_t drilled)
     : dust_(std::move(dust)),
       several_(!h.tools.empty()),
+      in_open_(h.in_open),
+      takes_back_(h.drilling.drill && h.drilling.undo_steps > 0),
       drilled_(h.drilling.drill ? drilled : 0),
       water_ml_per_min_(h.drilling.irrigation_ml_per_min) {
   const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
@@ -159,17 +161,35 @@ DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHea
   if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
 }
 
-void DustWatch::look(const haptics::ServoFrame& f) {
+// What the belt does in the tick, before the tool is felt.
+void DustWatch::follow_hand(const haptics::ServoFrame& f, int command) {
+  const bool was_free = std::exchange(hand_.free, f.touched == 0 && f.inside == 0);
+  if (!several_) return;
+  if (command == haptics::belt_command::resume) hand_.paused = false;
+  if (command == haptics::belt_command::pause && was_free) hand_.paused = true;
+  const auto asked = std::size_t(haptics::belt_button::tool(f.buttons));
+  if (asked < burrs_.size() && (hand_.free || !in_open_)) hand_.tool = asked;
+}
+
+bool DustWatch::takes_all_back(const haptics::ServoFrame& f, int command) const {
+  if (!takes_back_ || command != haptics::belt_command::reset || f.faults != 0) return false;
+  const bool away = several_ && (hand_.paused || (in_open_ && (f.buttons & haptics::haptic_button::lifted)));
+  return !away && !(f.buttons & haptics::Drilling::pedal);
+}
+
+void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
   ++looked_;
-  const std::uint32_t before = std::exchange(buttons_, f.buttons);
-  const int command = haptics::belt_button::command(f.buttons);
-  if (command == haptics::belt_command::reset && command != haptics::belt_button::command(before) && dust_->any())
-    dust_->clear();
-  const std::size_t held = several_ ? std::size_t(haptics::belt_button::tool(f.buttons)) : 0;
-  const Burr& burr = burrs_[std::min(held, burrs_.size() - 1)];
+  const int given = haptics::belt_button::command(f.buttons);
+  const int command = given == haptics::belt_button::command(hand_.buttons) ? haptics::belt_command::none : given;
+  if (several_ || f.faults == 0) hand_.buttons = f.buttons;  // a drill without a belt takes it once the fault is over
+  follow_hand(f, command);
+  if (takes_all_back(f, command) && dust_->any()) dust_->clear();
+  if (!shown) return;
+  const Burr& burr = burrs_[hand_.tool];
   BoneDust::Tick tick;
   tick.dt_s = f.dt_s;
-  tick.runs = burr.rotates && (f.buttons & haptics::Drilling::pedal) && f.faults == 0;
+  tick.runs = burr.rotates && (f.buttons & haptics::Drilling::pedal) && f.faults == 0 && !hand_.paused &&
+              !(f.buttons & haptics::haptic_button::lifted);
   tick.cuts = tick.runs && f.touched > 0 && (drilled_ >> f.touched & 1);
   tick.tip_mm = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   tick.axis = normalized({f.axis[0], f.axis[1], f.axis[2]});
@@ -182,7 +202,7 @@ void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_
   if (count < looked_) {
     dust_->clear();
     looked_ = 0;
-    buttons_ = 0;
+    hand_ = {};
   }
   while (looked_ < count) look(frames[looked_]);
 }

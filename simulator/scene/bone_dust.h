@@ -51,12 +51,15 @@ class BoneDust {
   double owed_ = 0, since_wash_s_ = 0, since_dry_s_ = 0;
 };
 
-/// Has a dust follow the frames of a session or of its recording, as they come.
+/// Has a dust follow the frames of a session or of its recording, as they come. The tool in hand, pauses and what is
+/// taken back follow the rules of the belt (haptics::ToolBelt) or of the only tool's drill, as far as frames show them:
+/// whether the belt waits for a pose outside of every shape after a step was taken back is not seen.
 class DustWatch {
  public:
   /// `drilled`: bit n for a shape that drills remove (haptics::drilled_shapes).
   DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& header, std::uint64_t drilled);
-  void look(const haptics::ServoFrame& frame);
+  /// `shown`: the dust can be seen. Else none falls, is washed or dries, and all is ready for when it is.
+  void look(const haptics::ServoFrame& frame, bool shown = true);
   /// As it is after so many of these frames; of the same ones each time. Going back begins anew.
   void go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count);
   const std::shared_ptr<BoneDust>& dust() const { return dust_; }
@@ -66,12 +69,20 @@ class DustWatch {
     bool rotates;
     double radius_mm;
   };
+  void follow_hand(const haptics::ServoFrame& frame, int command);
+  bool takes_all_back(const haptics::ServoFrame& frame, int command) const;
+
   std::shared_ptr<BoneDust> dust_;
   std::vector<Burr> burrs_;  // by the number of the tool
-  const bool several_;
+  const bool several_, in_open_, takes_back_;
   const std::uint64_t drilled_;
   const double water_ml_per_min_;
-  std::uint32_t buttons_ = 0;
+  struct Hand {
+    std::uint32_t buttons = 0;
+    std::size_t tool = 0;
+    bool free = true, paused = false;  // free: it touched nothing, and lay in nothing
+  };
+  Hand hand_;  // after the last frame
   std::size_t looked_ = 0;
 };
 

@@ -207,7 +207,7 @@ texts::Answer LiveSession::change_burr(const std::string& asked) {
     burrs = haptics::burr_library();
   const int n = haptics::other_burr(burrs, held(), asked);
   if (n < 0) return texts::NoteId::no_other_burr;
-  return lesson_ ? take_tool(names[std::size_t(n)]) : take(burrs[std::size_t(n)]);
+  return lesson_ ? take_tool(names[std::size_t(n)]) : take(haptics::with_burr(options_.tool, burrs[std::size_t(n)]));
 }
 
 void LiveSession::set_pedal(bool down) {
@@ -260,7 +260,7 @@ void LiveSession::follow() {
   bool marked = false, commanded = false;
   for (const haptics::ServoFrame& f : frames) {
     watch_->look(f, incisions_);
-    dust_watch_->look(f);
+    dust_watch_->look(f, view_.stage().view().dust);
     late_us_ = std::max(late_us_, double(f.late_us));
     marked = marked || (f.buttons & haptics::Drilling::mark);
     commanded = commanded || haptics::belt_button::command(f.buttons) != haptics::belt_command::none;
