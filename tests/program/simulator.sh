@@ -7,7 +7,7 @@ check=("$TREPHINE" check)
 
 "${check[@]}" "$work/sample" >"$work/text" 2>"$work/stderr"
 [[ ! -s $work/stderr ]] || fail "a good case is not silent on stderr"
-for line in 'case sample, format 1\.6' 'frame LPS, mm, centre 1\.0, -20\.0, 300\.0' '2 anatomies, 216 triangles' \
+for line in 'case sample, format 1\.7' 'frame LPS, mm, centre 1\.0, -20\.0, 300\.0' '2 anatomies, 216 triangles' \
             '10 x 10 x 10 voxels of 17\.6' 'with hardness, 2 shapes' 'material tissue' 'felt against seen' \
             'landmark nasion' 'target middle' 'burr hole entry .*cut from outer' '4 files, .* in 0\.[0-9]* s'; do
   grep -Eq "$line" "$work/text" || { cat "$work/text"; fail "not said: $line"; }
@@ -47,8 +47,8 @@ for file in case.json $(cd "$work/sample" && ls meshes/*.glb haptic-*.nrrd hardn
 done
 # Another major version: both are named, and no checksum is asked.
 cp -r "$work/sample" "$work/newer"
-sed -i '2s/trephine-case 1\.6/trephine-case 2.0/' "$work/newer/case.json"
-expect 65 'newer/case\.json: format: version 2\.0, this program reads version 1\.6' "${check[@]}" "$work/newer"
+sed -i '2s/trephine-case 1\.7/trephine-case 2.0/' "$work/newer/case.json"
+expect 65 'newer/case\.json: format: version 2\.0, this program reads version 1\.7' "${check[@]}" "$work/newer"
 # A name that would forge a second line.
 mkdir "$work/$(printf 'a\nb')"
 expect 66 'a\?b' "${check[@]}" "$work/$(printf 'a\nb')"
