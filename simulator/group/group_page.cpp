@@ -26,75 +26,8 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } .wide { ove
 .note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } :lang(de) .note::before { content: "Hinweis: " } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
 )";
 
-// What the page says, in each language.
-constexpr texts::Wording words[] = {
-    {{"participant", "Teilnehmer"}},
-    {{"group", "Gruppe"}},
-    {{"level", "Stufe"}},
-    {{"done of planned", "erledigt von geplant"}},
-    {{"completed", "vollendet"}},
-    {{"failed", "nicht bestanden"}},
-    {{"first", "erster"}},
-    {{"last", "letzter"}},
-    {{"kept", "behalten"}},
-    {{"all", "alle"}},
-    {{"before", "vorher"}},
-    {{"practice", "Übung"}},
-    {{"after", "nachher"}},
-    {{"retention", "später"}},
-    {{"{} of {}", "{} von {}"}},
-    {{"Shares of the points that could be had, as means over attempts. Kept: (retention - before) / (after - before), "
-      "where there was a gain.",
-      "Anteile der möglichen Punkte, als Mittel über Versuche. Behalten: (später - vorher) / (nachher - vorher), wo "
-      "etwas gewonnen war."}},
-    {{"row", "Zeile"}},
-    {{"Rows of the score: mean of 1 to 5, and how often it was judged",
-      "Zeilen der Bewertung: Mittel von 1 bis 5, und wie oft bewertet wurde"}},
-    {{"not judged", "nicht bewertet"}},
-    {{"Critical errors", "Schwere Fehler"}},
-    {{"None happened.", "Keiner kam vor."}},
-    {{"error", "Fehler"}},
-    {{"by whom", "von wem"}},
-    {{"how often", "wie oft"}},
-    {{"Pass mark, by contrasting groups", "Bestehensgrenze, nach kontrastierenden Gruppen"}},
-    {{"not set: {}", "nicht gesetzt: {}"}},
-    {{"By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean {:.1f} %, sd "
-      "{:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed by a critical error or did not finish has not "
-      "passed, whatever the points.",
-      "Nach {}: <b>{:.1f} %</b> der Punkte, wo sich die Normaldichten von {} ({} Teilnehmer, Mittel {:.1f} %, SD "
-      "{:.1f}) und {} ({}, Mittel {:.1f} %, SD {:.1f}) schneiden. Wer einen schweren Fehler machte oder nicht fertig "
-      "wurde, hat nicht bestanden, gleich mit wie vielen Punkten."}},
-    {{"{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and {:.1f} %). A mark from few "
-      "participants is uncertain.",
-      "{} von {} bestehen und {} von {} nicht (von Normalverteilungen erwartet: {:.1f} und {:.1f} %). Eine Grenze aus "
-      "wenigen Teilnehmern ist unsicher."}},
-    {{"the mean of all attempts", "dem Mittel aller Versuche"}},
-    {{"phase {}", "der Phase {}"}},
-    {{"Passed:", "Bestanden:"}},
-    {{"Not passed:", "Nicht bestanden:"}},
-    {{"nobody", "niemand"}},
-    {{"figure of the hand's motion", "Größe der Handbewegung"}},
-    {{"experts", "Erfahrene"}},
-    {{"{} to {}", "{} bis {}"}},
-    {{"Motion in the last attempt, beside {} recordings of experts",
-      "Bewegung im letzten Versuch, neben {} Aufnahmen von Erfahrenen"}},
-    {{"Coloured: outside of the experts' band.", "Farbig: außerhalb des Bandes der Erfahrenen."}},
-    {{"Questionnaire", "Fragebogen"}},
-    {{"question", "Frage"}},
-    {{"phase", "Phase"}},
-    {{"answers", "Antworten"}},
-    {{"mean", "Mittel"}},
-    {{"median", "Median"}},
-    {{"change in those who answered in both", "Änderung bei denen, die in beiden antworteten"}},
-    {{"Trephine: a group", "Trephine: eine Gruppe"}},
-    {{"A group of {} participants, {} attempts", "Eine Gruppe von {} Teilnehmern, {} Versuche"}},
-    {{"not a medical device", "kein Medizinprodukt"}},
-};
-const char* said(texts::Language language, std::string_view english) {
-  for (const texts::Wording& w : words)
-    if (english == w.of(texts::Language::english)) return w.of(language);
-  return english.data();
-}
+// Of a pass mark, after "By".
+constexpr texts::Wording of_phase{{"phase {}", "der Phase {}"}};
 
 std::string cell(const std::string& text, const char* kind = "n") {
   return fmt::format("<td class=\"{}\">{}", kind, html_text(text));
@@ -123,20 +56,22 @@ constexpr const char* table_end = "</table></div>\n";
 std::vector<std::string> shown_phases(const ModuleView& m) {
   return m.phases.empty() ? std::vector<std::string>{""} : m.phases;
 }
-std::string phase_title(const std::string& phase, texts::Language l) { return said(l, phase.empty() ? "all" : phase); }
+std::string phase_title(const std::string& phase, texts::Language l) {
+  return group_word(l, phase.empty() ? "all" : phase);
+}
 
 std::string participants_html(const ModuleView& m, texts::Language l) {
   std::vector<std::string> heads;
   for (const char* head : {"participant", "group", "level", "done of planned", "completed", "failed"})
-    heads.push_back(said(l, head));
+    heads.push_back(group_word(l, head));
   for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase, l));
-  heads.insert(heads.end(), {said(l, "first"), said(l, "last"), said(l, "kept")});
+  heads.insert(heads.end(), {group_word(l, "first"), group_word(l, "last"), group_word(l, "kept")});
   std::string out = table_begin(heads, 3);
   for (const ParticipantView& p : m.participants) {
     out += "<tr><td>" + html_text(p.participant) + "<td>" + html_text(p.group) + "<td>" + html_text(p.level);
-    out +=
-        cell(p.planned > 0 ? fmt::format(fmt::runtime(said(l, "{} of {}")), p.done, p.planned) : std::to_string(p.done),
-             p.done < p.planned ? "n faint" : "n");
+    out += cell(p.planned > 0 ? fmt::format(fmt::runtime(group_word(l, "{} of {}")), p.done, p.planned)
+                              : std::to_string(p.done),
+                p.done < p.planned ? "n faint" : "n");
     out += cell(std::to_string(p.completed)) + cell(std::to_string(p.failed), p.failed > 0 ? "n bad" : "n");
     for (const std::string& phase : shown_phases(m)) {
       const auto at = p.share_by_phase.find(phase);
@@ -146,22 +81,24 @@ std::string participants_html(const ModuleView& m, texts::Language l) {
     out += cell(p.retained_ratio ? percent(*p.retained_ratio) : "") + "</tr>\n";
   }
   return out + table_end + "<p class=\"faint\">" +
-         said(l,
-              "Shares of the points that could be had, as means over attempts. Kept: (retention - before) / (after - "
-              "before), where there was a gain.") +
+         group_word(
+             l,
+             "Shares of the points that could be had, as means over attempts. Kept: (retention - before) / (after - "
+             "before), where there was a gain.") +
          "</p>\n";
 }
 
 std::string rows_html(const ModuleView& m, texts::Language l) {
-  std::vector<std::string> heads = {said(l, "row")};
+  std::vector<std::string> heads = {group_word(l, "row")};
   for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase, l));
-  std::string out = std::string("<h3>") + said(l, "Rows of the score: mean of 1 to 5, and how often it was judged") +
-                    "</h3>\n" + table_begin(heads, 1);
+  std::string out = std::string("<h3>") +
+                    group_word(l, "Rows of the score: mean of 1 to 5, and how often it was judged") + "</h3>\n" +
+                    table_begin(heads, 1);
   for (const RowView& row : m.rows) {
     out += "<tr><td>" + html_text(lessons::lesson_words(l, row.title));
     for (const std::string& phase : shown_phases(m)) {
       const auto at = row.by_phase.find(phase);
-      out += cell(at == row.by_phase.end() ? said(l, "not judged")
+      out += cell(at == row.by_phase.end() ? group_word(l, "not judged")
                                            : fmt::format("{:.1f} ({})", at->second.first, at->second.second));
     }
     out += "</tr>\n";
@@ -170,9 +107,9 @@ std::string rows_html(const ModuleView& m, texts::Language l) {
 }
 
 std::string failures_html(const ModuleView& m, texts::Language l) {
-  std::string out = std::string("<h3>") + said(l, "Critical errors") + "</h3>\n";
-  if (m.failures.empty()) return out + "<p>" + said(l, "None happened.") + "</p>\n";
-  out += table_begin({said(l, "error"), said(l, "by whom"), said(l, "how often")}, 2);
+  std::string out = std::string("<h3>") + group_word(l, "Critical errors") + "</h3>\n";
+  if (m.failures.empty()) return out + "<p>" + group_word(l, "None happened.") + "</p>\n";
+  out += table_begin({group_word(l, "error"), group_word(l, "by whom"), group_word(l, "how often")}, 2);
   for (const auto& [error, by] : m.failures) {
     std::string who;
     std::size_t count = 0;
@@ -189,16 +126,16 @@ std::string failures_html(const ModuleView& m, texts::Language l) {
 std::string pass_mark_html(const ModuleView& m, texts::Language l) {
   if (!m.pass_mark) return "";
   const PassMark& p = *m.pass_mark;
-  std::string out = std::string("<h3>") + said(l, "Pass mark, by contrasting groups") + "</h3>\n";
+  std::string out = std::string("<h3>") + group_word(l, "Pass mark, by contrasting groups") + "</h3>\n";
   if (!p.why_not.empty())
-    return out + "<p class=\"note\">" + fmt::format(fmt::runtime(said(l, "not set: {}")), html_text(p.why_not)) +
+    return out + "<p class=\"note\">" + fmt::format(fmt::runtime(group_word(l, "not set: {}")), html_text(p.why_not)) +
            "</p>\n";
   const std::string of = p.of.rfind("phase ", 0) == 0
-                             ? fmt::format(fmt::runtime(said(l, "phase {}")), phase_title(p.of.substr(6), l))
-                             : said(l, p.of);
+                             ? fmt::format(fmt::runtime(of_phase.of(l)), phase_title(p.of.substr(6), l))
+                             : group_word(l, p.of);
   out +=
       "<p>" +
-      fmt::format(fmt::runtime(said(
+      fmt::format(fmt::runtime(group_word(
                       l,
                       "By {}: <b>{:.1f} %</b> of the points, where the normal densities of {} ({} participants, mean "
                       "{:.1f} %, sd {:.1f}) and {} ({}, mean {:.1f} %, sd {:.1f}) cross. Who failed by a critical "
@@ -208,26 +145,27 @@ std::string pass_mark_html(const ModuleView& m, texts::Language l) {
                   100 * *p.more_summary.sd) +
       "</p>\n";
   out += "<p class=\"faint\">" +
-         fmt::format(fmt::runtime(said(l,
-                                       "{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and "
-                                       "{:.1f} %). A mark from few participants is uncertain.")),
-                     percent(p.less_pass_ratio), html_text(p.less), percent(p.more_fail_ratio), html_text(p.more),
-                     100 * p.less_pass_expected_ratio, 100 * p.more_fail_expected_ratio) +
+         fmt::format(
+             fmt::runtime(group_word(l,
+                                     "{} of {} pass and {} of {} fail (expected of normal distributions: {:.1f} and "
+                                     "{:.1f} %). A mark from few participants is uncertain.")),
+             percent(p.less_pass_ratio), html_text(p.less), percent(p.more_fail_ratio), html_text(p.more),
+             100 * p.less_pass_expected_ratio, 100 * p.more_fail_expected_ratio) +
          "</p>\n";
   std::string passed, not_passed;
   for (const auto& [participant, pass] : p.passed) {
     std::string& list = pass ? passed : not_passed;
     list += (list.empty() ? "" : ", ") + participant;
   }
-  const auto shown = [&](const std::string& list) { return list.empty() ? said(l, "nobody") : html_text(list); };
-  return out + "<p><span class=\"good\">" + said(l, "Passed:") + "</span> " + shown(passed) +
-         "<br><span class=\"bad\">" + said(l, "Not passed:") + "</span> " + shown(not_passed) + "</p>\n";
+  const auto shown = [&](const std::string& list) { return list.empty() ? group_word(l, "nobody") : html_text(list); };
+  return out + "<p><span class=\"good\">" + group_word(l, "Passed:") + "</span> " + shown(passed) +
+         "<br><span class=\"bad\">" + group_word(l, "Not passed:") + "</span> " + shown(not_passed) + "</p>\n";
 }
 
 // The last attempt of each participant beside what experts do.
 std::string motion_html(const ModuleView& m, texts::Language l) {
   if (m.bands.empty()) return "";
-  std::vector<std::string> heads = {said(l, "figure of the hand's motion"), said(l, "experts")};
+  std::vector<std::string> heads = {group_word(l, "figure of the hand's motion"), group_word(l, "experts")};
   std::vector<const lessons::AttemptResult*> last;
   for (const ParticipantView& p : m.participants) {
     const lessons::AttemptResult* found = nullptr;
@@ -237,13 +175,14 @@ std::string motion_html(const ModuleView& m, texts::Language l) {
     last.push_back(found);
     heads.push_back(p.participant);
   }
-  std::string out = "<h3>" +
-                    fmt::format(fmt::runtime(said(l, "Motion in the last attempt, beside {} recordings of experts")),
-                                m.bands.front().count) +
-                    "</h3>\n" + table_begin(heads, 1);
+  std::string out =
+      "<h3>" +
+      fmt::format(fmt::runtime(group_word(l, "Motion in the last attempt, beside {} recordings of experts")),
+                  m.bands.front().count) +
+      "</h3>\n" + table_begin(heads, 1);
   for (const lessons::ExpertBand& band : m.bands) {
     out += "<tr><td>" + html_text(lessons::figure_title(l, band.name) + unit_of(band.name)) +
-           cell(fmt::format(fmt::runtime(said(l, "{} to {}")), fmt::format("{:.4g}", band.low),
+           cell(fmt::format(fmt::runtime(group_word(l, "{} to {}")), fmt::format("{:.4g}", band.low),
                             fmt::format("{:.4g}", band.high)));
     for (const lessons::AttemptResult* r : last) {
       const std::optional<double> value = r->figure(band.name);
@@ -252,16 +191,16 @@ std::string motion_html(const ModuleView& m, texts::Language l) {
     }
     out += "</tr>\n";
   }
-  return out + table_end + "<p class=\"faint\">" + said(l, "Coloured: outside of the experts' band.") + "</p>\n";
+  return out + table_end + "<p class=\"faint\">" + group_word(l, "Coloured: outside of the experts' band.") + "</p>\n";
 }
 
 // Each question by phase: the mean answer, how many gave one, and whether it changed in those who answered twice.
 std::string answers_html(const study::Study& answers, texts::Language l) {
-  std::string out = std::string("<h2>") + said(l, "Questionnaire") + "</h2>\n";
+  std::string out = std::string("<h2>") + group_word(l, "Questionnaire") + "</h2>\n";
   for (const std::string& note : answers.notes) out += "<p class=\"note\">" + html_text(note) + "</p>\n";
   std::vector<std::string> heads;
   for (const char* head : {"question", "phase", "answers", "mean", "median", "change in those who answered in both"})
-    heads.push_back(said(l, head));
+    heads.push_back(group_word(l, head));
   out += table_begin(heads, 2);
   for (const study::MeasureStudy& m : answers.measures)
     for (const study::Comparison& c : m.comparisons) {
@@ -290,7 +229,7 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
       "base-uri 'none'; form-action 'none'\">\n"
       "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>{}</title>\n"
       "<style>{}</style></head><body>\n",
-      l == texts::Language::german ? "de" : "en", policy_hash(style), said(l, "Trephine: a group"), style);
+      l == texts::Language::german ? "de" : "en", policy_hash(style), group_word(l, "Trephine: a group"), style);
   std::size_t attempts = 0;
   std::map<std::string, bool> participants;
   for (const ModuleView& m : view.modules) {
@@ -298,8 +237,9 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
     for (const ParticipantView& p : m.participants) participants[p.participant] = true;
   }
   out += "<h1>" +
-         fmt::format(fmt::runtime(said(l, "A group of {} participants, {} attempts")), participants.size(), attempts) +
-         "</h1>\n<p class=\"faint\">" + said(l, "not a medical device") + "</p>\n";
+         fmt::format(fmt::runtime(group_word(l, "A group of {} participants, {} attempts")), participants.size(),
+                     attempts) +
+         "</h1>\n<p class=\"faint\">" + group_word(l, "not a medical device") + "</p>\n";
   for (const texts::Phrase& note : view.notes) out += "<p class=\"note\">" + html_text(group_words(l, note)) + "</p>\n";
   for (const ModuleView& m : view.modules) {
     out += "<h2>" + html_text(lessons::lesson_title(m.module, l)) + "</h2>\n" + participants_html(m, l);

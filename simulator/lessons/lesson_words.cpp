@@ -140,10 +140,7 @@ const char* looked_up(Language language, const std::string& english) {
 
 std::string lesson_words(Language language, const Phrase& phrase) {
   if (language == Language::english) return phrase.english();
-  std::vector<std::string> values;
-  for (const Phrase& value : phrase.values) values.push_back(lesson_words(language, value));
-  const char* const words = looked_up(language, phrase.words);
-  return texts::filled(words ? words : phrase.words, values);
+  return phrase.said([&](const std::string& words) { return looked_up(language, words); });
 }
 
 Phrase tool_phrase(const std::string& name) {

@@ -16,10 +16,15 @@ std::string filled(std::string words, const std::vector<std::string>& values) {
   return words;
 }
 
+std::string Phrase::said(const std::function<const char*(const std::string&)>& look_up) const {
+  std::vector<std::string> in_places;
+  for (const Phrase& value : values) in_places.push_back(value.said(look_up));
+  const char* const found = look_up(words);
+  return filled(found ? found : words, in_places);
+}
+
 std::string Phrase::english() const {
-  std::vector<std::string> said;
-  for (const Phrase& value : values) said.push_back(value.english());
-  return filled(words, said);
+  return said([](const std::string&) { return nullptr; });
 }
 
 bool operator==(const Phrase& a, const Phrase& b) { return a.words == b.words && a.values == b.values; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct Phrase {
 
   bool empty() const { return words.empty(); }
   std::string english() const;
+  /// In the words that a table has for its own and for those of each value; null: there are none, they stay.
+  std::string said(const std::function<const char*(const std::string& words)>& look_up) const;
 };
 bool operator==(const Phrase& a, const Phrase& b);
 bool operator!=(const Phrase& a, const Phrase& b);
