@@ -145,8 +145,15 @@ const std::vector<@type@>& @suffix@_types() {
   target_sources(${target} PRIVATE ${file})
 endfunction()
 
-# trephine_test(NAME modules...): tests/NAME_test.cpp (and tests/NAME_*_test.cpp) against the modules, run by CTest.
+# trephine_test(NAME modules...): tests/NAME_test.cpp (and tests/NAME_*_test.cpp) against the modules, run by CTest. NAME is that of the
+# room that they test, or is listed here as one of several rooms.
+set(TREPHINE_TESTS_OF_ROOMS cut_surface oracle)
 function(trephine_test name)
+  if(NOT name IN_LIST TREPHINE_TESTS_OF_ROOMS AND NOT IS_DIRECTORY ${PROJECT_SOURCE_DIR}/lib/${name}
+     AND NOT IS_DIRECTORY ${PROJECT_SOURCE_DIR}/simulator/${name})
+    message(FATAL_ERROR "trephine_test(${name}): no room of that name is in lib or simulator. Name the test after its room, or add it to "
+                        "TREPHINE_TESTS_OF_ROOMS (CONTRIBUTING.md, \"Add a test\").")
+  endif()
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}_test.cpp
        ${CMAKE_CURRENT_SOURCE_DIR}/${name}_*_test.cpp)
   set_property(GLOBAL APPEND PROPERTY TREPHINE_TEST_SOURCES ${sources})

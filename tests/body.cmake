@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(body trunk phantom)
+list(APPEND TREPHINE_TEST_AT_ONCE body)
+trephine_test(body body head phantom)

@@ -10,10 +10,10 @@
 
 #include "device/simulated_hand.h"
 #include "device/udp_device.h"
+#include "device_udp_client.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
 #include "haptics_scene.h"
-#include "haptics_udp_client.h"
 
 using namespace trephine;
 using namespace trephine::haptic_scenes;

@@ -16,11 +16,11 @@
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
 #include "device/udp_device.h"
+#include "device_udp_client.h"
 #include "drill/live_surface.h"
 #include "haptics/servo.h"
 #include "haptics/tool.h"
 #include "haptics_scene.h"
-#include "haptics_udp_client.h"
 #include "voxel/raw_voxel.h"
 
 using namespace trephine;

@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(segmentation head consistency phantom)
+trephine_test(segmentation segmentation)
+target_link_libraries(segmentation_test PRIVATE ZLIB::ZLIB)

@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "landmarks_found.h"
+#include "craniometry_found.h"
 
 namespace trephine {
 namespace {
 
-using namespace landmarks_test;
+using namespace craniometry_test;
 
 TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
   const head::HeadLandmarks seen = find(scene());

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(snake segmentation)
+trephine_test(mask mask meshing)

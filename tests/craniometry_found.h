@@ -2,9 +2,9 @@
 #pragma once
 // The head that the landmarks are looked for in, and what is found in it.
 #include "base/report.h"
-#include "landmarks_scenes.h"
+#include "craniometry_scenes.h"
 
-namespace trephine::landmarks_test {
+namespace trephine::craniometry_test {
 
 inline const LandmarkScene& scene() {
   static const LandmarkScene s = [] {
@@ -41,4 +41,4 @@ inline double confidence(const head::HeadLandmarks& l, const char* name) {
   return found ? found->confidence : 0;
 }
 
-}  // namespace trephine::landmarks_test
+}  // namespace trephine::craniometry_test

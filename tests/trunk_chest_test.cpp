@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "body_samples.h"
 #include "segmentation/segment.h"
 #include "trunk/clavicle.h"
 #include "trunk/vein.h"
+#include "trunk_samples.h"
 
 namespace trephine {
 namespace {

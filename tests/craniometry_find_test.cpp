@@ -8,12 +8,12 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "landmarks_found.h"
+#include "craniometry_found.h"
 
 namespace trephine {
 namespace {
 
-using namespace landmarks_test;
+using namespace craniometry_test;
 
 ExitCode code_of(const std::function<void()>& f) {
   try {

@@ -5,8 +5,8 @@
 #include "base/error.h"
 #include "grid/labels.h"
 #include "grid/nifti.h"
-#include "labels_writers.h"
 #include "random.h"
+#include "segmentation_labels_writers.h"
 
 namespace trephine {
 namespace {

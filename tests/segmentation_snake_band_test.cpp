@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "segmentation/snake_band.h"
-#include "snake_shapes.h"
+#include "segmentation_snake_shapes.h"
 
 namespace trephine {
 namespace {
 
-using namespace snake_test;
+using namespace segmentation_test;
 using segmentation::BandEnd;
 using segmentation::BandParams;
 using segmentation::BandRun;

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "body_samples.h"
 #include "segmentation/segment.h"
 #include "trunk/canal.h"
+#include "trunk_samples.h"
 
 namespace trephine {
 namespace {

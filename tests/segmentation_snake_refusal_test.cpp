@@ -6,12 +6,12 @@
 
 #include "segmentation/bubbles.h"
 #include "segmentation/speed_image.h"
-#include "snake_evolved.h"
+#include "segmentation_snake_evolved.h"
 
 namespace trephine {
 namespace {
 
-using namespace snake_test;
+using namespace segmentation_test;
 
 TEST(Snake, BubblesAreReadStrictly) {
   const auto two = segmentation::parse_bubbles("1,2,3,4; -1.5, 0 ,2e1,0.5");

@@ -12,10 +12,10 @@
 
 #include "base/error.h"
 #include "device/udp_device.h"
+#include "device_udp_client.h"
 #include "haptics/servo.h"
 #include "haptics_only_sleep.h"
 #include "haptics_scene.h"
-#include "haptics_udp_client.h"
 
 using namespace trephine;
 using namespace trephine::haptic_scenes;

@@ -11,7 +11,7 @@
 #include "sampled_grid.h"
 
 // Grids sampled from closed forms, and how far a field's surface lies from one.
-namespace trephine::snake_test {
+namespace trephine::segmentation_test {
 
 inline grid::Lattice lattice(Vec3 extent_mm, Vec3 spacing) {
   grid::Lattice l;
@@ -56,4 +56,4 @@ Error error_of(F&& f) {
   return Error(ExitCode::ok, "", "", "");
 }
 
-}  // namespace trephine::snake_test
+}  // namespace trephine::segmentation_test

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "consistency/anatomy_gate.h"
-#include "gate_samples.h"
+#include "consistency_samples.h"
 
 namespace trephine {
 namespace {

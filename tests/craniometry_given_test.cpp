@@ -8,13 +8,13 @@
 
 #include "base/error.h"
 #include "boolean/burr_hole.h"
-#include "landmarks_found.h"
+#include "craniometry_found.h"
 #include "meshing/contour.h"
 
 namespace trephine {
 namespace {
 
-using namespace landmarks_test;
+using namespace craniometry_test;
 
 TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
   head::LandmarkInputs in = scene().inputs();

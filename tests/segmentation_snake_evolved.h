@@ -6,10 +6,10 @@
 #include <string>
 
 #include "segmentation/snake.h"
-#include "snake_shapes.h"
+#include "segmentation_snake_shapes.h"
 
 // Balls for a snake to find, and a snake that has run.
-namespace trephine::snake_test {
+namespace trephine::segmentation_test {
 
 constexpr Vec3 centre{0.2, -0.3, 0.4};
 
@@ -37,4 +37,4 @@ inline std::string stopped_by(const Evolved& r) { return std::get<std::string>(*
 
 inline double figure(const Evolved& r, const char* name) { return std::get<double>(*r.report.find(name)); }
 
-}  // namespace trephine::snake_test
+}  // namespace trephine::segmentation_test

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(gate consistency phantom)
+trephine_test(place head phantom)

@@ -7,7 +7,7 @@
 #include "base/write_file.h"
 #include "consistency/anatomy_gate.h"
 #include "consistency/anatomy_gate_gap.h"
-#include "gate_samples.h"
+#include "consistency_samples.h"
 #include "picture/image.h"
 
 namespace trephine {

@@ -7,12 +7,12 @@
 #include "base/parallel.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/speed_image.h"
-#include "snake_evolved.h"
+#include "segmentation_snake_evolved.h"
 
 namespace trephine {
 namespace {
 
-using namespace snake_test;
+using namespace segmentation_test;
 
 TEST(Snake, ABubbleGrowsToTheEdgeOfABall) {
   const double radius = 14;

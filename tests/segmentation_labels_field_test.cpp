@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "labels_writers.h"
 #include "segmentation/labels.h"
+#include "segmentation_labels_writers.h"
 
 namespace trephine {
 namespace {

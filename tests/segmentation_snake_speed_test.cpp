@@ -6,12 +6,12 @@
 
 #include "segmentation/speed_image.h"
 #include "segmentation/tissue_mixture.h"
-#include "snake_shapes.h"
+#include "segmentation_snake_shapes.h"
 
 namespace trephine {
 namespace {
 
-using namespace snake_test;
+using namespace segmentation_test;
 using segmentation::fit_mixture;
 using segmentation::Histogram;
 using segmentation::TissueMixture;

@@ -7,13 +7,13 @@
 #include <cstdlib>
 
 #include "craniometry/plausible.h"
+#include "craniometry_found.h"
 #include "dicom/import.h"
-#include "landmarks_found.h"
 
 namespace trephine {
 namespace {
 
-using namespace landmarks_test;
+using namespace craniometry_test;
 
 std::vector<cases::CaseLandmark> of_the_phantom() {
   std::vector<cases::CaseLandmark> all;
