@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "body_samples.h"
+#include "trunk_samples.h"
 #include "phantom/spine.h"
 #include "scenes.h"
 
