@@ -8,12 +8,12 @@
 #include "base/write_file.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
-#include "cases/json_at.h"
+#include "json/json_at.h"
 
 namespace trephine::cases {
 namespace {
 
-using At = detail::JsonAt;
+using At = json::JsonAt;
 constexpr std::size_t max_json_bytes = 1 << 16;
 using detail::gltf_float, detail::gltf_triangles, detail::gltf_uint16, detail::gltf_uint32;
 
@@ -109,7 +109,7 @@ void check_bounds(const At& accessor, const std::vector<Vec3>& points) {
 
 double srgb_of_linear(double v) { return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 
-GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
+GlbMesh mesh_of(const json::Json& json, std::string_view binary) {
   const At root(json, "glb");
   if (root["asset"]["version"].text() != "2.0") refuse("asset.version", "must be 2.0");
   if (root.has("extensionsRequired")) refuse("extensionsRequired", "is not supported");
@@ -168,7 +168,7 @@ GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
 
 GlbMesh read_glb(std::string_view bytes) {
   const Chunks chunks = chunks_of(bytes);
-  return mesh_of(with_field("glb", [&] { return detail::parse_json(chunks.json); }), chunks.binary);
+  return mesh_of(with_field("glb", [&] { return json::parse_json(chunks.json); }), chunks.binary);
 }
 
 GlbMesh read_glb_file(const std::filesystem::path& file) {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <set>
 
-#include "cases/json_at.h"
+#include "json/json_at.h"
 
 namespace trephine::head {
 namespace {
 
-using cases::detail::Json;
-using cases::detail::JsonAt;
+using json::Json;
+using json::JsonAt;
 
 Json value_of(Vec3 p) { return Json::array({p.x, p.y, p.z}); }
 
@@ -26,7 +26,7 @@ double share_in(const JsonAt& at) {
 }
 
 // Of the sources that a case may name.
-std::string source_in(const cases::detail::JsonAt& at) {
+std::string source_in(const JsonAt& at) {
   const std::string source = at.text();
   for (const char* known : {"found", "estimated", "given", "truth"})
     if (source == known) return source;
@@ -63,8 +63,8 @@ std::string landmarks_json(const HeadLandmarks& landmarks) {
 }
 
 HeadLandmarks parse_landmarks_json(std::string_view text) {
-  const Json json = cases::detail::parse_json(text);
-  const JsonAt root(json, "");
+  const Json parsed = json::parse_json(text);
+  const JsonAt root(parsed, "");
   HeadLandmarks out;
   const JsonAt plane = root["midsagittal"];
   out.midsagittal = {vector_in(plane["point_mm"]), vector_in(plane["normal"]), share_in(plane["confidence"])};

@@ -8,14 +8,14 @@
 
 #include "base/text.h"
 #include "base/write_file.h"
-#include "cases/json_at.h"
 #include "head/head_landmarks.h"
+#include "json/json_at.h"
 
 namespace trephine::head {
 namespace {
 
-using cases::detail::Json;
-using cases::detail::JsonAt;
+using json::Json;
+using json::JsonAt;
 
 constexpr double farthest_mm = 1e5;
 constexpr std::size_t longest_name = 64, most_points = 10000;
@@ -112,8 +112,8 @@ std::optional<std::string> header_value(const std::string& line, const std::stri
 }  // namespace
 
 std::vector<cases::CaseLandmark> parse_slicer_markups(std::string_view text) {
-  const Json json = cases::detail::parse_json(text);
-  const JsonAt root(json, "");
+  const Json parsed = json::parse_json(text);
+  const JsonAt root(parsed, "");
   Points points;
   for (const JsonAt& markup : root["markups"].items()) {
     const auto controls = markup.optional("controlPoints");

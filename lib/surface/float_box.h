@@ -2,6 +2,8 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
 #include "base/vec3.h"
 
@@ -11,7 +13,13 @@ namespace trephine::surface {
 struct FloatBox {
   std::array<float, 3> min{3e38f, 3e38f, 3e38f}, max{-3e38f, -3e38f, -3e38f};
   /// The point is rounded outwards, so that the box holds it.
-  void add(Vec3 p);
+  void add(Vec3 p) {
+    for (int a = 0; a < 3; ++a) {
+      const float f = static_cast<float>(p[a]);
+      min[a] = std::min(min[a], f <= p[a] ? f : std::nextafter(f, -std::numeric_limits<float>::infinity()));
+      max[a] = std::max(max[a], f >= p[a] ? f : std::nextafter(f, std::numeric_limits<float>::infinity()));
+    }
+  }
   void add(const std::array<float, 3>& low, const std::array<float, 3>& high) {
     for (int a = 0; a < 3; ++a) {
       min[a] = std::min(min[a], low[a]);
@@ -29,7 +37,14 @@ struct FloatBox {
     return x >= 0 ? x * y + y * z + z * x : 0;
   }
   /// Squared distance from the point to the box, 0 inside.
-  double squared_distance(Vec3 p) const;
+  double squared_distance(Vec3 p) const {
+    double d2 = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double d = std::max({min[a] - p[a], p[a] - max[a], 0.0});
+      d2 += d * d;
+    }
+    return d2;
+  }
 };
 
 }  // namespace trephine::surface

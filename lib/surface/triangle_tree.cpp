@@ -12,15 +12,6 @@
 namespace trephine::surface {
 namespace {
 
-float below(double v) {
-  const float f = static_cast<float>(v);
-  return f <= v ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
-}
-float above(double v) {
-  const float f = static_cast<float>(v);
-  return f >= v ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
-}
-
 /// Spreads 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x1f00000000ffffull;
@@ -75,22 +66,6 @@ void sort_by_key(std::vector<std::pair<std::uint64_t, std::uint32_t>>& keys) {
 }
 
 }  // namespace
-
-void FloatBox::add(Vec3 p) {
-  for (int a = 0; a < 3; ++a) {
-    min[a] = std::min(min[a], below(p[a]));
-    max[a] = std::max(max[a], above(p[a]));
-  }
-}
-
-double FloatBox::squared_distance(Vec3 p) const {
-  double d2 = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double d = std::max({min[a] - p[a], p[a] - max[a], 0.0});
-    d2 += d * d;
-  }
-  return d2;
-}
 
 TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
   const auto count = static_cast<std::int64_t>(mesh.triangles.size());

@@ -38,7 +38,7 @@ class Hud {
   void show_times(const Player& player, const PictureTimes& times);
   void note_list(const Notes& notes, bool log, int height);
   void lesson_panel(Player& player, Screen& screen);
-  void score_panel(const LessonDesk& lesson);
+  void score_panel(const LessonController& lesson);
   void xray_panel(Player& player, Screen& screen);
   void shot_panel(Player& player);  // of a review
   void xray_picture(const XrayPictures& pictures, float edge);

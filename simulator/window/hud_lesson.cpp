@@ -14,7 +14,7 @@ namespace trephine::window {
 using namespace hud;
 
 void Hud::lesson_panel(Player& player, Screen& screen) {
-  const LessonDesk& lesson = *player.lesson();
+  const LessonController& lesson = *player.lesson();
   const Place& at = layout_.work;
   ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
@@ -65,7 +65,7 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
   ImGui::End();
 }
 
-void Hud::score_panel(const LessonDesk& lesson) {
+void Hud::score_panel(const LessonController& lesson) {
   const lessons::ScoredLesson* scored = lesson.scored();
   if (!scored) return;
   const lessons::ScoreSum sum = lessons::sum_of(scored->score);

@@ -54,7 +54,7 @@ texts::Note ticks_of(const std::string& what, const haptics::ServoStatistics& t)
 
 LiveSession::LiveSession(const session::SessionOptions& options, const ScreenHandParams& hand_params,
                          const std::string& site, std::shared_ptr<session::Patient> patient, CaseView& view,
-                         LessonDesk* lesson, Notes& notes)
+                         LessonController* lesson, Notes& notes)
     // The way to the target is what a lesson asks for.
     : hand(view, lesson ? "" : site, lesson && lesson->has_arm()),
       options_(options),
@@ -334,14 +334,14 @@ void LiveSession::ink(const haptics::ServoFrame& f) {
   dots.push_back(last_ink_mm_ = at);
 }
 
-void show_tool_of(const LessonDesk& lesson, CaseView& view) {
+void show_tool_of(const LessonController& lesson, CaseView& view) {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   std::optional<std::array<float, 3>> colour;
   if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
   view.stage().set_tool(haptics::whole_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
 }
 
-void show_field_of(const LessonDesk& lesson, CaseView& view) {
+void show_field_of(const LessonController& lesson, CaseView& view) {
   const lessons::LessonField field = lesson.field(view.middle_mm());
   if (field.open_mm > 0 && !lesson.has_arm()) view.open_field_mm = field.centre_mm;
   view.stands_at = lesson.view();

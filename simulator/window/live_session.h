@@ -10,7 +10,7 @@
 #include "scene/bone_dust.h"
 #include "session/playback.h"
 #include "window/hand.h"
-#include "window/lesson_desk.h"
+#include "window/lesson_controller.h"
 #include "window/notes.h"
 
 namespace trephine::window {
@@ -21,7 +21,7 @@ class LiveSession {
  public:
   /// `lesson` may be null. What is given must outlive it. begin() comes next.
   LiveSession(const session::SessionOptions& options, const ScreenHandParams& hand, const std::string& site,
-              std::shared_ptr<session::Patient> patient, CaseView& view, LessonDesk* lesson, Notes& notes);
+              std::shared_ptr<session::Patient> patient, CaseView& view, LessonController* lesson, Notes& notes);
   ~LiveSession();
   /// A device that has to be waited for is waited for in another thread. Throws as Session does.
   void begin();
@@ -69,7 +69,7 @@ class LiveSession {
   const ScreenHandParams hand_params_;
   std::shared_ptr<session::Patient> patient_;
   CaseView& view_;
-  LessonDesk* lesson_;
+  LessonController* lesson_;
   Notes& notes_;
   std::atomic<bool> end_{false};
   std::unique_ptr<session::Session> session_;
@@ -95,8 +95,8 @@ class LiveSession {
 };
 
 /// The tool in the lesson's hand as a view shows it: in green where it succeeded, in red where it failed.
-void show_tool_of(const LessonDesk& lesson, CaseView& view);
+void show_tool_of(const LessonController& lesson, CaseView& view);
 /// The lesson's field in the light of a theatre, with what comes out of the tool.
-void show_field_of(const LessonDesk& lesson, CaseView& view);
+void show_field_of(const LessonController& lesson, CaseView& view);
 
 }  // namespace trephine::window

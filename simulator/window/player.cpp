@@ -33,7 +33,7 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
     patient_ = std::make_shared<session::Patient>(o.case_folder, o.shape, o.contact, cases::LoadParts{true});
   }
   if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
-  if (options_.lesson) lesson_ = std::make_unique<LessonDesk>(*options_.lesson, *patient_, o);
+  if (options_.lesson) lesson_ = std::make_unique<LessonController>(*options_.lesson, *patient_, o);
   if (lesson_ && lesson_->has_arm() && patient_->felt.loaded.has_ct())
     xrays_ = std::make_unique<XrayPictures>(patient_);
 }

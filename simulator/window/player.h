@@ -48,8 +48,8 @@ class Player {
   const LiveSession* live() const { return live_.get(); }
   ShownRecording* shown() { return shown_.get(); }  ///< null where somebody is at work
   const ShownRecording* shown() const { return shown_.get(); }
-  const LessonDesk* lesson() const { return lesson_.get(); }  ///< null where there is none
-  LessonDesk* lesson() { return lesson_.get(); }
+  const LessonController* lesson() const { return lesson_.get(); }  ///< null where there is none
+  LessonController* lesson() { return lesson_.get(); }
   bool in_lesson() const { return lesson_ && live_; }  ///< and it goes on
   /// Whether the remote may say where the tip is: outside of a lesson, or where that was asked for.
   bool tells_tip() const { return !in_lesson() || options_.remote_tells_all; }
@@ -76,7 +76,7 @@ class Player {
   const std::atomic<bool>& stop_;
   std::shared_ptr<session::Patient> patient_;  // a review has its own
   std::vector<Vec3> ghost_mm_;
-  std::unique_ptr<LessonDesk> lesson_;
+  std::unique_ptr<LessonController> lesson_;
   std::unique_ptr<XrayPictures> xrays_;
   std::unique_ptr<ShownRecording> shown_;
   std::unique_ptr<ShotReview> shots_;

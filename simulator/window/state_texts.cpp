@@ -35,7 +35,7 @@ std::string state_text(const Player& player) {
 }
 
 std::string lesson_text(const Player& player) {
-  const LessonDesk* lesson = player.lesson();
+  const LessonController* lesson = player.lesson();
   if (!lesson) return "error: " + texts::text_of(texts::NoteId::no_lesson, texts::Language::english);
   const lessons::LessonFacts& f = lesson->facts();
   std::string text =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "window/lesson_desk.h"
+#include "window/lesson_controller.h"
 
 #include <algorithm>
 
@@ -41,7 +41,8 @@ lesson::CompiledRubric rubric_of(const LessonPlay& p) {
 
 }  // namespace
 
-LessonDesk::LessonDesk(const LessonPlay& play, const session::Patient& patient, const session::SessionOptions& o)
+LessonController::LessonController(const LessonPlay& play, const session::Patient& patient,
+                                   const session::SessionOptions& o)
     : play_(play),
       case_folder_(o.case_folder),
       rate_hz_(o.servo.rate_hz),
@@ -68,11 +69,11 @@ LessonDesk::LessonDesk(const LessonPlay& play, const session::Patient& patient, 
   press();
 }
 
-LessonDesk::~LessonDesk() {
+LessonController::~LessonController() {
   if (judging_.valid()) judging_.wait();
 }
 
-void LessonDesk::set_session(session::SessionOptions& o) const {
+void LessonController::set_session(session::SessionOptions& o) const {
   o.tools = belt_->tools();
   o.lesson = play_.module;
   o.participant = play_.participant;
@@ -82,7 +83,7 @@ void LessonDesk::set_session(session::SessionOptions& o) const {
 }
 
 // Sets the board's buttons. A command stays until the servo has seen it, and is released before the next one.
-void LessonDesk::press() {
+void LessonController::press() {
   std::uint32_t buttons = pedal_ ? haptics::belt_button::pedal : 0;
   buttons |= std::uint32_t(tool_) << haptics::belt_button::tool_shift;
   if (resting_ && !commands_.empty())
@@ -90,13 +91,13 @@ void LessonDesk::press() {
   board_->buttons.store(buttons, std::memory_order_relaxed);
 }
 
-void LessonDesk::set_pedal(bool down) {
+void LessonController::set_pedal(bool down) {
   pedal_ = down;
   press();
 }
 
 // The step that begins with this tool or command, if the lesson has one.
-void LessonDesk::note_step(int tool, int command) {
+void LessonController::note_step(int tool, int command) {
   for (std::size_t n = 0; n < steps_.size(); ++n)
     if (command != haptics::belt_command::none
             ? steps_[n].command == command
@@ -104,7 +105,7 @@ void LessonDesk::note_step(int tool, int command) {
       step_ = n;
 }
 
-texts::Answer LessonDesk::take(const std::string& name) {
+texts::Answer LessonController::take(const std::string& name) {
   for (std::size_t n = 0; n < tools().size(); ++n)
     if (tools()[n].name == name) {
       tool_ = int(n);
@@ -116,7 +117,7 @@ texts::Answer LessonDesk::take(const std::string& name) {
   return texts::Note{texts::NoteId::no_tool_of_lesson, {name}};
 }
 
-texts::Answer LessonDesk::give(const std::string& name) {
+texts::Answer LessonController::give(const std::string& name) {
   for (int n = 1; n < haptics::belt_command::count; ++n)
     if (name == haptics::belt_command::names[n]) {
       if (belt_->paused() && n != haptics::belt_command::pause && n != haptics::belt_command::resume &&
@@ -131,7 +132,7 @@ texts::Answer LessonDesk::give(const std::string& name) {
   return texts::Note{texts::NoteId::no_lesson_command, {name}};
 }
 
-texts::Answer LessonDesk::next() {
+texts::Answer LessonController::next() {
   if (step_ + 1 >= steps_.size()) return texts::NoteId::last_step;
   const LessonStep& s = steps_[step_ + 1];
   // A pedal pressed once too often must not end the lesson, which cannot be taken back.
@@ -140,13 +141,13 @@ texts::Answer LessonDesk::next() {
   return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(haptics::belt_command::names[s.command]);
 }
 
-texts::Answer LessonDesk::back() {
+texts::Answer LessonController::back() {
   for (std::size_t n = step_; n-- > 0;)
     if (steps_[n].tool >= 0) return take(tools()[std::size_t(steps_[n].tool)].name);
   return texts::NoteId::first_step;
 }
 
-void LessonDesk::watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling) {
+void LessonController::watch(const std::vector<haptics::ServoFrame>& frames, const haptics::Drilling* drilling) {
   belt_->watch(drilling);
   for (const haptics::ServoFrame& f : frames) {
     belt_->follow(haptics::input_of(f, rate_hz_), haptics::state_of(f));
@@ -163,21 +164,23 @@ void LessonDesk::watch(const std::vector<haptics::ServoFrame>& frames, const hap
   }
 }
 
-std::vector<lessons::LessonStatus> LessonDesk::status() const {
+std::vector<lessons::LessonStatus> LessonController::status() const {
   return module_.status ? module_.status(lesson_->facts()) : std::vector<lessons::LessonStatus>();
 }
 
-lessons::LessonField LessonDesk::field(Vec3 middle_mm) const {
+lessons::LessonField LessonController::field(Vec3 middle_mm) const {
   return module_.field ? module_.field(lesson_->facts(), manifest_) : lessons::LessonField{middle_mm, 0, 220};
 }
 
-lessons::LessonFluid LessonDesk::fluid() const {
+lessons::LessonFluid LessonController::fluid() const {
   return module_.fluid ? module_.fluid(lesson_->facts(), manifest_) : lessons::LessonFluid::none;
 }
 
-int LessonDesk::verdict() const { return module_.verdict ? module_.verdict(lesson_->facts(), rubric_.rubric) : 0; }
+int LessonController::verdict() const {
+  return module_.verdict ? module_.verdict(lesson_->facts(), rubric_.rubric) : 0;
+}
 
-bool LessonDesk::take_ink(std::vector<Vec3>& ink) {
+bool LessonController::take_ink(std::vector<Vec3>& ink) {
   if (!module_.ink) return false;
   const std::vector<Vec3> all = module_.ink(lesson_->facts());
   if (all.size() == ink_points_) return false;
@@ -188,7 +191,7 @@ bool LessonDesk::take_ink(std::vector<Vec3>& ink) {
   return true;
 }
 
-void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
+void LessonController::judge(bool for_review, const std::atomic<bool>& stop) {
   judging_ = std::async(std::launch::async, [this, for_review, &stop] {
     JudgedLesson out;
     out.scored = lessons::score_recording(play_.recording, case_folder_, rubric_);
@@ -204,7 +207,7 @@ void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
   });
 }
 
-bool LessonDesk::take_judged(bool wait) {
+bool LessonController::take_judged(bool wait) {
   if (!judging_.valid()) return false;
   if (!wait && judging_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
   judged_ = judging_.get();

@@ -10,9 +10,9 @@
 
 #include "base/error.h"
 
-namespace trephine::cases::detail {
+namespace trephine::json {
 
-/// For the sources of this room only.
+/// For sources that read JSON: who links the installed library needs no header of nlohmann's.
 using Json = nlohmann::ordered_json;
 
 /// One JSON value with the path to it ("haptic.shapes[0].window"), so that a refusal (Error 65) names it.
@@ -97,4 +97,4 @@ class JsonAt {
 /// multiple of the text's size. Throws Error 65 with the field "json".
 Json parse_json(std::string_view text);
 
-}  // namespace trephine::cases::detail
+}  // namespace trephine::json

@@ -40,12 +40,12 @@ struct JudgedLesson {
 /// The lesson beside the session in which it is done: what the user presses goes to the session's board, what the
 /// servo's frames tell is followed for the panel, and what was recorded is judged by itself. So the score is that of
 /// `trephine-sim score`, and what the panel shows meanwhile changes nothing in it. In the window's thread.
-class LessonDesk {
+class LessonController {
  public:
   /// `patient`, as its case is, must outlive it. Throws Error 65 where the case does not hold the lesson, as
   /// read_rubric_file does, and 64 for a participant that is no token.
-  LessonDesk(const LessonPlay& lesson, const session::Patient& patient, const session::SessionOptions& session);
-  ~LessonDesk();
+  LessonController(const LessonPlay& lesson, const session::Patient& patient, const session::SessionOptions& session);
+  ~LessonController();
   /// Tools, module, participant, board and recording.
   void set_session(session::SessionOptions& session) const;
 

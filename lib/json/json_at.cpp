@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cases/json_at.h"
+#include "json/json_at.h"
 
-namespace trephine::cases::detail {
+namespace trephine::json {
 
 namespace {
 
@@ -40,4 +40,4 @@ Json parse_json(std::string_view text) {
   }
 }
 
-}  // namespace trephine::cases::detail
+}  // namespace trephine::json
