@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "dicom/import.h"
-#include "dicom_synthetic.h"
+#include "dicom_import_samples.h"
 
 namespace trephine {
 namespace {
@@ -168,6 +168,30 @@ TEST(DicomList, SaysNothingOfThePatient) {
     EXPECT_EQ(text.find("CANARY"), std::string::npos) << text;
     EXPECT_EQ(text.find("77777"), std::string::npos) << text;
     EXPECT_NE(text.find("PixelSpacing"), std::string::npos) << text;
+  }
+}
+
+// A tag that is absent, or empty, is no "no": a scan with contrast agent may lack it.
+TEST(DicomList, ContrastThatIsNotToldIsNoNo) {
+  using Row = std::tuple<const char*, const char*, const char*>;
+  for (const auto& [agent, said, as_json] : {Row{nullptr, "not told", "null"},
+                                             {"", "not told", "null"},
+                                             {"UNKNOWN", "not told", "null"},
+                                             {"APPLIED", "yes", "true"},
+                                             {"CANARY 300 ml", "yes", "true"},
+                                             {"NONE", "no", "false"},
+                                             {"no contrast", "no", "false"}}) {
+    Scan s = import_samples::small();
+    if (agent) s.edit = [agent = agent](int, DataSet& d) { d.text(tag(0x18, 0x10), "LO", agent); };
+    const ScratchFolder folder;
+    s.write(folder);
+    const dicom::SeriesList list = dicom::list_series(folder.path());
+    const std::string text = dicom::list_text(list), json = dicom::list_json(list);
+    EXPECT_NE(text.find(said), std::string::npos) << (agent ? agent : "absent") << ": " << text;
+    EXPECT_EQ(text.find("not told") != std::string::npos, said == std::string("not told")) << text;
+    EXPECT_NE(json.find("\"contrast\": " + std::string(as_json) + ","), std::string::npos) << json;
+    const Report report = dicom::import_series(folder.path(), {}).report;
+    EXPECT_EQ(std::get<std::string>(*report.find("contrast")), said) << (agent ? agent : "absent");
   }
 }
 

@@ -116,7 +116,8 @@ TEST(DicomSeries, AChoiceIsAskedFor) {
   EXPECT_EQ(o.code, 64);
   for (const char* part :
        {"s1-20x16x9: CT, 1.5 x 1.5 x 1 mm, kernel other, slice thickness 1 mm, DERIVED/PRIMARY/other, contrast",
-        "s2-20x16x6: CT, 1.5 x 1.5 x 2 mm, kernel H31s, slice thickness 2 mm, ORIGINAL/PRIMARY/AXIAL, no contrast"})
+        "s2-20x16x6: CT, 1.5 x 1.5 x 2 mm, kernel H31s, slice thickness 2 mm, ORIGINAL/PRIMARY/AXIAL, contrast not "
+        "told"})
     EXPECT_NE(o.line.find(part), std::string::npos) << o.line;
   EXPECT_EQ(o.line.find("CANARY"), std::string::npos);
   dicom::ImportParams p;

@@ -88,7 +88,13 @@ std::string hash_of_frame(const FrameRef& ref) {
   const Frame& f = h.frames[static_cast<std::size_t>(ref.frame)];
   Sha256 sha;
   sha.text("trephine dicom frame 2").text(h.syntax->uid).text(h.modality).integer(h.is_ct());
-  sha.text(h.image_type).text(h.kernel).text(h.patient_position).integer(h.contrast).number(h.tilt_tag_deg.value_or(0));
+  sha.text(h.image_type)
+      .text(h.kernel)
+      .text(h.patient_position)
+      .integer(h.contrast == "yes"  ? 1
+               : h.contrast == "no" ? 2
+                                    : 0)
+      .number(h.tilt_tag_deg.value_or(0));
   sha.number(h.kvp.value_or(0)).integer(h.burned_in);
   sha.integer(h.rows).integer(h.columns).integer(h.bits_allocated).integer(h.bits_stored).integer(h.is_signed);
   sha.integer(h.padding ? *h.padding : -1).integer(h.padding_limit ? *h.padding_limit : -1);

@@ -199,7 +199,7 @@ class HeaderReader {
         h_.modality = known_modality(text(e));
         break;
       case t_contrast:
-        h_.contrast = e.length > 0 && !trimmed(text(e)).empty();
+        h_.contrast = known_contrast(text(e));
         break;
       case t_kernel:
         h_.kernel = known_kernel(text(e));

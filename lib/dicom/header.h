@@ -42,8 +42,9 @@ struct FileHeader {
   std::vector<std::uint64_t> said;  ///< digests of the values, by the place in attributes(); 0: absent, or rule own
   std::string modality;             ///< known_modality
   std::string image_type, kernel, patient_position;
+  std::string contrast;  ///< known_contrast
   std::string raw_image_type;
-  bool contrast = false, burned_in = false;  ///< burned_in: the pixels are said to hold text
+  bool burned_in = false;  ///< the pixels are said to hold text
   bool lossy = false, quality_control = false;
   std::string rescale_type;  ///< known_rescale_type
   std::optional<double> kvp;

@@ -298,7 +298,7 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
   r.add("kernel", series.summary.kernel);
   r.add("image_type", series.summary.image_type);
   r.add("patient_position", h.patient_position);
-  r.add("contrast", series.summary.contrast);
+  r.add("contrast", series.summary.contrast_text());
   r.add("transfer_syntax", series.summary.transfer_syntax);
   if (h.tilt_tag_deg) r.add("tilt_by_tag_deg", *h.tilt_tag_deg);
   constexpr double same_tilt_deg = 1;  // the tag's sign is not reliable, and often it is rounded

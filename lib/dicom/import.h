@@ -87,8 +87,8 @@ struct SeriesSummary {
   double slice_thickness_mm = 0;     ///< 0: unknown
   std::string kernel;                ///< name of a known kernel, else "other", or empty
   std::string image_type;            ///< known words only, joined by '/'
-  bool contrast = false;
-  std::string transfer_syntax;  ///< name
+  std::string contrast;              ///< "yes" or "no" by the tag; empty: the scan does not say it, and may show it
+  std::string transfer_syntax;       ///< name
   std::string orientation;  ///< "axial HFS": plane of the slices (oblique: at least 30 degrees off), patient's position
   double tilt_deg = 0;      ///< positive where the slices shift towards rising rows as they rise along the normal
   double smallest_step_mm = 0, largest_gap_mm = 0;
@@ -100,7 +100,8 @@ struct SeriesSummary {
 
   Report seen;  ///< what its picture shows, by whoever looked at it; list_series does not
 
-  std::string line() const;  ///< "s1-512x512x108: CT, 0.479 x 0.479 x 1.5 mm, kernel H40s, ..."
+  const char* contrast_text() const;  ///< "yes", "no" or "not told"
+  std::string line() const;           ///< "s1-512x512x108: CT, 0.479 x 0.479 x 1.5 mm, kernel H40s, ..."
 };
 
 struct ImportResult {

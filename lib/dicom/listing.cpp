@@ -83,8 +83,8 @@ std::string list_text(const SeriesList& list) {
                         ? fmt::format("{:.4g} x {:.4g} x {:.4g}", s.spacing_mm.x, s.spacing_mm.y, s.spacing_mm.z)
                         : "-",
                     s.slice_thickness_mm > 0 ? fmt::format("{:.4g}", s.slice_thickness_mm) : "-", or_dash(s.kernel),
-                    s.contrast ? "yes" : "no", measured ? fmt::format("{:.1f}", s.tilt_deg + 0.0) : "-",
-                    measured ? steps : "-", s.transfer_syntax, s.verdict});
+                    s.contrast_text(), measured ? fmt::format("{:.1f}", s.tilt_deg + 0.0) : "-", measured ? steps : "-",
+                    s.transfer_syntax, s.verdict});
   }
   std::string out = text_table(rows, "l") + "\n";
   for (const SeriesSummary& s : list.series)
@@ -108,7 +108,7 @@ std::string list_json(const SeriesList& list) {
     j["slice_thickness_mm"] = s.slice_thickness_mm;
     j["kernel"] = s.kernel;
     j["image_type"] = s.image_type;
-    j["contrast"] = s.contrast;
+    j["contrast"] = s.contrast.empty() ? ordered_json() : ordered_json(s.contrast == "yes");  // null: not told
     j["tilt_deg"] = s.tilt_deg;
     j["smallest_step_mm"] = s.smallest_step_mm;
     j["largest_gap_mm"] = s.largest_gap_mm;

@@ -126,8 +126,10 @@ std::string SeriesSummary::line() const {
   if (!kernel.empty()) out += ", kernel " + kernel;
   if (slice_thickness_mm > 0) out += fmt::format(", slice thickness {:.4g} mm", slice_thickness_mm);
   if (!image_type.empty()) out += ", " + image_type;
-  out += contrast ? ", contrast" : ", no contrast";
+  out += contrast == "yes" ? ", contrast" : contrast == "no" ? ", no contrast" : ", contrast not told";
   return out;
 }
+
+const char* SeriesSummary::contrast_text() const { return contrast.empty() ? "not told" : contrast.c_str(); }
 
 }  // namespace trephine::dicom

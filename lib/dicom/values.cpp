@@ -72,13 +72,24 @@ constexpr SopClass sop_classes[] = {
 
 }  // namespace
 
-bool is_shared_patient_id(std::string_view id) {
+namespace {
+
+// Its letters of the Latin alphabet, as capitals, and its digits.
+std::string plain_letters(std::string_view text) {
   std::string plain;
-  for (const char c : id) {
-    if (static_cast<unsigned char>(c) >= 0x80) return false;  // letters of another alphabet
+  for (const char c : text) {
     if (c >= 'a' && c <= 'z') plain += static_cast<char>(c - 'a' + 'A');
     if ((c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) plain += c;
   }
+  return plain;
+}
+
+}  // namespace
+
+bool is_shared_patient_id(std::string_view id) {
+  if (std::any_of(id.begin(), id.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; }))
+    return false;  // letters of another alphabet
+  const std::string plain = plain_letters(id);
   if (plain.find_first_not_of(plain.empty() ? '0' : plain[0]) == std::string::npos) return true;  // 0, 000, XXXX, "-"
   constexpr std::string_view shared[] = {
       "ANON",    "ANONYM",      "ANONYMOUS", "ANONYMISED",   "ANONYMIZED",  "ANONYMOUSPATIENT", "ANONYMOUSID",
@@ -109,6 +120,17 @@ std::optional<std::vector<double>> parse_decimals(std::string_view text) {
     values.push_back(v);
   }
   return values;
+}
+
+std::string known_contrast(std::string_view text) {
+  const std::string_view said = trimmed(text);
+  if (said.empty()) return "";
+  const std::string plain = plain_letters(said);
+  constexpr std::string_view nothing[] = {"NA", "NOTAVAILABLE", "UNKNOWN", "NULL", "UNSPECIFIED"};
+  constexpr std::string_view none[] = {"NO",          "N", "NONE", "NOCONTRAST", "WITHOUT", "WITHOUTCONTRAST",
+                                       "NONCONTRAST", "0"};
+  if (contains(nothing, plain)) return "";
+  return contains(none, plain) ? "no" : "yes";
 }
 
 std::string known_kernel(std::string_view text) {

@@ -29,6 +29,9 @@ std::string known_modality(std::string_view text);
 std::string known_rescale_type(std::string_view text);
 /// HFS, FFP, ..., else "unknown"; empty stays empty.
 std::string known_patient_position(std::string_view text);
+/// Whether contrast agent was given by ContrastBolusAgent: "yes" where it names one, "no" where it says that there was
+/// none; empty where it says nothing, which is no "no": the tag is left out of most scans.
+std::string known_contrast(std::string_view text);
 
 /// Whether a PatientID says nothing of the patient, because programs that anonymise, or people who know none, write it
 /// for everybody: ANONYMOUS, UNKNOWN, 0, XXXX and the like, whatever their case and punctuation.

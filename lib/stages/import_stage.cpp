@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType import_stage() {
   StageType s;
   s.name = "import";
-  s.version = 6;
+  s.version = 7;
   s.place = StagePlace::scene;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;
