@@ -174,6 +174,13 @@ TEST(Registration, SaysThatAResultIsDoubtful) {
   const std::vector<std::string> said = warnings(grid::HuVolume(longer.volume));
   ASSERT_EQ(said.size(), 1u);
   EXPECT_NE(said[0].find("whether this is the same patient"), std::string::npos) << said[0];
+  const auto another_patient = [&](const grid::HuVolume& moving) {
+    Report report;
+    itk::register_scans(ct, moving, nullptr, {}, quick, report);
+    return std::get<bool>(*report.find("another_patient"));
+  };
+  EXPECT_FALSE(another_patient(grid::HuVolume(mr.volume)));
+  EXPECT_TRUE(another_patient(grid::HuVolume(longer.volume)));
   // Voxels of a wrong size: no rigid map can lay it on the CT.
   phantom::Second stretched = mr;
   stretched.volume.spacing_mm.y *= 1.08;

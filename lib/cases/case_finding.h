@@ -21,7 +21,7 @@ struct CaseFinding {
     using P = CaseFinding;
     v.text(&P::kind, "kind",
            "What it is: `dense_tissue`, `dark_tissue`, `midline_shift`, `wide_ventricles`, `bone_gap`, `metal`, "
-           "`tube`.")
+           "`tube`; `other_patient`: a whole further scan, which may not be of this patient.")
         .of_form(some_text);
     v.text(&P::where, "where", "Where it lies, in words.").of_form(some_text);
     v.word(&P::side, "side", {"left", "right", "middle"}, "The patient's side.");

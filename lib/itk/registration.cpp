@@ -204,7 +204,9 @@ Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& m
     for (int a = 0; a < 3; ++a) longest_side_mm = std::max(longest_side_mm, grid::lattice_of(*volume).spacing_mm[a]);
   Registration r{found.map, doubts_of(found, params, longest_side_mm)};
   describe(r, found, report);
-  if (const std::string doubt = unusual(found, params); r.doubts.empty() && !doubt.empty()) report.warn(doubt);
+  const std::string doubt = unusual(found, params);
+  report.add("another_patient", !doubt.empty());
+  if (r.doubts.empty() && !doubt.empty()) report.warn(doubt);
   return r;
 }
 

@@ -21,6 +21,7 @@
 #include "publish/findings_content.h"
 #include "publish/haptic_content.h"
 #include "publish/head_content.h"
+#include "publish/scan_findings.h"
 #include "publish/scene_limits.h"
 #include "surface/bounds.h"
 #include "surface/results.h"
@@ -52,10 +53,12 @@ class Builder {
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     add_head_content(config_, graph_, results_, manifest());
-    if (examination_ >= 0) {
-      manifest().findings = findings_of(at(examination_).report);
-      doubt_the_class(manifest());
-    }
+    if (examination_ >= 0) manifest().findings = findings_of(at(examination_).report);
+    for (cases::CaseFinding& f :
+         findings_of_scans(config_, graph_, results_, manifest().center_mm))  // behind those that labels number
+      manifest().findings.push_back(std::move(f));
+    doubt_the_class(manifest());
+    doubt_the_targets(manifest());
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
       surfaces.report(double(i) / double(graph_.anatomies.size()));
       add_anatomy(graph_.anatomies[i], config_.scene[i]);

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "findings/findings.h"
 #include "picture/slice.h"
+#include "publish/scan_findings.h"
 
 namespace trephine::publish {
 namespace {
@@ -133,8 +134,8 @@ std::optional<CasePicture> make_findings_picture(const grid::HuVolume& scan, con
   const auto range = picture::slice_range_mm(lattice, picture::SlicePlane::axial);
   std::vector<std::size_t> shown;
   for (std::size_t i = 0; i < findings.size() && shown.size() < max_pictures; ++i)
-    if (findings[i].confidence >= findings::sure_confidence && findings[i].position_mm.z >= range[0] &&
-        findings[i].position_mm.z <= range[1])
+    if (findings[i].kind != other_patient && findings[i].confidence >= findings::sure_confidence &&
+        findings[i].position_mm.z >= range[0] && findings[i].position_mm.z <= range[1])
       shown.push_back(i);
   if (shown.empty()) return {};
   std::vector<picture::Image> images(shown.size());

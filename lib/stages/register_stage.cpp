@@ -13,7 +13,7 @@ namespace trephine::stages {
 StageType register_stage() {
   StageType s;
   s.name = "register";
-  s.version = 5;
+  s.version = 6;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
   s.typical_s = 12;
   s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
@@ -58,10 +58,13 @@ StageType register_stage() {
     const bool by_bones = itk::is_identity(r.map) && params.moving == itk::MovingValues::hu;
     if (!params.given.empty() && r.doubts.empty() && !by_bones) {
       // The images are registered all the same, and say how far the given transform lies from their own.
-      Report ignored;
+      Report of_own;
       const itk::Registration own = itk::register_scans(fixed, moving, in.get<grid::Field>("within"), r.map, params,
-                                                        ignored, progress.part(0, 0.9));
+                                                        of_own, progress.part(0, 0.9));
       if (own.doubts.empty()) {
+        for (const char* figure : {"scale_ratio", "another_patient"})
+          if (const ParameterValue* value = of_own.find(figure)) report.figures.emplace_back(figure, *value);
+        for (const std::string& w : of_own.warnings) report.warn(w);
         const double apart = itk::apart_mm(fixed, r.map, own.map);
         report.add("given_apart_mm", apart);
         if (!(apart <= params.largest_given_mm))

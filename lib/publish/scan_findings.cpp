@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/scan_findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace trephine::publish {
+namespace {
+
+constexpr double how_sure = 0.6, doubtful_target = 0.4;
+
+/// Of each node, whether it is made of the other one; sources come before their readers.
+std::vector<char> made_of(const pipeline::Graph& graph, int source) {
+  std::vector<char> is(graph.nodes.size());
+  is[std::size_t(source)] = 1;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    for (const auto& [port, from] : graph.nodes[i].sources)
+      if (is[std::size_t(from)]) is[i] = 1;
+  return is;
+}
+
+// By the recipe's steps alone: a burr hole that was aimed by the other scan makes no bone of it.
+std::vector<std::string> anatomies_made_of(const config::CaseConfig& config, const pipeline::Graph& graph, int scan) {
+  const std::vector<char> is = made_of(graph, scan);
+  std::vector<std::string> names;
+  for (const config::RecipeAnatomy& a : config.anatomies) {
+    if (!config.is_shown(a.name)) continue;
+    if (std::any_of(a.steps.begin(), a.steps.end(), [&](const config::RecipeStep& step) {
+          const int node = graph.find(a.name + "." + step.type->name);
+          return node >= 0 && is[std::size_t(node)];
+        }))
+      names.push_back(a.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+const char* const other_patient = "other_patient";
+
+std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& config, const pipeline::Graph& graph,
+                                                  const std::vector<pipeline::NodeResult>& results, Vec3 middle_mm) {
+  std::vector<cases::CaseFinding> all;
+  for (const auto& [name, node] : graph.scans) {
+    const Report& report = results[std::size_t(node)].report;
+    const ParameterValue* doubted = report.find("another_patient");
+    const ParameterValue* stretch = report.find("scale_ratio");
+    if (!doubted || !stretch || !std::get<bool>(*doubted)) continue;
+    cases::CaseFinding f;
+    f.kind = other_patient;
+    f.where = "the whole scan " + name;
+    f.side = "middle";
+    f.position_mm = middle_mm;
+    f.confidence = how_sure;
+    f.concerns = anatomies_made_of(config, graph, node);
+    f.figures = {{"scale_ratio", *stretch}};
+    std::string of;
+    for (const std::string& anatomy : f.concerns) of += (of.empty() ? "" : ", ") + anatomy;
+    f.text = fmt::format("the scan {} may be another patient's: it fits the CT best stretched by {:.1f} %{}", name,
+                         100 * std::get<double>(*stretch), of.empty() ? "" : ", and of it are made " + of);
+    all.push_back(std::move(f));
+  }
+  return all;
+}
+
+void doubt_the_targets(cases::CaseManifest& manifest) {
+  for (const cases::CaseFinding& f : manifest.findings) {
+    if (f.kind != other_patient) continue;
+    for (cases::CaseTarget& target : manifest.targets) {
+      if (std::find(f.concerns.begin(), f.concerns.end(), target.anatomy) == f.concerns.end()) continue;
+      target.confidence = std::min(target.confidence, doubtful_target);
+      for (cases::CaseLandmark& l : manifest.landmarks)
+        if (l.name == target.name) l.confidence = std::min(l.confidence, doubtful_target);
+    }
+  }
+}
+
+}  // namespace trephine::publish
