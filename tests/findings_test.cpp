@@ -209,6 +209,19 @@ TEST(Findings, AShuntIsSeenInThickSlices) {
   }
 }
 
+// A streak of metal is as thin, straight and long as a catheter, but keeps to the slices of the metal.
+TEST(Findings, AStreakInAFewSlicesIsNoSureTube) {
+  for (const bool lies : {true, false}) {
+    const Scene s({}, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
+      scene.brighten({-27, 8, 72}, lies ? Vec3{1.2, 17, 2.1} : Vec3{1.2, 1.2, 17}, 250);
+    });
+    const auto tubes = s.of(FindingKind::tube);
+    ASSERT_EQ(tubes.size(), 1u) << lies;
+    EXPECT_GT(Scene::figure(tubes[0], "longest_mm"), 25) << lies;
+    EXPECT_EQ(tubes[0].confidence >= findings::sure_confidence, !lies) << tubes[0].confidence;
+  }
+}
+
 TEST(Findings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
   const auto shift_with = [](bool in_pieces) {
     const Scene s({}, phantom::Variant::shifted);

@@ -21,8 +21,10 @@ constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
 constexpr double round_ratio = 0.6, max_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
-constexpr double few_slices = 4, many_slices = 9;  ///< that a tube is long
-constexpr double suture_mm = 4;                    ///< a gap of bone that is narrower is a suture or a thin place
+constexpr double few_slices = 4, many_slices = 9;   ///< that a tube is long
+constexpr double flat_slices = 1, deep_slices = 5;  ///< through which it goes
+constexpr double flat_mm = 3, deep_mm = 9;          ///< likewise; a streak is as deep as the metal that casts it
+constexpr double suture_mm = 4;                     ///< a gap of bone that is narrower is a suture or a thin place
 
 float hu_near(const mask::HuView& hu, Vec3 lps) {
   const Vec3 p = hu.lattice().to_index(lps);
@@ -61,6 +63,19 @@ Met along(const Inside& in, const mask::HuView& hu, const craniometry::FieldView
     if (d > inner && value < skin_hu) return met.is = d > inner + scalp_mm ? Ray::gap : Ray::unknown, met;
   }
   return met;
+}
+
+/// Streaks of metal are thin, straight and long, and keep to the slices of the metal; a catheter goes through many. One
+/// that lies along the slices cannot be told from a streak.
+double goes_through_slices(const std::vector<Vec3>& points, const grid::Lattice& l) {
+  double low = 1e9, high = -1e9;
+  for (const Vec3& p : points) {
+    const double k = l.to_index(p).z;
+    low = std::min(low, k);
+    high = std::max(high, k);
+  }
+  const double slices = high - low + 1;
+  return std::min(mask::ramp(slices, flat_slices, deep_slices), mask::ramp(slices * l.spacing_mm.z, flat_mm, deep_mm));
 }
 
 }  // namespace
@@ -161,7 +176,10 @@ std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const gr
     // A tube that goes on through many thick slices is none of their streaks.
     const double slices =
         std::max(mask::ramp(slice, 5, 1.5), mask::ramp(e.longest_mm() / slice, few_slices, many_slices));
-    s.finding.confidence = in.contrast_ml > vessels_ml ? 0.4 : in.place.sure ? 0.85 * slices : 0.45;
+    const double through = goes_through_slices(of[c], l);
+    s.finding.confidence = in.contrast_ml > vessels_ml ? std::min(0.4, through)
+                           : in.place.sure             ? 0.85 * slices * through
+                                                       : 0.45 * through;
     s.finding.figures = {{"longest_mm", e.longest_mm()}, {"width_mm", thick}};
     s.finding.concerns = {"ventricles"};
     s.finding.text =

@@ -98,7 +98,7 @@ struct Findings {
 ///   the skull. In thick slices it is sure where it is several slices wide, or a round hole wider than a slice.
 /// - metal: above the base of the skull, within 25 mm of the brain. Pieces that are hardly denser than the vault's
 ///   densest bone (1.3 times; 1.7 times at the petrous bones) are one doubtful finding of their own.
-/// - tube: straight, thin and long, in the brain.
+/// - tube: straight, thin and long, in the brain; doubtful where it keeps to a few slices, as streaks of metal do.
 ///
 /// Adds findings_count and, for each, "N.kind", "N.where", "N.side", "N.position_mm", "N.confidence", "N.concerns"
 /// (separated by blanks), "N.text" and its figures to the report; as a warning the text of each that is sure, and how

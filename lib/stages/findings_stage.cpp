@@ -10,7 +10,7 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 8;
+  s.version = 9;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.examines = true;
