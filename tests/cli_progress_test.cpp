@@ -110,6 +110,45 @@ TEST(ProgressDisplay, TheShareOfTheWholeGrowsWithThePlanAndNeverFalls) {
   EXPECT_FALSE(std::regex_search(text, std::regex("skull.decimate 20 %"))) << text;
 }
 
+// The last time left that was told of the whole, in seconds; -1: none.
+double last_left_s(const std::string& text) {
+  const std::regex told("% of all, about (?:([0-9]+) min )?([0-9.]+) s left");
+  double left = -1;
+  for (std::sregex_iterator it(text.begin(), text.end(), told), end; it != end; ++it)
+    left = ((*it)[1].matched ? 60 * std::stod((*it)[1]) : 0) + std::stod((*it)[2]);
+  return left;
+}
+
+// A run that does without what was refused plans anew, and so does one that knows more of what is to come.
+TEST(ProgressDisplay, AFurtherPlanIsOfWhatIsLeft) {
+  Captured out;
+  {
+    cli::ProgressDisplay d(false, out.fd(), Style::terminal);
+    d.plan({{"import", 6}, {"skull.decimate", 4}});
+    d.start("import", nullptr);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+    d.finish("import");
+    d.start("skull.decimate", nullptr);
+    out.until("60 % of all, about [0-9.]+ s left");
+    const double before_s = last_left_s(out.text());
+    d.plan({{"skull.decimate", 48}});  // eight times as long as so far, and 4 / 6 before
+    for (int n = 0; n < 6000 && last_left_s(out.text()) < 5 * before_s; ++n)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_GE(last_left_s(out.text()), 5 * before_s) << out.text();
+    d.report("skull.decimate", 0.75);  // 42 of 54
+    out.until("77 % of all");
+  }
+  const std::string text = out.text();
+  int last = 0;
+  for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\r', at), text.size());
+    const int percent = percent_of_all(text.substr(at, end - at));
+    if (percent < 0) continue;
+    EXPECT_GE(percent, last) << text;
+    last = percent;
+  }
+}
+
 TEST(ProgressDisplay, QuietSaysNothing) {
   Captured out;
   cli::ProgressDisplay d(true, out.fd(), Style::terminal);

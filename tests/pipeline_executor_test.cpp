@@ -14,7 +14,6 @@
 #include "base/parallel.h"
 #include "dicom/import.h"
 #include "pipeline/executor.h"
-#include "pipeline/schedule.h"
 #include "scratch_folder.h"
 #include "stages/import.h"
 
@@ -50,6 +49,7 @@ struct Fixture {
   std::mutex mutex;
   pipeline::Graph graph;
   double stage_seconds = 0;
+  std::map<std::string, std::size_t> triangles;                       // of what a stage makes
   std::map<std::string, std::function<void(const Progress&)>> first;  // what a stage does before anything else
 
   int add(const std::string& name, std::vector<int> sources, const std::string& key = "") {
@@ -97,17 +97,6 @@ struct Fixture {
 
 double x_of(const pipeline::NodeResult& r) {
   return std::get<std::shared_ptr<const surface::TriMesh>>(r.data)->points_mm.at(0).x;
-}
-
-TEST(Schedule, TimesInWhichSeveralRunAreShared) {
-  // 0 (2 s), then 1 (6 s) beside 2 (2 s) and after it 3 (1 s); at last 4 (1 s), which waits for 1 and 3.
-  const std::vector<pipeline::ScheduledTask> tasks = {{2, {}}, {6, {0}}, {2, {0}}, {1, {2}}, {1, {1, 3}}};
-  const std::vector<double> two = pipeline::wall_shares_s(tasks, 2), expected = {2, 4.5, 1, 0.5, 1};
-  ASSERT_EQ(two.size(), expected.size());
-  for (std::size_t i = 0; i < two.size(); ++i) EXPECT_NEAR(two[i], expected[i], 1e-12) << i;
-  const std::vector<double> one = pipeline::wall_shares_s(tasks, 1);
-  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(one[i], tasks[i].seconds, 1e-12) << i;
-  EXPECT_TRUE(pipeline::wall_shares_s({}, 2).empty());
 }
 
 }  // namespace

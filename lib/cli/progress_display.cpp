@@ -13,6 +13,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/log.h"
@@ -60,9 +61,10 @@ struct ProgressDisplay::State {
   std::mutex mutex;
   std::vector<Stage> running;
   std::map<std::string, double> expected_s;  ///< of what is planned
-  double done_s = 0, all_s = 0;              ///< of the expected seconds
-  double shown_fraction = 0;                 ///< of the whole
-  Clock::time_point began, spoke;            ///< when the plan was told; when the last line was written
+  bool planned = false;
+  double done_s = 0, all_s = 0;    ///< of the expected seconds: of what has ended, and with what is planned
+  double shown_fraction = 0;       ///< of the whole
+  Clock::time_point began, spoke;  ///< when the plan was told; when the last line was written
   bool painted = false, ending = false;
   std::condition_variable end;
   std::thread painter;
@@ -98,10 +100,12 @@ struct ProgressDisplay::State {
     double sum = done_s;
     for (const Stage& s : running)
       if (const auto e = expected_s.find(s.name); e != expected_s.end()) sum += e->second * s.fraction;
+    // The share that is shown never falls, though a further plan may hold more than the one before it; the time left
+    // follows the plan.
     shown_fraction = std::max(shown_fraction, std::min(sum / all_s, 0.99));
-    const double f = shown_fraction, elapsed = seconds_between(began, now);
-    std::string text = std::to_string(static_cast<int>(f * 100)) + " % of all";
-    if (f > 0.05 && elapsed > 2) text += ", about " + duration_text(elapsed * (1 - f) / f) + " left";
+    const double elapsed = seconds_between(began, now), left_s = std::max(all_s - sum, 0.01 * all_s);
+    std::string text = std::to_string(static_cast<int>(shown_fraction * 100)) + " % of all";
+    if (sum > 0.05 * all_s && elapsed > 2) text += ", about " + duration_text(elapsed * left_s / sum) + " left";
     return text;
   }
   std::string running_text(Clock::time_point now) {
@@ -176,9 +180,9 @@ void ProgressDisplay::plan(const std::vector<std::pair<std::string, double>>& ex
   const std::lock_guard<std::mutex> lock(state_->mutex);
   State& s = *state_;
   s.expected_s = {expected_s.begin(), expected_s.end()};
-  s.done_s = s.all_s = s.shown_fraction = 0;
+  s.all_s = s.done_s;
   for (const auto& [name, seconds] : s.expected_s) s.all_s += seconds;
-  s.began = Clock::now();
+  if (!std::exchange(s.planned, true)) s.began = Clock::now();
 }
 
 Progress ProgressDisplay::start(const std::string& stage, const std::atomic<bool>* cancel) {

@@ -25,7 +25,8 @@ class ProgressDisplay {
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
   /// What will run, with expected seconds that are right relative to each other. From then on the share of the whole is
-  /// shown, which never falls, with the time left.
+  /// shown, which never falls, with the time left, by how long what has ended took. A further plan is of all that has
+  /// not ended then: more is known of how long it takes, or something else is to be done.
   void plan(const std::vector<std::pair<std::string, double>>& expected_s);
   /// Begins a stage. The returned object reports to this display, which must outlive it.
   Progress start(const std::string& stage, const std::atomic<bool>* cancel = &cancel_requested());

@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
-#include "pipeline/schedule.h"
+#include "pipeline/expected_time.h"
 #include "stages/data_files.h"
 
 namespace trephine::pipeline {
@@ -54,6 +54,7 @@ class Executor {
       : graph_(graph),
         options_(options),
         observer_(observer),
+        expected_(graph, options.seconds_before),
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
     set_order();
@@ -174,23 +175,11 @@ class Executor {
     for (Task& t : tasks_) t.stop = true;
   }
 
+  // Of what is not done yet.
   void tell_plan() {
-    std::vector<int> planned(tasks_.size(), -1);  // its place among the tasks
-    std::vector<ScheduledTask> schedule;
-    std::vector<std::pair<std::string, double>> expected_s;
-    for (std::size_t i = 0; i < tasks_.size(); ++i) {
-      if (!tasks_[i].needed || tasks_[i].done) continue;
-      const Node& node = graph_.nodes[i];
-      const auto before = options_.seconds_before.find(node.name);
-      planned[i] = int(schedule.size());
-      schedule.push_back({before != options_.seconds_before.end() ? before->second : node.type->typical_s, {}});
-      for (const auto& [port, source] : node.sources)
-        if (planned[source] >= 0) schedule.back().sources.push_back(planned[source]);
-      expected_s.emplace_back(node.name, 0);
-    }
-    const std::vector<double> shares = wall_shares_s(schedule, thread_count());
-    for (std::size_t i = 0; i < shares.size(); ++i) expected_s[i].second = shares[i];
-    observer_.planned(expected_s);
+    std::vector<char> to_do(tasks_.size());
+    for (std::size_t i = 0; i < tasks_.size(); ++i) to_do[i] = tasks_[i].needed && !tasks_[i].done;
+    observer_.planned(expected_.plan(to_do));
   }
 
   bool is_known(std::size_t i) const { return options_.known.count(graph_.nodes[i].key) > 0; }
@@ -223,6 +212,7 @@ class Executor {
     result.kept = true;
     result.seconds = seconds_since(start);
     tasks_[i].started = tasks_[i].done = true;
+    expected_.learn(i, result.data);
     finish_output(i, "cached");
     return true;
   }
@@ -281,6 +271,7 @@ class Executor {
       return;
     }
     tasks_[i].done = true;
+    if (expected_.learn(i, results_[i].data)) tell_plan();
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
     if (tasks_[i].readers == 0) results_[i].data = {};
     malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage
@@ -373,6 +364,7 @@ class Executor {
   const Graph& graph_;
   const ExecuteOptions& options_;
   RunObserver& observer_;
+  ExpectedTime expected_;
   std::vector<NodeResult> results_;
   std::vector<Task> tasks_;
   stages::SharedWork shared_;

@@ -196,6 +196,8 @@ struct StageType {
   bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
   /// Seconds on a head of 30 million voxels: a weight of the overall progress until a run of the library has told.
   double typical_s = 0.5;
+  /// Likewise, for a million triangles of the surface that it reads, once there is one; 0: it does not hang on them.
+  double typical_s_per_million = 0;
   std::string summary, description;
   std::vector<std::string> examples;  ///< whole command lines
   std::vector<Port> ports;
