@@ -23,7 +23,7 @@ TEST(Schedule, TimesInWhichSeveralRunAreShared) {
 }
 
 // How long a stage takes that reads a surface hangs on its triangles, which nobody knows before it is made.
-TEST(ExpectedTime, FollowsTheSizeOfTheScanAndTheTrianglesOfASurface) {
+TEST(ExpectedTime, FollowsTheTrianglesOfASurface) {
   set_thread_count(1);
   stages::StageType import, segment, decimate;
   import.typical_s = 1;
@@ -46,10 +46,6 @@ TEST(ExpectedTime, FollowsTheSizeOfTheScanAndTheTrianglesOfASurface) {
   pipeline::ExpectedTime first(graph, nothing), second(graph, earlier);
   EXPECT_EQ(first.plan({1, 1, 1, 1}),
             (Plan{{"import", 1}, {"bone.segment", 3}, {"bone.contour", 3}, {"bone.decimate", 5}}));
-  grid::Lattice half;
-  half.size = {500, 300, 100};
-  EXPECT_TRUE(first.learn(0, std::make_shared<const grid::HuVolume>(grid::Grid<std::int16_t>(half))));
-  EXPECT_EQ(first.plan({0, 1, 1, 1}), (Plan{{"bone.segment", 1.5}, {"bone.contour", 1.5}, {"bone.decimate", 2.5}}));
   EXPECT_FALSE(first.learn(1, std::make_shared<const grid::Field>(grid::Field(grid::Lattice{}))));
   surface::TriMesh mesh;
   mesh.triangles.resize(2'000'000);

@@ -17,7 +17,7 @@ class RunObserver {
  public:
   virtual ~RunObserver() = default;
   /// What will be computed, with its expected share of the time that all take, in seconds. It is called before anything
-  /// is computed, and again where the size of the scan or of a surface is known: then of what has not ended.
+  /// is computed, and again where the size of a surface is known: then of what has not ended.
   virtual void planned(const std::vector<std::pair<std::string, double>>& expected_s) { (void)expected_s; }
   /// Begins what follows the nodes: making pictures and page, and publishing.
   virtual void publishing() {}

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/expected_time.h"
 
-#include <algorithm>
-
 #include "base/parallel.h"
 #include "pipeline/schedule.h"
 
@@ -12,13 +10,9 @@ ExpectedTime::ExpectedTime(const Graph& graph, const std::map<std::string, doubl
     : graph_(graph), before_(seconds_before), triangles_(graph.nodes.size()) {}
 
 bool ExpectedTime::learn(int node, const stages::StageData& output) {
-  constexpr double typical_voxels = 30e6, smallest_ratio = 0.02;
   if (const auto* mesh = std::get_if<std::shared_ptr<const surface::TriMesh>>(&output); mesh && *mesh)
     triangles_[std::size_t(node)] = double((*mesh)->triangles.size());
-  const auto* scan = std::get_if<std::shared_ptr<const grid::HuVolume>>(&output);
-  if (node == 0 && scan && *scan)
-    size_ratio_ = std::max(smallest_ratio, double(grid::lattice_of(**scan).count()) / typical_voxels);
-  return node == 0 || triangles_[std::size_t(node)] > 0;
+  return triangles_[std::size_t(node)] > 0;
 }
 
 double ExpectedTime::seconds_of(const Node& node) const {
@@ -26,7 +20,7 @@ double ExpectedTime::seconds_of(const Node& node) const {
   for (const auto& [port, source] : node.sources)
     if (const double triangles = triangles_[std::size_t(source)]; node.type->typical_s_per_million > 0 && triangles > 0)
       return node.type->typical_s_per_million * triangles / 1e6;
-  return node.type->typical_s * size_ratio_;
+  return node.type->typical_s;
 }
 
 std::vector<std::pair<std::string, double>> ExpectedTime::plan(const std::vector<char>& to_do) const {

@@ -11,7 +11,7 @@
 namespace trephine::pipeline {
 
 /// How long the nodes of a graph are expected to take: what they took in an earlier run, else what their stage
-/// typically takes on a scan of that size, and on a surface of so many triangles, as soon as either is known.
+/// typically takes on a head, and on a surface of so many triangles as soon as that is known.
 class ExpectedTime {
  public:
   /// The graph and the seconds must outlive it.
@@ -26,7 +26,6 @@ class ExpectedTime {
   const Graph& graph_;
   const std::map<std::string, double>& before_;
   std::vector<double> triangles_;  ///< of a node's output, once it is made
-  double size_ratio_ = 1;          ///< of the scan's voxels to the 30 million that typical_s is of
 };
 
 }  // namespace trephine::pipeline

@@ -10,7 +10,7 @@ StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
   s.version = 6;
-  s.typical_s = 3;
+  s.typical_s = 0.9;
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
   s.case_figures = "";

@@ -9,7 +9,7 @@ StageType body_stage() {
   StageType s;
   s.name = "body";
   s.version = 3;
-  s.typical_s = 1;
+  s.typical_s = 0.6;
   s.place = StagePlace::scan;
   s.draws_removal = true;
   s.summary = "takes mask, couch and other apparatus off a scan";

@@ -10,7 +10,7 @@ StageType brain_stage() {
   StageType s;
   s.name = "brain";
   s.version = 6;
-  s.typical_s = 4;
+  s.typical_s = 4.8;
   s.summary = "finds the brain inside the skull";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the brain and follows its sulci. A seeded "

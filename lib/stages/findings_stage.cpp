@@ -11,7 +11,7 @@ StageType findings_stage() {
   StageType s;
   s.name = "findings";
   s.version = 9;
-  s.typical_s = 3;
+  s.typical_s = 2.7;
   s.place = StagePlace::scan;
   s.examines = true;
   s.serves = "what of the head a person should look at";

@@ -9,6 +9,7 @@ StageType head_region_stage() {
   StageType s;
   s.name = "head_region";
   s.version = 2;
+  s.typical_s = 0.45;
   s.place = StagePlace::scan;
   s.summary = "cuts a scan to the region of the head";
   s.description =

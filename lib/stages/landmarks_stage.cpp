@@ -10,7 +10,7 @@ StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
   s.version = 10;
-  s.typical_s = 1.5;
+  s.typical_s = 1.2;
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";
   s.description =

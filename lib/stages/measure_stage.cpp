@@ -9,7 +9,7 @@ StageType measure_stage() {
   StageType s;
   s.name = "measure";
   s.version = 3;
-  s.typical_s = 2.5;
+  s.typical_s = 0.5;
   s.place = StagePlace::scene;
   s.serves = "what decimation and smoothing did to";
   s.summary = "measures a surface, also against a reference";

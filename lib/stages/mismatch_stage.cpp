@@ -11,7 +11,7 @@ StageType mismatch_stage() {
   StageType s;
   s.name = "mismatch";
   s.version = 2;
-  s.typical_s = 1.5;
+  s.typical_s = 1;
   s.place = StagePlace::scene;
   s.case_name = "haptic.mismatch";
   s.serves = "how far what is felt lies from what is seen";

@@ -8,6 +8,7 @@ StageType scan_stage() {
   StageType s;
   s.name = "scan";
   s.version = 3;
+  s.typical_s = 0.12;
   s.place = StagePlace::scan;
   s.serves = "what the scan is suited for";
   s.case_figures = "scan.";

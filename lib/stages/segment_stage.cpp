@@ -9,7 +9,7 @@ StageType segment_stage() {
   StageType s;
   s.name = "segment";
   s.version = 12;
-  s.typical_s = 1.2;
+  s.typical_s = 0.4;
   s.summary = "finds one anatomy in a CT volume by thresholds";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the anatomy. Its zero crossing is the anatomy's "

@@ -9,6 +9,7 @@ StageType simplify_stage() {
   StageType s;
   s.name = "simplify";
   s.version = 1;
+  s.typical_s = 0.1;
   s.summary = "closes a field's small tunnels and cavities, for display";
   s.description =
       "Closes tunnels narrower than close_handles_mm by membranes of one voxel and fills small cavities; everywhere "

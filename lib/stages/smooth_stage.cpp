@@ -9,6 +9,8 @@ StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
   s.version = 4;
+  s.typical_s = 0.1;
+  s.typical_s_per_million = 1;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
       "Windowed sinc, Laplacian or feature-keeping smoothing. No point moves farther than the bound, and the volume is "

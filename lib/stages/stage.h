@@ -194,7 +194,7 @@ struct StageType {
   bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
   bool draws_removal = false;    ///< takes something off the scan, on the same voxels: a picture shows what
   bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
-  /// Seconds on a head of 30 million voxels: a weight of the overall progress until a run of the library has told.
+  /// Seconds on a head of 10 million voxels: a weight of the overall progress until a run of the library has told.
   double typical_s = 0.5;
   /// Likewise, for a million triangles of the surface that it reads, once there is one; 0: it does not hang on them.
   double typical_s_per_million = 0;

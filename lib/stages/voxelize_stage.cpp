@@ -146,7 +146,7 @@ StageType voxelize_stage() {
   StageType s;
   s.name = "voxelize";
   s.version = 3;
-  s.typical_s = 8;
+  s.typical_s = 7;
   s.place = StagePlace::scene;
   s.case_name = "haptic.voxelize";
   s.summary = "makes the haptic volume, which is what the hand feels";

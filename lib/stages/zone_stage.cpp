@@ -8,7 +8,7 @@ StageType zone_stage() {
   StageType s;
   s.name = "zone";
   s.version = 6;
-  s.typical_s = 5;
+  s.typical_s = 0.45;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
       "Gives a field in mm that is positive inside the dura, a slab in the midline, the superior sagittal sinus, the "
