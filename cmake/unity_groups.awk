@@ -4,9 +4,9 @@
 # Two files share a group where neither declares for itself alone (in an unnamed namespace, as a constant, an alias, a type or
 # a macro, at the left margin, where clang-format puts what stands in a namespace) a name that the other declares at its
 # left margin too, or uses: a function by a call, anything else by any mention. So helpers of the same name in two files stay
-# apart, and no file finds another's helper where it meant a header's. Capitals alone are macros, as TEST, and declare
-# nothing. A group holds at most N lines, for editing one file compiles its whole group. Files that include CGAL stay alone:
-# each costs more than all of its room.
+# apart, and no file finds another's helper where it meant a header's. An alias or a using declaration that both write alike is
+# one name, which C++ lets them repeat. Capitals alone are macros, as TEST, and declare nothing. A group holds at most N lines,
+# for editing one file compiles its whole group. Files that include CGAL stay alone: each costs more than all of its room.
 
 function declare(name, own, value) {
   if (name ~ /^(operator|static_assert|[A-Z][A-Z_]+)$/) return
@@ -28,6 +28,15 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = unnamed = 0 }
   gsub(/"([^"\\]|\\.)*"/, "\"\"")
 }
 { sub(/^(\[\[[a-z_]+\]\]|__attribute__\(\([a-z_]+\)\)) /, "") }
+/^using [A-Za-z_:]+;$/ {  # using texts::Phrase; declares Phrase
+  line = $0
+  sub(/^using ([A-Za-z_0-9]*::)*/, "", line)
+  sub(/;$/, "", line)
+  declare(line, 1, 1)
+  same[file, line] = unnamed $0
+  next
+}
+/^using [A-Za-z_0-9]+ = .*;$/ { split($0, alias, " "); same[file, alias[2]] = unnamed $0 }
 /^(using|struct|class|enum|union) / {
   line = $0
   sub(/^(using|struct|class|enum( class)?|union) +/, "", line)
@@ -95,6 +104,7 @@ function fits(f, g, them, n, i) {
 function clash(a, b, list, n, i) {
   n = split(names[a], list, " ")
   for (i = 1; i <= n; ++i)
-    if (declared[a, list[i]] == "value" ? (b, list[i]) in mentioned : (b, list[i]) in used) return 1
+    if ((a, list[i]) in same && same[a, list[i]] == same[b, list[i]]) continue
+    else if (declared[a, list[i]] == "value" ? (b, list[i]) in mentioned : (b, list[i]) in used) return 1
   return 0
 }
