@@ -37,7 +37,9 @@ int expect_agreement(const std::filesystem::path& folder, dicom::ImportParams pa
       const dicom::ImportResult r = dicom::import_series(folder, params);
       EXPECT_TRUE(s.usable) << folder << " " << s.token << ": " << s.verdict << ", but it was read";
       EXPECT_EQ(std::get<bool>(*r.report.find("resampled")), !s.rectified_for.empty());
-      EXPECT_EQ(s.verdict, s.rectified_for.empty() ? "usable" : "usable, rectified: " + s.rectified_for);
+      // A slab that was scanned again is read where its token is given, and says of which series it is a part.
+      const std::string verdict = s.rectified_for.empty() ? "usable" : "usable, rectified: " + s.rectified_for;
+      EXPECT_EQ(s.verdict.substr(0, s.verdict.find(", but scans only a part of ")), verdict);
       if (!s.rectified_for.empty()) {
         EXPECT_EQ(std::get<std::string>(*r.report.find("resampled_for")), s.rectified_for);
       }
