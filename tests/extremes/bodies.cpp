@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "trunk_samples.h"
 #include "phantom/spine.h"
 #include "scenes.h"
+#include "trunk_samples.h"
 
 namespace trephine::extremes {
 
