@@ -14,7 +14,7 @@ struct FeedRun {
   double rate_hz = 1000;
   haptics::DrillingParams drilling;
   drill::DrillParams law;
-  haptics::ForceParams::Law force_law = haptics::ForceParams::Law::fourth;
+  haptics::ForceParams::Law force_law = haptics::ForceParams().force_law;
 };
 
 struct Feed {
@@ -33,8 +33,14 @@ inline haptics::DrillingParams drills(haptics::DrillingParams params) {
   return params;
 }
 
+/// What a run leaves: the volume, and where the hole begins and goes.
+struct Drilled {
+  voxel::HapticVolume volume;
+  Vec3 entry_mm, axis;
+};
+
 /// Bone fills the half space below the plane through the origin whose normal is no axis of the lattice.
-inline Feed feed_of(FeedRun run) {
+inline Feed feed_of(FeedRun run, Drilled* left = nullptr) {
   const Vec3 normal = normalized({0.05, -0.03, 1});
   const double side = std::max(3.2 * run.diameter_mm, run.diameter_mm + 10.0);
   const int n = int(std::ceil(side / run.voxel_mm));
@@ -96,6 +102,7 @@ inline Feed feed_of(FeedRun run) {
   out.late_mm = out.depth_mm - depth[ticks - 1 - ticks / 4];
   out.stalled_s = drilling.outcome().stalled_s;
   out.removed_mm3 = double(drilling.outcome().units[1]) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
+  if (left) *left = {std::move(volume), entry, axis};
   return out;
 }
 

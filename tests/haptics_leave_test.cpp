@@ -124,10 +124,12 @@ Outcome sessions(int count, Law law, std::uint64_t seed, Lock lock = Lock::turn)
 }  // namespace
 
 TEST(HapticsLeave, AlongTheAxisAToolComesOut) {
-  const Outcome is = sessions(300, Law::fourth, 1);
-  EXPECT_GT(is.locked, 20) << "else nothing was tried";
-  EXPECT_EQ(is.caught, 0);
-  EXPECT_GT(is.off_line_mm, 0.2) << "a locked tool moves on, but for its turn";
+  for (const Law law : {Law::fourth, Law::fifth}) {
+    const Outcome is = sessions(300, law, 1);
+    EXPECT_GT(is.locked, 20) << "else nothing was tried";
+    EXPECT_EQ(is.caught, 0);
+    EXPECT_GT(is.off_line_mm, 0.2) << "a locked tool moves on, but for its turn";
+  }
 }
 
 // The line lock [Rizzi, 5.5.1], for the same sessions.
@@ -143,6 +145,11 @@ TEST(HapticsLeave, AToolLockedOnALineStaysOnItAndComesOut) {
 TEST(HapticsLeave, TheLawsBeforeCatchSome) {
   EXPECT_GT(sessions(300, Law::first, 1).caught, 0);
   EXPECT_GT(sessions(600, Law::third, 1).caught, 0);
+}
+
+TEST(LongHapticsLeave, OfTenThousandSessionsByTheFifthLawNoneIsCaught) {
+  EXPECT_EQ(sessions(10002, Law::fifth, 7).caught, 0);
+  EXPECT_EQ(sessions(10002, Law::fifth, 7, Lock::line).caught, 0);
 }
 
 TEST(LongHapticsLeave, OfTenThousandSessionsNoneIsCaught) {

@@ -194,7 +194,8 @@ TEST(HapticsSlew, EachPassThroughBoneIsABreach) {
   for (const double x : {-4.0, -4.0, 4.0})
     for (const Move& m : {Move{{x, 0, 3}, 100, up}, {{x, 0, -4}, 700, down}, {{x, 0, 3}, 100, up}}) moves.push_back(m);
   for (const auto& [law, expected] :
-       {std::pair{haptics::ForceParams::Law::fourth, 2}, std::pair{haptics::ForceParams::Law::third, 1}}) {
+       {std::pair{haptics::ForceParams::Law::fifth, 2}, std::pair{haptics::ForceParams::Law::fourth, 2},
+        std::pair{haptics::ForceParams::Law::third, 1}}) {
     bool breached = false;
     EXPECT_EQ(breaches_of(law, haptics::DrillingParams::WayEnds::outside, moves, breached),
               (std::vector<int>{0, 1, 0, 0, 0, 0, 0, expected - 1, 0}));

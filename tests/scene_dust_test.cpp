@@ -178,6 +178,51 @@ TEST(BoneDust, IsGoneWhereAllIsTakenBackAndOnlyThere) {
   EXPECT_TRUE(stays(belt(), {frame(0), frame(haptic_button::lifted | reset)}));
 }
 
+// After a step was taken back a belt waits for a pose outside of every shape, and takes nothing until then.
+TEST(BoneDust, AResetInTheWaitAfterAnUndoClearsNothing) {
+  using namespace haptics;
+  const auto stays = [&](const std::vector<ServoFrame>& then) {
+    scene::DustWatch watch(std::make_shared<scene::BoneDust>(), belt(), bone, [](Vec3 p) { return p.z < 0 ? 1 : 0; });
+    scene::BoneDust::Tick tick;
+    tick.runs = tick.cuts = true;
+    for (int n = 0; n < 100; ++n) watch.dust()->add(tick);
+    for (const ServoFrame& f : then) watch.look(f);
+    return watch.dust()->any();
+  };
+  const auto frame_at = [](double z, std::uint32_t buttons) {
+    ServoFrame f = frame(buttons);
+    f.tip_mm[2] = z;
+    return f;
+  };
+  const std::uint32_t undo = command(belt_command::undo), reset = command(belt_command::reset);
+  EXPECT_TRUE(stays({frame_at(5, 0), frame_at(5, undo), frame_at(-1, 0), frame_at(-1, reset)}));
+  EXPECT_FALSE(stays({frame_at(5, 0), frame_at(5, undo), frame_at(-1, 0), frame_at(5, 0), frame_at(5, reset)}));
+  EXPECT_TRUE(stays({frame_at(-1, 0), frame_at(-1, reset)})) << "it begins in a shape";
+}
+
+// Going back in a long recording is as cheap as what lies between two times that were kept, and gives the same.
+TEST(BoneDust, GoingBackDoesNotBeginAnew) {
+  std::vector<haptics::ServoFrame> frames;
+  for (int n = 0; n < 60; ++n)
+    for (const haptics::ServoFrame& f : stroke({0.1 * n, 0, 0})) frames.push_back(f);
+  ASSERT_GT(frames.size(), 100000u);
+  scene::DustWatch shown = watch_of(40);
+  shown.go_to(frames, frames.size());
+  const std::vector<std::uint8_t> end = shown.dust()->texels();
+  for (const std::size_t count : {frames.size() - 10, frames.size() / 2, std::size_t{5000}, std::size_t{100}}) {
+    const std::uint64_t version = shown.dust()->version();
+    shown.go_to(frames, count);
+    scene::DustWatch anew = watch_of(40);
+    anew.go_to(frames, count);
+    EXPECT_EQ(shown.dust()->texels(), anew.dust()->texels()) << count;
+    EXPECT_NE(shown.dust()->version(), version) << "a picture is told";
+    EXPECT_LT(shown.last_looked(), 20000u) << count;
+  }
+  shown.go_to(frames, frames.size());
+  EXPECT_EQ(shown.dust()->texels(), end);
+  EXPECT_LT(shown.last_looked(), 20000u) << "nor does going on";
+}
+
 TEST(BoneDust, AToolThatIsAwayWashesNothing) {
   for (const haptics::RecordingHeader& h : {header(40), belt()}) {
     scene::DustWatch watch = dusty(h);

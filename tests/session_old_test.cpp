@@ -14,7 +14,7 @@ const fs::path old = fs::path(TREPHINE_SOURCE_DIR) / "tests/data/old";
 
 TEST(HapticsOld, EveryVersionReplays) {
   for (const char* name : {"version_1.servo", "version_2.servo", "version_3.lesson", "version_4.servo",
-                           "version_5.servo", "version_6.servo", "version_7.servo"}) {
+                           "version_5.servo", "version_6.servo", "version_7.servo", "version_8.servo"}) {
     SCOPED_TRACE(name);
     const haptics::Recording r = haptics::read_recording(old / name);
     session::FeltCase felt = session::felt_again(old / "case-1.4", name, r.header);
@@ -67,6 +67,9 @@ TEST(HapticsOld, WhatAVersionKnowsIsRead) {
   EXPECT_EQ(seven.force.force_law, haptics::ForceParams::Law::fourth);
   EXPECT_EQ(seven.tool.lock, haptics::ToolParams::Lock::line);
   EXPECT_EQ(seven.drilling.way_ends, haptics::DrillingParams::WayEnds::running);
+  const haptics::RecordingHeader eight = haptics::read_recording(old / "version_8.servo").header;
+  EXPECT_EQ(eight.force.force_law, haptics::ForceParams::Law::fourth);
+  EXPECT_EQ(eight.drilling.way_ends, haptics::DrillingParams::WayEnds::outside);
 }
 
 // The digest by which a recording knows its case's materials: other materials are refused, the same ones never.

@@ -220,7 +220,9 @@ TEST(HapticsUndo, ABeltWaitsForAPoseOutside) {
 TEST(HapticsUndo, IncisionsAreTakenOffTheList) {
   haptics::DrillingParams params;
   params.drill = true;
-  session::IncisionWatch watch(params);
+  haptics::RecordingHeader header;
+  header.drilling = params;
+  session::IncisionWatch watch(header);
   std::vector<session::IncisionMark> marks;
   haptics::ServoFrame f;
   const auto tick = [&](std::uint32_t buttons, int touched = 0) {

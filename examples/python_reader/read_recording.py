@@ -14,7 +14,7 @@ import sys
 THREE = ("tip_{}_mm", "axis_{}", "proxy_{}_mm", "normal_{}", "force_{}_n")
 NAMES = (["tick", "time_s", "dt_s"] + [n.format(a) for n in THREE for a in "xyz"] +
          ["buttons", "touched", "face", "inside", "held_by", "events", "faults", "late_us"])
-EVENTS = ("touch", "untouch", "motion", "popped", "left", "locked", "unlocked")
+EVENTS = ("touch", "untouch", "motion", "popped", "left", "locked", "unlocked", "breach")
 FAULTS = ("pose", "time step", "force", "device lost", "jump", "gap")
 
 
@@ -24,7 +24,7 @@ def names(bits, known):
 
 def of_recording(data):
     version, length = struct.unpack_from("<II", data, 8)
-    if not 1 <= version <= 7 or 16 + length > len(data):
+    if not 1 <= version <= 9 or 16 + length > len(data):
         raise ValueError(f"version {version}, or a header that is cut short")
     header = json.loads(data[16:16 + length])
     each = header.get("frame_bytes", 176)

@@ -31,7 +31,7 @@ inline contact::TouchableFaces touchable_of(const Feels& feels) {
 
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
-  enum class Law { fourth, third, second, first };
+  enum class Law { fifth, fourth, third, second, first };
   enum class Shape { cosine, line, snap };
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
@@ -57,9 +57,14 @@ struct ForceParams {
         .is_since(5);
     v.choice(
          &P::force_law, "force_law",
-         {{"fourth", Law::fourth}, {"third", Law::third}, {"second", Law::second}, {"first", Law::first}},
-         "How contacts give way. fourth: as third, a tool that is jammed where it is drawn out is worked loose, and "
-         "each breach of bone is an event, not a session's first alone. third: as second, and the force of a running "
+         {{"fifth", Law::fifth},
+          {"fourth", Law::fourth},
+          {"third", Law::third},
+          {"second", Law::second},
+          {"first", Law::first}},
+         "How contacts give way. fifth: as fourth, a round tool is pressed by a sharp edge as its two faces say. "
+         "fourth: as third, a tool that is jammed where it is drawn out is worked loose, and each breach of bone is an "
+         "event, not a session's first alone. third: as second, and the force of a running "
          "drill changes by less than 0.1 N in a "
          "millisecond, but where a membrane pops or bone is breached. second: forces change smoothly where a membrane "
          "or bone gives way, and a tool that is drawn out of a hole is never locked. first: as before version 5.")

@@ -133,7 +133,8 @@ class Proxy {
   Vec3 inside_force(const HapticInput& in);
   bool second_law() const { return force_.force_law != ForceParams::Law::first; }
   bool third_law() const { return second_law() && force_.force_law != ForceParams::Law::second; }
-  bool fourth_law() const { return force_.force_law == ForceParams::Law::fourth; }
+  bool fourth_law() const { return third_law() && force_.force_law != ForceParams::Law::third; }
+  bool fifth_law() const { return force_.force_law == ForceParams::Law::fifth; }
   void hold_corner(Vec3 device_mm);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
@@ -174,6 +175,7 @@ class Proxy {
   // The functions of proxy_round.cpp: the same for a round tool.
   void begin_round(const HapticInput& in);
   bool round_is_free(Vec3 centre_mm, Vec3 axis);
+  bool round_is_busy(double share) const;
   void follow_round(const HapticInput& in);
   void turn_round(Vec3 axis);
   RoundBody::Touch move_round(Vec3 goal_mm);

@@ -19,6 +19,9 @@ std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0
 
 }  // namespace
 
+// Whether the next frames go on with what is left to do in this one; never while the tool is drawn out.
+bool Proxy::round_is_busy(double share) const { return fourth_law() && !draws_out() && round_->busy(share); }
+
 // Whether the tool may begin there: it touches nothing, and no middle line lies in a shape that nothing enters.
 bool Proxy::round_is_free(Vec3 centre, Vec3 axis) {
   const double step = std::max(0.5, round_->smallest_radius_mm());
@@ -62,12 +65,16 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
   const int steps = std::clamp(int(std::ceil(length / step)), 1, max_steps);
   const double share = std::min(1.0, max_steps * step / std::max(length, 1e-12));
   for (int n = 1; n <= steps; ++n) {
-    if (n > 1 && (fourth_law() && !draws_out() && round_->busy(1))) return {};
+    if (n > 1 && round_is_busy(1)) return {};
     const Vec3 next = begin + way * (share * n / steps);
     const contact::Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
     const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
-    if (touch.hit) return second_law() ? close_to(next, touch) : touch;
+    if (touch.hit) {
+      RoundBody::Touch close = second_law() ? close_to(next, touch) : touch;
+      if (fifth_law() && !draws_out()) round_->set_on_edge(close, state_.axis);
+      return close;
+    }
     centre_mm_ = next;
     state_.inside = through.into;
   }
@@ -99,7 +106,7 @@ void Proxy::turn_round(Vec3 axis) {
   const double reach = round_->length_mm() + round_->centre_mm();
   const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
   for (int n = 0; n < max_turn_steps && !(state_.axis == axis); ++n) {
-    if (fourth_law() && !draws_out() && round_->busy(0.5)) return;
+    if (round_is_busy(0.5)) return;
     const bool last = norm(axis - state_.axis) <= step / reach;
     const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
     const Vec3 begin = centre_mm_ + (next - state_.axis) * round_->centre_mm();
@@ -130,7 +137,7 @@ void Proxy::follow_round(const HapticInput& in) {
   const Vec3 device = in.tip_mm + state_.axis * round_->centre_mm();
   surfaces_.clear();
   Vec3 goal = device;
-  for (int pass = 0; pass < max_passes && !(pass > 1 && (fourth_law() && !draws_out() && round_->busy(1))); ++pass) {
+  for (int pass = 0; pass < max_passes && !(pass > 1 && round_is_busy(1)); ++pass) {
     const RoundBody::Touch touch = move_round(goal);
     if (!touch.hit || !meet_round(touch, device, goal)) break;
   }

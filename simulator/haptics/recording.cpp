@@ -30,7 +30,8 @@ bool locks_a_line(const RecordingHeader& h) {
 }
 
 int version_of(const RecordingHeader& h) {
-  if (h.drilling.drill && h.drilling.way_ends == DrillingParams::WayEnds::outside) return recording_version;
+  if (h.force.force_law == ForceParams::Law::fifth) return recording_version;
+  if (h.drilling.drill && h.drilling.way_ends == DrillingParams::WayEnds::outside) return outside_way_version;
   if (h.force.force_law == ForceParams::Law::fourth || locks_a_line(h)) return fourth_law_version;
   if (h.force.force_law == ForceParams::Law::third) return third_law_version;
   if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))

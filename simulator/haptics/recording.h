@@ -16,16 +16,17 @@
 
 namespace trephine::haptics {
 
-/// Version 8 is written where a drill's way through bone ends as DrillingParams::WayEnds::outside says; version 7 where
-/// ForceParams::Law::fourth holds, or a lock is a line; version 6 where what was cut can be
-/// taken back, or a drill cuts along its whole way. Version 5 is written where a law holds that older programs do not
-/// know: ForceParams::Law::second, or a drill that cuts at the tool. Its frames are those of version 4 where the device
-/// knows `across`, else of 2. Version 4 is written where the device knows how the tool is turned about its axis, else 3
-/// where a session has several tools, else 2: a program that knows only 2 can replay all that it can read. A member
-/// that comes to the header, or to a struct in it, is declared with is_since() and the version after this one:
-/// recordings of the versions so far may be without it.
-constexpr int recording_version = 8, fourth_law_version = 7, third_law_version = 6, second_law_version = 5,
-              across_version = 4, several_tools_version = 3, single_tool_version = 2, oldest_recording_version = 1;
+/// Version 9 is written where ForceParams::Law::fifth holds; version 8 where a drill's way through bone ends as
+/// DrillingParams::WayEnds::outside says; version 7 where ForceParams::Law::fourth holds, or a lock is a line; version
+/// 6 where what was cut can be taken back, or a drill cuts along its whole way. Version 5 is written where a law holds
+/// that older programs do not know: ForceParams::Law::second, or a drill that cuts at the tool. Its frames are those of
+/// version 4 where the device knows `across`, else of 2. Version 4 is written where the device knows how the tool is
+/// turned about its axis, else 3 where a session has several tools, else 2: a program that knows only 2 can replay all
+/// that it can read. A member that comes to the header, or to a struct in it, is declared with is_since() and the
+/// version after this one: recordings of the versions so far may be without it.
+constexpr int recording_version = 9, outside_way_version = 8, fourth_law_version = 7, third_law_version = 6,
+              second_law_version = 5, across_version = 4, several_tools_version = 3, single_tool_version = 2,
+              oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "contact/contact_samples.h"
 
@@ -58,10 +57,21 @@ double nearest_on_line(const Disc& disc, Vec3 begin, Vec3 axis, double lo, doubl
   return at;
 }
 
+double largest_radius(const std::vector<RoundPart>& parts) {
+  double most = 0;
+  for (const RoundPart& p : parts) most = std::max(most, p.radius_mm);
+  return most;
+}
+
 }  // namespace
 
 RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both)
-    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm), both_(both) {
+    : contact_(contact),
+      parts_(std::move(parts)),
+      centre_mm_(parts_[0].from_mm),
+      normals_(contact),
+      edge_(contact, largest_radius(parts_)),
+      both_(both) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
   margin_mm_ = 0.5 * contact.smallest_side_mm();
@@ -85,17 +95,21 @@ RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPar
   near_.resize(samples_.at.size());
   within_.resize(samples_.at.size());
   squares_.resize(std::max(samples_.at.size(), wide_.at.size()));
-  normals_.resize(known_normals);
 }
 
 void RoundBody::begin_frame() {
   calls_ = 0;
   spent_ = 0;
   const std::uint32_t now = contact_.loosened();
+  // What an edge remembers changes what is felt, so it depends on nothing that a replay would not do in the same frame.
+  if (now != seen_ || ++edge_frames_ >= frames_known) {
+    edge_.forget();
+    edge_frames_ = 0;
+  }
   if (now != seen_ || ++frames_ >= frames_known) samples_.known = false;
   if (!samples_.known) frames_ = 0;
   if (!samples_.known && now != 0) {  // nothing can have changed before the first loosening
-    ++since_;
+    normals_.forget();
     wide_.known = false;
     looks_ = 0;
   }
@@ -183,22 +197,11 @@ void RoundBody::find_within(Vec3 centre_mm, Vec3 axis) {
   }
 }
 
-// The normals of places that were asked for since the volume was last seen to change are kept, for looking anew finds
-// most of them again.
 Vec3 RoundBody::normal_of(const contact::SurfaceSample& s) {
-  std::uint64_t hash = std::uint64_t(s.low) << 8 ^ std::uint64_t(s.high);
-  for (const double x : {s.point_mm.x, s.point_mm.y, s.point_mm.z}) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &x, sizeof bits);
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15;
-    hash ^= hash >> 29;
-  }
-  KnownNormal& known = normals_[hash % known_normals];
-  if (known.since == since_ && known.point_mm == s.point_mm && known.low == s.low && known.high == s.high)
-    return known.normal;
-  spent_ += spent_by_normal;
-  known = {s.point_mm, contact_.normal_at(s.point_mm, s.low, s.high), s.low, s.high, since_};
-  return known.normal;
+  int computed = 0;
+  const Vec3 normal = normals_.of(s, computed);
+  spent_ += computed * spent_by_normal;
+  return normal;
 }
 
 RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces) {
@@ -301,6 +304,37 @@ void RoundBody::smooth_normal(Touch& t) const {
   const Vec3 normal = normalized(sum);
   t.contact.point_mm += (t.contact.normal - normal) * (t.radius_mm - t.depth_mm);
   t.contact.normal = normal;
+}
+
+// The depth stays that of the discs: they keep the tool outside, and only the way in which it is pressed changes.
+void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
+  constexpr double voxels_off = 0.6, alike = 0.6;
+  if (double(spent_) > most_spent) return;  // a frame that took long already goes on without
+  const contact::Contact& c = t.contact;
+  int computed = 0;
+  const bool edge = edge_.find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
+  spent_ += edge_.looked_at() + computed * spent_by_normal;
+  if (!edge) return;
+  const double gap = t.radius_mm - t.depth_mm;
+  const Vec3 middle = c.point_mm + c.normal * gap;
+  double lo = 0, hi = 0;  // how far the middle line goes on from there
+  for (const RoundPart& p : parts_)
+    if (p.radius_mm == t.radius_mm && p.from_mm <= t.along_mm && t.along_mm <= p.to_mm) {
+      lo = p.from_mm - t.along_mm;
+      hi = p.to_mm - t.along_mm;
+    }
+  double at = 0;
+  Vec3 on_edge;
+  for (int n = 0; n < 4; ++n) {
+    if (!edge_.nearest(middle + axis * at, on_edge)) return;
+    if (!(hi > lo)) break;
+    at = std::clamp(dot(on_edge - middle, axis), lo, hi);
+  }
+  const Vec3 way = middle + axis * at - on_edge;
+  const double distance = norm(way);
+  if (std::abs(distance - gap) > voxels_off * 2 * margin_mm_ || dot(way, c.normal) < alike * distance) return;
+  t.contact.normal = way / distance;
+  t.contact.point_mm = middle - t.contact.normal * gap;
 }
 
 void RoundBody::find_beside(Touch& t) const {

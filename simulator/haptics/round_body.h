@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "contact/contact.h"
+#include "haptics/known_normals.h"
+#include "haptics/round_edge.h"
 #include "haptics/tool.h"
 
 namespace trephine::haptics {
@@ -55,6 +57,9 @@ class RoundBody {
     double beside_share = 0;
   };
   Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
+  /// Where that is at a sharp edge, its normal becomes that of the edge between its two faces
+  /// (ForceParams::Law::fifth).
+  void set_on_edge(Touch& touch, Vec3 axis);
   /// Whether it reaches any surface of one of these shapes (bit n: shape n).
   bool reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes);
 
@@ -99,17 +104,11 @@ class RoundBody {
   // In discs that deepest() looks at, each about 0.05 us; a normal takes as long as 20, and look() as 500.
   static constexpr int least_calls = 6, spent_by_look = 500, spent_by_normal = 20;
   static constexpr double most_spent = 2000;
-  static constexpr std::size_t known_normals = 8192;
-  struct KnownNormal {
-    Vec3 point_mm, normal;
-    int low = 0, high = 0;
-    std::uint64_t since = 0;
-  };
-  std::vector<KnownNormal> normals_;
-  std::uint64_t since_ = 1;
+  KnownNormals normals_;
+  RoundEdge edge_;
   int calls_ = 0;
   std::int64_t spent_ = 0;
-  int frames_ = 0;
+  int frames_ = 0, edge_frames_ = 0;
   const bool both_;
 };
 

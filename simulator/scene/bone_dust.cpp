@@ -16,6 +16,8 @@ constexpr double column_mm = 12, wets_beyond_mm = 7;  // above the tip; beyond t
 constexpr double usual_ml_per_min = 40, washes_per_s = 1.2, wets_per_s = 3;  // at that flow
 constexpr double wash_each_s = 0.02, dry_each_s = 1, dries_in_s = 40;
 
+constexpr std::size_t most_kept = 24;
+
 double unit_of(std::uint64_t n) { return double(splitmix64_mixed(n * splitmix64_step) >> 11) * 0x1p-53; }
 
 }  // namespace
@@ -28,6 +30,12 @@ void BoneDust::clear() {
   grains_ = 0;
   owed_ = since_wash_s_ = since_dry_s_ = 0;
   ++version_;
+}
+
+void BoneDust::become(const BoneDust& other) {
+  const std::uint64_t version = version_;
+  *this = other;
+  version_ = version + 1;
 }
 
 double BoneDust::at(const std::vector<float>& of, Vec3 p) const {
@@ -147,13 +155,14 @@ std::vector<std::uint8_t> BoneDust::texels() const {
   return out;
 }
 
-DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& h, std::uint64_t drilled)
+DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& h, std::uint64_t drilled,
+                     session::HandWatch::ShapeAt shape_at)
     : dust_(std::move(dust)),
-      several_(!h.tools.empty()),
-      in_open_(h.in_open),
       takes_back_(h.drilling.drill && h.drilling.undo_steps > 0),
       drilled_(h.drilling.drill ? drilled : 0),
-      water_ml_per_min_(h.drilling.irrigation_ml_per_min) {
+      water_ml_per_min_(h.drilling.irrigation_ml_per_min),
+      begins_(h, std::move(shape_at)),
+      hand_(begins_) {
   const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
     burrs_.push_back({cuts && haptics::tool_kind(whole.tool).rotates(), 0.5 * whole.tool_diameter_mm});
   };
@@ -161,35 +170,17 @@ DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHea
   if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
 }
 
-// What the belt does in the tick, before the tool is felt.
-void DustWatch::follow_hand(const haptics::ServoFrame& f, int command) {
-  const bool was_free = std::exchange(hand_.free, f.touched == 0 && f.inside == 0);
-  if (!several_) return;
-  if (command == haptics::belt_command::resume) hand_.paused = false;
-  if (command == haptics::belt_command::pause && was_free) hand_.paused = true;
-  const auto asked = std::size_t(haptics::belt_button::tool(f.buttons));
-  if (asked < burrs_.size() && (hand_.free || !in_open_)) hand_.tool = asked;
-}
-
-bool DustWatch::takes_all_back(const haptics::ServoFrame& f, int command) const {
-  if (!takes_back_ || command != haptics::belt_command::reset || f.faults != 0) return false;
-  const bool away = several_ && (hand_.paused || (in_open_ && (f.buttons & haptics::haptic_button::lifted)));
-  return !away && !(f.buttons & haptics::Drilling::pedal);
-}
-
 void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
   ++looked_;
-  const int given = haptics::belt_button::command(f.buttons);
-  const int command = given == haptics::belt_button::command(hand_.buttons) ? haptics::belt_command::none : given;
-  if (several_ || f.faults == 0) hand_.buttons = f.buttons;  // a drill without a belt takes it once the fault is over
-  follow_hand(f, command);
-  if (takes_all_back(f, command) && dust_->any()) dust_->clear();
+  hand_.look(f);
+  const bool pedal = hand_.works() && (f.buttons & haptics::Drilling::pedal);
+  if (takes_back_ && hand_.command() == haptics::belt_command::reset && hand_.works() && !pedal && dust_->any())
+    dust_->clear();
   if (!shown) return;
-  const Burr& burr = burrs_[hand_.tool];
+  const Burr& burr = burrs_[hand_.tool()];
   BoneDust::Tick tick;
   tick.dt_s = f.dt_s;
-  tick.runs = burr.rotates && (f.buttons & haptics::Drilling::pedal) && f.faults == 0 && !hand_.paused &&
-              !(f.buttons & haptics::haptic_button::lifted);
+  tick.runs = burr.rotates && pedal && !(f.buttons & haptics::haptic_button::lifted);
   tick.cuts = tick.runs && f.touched > 0 && (drilled_ >> f.touched & 1);
   tick.tip_mm = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   tick.axis = normalized({f.axis[0], f.axis[1], f.axis[2]});
@@ -199,16 +190,37 @@ void DustWatch::look(const haptics::ServoFrame& f, bool shown) {
 }
 
 void DustWatch::go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count) {
-  if (count < looked_) {
+  const auto after = std::upper_bound(kept_.begin(), kept_.end(), count,
+                                      [](std::size_t n, const Kept& kept) { return n < kept.looked; });
+  if (after != kept_.begin() && (count < looked_ || std::prev(after)->looked > looked_)) {
+    const Kept& kept = *std::prev(after);
+    dust_->become(kept.dust);
+    hand_ = kept.hand;
+    looked_ = kept.looked;
+  } else if (count < looked_) {
     dust_->clear();
     looked_ = 0;
-    hand_ = {};
+    hand_ = begins_;
   }
-  while (looked_ < count) look(frames[looked_]);
+  last_looked_ = count - looked_;
+  while (looked_ < count) {
+    look(frames[looked_]);
+    if (looked_ % keep_each_ == 0 && (kept_.empty() || kept_.back().looked < looked_)) keep();
+  }
+}
+
+// Of a long recording fewer, so that what is kept stays below some 20 MB.
+void DustWatch::keep() {
+  kept_.push_back({looked_, hand_, *dust_});
+  if (kept_.size() < most_kept) return;
+  keep_each_ *= 2;
+  kept_.erase(std::remove_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.looked % keep_each_ != 0; }),
+              kept_.end());
 }
 
 DustWatch dust_watch_of(const session::Playback& playback) {
-  return {std::make_shared<BoneDust>(), playback.header(), haptics::drilled_shapes(playback.loaded().manifest.haptic)};
+  return {std::make_shared<BoneDust>(), playback.header(), haptics::drilled_shapes(playback.loaded().manifest.haptic),
+          playback.shape_at()};
 }
 
 }  // namespace trephine::scene

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "session/hand_watch.h"
 #include "session/playback.h"
 
 namespace trephine::scene {
@@ -26,6 +27,8 @@ class BoneDust {
   };
   void add(const Tick& tick);
   void clear();
+  /// Is from now on what another was.
+  void become(const BoneDust& other);
 
   bool any() const { return !dust_.empty(); }
   std::uint64_t version() const { return version_; }  ///< another one where cells changed
@@ -52,38 +55,43 @@ class BoneDust {
 };
 
 /// Has a dust follow the frames of a session or of its recording, as they come. The tool in hand, pauses and what is
-/// taken back follow the rules of the belt (haptics::ToolBelt) or of the only tool's drill, as far as frames show them:
-/// whether the belt waits for a pose outside of every shape after a step was taken back is not seen.
+/// taken back are those of session::HandWatch.
 class DustWatch {
  public:
   /// `drilled`: bit n for a shape that drills remove (haptics::drilled_shapes).
-  DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& header, std::uint64_t drilled);
+  DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHeader& header, std::uint64_t drilled,
+            session::HandWatch::ShapeAt shape_at = {});
   /// `shown`: the dust can be seen. Else none falls, is washed or dries, and all is ready for when it is.
   void look(const haptics::ServoFrame& frame, bool shown = true);
-  /// As it is after so many of these frames; of the same ones each time. Going back begins anew.
+  /// As it is after so many of these frames; of the same ones each time. What it was at some times is kept, so that
+  /// going back does not begin anew.
   void go_to(const std::vector<haptics::ServoFrame>& frames, std::size_t count);
   const std::shared_ptr<BoneDust>& dust() const { return dust_; }
+  std::size_t last_looked() const { return last_looked_; }  ///< at how many frames, by the last go_to()
 
  private:
   struct Burr {
     bool rotates;
     double radius_mm;
   };
-  void follow_hand(const haptics::ServoFrame& frame, int command);
-  bool takes_all_back(const haptics::ServoFrame& frame, int command) const;
+
+  void keep();
 
   std::shared_ptr<BoneDust> dust_;
   std::vector<Burr> burrs_;  // by the number of the tool
-  const bool several_, in_open_, takes_back_;
+  const bool takes_back_;
   const std::uint64_t drilled_;
   const double water_ml_per_min_;
-  struct Hand {
-    std::uint32_t buttons = 0;
-    std::size_t tool = 0;
-    bool free = true, paused = false;  // free: it touched nothing, and lay in nothing
+  const session::HandWatch begins_;
+  session::HandWatch hand_;
+  std::size_t looked_ = 0, last_looked_ = 0;
+  struct Kept {
+    std::size_t looked;
+    session::HandWatch hand;
+    BoneDust dust;
   };
-  Hand hand_;  // after the last frame
-  std::size_t looked_ = 0;
+  std::vector<Kept> kept_;  // of go_to(), in their order
+  std::size_t keep_each_ = 4096;
 };
 
 /// Of a recording that is shown.

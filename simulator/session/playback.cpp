@@ -12,15 +12,11 @@ namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
-const haptics::BeltToolParams& tool_of(const std::vector<haptics::BeltToolParams>& tools,
-                                       const haptics::ServoFrame& f) {
-  return tools[std::min(std::size_t(haptics::belt_button::tool(f.buttons)), tools.size() - 1)];
-}
-
 }  // namespace
 
 void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>& out) {
   const std::uint32_t before = std::exchange(buttons_, f.buttons);
+  hand_.look(f);
   if (!drilling_.drill || f.faults != 0) return;
   follow_steps(f, before, out);
   if (tools_.empty()) {
@@ -28,12 +24,12 @@ void IncisionWatch::look(const haptics::ServoFrame& f, std::vector<IncisionMark>
       add({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm}, out);
     return;
   }
-  if (tool_of(tools_, f).marks && (f.buttons & haptics::belt_button::pedal) && f.touched != 0) {
+  if (!hand_.works()) return;
+  if (tools_[hand_.tool()].marks && (f.buttons & haptics::belt_button::pedal) && f.touched != 0) {
     has_mark_ = true;
     mark_mm_ = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
   }
-  const int command = haptics::belt_button::command(f.buttons);
-  if (command == haptics::belt_command::incise && command != haptics::belt_button::command(before) && has_mark_)
+  if (hand_.command() == haptics::belt_command::incise && has_mark_)
     add({f.time_s, mark_mm_, drilling_.incision_radius_mm}, out);
 }
 
@@ -45,14 +41,15 @@ void IncisionWatch::add(const IncisionMark& mark, std::vector<IncisionMark>& out
 // Strokes that touched something are steps as incisions are, as the drill counts them (Drilling::take_back).
 void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t before, std::vector<IncisionMark>& out) {
   if (drilling_.undo_steps == 0) return;
-  const bool pedal = (f.buttons & haptics::Drilling::pedal) && (tools_.empty() || tool_of(tools_, f).cuts);
+  const bool pedal =
+      hand_.works() && (f.buttons & haptics::Drilling::pedal) && (tools_.empty() || tools_[hand_.tool()].cuts);
   if (!pedal || !(before & haptics::Drilling::pedal)) stroke_ = pedal;
   if (stroke_ && f.touched != 0) {
     stroke_ = false;
     steps_.push_back(false);
   }
-  const int command = haptics::belt_button::command(f.buttons);
-  if (pedal || command == haptics::belt_button::command(before)) return;
+  const int command = hand_.command();
+  if (pedal || !hand_.works()) return;
   std::size_t back = command == haptics::belt_command::undo    ? std::min<std::size_t>(1, steps_.size())
                      : command == haptics::belt_command::reset ? steps_.size()
                                                                : 0;
@@ -64,12 +61,22 @@ void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t bef
 
 haptics::ToolParams Playback::tool() const {
   const haptics::RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : haptics::whole_tool(tool_of(h.tools, frame()));
+  return h.tools.empty() ? h.tool : haptics::whole_tool(h.tools[tool_in_hand()]);
 }
 
 std::string Playback::tool_name() const {
   const haptics::RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool.tool : tool_of(h.tools, frame()).name;
+  return h.tools.empty() ? h.tool.tool : h.tools[tool_in_hand()].name;
+}
+
+std::size_t Playback::tool_in_hand() const {
+  const auto after = std::upper_bound(in_hand_.begin(), in_hand_.end(), frame_,
+                                      [](std::size_t n, const Taken& taken) { return n < taken.frame; });
+  return after == in_hand_.begin() ? 0 : std::prev(after)->tool;
+}
+
+HandWatch::ShapeAt Playback::shape_at() const {
+  return [patient = patient_](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
 }
 
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
@@ -121,10 +128,22 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
     for (const haptics::ServoFrame& f : r.frames) watch.look(f, incisions_);
   }
   for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // earlier ones are there from the begin
-  IncisionWatch watch(h);
-  for (const haptics::ServoFrame& f : recording_.frames) watch.look(f, incisions_);
-  if (h.drilling.drill) run_through(file, progress);
+  follow_.emplace(Followed{HandWatch(h, shape_at()), IncisionWatch(h, shape_at())});
+  if (h.drilling.drill)
+    run_through(file, progress);
+  else
+    follow(0, recording_.frames.size());
+  follow_.reset();
   go_to(begin_s());
+}
+
+// With the volume as it is before these frames.
+void Playback::follow(std::size_t first, std::size_t end) {
+  for (std::size_t n = first; n < end; ++n) {
+    follow_->hand.look(recording_.frames[n]);
+    follow_->incisions.look(recording_.frames[n], incisions_);
+    if (in_hand_.empty() || follow_->hand.tool() != in_hand_.back().tool) in_hand_.push_back({n, follow_->hand.tool()});
+  }
 }
 
 void Playback::run_through(const std::filesystem::path& file, const Progress& progress) {
@@ -138,6 +157,7 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
   for (std::size_t first = 0; first < frames.size();) {
     std::size_t end = first;
     while (end < frames.size() && frames[end].time_s < next_s) ++end;
+    follow(first, end);
     rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)});
     if (end > first) note_changes(frames[end - 1].time_s, mirror);
     first = end;

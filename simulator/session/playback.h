@@ -2,11 +2,14 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/progress.h"
 #include "haptics/recording.h"
+#include "session/hand_watch.h"
 #include "session/session.h"
 
 namespace trephine::session {
@@ -22,8 +25,8 @@ struct IncisionMark {
 /// off the list again.
 class IncisionWatch {
  public:
-  explicit IncisionWatch(const haptics::DrillingParams& drilling) : drilling_(drilling) {}
-  explicit IncisionWatch(const haptics::RecordingHeader& header) : drilling_(header.drilling), tools_(header.tools) {}
+  explicit IncisionWatch(const haptics::RecordingHeader& header, HandWatch::ShapeAt shape_at = {})
+      : drilling_(header.drilling), tools_(header.tools), hand_(header, std::move(shape_at)) {}
   void look(const haptics::ServoFrame& frame, std::vector<IncisionMark>& out);
 
  private:
@@ -31,6 +34,7 @@ class IncisionWatch {
   void add(const IncisionMark& mark, std::vector<IncisionMark>& out);
   void follow_steps(const haptics::ServoFrame& frame, std::uint32_t before, std::vector<IncisionMark>& out);
   std::vector<haptics::BeltToolParams> tools_;
+  HandWatch hand_;
   std::vector<bool> steps_;  // that can be taken back; true: an incision
   bool stroke_ = false;      // the pedal is down, and nothing was touched so far
   std::uint32_t buttons_ = 0;
@@ -71,6 +75,8 @@ class Playback {
   /// The tool in hand at that time, and its name.
   haptics::ToolParams tool() const;
   std::string tool_name() const;
+  /// Asks the volume as it is shown.
+  HandWatch::ShapeAt shape_at() const;
   /// What changed since marks were last taken.
   drill::DirtyBricks& marks() { return patient_->marks; }
 
@@ -84,8 +90,10 @@ class Playback {
     std::size_t first, last;  ///< of changes_
   };
   void run_through(const std::filesystem::path& file, const Progress& progress);
+  void follow(std::size_t first, std::size_t end);
   void note_changes(double time_s, std::vector<std::int16_t>& mirror);
   void apply(std::size_t change, bool forwards);
+  std::size_t tool_in_hand() const;
 
   haptics::Recording recording_;
   std::shared_ptr<Patient> patient_;
@@ -93,6 +101,15 @@ class Playback {
   std::vector<Step> steps_;
   std::vector<std::size_t> taken_;
   std::vector<IncisionMark> incisions_;
+  struct Taken {
+    std::size_t frame, tool;
+  };
+  std::vector<Taken> in_hand_;  // from each of these frames on
+  struct Followed {
+    HandWatch hand;
+    IncisionWatch incisions;
+  };
+  std::optional<Followed> follow_;  // while the constructor works
   std::size_t shown_steps_ = 0, frame_ = 0;
   double time_s_ = 0;
 };

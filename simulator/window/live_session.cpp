@@ -129,9 +129,10 @@ void LiveSession::meet() {
     failed_ = true;
     throw;
   }
-  watch_ = std::make_unique<session::IncisionWatch>(session_->header());
-  dust_watch_ = std::make_unique<scene::DustWatch>(dust_, session_->header(),
-                                                   haptics::drilled_shapes(patient_->felt.loaded.manifest.haptic));
+  const auto shape_at = [patient = patient_](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
+  watch_ = std::make_unique<session::IncisionWatch>(session_->header(), shape_at);
+  dust_watch_ = std::make_unique<scene::DustWatch>(
+      dust_, session_->header(), haptics::drilled_shapes(patient_->felt.loaded.manifest.haptic), shape_at);
   session_->start();
   rate_ticks_ = 0;
   press_as_needed();

@@ -149,8 +149,8 @@ printf '\x01' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 "$TREPHINE" replay "$work/sample" "$work/v1.servo" | grep -q '^replayed bit for bit$' || fail "version 1 is not read"
 printf '\x04' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 expect 65 'frame_bytes: ' "$TREPHINE" replay "$work/sample" "$work/v1.servo"  # of version 4 they are longer
-printf '\x09' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 9, this program reads 1 to 8' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
+printf '\x0a' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+expect 65 'version: 10, this program reads 1 to 9' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
