@@ -94,12 +94,12 @@ TEST(Haptics, TheNearestPointBeforeUpToThreePlanes) {
   std::mt19937_64 rng(13);
   int all_three = 0, none = 0;
   for (int n = 0; n < 20000; ++n) {
-    haptics::Plane planes[3];
+    contact::Plane planes[3];
     const int count = int(rng() % 4);
     for (int i = 0; i < count; ++i) planes[i] = {unit_vector(rng) * uniform(rng, 0, 2), unit_vector(rng)};
     const Vec3 target = unit_vector(rng) * uniform(rng, 0, 5);
-    haptics::Nearest near;
-    if (!haptics::nearest_before(planes, count, target, near)) {
+    contact::Nearest near;
+    if (!contact::nearest_before(planes, count, target, near)) {
       ++none;
       continue;
     }

@@ -19,17 +19,17 @@ int HeldSurfaces::place_of(Vec3 normal) const {
   return at;
 }
 
-void HeldSurfaces::set(int place, const Plane& plane, const HeldSurface& surface) {
+void HeldSurfaces::set(int place, const contact::Plane& plane, const HeldSurface& surface) {
   planes_[place] = plane;
   held_[place] = surface;
   count_ = std::max(count_, place + 1);
 }
 
-int HeldSurfaces::put(const Plane& plane, const HeldSurface& surface) {
+int HeldSurfaces::put(const contact::Plane& plane, const HeldSurface& surface) {
   int at = count_ < max_count ? count_ : -1;
   for (int n = 0; n < count_ && count_ == max_count; ++n)
     if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
-  Plane put = plane;
+  contact::Plane put = plane;
   for (int n = 0; n < count_; ++n)
     if (dot(planes_[n].normal, plane.normal) > same_surface) {
       at = n;
@@ -40,7 +40,7 @@ int HeldSurfaces::put(const Plane& plane, const HeldSurface& surface) {
 }
 
 bool HeldSurfaces::solve(Vec3 device) {
-  solved_ = nearest_before(planes_, count_, device, nearest_);
+  solved_ = contact::nearest_before(planes_, count_, device, nearest_);
   return solved_;
 }
 

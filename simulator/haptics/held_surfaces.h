@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 #include "cases/material.h"
-#include "haptics/constraints.h"
+#include "contact/constraints.h"
 #include "haptics/grain.h"
 
 namespace trephine::haptics {
@@ -28,7 +28,7 @@ class HeldSurfaces {
   /// Whether the last solve() found the point nearest to the device.
   bool solved() const { return solved_; }
   void leave_unsolved() { solved_ = false; }
-  const Plane& plane(int n) const { return planes_[n]; }
+  const contact::Plane& plane(int n) const { return planes_[n]; }
   const HeldSurface& surface(int n) const { return held_[n]; }
   double pressure_mm(int n) const { return nearest_.pressure_mm[n]; }
   Vec3 nearest_mm() const { return nearest_.point_mm; }  ///< to the device, before all planes
@@ -36,14 +36,16 @@ class HeldSurfaces {
   bool knows(Vec3 normal) const;
   /// The place of a plane of that surface, or else the next that is free; max_count where none is.
   int place_of(Vec3 normal) const;
-  void set(int place, const Plane& plane, const HeldSurface& surface);
+  void set(int place, const contact::Plane& plane, const HeldSurface& surface);
   /// Puts the plane in the place of its surface, where the one that reaches further counts; or in a free one, or in
   /// that of one that does not press. Returns the place, -1 where all of them press.
-  int put(const Plane& plane, const HeldSurface& surface);
+  int put(const contact::Plane& plane, const HeldSurface& surface);
   void move_arm(int place, Vec3 arm_mm) { held_[place].arm_mm = arm_mm; }
   /// Finds the point before all planes that is nearest to the device, and how much each presses.
   bool solve(Vec3 device_mm);
-  bool nearest_to(Vec3 from_mm, Nearest& out) const { return nearest_before(planes_, count_, from_mm, out); }
+  bool nearest_to(Vec3 from_mm, contact::Nearest& out) const {
+    return contact::nearest_before(planes_, count_, from_mm, out);
+  }
   bool presses_alone(int place) const;
   bool any_presses() const;
 
@@ -59,9 +61,9 @@ class HeldSurfaces {
   Felt felt(Vec3 proxy_mm, Vec3 device_mm, Vec3 velocity_mm_s, int named) const;
 
  private:
-  Plane planes_[max_count];
+  contact::Plane planes_[max_count];
   HeldSurface held_[max_count];
-  Nearest nearest_;
+  contact::Nearest nearest_;
   int count_ = 0;
   bool solved_ = false;
 };

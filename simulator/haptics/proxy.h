@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/vec3.h"
+#include "contact/constraints.h"
 #include "contact/contact.h"
-#include "haptics/constraints.h"
 #include "haptics/feel.h"
 #include "haptics/force_ease.h"
 #include "haptics/force_slew.h"
@@ -141,14 +141,14 @@ class Proxy {
 
   // The functions of proxy_tool.cpp: the same for a tool.
   struct Wall {
-    Plane plane;  // for the tip
+    contact::Plane plane;  // for the tip
     int point;
   };
   void begin_tool(const HapticInput& in);
   void follow_tool(const HapticInput& in);
   bool meet_tool(const ToolBody::Meeting& m, Vec3 device_mm, Vec3& goal_mm, Mat3& aim, int pass);
   int find_walls(const ToolBody::Meeting& m, Wall* walls) const;
-  Plane tip_plane(int point, Vec3 normal) const;
+  contact::Plane tip_plane(int point, Vec3 normal) const;
   void approach_tool(const ToolBody::Meeting& m);
   bool step_over_tool(Vec3 normal, bool straight, Vec3 device_mm, Vec3 goal_mm);
   void pop_into(const contact::Contact& contact);

@@ -173,7 +173,7 @@ HeldSurface Proxy::held_of(const RoundBody::Touch& touch) const {
 bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const contact::Contact& c = touch.contact;
   const bool alone = round_->is_ball();
-  Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
+  contact::Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
   const int at = surfaces_.place_of(c.normal);
   if (at == HeldSurfaces::max_count) return false;
   // Where two places of a rod touch one surface, the plane of the one that reaches further counts.

@@ -71,7 +71,7 @@ void Proxy::follow_tool(const HapticInput& in) {
   if (surfaces_.count() == 0) friction_.rest();
 }
 
-Plane Proxy::tip_plane(int point, Vec3 normal) const {
+contact::Plane Proxy::tip_plane(int point, Vec3 normal) const {
   return {body_->met(point).point_mm + normal * margin_mm_ - body_->arm(point), normal};
 }
 
@@ -80,8 +80,8 @@ Plane Proxy::tip_plane(int point, Vec3 normal) const {
 int Proxy::find_walls(const ToolBody::Meeting& m, Wall* walls) const {
   const ToolBody& b = *body_;
   const auto normal_of = [&](int point) { return contact_.normal_of(b.met(point), b.way(point)); };
-  const auto no_further = [&](Plane plane) {
-    const Plane near = tip_plane(m.nearest, plane.normal);
+  const auto no_further = [&](contact::Plane plane) {
+    const contact::Plane near = tip_plane(m.nearest, plane.normal);
     return dot(plane.normal, near.point_mm - plane.point_mm) > 0 ? near : plane;
   };
   if (tool_.search != ToolParams::Search::both || m.from_tip == m.from_tail) {
@@ -158,7 +158,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     return true;
   }
   // Friction acts along the walls. For a turn, the tip may first have to give way.
-  Nearest here;
+  contact::Nearest here;
   Vec3 from = b.tip_mm();
   const bool gives = surfaces_.nearest_to(from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
   if (gives) from = here.point_mm;

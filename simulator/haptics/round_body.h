@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "contact/contact.h"
-#include "haptics/known_normals.h"
-#include "haptics/round_edge.h"
+#include "contact/known_normals.h"
+#include "contact/round_edge.h"
 #include "haptics/tool.h"
 
 namespace trephine::haptics {
@@ -104,8 +104,8 @@ class RoundBody {
   // In discs that deepest() looks at, each about 0.05 us; a normal takes as long as 20, and look() as 500.
   static constexpr int least_calls = 6, spent_by_look = 500, spent_by_normal = 20;
   static constexpr double most_spent = 2000;
-  KnownNormals normals_;
-  RoundEdge edge_;
+  contact::KnownNormals normals_;
+  contact::RoundEdge edge_;
   int calls_ = 0;
   std::int64_t spent_ = 0;
   int frames_ = 0, edge_frames_ = 0;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/constraints.h"
+#include "contact/constraints.h"
 
 namespace trephine::peers {
 namespace {
@@ -81,7 +81,7 @@ const haptics::HapticState& DepthBuffer::update(const haptics::HapticInput& give
     if (at.z < picture_.height(at.x, at.y)) {
       at = aim;  // within the solid there is nothing to feel
     } else {
-      haptics::Plane planes[3];
+      contact::Plane planes[3];
       int count = 0;
       Vec3 goal = aim;
       for (int pass = 0; pass < 6; ++pass) {
@@ -98,8 +98,8 @@ const haptics::HapticState& DepthBuffer::update(const haptics::HapticInput& give
         at += normal * resting_mm;
         held = true;
         planes[count < 3 ? count++ : 2] = {at, normal};
-        haptics::Nearest nearest;
-        if (!haptics::nearest_before(planes, count, aim, nearest)) break;
+        contact::Nearest nearest;
+        if (!contact::nearest_before(planes, count, aim, nearest)) break;
         normal_ = normalized(nearest.point_mm - aim);
         if (!(norm(nearest.point_mm - aim) < norm(at - aim) - 1e-9)) break;  // no nearer
         goal = nearest.point_mm;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "haptics/constraints.h"
+#include "contact/constraints.h"
 
 namespace trephine::peers {
 
@@ -15,7 +15,7 @@ const haptics::HapticState& GodObject::update(const haptics::HapticInput& given)
     rests_ = 0;
     begun_ = true;
   }
-  haptics::Plane planes[3];
+  contact::Plane planes[3];
   std::uint32_t on[3];
   int count = 0;
   Vec3 goal = device;
@@ -30,8 +30,8 @@ const haptics::HapticState& GodObject::update(const haptics::HapticInput& given)
     const Vec3 normal = mesh.normal(met.triangle);
     on[count] = met.triangle;
     planes[count++] = {mesh.corner(met.triangle, 0) + normal * params_.god_object_lift_mm, normal};
-    haptics::Nearest nearest;
-    if (!haptics::nearest_before(planes, count, device, nearest)) {
+    contact::Nearest nearest;
+    if (!contact::nearest_before(planes, count, device, nearest)) {
       goal = god_ + (goal - god_) * met.along;  // the facets leave no other place
       break;
     }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/constraints.h"
+#include "contact/constraints.h"
 #include "surface/point_triangle.h"
 
 namespace trephine::peers {
@@ -117,7 +117,7 @@ double RoundProxy::first_touch(Vec3 way) const {
 }
 
 // The tangent planes of what the ball touches and what is between it and the device: of the steepest three.
-int RoundProxy::touched_planes(Vec3 device, haptics::Plane* planes) const {
+int RoundProxy::touched_planes(Vec3 device, contact::Plane* planes) const {
   const Vec3 towards = normalized(device - centre_);
   double steep[3] = {};
   int count = 0;
@@ -148,7 +148,7 @@ const haptics::HapticState& RoundProxy::update(const haptics::HapticInput& given
     centre_ = device;
     begun_ = true;
   }
-  haptics::Plane planes[3];
+  contact::Plane planes[3];
   int count = 0;
   Vec3 goal = device;
   for (int moves = 0; moves < 8; ++moves) {
@@ -160,8 +160,8 @@ const haptics::HapticState& RoundProxy::update(const haptics::HapticInput& given
     }
     centre_ += way * t;
     count = touched_planes(device, planes);
-    haptics::Nearest nearest;
-    if (count == 0 || !haptics::nearest_before(planes, count, device, nearest)) break;
+    contact::Nearest nearest;
+    if (count == 0 || !contact::nearest_before(planes, count, device, nearest)) break;
     if (!(norm(nearest.point_mm - device) < norm(centre_ - device) - 1e-9)) break;  // no nearer
     goal = nearest.point_mm;
   }

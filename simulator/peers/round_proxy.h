@@ -30,7 +30,7 @@ class RoundProxy : public ContactAlgorithm {
     Vec3 a, b, c, normal;
   };
   double first_touch(Vec3 way) const;
-  int touched_planes(Vec3 device, haptics::Plane* planes) const;
+  int touched_planes(Vec3 device, contact::Plane* planes) const;
 
   const PeerScene scene_;
   const PeerParams params_;

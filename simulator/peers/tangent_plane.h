@@ -22,7 +22,7 @@ class TangentPlane : public ContactAlgorithm {
   const PeerParams params_;
   haptics::HapticState state_;
   bool begun_ = false, has_plane_ = false;
-  haptics::Plane plane_;                  // about the mesh's origin
+  contact::Plane plane_;                  // about the mesh's origin
   double recovers_mm_ = 0, since_s_ = 0;  // by how much its depth was wrong at first, and for how long it is there
   Vec3 proxy_;
 };

@@ -2,10 +2,10 @@
 #pragma once
 #include <vector>
 
-#include "haptics/constraints.h"
-#include "haptics/known_normals.h"
+#include "contact/constraints.h"
+#include "contact/known_normals.h"
 
-namespace trephine::haptics {
+namespace trephine::contact {
 
 /// The two faces of a sharp edge that a round tool touches. Voxels round an edge off, and the discs that stand there
 /// face one way or another; but some voxels away from it, on either side, discs are the faces' own. There two planes
@@ -13,7 +13,7 @@ namespace trephine::haptics {
 class RoundEdge {
  public:
   /// `radius_mm`: at most, of a tool.
-  RoundEdge(const contact::ContactVolume& contact, double radius_mm);
+  RoundEdge(const ContactVolume& contact, double radius_mm);
 
   /// Whether the surface between these two shapes (`from`: on the tool's side) has an edge near the place at which a
   /// tool of that radius touches: it falls off steeply behind the plane with that normal. Then the faces are looked up,
@@ -42,9 +42,9 @@ class RoundEdge {
   void fit(int face, Vec3 place_mm);
 
   static constexpr int most_faces = 24;
-  const contact::ContactVolume& contact_;
+  const ContactVolume& contact_;
   const double voxel_mm_, widest_mm_;
-  std::vector<contact::SurfaceSample> samples_;
+  std::vector<SurfaceSample> samples_;
   int count_ = 0, looked_at_ = 0;
   Face faces_[most_faces];
   Plane planes_[2];
@@ -60,4 +60,4 @@ class RoundEdge {
   int last_found_ = 0;
 };
 
-}  // namespace trephine::haptics
+}  // namespace trephine::contact

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "haptics/constraints.h"
+#include "contact/constraints.h"
 
 #include <cmath>
 
-namespace trephine::haptics {
+namespace trephine::contact {
 namespace {
 
 constexpr double tolerance_mm = 1e-9;
@@ -63,4 +63,4 @@ bool nearest_before(const Plane* planes, int count, Vec3 target, Nearest& out) {
   return false;
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::contact

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/vec3.h"
 
-namespace trephine::haptics {
+namespace trephine::contact {
 
 /// A tangent plane behind which a proxy may not go: dot(normal, x - point) >= 0.
 struct Plane {
@@ -18,4 +18,4 @@ struct Nearest {
 };
 bool nearest_before(const Plane* planes, int count, Vec3 target_mm, Nearest& out);
 
-}  // namespace trephine::haptics
+}  // namespace trephine::contact

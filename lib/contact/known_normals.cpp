@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "haptics/known_normals.h"
+#include "contact/known_normals.h"
 
 #include <cstring>
 
-namespace trephine::haptics {
+namespace trephine::contact {
 
-Vec3 KnownNormals::of(const contact::SurfaceSample& s, int& computed) {
+Vec3 KnownNormals::of(const SurfaceSample& s, int& computed) {
   std::uint64_t hash = std::uint64_t(s.low) << 8 ^ std::uint64_t(s.high);
   for (const double x : {s.point_mm.x, s.point_mm.y, s.point_mm.z}) {
     std::uint64_t bits;
@@ -21,4 +21,4 @@ Vec3 KnownNormals::of(const contact::SurfaceSample& s, int& computed) {
   return known.normal;
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::contact

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "haptics/round_edge.h"
+#include "contact/round_edge.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace trephine::haptics {
+namespace trephine::contact {
 namespace {
 
 constexpr double near_voxels = 1.9, far_voxels = 3.2;  // from an edge: where normals no longer know of it; and enough
@@ -29,7 +29,7 @@ double edge_within_mm(double radius_mm, double voxel_mm) {
 
 }  // namespace
 
-RoundEdge::RoundEdge(const contact::ContactVolume& contact, double radius_mm)
+RoundEdge::RoundEdge(const ContactVolume& contact, double radius_mm)
     : contact_(contact),
       voxel_mm_(largest(contact.volume().voxels.spacing_mm)),
       widest_mm_(edge_within_mm(radius_mm, voxel_mm_)) {
@@ -44,7 +44,7 @@ void RoundEdge::look(Vec3 place, double reach, int from, int into) {
   looked_at_ += all;
   count_ = 0;
   for (int n = 0; n < all; ++n) {
-    const contact::SurfaceSample& s = samples_[std::size_t(n)];
+    const SurfaceSample& s = samples_[std::size_t(n)];
     if ((s.low == from && s.high == into) || (s.low == into && s.high == from)) samples_[std::size_t(count_++)] = s;
   }
 }
@@ -102,12 +102,12 @@ bool RoundEdge::find_anew(Vec3 touched, Vec3 normal, double radius, int from, in
 // The normals of some samples around the place, far enough from it to be those of a face; how many.
 int RoundEdge::take_faces(Vec3 place, Vec3 normal, int from, KnownNormals& normals, int& computed) {
   const double least = near_voxels * voxel_mm_, most = far_voxels * voxel_mm_;
-  const auto is_far = [&](const contact::SurfaceSample& s) { return norm(s.point_mm - place) >= least; };
+  const auto is_far = [&](const SurfaceSample& s) { return norm(s.point_mm - place) >= least; };
   const int around = int(std::count_if(samples_.begin(), samples_.begin() + count_, is_far));
   const int each = std::max(1, (around + most_faces - 1) / most_faces);
   int count = 0, seen = 0;
   for (int n = 0; n < count_; ++n) {
-    const contact::SurfaceSample& s = samples_[std::size_t(n)];
+    const SurfaceSample& s = samples_[std::size_t(n)];
     if (!is_far(s) || seen++ % each != 0) continue;
     const Vec3 own = normals.of(s, computed), face = s.low == from ? own : -own;
     if (own == Vec3{} || dot(face, normal) < faces_away) continue;
@@ -140,7 +140,7 @@ void RoundEdge::fit(int face, Vec3 place) {
   struct Place {
     double weight, at[3];  // along the edge, across it, off the plane
   };
-  const auto of = [&](const contact::SurfaceSample& s) {
+  const auto of = [&](const SurfaceSample& s) {
     const Vec3 d = s.point_mm - plane.point_mm;
     Place p{0, {dot(d, edge), dot(d, into), dot(d, plane.normal)}};
     if (std::abs(p.at[2]) > off_voxels * voxel_mm_) return p;
@@ -223,4 +223,4 @@ bool RoundEdge::nearest(Vec3 place, Vec3& point) const {
   return norm(place - point) > 1e-6;
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::contact
