@@ -28,7 +28,7 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = unnamed = 0 }
   gsub(/"([^"\\]|\\.)*"/, "\"\"")
 }
 { sub(/^(\[\[[a-z_]+\]\]|__attribute__\(\([a-z_]+\)\)) /, "") }
-/^using [A-Za-z_:]+;$/ {  # using texts::Phrase; declares Phrase
+/^using [A-Za-z_0-9:]+;$/ {  # using texts::Phrase; declares Phrase
   line = $0
   sub(/^using ([A-Za-z_0-9]*::)*/, "", line)
   sub(/;$/, "", line)
@@ -104,7 +104,7 @@ function fits(f, g, them, n, i) {
 function clash(a, b, list, n, i) {
   n = split(names[a], list, " ")
   for (i = 1; i <= n; ++i)
-    if ((a, list[i]) in same && same[a, list[i]] == same[b, list[i]]) continue
+    if ((a, list[i]) in same && (b, list[i]) in same && same[a, list[i]] == same[b, list[i]]) continue
     else if (declared[a, list[i]] == "value" ? (b, list[i]) in mentioned : (b, list[i]) in used) return 1
   return 0
 }

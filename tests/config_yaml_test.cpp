@@ -22,13 +22,13 @@ const std::string sample =
     "  inion: [0, 89.4, 5.8]  # by hand\n"
     "set: {skull.segment.lower_hu: 300}\n";
 
-TEST(desk_yaml, AValueIsReplacedWhereItStands) {
+TEST(ConfigYaml, AValueIsReplacedWhereItStands) {
   EXPECT_EQ(edited(sample, {"landmarks", "nasion"}, "[1, 2, 3]"),
             "# The sample case.\ntrephine: 1\nseries: ../sample_dicom   # where it lies\nlandmarks:  # mm, LPS\n"
             "  nasion: [1, 2, 3]\n  inion: [0, 89.4, 5.8]  # by hand\nset: {skull.segment.lower_hu: 300}\n");
 }
 
-TEST(desk_yaml, AKeyIsAddedAfterTheLastOfItsMap) {
+TEST(ConfigYaml, AKeyIsAddedAfterTheLastOfItsMap) {
   EXPECT_EQ(edited(sample, {"landmarks", "tragus_left"}, "[77, 0, 0]"),
             "# The sample case.\ntrephine: 1\nseries: ../sample_dicom   # where it lies\nlandmarks:  # mm, LPS\n"
             "  nasion: [0, -93.2, 40.1]\n  inion: [0, 89.4, 5.8]  # by hand\n  tragus_left: [77, 0, 0]\n"
@@ -39,14 +39,14 @@ TEST(desk_yaml, AKeyIsAddedAfterTheLastOfItsMap) {
   EXPECT_EQ(edited("a:\nb: 1\n", {"a", "c"}, "2"), "a: {c: 2}\nb: 1\n");
 }
 
-TEST(desk_yaml, AKeyGoesAndAnEmptyMapWithIt) {
+TEST(ConfigYaml, AKeyGoesAndAnEmptyMapWithIt) {
   EXPECT_EQ(edited(sample, {"set", "skull.segment.lower_hu"}, {}), sample.substr(0, sample.find("set:")));
   EXPECT_EQ(edited("a: {b: 1, c: 2}\n", {"a", "c"}, {}), "a: {b: 1}\n");
   EXPECT_EQ(edited("a: {b: 1, c: 2}\n", {"a", "b"}, {}), "a: {c: 2}\n");
   EXPECT_EQ(edited("a:\n  b: 1\n  c: 2\nd: 3\n", {"a", "b"}, {}), "a:\n  c: 2\nd: 3\n");
 }
 
-TEST(desk_yaml, ListsOfMapsGetKeysAndItems) {
+TEST(ConfigYaml, ListsOfMapsGetKeysAndItems) {
   const std::string list = "cases:\n  - case: a  # first\n    series: s/a\n  - {case: b, series: s/b}\nx: 1\n";
   EXPECT_EQ(edited(list, {"cases", "0", "config"}, "a.yaml"),
             "cases:\n  - case: a  # first\n    series: s/a\n    config: a.yaml\n  - {case: b, series: s/b}\nx: 1\n");
@@ -58,12 +58,12 @@ TEST(desk_yaml, ListsOfMapsGetKeysAndItems) {
   EXPECT_EQ(edited("trephine: 1\n", {"cases", "+"}, "{case: c}"), "trephine: 1\ncases: [{case: c}]\n");
 }
 
-TEST(desk_yaml, ABlockBecomesOneLine) {
+TEST(ConfigYaml, ABlockBecomesOneLine) {
   EXPECT_EQ(edited("burr_holes:\n  - at: kocher\n    side: right\nx: 1\n", {"burr_holes"}, "[{at: kocher}]"),
             "burr_holes: [{at: kocher}]\nx: 1\n");
 }
 
-TEST(desk_yaml, QuotesAndCommentsDoNotConfuseIt) {
+TEST(ConfigYaml, QuotesAndCommentsDoNotConfuseIt) {
   EXPECT_EQ(edited("a: {b: \"x, } y\", c: 'it''s'}  # {\n", {"a", "d"}, "1"),
             "a: {b: \"x, } y\", c: 'it''s', d: 1}  # {\n");
   EXPECT_EQ(edited("a: {b: it's, c: 2}\n", {"a", "c"}, "3"), "a: {b: it's, c: 3}\n");
@@ -72,7 +72,7 @@ TEST(desk_yaml, QuotesAndCommentsDoNotConfuseIt) {
 }
 
 // What it does not understand it leaves alone, and says so.
-TEST(desk_yaml, WhatIsNotUnderstoodIsRefusedAndNotSpoilt) {
+TEST(ConfigYaml, WhatIsNotUnderstoodIsRefusedAndNotSpoilt) {
   const auto refused = [](const std::string& text, const std::vector<std::string>& path,
                           const std::optional<std::string>& to) {
     try {
@@ -91,7 +91,7 @@ TEST(desk_yaml, WhatIsNotUnderstoodIsRefusedAndNotSpoilt) {
   EXPECT_TRUE(refused("- 1\n", {"b"}, "1"));                  // no configuration
 }
 
-TEST(desk_yaml, TextsAreQuotedWhereTheyMust) {
+TEST(ConfigYaml, TextsAreQuotedWhereTheyMust) {
   for (const std::string text : {"a", "a b", "null", "~", "a: b", "x\"y\\z", "- a", "#c", "[1]", ""}) {
     const std::string made = "k: " + config::yaml_scalar(text) + "\n";
     EXPECT_EQ(edited(made, {"z"}, "1"), made + "z: 1\n") << text;

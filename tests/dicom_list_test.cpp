@@ -181,7 +181,10 @@ TEST(DicomList, ContrastThatIsNotToldIsNoNo) {
                                              {"UNKNOWN", "not told", "null"},
                                              {"APPLIED", "yes", "true"},
                                              {"CANARY 300 ml", "yes", "true"},
+                                             {"-", "not told", "null"},
                                              {"NONE", "no", "false"},
+                                             {"W/O", "no", "false"},
+                                             {"ohne KM", "no", "false"},
                                              {"no contrast", "no", "false"}}) {
     Scan s = import_samples::small();
     if (agent) s.edit = [agent = agent](int, DataSet& d) { d.text(tag(0x18, 0x10), "LO", agent); };

@@ -123,5 +123,10 @@ TEST(HapticsSeen, ADrilledHoleIsFeltWhereItIsSeen) {
 // docs/haptics.md has this table.
 TEST(LongHapticsSeen, OfEveryBallAndVoxel) {
   for (const double diameter_mm : {2.0, 3.0, 5.0, 7.0, 14.0})
-    for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) row_of(diameter_mm, voxel_mm);
+    for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) {
+      Row row = row_of(diameter_mm, voxel_mm);
+      EXPECT_LT(row.point.at(0.5), 0.02);
+      EXPECT_LT(row.point.at(0.99), 0.35);
+      EXPECT_LT(row.ball.at(0.5), 0.2);
+    }
 }

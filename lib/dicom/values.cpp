@@ -126,10 +126,14 @@ std::string known_contrast(std::string_view text) {
   const std::string_view said = trimmed(text);
   if (said.empty()) return "";
   const std::string plain = plain_letters(said);
-  constexpr std::string_view nothing[] = {"NA", "NOTAVAILABLE", "UNKNOWN", "NULL", "UNSPECIFIED"};
-  constexpr std::string_view none[] = {"NO",          "N", "NONE", "NOCONTRAST", "WITHOUT", "WITHOUTCONTRAST",
-                                       "NONCONTRAST", "0"};
-  if (contains(nothing, plain)) return "";
+  constexpr std::string_view nothing[] = {"NA", "NOTAVAILABLE", "UNKNOWN", "UNBEKANNT", "NULL", "UNSPECIFIED"};
+  constexpr std::string_view none[] = {
+      "NO",         "N",           "NON",   "NONE",   "NIL",  "NOCONTRAST", "WITHOUT", "WITHOUTCONTRAST", "WO",
+      "WOCONTRAST", "NONCONTRAST", "NATIV", "NATIVE", "OHNE", "OHNEKM",     "KEIN",    "KEINES",          "0"};
+  // Of another alphabet's name nothing is left as plain letters; a dash or a dot names nothing.
+  const bool foreign =
+      std::any_of(said.begin(), said.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; });
+  if ((plain.empty() && !foreign) || contains(nothing, plain)) return "";
   return contains(none, plain) ? "no" : "yes";
 }
 

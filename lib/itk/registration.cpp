@@ -205,8 +205,9 @@ Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& m
   Registration r{found.map, doubts_of(found, params, longest_side_mm)};
   describe(r, found, report);
   const std::string doubt = unusual(found, params);
-  report.add("another_patient", !doubt.empty());
-  if (r.doubts.empty() && !doubt.empty()) report.warn(doubt);
+  const bool another = r.doubts.empty() && !doubt.empty();
+  report.add("another_patient", another);
+  if (another) report.warn(doubt);
   return r;
 }
 

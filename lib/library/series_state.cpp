@@ -24,7 +24,7 @@ namespace {
 constexpr int deepest_level = 5;  // as deep as the import searches
 // A file that changed this shortly before it was examined may change again within the same tick of its clock.
 constexpr double racy_s = 0.1;
-constexpr const char* format_name = "trephine-library-series 1";
+constexpr const char* format_name = "trephine-library-series 2";
 
 using Item = std::tuple<std::uint64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t, std::int64_t>;
 

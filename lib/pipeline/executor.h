@@ -17,7 +17,8 @@ class RunObserver {
  public:
   virtual ~RunObserver() = default;
   /// What will be computed, with its expected share of the time that all take, in seconds. It is called before anything
-  /// is computed, and again where the size of a surface is known: then of what has not ended.
+  /// is computed, and again where the size of a surface is known: then of what has not ended, by the thread that made
+  /// the surface, while no other stage may begin or end. So it must neither wait for one nor throw.
   virtual void planned(const std::vector<std::pair<std::string, double>>& expected_s) { (void)expected_s; }
   /// Begins what follows the nodes: making pictures and page, and publishing.
   virtual void publishing() {}

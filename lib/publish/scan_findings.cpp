@@ -69,9 +69,11 @@ void doubt_the_targets(cases::CaseManifest& manifest) {
     if (f.kind != other_patient) continue;
     for (cases::CaseTarget& target : manifest.targets) {
       if (std::find(f.concerns.begin(), f.concerns.end(), target.anatomy) == f.concerns.end()) continue;
+      const auto point = std::find_if(manifest.landmarks.begin(), manifest.landmarks.end(),
+                                      [&](const cases::CaseLandmark& l) { return l.name == target.name; });
+      if (point != manifest.landmarks.end() && point->source == "given") continue;
       target.confidence = std::min(target.confidence, doubtful_target);
-      for (cases::CaseLandmark& l : manifest.landmarks)
-        if (l.name == target.name) l.confidence = std::min(l.confidence, doubtful_target);
+      if (point != manifest.landmarks.end()) point->confidence = target.confidence;
     }
   }
 }

@@ -20,7 +20,8 @@ std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& conf
                                                   const std::vector<pipeline::NodeResult>& results, Vec3 middle_mm);
 
 /// What a procedure aims at in an anatomy that may be another patient's is doubtful: lowers the confidence of these
-/// targets and of the landmarks of their names below 0.5. The manifest's findings are known.
+/// targets and of the landmarks of their names below 0.5, but for points that a person gave. The manifest's findings
+/// are known. A scene's own limits of confidence were judged before, by what the landmarks' stage said.
 void doubt_the_targets(cases::CaseManifest& manifest);
 
 }  // namespace trephine::publish

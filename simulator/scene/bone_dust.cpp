@@ -219,8 +219,7 @@ void DustWatch::keep() {
 }
 
 DustWatch dust_watch_of(const session::Playback& playback) {
-  return {std::make_shared<BoneDust>(), playback.header(), haptics::drilled_shapes(playback.loaded().manifest.haptic),
-          playback.shape_at()};
+  return {std::make_shared<BoneDust>(), playback.header(), haptics::drilled_shapes(playback.loaded().manifest.haptic)};
 }
 
 }  // namespace trephine::scene

@@ -94,7 +94,8 @@ class DustWatch {
   std::size_t keep_each_ = 4096;
 };
 
-/// Of a recording that is shown.
+/// Of a recording that is shown. It does not ask the volume, which is that of the time shown and not of the frames
+/// looked at: so a time has one dust, whatever was shown before it, and a wait for the open is taken to last one tick.
 DustWatch dust_watch_of(const session::Playback& playback);
 
 }  // namespace trephine::scene

@@ -21,7 +21,7 @@ function approvePanel(page) {
     const has = name => c.anatomies.some(a => a.name.includes(name))
     const lines = ['c_surfaces', has('skin') && 'c_skin', has('ventricle') && 'c_ventricles', built.landmarks.length && 'c_landmarks', built.holes.length && 'c_holes', has('skin') && (info.now && /crop|deface/.test(info.now.face) ? 'c_face' : 'c_face_kept'), info.warnings.length && 'c_warnings'].filter(x => x).map(key => ({ id: key, text: t(key), english: TEXTS.en[key] }))
     // What a run found and is sure of is acknowledged one by one.
-    built.findings.filter(f => f.confidence >= .5).forEach((f, n) => lines.push({ id: `finding_${n + 1}`, text: `${t('c_finding')} ${f.text}`, english: `${TEXTS.en.c_finding} ${f.text}`, at: f.position_mm }))
+    built.findings.filter(f => f.confidence >= .5).forEach((f, n) => lines.push({ id: `finding_${n + 1}`, text: `${t('c_finding')} ${f.text}`, english: `${TEXTS.en.c_finding} ${f.text}`, at: f.kind === 'other_patient' ? null : f.position_mm }))
     const known = info.now ? info.now.known_landmarks : [], lost = known.filter(name => !built.landmarks.some(l => l.name === name || l.name.startsWith(name + '_')))
     const level = make('select', { id: 'difficulty' }, [1, 2, 3, 4, 5].map(n => make('option', { value: String(n), text: String(n) })))
     level.value = String(c.approval ? c.approval.difficulty_level : 3)
