@@ -44,7 +44,7 @@ std::string events_of(const Recording& r, std::string& tics, int& rows) {
   return data + "END\n";
 }
 
-// The tool in hand and the pedal, as bars.
+// The tool that the hand asks for and the pedal, as bars. A belt gives it in the open alone (session::HandWatch).
 std::string tools_of(const Recording& r, std::string& objects) {
   std::string legend;
   if (r.header.tools.empty()) return legend;
