@@ -39,6 +39,8 @@ cat >"$job/run" <<R
 cd /
 for before in ${dependency//:/ }; do until [[ -e $FAKE/jobs/\$before/done ]]; do sleep 0.05; done; done
 for ((i = 0; i <= ${array:-0}; i++)); do
+  while [[ -e $FAKE/held && ! -e $job/done ]]; do sleep 0.05; done
+  [[ ! -e $job/done ]] || exit
   if [[ -n "$array" ]] && read -r left <$FAKE/lose && ((left > 0)); then
     echo \$((left - 1)) >$FAKE/lose
   elif [[ -n "$array" ]] && read -r how left <$FAKE/starve && ((left > 0)); then
@@ -194,11 +196,11 @@ done
 for batch in "$work"/out/.library/slurm/*; do [[ $batch == */$first ]] || rm -r "$batch"; done
 
 # A batch that is cancelled is no hindrance any more.
+touch "$FAKE/held"  # so none of its jobs begins, however long the submission takes
 build l.yaml --no-wait --rebuild >/dev/null 2>&1
-touch "$FAKE/held"
 grep -q 'case.a .*waits .*JobHeldUser' <<<"$("$TREPHINE" library status "$work/out")" || fail "why it waits: $("$TREPHINE" library status "$work/out")"
-rm "$FAKE/held"
 "$TREPHINE" library cancel "$work/out" | grep -q '1 batch cancelled' || fail "cancel"
+rm "$FAKE/held"
 "$TREPHINE" library status "$work/out" >said
 grep -q 'no cluster works' said || fail "status after cancel: $(cat said)"
 until [[ -z $(pgrep -f "$FAKE/jobs" || true) ]]; do sleep 0.1; done
