@@ -170,25 +170,15 @@ class Reader {
   const JsonRules& rules_;
 };
 
-// Before anything is allocated for it. Looking for a key walks over all keys before it.
 void check_size(std::string_view text, const JsonRules& rules) {
   if (text.size() > rules.max_bytes) refuse("json", "is larger than " + std::to_string(rules.max_bytes) + " bytes");
-  std::size_t keys = 0, values = 0;
-  int levels = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      i += c == '\\';
-      quoted = c != '"';
-      continue;
-    }
-    quoted = c == '"';
-    levels += (c == '[' || c == '{') - (c == ']' || c == '}');
-    keys += c == ':';
-    values += c == ',' || c == '[' || c == '{';
-    if (levels > rules.max_levels) refuse("json", "is nested too deeply");
-    if (keys > rules.max_keys || values > rules.max_values) refuse("json", "holds too much");
+  switch (beyond_bounds(text, rules.bounds)) {
+    case BeyondBounds::no:
+      return;
+    case BeyondBounds::levels:
+      refuse("json", "is nested too deeply");
+    case BeyondBounds::count:
+      refuse("json", "holds too much");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/params.h"
+#include "json/json_bounds.h"
 
 namespace trephine::json {
 
@@ -16,8 +17,8 @@ struct JsonRules {
   /// written them. Without a version a person wrote the file: a key may be missing unless it is required, and one that
   /// is not declared is refused.
   std::optional<int> version;
-  std::size_t max_bytes = 1 << 20, max_keys = 10000, max_values = 100000;
-  int max_levels = 16;
+  std::size_t max_bytes = 1 << 20;
+  JsonBounds bounds;
 };
 
 /// JSON of a declared object, for programs that read no YAML. The keys are those of the declaration, in its order;
