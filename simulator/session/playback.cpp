@@ -75,10 +75,6 @@ std::size_t Playback::tool_in_hand() const {
   return after == in_hand_.begin() ? 0 : std::prev(after)->tool;
 }
 
-HandWatch::ShapeAt Playback::shape_at() const {
-  return [patient = patient_](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
-}
-
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
                                        const haptics::RecordingHeader& header, const contact::ContactParams& contact,
                                        const std::vector<std::filesystem::path>& before, cases::LoadParts parts,
@@ -128,21 +124,21 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
     for (const haptics::ServoFrame& f : r.frames) watch.look(f, incisions_);
   }
   for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // earlier ones are there from the begin
-  follow_.emplace(Followed{HandWatch(h, shape_at()), IncisionWatch(h, shape_at())});
+  watch_.emplace(h, shape_at_of(patient_));
   if (h.drilling.drill)
     run_through(file, progress);
   else
     follow(0, recording_.frames.size());
-  follow_.reset();
+  watch_.reset();
   go_to(begin_s());
 }
 
 // With the volume as it is before these frames.
 void Playback::follow(std::size_t first, std::size_t end) {
   for (std::size_t n = first; n < end; ++n) {
-    follow_->hand.look(recording_.frames[n]);
-    follow_->incisions.look(recording_.frames[n], incisions_);
-    if (in_hand_.empty() || follow_->hand.tool() != in_hand_.back().tool) in_hand_.push_back({n, follow_->hand.tool()});
+    watch_->look(recording_.frames[n], incisions_);
+    const std::size_t tool = watch_->hand().tool();
+    if (in_hand_.empty() || tool != in_hand_.back().tool) in_hand_.push_back({n, tool});
   }
 }
 

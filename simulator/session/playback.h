@@ -28,6 +28,7 @@ class IncisionWatch {
   explicit IncisionWatch(const haptics::RecordingHeader& header, HandWatch::ShapeAt shape_at = {})
       : drilling_(header.drilling), tools_(header.tools), hand_(header, std::move(shape_at)) {}
   void look(const haptics::ServoFrame& frame, std::vector<IncisionMark>& out);
+  const HandWatch& hand() const { return hand_; }  ///< after the last frame
 
  private:
   haptics::DrillingParams drilling_;
@@ -75,8 +76,6 @@ class Playback {
   /// The tool in hand at that time, and its name.
   haptics::ToolParams tool() const;
   std::string tool_name() const;
-  /// Asks the volume as it is shown.
-  HandWatch::ShapeAt shape_at() const;
   /// What changed since marks were last taken.
   drill::DirtyBricks& marks() { return patient_->marks; }
 
@@ -104,12 +103,8 @@ class Playback {
   struct Taken {
     std::size_t frame, tool;
   };
-  std::vector<Taken> in_hand_;  // from each of these frames on
-  struct Followed {
-    HandWatch hand;
-    IncisionWatch incisions;
-  };
-  std::optional<Followed> follow_;  // while the constructor works
+  std::vector<Taken> in_hand_;          // from each of these frames on
+  std::optional<IncisionWatch> watch_;  // while the constructor works
   std::size_t shown_steps_ = 0, frame_ = 0;
   double time_s_ = 0;
 };

@@ -41,6 +41,10 @@ std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> de
 
 }  // namespace
 
+std::function<int(Vec3)> shape_at_of(std::shared_ptr<const Patient> patient) {
+  return [patient = std::move(patient)](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
+}
+
 double SessionResult::cpu_us_a_tick() const {
   return statistics.ticks > 0 ? 1e6 * cpu_s / double(statistics.ticks) : 0;
 }

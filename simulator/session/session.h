@@ -35,6 +35,8 @@ struct Patient {
           cases::LoadParts parts = {})
       : Patient(FeltCase(folder, shape, parts), params) {}
 };
+/// Asks the patient's volume, as it is at that time, for the shape at a place; 0 for none. It keeps the patient.
+std::function<int(Vec3)> shape_at_of(std::shared_ptr<const Patient> patient);
 
 /// The options of a session.
 struct SessionOptions {

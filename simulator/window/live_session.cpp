@@ -129,7 +129,7 @@ void LiveSession::meet() {
     failed_ = true;
     throw;
   }
-  const auto shape_at = [patient = patient_](Vec3 place_mm) { return patient->contact.shape_at(place_mm); };
+  const auto shape_at = session::shape_at_of(patient_);
   watch_ = std::make_unique<session::IncisionWatch>(session_->header(), shape_at);
   dust_watch_ = std::make_unique<scene::DustWatch>(
       dust_, session_->header(), haptics::drilled_shapes(patient_->felt.loaded.manifest.haptic), shape_at);
