@@ -22,6 +22,12 @@ constexpr int least_samples = 3, least_fallen = 2, rounds = 2, looks = 4;
 
 double largest(Vec3 s) { return std::max({s.x, s.y, s.z}); }
 
+// What lies far along the edge counts less, for an edge may be curved.
+double weight_along(double along_mm, double voxel_mm) {
+  const double off = along_mm / (far_voxels * voxel_mm);
+  return std::max(0.02, (1 - off * off) * (1 - off * off));
+}
+
 // How far from where it touches a ball's edge may be: where that is cut off by so much, it touches a face first.
 double edge_within_mm(double radius_mm, double voxel_mm) {
   return std::max(far_voxels * voxel_mm, std::sqrt(2 * cut_off_voxels * voxel_mm * radius_mm) + voxel_mm);
@@ -145,8 +151,7 @@ void RoundEdge::fit(int face, Vec3 place) {
     Place p{0, {dot(d, edge), dot(d, into), dot(d, plane.normal)}};
     if (std::abs(p.at[2]) > off_voxels * voxel_mm_) return p;
     if (dot(s.point_mm - other.point_mm, other.normal) > -own_voxels * voxel_mm_) return p;
-    const double off = dot(edge, s.point_mm - place) / (far_voxels * voxel_mm_);
-    p.weight = std::max(0.02, (1 - off * off) * (1 - off * off));
+    p.weight = weight_along(dot(edge, s.point_mm - place), voxel_mm_);
     return p;
   };
   int own = 0;
@@ -177,7 +182,7 @@ void RoundEdge::fit(int face, Vec3 place) {
   plane.normal = normalized(plane.normal - edge * a - into * b);
 }
 
-// Into two, about the two that face least alike. What lies far along the edge counts less, for an edge may be curved.
+// Into two, about the two that face least alike.
 bool RoundEdge::part_faces(int count, Vec3 place) {
   int first = 0, second = 0;
   double least = 1;
@@ -198,8 +203,7 @@ bool RoundEdge::part_faces(int count, Vec3 place) {
     for (int n = 0; n < count; ++n) {
       const Face& f = faces_[n];
       const int side = dot(f.normal, mean[1]) > dot(f.normal, mean[0]) ? 1 : 0;
-      const double off = dot(along, f.point_mm - place) / (far_voxels * voxel_mm_);
-      const double weight = f.weight * std::max(0.02, (1 - off * off) * (1 - off * off));
+      const double weight = f.weight * weight_along(dot(along, f.point_mm - place), voxel_mm_);
       normal[side] += f.normal * weight;
       point[side] += f.point_mm * weight;
       sum[side] += weight;
