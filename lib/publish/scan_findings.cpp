@@ -64,17 +64,20 @@ std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& conf
   return all;
 }
 
+bool may_be_of_another(const cases::CaseManifest& manifest, const std::string& anatomy) {
+  return std::any_of(manifest.findings.begin(), manifest.findings.end(), [&](const cases::CaseFinding& f) {
+    return f.kind == other_patient && std::find(f.concerns.begin(), f.concerns.end(), anatomy) != f.concerns.end();
+  });
+}
+
 void doubt_the_targets(cases::CaseManifest& manifest) {
-  for (const cases::CaseFinding& f : manifest.findings) {
-    if (f.kind != other_patient) continue;
-    for (cases::CaseTarget& target : manifest.targets) {
-      if (std::find(f.concerns.begin(), f.concerns.end(), target.anatomy) == f.concerns.end()) continue;
-      const auto point = std::find_if(manifest.landmarks.begin(), manifest.landmarks.end(),
-                                      [&](const cases::CaseLandmark& l) { return l.name == target.name; });
-      if (point != manifest.landmarks.end() && point->source == "given") continue;
-      target.confidence = std::min(target.confidence, doubtful_target);
-      if (point != manifest.landmarks.end()) point->confidence = target.confidence;
-    }
+  for (cases::CaseTarget& target : manifest.targets) {
+    if (!may_be_of_another(manifest, target.anatomy)) continue;
+    const auto point = std::find_if(manifest.landmarks.begin(), manifest.landmarks.end(),
+                                    [&](const cases::CaseLandmark& l) { return l.name == target.name; });
+    if (point != manifest.landmarks.end() && point->source == "given") continue;
+    target.confidence = std::min(target.confidence, doubtful_target);
+    if (point != manifest.landmarks.end()) point->confidence = std::min(point->confidence, doubtful_target);
   }
 }
 

@@ -19,6 +19,9 @@ extern const char* const other_patient;
 std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& config, const pipeline::Graph& graph,
                                                   const std::vector<pipeline::NodeResult>& results, Vec3 middle_mm);
 
+/// Whether the anatomy is made of a scan of which a finding says that it may be another patient's.
+bool may_be_of_another(const cases::CaseManifest& manifest, const std::string& anatomy);
+
 /// What a procedure aims at in an anatomy that may be another patient's is doubtful: lowers the confidence of these
 /// targets and of the landmarks of their names below 0.5, but for points that a person gave. The manifest's findings
 /// are known. A scene's own limits of confidence were judged before, by what the landmarks' stage said.

@@ -39,9 +39,7 @@ std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, c
     if (a.anatomy == anatomy) return "left out";
   for (const cases::CaseStandIn& a : m.stand_ins)
     if (a.anatomy == anatomy) return kind_of(a);
-  for (const cases::CaseFinding& f : m.findings)
-    if (f.kind == other_patient && std::find(f.concerns.begin(), f.concerns.end(), anatomy) != f.concerns.end())
-      return "doubtful";
+  if (may_be_of_another(m, anatomy)) return "doubtful";
   const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
   return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
 }
