@@ -40,4 +40,7 @@ InputFile open_input(const std::filesystem::path& file, std::uint64_t max_bytes)
 /// Reads at most `size` bytes and returns their count, 0 at the end of the file. Throws Error 74 where reading fails.
 std::size_t read_some(int fd, void* data, std::size_t size, const std::filesystem::path& file);
 
+/// From now on a write beyond a limit on file sizes fails, as on a full disk, instead of ending the process.
+void ignore_file_size_signal();
+
 }  // namespace trephine

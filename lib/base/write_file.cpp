@@ -32,15 +32,6 @@ std::string reason(int number) {
       sizeof buffer);  // GNU's strerror_r may return a text of its own, in English as long as no locale is set
 }
 
-void ignore_file_size_signal() {
-  static const bool done = [] {
-    struct sigaction old {};
-    if (sigaction(SIGXFSZ, nullptr, &old) == 0 && old.sa_handler == SIG_DFL) std::signal(SIGXFSZ, SIG_IGN);
-    return true;
-  }();
-  (void)done;
-}
-
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 // A process that has ended does not count as running, even before its parent waits for it.
@@ -76,6 +67,15 @@ bool is_stale(const fs::path& file) {
 }
 
 }  // namespace
+
+void ignore_file_size_signal() {
+  static const bool done = [] {
+    struct sigaction old {};
+    if (sigaction(SIGXFSZ, nullptr, &old) == 0 && old.sa_handler == SIG_DFL) std::signal(SIGXFSZ, SIG_IGN);
+    return true;
+  }();
+  (void)done;
+}
 
 FileCalls& file_calls() {
   static FileCalls calls{[](const char* path, int flags, unsigned mode) { return ::open(path, flags, mode); },

@@ -16,6 +16,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "pipeline/expected_time.h"
+#include "pipeline/spilled_data.h"
 #include "stages/data_files.h"
 
 namespace trephine::pipeline {
@@ -24,29 +25,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-double bytes_of(const stages::StageData& data) {
-  if (const auto* v = std::get_if<std::shared_ptr<const grid::HuVolume>>(&data))
-    return std::visit([](const auto& g) { return double(g.voxels.size() * sizeof(g.voxels[0])); }, **v);
-  if (const auto* f = std::get_if<std::shared_ptr<const grid::Field>>(&data))
-    return double((*f)->voxels.size() * sizeof(float));
-  if (const auto* m = std::get_if<std::shared_ptr<const surface::TriMesh>>(&data))
-    return double((*m)->points_mm.size() * sizeof(Vec3) * 2 + (*m)->triangles.size() * 12);
-  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
-    return double((*h)->voxels.voxels.size() * sizeof(std::int16_t));
-  return 0;
-}
-
-// An output is worth its space on disk if it took much longer to make than to write and read, or if it is small: then
-// what the cache holds does not hang on how fast the machine is, and the pictures of a refused run can be made of it.
-bool worth_storing(const stages::StageData& data, double seconds) {
-  constexpr double disk_bytes_per_s = 100e6, gain = 4, small_bytes = 1e6;
-  // The file of a haptic volume does not hold its hardness.
-  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
-    if (!(*h)->hardness.voxels.empty()) return false;
-  const double bytes = bytes_of(data);
-  return bytes <= small_bytes || seconds > gain * bytes / disk_bytes_per_s;
-}
 
 class Executor {
  public:
@@ -87,7 +65,7 @@ class Executor {
     for (std::size_t i = tasks_.size(); i-- > 0;) {
       const bool kept = !options_.keep.empty() && graph.nodes[i].output != stages::DataKind::nothing && !is_known(i);
       if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
-      if (tasks_[i].readers == 0) results_[i].data = {};
+      if (tasks_[i].readers == 0) drop(int(i));
     }
   }
 
@@ -109,6 +87,7 @@ class Executor {
       std::rethrow_exception(tasks_[failed_].error);
     }
     if (stop_) throw Cancelled{};
+    lay_aside();
     return std::move(results_);
   }
 
@@ -116,6 +95,7 @@ class Executor {
   struct Task {
     bool unknown = false, needed = false, started = false, done = false;
     int readers = 0, urgency = 0, group = 0;
+    int users = 0;  // readers that run
     std::exception_ptr error;
     std::atomic<bool> stop{false};  // ends it while it runs
   };
@@ -144,7 +124,7 @@ class Executor {
       const Node& node = graph_.nodes[i];
       for (const auto& [port, source] : node.sources)
         tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
-      if (node.type->is_check() && node.output == stages::DataKind::nothing) checks.push_back(needs_of(int(i)));
+      if (node.type->is_check() && node.output == stages::DataKind::nothing) checks.push_back(graph_.needs_of(int(i)));
     }
     std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
       return a.size() != b.size() ? a.size() < b.size() : a.front() < b.front();
@@ -152,16 +132,6 @@ class Executor {
     for (Task& t : tasks_) t.group = int(checks.size());
     for (int c = int(checks.size()); c-- > 0;)
       for (const int n : checks[c]) tasks_[n].group = c;
-  }
-
-  // The node and all that it is made of.
-  std::vector<int> needs_of(int i) const {
-    std::vector<int> all{i};
-    std::vector<char> is(graph_.nodes.size());
-    for (std::size_t n = 0; n < all.size(); ++n)
-      for (const auto& [port, source] : graph_.nodes[all[n]].sources)
-        if (!std::exchange(is[source], char(1))) all.push_back(source);
-    return all;
   }
 
   bool comes_before(int i, int other) const {
@@ -188,7 +158,8 @@ class Executor {
     Task& task = tasks_[i];
     if (task.needed) return;
     task.needed = true;
-    if (is_known(i) && (results_[i].data.index() != 0 || graph_.nodes[i].output == stages::DataKind::nothing)) {
+    if (is_known(i) &&
+        (results_[i].data.index() != 0 || results_[i].spilled || graph_.nodes[i].output == stages::DataKind::nothing)) {
       task.started = task.done = true;
       return;
     }
@@ -240,9 +211,12 @@ class Executor {
       }
       tasks_[i].started = true;
       ++running_;
+      for (const auto& [port, source] : graph_.nodes[i].sources) ++tasks_[source].users;
       lock.unlock();
       std::exception_ptr error;
       try {
+        lay_aside();
+        bring_back(graph_.nodes[i]);
         run_node(i);
       } catch (...) {
         error = std::current_exception();
@@ -255,6 +229,7 @@ class Executor {
   }
 
   void finish(int i, const std::exception_ptr& error) {
+    for (const auto& [port, source] : graph_.nodes[i].sources) --tasks_[source].users;
     if (error) {
       bool can_do_without = false;
       try {
@@ -273,7 +248,7 @@ class Executor {
     tasks_[i].done = true;
     if (expected_.learn(i, results_[i].data)) tell_plan();
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
-    if (tasks_[i].readers == 0) results_[i].data = {};
+    if (tasks_[i].readers == 0) drop(i);
     malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage
   }
 
@@ -287,8 +262,38 @@ class Executor {
       if (comes_before(i, int(n))) tasks_[n].stop = true;
   }
 
+  void drop(int i) {
+    results_[i].data = {};
+    results_[i].spilled = {};
+  }
+
+  // Of what is done and waits for a reader that does not run yet, lays the large ones on disk. The data are shared, so
+  // a reader that begins meanwhile is not disturbed: then they stay in memory too.
+  void lay_aside() {
+    if (options_.spill.empty()) return;
+    const std::lock_guard<std::mutex> one_at_a_time(spill_mutex_);
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      std::unique_lock<std::mutex> lock(mutex_);
+      const auto waits = [&] { return tasks_[i].done && tasks_[i].readers > 0 && tasks_[i].users == 0; };
+      if (!waits() || stages::bytes_in_memory(results_[i].data) < spilled_from_bytes) continue;
+      auto spilled = results_[i].spilled;
+      const stages::StageData data = results_[i].data;
+      lock.unlock();
+      if (!spilled) spilled = SpilledData::write(data, options_.spill);
+      lock.lock();
+      results_[i].spilled = spilled;
+      if (spilled && waits()) results_[i].data = {};
+    }
+  }
+
+  void bring_back(const Node& node) {
+    const std::lock_guard<std::mutex> one_at_a_time(spill_mutex_);
+    for (const auto& [port, source] : node.sources)
+      if (results_[source].data.index() == 0) results_[source].data = results_[source].loaded();
+  }
+
   void release(int i) {
-    if (--tasks_[i].readers == 0) results_[i].data = {};
+    if (--tasks_[i].readers == 0) drop(i);
   }
 
   void run_node(int i) {
@@ -369,6 +374,7 @@ class Executor {
   std::vector<Task> tasks_;
   stages::SharedWork shared_;
   std::mutex mutex_;
+  std::mutex spill_mutex_;  // taken before mutex_
   std::condition_variable wake_;
   std::atomic<bool> stop_{false}, cache_failed_{false};
   bool finished_ = false;
@@ -377,6 +383,8 @@ class Executor {
 };
 
 }  // namespace
+
+stages::StageData NodeResult::loaded() const { return data.index() == 0 && spilled ? spilled->read() : data; }
 
 stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress) {
   inputs.file_sha256 = node.file_sha256;

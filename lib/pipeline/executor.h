@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/graph.h"
+#include "pipeline/spilled_data.h"
 #include "pipeline/stage_cache.h"
 
 namespace trephine::pipeline {
@@ -37,7 +38,11 @@ struct NodeResult {
   stages::StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
   Report report;
   double seconds = 0;
+  std::shared_ptr<const SpilledData> spilled;  ///< holds the data where `data` has none; see ExecuteOptions::spill
   bool kept = false;  ///< computed or cached, and in the cache: the next run need not compute it
+
+  /// The data, from memory or read back from disk, which is done anew at each call. Throws as SpilledData does.
+  stages::StageData loaded() const;
 };
 
 struct ExecuteOptions {
@@ -50,6 +55,9 @@ struct ExecuteOptions {
   std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
   /// What an earlier run of nodes with the same keys made, by key: it is not made again.
   std::map<std::string, NodeResult> known;
+  /// Large volumes and fields that wait for a reader are laid aside in this folder, also in the results; empty: all
+  /// stay in memory.
+  std::filesystem::path spill;
   bool allow_external = false;  ///< nodes may run programs that the configuration names
 };
 

@@ -59,6 +59,8 @@ struct Graph {
   /// itself; -1: none. Of burr holes, all.
   int result(stages::DataKind kind) const;
   std::vector<int> results(stages::DataKind kind) const;
+  /// The node, and all that it is made of.
+  std::vector<int> needs_of(int node) const;
   /// -1: none.
   int find(const std::string& name) const;
   /// The first node of the stage with those parameters, of that anatomy or further scan, or (empty) of any; -1: none.

@@ -59,6 +59,15 @@ int Graph::result(stages::DataKind kind) const {
   return all.empty() ? -1 : all[0];
 }
 
+std::vector<int> Graph::needs_of(int node) const {
+  std::vector<int> all{node};
+  std::vector<char> is(nodes.size());
+  for (std::size_t n = 0; n < all.size(); ++n)
+    for (const auto& [port, source] : nodes[std::size_t(all[n])].sources)
+      if (!std::exchange(is[std::size_t(source)], char(1))) all.push_back(source);
+  return all;
+}
+
 int Graph::find(const std::string& name) const {
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (nodes[i].name == name) return static_cast<int>(i);

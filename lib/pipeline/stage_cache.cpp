@@ -233,4 +233,13 @@ void StageCache::shrink_to(std::uint64_t max_bytes) const {
   }
 }
 
+bool worth_storing(const stages::StageData& data, double seconds) {
+  constexpr double disk_bytes_per_s = 100e6, gain = 4, small_bytes = 1e6;
+  // The file of a haptic volume does not hold its hardness.
+  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data))
+    if (!(*h)->hardness.voxels.empty()) return false;
+  const double bytes = stages::bytes_in_memory(data);
+  return bytes <= small_bytes || seconds > gain * bytes / disk_bytes_per_s;
+}
+
 }  // namespace trephine::pipeline

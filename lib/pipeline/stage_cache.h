@@ -64,4 +64,8 @@ class StageCache {
   std::filesystem::path folder_;
 };
 
+/// An output is worth its space on disk if it took much longer to make than to write and read, or if it is small: then
+/// what the cache holds does not hang on how fast the machine is, and the pictures of a refused run can be made of it.
+bool worth_storing(const stages::StageData& data, double seconds);
+
 }  // namespace trephine::pipeline

@@ -238,8 +238,7 @@ class Builder {
     for (const pipeline::Graph::Anatomy& a : graph_.anatomies)
       surface::include(shown, surface::bounds_of(mesh(a.surface)));
     if (haptic_ >= 0) surface::include(shown, bounds_of_lattice(haptic().voxels));
-    const grid::Grid<std::int16_t> ct = published_ct(
-        *std::get<std::shared_ptr<const grid::HuVolume>>(at(graph_.scan).data), shown, config_.ct->margin_mm);
+    const grid::Grid<std::int16_t> ct = published_ct(*volume(graph_.scan), shown, config_.ct->margin_mm);
     cases::CaseCt& out = manifest().ct;
     out.size = ct.size;
     out.spacing_mm = ct.spacing_mm;
@@ -314,6 +313,11 @@ class Builder {
                     {"set a smaller `spacing_mm`, or raise `widen_mm`"});
   }
 
+  // Perhaps read back from disk, so it is held no longer than it is used.
+  std::shared_ptr<const grid::HuVolume> volume(int node) const {
+    return std::get<std::shared_ptr<const grid::HuVolume>>(at(node).loaded());
+  }
+
   // The surface as the simulator will show it, capped where the volume ends.
   surface::TriMesh felt_surface(int number) const {
     return meshing::contour_to_look_at(voxel::shape_field(haptic(), number));
@@ -335,17 +339,19 @@ class Builder {
         picture::give_normals(felt.back());  // once for all pictures
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
-    const auto volume = [&](int node) { return std::get<std::shared_ptr<const grid::HuVolume>>(at(node).data).get(); };
-    out_.pictures = make_case_pictures(volume(graph_.scan), shown, manifest().landmarks, progress);
+    std::optional<CasePicture> found;
+    {
+      const auto scan = volume(graph_.scan);
+      out_.pictures = make_case_pictures(scan.get(), shown, manifest().landmarks, progress);
+      if (examination_ >= 0)
+        found = make_findings_picture(*scan, *std::get<std::shared_ptr<const grid::LabelFile>>(at(examination_).data),
+                                      manifest().findings, progress.silent());
+    }
     for (const pipeline::Graph::Removal& r : graph_.removals)
       if (auto picture =
               make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
         out_.pictures.push_back(std::move(*picture));
-    if (examination_ >= 0)
-      if (auto picture = make_findings_picture(*volume(graph_.scan),
-                                               *std::get<std::shared_ptr<const grid::LabelFile>>(at(examination_).data),
-                                               manifest().findings, progress.silent()))
-        out_.pictures.push_back(std::move(*picture));
+    if (found) out_.pictures.push_back(std::move(*found));
   }
 
   const config::CaseConfig& config_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/case_needs.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -88,6 +90,12 @@ MemoryNeed memory_need(const ScanRaster& scan, const ScanRaster& used, std::size
     break;
   }
   return need;
+}
+
+void give_large_blocks_back(const ScanRaster& scan) {
+  constexpr std::uint64_t from_voxels = 20'000'000;
+  constexpr int from_bytes = 2 << 20;
+  if (scan.count() >= from_voxels) ::mallopt(M_MMAP_THRESHOLD, from_bytes);
 }
 
 std::vector<std::string> overrun(const config::CaseTrade& trade, double seconds) {

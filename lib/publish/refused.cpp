@@ -40,7 +40,8 @@ class Made {
   Shared<T> find(int node) const {
     if (node < 0) return {};
     if (std::size_t(node) < run_.made.size())
-      if (const auto* data = std::get_if<Shared<T>>(&run_.made[node].data); data && *data) return *data;
+      if (auto data = run_.made[node].loaded(); auto* found = std::get_if<Shared<T>>(&data))
+        if (*found) return *found;
     const auto stored = run_.cache.load_data(run_.graph.nodes[node].key, run_.graph.nodes[node].output);
     if (!stored) return {};
     const auto* data = std::get_if<Shared<T>>(&*stored);

@@ -323,6 +323,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     made.graph = series.graph_of(config);
     pipeline::ExecuteOptions execution;
     execution.keep = request.keep;
+    execution.spill = made_in;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;
@@ -331,6 +332,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     const auto before = execution.seconds_before.find(publishing_step);
     const auto check_needs = [&](const Report& scan) {
       const ScanRaster raster = raster_by_report(scan);
+      give_large_blocks_back(raster);
       const std::size_t anatomies = wanted_anatomies(config).size();
       const int resample = made.graph.find_stage<grid::ResampleParams>();
       const MemoryNeed memory = memory_need(

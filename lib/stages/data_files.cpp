@@ -39,6 +39,16 @@ voxel::HapticVolume foreign_haptic(const std::filesystem::path& file) {
 
 }  // namespace
 
+double bytes_in_memory(const StageData& data) {
+  const auto voxel_bytes = [](const auto& grid) { return double(grid.voxels.size()) * sizeof(grid.voxels[0]); };
+  if (const auto* v = std::get_if<std::shared_ptr<const grid::HuVolume>>(&data)) return std::visit(voxel_bytes, **v);
+  if (const auto* f = std::get_if<std::shared_ptr<const grid::Field>>(&data)) return voxel_bytes(**f);
+  if (const auto* m = std::get_if<std::shared_ptr<const surface::TriMesh>>(&data))
+    return double((*m)->points_mm.size()) * sizeof(Vec3) * 2 + double((*m)->triangles.size()) * 12;
+  if (const auto* h = std::get_if<std::shared_ptr<const voxel::HapticVolume>>(&data)) return voxel_bytes((*h)->voxels);
+  return 0;
+}
+
 DataKind kind_of(const StageData& data) {
   constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume,  DataKind::field,     DataKind::mesh,
                                 DataKind::haptic,  DataKind::cutters, DataKind::landmarks, DataKind::labels};

@@ -10,6 +10,8 @@ namespace trephine::stages {
 /// Stage data as files that keep every value: volumes, fields and haptic volumes as .nrrd, surfaces as .vtp with double
 /// points, cutters as .json.
 DataKind kind_of(const StageData& data);
+/// What a volume, field, surface or haptic volume takes, about; 0 for the small kinds.
+double bytes_in_memory(const StageData& data);
 const char* file_extension(DataKind kind);
 /// Writes through the checked writer (base/write_file.h). Throws Error 73 and 74, and 64 where the extension is not
 /// that of the kind.
