@@ -148,7 +148,7 @@ TEST(Page, CtIsCompanded) {
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 300; ++i) grid.at(i, j, k) = std::int16_t(i - 150 + 10 * j);
-  const page::PackedVolume packed = page::pack_ct(grid::HuVolume(grid));
+  const page::PackedVolume packed = page::pack_ct(grid);
   EXPECT_EQ(packed.lattice.size, (std::array<int, 3>{256, 4, 3}));
   EXPECT_TRUE(packed.lattice.direction == Mat3());
   EXPECT_NEAR(packed.lattice.origin_mm.x, 10 - 299 * 0.5, 0.5);
@@ -170,13 +170,13 @@ TEST(Page, ObliqueCtIsResampled) {
   lattice.origin_mm = {-30, 12, 5};
   const double c = std::cos(0.3), s = std::sin(0.3);
   lattice.direction.column = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
-  grid::Grid<float> grid(lattice);
+  grid::Grid<std::int16_t> grid(lattice);
   const auto truth = [](Vec3 p) { return 1.5 * p.x - 0.7 * p.y + 0.4 * p.z; };
   for (int k = 0; k < 60; ++k)
     for (int j = 0; j < 50; ++j)
       for (int i = 0; i < 40; ++i)
-        grid.at(i, j, k) = float(truth(lattice.to_world_mm({double(i), double(j), double(k)})));
-  const page::PackedVolume packed = page::pack_ct(grid::HuVolume(grid));
+        grid.at(i, j, k) = std::int16_t(std::lround(truth(lattice.to_world_mm({double(i), double(j), double(k)}))));
+  const page::PackedVolume packed = page::pack_ct(grid);
   int inside = 0;
   for (int k = 0; k < packed.lattice.size[2]; k += 3)
     for (int j = 0; j < packed.lattice.size[1]; j += 3)

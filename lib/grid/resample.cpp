@@ -47,22 +47,28 @@ std::vector<Tap> taps_of(int old_size, double old_step, int new_size, double new
   return taps;
 }
 
-// Resamples one axis at a time, slowest first, so that the volume in between is never larger than the larger of input
-// and result.
-template <class In, class Out>
-Grid<Out> along(const Grid<In>& in, int axis, const std::vector<Tap>& taps, double step_mm, const Progress& progress) {
-  Lattice lattice = in;
-  lattice.size[axis] = static_cast<int>(taps.size());
+// The lattice with `count` voxels of that size along the axis, about the same middle.
+Lattice along(const Lattice& in, int axis, int count, double step_mm) {
+  Lattice out = in;
+  out.size[axis] = count;
   Vec3 first{0, 0, 0};
-  first[axis] = (in.size[axis] - 1) / 2.0 - (lattice.size[axis] - 1) / 2.0 * step_mm / in.spacing_mm[axis];
-  lattice.origin_mm = in.to_world_mm(first);
-  lattice.spacing_mm[axis] = step_mm;
-  Grid<Out> out(lattice);
+  first[axis] = (in.size[axis] - 1) / 2.0 - (count - 1) / 2.0 * step_mm / in.spacing_mm[axis];
+  out.origin_mm = in.to_world_mm(first);
+  out.spacing_mm[axis] = step_mm;
+  return out;
+}
+
+// Resamples `size` voxels from `in` along one axis into `out`, which has taps.size() of them there.
+template <class In, class Out>
+void resample_axis(const In* in, const std::array<int, 3>& size, int axis, const Tap* taps, int count, Out* out,
+                   const Progress& progress) {
+  std::array<int, 3> made = size;
+  made[axis] = count;
   std::size_t stride = 1;
-  for (int a = 0; a < axis; ++a) stride *= static_cast<std::size_t>(in.size[a]);
+  for (int a = 0; a < axis; ++a) stride *= static_cast<std::size_t>(size[a]);
   // Rows of x for the slower axes, single samples of it for x itself.
-  const int rows = axis == 2 ? lattice.size[2] : lattice.size[1] * lattice.size[2];
-  const std::size_t row = axis == 2 ? std::size_t(in.size[0]) * in.size[1] : std::size_t(lattice.size[0]);
+  const int rows = axis == 2 ? made[2] : made[1] * made[2];
+  const std::size_t row = axis == 2 ? std::size_t(size[0]) * size[1] : std::size_t(made[0]);
   parallel_for(0, rows, axis == 2 ? 1 : 64, [&](std::int64_t begin, std::int64_t end) {
     std::vector<double> sum(row);
     for (std::int64_t r = begin; r < end; ++r) {
@@ -73,51 +79,80 @@ Grid<Out> along(const Grid<In>& in, int axis, const std::vector<Tap>& taps, doub
           for (std::size_t x = 0; x < row; ++x) sum[x] += tap.weights[w] * double(from[x]);
       };
       if (axis == 2) {
-        const Tap& tap = taps[static_cast<std::size_t>(r)];
-        add(tap, in.voxels.data() + stride * static_cast<std::size_t>(tap.first));
+        add(taps[r], in + stride * static_cast<std::size_t>(taps[r].first));
       } else if (axis == 1) {
-        const int k = static_cast<int>(r / lattice.size[1]);
-        const Tap& tap = taps[static_cast<std::size_t>(r % lattice.size[1])];
-        add(tap, in.voxels.data() + in.index(0, tap.first, k));
+        const auto k = static_cast<std::size_t>(r / count);
+        const Tap& tap = taps[r % count];
+        add(tap, in + (k * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(tap.first)) * stride);
       } else {
-        const In* from = in.voxels.data() + static_cast<std::size_t>(r) * in.size[0];
+        const In* from = in + static_cast<std::size_t>(r) * static_cast<std::size_t>(size[0]);
         for (std::size_t x = 0; x < row; ++x)
           for (std::size_t w = 0; w < taps[x].weights.size(); ++w)
             sum[x] += taps[x].weights[w] * double(from[static_cast<std::size_t>(taps[x].first) + w]);
       }
-      Out* to = out.voxels.data() + static_cast<std::size_t>(r) * row;
+      Out* to = out + static_cast<std::size_t>(r) * row;
       for (std::size_t x = 0; x < row; ++x)
         to[x] = static_cast<Out>(std::is_integral_v<Out> ? std::round(sum[x]) : sum[x]);
     }
   });
-  return out;
-}
-
-template <class T>
-Grid<T> resampled(const Grid<T>& in, const std::array<double, 3>& step_mm, const Progress& progress) {
-  Grid<float> between;
-  bool is_first = true;
-  int last_axis = -1;
-  for (int axis = 0; axis < 3; ++axis)
-    if (step_mm[axis] != in.spacing_mm[axis]) last_axis = last_axis < 0 ? axis : last_axis;
-  if (last_axis < 0) return in;
-  // In float32 between the axes, rounded once at the end.
-  for (int axis = 2; axis >= 0; --axis) {
-    if (step_mm[axis] == in.spacing_mm[axis]) continue;
-    const int count = std::max(1, static_cast<int>(std::lround(in.size[axis] * in.spacing_mm[axis] / step_mm[axis])));
-    const auto taps = taps_of(in.size[axis], in.spacing_mm[axis], count, step_mm[axis]);
-    if (axis == last_axis)
-      return is_first ? along<T, T>(in, axis, taps, step_mm[axis], progress)
-                      : along<float, T>(between, axis, taps, step_mm[axis], progress);
-    between = is_first ? along<T, float>(in, axis, taps, step_mm[axis], progress)
-                       : along<float, float>(between, axis, taps, step_mm[axis], progress);
-    is_first = false;
-    progress.report((3 - axis) / 3.0);
-  }
-  return in;  // unreachable: the loop meets last_axis
 }
 
 }  // namespace
+
+// Some slices of the result at a time, each of them along z, then y, then x: what lies between is in float32, rounded
+// once at the end, and as large as those slices alone.
+template <class T>
+Grid<T> resampled_grid(const Grid<T>& in, const std::array<double, 3>& step_mm, const Progress& progress) {
+  Lattice lattice = in;
+  std::array<std::vector<Tap>, 3> taps;
+  int last_axis = -1;
+  for (int axis = 2; axis >= 0; --axis) {
+    if (step_mm[axis] == in.spacing_mm[axis]) continue;
+    const int count = std::max(1, static_cast<int>(std::lround(in.size[axis] * in.spacing_mm[axis] / step_mm[axis])));
+    taps[axis] = taps_of(in.size[axis], in.spacing_mm[axis], count, step_mm[axis]);
+    lattice = along(lattice, axis, count, step_mm[axis]);
+    last_axis = axis;
+  }
+  if (last_axis < 0) return in;
+  Grid<T> out(lattice);
+  constexpr int slices_at_once = 32;
+  const std::size_t old_slice = std::size_t(in.size[0]) * in.size[1], slice = std::size_t(out.size[0]) * out.size[1];
+  std::vector<float> between, next;
+  for (int begin = 0; begin < out.size[2]; begin += slices_at_once) {
+    const int slices = std::min(slices_at_once, out.size[2] - begin);
+    T* const to = out.voxels.data() + slice * static_cast<std::size_t>(begin);
+    // Along z the taps choose the old slices; where z stays, the old slices are these.
+    const T* from = in.voxels.data() + (taps[2].empty() ? old_slice * static_cast<std::size_t>(begin) : 0);
+    std::array<int, 3> size{in.size[0], in.size[1], taps[2].empty() ? slices : in.size[2]};
+    bool is_first = true;
+    for (int axis = 2; axis >= last_axis; --axis) {
+      if (taps[axis].empty()) continue;
+      const Tap* first = taps[axis].data() + (axis == 2 ? begin : 0);
+      const int count = axis == 2 ? slices : out.size[axis];
+      const auto resample_to = [&](auto* target) {
+        if (is_first)
+          resample_axis(from, size, axis, first, count, target, progress);
+        else
+          resample_axis(between.data(), size, axis, first, count, target, progress);
+      };
+      if (axis == last_axis) {
+        resample_to(to);
+        break;
+      }
+      std::array<int, 3> made = size;
+      made[axis] = count;
+      next.resize(std::size_t(made[0]) * made[1] * made[2]);
+      resample_to(next.data());
+      std::swap(between, next);
+      size = made;
+      is_first = false;
+    }
+    progress.report(double(begin + slices) / out.size[2]);
+  }
+  return out;
+}
+template Grid<std::int16_t> resampled_grid(const Grid<std::int16_t>&, const std::array<double, 3>&, const Progress&);
+template Grid<float> resampled_grid(const Grid<float>&, const std::array<double, 3>&, const Progress&);
 
 HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress) {
   const Lattice& old = lattice_of(volume);
@@ -138,7 +173,7 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
     throw refusal("spacing_mm", "would make more than 4e9 voxels of this volume", {"choose a larger `spacing_mm`"});
   const std::size_t voxel_bytes = std::visit([](const auto& g) { return sizeof(g.voxels[0]); }, volume);
   require_memory(static_cast<std::uint64_t>(voxels) * voxel_bytes, "a volume of this `spacing_mm`");
-  HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled(g, step_mm, progress)); }, volume);
+  HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled_grid(g, step_mm, progress)); }, volume);
   const Lattice& made = lattice_of(out);
   report.figures.emplace_back("spacing_mm", std::vector<double>{step_mm[0], step_mm[1], step_mm[2]});
   double coarser = 0;

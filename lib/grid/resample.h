@@ -27,4 +27,11 @@ struct ResampleParams {
 /// or not finite, 65 where a voxel is not finite, 80 where the new volume would have more than 4e9 voxels.
 HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress = {});
 
+/// The same of a grid, on steps above 0 that are all finite: nothing is checked, nothing reported.
+template <class T>
+Grid<T> resampled_grid(const Grid<T>& in, const std::array<double, 3>& step_mm, const Progress& progress = {});
+extern template Grid<std::int16_t> resampled_grid(const Grid<std::int16_t>&, const std::array<double, 3>&,
+                                                  const Progress&);
+extern template Grid<float> resampled_grid(const Grid<float>&, const std::array<double, 3>&, const Progress&);
+
 }  // namespace trephine::grid

@@ -109,7 +109,7 @@ class PageMaker {
   }
 
   // On voxels as large as the page's size wants it: a part of a CT compresses about as well as the whole.
-  void add_ct(const grid::HuVolume& volume) {
+  void add_ct(const grid::Grid<std::int16_t>& volume) {
     double room = params_.max_mb * 1e6 - page_overhead_bytes;
     for (const PageBlock& b : blocks_) room -= double(b.bytes_in_page());
     int side = page_volume_side;
@@ -126,7 +126,7 @@ class PageMaker {
       side = std::clamp(smaller, page_volume_side / 2, std::max(longest - 4, page_volume_side / 2));
     }
     json_["ct"]["predicted"] = true;
-    json_["ct"]["of_spacing_mm"] = to_list(grid::lattice_of(volume).spacing_mm);
+    json_["ct"]["of_spacing_mm"] = to_list(volume.spacing_mm);
     json_["ct"]["levels"] = page_hu_levels;
   }
 
@@ -138,10 +138,10 @@ class PageMaker {
     }
     const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == voxel::HapticEncoding::hu;
     if (case_.has_ct()) {
-      add_ct(grid::HuVolume(case_.ct));
+      add_ct(case_.ct);
       json_["ct"]["from"] = "ct";
     } else if (felt_hu) {
-      add_ct(grid::HuVolume(case_.haptic.voxels));
+      add_ct(case_.haptic.voxels);
       json_["ct"]["from"] = "haptic";
     }
     if (!case_.has_haptic()) return;

@@ -50,19 +50,16 @@ grid::Lattice page_lattice(const grid::Lattice& from, int side) {
   return to;
 }
 
-// As many voxels as a page takes, each the mean of those that it covers.
-grid::HuVolume small_enough(const grid::HuVolume& volume, int side) {
-  const grid::Lattice& lattice = grid::lattice_of(volume);
-  grid::ResampleParams params;
-  bool large = false;
-  for (int k = 0; k < 3; ++k)
-    if (lattice.size[k] > side) {
-      params.spacing_mm[k] = lattice.spacing_mm[k] * lattice.size[k] / side;
-      large = true;
-    }
-  if (!large) return volume;
-  Report ignored;
-  return grid::resample(volume, params, ignored);
+// The voxel sizes with as many voxels as a page takes, each the mean of those that it covers; empty: the scan's own.
+std::optional<std::array<double, 3>> larger_voxels_mm(const grid::Lattice& lattice, int side) {
+  std::array<double, 3> step_mm{};
+  bool larger = false;
+  for (int k = 0; k < 3; ++k) {
+    const bool is_large = lattice.size[k] > side;
+    step_mm[std::size_t(k)] = is_large ? lattice.spacing_mm[k] * lattice.size[k] / side : lattice.spacing_mm[k];
+    larger |= is_large;
+  }
+  return larger ? std::optional(step_mm) : std::nullopt;
 }
 
 std::uint8_t level_of(double hu) {
@@ -174,17 +171,14 @@ double trilinear(const grid::Grid<T>& grid, Vec3 index, double beyond) {
 
 }  // namespace
 
-PackedVolume pack_ct(const grid::HuVolume& volume, int side, const Progress& progress) {
-  const grid::HuVolume small = small_enough(volume, side);
-  return std::visit(
-      [&](const auto& grid) {
-        const grid::Lattice to = page_lattice(grid, side);
-        if (to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1) && patient_axis(grid, 2))
-          return along_axes(grid, to, progress);
-        return sample(grid, to, progress,
-                      [&](Vec3 index) { return level_of(trilinear(grid, index, page_hu_levels.front()[1])); });
-      },
-      small);
+PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side, const Progress& progress) {
+  const auto step_mm = larger_voxels_mm(volume, side);
+  if (step_mm) return pack_ct(grid::resampled_grid(volume, *step_mm), side, progress);
+  const grid::Lattice to = page_lattice(volume, side);
+  if (to.count() == volume.count() && patient_axis(volume, 0) && patient_axis(volume, 1) && patient_axis(volume, 2))
+    return along_axes(volume, to, progress);
+  return sample(volume, to, progress,
+                [&](Vec3 index) { return level_of(trilinear(volume, index, page_hu_levels.front()[1])); });
 }
 
 std::string predicted_bytes(const PackedVolume& volume) {
