@@ -30,7 +30,7 @@ grid::Field slices_of(const std::function<double(Vec3)>& inside_mm, double step_
 
 grid::Field interpolated(const grid::Field& f, mask::ShapeInterpolateParams p = {}) {
   Report report;
-  return mask::shape_interpolate(f, p, report);
+  return *mask::shape_interpolate(std::make_shared<const grid::Field>(f), p, report);
 }
 
 struct Error_mm {

@@ -229,8 +229,10 @@ int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& param
   return s[axis] > params.thicker_than_mm && s[axis] >= 1.5 * within && lattice.size[axis] > 1 ? axis : -1;
 }
 
-grid::Field shape_interpolate(const grid::Field& given, const ShapeInterpolateParams& params, Report& report,
-                              const Progress& progress) {
+std::shared_ptr<const grid::Field> shape_interpolate(const std::shared_ptr<const grid::Field>& whole,
+                                                     const ShapeInterpolateParams& params, Report& report,
+                                                     const Progress& progress) {
+  const grid::Field& given = *whole;
   check_finite(given);
   if (std::none_of(given.voxels.begin(), given.voxels.end(), [](float f) { return f > 0; }))
     report.warn("nothing is inside: there is nothing to interpolate");
@@ -239,7 +241,7 @@ grid::Field shape_interpolate(const grid::Field& given, const ShapeInterpolatePa
   report.add("slice_step_before_mm", axis < 0 ? *std::max_element(s, s + 3) : s[axis]);
   if (axis < 0) {
     report.add("slice_step_mm", *std::max_element(s, s + 3));
-    return given;
+    return whole;
   }
   const grid::Field field = with_last_axis(given, axis, 2);
   const double step_mm = field.spacing_mm.z, reach_mm = params.reach_steps * step_mm;
@@ -269,7 +271,7 @@ grid::Field shape_interpolate(const grid::Field& given, const ShapeInterpolatePa
     }
   });
   report.add("slice_step_mm", l.spacing_mm.z);
-  return out;
+  return std::make_shared<const grid::Field>(std::move(out));
 }
 
 }  // namespace trephine::mask

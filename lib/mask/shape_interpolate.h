@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
+
 #include "base/params.h"
 #include "base/progress.h"
 #include "base/report.h"
@@ -44,9 +46,11 @@ struct ShapeInterpolateParams {
 ///
 /// What it cannot do: it draws no detail that lies between slices, and a surface seen in a single slice is a guess.
 ///
-/// The report: slice_step_before_mm, slice_step_mm. Throws Error 65 where a value is not finite; Cancelled.
-grid::Field shape_interpolate(const grid::Field& field, const ShapeInterpolateParams& params, Report& report,
-                              const Progress& progress = {});
+/// Where no slices are thick, the field itself is handed on, not a copy. The report: slice_step_before_mm,
+/// slice_step_mm. Throws Error 65 where a value is not finite; Cancelled.
+std::shared_ptr<const grid::Field> shape_interpolate(const std::shared_ptr<const grid::Field>& field,
+                                                     const ShapeInterpolateParams& params, Report& report,
+                                                     const Progress& progress = {});
 
 /// The axis (0, 1, 2) whose steps are thick by `params`; -1 where none is.
 int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& params);

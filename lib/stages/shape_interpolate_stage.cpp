@@ -22,8 +22,8 @@ StageType shape_interpolate_stage() {
   s.changes_raster = true;
   s.make_params = [] { return AnyParams::make<mask::ShapeInterpolateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::Field>(mask::shape_interpolate(
-        *in.get<grid::Field>("field"), params.as<mask::ShapeInterpolateParams>(), report, progress));
+    return mask::shape_interpolate(std::get<std::shared_ptr<const grid::Field>>(in.by_port.at("field")),
+                                   params.as<mask::ShapeInterpolateParams>(), report, progress);
   };
   return s;
 }
