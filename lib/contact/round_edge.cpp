@@ -4,43 +4,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/edge_weights.h"
+
 namespace trephine::contact {
 namespace {
 
-constexpr double near_voxels = 1.9, far_voxels = 3.2;  // from an edge: where normals no longer know of it; and enough
-constexpr double steep = 0.42;                         // sine: how steeply a face falls off behind the touch's plane
-constexpr double least_turn = 0.87;                    // cosine between two faces
-constexpr double faces_away = -0.3;                    // cosine: no face of this edge
-constexpr double alike = 0.85;                         // length of the mean of a face's normals
-constexpr double convex = 0.05;                        // sine: how far each face lies behind the other
-constexpr double cut_off_voxels = 0.6;                 // of an edge, at most, by half occupancy and discs together
-constexpr double corner_off_voxels = 1.3;              // the same of a corner
-constexpr double own_voxels = 0.9;                     // from the other face's plane: where places are one face's own
-constexpr double off_voxels = 0.4, most_turn = 0.3;    // of a sample from its plane; tangent, of a plane that is fitted
+constexpr double near_voxels = 1.9;                       // from an edge: where normals no longer know of it
+constexpr double steep = 0.42;                            // sine: how steeply a face falls off behind the touch's plane
+constexpr double least_turn = 0.87;                       // cosine between two faces
+constexpr double faces_away = -0.3;                       // cosine: no face of this edge
+constexpr double alike = 0.85;                            // length of the mean of a face's normals
+constexpr double cut_off_voxels = 0.6;                    // of an edge, at most, by half occupancy and discs together
+constexpr double corner_off_voxels = 1.3;                 // the same of a corner
 constexpr double again_voxels = 0.3, again_alike = 0.97;  // cosine: of a touch, where the last one's faces hold
 constexpr double centred_voxels = 0.6;                    // about the edge, where the faces are taken
 constexpr double third_turn = 0.7;       // cosine, at most: between a corner's third face and the two others
 constexpr double corner_voxels = 4.5;    // how far a third face is looked for
 constexpr double third_voxels = 0.7;     // how far behind the others, at least, places are its own
 constexpr double own_turn = 0.6;         // cosine, at least: between a sample's normal and its face's
-constexpr double tightest_voxels = 1.5;  // radius of an arc
-constexpr double on_voxels = 0.3;        // from its faces, at most: a sample that they explain
 constexpr double least_det = 0.2;        // of a corner's normals
 constexpr double least_explained = 0.7;  // of the samples around, where two faces are not all that is there
 constexpr int least_on_corner = 12;      // such samples
-constexpr int least_samples = 3, least_fallen = 2, rounds = 3, looks = 6;
+constexpr int least_fallen = 2, rounds = 3, looks = 6;
 
 double largest(Vec3 s) { return std::max({s.x, s.y, s.z}); }
 
-// What lies far along the edge counts less, for an edge may be curved.
-double weight_along(double along_mm, double voxel_mm) {
-  const double off = along_mm / (far_voxels * voxel_mm);
-  return std::max(0.02, (1 - off * off) * (1 - off * off));
-}
-
 // How far from where it touches a ball's edge may be: where that is cut off by so much, it touches a face first.
 double edge_within_mm(double radius_mm, double voxel_mm) {
-  return std::max(far_voxels * voxel_mm, std::sqrt(2 * cut_off_voxels * voxel_mm * radius_mm) + voxel_mm);
+  return std::max(edge_far_voxels * voxel_mm, std::sqrt(2 * cut_off_voxels * voxel_mm * radius_mm) + voxel_mm);
 }
 
 }  // namespace
@@ -125,8 +116,8 @@ bool RoundEdge::find_two(Vec3 touched, Vec3 on, int tries, Vec3 normal, int from
   Vec3 place = touched + on;
   int missed = 0;
   for (int n = 0; n < looks; ++n) {
-    look(place, far_voxels * voxel_mm_, from, into);
-    take_samples(place, normal, far_voxels, from, normals, computed);
+    look(place, edge_far_voxels * voxel_mm_, from, into);
+    take_samples(place, normal, edge_far_voxels, from, normals, computed);
     if (!part_faces(place, 2)) {
       // One face was seen, or hardly the other: a voxel back, two, then on.
       constexpr double voxels_on[] = {-1, -1, 3};
@@ -192,32 +183,13 @@ bool RoundEdge::find_three(Vec3 place, Vec3 touched, Vec3 normal, int from, int 
   return true;
 }
 
-// How far a place lies outside of the faces; below 0: inside.
-double RoundEdge::off_faces(Vec3 place) const {
-  const double along = faces_.count == 2 ? dot(faces_.along, place - faces_.at_mm) : 0;
-  double most = -1e9;
-  for (int n = 0; n < faces_.count; ++n) {
-    const Plane p = faces_.count == 2 ? tangent(n, along) : faces_.plane[n];
-    most = std::max(most, dot(p.normal, place - p.point_mm));
-  }
-  return most;
-}
-
-// How many samples lie on the faces, of those that the last look found.
-int RoundEdge::count_on_faces() const {
-  int count = 0;
-  for (int n = 0; n < count_; ++n)
-    count += std::abs(off_faces(samples_[std::size_t(n)].point_mm)) < on_voxels * voxel_mm_;
-  return count;
-}
-
 // Some samples around the place, far enough from it to have a face's normal.
 void RoundEdge::take_samples(Vec3 place, Vec3 normal, double most_voxels, int from, KnownNormals& normals,
                              int& computed) {
   const double least = near_voxels * voxel_mm_, most = most_voxels * voxel_mm_;
   const auto is_far = [&](const SurfaceSample& s) { return norm(s.point_mm - place) >= least; };
   const int around = int(std::count_if(samples_.begin(), samples_.begin() + count_, is_far));
-  const int max = most_voxels > far_voxels ? max_taken : max_taken * 2 / 3;
+  const int max = most_voxels > edge_far_voxels ? max_taken : max_taken * 2 / 3;
   const int each = std::max(1, (around + max - 1) / max);
   int seen = 0;
   taken_count_ = 0;
@@ -229,94 +201,6 @@ void RoundEdge::take_samples(Vec3 place, Vec3 normal, double most_voxels, int fr
     const double far = norm(s.point_mm - place);
     taken_[taken_count_++] = {s.point_mm, face, (far - 0.9 * least) * (1.05 * most - far)};
   }
-}
-
-// Of the line in which the first two planes meet.
-Vec3 RoundEdge::place_on_edge(Vec3 place) const {
-  const Plane &p = faces_.plane[0], &q = faces_.plane[1];
-  const double c = dot(p.normal, q.normal), off_a = dot(p.normal, p.point_mm - place),
-               off_b = dot(q.normal, q.point_mm - place);
-  return place + (p.normal * (off_a - c * off_b) + q.normal * (off_b - c * off_a)) / (1 - c * c);
-}
-
-// Each face lies behind the other.
-bool RoundEdge::is_convex() const {
-  const Plane &p = faces_.plane[0], &q = faces_.plane[1];
-  const Vec3 across = q.point_mm - p.point_mm;
-  return dot(p.normal, across) < -convex * norm(across) && dot(q.normal, across) > convex * norm(across);
-}
-
-// How far an arc of that bend has left its tangent, divided by the bend.
-double arc_by_bend(double bend, double along) {
-  const double q = std::min(0.95, std::abs(bend * along));
-  return q < 1e-3 ? 0.5 * along * along : (1 - std::sqrt(1 - q * q)) / (bend * bend);
-}
-
-Plane RoundEdge::tangent(int face, double along) const {
-  const Plane& p = faces_.plane[face];
-  const double bend = faces_.bend[face], q = std::clamp(bend * along, -0.95, 0.95);
-  const Vec3 normal = normalized(p.normal - faces_.along * (q / std::sqrt(1 - q * q)));
-  return {p.point_mm + faces_.along * along + p.normal * (bend * arc_by_bend(bend, along)), normal};
-}
-
-void RoundEdge::fit_all() {
-  static constexpr double edge_within[] = {0.4, 0.4, 0.4}, corner_within[] = {1.5, 1, 0.7, 0.5, 0.4, 0.3};
-  const bool corner = faces_.count > 2;
-  for (int round = 0; round < (corner ? 6 : 3); ++round)
-    for (int face = 0; face < faces_.count; ++face) fit(face, corner ? corner_within[round] : edge_within[round]);
-  faces_.along = normalized(cross(faces_.plane[0].normal, faces_.plane[1].normal));
-}
-
-// Moves, turns and bends a face to where the surface is, which is better known than its normals.
-void RoundEdge::fit(int face, double within_voxels) {
-  const bool corner = faces_.count > 2;
-  const Vec3 normal = faces_.plane[face].normal, beside = faces_.plane[(face + 1) % faces_.count].normal;
-  faces_.along = normalized(cross(normal, beside));
-  const Vec3 along = faces_.along, across = cross(normal, along);
-  Vec3& origin = faces_.plane[face].point_mm;
-  origin += along * dot(faces_.at_mm - origin, along);
-  const double bend = faces_.bend[face];
-  const int unknowns = corner ? 3 : 4;  // off, turned along and across the edge, bent
-  double m[4][5] = {};
-  int own = 0;
-  for (int n = 0; n < count_; ++n) {
-    const Vec3 place = samples_[std::size_t(n)].point_mm, d = place - origin;
-    const double u = dot(d, along), v = dot(d, across), h = dot(d, normal);
-    if (std::abs(h - bend * arc_by_bend(bend, u)) > within_voxels * voxel_mm_) continue;
-    bool others = false;
-    for (int other = 0; other < faces_.count; ++other) {
-      if (other == face) continue;
-      const Plane p = corner ? faces_.plane[other] : tangent(other, dot(along, place - faces_.at_mm));
-      others = others || dot(place - p.point_mm, p.normal) > -own_voxels * voxel_mm_;
-    }
-    if (others) continue;
-    ++own;
-    const double weight = corner ? 1 : weight_along(u, voxel_mm_), basis[4] = {1, u, v, arc_by_bend(bend, u)};
-    for (int r = 0; r < unknowns; ++r) {
-      for (int c = 0; c < unknowns; ++c) m[r][c] += weight * basis[r] * basis[c];
-      m[r][4] += weight * basis[r] * h;
-    }
-  }
-  if (own < 2 * least_samples) return;
-  double is[4] = {0, 0, 0, 0};
-  for (int c = 0; c < unknowns; ++c) {
-    const double least = 1e-3 * (c == 0 ? 1 : c < 3 ? voxel_mm_ * voxel_mm_ : std::pow(voxel_mm_, 4));
-    if (!(m[c][c] > least)) return;
-    for (int r = c + 1; r < unknowns; ++r) {
-      const double f = m[r][c] / m[c][c];
-      for (int k = c; k <= 4; ++k) m[r][k] -= f * m[c][k];
-    }
-  }
-  for (int r = unknowns - 1; r >= 0; --r) {
-    is[r] = m[r][4];
-    for (int c = r + 1; c < unknowns; ++c) is[r] -= m[r][c] * is[c];
-    is[r] /= m[r][r];
-  }
-  if (std::hypot(is[1], is[2]) > (corner ? 0.7 : most_turn)) return;
-  origin += normal * is[0];
-  faces_.plane[face].normal = normalized(normal - along * is[1] - across * is[2]);
-  const double most_bend = 1 / (tightest_voxels * voxel_mm_);
-  faces_.bend[face] = std::clamp(is[3], -most_bend, most_bend);
 }
 
 // The normal that most others are like, and ones that most of the rest are like.
@@ -366,14 +250,14 @@ bool RoundEdge::part_faces(Vec3 place, int faces) {
       for (int other = 1; other < faces; ++other)
         if (dot(t.normal, mean[other]) > dot(t.normal, mean[side])) side = other;
       if (dot(t.normal, mean[side]) < own_turn) continue;
-      const double weight = faces > 2 ? 1 : t.weight * weight_along(dot(along, t.point_mm - place), voxel_mm_);
+      const double weight = faces > 2 ? 1 : t.weight * weight_along_edge(dot(along, t.point_mm - place), voxel_mm_);
       normal[side] += t.normal * weight;
       point[side] += t.point_mm * weight;
       sum[side] += weight;
       ++own[side];
     }
     for (int side = 0; side < faces; ++side) {
-      if (own[side] < least_samples) return false;
+      if (own[side] < least_face_samples) return false;
       if (norm(normal[side]) < (faces > 2 ? 0.7 : alike) * sum[side]) return false;
       mean[side] = normalized(normal[side]);
       faces_.plane[side] = {point[side] / sum[side], mean[side]};
@@ -382,35 +266,6 @@ bool RoundEdge::part_faces(Vec3 place, int faces) {
   }
   faces_.count = faces;
   return dot(mean[0], mean[1]) <= least_turn;
-}
-
-// How far along the edge from at_mm, where that bends as its faces do, its nearest point to the place is.
-double RoundEdge::along_to(Vec3 place) const {
-  const Vec3 a = faces_.plane[0].normal, b = faces_.plane[1].normal;
-  const double c = dot(a, b), most = far_voxels * voxel_mm_;
-  const auto off = [&](double by_a, double by_b) {
-    return (a * (by_a - c * by_b) + b * (by_b - c * by_a)) / (1 - c * c);
-  };
-  const Vec3 begin = place_on_edge(faces_.at_mm), bend = off(faces_.bend[0], faces_.bend[1]);
-  double u = 0;
-  for (int n = 0; n < 3; ++n) {
-    const Vec3 from = place - begin - faces_.along * u - bend * (0.5 * u * u), way = faces_.along + bend * u;
-    u = std::clamp(u + dot(from, way) / std::max(0.2, dot(way, way) - dot(from, bend)), -most, most);
-  }
-  return u;
-}
-
-bool RoundEdge::nearest(Vec3 place, Vec3& point) const {
-  const double along = faces_.count == 2 ? along_to(place) : 0;
-  Plane inwards[max_faces];
-  for (int n = 0; n < faces_.count; ++n) {
-    inwards[n] = faces_.count == 2 ? tangent(n, along) : faces_.plane[n];
-    inwards[n].normal = -inwards[n].normal;
-  }
-  Nearest found;
-  if (!nearest_before(inwards, faces_.count, place, found)) return false;
-  point = found.point_mm;
-  return norm(place - point) > 1e-6;
 }
 
 }  // namespace trephine::contact
