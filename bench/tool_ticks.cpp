@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CPU time of a haptic tick of every tool in holes of 3, 5 and 8 mm, voxels of 0.4 mm: pushed in, moved and turned
 // about at random against the walls, drawn out. The clock's own reading is taken off.
-//   bench_tool_ticks [SESSIONS [fifth] [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default,
-//   all tools; fifth: by that law)
+//   bench_tool_ticks [SESSIONS [fourth] [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default,
+//   all tools; fourth: by that law, not by the fifth)
 // Each session is run three times, and the shortest time of a tick counts: equal inputs give equal work, and what else
 // the machine does only adds to it.
 #include <time.h>
@@ -108,8 +108,8 @@ int main(int count, char** words) {
   const int sessions = count > 1 ? std::max(1, std::atoi(words[1])) : 20;
   int first = 2;
   haptics::ForceParams::Law law = haptics::ForceParams().force_law;
-  if (count > 2 && std::string(words[2]) == "fifth") {
-    law = haptics::ForceParams::Law::fifth;
+  if (count > 2 && std::string(words[2]) == "fourth") {
+    law = haptics::ForceParams::Law::fourth;
     ++first;
   }
   std::printf(

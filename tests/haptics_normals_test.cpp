@@ -55,6 +55,58 @@ Leaning leaning(double ball_mm, double sphere_mm, double voxel_mm, bool mean, st
   return {deg[deg.size() / 2], deg[deg.size() * 99 / 100], deg.back()};
 }
 
+// Where a ball touches an edge, a rim or a corner, and the direction in which it is pressed there.
+struct Place {
+  Vec3 at_mm, out;
+};
+struct Body {
+  std::function<double(Vec3)> level_mm;  // above 0 inside, about a distance
+  std::function<Place(double ball_mm)> place;
+};
+using MakeBody = std::function<Body(std::mt19937_64&)>;
+
+Vec3 any_way(std::mt19937_64& rng) {
+  return normalized({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, 0.2, 1)});
+}
+
+// How far the force leans there, by the fourth law and by the fifth.
+struct BothLaws {
+  std::vector<double> fourth_deg, fifth_deg;
+};
+BothLaws lean_at(const MakeBody& make, double ball_mm, double voxel_mm, int volumes, int touches) {
+  std::mt19937_64 rng(11);
+  BothLaws is;
+  for (int volume_n = 0; volume_n < volumes; ++volume_n) {
+    const Body body = make(rng);
+    voxel::HapticVolume v = empty(int(22 / voxel_mm), {voxel_mm, voxel_mm, voxel_mm});
+    fill_wide(v, 1, body.level_mm);
+    const contact::ContactVolume contact(v);
+    haptics::RoundBody round(contact, {{ball_mm, ball_mm, ball_mm}}, true, true);
+    for (int n = 0; n < touches; ++n) {
+      const Place place = body.place(ball_mm);
+      round.begin_frame();
+      // Half occupancy leaves less of an edge than there is, so the ball goes in until it touches.
+      haptics::RoundBody::Touch t;
+      for (double in = -0.3; in < 1.2 && !t.hit; in += 0.01)
+        t = round.deepest(place.at_mm + place.out * (ball_mm - in), place.out, 0, {});
+      if (!t.hit) continue;
+      const auto off_deg = [&] {
+        return std::acos(std::clamp(dot(t.contact.normal, place.out), -1.0, 1.0)) * 180 / M_PI;
+      };
+      is.fourth_deg.push_back(off_deg());
+      round.set_on_edge(t, place.out);
+      is.fifth_deg.push_back(off_deg());
+    }
+  }
+  EXPECT_GE(is.fifth_deg.size(), std::size_t(volumes * touches) * 99 / 100) << "that were touched";
+  std::sort(is.fourth_deg.begin(), is.fourth_deg.end());
+  std::sort(is.fifth_deg.begin(), is.fifth_deg.end());
+  return is;
+}
+double share_of(const std::vector<double>& sorted, double share) {
+  return sorted[std::min(sorted.size() - 1, std::size_t(double(sorted.size()) * share))];
+}
+
 }  // namespace
 
 TEST(HapticsNormals, OnPlanesAndSpheres) {
@@ -78,43 +130,116 @@ TEST(HapticsNormals, OnPlanesAndSpheres) {
 
 // At an edge of a right angle the direction goes round from the one face's normal to the other's: to the nearest point
 // of the edge, as the ball's middle goes round it. Voxels round an edge off, and the discs that are touched there face
-// one way or another; the two faces beside it are known.
-TEST(HapticsNormals, AtEdges) {
-  for (const double voxel_mm : {0.4, 0.8})
-    for (const double ball_mm : {1.0, 2.5, 3.5}) {
-      std::mt19937_64 rng(11);
-      std::vector<double> deg, before_deg;
-      for (int volume_n = 0; volume_n < 4; ++volume_n) {
-        voxel::HapticVolume v = empty(int(22 / voxel_mm), {voxel_mm, voxel_mm, voxel_mm});
-        const Vec3 a = normalized({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, 0.2, 1)});
-        const Vec3 along = normalized(cross(a, Vec3{0.3, 1, 0.2})), b = cross(along, a);
-        fill_wide(v, 1, [&](Vec3 p) { return std::min(-dot(p, a), -dot(p, b)); });
-        const contact::ContactVolume contact(v);
-        haptics::RoundBody body(contact, {{ball_mm, ball_mm, ball_mm}}, true);
-        for (int n = 0; n < 300; ++n) {
-          const double turn = uniform(rng, 0.1, M_PI / 2 - 0.1);
-          const Vec3 out = a * std::cos(turn) + b * std::sin(turn), on_edge = along * uniform(rng, -3, 3);
-          body.begin_frame();
-          // Half occupancy leaves less of an edge than there is, so the ball goes in until it touches.
-          haptics::RoundBody::Touch t;
-          for (double in = -0.3; in < 0.6 && !t.hit; in += 0.01)
-            t = body.deepest(on_edge + out * (ball_mm - in), out, 0, {});
-          ASSERT_TRUE(t.hit);
-          const auto off_deg = [&] {
-            return std::acos(std::clamp(dot(t.contact.normal, out), -1.0, 1.0)) * 180 / M_PI;
-          };
-          before_deg.push_back(off_deg());
-          body.set_on_edge(t, out);
-          deg.push_back(off_deg());
-        }
+// one way or another; the two faces beside it are known. Rims are edges that curve, and in a corner three faces meet.
+TEST(HapticsNormals, AtEdgesRimsAndCorners) {
+  const MakeBody edge = [](std::mt19937_64& rng) {
+    const Vec3 a = any_way(rng), along = normalized(cross(a, Vec3{0.3, 1, 0.2})), b = cross(along, a);
+    return Body{[=](Vec3 p) { return std::min(-dot(p, a), -dot(p, b)); },
+                [=, &rng](double) {
+                  const double turn = uniform(rng, 0.1, M_PI / 2 - 0.1);
+                  return Place{along * uniform(rng, -3, 3), a * std::cos(turn) + b * std::sin(turn)};
+                }};
+  };
+  // Of a cylinder's end, or of a hole (`hole`) as deep as the volume.
+  const auto rim = [](double radius_mm, bool hole) -> MakeBody {
+    return [=](std::mt19937_64& rng) {
+      const Vec3 up = any_way(rng), a = normalized(cross(up, Vec3{0.3, 1, 0.2})), b = cross(up, a);
+      const double side = hole ? -1 : 1;
+      return Body{[=](Vec3 p) { return std::min(-dot(p, up), side * (radius_mm - norm(p - up * dot(p, up)))); },
+                  [=, &rng](double ball_mm) {
+                    // A ball in a hole's middle touches all of its rim at once, and is pressed anywhere.
+                    const double most = hole ? std::asin(std::min(1.0, 0.7 * radius_mm / ball_mm)) : M_PI / 2;
+                    const double turn = uniform(rng, 0.1, std::min(most, M_PI / 2 - 0.1));
+                    const double round = uniform(rng, 0, 2 * M_PI);
+                    const Vec3 way = a * std::cos(round) + b * std::sin(round);
+                    return Place{way * radius_mm, up * std::cos(turn) + way * (side * std::sin(turn))};
+                  }};
+    };
+  };
+  const auto corner = [](bool beside) -> MakeBody {
+    return [=](std::mt19937_64& rng) {
+      const Vec3 a = any_way(rng), b = normalized(cross(a, Vec3{0.3, 1, 0.2})), c = cross(a, b);
+      return Body{[=](Vec3 p) {
+                    return -std::max({dot(p, a), dot(p, b), dot(p, c)});
+                  },
+                  [=, &rng](double) {
+                    if (beside) {  // on an edge that ends in it
+                      const double turn = uniform(rng, 0.1, M_PI / 2 - 0.1);
+                      return Place{c * -uniform(rng, 0.1, 3), a * std::cos(turn) + b * std::sin(turn)};
+                    }
+                    return Place{
+                        {}, normalized(a * uniform(rng, 0.2, 1) + b * uniform(rng, 0.2, 1) + c * uniform(rng, 0.2, 1))};
+                  }};
+    };
+  };
+  struct Row {
+    const char* name;
+    MakeBody make;
+    double most_p90_deg[2], most_p99_deg[2];  // in voxels of 0.4 and 0.8 mm
+  };
+  constexpr double as_fourth = 90;  // in so few voxels a rim, and a corner, are not always told
+  for (const Row& row :
+       {Row{"an edge", edge, {0.5, 0.5}, {1, 1}}, Row{"a corner", corner(false), {1, 8}, {as_fourth, as_fourth}},
+        Row{"an edge beside a corner", corner(true), {1, 8}, {as_fourth, as_fourth}},
+        Row{"a cylinder's end, 3 mm radius", rim(3, false), {0.5, 3}, {1, as_fourth}},
+        Row{"a cylinder's end, 6 mm radius", rim(6, false), {0.5, 0.5}, {1, 1}},
+        Row{"a hole's rim, 2.5 mm radius", rim(2.5, true), {0.5, 3}, {3, as_fourth}},
+        Row{"a hole's rim, 4 mm radius", rim(4, true), {0.5, 1}, {3, 3}},
+        Row{"a hole's rim, 7 mm radius", rim(7, true), {0.5, 0.5}, {1, 1}}})
+    for (const double voxel_mm : {0.4, 0.8})
+      for (const double ball_mm : {1.0, 2.5, 3.5}) {
+        SCOPED_TRACE(row.name + std::string(", ball of ") + std::to_string(ball_mm) + ", voxels " +
+                     std::to_string(voxel_mm));
+        const BothLaws is = lean_at(row.make, ball_mm, voxel_mm, 4, 300);
+        const auto of = [](const std::vector<double>& d, double share) { return share_of(d, share); };
+        std::printf(
+            "  %-30s ball %.1f voxels %.1f: fifth %5.2f %5.2f %5.2f %5.2f, fourth %5.2f %5.2f %5.2f %5.2f deg\n",
+            row.name, ball_mm, voxel_mm, of(is.fifth_deg, 0.5), of(is.fifth_deg, 0.9), of(is.fifth_deg, 0.99),
+            is.fifth_deg.back(), of(is.fourth_deg, 0.5), of(is.fourth_deg, 0.9), of(is.fourth_deg, 0.99),
+            is.fourth_deg.back());
+        const int coarse = voxel_mm > 0.5 ? 1 : 0;
+        EXPECT_LE(of(is.fifth_deg, 0.9), row.most_p90_deg[coarse]);
+        EXPECT_LE(of(is.fifth_deg, 0.99), std::min(row.most_p99_deg[coarse], of(is.fourth_deg, 0.99)));
+        EXPECT_GE(of(is.fourth_deg, 0.99), 10) << "which this test must be able to show";
       }
-      std::sort(deg.begin(), deg.end());
-      std::sort(before_deg.begin(), before_deg.end());
-      std::printf(
-          "  ball of %.1f mm radius on an edge, voxels %.1f: %.2f %.2f %.2f %.2f degrees, before %.2f %.2f %.2f\n",
-          ball_mm, voxel_mm, deg[deg.size() / 2], deg[deg.size() * 9 / 10], deg[deg.size() * 99 / 100], deg.back(),
-          before_deg[deg.size() / 2], before_deg[deg.size() * 99 / 100], before_deg.back());
-      EXPECT_LE(deg[deg.size() * 99 / 100], 1);
-      EXPECT_GE(before_deg[before_deg.size() * 99 / 100], 15) << "which this test must be able to show";
+}
+
+// A rod that lies over an edge is pressed where it crosses it, which gives the torque its arm. Of discs the deepest may
+// be one beside it.
+TEST(HapticsNormals, ARodIsPressedWhereItCrossesAnEdge) {
+  for (const double voxel_mm : {0.4, 0.8}) {
+    std::mt19937_64 rng(5);
+    std::vector<double> fourth_mm, fifth_mm;
+    for (int volume_n = 0; volume_n < 4; ++volume_n) {
+      const Vec3 a = any_way(rng), along = normalized(cross(a, Vec3{0.3, 1, 0.2})), b = cross(along, a);
+      voxel::HapticVolume v = empty(int(22 / voxel_mm), {voxel_mm, voxel_mm, voxel_mm});
+      fill_wide(v, 1, [&](Vec3 p) { return std::min(-dot(p, a), -dot(p, b)); });
+      const contact::ContactVolume contact(v);
+      const double radius_mm = 1.5, length_mm = 8;
+      haptics::RoundBody round(contact, {{0, length_mm, radius_mm}}, true, true);
+      for (int n = 0; n < 200; ++n) {
+        const double turn = uniform(rng, 0.3, M_PI / 2 - 0.3), crosses_mm = uniform(rng, 2.5, 5.5);
+        const Vec3 out = a * std::cos(turn) + b * std::sin(turn), on_edge = along * uniform(rng, -2, 2);
+        const Vec3 axis = normalized(cross(along, out) + along * uniform(rng, -0.5, 0.5));
+        round.begin_frame();
+        haptics::RoundBody::Touch t;
+        for (double in = -0.3; in < 1.2 && !t.hit; in += 0.01)
+          t = round.deepest(on_edge + out * (radius_mm - in) - axis * crosses_mm, axis, 0, {});
+        if (!t.hit) continue;
+        fourth_mm.push_back(std::abs(t.pressed_mm - crosses_mm));
+        round.set_on_edge(t, axis);
+        fifth_mm.push_back(std::abs(t.pressed_mm - crosses_mm));
+      }
     }
+    ASSERT_GT(fifth_mm.size(), 700u);
+    std::sort(fourth_mm.begin(), fourth_mm.end());
+    std::sort(fifth_mm.begin(), fifth_mm.end());
+    std::printf(
+        "  rod of 1.5 mm radius over an edge, voxels %.1f: arm off by %.3f %.3f %.3f mm, fourth %.3f %.3f %.3f\n",
+        voxel_mm, share_of(fifth_mm, 0.5), share_of(fifth_mm, 0.99), fifth_mm.back(), share_of(fourth_mm, 0.5),
+        share_of(fourth_mm, 0.99), fourth_mm.back());
+    EXPECT_LE(share_of(fifth_mm, 0.5), 0.01);
+    EXPECT_LE(share_of(fifth_mm, 0.99), 0.5 * voxel_mm);
+    EXPECT_GE(share_of(fourth_mm, 0.5), 0.2 * voxel_mm) << "which this test must be able to show";
+  }
 }

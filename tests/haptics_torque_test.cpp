@@ -179,7 +179,7 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   haptics::Proxy again = new_proxy();
   const std::vector<haptics::ServoFrame> replayed = haptics::replay_frames(read.frames, 1000, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(replayed[n], frames[n])) << n;
-  EXPECT_EQ(read_file(file)[8], 7) << "its version";
+  EXPECT_EQ(read_file(file)[8], 9) << "its version";
   header.force.force_law = haptics::ForceParams::Law::first;
   write(frames);
   EXPECT_EQ(read_file(file)[8], 4) << "as before, for the law of before";

@@ -3,11 +3,16 @@
 #include "session/hand_watch.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
 
 #include "haptics/burrs.h"
 #include "haptics/tool_belt.h"
 #include "haptics_tools.h"
 #include "session/playback.h"
+#include "session/recording_text.h"
 
 using namespace trephine;
 using namespace trephine::tools;
@@ -112,4 +117,83 @@ TEST(SessionHand, AnIncisionIsWhereTheMarkerInHandWas) {
   };
   EXPECT_EQ(marks(1), 0u);
   EXPECT_EQ(marks(0), 1u);
+}
+
+// Another burr that is asked for while the one in hand touches is taken once it is free; a table and a plot of the
+// recording name what was in the hand.
+TEST(SessionHand, ExportsNameTheToolInHand) {
+  haptics::Recording r;
+  r.header.in_open = true;
+  r.header.tools = {belt_tool("ball", 4, true), belt_tool("ball", 6, true)};
+  const int touched[] = {0, 1, 1, 0, 0, 0}, asked[] = {0, 0, 1, 1, 1, 1};
+  const char* in_hand[] = {"ball4", "ball4", "ball4", "ball4", "ball6", "ball6"};
+  const auto add = [&](int tool, int touches) {
+    haptics::ServoFrame f;
+    f.tick = r.frames.size();
+    f.dt_s = 0.001;
+    f.time_s = 0.001 * double(r.frames.size() + 1);
+    f.axis[2] = 1;
+    f.buttons = asks(std::uint32_t(tool));
+    f.touched = touches;
+    r.frames.push_back(f);
+  };
+  for (int n = 0; n < 6; ++n) add(asked[n], touched[n]);
+  const auto file = std::filesystem::temp_directory_path() / ("hand-" + std::to_string(getpid()) + ".csv");
+  const auto tools_of = [&](int every) {
+    FileWriter out(file);
+    session::RecordingTextParams params;
+    params.every_count = every;
+    session::write_recording_csv(r, params, out);
+    out.commit();
+    std::ifstream in(file);
+    std::vector<std::string> names;
+    std::string line, cell;
+    std::size_t column = 0;
+    const auto columns = session::recording_columns(r.header);
+    while (column < columns.size() && columns[column].first != "tool") ++column;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+      std::istringstream cells(line);
+      for (std::size_t n = 0; n <= column; ++n) std::getline(cells, cell, ',');
+      names.push_back(cell);
+    }
+    return names;
+  };
+  EXPECT_EQ(tools_of(1), std::vector<std::string>(in_hand, in_hand + 6));
+  EXPECT_EQ(tools_of(4), (std::vector<std::string>{"ball4", "ball6"}));
+  std::filesystem::remove(file);
+  EXPECT_NE(session::recording_plot(r).find("ball6"), std::string::npos);
+  r.frames.resize(4);
+  EXPECT_EQ(session::recording_plot(r).find("ball6"), std::string::npos) << "which was never in the hand";
+}
+
+// A hand that comes back from a pause within a shape waits there, and its commands do nothing; what was cut before says
+// whether it is within.
+TEST(SessionHand, WaitsWhereTheVolumeSaysSo) {
+  haptics::RecordingHeader h;
+  h.drilling.drill = true;
+  h.in_open = true;
+  h.tools = {belt_tool("marker", 0, false)};
+  const auto marks = [&](const session::HandWatch::ShapeAt& shape_at) {
+    session::IncisionWatch watch(h, shape_at);
+    std::vector<session::IncisionMark> out;
+    const auto tick = [&](std::uint32_t buttons, double z, int touched = 0) {
+      haptics::ServoFrame f;
+      f.buttons = buttons;
+      f.tip_mm[2] = z;
+      f.touched = touched;
+      watch.look(f, out);
+    };
+    tick(0, 1);
+    tick(haptics::belt_button::pedal, 0, 1);
+    tick(0, 1);
+    tick(command(to::pause), 1);
+    tick(command(to::resume), -1);
+    tick(0, -1);
+    tick(command(to::incise), -1);
+    return out.size();
+  };
+  EXPECT_EQ(marks([](Vec3 p) { return p.z < 0 ? 1 : 0; }), 0u);
+  EXPECT_EQ(marks([](Vec3) { return 0; }), 1u);
+  EXPECT_EQ(marks({}), 1u) << "which frames alone cannot tell";
 }

@@ -4,33 +4,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/edge_weights.h"
+
 namespace trephine::contact {
 namespace {
 
-constexpr double near_voxels = 1.9, far_voxels = 3.2;  // from an edge: where normals no longer know of it; and enough
-constexpr double steep = 0.42;                         // sine: how steeply a face falls off behind the touch's plane
-constexpr double least_turn = 0.87;                    // cosine between two faces
-constexpr double faces_away = -0.3;                    // cosine: no face of this edge
-constexpr double alike = 0.85;                         // length of the mean of a face's normals
-constexpr double convex = 0.05;                        // sine: how far each face lies behind the other
-constexpr double cut_off_voxels = 0.6;                 // of an edge, at most, by half occupancy and discs together
-constexpr double own_voxels = 0.9;                     // from the other face's plane: where places are one face's own
-constexpr double off_voxels = 0.4, most_turn = 0.3;    // of a sample from its plane; tangent, of a plane that is fitted
+constexpr double near_voxels = 1.9;                       // from an edge: where normals no longer know of it
+constexpr double steep = 0.42;                            // sine: how steeply a face falls off behind the touch's plane
+constexpr double least_turn = 0.87;                       // cosine between two faces
+constexpr double faces_away = -0.3;                       // cosine: no face of this edge
+constexpr double alike = 0.85;                            // length of the mean of a face's normals
+constexpr double cut_off_voxels = 0.6;                    // of an edge, at most, by half occupancy and discs together
+constexpr double corner_off_voxels = 1.3;                 // the same of a corner
 constexpr double again_voxels = 0.3, again_alike = 0.97;  // cosine: of a touch, where the last one's faces hold
 constexpr double centred_voxels = 0.6;                    // about the edge, where the faces are taken
-constexpr int least_samples = 3, least_fallen = 2, rounds = 2, looks = 4;
+constexpr double third_turn = 0.7;       // cosine, at most: between a corner's third face and the two others
+constexpr double corner_voxels = 4.5;    // how far a third face is looked for
+constexpr double third_voxels = 0.7;     // how far behind the others, at least, places are its own
+constexpr double own_turn = 0.6;         // cosine, at least: between a sample's normal and its face's
+constexpr double least_det = 0.2;        // of a corner's normals
+constexpr double least_explained = 0.7;  // of the samples around, where two faces are not all that is there
+constexpr int least_on_corner = 12;      // such samples
+constexpr int least_fallen = 2, rounds = 3, looks = 6;
 
 double largest(Vec3 s) { return std::max({s.x, s.y, s.z}); }
 
-// What lies far along the edge counts less, for an edge may be curved.
-double weight_along(double along_mm, double voxel_mm) {
-  const double off = along_mm / (far_voxels * voxel_mm);
-  return std::max(0.02, (1 - off * off) * (1 - off * off));
-}
-
 // How far from where it touches a ball's edge may be: where that is cut off by so much, it touches a face first.
 double edge_within_mm(double radius_mm, double voxel_mm) {
-  return std::max(far_voxels * voxel_mm, std::sqrt(2 * cut_off_voxels * voxel_mm * radius_mm) + voxel_mm);
+  return std::max(edge_far_voxels * voxel_mm, std::sqrt(2 * cut_off_voxels * voxel_mm * radius_mm) + voxel_mm);
 }
 
 }  // namespace
@@ -41,7 +42,7 @@ RoundEdge::RoundEdge(const ContactVolume& contact, double radius_mm)
       widest_mm_(edge_within_mm(radius_mm, voxel_mm_)) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   double voxels = 3;
-  for (int a = 0; a < 3; ++a) voxels *= 2 * widest_mm_ / s[a] + 4;
+  for (int a = 0; a < 3; ++a) voxels *= 2 * std::max(widest_mm_, corner_voxels * voxel_mm_) / s[a] + 4;
   samples_.resize(std::size_t(std::min(voxels, 20000.0)));
 }
 
@@ -55,6 +56,8 @@ void RoundEdge::look(Vec3 place, double reach, int from, int into) {
   }
 }
 
+double RoundEdge::cut_off_mm() const { return (faces_.count > 2 ? corner_off_voxels : cut_off_voxels) * voxel_mm_; }
+
 void RoundEdge::forget() {
   for (Found& f : found_) f.radius_mm = 0;
 }
@@ -64,12 +67,12 @@ bool RoundEdge::find(Vec3 place, Vec3 normal, double radius, int from, int into,
   for (const Found& f : found_) {
     if (f.radius_mm != radius || f.from != from || f.into != into) continue;
     if (norm(place - f.place_mm) > again_voxels * voxel_mm_ || dot(normal, f.normal) < again_alike) continue;
-    std::copy(f.planes, f.planes + 2, planes_);
+    faces_ = f.faces;
     return f.edge;
   }
   const bool edge = find_anew(place, normal, radius, from, into, normals, computed);
   last_found_ = (last_found_ + 1) % most_found;
-  found_[last_found_] = {place, normal, radius, from, into, edge, {planes_[0], planes_[1]}};
+  found_[last_found_] = {place, normal, radius, from, into, edge, faces_};
   return edge;
 }
 
@@ -86,145 +89,183 @@ bool RoundEdge::find_anew(Vec3 touched, Vec3 normal, double radius, int from, in
     sum += d - normal * dot(normal, d);
   }
   if (fallen < least_fallen) return false;
-  Vec3 place = touched + sum / double(fallen);
+  const Vec3 on = sum / double(fallen);
+  const bool two = find_two(touched, on, 3, normal, from, into, normals, computed);
+  const Vec3 place = two ? faces_.at_mm : touched;
+  Vec3 end = place;
+  look(place, corner_voxels * voxel_mm_, from, into);
+  if (two && !ends_near(end)) return true;
+  // Two faces do not explain what is there. Three may, and are taken where they explain more.
+  const Faces of_two = faces_;
+  const bool three = find_three(place, touched, normal, from, into, normals, computed) ||
+                     (norm(end - place) > voxel_mm_ && find_three(end, touched, normal, from, into, normals, computed));
+  if (!two && !three)
+    return find_two(touched, on - normalized(on) * (3 * voxel_mm_), 0, normal, from, into, normals, computed);
+  const Faces of_three = faces_;
+  const int all = count_, on_three = three ? count_on_faces() : 0;
+  faces_ = of_two;
+  const int on_two = two ? count_on_faces() : 0;
+  if (on_three <= std::max(on_two, least_on_corner)) return on_two > least_explained * all;
+  faces_ = of_three;
+  return true;
+}
+
+// Two faces, from where the surface falls off steeply.
+bool RoundEdge::find_two(Vec3 touched, Vec3 on, int tries, Vec3 normal, int from, int into, KnownNormals& normals,
+                         int& computed) {
+  Vec3 place = touched + on;
+  int missed = 0;
   for (int n = 0; n < looks; ++n) {
-    look(place, far_voxels * voxel_mm_, from, into);
-    if (!part_faces(take_faces(place, normal, from, normals, computed), place)) {
-      if (n > 1) return false;  // one face was seen, or hardly the other: a voxel back, then on
-      place += normalized(sum) * ((n == 0 ? -1 : 2) * voxel_mm_);
+    look(place, edge_far_voxels * voxel_mm_, from, into);
+    take_samples(place, normal, edge_far_voxels, from, normals, computed);
+    if (!part_faces(place, 2)) {
+      // One face was seen, or hardly the other: a voxel back, two, then on.
+      constexpr double voxels_on[] = {-1, -1, 3};
+      if (missed == tries) return false;
+      place += normalized(on) * (voxels_on[missed++] * voxel_mm_);
       continue;
     }
-    const Vec3 on_edge = place_on_edge(place);
+    const Vec3 on_edge = place_on_edge(touched);
     if (norm(on_edge - touched) > widest_mm_) return false;
     if (norm(on_edge - place) < centred_voxels * voxel_mm_) break;
     place = on_edge;
   }
   if (!is_convex()) return false;
-  for (int round = 0; round < rounds; ++round)
-    for (int face = 0; face < 2; ++face) fit(face, place);
+  faces_.at_mm = place;
+  fit_all();
   return true;
 }
 
-// The normals of some samples around the place, far enough from it to be those of a face; how many.
-int RoundEdge::take_faces(Vec3 place, Vec3 normal, int from, KnownNormals& normals, int& computed) {
-  const double least = near_voxels * voxel_mm_, most = far_voxels * voxel_mm_;
+// Whether samples stand there that are of neither of the two faces, as where an edge ends in a corner; that is about
+// the place, then.
+bool RoundEdge::ends_near(Vec3& place) const {
+  bool ends = false;
+  for (int n = 0; n < taken_count_; ++n)
+    ends = ends || std::max(dot(taken_[n].normal, faces_.plane[0].normal),
+                            dot(taken_[n].normal, faces_.plane[1].normal)) < own_turn;
+  double sum = 0;
+  int behind = 0;
+  for (int n = 0; n < count_; ++n) {
+    const Vec3 at = samples_[std::size_t(n)].point_mm;
+    const double off = off_faces(at);
+    ends = ends || off > third_voxels * voxel_mm_;
+    if (off > -third_voxels * voxel_mm_) continue;
+    sum += dot(faces_.along, at - faces_.at_mm);
+    ++behind;
+  }
+  if (behind > 0) place = faces_.at_mm + faces_.along * (sum / behind);
+  return ends || behind > 0;
+}
+
+// Three faces around the place, then around where they meet.
+bool RoundEdge::find_three(Vec3 place, Vec3 touched, Vec3 normal, int from, int into, KnownNormals& normals,
+                           int& computed) {
+  look(place, corner_voxels * voxel_mm_, from, into);
+  take_samples(place, normal, corner_voxels, from, normals, computed);
+  if (!part_faces(place, 3)) return false;
+  faces_.at_mm = place;
+  fit_all();
+  const Plane* p = faces_.plane;
+  const Vec3 across = cross(p[1].normal, p[2].normal);
+  const double det = dot(p[0].normal, across);
+  if (std::abs(det) < least_det) return false;
+  const double off[3] = {dot(p[0].normal, p[0].point_mm - place), dot(p[1].normal, p[1].point_mm - place),
+                         dot(p[2].normal, p[2].point_mm - place)};
+  const Vec3 corner =
+      place +
+      (across * off[0] + cross(p[2].normal, p[0].normal) * off[1] + cross(p[0].normal, p[1].normal) * off[2]) / det;
+  if (norm(corner - touched) > 2 * widest_mm_) return false;
+  look(corner, corner_voxels * voxel_mm_, from, into);
+  faces_.at_mm = corner;
+  fit_all();
+  for (int a = 0; a < 3; ++a)
+    if (dot(p[a].normal, p[(a + 1) % 3].normal) > least_turn) return false;
+  return true;
+}
+
+// Some samples around the place, far enough from it to have a face's normal.
+void RoundEdge::take_samples(Vec3 place, Vec3 normal, double most_voxels, int from, KnownNormals& normals,
+                             int& computed) {
+  const double least = near_voxels * voxel_mm_, most = most_voxels * voxel_mm_;
   const auto is_far = [&](const SurfaceSample& s) { return norm(s.point_mm - place) >= least; };
   const int around = int(std::count_if(samples_.begin(), samples_.begin() + count_, is_far));
-  const int each = std::max(1, (around + most_faces - 1) / most_faces);
-  int count = 0, seen = 0;
+  const int max = most_voxels > edge_far_voxels ? max_taken : max_taken * 2 / 3;
+  const int each = std::max(1, (around + max - 1) / max);
+  int seen = 0;
+  taken_count_ = 0;
   for (int n = 0; n < count_; ++n) {
     const SurfaceSample& s = samples_[std::size_t(n)];
     if (!is_far(s) || seen++ % each != 0) continue;
     const Vec3 own = normals.of(s, computed), face = s.low == from ? own : -own;
     if (own == Vec3{} || dot(face, normal) < faces_away) continue;
     const double far = norm(s.point_mm - place);
-    faces_[count++] = {s.point_mm, face, (far - 0.9 * least) * (1.05 * most - far)};
+    taken_[taken_count_++] = {s.point_mm, face, (far - 0.9 * least) * (1.05 * most - far)};
   }
-  return count;
 }
 
-// Of the line in which the two planes meet.
-Vec3 RoundEdge::place_on_edge(Vec3 place) const {
-  const Vec3 a = planes_[0].normal, b = planes_[1].normal;
-  const double c = dot(a, b), off_a = dot(a, planes_[0].point_mm - place), off_b = dot(b, planes_[1].point_mm - place);
-  return place + (a * (off_a - c * off_b) + b * (off_b - c * off_a)) / (1 - c * c);
-}
-
-// Each face lies behind the other.
-bool RoundEdge::is_convex() const {
-  const Vec3 across = planes_[1].point_mm - planes_[0].point_mm;
-  return dot(planes_[0].normal, across) < -convex * norm(across) &&
-         dot(planes_[1].normal, across) > convex * norm(across);
-}
-
-// Moves and turns a face's plane to where the surface is, which is better known than its normals.
-void RoundEdge::fit(int face, Vec3 place) {
-  Plane& plane = planes_[face];
-  const Plane& other = planes_[1 - face];
-  const Vec3 edge = normalized(cross(plane.normal, other.normal)), into = cross(plane.normal, edge);
-  double sum = 0, mean[3] = {0, 0, 0};
-  struct Place {
-    double weight, at[3];  // along the edge, across it, off the plane
-  };
-  const auto of = [&](const SurfaceSample& s) {
-    const Vec3 d = s.point_mm - plane.point_mm;
-    Place p{0, {dot(d, edge), dot(d, into), dot(d, plane.normal)}};
-    if (std::abs(p.at[2]) > off_voxels * voxel_mm_) return p;
-    if (dot(s.point_mm - other.point_mm, other.normal) > -own_voxels * voxel_mm_) return p;
-    p.weight = weight_along(dot(edge, s.point_mm - place), voxel_mm_);
-    return p;
-  };
-  int own = 0;
-  for (int n = 0; n < count_; ++n) {
-    const Place p = of(samples_[std::size_t(n)]);
-    own += p.weight > 0;
-    sum += p.weight;
-    for (int a = 0; a < 3; ++a) mean[a] += p.weight * p.at[a];
-  }
-  if (own < 2 * least_samples) return;
-  for (double& m : mean) m /= sum;
-  double uu = 0, uv = 0, vv = 0, uh = 0, vh = 0;
-  for (int n = 0; n < count_; ++n) {
-    const Place p = of(samples_[std::size_t(n)]);
-    if (!(p.weight > 0)) continue;
-    const double u = p.at[0] - mean[0], v = p.at[1] - mean[1], h = p.at[2] - mean[2];
-    uu += p.weight * u * u;
-    uv += p.weight * u * v;
-    vv += p.weight * v * v;
-    uh += p.weight * u * h;
-    vh += p.weight * v * h;
-  }
-  const double det = uu * vv - uv * uv;
-  if (!(det > 0.05 * (uu + vv) * (uu + vv) / 4)) return;
-  const double a = (uh * vv - vh * uv) / det, b = (vh * uu - uh * uv) / det;
-  if (std::hypot(a, b) > most_turn) return;
-  plane.point_mm += edge * mean[0] + into * mean[1] + plane.normal * mean[2];
-  plane.normal = normalized(plane.normal - edge * a - into * b);
-}
-
-// Into two, about the two that face least alike.
-bool RoundEdge::part_faces(int count, Vec3 place) {
-  int first = 0, second = 0;
-  double least = 1;
-  for (int a = 0; a < count; ++a)
-    for (int b = a + 1; b < count; ++b)
-      if (const double alike_ab = dot(faces_[a].normal, faces_[b].normal); alike_ab < least) {
-        least = alike_ab;
-        first = a;
-        second = b;
+// The normal that most others are like, and ones that most of the rest are like.
+bool RoundEdge::first_means(Vec3* mean, int faces) const {
+  const auto square = [](double x) { return x > 0 ? x * x : 0; };
+  double left[max_taken];
+  std::fill(left, left + taken_count_, 1.0);
+  int seed[max_faces];
+  for (int face = 0; face < faces; ++face) {
+    double most = 0;
+    seed[face] = -1;
+    for (int a = 0; a < taken_count_; ++a) {
+      const Taken& t = taken_[a];
+      bool fits = true;
+      for (int other = 0; other < face; ++other) {  // each lies behind the others
+        const Taken& o = taken_[seed[other]];
+        const Vec3 across = t.point_mm - o.point_mm;
+        fits = fits && dot(t.normal, o.normal) <= (faces > 2 ? third_turn : least_turn) && dot(o.normal, across) <= 0 &&
+               dot(t.normal, across) >= 0;
       }
-  if (least > least_turn) return false;
-  Vec3 mean[2] = {faces_[first].normal, faces_[second].normal};
-  for (int round = 0; round <= rounds; ++round) {
+      if (!fits) continue;
+      double sum = 0;
+      for (int b = 0; b < taken_count_; ++b) sum += left[b] * square(dot(t.normal, taken_[b].normal));
+      if (sum <= most) continue;
+      most = sum;
+      seed[face] = a;
+    }
+    if (seed[face] < 0) return false;
+    mean[face] = taken_[seed[face]].normal;
+    for (int b = 0; b < taken_count_; ++b) left[b] -= std::min(left[b], square(dot(mean[face], taken_[b].normal)));
+  }
+  return true;
+}
+
+// Parts the samples by the face whose normal theirs is most like, some rounds.
+bool RoundEdge::part_faces(Vec3 place, int faces) {
+  Vec3 mean[max_faces];
+  if (!first_means(mean, faces)) return false;
+  for (int round = 0; round < rounds; ++round) {
     const Vec3 along = normalized(cross(mean[0], mean[1]));
-    Vec3 normal[2], point[2];
-    double sum[2] = {0, 0};
-    int own[2] = {0, 0};
-    for (int n = 0; n < count; ++n) {
-      const Face& f = faces_[n];
-      const int side = dot(f.normal, mean[1]) > dot(f.normal, mean[0]) ? 1 : 0;
-      const double weight = f.weight * weight_along(dot(along, f.point_mm - place), voxel_mm_);
-      normal[side] += f.normal * weight;
-      point[side] += f.point_mm * weight;
+    Vec3 normal[max_faces], point[max_faces];
+    double sum[max_faces] = {0, 0, 0};
+    int own[max_faces] = {0, 0, 0};
+    for (int n = 0; n < taken_count_; ++n) {
+      const Taken& t = taken_[n];
+      int side = 0;
+      for (int other = 1; other < faces; ++other)
+        if (dot(t.normal, mean[other]) > dot(t.normal, mean[side])) side = other;
+      if (dot(t.normal, mean[side]) < own_turn) continue;
+      const double weight = faces > 2 ? 1 : t.weight * weight_along_edge(dot(along, t.point_mm - place), voxel_mm_);
+      normal[side] += t.normal * weight;
+      point[side] += t.point_mm * weight;
       sum[side] += weight;
       ++own[side];
     }
-    for (int side = 0; side < 2; ++side) {
-      if (own[side] < least_samples) return false;
-      if (norm(normal[side]) < alike * sum[side]) return false;
+    for (int side = 0; side < faces; ++side) {
+      if (own[side] < least_face_samples) return false;
+      if (norm(normal[side]) < (faces > 2 ? 0.7 : alike) * sum[side]) return false;
       mean[side] = normalized(normal[side]);
-      planes_[side] = {point[side] / sum[side], mean[side]};
+      faces_.plane[side] = {point[side] / sum[side], mean[side]};
+      faces_.bend[side] = 0;
     }
   }
+  faces_.count = faces;
   return dot(mean[0], mean[1]) <= least_turn;
-}
-
-bool RoundEdge::nearest(Vec3 place, Vec3& point) const {
-  const Plane inwards[2] = {{planes_[0].point_mm, -planes_[0].normal}, {planes_[1].point_mm, -planes_[1].normal}};
-  Nearest found;
-  if (!nearest_before(inwards, 2, place, found)) return false;
-  point = found.point_mm;
-  return norm(place - point) > 1e-6;
 }
 
 }  // namespace trephine::contact

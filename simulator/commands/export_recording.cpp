@@ -9,14 +9,14 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "haptics/recording_text.h"
+#include "session/recording_text.h"
 
 namespace trephine::commands {
 namespace {
 
 std::string terminal_for(const std::filesystem::path& file) {
-  if (file.extension() == ".svg") return gnuplot_svg(haptics::recording_plot_width, haptics::recording_plot_height);
-  if (file.extension() == ".png") return gnuplot_png(haptics::recording_plot_width, haptics::recording_plot_height);
+  if (file.extension() == ".svg") return gnuplot_svg(session::recording_plot_width, session::recording_plot_height);
+  if (file.extension() == ".png") return gnuplot_png(session::recording_plot_width, session::recording_plot_height);
   throw Error(ExitCode::usage, file.string(), "--plot", "must end in .svg or .png");
 }
 
@@ -27,17 +27,17 @@ ExitCode run_export_recording(const cli::ParsedCommand& parsed) {
   const haptics::Recording recording = haptics::read_recording(parsed.path("recording"));
   if (recording.seal == haptics::Seal::broken)
     log_warning(parsed.text("recording") + ": the seal is broken: the recording was changed after it was written");
-  const haptics::RecordingTextParams& params = parsed.params<haptics::RecordingTextParams>();
+  const session::RecordingTextParams& params = parsed.params<session::RecordingTextParams>();
   const auto written = [&](const char* option, const auto& write) {
     if (!parsed.has(option)) return;
     FileWriter out(parsed.path(option));
     write(recording, params, out);
     out.commit();
   };
-  written("csv", haptics::write_recording_csv);
-  written("json", haptics::write_recording_json);
+  written("csv", session::write_recording_csv);
+  written("json", session::write_recording_json);
   if (parsed.has("plot"))
-    write_file(parsed.path("plot"), gnuplot_picture(terminal, haptics::recording_plot(recording)));
+    write_file(parsed.path("plot"), gnuplot_picture(terminal, session::recording_plot(recording)));
   const std::uint64_t missing = haptics::missing_frames(recording.frames);
   if (!parsed.quiet)
     std::cout << fmt::format("{} frames, {}{}\n", recording.frames.size(), haptics::name_of(recording.seal),
@@ -64,7 +64,7 @@ cli::Command export_recording_command() {
                  cli::argument("csv", Kind::out_file, "Write the frames to this file (.csv)."),
                  cli::argument("json", Kind::out_file, "Write header and frames to this file (.json)."),
                  cli::argument("plot", Kind::out_file, "Draw the picture to this file (.svg or .png).")};
-  c.groups = {cli::ParameterGroup::of<haptics::RecordingTextParams>("Parameters")};
+  c.groups = {cli::ParameterGroup::of<session::RecordingTextParams>("Parameters")};
   c.examples = {"trephine-sim export-recording one.lesson --csv one.csv --every-count 10",
                 "trephine-sim export-recording one.lesson --json one.recording.json --plot one.svg"};
   c.run = run_export_recording;

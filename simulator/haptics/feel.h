@@ -37,7 +37,7 @@ struct ForceParams {
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
-  Law force_law = Law::fourth;
+  Law force_law = Law::fifth;
   double release_s = 0.02, event_s = 0.01;
   Shape event_shape = Shape::cosine;
   template <class V>
@@ -62,7 +62,8 @@ struct ForceParams {
           {"third", Law::third},
           {"second", Law::second},
           {"first", Law::first}},
-         "How contacts give way. fifth: as fourth, a round tool is pressed by a sharp edge as its two faces say. "
+         "How contacts give way. fifth: as fourth, a round tool is pressed by an edge, a rim or a corner as its faces "
+         "say. "
          "fourth: as third, a tool that is jammed where it is drawn out is worked loose, and each breach of bone is an "
          "event, not a session's first alone. third: as second, and the force of a running "
          "drill changes by less than 0.1 N in a "

@@ -31,7 +31,7 @@ Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const Fo
       shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
       tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
-  if (!tool.round.empty()) round_.emplace(contact, tool.round, third_law());
+  if (!tool.round.empty()) round_.emplace(contact, tool.round, third_law(), fifth_law());
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;

@@ -65,13 +65,9 @@ double largest_radius(const std::vector<RoundPart>& parts) {
 
 }  // namespace
 
-RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both)
-    : contact_(contact),
-      parts_(std::move(parts)),
-      centre_mm_(parts_[0].from_mm),
-      normals_(contact),
-      edge_(contact, largest_radius(parts_)),
-      both_(both) {
+RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both, bool edges)
+    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm), normals_(contact), both_(both) {
+  if (edges) edge_.emplace(contact, largest_radius(parts_));
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
   margin_mm_ = 0.5 * contact.smallest_side_mm();
@@ -103,7 +99,7 @@ void RoundBody::begin_frame() {
   const std::uint32_t now = contact_.loosened();
   // What an edge remembers changes what is felt, so it depends on nothing that a replay would not do in the same frame.
   if (now != seen_ || ++edge_frames_ >= frames_known) {
-    edge_.forget();
+    if (edge_) edge_->forget();
     edge_frames_ = 0;
   }
   if (now != seen_ || ++frames_ >= frames_known) samples_.known = false;
@@ -308,12 +304,12 @@ void RoundBody::smooth_normal(Touch& t) const {
 
 // The depth stays that of the discs: they keep the tool outside, and only the way in which it is pressed changes.
 void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
-  constexpr double voxels_off = 0.6, alike = 0.6;
-  if (double(spent_) > most_spent) return;  // a frame that took long already goes on without
+  constexpr double alike = 0.6;
+  if (!edge_ || double(spent_) > most_spent) return;  // a frame that took long already goes on without
   const contact::Contact& c = t.contact;
   int computed = 0;
-  const bool edge = edge_.find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
-  spent_ += edge_.looked_at() + computed * spent_by_normal;
+  const bool edge = edge_->find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
+  spent_ += edge_->looked_at() + computed * spent_by_normal;
   if (!edge) return;
   const double gap = t.radius_mm - t.depth_mm;
   const Vec3 middle = c.point_mm + c.normal * gap;
@@ -326,15 +322,17 @@ void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
   double at = 0;
   Vec3 on_edge;
   for (int n = 0; n < 4; ++n) {
-    if (!edge_.nearest(middle + axis * at, on_edge)) return;
+    if (!edge_->nearest(middle + axis * at, on_edge)) return;
     if (!(hi > lo)) break;
     at = std::clamp(dot(on_edge - middle, axis), lo, hi);
   }
   const Vec3 way = middle + axis * at - on_edge;
   const double distance = norm(way);
-  if (std::abs(distance - gap) > voxels_off * 2 * margin_mm_ || dot(way, c.normal) < alike * distance) return;
+  if (std::abs(distance - gap) > edge_->cut_off_mm() || dot(way, c.normal) < alike * distance) return;
   t.contact.normal = way / distance;
-  t.contact.point_mm = middle - t.contact.normal * gap;
+  t.contact.point_mm = middle + axis * at - t.contact.normal * gap;
+  t.along_mm += at;
+  t.pressed_mm += at;
 }
 
 void RoundBody::find_beside(Touch& t) const {

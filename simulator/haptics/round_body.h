@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "contact/contact.h"
@@ -24,7 +25,8 @@ class RoundBody {
   /// `parts`: at least one.
   /// `both`: Touch also says which other shape is touched beside the deepest, and its normal is the mean of the discs
   /// that are touched about as deep and face about the same way (ForceParams::Law::third).
-  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both = false);
+  /// `edges`: set_on_edge() does something.
+  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both = false, bool edges = false);
   /// From the tip to the centre.
   double centre_mm() const { return centre_mm_; }
   /// A ball alone: it may turn as it likes.
@@ -105,7 +107,7 @@ class RoundBody {
   static constexpr int least_calls = 6, spent_by_look = 500, spent_by_normal = 20;
   static constexpr double most_spent = 2000;
   contact::KnownNormals normals_;
-  contact::RoundEdge edge_;
+  std::optional<contact::RoundEdge> edge_;  // only where it is asked for: it holds some hundred kB of samples
   int calls_ = 0;
   std::int64_t spent_ = 0;
   int frames_ = 0, edge_frames_ = 0;

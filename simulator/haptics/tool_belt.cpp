@@ -29,7 +29,7 @@ Feels felt_by(const BeltToolParams& tool, Feels feels) {
 
 ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
                    const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open)
-    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), in_open_(in_open) {
+    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), rules_(tools_.size(), in_open) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
   int burrs = 0;
@@ -39,31 +39,15 @@ ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, co
 }
 ToolBelt::~ToolBelt() = default;
 
-// Whether the tool in hand has changed. A number that no tool has changes nothing.
+// Whether the tool in hand has changed.
 bool ToolBelt::take(const HapticInput& in) {
-  const int n = belt_button::tool(in.buttons);
-  const int to = n < int(tools_.size()) ? n : std::max(0, in_hand_);
-  if (to == in_hand_) return false;
-  const bool idle = paused_ || waiting_ || in_hand_ < 0;  // nothing is felt, and the tool may be anywhere
-  if (in_open_ && !idle && (state_.touched != 0 || state_.inside != 0 || contact_.shape_at(in.tip_mm) != 0))
-    return false;
-  in_hand_ = to;
-  if (const int burr = burrs_[std::size_t(to)]; drilling_ && burr >= 0) drilling_->hold(burr);
+  const bool free = state_.touched == 0 && state_.inside == 0;
+  const auto in_shape = [&] { return contact_.shape_at(in.tip_mm) != 0; };
+  const auto still_waits = [&] { return !is_finite(in.tip_mm) || putting_back() || in_shape(); };
+  if (!rules_.begin(in.buttons, free, still_waits, in_shape)) return false;
+  const int burr = burrs_[std::size_t(in_hand())];
+  if (drilling_ && burr >= 0) drilling_->hold(burr);
   return true;
-}
-
-// A hand that begins, or comes again, does so outside of every shape: no tissue would have held it on its way in.
-void ToolBelt::look_outside(const HapticInput& in) {
-  if (!in_open_) return;
-  if (paused_ || (in.buttons & haptic_button::lifted))
-    waiting_ = true;
-  else if (waiting_ && is_finite(in.tip_mm))
-    waiting_ = putting_back() || contact_.shape_at(in.tip_mm) != 0;
-}
-
-int ToolBelt::new_command(std::uint32_t buttons) const {
-  const int command = belt_button::command(buttons);
-  return command == belt_button::command(buttons_) ? belt_command::none : command;
 }
 
 void ToolBelt::latch(std::uint32_t fault) {
@@ -72,16 +56,11 @@ void ToolBelt::latch(std::uint32_t fault) {
 }
 
 const HapticState& ToolBelt::update(const HapticInput& given) {
-  const bool before_idle = paused_ || waiting_;
-  const int command = new_command(given.buttons);
-  if (command == belt_command::resume) paused_ = false;
-  if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
-
+  const bool before_idle = rules_.idle();
   const Vec3 sent = state_.force_n;
   const std::uint32_t faults = state_.faults;
-  look_outside(given);
-  const bool taken = take(given), idle = paused_ || waiting_;
-  Proxy& proxy = *proxies_[std::size_t(in_hand_)];
+  const bool taken = take(given), idle = rules_.idle();
+  Proxy& proxy = *proxies_[std::size_t(in_hand())];
   if (taken || (before_idle && !idle)) {
     proxy.reset();
     left_n_ = sent;
@@ -97,7 +76,7 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
   } else {
     if (faults != 0) proxy.latch(faults);
     HapticInput in = given;
-    if (drilling_ && tools_[std::size_t(in_hand_)].cuts)
+    if (drilling_ && tools_[std::size_t(in_hand())].cuts)
       drilling_->prepare(in);
     else
       in.away = drilling_ && drilling_->putting_back();
@@ -125,19 +104,17 @@ void ToolBelt::settle_force(const HapticInput& in, Vec3 sent) {
 }
 
 void ToolBelt::after(const HapticInput& in, const HapticState& state) {
-  const BeltToolParams& tool = tools_[std::size_t(in_hand_)];
-  const int command = new_command(in.buttons);
-  buttons_ = in.buttons;
-  const bool works = !paused_ && !waiting_ && state.faults == 0;
+  const BeltToolParams& tool = tools_[std::size_t(in_hand())];
+  const int command = rules_.new_command(in.buttons);
+  const bool works = !rules_.idle() && state.faults == 0;
   const bool pedal = works && (in.buttons & belt_button::pedal);
   if (tool.marks && pedal && state.touched != 0) {
     has_mark_ = true;
     mark_mm_ = state.proxy_mm;
   }
-  const bool back = command == belt_command::undo || command == belt_command::reset;
-  if (back && works && !pedal && can_cut()) waiting_ = waiting_ || in_open_;
+  rules_.end(in.buttons, state.faults == 0, can_cut());
   if (!drilling_) return;
-  if (back && works && !pedal)
+  if (belt_command::takes_back(command) && works && !pedal)
     drilling_->take_back(command == belt_command::undo ? Drilling::Back::last : Drilling::Back::all);
   if (command == belt_command::incise && works && has_mark_) drilling_->incise_at(mark_mm_);
   HapticInput drill = in;
@@ -146,10 +123,6 @@ void ToolBelt::after(const HapticInput& in, const HapticState& state) {
 }
 
 void ToolBelt::follow(const HapticInput& in, const HapticState& state) {
-  const int command = new_command(in.buttons);
-  if (command == belt_command::resume) paused_ = false;
-  if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
-  look_outside(in);
   take(in);
   state_ = state;
   after(in, state);

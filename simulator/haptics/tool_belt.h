@@ -5,34 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "haptics/belt_rules.h"
 #include "haptics/drilling.h"
 #include "haptics/proxy.h"
 
 namespace trephine::haptics {
-
-/// What the buttons of a device mean in a session with several tools. Bit 0 is the pedal; four bits are the number of
-/// the tool in hand; eight bits are a command, which acts in the first tick that has it.
-namespace belt_button {
-constexpr std::uint32_t pedal = 1;
-constexpr int tool_shift = 8, command_shift = 16;
-constexpr std::uint32_t tool_mask = 0xf, command_mask = 0xff;
-constexpr int tool(std::uint32_t buttons) { return int(buttons >> tool_shift & tool_mask); }
-constexpr int command(std::uint32_t buttons) { return int(buttons >> command_shift & command_mask); }
-}  // namespace belt_button
-
-namespace belt_command {
-constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5;
-/// Of a C-arm: to a view, or by 5 degrees.
-constexpr int view_ap = 6, view_lateral = 7, view_oblique = 8, orbit_more = 9, orbit_less = 10, tilt_more = 11,
-              tilt_less = 12;
-constexpr int aspirate = 13;  ///< draws on the needle's syringe
-/// Of what was cut: the last stroke or incision, or all. Also in a session with one tool, whose drill takes them.
-constexpr int undo = 14, reset = 15;
-constexpr const char* names[] = {"none",      "erase",        "incise",       "finish",     "pause",      "resume",
-                                 "view_ap",   "view_lateral", "view_oblique", "orbit_more", "orbit_less", "tilt_more",
-                                 "tilt_less", "aspirate",     "undo",         "reset"};
-constexpr int count = int(sizeof names / sizeof *names);
-}  // namespace belt_command
 
 /// A tool of a session with several.
 struct BeltToolParams : ToolParams {
@@ -94,8 +71,8 @@ class ToolBelt {
   void latch(std::uint32_t fault);
 
   const std::vector<BeltToolParams>& tools() const { return tools_; }
-  int in_hand() const { return in_hand_; }
-  bool paused() const { return paused_; }
+  int in_hand() const { return rules_.in_hand(); }
+  bool paused() const { return rules_.paused(); }
   bool has_mark() const { return has_mark_; }
   Vec3 mark_mm() const { return mark_mm_; }
   Drilling* drilling() const { return drilling_; }
@@ -106,9 +83,7 @@ class ToolBelt {
 
  private:
   bool take(const HapticInput& in);
-  void look_outside(const HapticInput& in);
   bool putting_back() const { return can_cut() && (drilling_ ? drilling_ : watched_)->putting_back(); }
-  int new_command(std::uint32_t buttons) const;
   void settle_force(const HapticInput& in, Vec3 sent);
 
   const contact::ContactVolume& contact_;
@@ -120,11 +95,8 @@ class ToolBelt {
   const Drilling* watched_ = nullptr;
   HapticState state_;
   Vec3 left_n_;  ///< of the force of the tool that was put down
-  std::uint32_t buttons_ = 0;
-  int in_hand_ = -1;
-  const bool in_open_;
-  bool waiting_ = in_open_;  ///< for a pose outside of every shape
-  bool paused_ = false, has_mark_ = false;
+  BeltRules rules_;
+  bool has_mark_ = false;
   Vec3 mark_mm_;
 };
 

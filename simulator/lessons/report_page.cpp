@@ -11,6 +11,7 @@
 #include "lessons/lesson_guide.h"
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
+#include "session/hand_watch.h"
 
 namespace trephine::lessons {
 namespace {
@@ -118,6 +119,7 @@ std::string advice_html(const LessonScore& score, Language language) {
 std::string forces_html(const LessonScore& score, const haptics::Recording& recording, Language language) {
   constexpr double width = 900, height = 160, left = 30;
   const std::vector<haptics::ServoFrame>& frames = recording.frames;
+  const std::vector<std::size_t> in_hand = session::tools_in_hand(recording);
   const double begin = frames.front().time_s, length = std::max(1e-9, frames.back().time_s - begin);
   const double most = recording.header.force.max_force_n;
   const auto x = [&](double time_s) { return left + (width - left) * (time_s - begin) / length; };
@@ -137,12 +139,10 @@ std::string forces_html(const LessonScore& score, const haptics::Recording& reco
       piece = 0;
       last = n;
     }
-    const bool other = haptics::belt_button::tool(f.buttons) != haptics::belt_button::tool(frames[from].buttons);
-    if (other || n + 1 == frames.size()) {
-      const int tool = haptics::belt_button::tool(frames[from].buttons);
-      const std::string name =
-          std::size_t(tool) < recording.header.tools.size() ? recording.header.tools[std::size_t(tool)].name : "";
-      used.insert(std::size_t(tool));
+    if (in_hand[n] != in_hand[from] || n + 1 == frames.size()) {
+      const std::size_t tool = in_hand[from];
+      const std::string name = tool < recording.header.tools.size() ? recording.header.tools[tool].name : "";
+      used.insert(tool);
       out += fmt::format(
           "<rect class=\"t{}\" x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"8\"><title>{}</title></rect>", tool % 3,
           x(frames[from].time_s), height - 16, x(f.time_s) - x(frames[from].time_s),

@@ -19,6 +19,7 @@ struct Sight {
   std::vector<Plane> planes;  ///< the frustum's sides, and the cut
   Vec3 eye;
   Faces faces = Faces::both;  ///< which are drawn
+  bool loose = true;          ///< with the triangles of no chunk, which stand where a surface is being cut
   bool coarse = false;        ///< coarser where that was made, but not within fine_mm of `near`
   Vec3 near;
   double fine_mm = 0;

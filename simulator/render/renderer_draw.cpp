@@ -144,11 +144,11 @@ void Renderer::Impl::ask_hidden(std::size_t n, const scene::EyeView& eye) {
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, double opacity) {
+void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, double opacity, bool near_dust) {
   using namespace shaders;
   const Item& item = items[n];
   surface_with((item.skin && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
-               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | (dusty ? dust_part : 0) |
+               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | (dusty && near_dust ? dust_part : 0) |
                theatre_parts(state));
   if (state.theatre) set_tissue(item.skin, item.skin ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
@@ -171,8 +171,17 @@ void Renderer::Impl::draw_opaque(const scene::EyeView& eye, const scene::SceneSt
       glDisable(GL_CULL_FACE);
     else
       glEnable(GL_CULL_FACE);
+    const Sight::Faces faces = both ? Sight::Faces::both : Sight::Faces::front;
+    const std::vector<std::uint8_t>* seen = ask ? &items[n].seen : nullptr;
+    if (dusty) part_by_dust(n, seen);
     use_surface(n, state, 1);
-    draw_surface(n, both ? Sight::Faces::both : Sight::Faces::front, ask ? &items[n].seen : nullptr);
+    draw_surface(n, faces, dusty ? &near_dust : seen);
+    if (!dusty) continue;
+    // The rest of it is drawn without: a processor that draws takes as long for what there is no dust on.
+    sight.loose = false;
+    use_surface(n, state, 1, false);
+    draw_surface(n, faces, &far_from_dust);
+    sight.loose = true;
   }
   glDisable(GL_CULL_FACE);
 }

@@ -32,6 +32,9 @@ struct Renderer::Impl {
   /// Takes the powder and water of the picture, and whether there is any.
   void take_dust(const scene::SceneState& state);
   void set_dust(const GlProgram& program) const;
+  /// By chunk of a surface, whether it lies about the dust, and whether it lies elsewhere; neither where it is not
+  /// `seen` (may be null).
+  void part_by_dust(std::size_t n, const std::vector<std::uint8_t>* seen);
   /// Of what is drawn next: only skin is draped; what lies beneath it, and drops, are wet.
   void set_tissue(bool skin, double wet) const;
 
@@ -44,7 +47,8 @@ struct Renderer::Impl {
   void draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen = nullptr);
   void ask_hidden(std::size_t n, const scene::EyeView& eye);
   ~Impl();
-  void use_surface(std::size_t n, const scene::SceneState& state, double opacity);
+  /// `near_dust`: with what dust and water do to its look.
+  void use_surface(std::size_t n, const scene::SceneState& state, double opacity, bool near_dust = true);
   void draw_opaque(const scene::EyeView& eye, const scene::SceneState& state);
   void draw_walls(const scene::SceneState& state);
   void draw_caps(const scene::EyeView& eye, const scene::SceneState& state);
@@ -88,6 +92,8 @@ struct Renderer::Impl {
   const scene::BoneDust* dust_of = nullptr;
   bool dusty = false;  ///< in this picture
   scene::Mat4 to_dust;
+  Vec3 dust_middle_mm;  ///< relative to centre_mm
+  std::vector<std::uint8_t> near_dust, far_from_dust;
   scene::Mat4 to_ct;
   grid::Lattice ct_lattice;
   struct Wall {

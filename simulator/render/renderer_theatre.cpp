@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The looks of an operating theatre: lamp, drapes, the skin's texture, and what is wet, bleeds or is covered with dust.
+#include <cmath>
+
 #include "render/renderer_impl.h"
 #include "scene/bone_dust.h"
 
@@ -56,8 +58,29 @@ void Renderer::Impl::take_dust(const scene::SceneState& state) {
   cells.spacing_mm = Vec3{1, 1, 1} * scene::BoneDust::cell_mm;
   cells.origin_mm = from.first_mm();
   to_dust = to_texture(cells, centre_mm);
+  dust_middle_mm = relative(from.first_mm() + cells.spacing_mm * (0.5 * (n - 1)));
   dust_of = &from;
   dust_version = from.version();
+}
+
+void Renderer::Impl::part_by_dust(std::size_t n, const std::vector<std::uint8_t>* seen) {
+  if (!items[n].buffer) return;
+  const PlacedChunks& placed = items[n].buffer->placed();
+  const Vec3 middle = transpose_times(placed.axes, dust_middle_mm - placed.offset_mm);
+  const double half = 0.5 * scene::BoneDust::side * scene::BoneDust::cell_mm;
+  Vec3 reach;  // of the dust's box along the surface's axes
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) reach[a] += half * std::abs(placed.axes.column[a][b]);
+  near_dust.assign(placed.chunks.size(), 0);
+  far_from_dust.assign(placed.chunks.size(), 0);
+  for (std::size_t c = 0; c < placed.chunks.size(); ++c) {
+    if (seen && !(*seen)[c]) continue;
+    bool near = true;
+    for (int a = 0; a < 3; ++a)
+      near =
+          near && placed.chunks[c].low[a] <= middle[a] + reach[a] && placed.chunks[c].high[a] >= middle[a] - reach[a];
+    (near ? near_dust : far_from_dust)[c] = 1;
+  }
 }
 
 void Renderer::Impl::set_dust(const GlProgram& p) const {

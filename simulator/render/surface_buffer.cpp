@@ -236,7 +236,7 @@ void SurfaceBuffer::list(const Sight& scene, const std::vector<std::uint8_t>* se
       if (r.count > 0 && may_face(coarse_.chunks[n], r, s)) out.add_coarse(r.first, r.count);
   }
   const std::size_t in_chunks = parts_->indices.size();
-  out.add(std::uint32_t(in_chunks), std::uint32_t(index_end_ - in_chunks));
+  if (s.loose) out.add(std::uint32_t(in_chunks), std::uint32_t(index_end_ - in_chunks));
 }
 
 void SurfaceBuffer::draw(const DrawList& list) const {

@@ -7,14 +7,12 @@ namespace trephine::session {
 
 HandWatch::HandWatch(const haptics::RecordingHeader& h, ShapeAt shape_at)
     : tools_(h.tools.size()),
-      in_open_(h.in_open),
       drills_(h.drilling.drill),
       shape_at_(std::move(shape_at)),
-      waits_(h.in_open) {}
+      rules_(h.tools.size(), h.in_open) {}
 
 void HandWatch::look(const haptics::ServoFrame& f) {
-  const int given = haptics::belt_button::command(f.buttons);
-  command_ = given == haptics::belt_button::command(buttons_) ? haptics::belt_command::none : given;
+  command_ = haptics::belt_command::new_of(f.buttons, buttons_);
   if (tools_ > 0 || f.faults == 0) buttons_ = f.buttons;  // a drill without a belt takes it once the fault is over
   works_ = f.faults == 0;
   if (tools_ > 0) follow_belt(f);
@@ -26,22 +24,22 @@ bool HandWatch::is_in_shape(const haptics::ServoFrame& f) const {
   return shape_at_({f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}) != 0;
 }
 
-// As ToolBelt::update() and after().
 void HandWatch::follow_belt(const haptics::ServoFrame& f) {
-  namespace to = haptics::belt_command;
-  if (command_ == to::resume) paused_ = false;
-  if (command_ == to::pause && free_) paused_ = true;
-  if (in_open_ && (paused_ || (f.buttons & haptics::haptic_button::lifted)))
-    waits_ = true;
-  else if (waits_)
-    waits_ = shape_at_ && f.touched == 0 && is_in_shape(f);
-  const auto asked = std::size_t(haptics::belt_button::tool(f.buttons));
-  const bool idle = paused_ || waits_ || !begun_;
-  begun_ = true;
-  if (asked < tools_ && asked != tool_ && (!in_open_ || idle || (free_ && !is_in_shape(f)))) tool_ = asked;
-  works_ = works_ && !paused_ && !waits_;
-  const bool back = command_ == to::undo || command_ == to::reset;
-  if (back && works_ && drills_ && !(f.buttons & haptics::belt_button::pedal)) waits_ = in_open_;
+  const auto still_waits = [&] { return shape_at_ && f.touched == 0 && is_in_shape(f); };
+  rules_.begin(f.buttons, free_, still_waits, [&] { return is_in_shape(f); });
+  works_ = works_ && !rules_.idle();
+  rules_.end(f.buttons, f.faults == 0, drills_);
+}
+
+std::vector<std::size_t> tools_in_hand(const haptics::Recording& r) {
+  HandWatch hand(r.header);
+  std::vector<std::size_t> tools;
+  tools.reserve(r.frames.size());
+  for (const haptics::ServoFrame& f : r.frames) {
+    hand.look(f);
+    tools.push_back(hand.tool());
+  }
+  return tools;
 }
 
 }  // namespace trephine::session

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "haptics/belt_rules.h"
 #include "haptics/recording.h"
 
 namespace trephine::session {
@@ -20,7 +22,7 @@ class HandWatch {
   explicit HandWatch(const haptics::RecordingHeader& header, ShapeAt shape_at = {});
   void look(const haptics::ServoFrame& frame);
   /// The number of the tool in hand in the last frame; 0 in a session with one tool.
-  std::size_t tool() const { return tool_; }
+  std::size_t tool() const { return std::size_t(std::max(0, rules_.in_hand())); }
   /// Whether pedal and commands did something in the last frame.
   bool works() const { return works_; }
   /// That came with the last frame, whether or not it does something; belt_command::none for none.
@@ -31,12 +33,15 @@ class HandWatch {
   void follow_belt(const haptics::ServoFrame& frame);
 
   std::size_t tools_;
-  bool in_open_, drills_;
+  bool drills_;
   ShapeAt shape_at_;
-  std::size_t tool_ = 0;
+  haptics::BeltRules rules_;
   std::uint32_t buttons_ = 0;
   int command_ = 0;
-  bool begun_ = false, free_ = true, paused_ = false, waits_, works_ = false;  // free: it touched nothing, in nothing
+  bool free_ = true, works_ = false;  // free: it touched nothing, in nothing
 };
+
+/// By frame, the tool in hand as far as frames tell it, without the volume; 0 in a session with one tool.
+std::vector<std::size_t> tools_in_hand(const haptics::Recording& recording);
 
 }  // namespace trephine::session

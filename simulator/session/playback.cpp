@@ -78,7 +78,7 @@ std::size_t Playback::tool_in_hand() const {
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
                                        const haptics::RecordingHeader& header, const contact::ContactParams& contact,
                                        const std::vector<std::filesystem::path>& before, cases::LoadParts parts,
-                                       const Progress& progress) {
+                                       const Progress& progress, std::vector<IncisionMark>* incisions) {
   FeltCase felt = felt_again(folder, file.string(), header, parts, !before.empty());
   voxel::HapticVolume& volume = felt.loaded.haptic;
   const auto must_begin = [&](const haptics::RecordingHeader& h, const std::filesystem::path& name) {
@@ -97,9 +97,13 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
     must_begin(r.header, earlier);
     contact::ContactVolume as_then(volume, r.header.contact);
     Rerun rerun(felt, as_then, earlier.string(), r.header);
+    // The hand is followed with the volume as it is before each piece.
+    IncisionWatch watch(r.header, [&](Vec3 p) { return as_then.shape_at(p); });
     for (std::size_t first = 0; first < r.frames.size() && rerun.drilling();) {
       progress.check();
-      const std::size_t end = std::min(r.frames.size(), first + 1000);
+      std::size_t end = first + 1;
+      while (end < r.frames.size() && r.frames[end].time_s < r.frames[first].time_s + step_s) ++end;
+      for (std::size_t n = first; incisions && n < end; ++n) watch.look(r.frames[n], *incisions);
       rerun.run({r.frames.begin() + std::ptrdiff_t(first), r.frames.begin() + std::ptrdiff_t(end)});
       first = end;
     }
@@ -117,12 +121,7 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
   const haptics::RecordingHeader& h = recording_.header;
   haptics::require_seal(recording_, file);
   if (recording_.frames.empty()) throw Error(ExitCode::bad_input, file.string(), "frames", "there are none to show");
-  patient_ = patient_again(folder, file, h, h.contact, before, parts, progress);
-  for (const std::filesystem::path& earlier : before) {
-    const haptics::Recording r = haptics::read_recording(earlier);
-    IncisionWatch watch(r.header);
-    for (const haptics::ServoFrame& f : r.frames) watch.look(f, incisions_);
-  }
+  patient_ = patient_again(folder, file, h, h.contact, before, parts, progress, &incisions_);
   for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // earlier ones are there from the begin
   watch_.emplace(h, shape_at_of(patient_));
   if (h.drilling.drill)

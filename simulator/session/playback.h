@@ -45,11 +45,11 @@ class IncisionWatch {
 
 /// The patient as a recording finds it: the case, and what the recordings before it cut, which are run again in their
 /// order. `contact`: how the recording itself is felt. Throws as read_recording and felt_again do; 65 where the volume
-/// is not the one with which the recording begins.
+/// is not the one with which the recording begins. `incisions`: gets those of the recordings before.
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& case_folder, const std::filesystem::path& file,
                                        const haptics::RecordingHeader& header, const contact::ContactParams& contact,
                                        const std::vector<std::filesystem::path>& before, cases::LoadParts parts = {},
-                                       const Progress& progress = {});
+                                       const Progress& progress = {}, std::vector<IncisionMark>* incisions = nullptr);
 
 /// A recording that can be shown at any of its times, with the voxels as they were then. The constructor runs it once;
 /// then going to another time, forwards or backwards, changes only the voxels that differ.

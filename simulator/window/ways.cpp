@@ -2,6 +2,7 @@
 #include "window/ways.h"
 
 #include "base/error.h"
+#include "session/hand_watch.h"
 
 namespace trephine::window {
 namespace {
@@ -24,9 +25,10 @@ std::vector<Vec3> way_of(const haptics::Recording& r) {
   std::vector<Vec3> way;
   double apart_mm = dot_mm;
   const bool lesson = !r.header.tools.empty() && !r.frames.empty();
-  const int last = lesson ? haptics::belt_button::tool(r.frames.back().buttons) : 0;
-  for (const haptics::ServoFrame& f : r.frames) {
-    if (lesson && (haptics::belt_button::tool(f.buttons) != last || (f.touched == 0 && f.inside == 0))) continue;
+  const std::vector<std::size_t> in_hand = session::tools_in_hand(r);
+  for (std::size_t n = 0; n < r.frames.size(); ++n) {
+    const haptics::ServoFrame& f = r.frames[n];
+    if (lesson && (in_hand[n] != in_hand.back() || (f.touched == 0 && f.inside == 0))) continue;
     add_dot(way, {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, apart_mm);
   }
   return way;

@@ -5,11 +5,14 @@
 #include <cmath>
 
 #include "base/gnuplot.h"
-#include "haptics/recording_text.h"
-#include "haptics/tool_belt.h"
+#include "session/hand_watch.h"
+#include "session/recording_text.h"
 
-namespace trephine::haptics {
+namespace trephine::session {
 namespace {
+
+using haptics::Recording;
+using haptics::ServoFrame;
 
 constexpr std::size_t max_pieces = 1200;  // more than there are columns of pixels
 
@@ -38,32 +41,32 @@ std::string events_of(const Recording& r, std::string& tics, int& rows) {
       }
     }
   };
-  add(haptic_event::names, haptic_event::count, false);
-  add(haptic_fault::names, haptic_fault::count, true);
+  add(haptics::haptic_event::names, haptics::haptic_event::count, false);
+  add(haptics::haptic_fault::names, haptics::haptic_fault::count, true);
   if (rows == 0) data += fmt::format("{:.6f} 0 1\n", r.frames.front().time_s);
   return data + "END\n";
 }
 
-// The tool that the hand asks for and the pedal, as bars. A belt gives it in the open alone (session::HandWatch).
+// The tool in hand as bars.
 std::string tools_of(const Recording& r, std::string& objects) {
   std::string legend;
   if (r.header.tools.empty()) return legend;
+  const std::vector<std::size_t> in_hand = tools_in_hand(r);
   std::size_t from = 0;
-  std::vector<int> seen;
+  std::vector<std::size_t> seen;
   for (std::size_t n = 1; n <= r.frames.size(); ++n) {
-    const int tool = belt_button::tool(r.frames[from].buttons);
-    if (n < r.frames.size() && belt_button::tool(r.frames[n].buttons) == tool) continue;
+    const std::size_t tool = in_hand[from];
+    if (n < r.frames.size() && in_hand[n] == tool) continue;
     objects += fmt::format(
         "set object rectangle from {:.6f}, graph 0.97 to {:.6f}, graph 1 fc rgb '{}' fs solid 1 "
         "noborder\n",
-        r.frames[from].time_s, r.frames[n - 1].time_s, gnuplot_colour(std::size_t(tool) + 3));
+        r.frames[from].time_s, r.frames[n - 1].time_s, gnuplot_colour(tool + 3));
     if (std::find(seen.begin(), seen.end(), tool) == seen.end()) seen.push_back(tool);
     from = n;
   }
-  for (const int tool : seen)
-    if (std::size_t(tool) < r.header.tools.size())
-      legend += fmt::format(", NaN with lines lw 6 lc rgb '{}' title {}", gnuplot_colour(std::size_t(tool) + 3),
-                            gnuplot_text(r.header.tools[std::size_t(tool)].name));
+  for (const std::size_t tool : seen)
+    legend += fmt::format(", NaN with lines lw 6 lc rgb '{}' title {}", gnuplot_colour(tool + 3),
+                          gnuplot_text(r.header.tools[tool].name));
   return legend;
 }
 
@@ -110,4 +113,4 @@ std::string recording_plot(const Recording& r) {
              std::max(1, rows), tics.empty() ? "'none' 1" : tics);
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::session

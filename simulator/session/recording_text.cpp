@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "haptics/recording_text.h"
+#include "session/recording_text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
-#include "haptics/tool_belt.h"
 #include "json/declared_json.h"
+#include "session/hand_watch.h"
 
-namespace trephine::haptics {
+namespace trephine::session {
 namespace {
+
+using haptics::Recording;
+using haptics::RecordingHeader;
+using haptics::ServoFrame;
+namespace belt_button = haptics::belt_button;
+namespace belt_command = haptics::belt_command;
 
 double length_of(const double (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
@@ -51,7 +57,15 @@ class Cells {
   bool json_, first_ = true;
 };
 
-void add_frame(const ServoFrame& f, const RecordingHeader& h, std::uint32_t command, Cells cells) {
+// What the frame and those before it that were passed over say together.
+struct Row {
+  ServoFrame frame;
+  std::uint32_t command;
+  std::size_t tool;  // in hand
+};
+
+void add_row(const Row& row, const RecordingHeader& h, Cells cells) {
+  const ServoFrame& f = row.frame;
   cells.whole((long long)f.tick);
   cells.number(f.time_s);
   cells.number(f.dt_s);
@@ -67,14 +81,14 @@ void add_frame(const ServoFrame& f, const RecordingHeader& h, std::uint32_t comm
     cells.text(h.tool.tool);
     cells.text("");
   } else {
-    const std::size_t tool = std::size_t(belt_button::tool(f.buttons));
-    cells.text(tool < h.tools.size() ? h.tools[tool].name : "");
-    cells.text(command > 0 && command < std::uint32_t(belt_command::count) ? belt_command::names[command] : "");
+    cells.text(h.tools[row.tool].name);
+    cells.text(row.command > 0 && row.command < std::uint32_t(belt_command::count) ? belt_command::names[row.command]
+                                                                                   : "");
   }
-  cells.whole((f.buttons & haptic_button::lifted) ? 1 : 0);
+  cells.whole((f.buttons & haptics::haptic_button::lifted) ? 1 : 0);
   cells.whole(f.buttons);
-  cells.text(names_of(f.events, haptic_event::names));
-  cells.text(names_of(f.faults, haptic_fault::names));
+  cells.text(names_of(f.events, haptics::haptic_event::names));
+  cells.text(names_of(f.faults, haptics::haptic_fault::names));
   cells.whole(f.late_us);
   if (h.knows_across) cells.numbers(f.across);
 }
@@ -83,8 +97,10 @@ void add_frame(const ServoFrame& f, const RecordingHeader& h, std::uint32_t comm
 template <class F>
 void each_frame(const Recording& r, int every, const F& call) {
   std::uint32_t events = 0, faults = 0, command = 0, late = 0;
+  HandWatch hand(r.header);
   for (std::size_t n = 0; n < r.frames.size(); ++n) {
     const ServoFrame& f = r.frames[n];
+    hand.look(f);
     events |= f.events;
     faults |= f.faults;
     late = std::max(late, f.late_us);
@@ -94,7 +110,7 @@ void each_frame(const Recording& r, int every, const F& call) {
     taken.events = events;
     taken.faults = faults;
     taken.late_us = late;
-    call(taken, command);
+    call(Row{taken, command, hand.tool()});
     events = faults = command = late = 0;
   }
 }
@@ -118,7 +134,7 @@ std::vector<std::pair<std::string, std::string>> recording_columns(const Recordi
                      {"inside", "number of the shape that the proxy is in, 0 for none"},
                      {"held_by", "how many surfaces press"},
                      {"pedal", "1 while it is down"},
-                     {"tool", "in the hand"},
+                     {"tool", "in the hand, which takes another one in the open alone"},
                      {"command", "of a lesson, in the tick that has it"},
                      {"lifted", "1 where the tool was taken away in this tick"},
                      {"buttons", "all bits, as docs/haptics.md has them"},
@@ -133,8 +149,8 @@ void write_recording_csv(const Recording& recording, const RecordingTextParams& 
   std::string text;
   for (const auto& [name, help] : recording_columns(recording.header)) text += (text.empty() ? "" : ",") + name;
   text += '\n';
-  each_frame(recording, params.every_count, [&](const ServoFrame& f, std::uint32_t command) {
-    add_frame(f, recording.header, command, Cells(text, false));
+  each_frame(recording, params.every_count, [&](const Row& row) {
+    add_row(row, recording.header, Cells(text, false));
     text += '\n';
     if (text.size() < (1u << 20)) return;
     out.write(text);
@@ -148,16 +164,17 @@ void write_recording_json(const Recording& recording, const RecordingTextParams&
   Json columns = Json::array();
   for (const auto& [name, help] : recording_columns(recording.header))
     columns.push_back({{"name", name}, {"help", help}});
-  std::string text = "{\"trephine_recording_text\": 1,\n\"seal\": \"" + std::string(name_of(recording.seal)) +
-                     "\",\n\"frames_missing\": " + std::to_string(missing_frames(recording.frames)) + ",\n\"header\": ";
+  std::string text = "{\"trephine_recording_text\": 1,\n\"seal\": \"" + std::string(haptics::name_of(recording.seal)) +
+                     "\",\n\"frames_missing\": " + std::to_string(haptics::missing_frames(recording.frames)) +
+                     ",\n\"header\": ";
   RecordingHeader header = recording.header;
   text += json::declared_json(parameters_of<RecordingHeader>(), &header);
   text += ",\n\"columns\": " + columns.dump(1) + ",\n\"frames\": [\n";
   bool first = true;
-  each_frame(recording, params.every_count, [&](const ServoFrame& f, std::uint32_t command) {
+  each_frame(recording, params.every_count, [&](const Row& row) {
     text += first ? "[" : ",\n[";
     first = false;
-    add_frame(f, recording.header, command, Cells(text, true));
+    add_row(row, recording.header, Cells(text, true));
     text += ']';
     if (text.size() < (1u << 20)) return;
     out.write(text);
@@ -166,4 +183,4 @@ void write_recording_json(const Recording& recording, const RecordingTextParams&
   out.write(text + "\n]}\n");
 }
 
-}  // namespace trephine::haptics
+}  // namespace trephine::session

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The way of a recording that is shown as a ghost.
+#include "window/ways.h"
+
+#include <gtest/gtest.h>
+
+using namespace trephine;
+
+// It is the last tool's in the hand, and where that was asked for while the other one touched it is still the other's.
+TEST(Ways, AGhostGoesTheWayOfTheToolInHand) {
+  haptics::Recording r;
+  r.header.in_open = true;
+  r.header.tools.resize(2);
+  const auto add = [&](std::uint32_t tool, double x_mm, int touched) {
+    haptics::ServoFrame f;
+    f.buttons = tool << haptics::belt_button::tool_shift;
+    f.proxy_mm[0] = x_mm;
+    f.touched = touched;
+    r.frames.push_back(f);
+  };
+  for (int n = 0; n < 10; ++n) add(0, n, 1);
+  for (int n = 10; n < 20; ++n) add(1, n, 1);  // refused
+  std::vector<Vec3> way = window::way_of(r);
+  ASSERT_FALSE(way.empty());
+  EXPECT_EQ(way.front().x, 0);
+  EXPECT_EQ(way.back().x, 19);
+  for (int n = 20; n < 24; ++n) add(1, n, 0);
+  for (int n = 30; n < 40; ++n) add(1, n, 1);
+  way = window::way_of(r);
+  EXPECT_EQ(way.front().x, 30) << "what the first tool did is no part of it";
+  EXPECT_EQ(way.back().x, 39);
+}
