@@ -33,7 +33,7 @@ TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
   // A bregma that a person placed is sure.
   head::LandmarkInputs in = s.inputs();
   in.given = {{"bregma", none.find("bregma")->position_mm, 1, "given"}};
-  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, as_the_truth(), report), "kocher_left"), 0.8);
+  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, {}, report), "kocher_left"), 0.8);
 }
 
 /// Every n-th slice as a scan of slices so thick.
@@ -91,10 +91,10 @@ TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
   head::LandmarkInputs in = s.inputs();
   in.as_read = &as_read;
   Report report;
-  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, {}, report);
   EXPECT_LT(confidence(found, "tragus_left"), 0.5);
   in.as_read = &s.volume;  // nothing was taken off
-  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, {}, report);
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
   // With one ear doubtful the other is too, and with them the level by which these are found.
   for (const char* name : {"inion", "vertex"}) EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;
