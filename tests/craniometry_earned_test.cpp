@@ -62,6 +62,29 @@ TEST(LandmarksEarned, ThickSlicesAllowNoCertainty) {
   }
 }
 
+TEST(LandmarksEarned, AHeadThatMovedBelowKochersPointsMakesThemLessSure) {
+  const auto found_in = [](double motion_mm) {
+    phantom::HeadParams who;
+    who.seed = 3;
+    who.level = phantom::Level::hard;
+    who.hard.motion_mm = motion_mm;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 180;
+    how.slices_count = 95;
+    how.pixel_mm = 1.3;
+    how.slice_step_mm = how.slice_thickness_mm = 2;
+    how.subvoxel_mm = 1.3;
+    return find(make_scene(who, how));
+  };
+  const head::HeadLandmarks still = found_in(0), moved = found_in(5);
+  for (const char* name : {"kocher_left", "kocher_right"}) {
+    EXPECT_GT(confidence(still, name), 0.8) << name;
+    EXPECT_GT(confidence(moved, name), 0.3) << name;
+    EXPECT_LT(confidence(moved, name), 0.55) << name;
+  }
+  EXPECT_GT(confidence(moved, "nasion"), 0.8);  // it lies where the slices show it
+}
+
 TEST(LandmarksEarned, AnEarThatIsCutOffBelowIsDoubtful) {
   const double all = 1e4;
   for (const double z : {-18.0, -12.0, -6.0}) {
