@@ -185,6 +185,45 @@ TEST(Executor, ChecksAndWhatTheyReadComeFirst) {
   set_thread_count(0);
 }
 
+// A stage that recognises a part of the body refuses another one: it comes before what it does not need, too.
+TEST(Executor, WhatRecognisesAPartOfTheBodyComesFirst) {
+  set_thread_count(1);
+  Fixture f;
+  const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {b}), bone = f.add("bone", {}),
+            fails = f.add("fails", {bone}), last = f.add("last", {c});
+  f.types[std::size_t(fails)]->recognises = true;
+  Silent silent;
+  EXPECT_THROW(pipeline::execute(f.graph, {last, fails}, {}, silent), Error);
+  EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"bone", "computed"}}));
+  set_thread_count(0);
+}
+
+// What a case asks of a node is held against it when it is made, and when it is read from the cache.
+TEST(Executor, IsRefusedByANodeAsSoonAsItIsMade) {
+  set_thread_count(1);
+  ScratchFolder folder;
+  const pipeline::StageCache cache(folder.path() / "cache");
+  for (const char* how : {"computed", "cached"}) {
+    Fixture f;
+    const int a = f.add("a", {}), b = f.add("b", {a}), last = f.add("last", {b});
+    pipeline::ExecuteOptions options;
+    options.cache = &cache;
+    options.asked[a] = [](const pipeline::NodeResult& made) {
+      EXPECT_EQ(x_of(made), 1);
+      throw Error(ExitCode::quality, "", "of the case", "asks for more");
+    };
+    Silent silent;
+    try {
+      pipeline::execute(f.graph, {last}, options, silent);
+      FAIL() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.field(), "of the case");  // not the node's: the case asks it
+    }
+    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"a", how}}));
+  }
+  set_thread_count(0);
+}
+
 // What the scene can do without is refused: what runs beside it is made, and is not made again without it.
 TEST(Executor, WhatMayBeMissingEndsNothingThatRuns) {
   set_thread_count(2);

@@ -144,7 +144,9 @@ class Executor {
       const Node& node = graph_.nodes[i];
       for (const auto& [port, source] : node.sources)
         tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
-      if (node.type->is_check() && node.output == stages::DataKind::nothing) checks.push_back(needs_of(int(i)));
+      const bool is_check = node.type->is_check() && node.output == stages::DataKind::nothing;
+      const bool is_asked = node.output == stages::DataKind::landmarks && options_.asked.count(int(i)) > 0;
+      if (is_check || is_asked || node.type->recognises) checks.push_back(needs_of(int(i)));
     }
     std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
       return a.size() != b.size() ? a.size() < b.size() : a.front() < b.front();
@@ -214,6 +216,7 @@ class Executor {
     tasks_[i].started = tasks_[i].done = true;
     expected_.learn(i, result.data);
     finish_output(i, "cached");
+    hold_against_asked(i);
     return true;
   }
 
@@ -308,6 +311,11 @@ class Executor {
     result.seconds = seconds_since(start);
     store(node, result);
     finish_output(i, "computed");
+    hold_against_asked(i);
+  }
+
+  void hold_against_asked(int i) const {
+    if (const auto asked = options_.asked.find(i); asked != options_.asked.end()) asked->second(results_[i]);
   }
 
   // The cache only saves time: a case does not fail because the cache's disk is full.
