@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -17,6 +19,7 @@ constexpr double coarse_mm = 2;
 constexpr double min_core_mm = 15;     ///< the centre of a cranium lies at least this far from bone
 constexpr double min_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
 constexpr double opening_mm = 2;
+constexpr double lung_hu = -300, max_air_ratio = 0.25;  ///< heads have a few per thousand, also after an operation
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
@@ -167,6 +170,19 @@ mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Pr
   report.add("cranial_cavity_ml", ml);
   if (ml < 700 || ml > 2200) report.warn("the cranial cavity found is not of the size of a whole adult one");
   return cavity;
+}
+
+void require_no_lungs(const mask::BitMask& cavity, const mask::HuView& hu) {
+  mask::BitMask air = cavity;
+  air.remove(mask::above(hu, lung_hu));
+  const double share = double(air.count()) / double(std::max<std::size_t>(1, cavity.count()));
+  if (share < max_air_ratio) return;
+  throw refusal(
+      "cranial cavity",
+      fmt::format("{:.0f} % of the space that bone encloses is air, as in a chest: no head was scanned, or its "
+                  "skull is empty",
+                  100 * share),
+      {"take a series of a head; for the bone alone take configs/ct_skull.yaml"});
 }
 
 }  // namespace trephine::head
