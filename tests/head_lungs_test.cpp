@@ -8,6 +8,7 @@
 #include "head/brain.h"
 #include "head/cranium.h"
 #include "mask/hu_view.h"
+#include "place/lungs.h"
 
 using namespace trephine;
 
@@ -31,7 +32,7 @@ std::string refused(double air_from_mm) {
   const mask::HuView hu(scan);
   Report report;
   try {
-    head::require_no_lungs(head::cranial_cavity(head::bone_of(hu), report, {}), hu);
+    place::require_no_lungs(head::cranial_cavity(head::bone_of(hu), report, {}), hu);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     return e.what();

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -10,6 +8,7 @@
 #include "base/refusal.h"
 #include "head/cranium.h"
 #include "mask/coarse.h"
+#include "mask/coarse_share.h"
 #include "mask/filters.h"
 
 namespace trephine::head {
@@ -19,7 +18,6 @@ constexpr double coarse_mm = 2;
 constexpr double min_core_mm = 15;     ///< the centre of a cranium lies at least this far from bone
 constexpr double min_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
 constexpr double opening_mm = 2;
-constexpr double lung_hu = -300, max_air_ratio = 0.25;  ///< heads have a few per thousand, also after an operation
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
@@ -91,35 +89,6 @@ grid::Grid<float> share_of(const grid::Mask& labels, std::uint8_t label, double 
   return share;
 }
 
-/// The voxels of `lattice` where the coarse share, interpolated linearly, is above a half.
-mask::BitMask above_half(const grid::Grid<float>& share, const mask::CoarseRaster& c, const grid::Lattice& lattice) {
-  struct Axis {
-    std::vector<int> low;
-    std::vector<float> part;
-  } axes[3];
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < lattice.size[a]; ++i) {
-      const int last = share.size[a] - 1;
-      const double x = std::clamp((i - (c.factor[a] - 1) / 2.0) / c.factor[a], 0.0, double(last));
-      const int low = std::min(int(x), std::max(0, last - 1));
-      axes[a].low.push_back(low);
-      axes[a].part.push_back(last ? float(x - low) : 0.f);
-    }
-  return mask::make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
-    const int y = axes[1].low[j], z = axes[2].low[k];
-    const float v = axes[1].part[j], w = axes[2].part[k];
-    const int y1 = std::min(y + 1, share.size[1] - 1), z1 = std::min(z + 1, share.size[2] - 1);
-    std::vector<float> line(share.size[0]);
-    for (int x = 0; x < share.size[0]; ++x)
-      line[x] = (1 - w) * ((1 - v) * share.at(x, y, z) + v * share.at(x, y1, z)) +
-                w * ((1 - v) * share.at(x, y, z1) + v * share.at(x, y1, z1));
-    for (int i = 0; i < lattice.size[0]; ++i) {
-      const int x = axes[0].low[i], x1 = std::min(x + 1, share.size[0] - 1);
-      row[i] = line[x] + axes[0].part[i] * (line[x1] - line[x]) > 0.5f;
-    }
-  });
-}
-
 }  // namespace
 
 int vertical_axis(const grid::Lattice& l) {
@@ -160,7 +129,7 @@ mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Pr
   all.invert();
   labels = mask::flood(into_bone, all, labels, progress);
 
-  mask::BitMask cavity = above_half(share_of(labels, 1, 1.5), c, bone.lattice());
+  mask::BitMask cavity = mask::above_half(share_of(labels, 1, 1.5), c, bone.lattice());
   cavity.remove(bone);
   // A space that is only connected by a pore in the bone (a sinus) does not belong to the cavity.
   mask::BitMask core = mask::largest(mask::components(mask::eroded(cavity, opening_mm, progress)));
@@ -170,19 +139,6 @@ mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Pr
   report.add("cranial_cavity_ml", ml);
   if (ml < 700 || ml > 2200) report.warn("the cranial cavity found is not of the size of a whole adult one");
   return cavity;
-}
-
-void require_no_lungs(const mask::BitMask& cavity, const mask::HuView& hu) {
-  mask::BitMask air = cavity;
-  air.remove(mask::above(hu, lung_hu));
-  const double share = double(air.count()) / double(std::max<std::size_t>(1, cavity.count()));
-  if (share < max_air_ratio) return;
-  throw refusal(
-      "cranial cavity",
-      fmt::format("{:.0f} % of the space that bone encloses is air, as in a chest: no head was scanned, or its "
-                  "skull is empty",
-                  100 * share),
-      {"take a series of a head; for the bone alone take configs/ct_skull.yaml"});
 }
 
 }  // namespace trephine::head

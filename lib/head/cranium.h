@@ -14,7 +14,4 @@ mask::BitMask bone_of(const mask::HuView& hu);
 /// enclosed by bone is found.
 mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Progress& progress);
 
-/// Throws Error 80 where much of that space is air: bone encloses lungs, and no head was scanned.
-void require_no_lungs(const mask::BitMask& cavity, const mask::HuView& hu);
-
 }  // namespace trephine::head

@@ -55,22 +55,13 @@ void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const 
 
 void hold_to_motion(HeadLandmarks& all, const std::set<std::string>& given, const std::optional<mask::Motion>& motion,
                     const grid::Lattice& slices, Reasons& reasons) {
-  const cases::CaseLandmark* nasion = all.find("nasion");
-  if (!motion || !nasion) return;
-  const double slice_mm = slices.spacing_mm.z, step = slices.to_index(motion->at_mm).z;
-  const auto side_of = [&](Vec3 p) {
-    const double above_mm = (slices.to_index(p).z - step) * slice_mm;
-    return above_mm > tolerance_mm ? 1 : above_mm < -tolerance_mm ? -1 : 0;
-  };
-  const int nasion_side = side_of(nasion->position_mm);
-  const double moved_mm = norm(motion->by_mm);
+  const cases::CaseLandmark* nasion = motion ? all.find("nasion") : nullptr;
   for (cases::CaseLandmark& l : all.landmarks)
-    if (l.name.rfind("kocher", 0) == 0 && !given.count(l.name) &&
-        (nasion_side == 0 || side_of(l.position_mm) != nasion_side))
-      lower_confidence(
-          l, share_of(moved_mm, tolerance_mm),
-          fmt::format("the head moved by {:.1f} mm between it and the nasion, from which it is measured", moved_mm),
-          reasons);
+    if (nasion && l.name.rfind("kocher", 0) == 0 && !given.count(l.name) &&
+        mask::lies_between(*motion, slices, l.position_mm, nasion->position_mm, tolerance_mm))
+      lower_confidence(l, share_of(norm(motion->by_mm), tolerance_mm),
+                       fmt::format("the head moved by {:.1f} mm between it and the nasion", norm(motion->by_mm)),
+                       reasons);
 }
 
 void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
