@@ -50,7 +50,8 @@ def made(program, at, row, pixels):
 
 def case_of(program, folder, name, series, more, keep):
     library = folder / "library"
-    words = [program, "run", ROOT / "configs/ct_head.yaml", "--series", series, "--out", library, "--case", name, "--no-page", "--no-use-cache",
+    token = name.lower()
+    words = [program, "run", ROOT / "configs/ct_head.yaml", "--series", series, "--out", library, "--case", token, "--no-page", "--no-use-cache",
              "--keep", keep, "--quiet", *more]
     before = used()
     done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace")
@@ -58,7 +59,7 @@ def case_of(program, folder, name, series, more, keep):
     if done.returncode:
         row["said"] = done.stderr.strip().splitlines()[-1][:400]
         return row
-    case = json.loads((library / name / "case.json").read_text())
+    case = json.loads((library / token / "case.json").read_text())
     figures = case["figures"]
     row["verdict"], row["class"] = figures.get("verdict", ""), figures.get("class", "")
     row["findings"] = [[f["kind"], f["side"], round(f["confidence"], 2), f["text"], [round(v, 1) for v in f["position_mm"]]]
@@ -70,7 +71,8 @@ def case_of(program, folder, name, series, more, keep):
 def phantom(program, folder, row, pixels):
     at = folder / row[0]
     keep = at / "keep"
-    found = case_of(program, folder, row[0], made(program, at, row, pixels), [], keep)
+    choice = ["--series-rule", "best"] if "--second-kernel-mm" in row else []  # of two series of one study
+    found = case_of(program, folder, row[0], made(program, at, row, pixels), choice, keep)
     found.update(pixels=int(pixels), asked=row[1], options=" ".join(row[7:]), step_mm=float(row[4]), noise=row[3])
     if found["code"] == 0:
         truth = json.loads((at / "truth/truth.json").read_text())["landmarks_mm"]

@@ -65,7 +65,7 @@ while read -r name variant seed noise slice slices tilt more; do
     continue
   fi
   "$trephine" landmarks "$at/head.nrrd" --skin "$at/skin.nrrd" --skull "$at/skull.nrrd" --brain "$at/brain.nrrd" \
-    --ventricles "$at/ventricles.nrrd" --lateral-mm 30 --output "$at/landmarks.json" --quiet 2>/dev/null || {
+    --ventricles "$at/ventricles.nrrd" --output "$at/landmarks.json" --quiet 2>/dev/null || {
     echo "$name no landmarks after $seconds s$of_skin"
     continue
   }

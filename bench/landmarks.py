@@ -121,9 +121,8 @@ class Bench:
             if os.path.exists(f(name)):
                 words += ["--" + name, f(name)]
         out = os.path.join(at, "landmarks.json")
-        lateral = ["--lateral-mm", "30"] if os.path.exists(os.path.join(at, "truth")) else []
         try:
-            seconds = self.run(*words, *lateral, "--report", os.path.join(at, "report.json"), "--output", out)
+            seconds = self.run(*words, "--report", os.path.join(at, "report.json"), "--output", out)
         except RuntimeError as e:
             return None, str(e)
         with open(out) as file:

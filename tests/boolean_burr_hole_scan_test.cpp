@@ -43,7 +43,6 @@ void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& v
     const char* name = side == Side::left ? "kocher_left" : "kocher_right";
     boolean::BurrHoleRequest r;
     r.side = side;
-    r.lateral_mm = 30;  // the truth's
     r.toward_mm = marks.at(side == Side::left ? "monro_left" : "monro_right");
     Report report;
     const boolean::BurrHole hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull, report);

@@ -298,7 +298,6 @@ void expect_kocher(const Patient& p, const char* what) {
   for (const Side side : {Side::left, Side::right}) {
     boolean::BurrHoleRequest r;
     r.side = side;
-    r.lateral_mm = 30;  // the truth's
     Report report;
     const boolean::BurrHole hole = boolean::place_burr_hole(r, p.marks, &p.skin, p.skull, report);
     const Vec3 truth = p.marks.at(side == Side::left ? "kocher_left" : "kocher_right");

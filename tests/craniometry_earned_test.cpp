@@ -33,7 +33,7 @@ TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
   // A bregma that a person placed is sure.
   head::LandmarkInputs in = s.inputs();
   in.given = {{"bregma", none.find("bregma")->position_mm, 1, "given"}};
-  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, as_the_truth(), report), "kocher_left"), 0.8);
+  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, {}, report), "kocher_left"), 0.8);
 }
 
 /// Every n-th slice as a scan of slices so thick.
@@ -60,6 +60,29 @@ TEST(LandmarksEarned, ThickSlicesAllowNoCertainty) {
         if (name == l.name && l.confidence >= 0.5) EXPECT_LT(norm(l.position_mm - at), 8) << name;
     }
   }
+}
+
+TEST(LandmarksEarned, AHeadThatMovedBelowKochersPointsMakesThemLessSure) {
+  const auto found_in = [](double motion_mm) {
+    phantom::HeadParams who;
+    who.seed = 3;
+    who.level = phantom::Level::hard;
+    who.hard.motion_mm = motion_mm;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 180;
+    how.slices_count = 95;
+    how.pixel_mm = 1.3;
+    how.slice_step_mm = how.slice_thickness_mm = 2;
+    how.subvoxel_mm = 1.3;
+    return find(make_scene(who, how));
+  };
+  const head::HeadLandmarks still = found_in(0), moved = found_in(5);
+  for (const char* name : {"kocher_left", "kocher_right"}) {
+    EXPECT_GT(confidence(still, name), 0.8) << name;
+    EXPECT_GT(confidence(moved, name), 0.3) << name;
+    EXPECT_LT(confidence(moved, name), 0.55) << name;
+  }
+  EXPECT_GT(confidence(moved, "nasion"), 0.8);  // it lies where the slices show it
 }
 
 TEST(LandmarksEarned, AnEarThatIsCutOffBelowIsDoubtful) {
@@ -91,10 +114,10 @@ TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
   head::LandmarkInputs in = s.inputs();
   in.as_read = &as_read;
   Report report;
-  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, {}, report);
   EXPECT_LT(confidence(found, "tragus_left"), 0.5);
   in.as_read = &s.volume;  // nothing was taken off
-  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, as_the_truth(), report);
+  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, {}, report);
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
   // With one ear doubtful the other is too, and with them the level by which these are found.
   for (const char* name : {"inion", "vertex"}) EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;

@@ -21,14 +21,8 @@ inline const LandmarkScene& scene() {
   return s;
 }
 
-inline head::LandmarkParams as_the_truth() {
-  head::LandmarkParams p;
-  p.lateral_mm = 30;
-  return p;
-}
-
 inline head::HeadLandmarks find(const LandmarkScene& s, Report& report) {
-  return head::find_landmarks(s.volume, s.inputs(), as_the_truth(), report);
+  return head::find_landmarks(s.volume, s.inputs(), {}, report);
 }
 
 inline head::HeadLandmarks find(const LandmarkScene& s) {

@@ -170,18 +170,46 @@ TEST(Executor, BeginsNothingAfterARefusal) {
   set_thread_count(0);
 }
 
-// A check may refuse the case: what it reads comes first, and what it does not read is not made before it has passed.
+// What may refuse the case (a check, a part of the body that is not recognised), and what it reads, comes first.
 TEST(Executor, ChecksAndWhatTheyReadComeFirst) {
   set_thread_count(1);
-  Fixture f;
-  const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {b}), field = f.add("field", {}),
-            check = f.add("fails_check", {field}), last = f.add("last", {c});
-  f.types[std::size_t(check)]->output = stages::DataKind::nothing;
-  f.types[std::size_t(check)]->place = stages::StagePlace::scan;
-  f.graph.nodes[std::size_t(check)].output = stages::DataKind::nothing;
-  Silent silent;
-  EXPECT_THROW(pipeline::execute(f.graph, {last, check}, {}, silent), Error);
-  EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"field", "computed"}}));
+  for (const bool recognises : {false, true}) {
+    Fixture f;
+    const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {b}), field = f.add("field", {}),
+              check = f.add("fails_check", {field}), last = f.add("last", {c});
+    f.types[std::size_t(check)]->recognises = recognises;
+    f.types[std::size_t(check)]->place = recognises ? stages::StagePlace::anatomy : stages::StagePlace::scan;
+    if (!recognises)
+      f.types[std::size_t(check)]->output = f.graph.nodes[std::size_t(check)].output = stages::DataKind::nothing;
+    Silent silent;
+    EXPECT_THROW(pipeline::execute(f.graph, {last, check}, {}, silent), Error);
+    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"field", "computed"}})) << recognises;
+  }
+  set_thread_count(0);
+}
+
+// What a case asks of a node is held against it when it is made, and when it is read from the cache.
+TEST(Executor, IsRefusedByANodeAsSoonAsItIsMade) {
+  set_thread_count(1);
+  ScratchFolder folder;
+  const pipeline::StageCache cache(folder.path() / "cache");
+  for (const char* how : {"computed", "cached"}) {
+    Fixture f;
+    const int a = f.add("a", {}), last = f.add("last", {a});
+    pipeline::ExecuteOptions options;
+    options.cache = &cache;
+    options.asked[a] = [](const pipeline::NodeResult& made) {
+      if (x_of(made) == 1) throw Error(ExitCode::quality, "", "of the case", "asks for more");
+    };
+    Silent silent;
+    try {
+      pipeline::execute(f.graph, {last}, options, silent);
+      FAIL() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.field(), "of the case");  // not the node's: the case asks it
+    }
+    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"a", how}}));
+  }
   set_thread_count(0);
 }
 

@@ -16,6 +16,7 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
+#include "place/lungs.h"
 #include "segmentation/finish.h"
 
 namespace trephine::head {
@@ -148,6 +149,7 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   }));
   bone |= mask::select(bright, mask::touching(bright, bone));
   mask::BitMask cavity = cranial_cavity(bone, report, progress);
+  place::require_no_lungs(cavity, hu);
   const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   progress.report(0.3);
   grid::Box box = grid::grown(cavity.bounds(), 4, hu.lattice());

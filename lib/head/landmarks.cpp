@@ -94,6 +94,7 @@ class Finder {
     const Progress last = progress.part(0.95, 1);
     hold_to_scan(out_, given_names(), in_.scan_figures ? in_.scan_figures(last) : mask::measure_scan(volume_, last),
                  why_);
+    hold_to_motion(out_, given_names(), mask::find_motion(volume_, last), lattice_, why_);
     hold_to_bregma(out_, given_names(), why_);
     if (levelled_) hold_to_level(out_, given_names(), why_);
     leave_out_what_is_none(out_, given_names(), why_, report_);

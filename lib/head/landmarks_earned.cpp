@@ -53,6 +53,17 @@ void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const 
   }
 }
 
+void hold_to_motion(HeadLandmarks& all, const std::set<std::string>& given, const std::optional<mask::Motion>& motion,
+                    const grid::Lattice& slices, Reasons& reasons) {
+  const cases::CaseLandmark* nasion = motion ? all.find("nasion") : nullptr;
+  for (cases::CaseLandmark& l : all.landmarks)
+    if (nasion && l.name.rfind("kocher", 0) == 0 && !given.count(l.name) &&
+        mask::lies_between(*motion, slices, l.position_mm, nasion->position_mm, tolerance_mm))
+      lower_confidence(l, share_of(norm(motion->by_mm), tolerance_mm),
+                       fmt::format("the head moved by {:.1f} mm between it and the nasion", norm(motion->by_mm)),
+                       reasons);
+}
+
 void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
   const cases::CaseLandmark* bregma = all.find("bregma");
   const double most = !bregma ? 0.45 : given.count("bregma") ? 1 : bregma->confidence;

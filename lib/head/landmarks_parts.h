@@ -13,6 +13,7 @@
 #include "craniometry/skin_arc.h"
 #include "head/head_landmarks.h"
 #include "mask/hu_view.h"
+#include "mask/motion.h"
 #include "mask/scan_figures.h"
 
 namespace trephine::head {
@@ -78,6 +79,10 @@ double allowed_by_scan(const std::string& name, const mask::ScanFigures& scan);
 /// Multiplies the confidence of each landmark that was found in the scan by allowed_by_scan().
 void hold_to_scan(HeadLandmarks& all, const std::set<std::string>& given, const mask::ScanFigures& scan,
                   Reasons& reasons);
+/// Where the head moved between the slices of the nasion and those of a Kocher's point, which is measured from it, or
+/// within 5 mm of either, the motion is an error beside those 5 mm.
+void hold_to_motion(HeadLandmarks& all, const std::set<std::string>& given, const std::optional<mask::Motion>& motion,
+                    const grid::Lattice& slices, Reasons& reasons);
 /// Kocher's points are where they are because the coronal suture lies behind them: none is surer than the bregma.
 void hold_to_bregma(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// Inion and vertex are what stands out most, or highest, in a head that is levelled by nasion and tragi: they are half

@@ -138,4 +138,12 @@ std::optional<Motion> find_motion(const grid::HuVolume& volume, const Progress& 
   return found;
 }
 
+bool lies_between(const Motion& motion, const grid::Lattice& slices, Vec3 a_mm, Vec3 b_mm, double near_mm) {
+  const auto above_mm = [&](Vec3 p) {
+    return (slices.to_index(p).z - slices.to_index(motion.at_mm).z) * slices.spacing_mm.z;
+  };
+  const double a = above_mm(a_mm), b = above_mm(b_mm);
+  return std::min(std::abs(a), std::abs(b)) <= near_mm || (a > 0) != (b > 0);
+}
+
 }  // namespace trephine::mask

@@ -19,4 +19,7 @@ struct Motion {
 /// result whatever the thread count. Throws Cancelled.
 std::optional<Motion> find_motion(const grid::HuVolume& volume, const Progress& progress = {});
 
+/// Whether the step lies between the two points, or within `near_mm` of one of them, of a scan on that lattice.
+bool lies_between(const Motion& motion, const grid::Lattice& slices, Vec3 a_mm, Vec3 b_mm, double near_mm);
+
 }  // namespace trephine::mask

@@ -53,8 +53,9 @@ const char* name_of(Anatomy anatomy);
 
 /// Points that a navigator or a planner knows, LPS mm, on the analytic surfaces.
 ///   nasion, inion: skin, midline, the deepest point of the nose's root and the external occipital protuberance;
-///   tragus: skin in front of the ear canal; kocher: skin, 110 mm from the nasion along the midline and 30 mm from
-///   there to the side, both along the skin (the usual "11 cm up, 3 cm lateral"); monro: middle of the foramen.
+///   tragus: skin in front of the ear canal; kocher: skin, 110 mm from the nasion along the midline and 27.5 mm
+///   from there to the side, both along the skin, as burr holes are placed (the usual "11 cm up, 2.5 to 3 cm lateral");
+///   monro: middle of the foramen.
 using Landmarks = std::vector<std::pair<std::string, Vec3>>;
 
 struct Model;

@@ -73,7 +73,7 @@ Landmarks find_landmarks(const Head& head, const Model& model) {
   const Vec3 along_midline = cross({1, 0, 0}, out_of_skin);  // the lateral walk goes square to the midline
   for (int side = 1; side >= -1; side -= 2)
     out.emplace_back(side > 0 ? "kocher_left" : "kocher_right",
-                     walk_on_skin_mm(head, up, along_midline, {1.0 * side, 0, 0}, 30));
+                     walk_on_skin_mm(head, up, along_midline, {1.0 * side, 0, 0}, 27.5));
   for (int side = 1; side >= -1; side -= 2) {
     const Vec3 middle = (model.monro_top.at + model.monro_bottom.at) * 0.5;
     // Model coordinates before the ventricles' own shift: invert that by iteration, it is a contraction.

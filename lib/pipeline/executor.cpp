@@ -16,6 +16,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "pipeline/expected_time.h"
+#include "pipeline/run_order.h"
 #include "pipeline/spilled_data.h"
 #include "stages/data_files.h"
 
@@ -33,9 +34,9 @@ class Executor {
         options_(options),
         observer_(observer),
         expected_(graph, options.seconds_before),
+        order_(graph, [&](int node) { return options.asked.count(node) > 0; }),
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
-    set_order();
     std::optional<RefusalAbout> refused;
     int refused_node = -1;
     // The report of every node is wanted, so a node whose report is not in the cache runs again.
@@ -94,7 +95,7 @@ class Executor {
  private:
   struct Task {
     bool unknown = false, needed = false, started = false, done = false;
-    int readers = 0, urgency = 0, group = 0;
+    int readers = 0;
     int users = 0;  // readers that run
     std::exception_ptr error;
     std::atomic<bool> stop{false};  // ends it while it runs
@@ -116,29 +117,7 @@ class Executor {
     std::vector<std::thread> threads;
   };
 
-  // The order of one thread: what a check reads, and the check, which may refuse the case, the check that reads the
-  // least first; then the rest. Among these the earlier, the more nodes wait. It hangs on the graph alone.
-  void set_order() {
-    std::vector<std::vector<int>> checks;  // each with all that it needs, itself the first
-    for (std::size_t i = graph_.nodes.size(); i-- > 0;) {
-      const Node& node = graph_.nodes[i];
-      for (const auto& [port, source] : node.sources)
-        tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
-      if (node.type->is_check() && node.output == stages::DataKind::nothing) checks.push_back(graph_.needs_of(int(i)));
-    }
-    std::sort(checks.begin(), checks.end(), [](const auto& a, const auto& b) {
-      return a.size() != b.size() ? a.size() < b.size() : a.front() < b.front();
-    });
-    for (Task& t : tasks_) t.group = int(checks.size());
-    for (int c = int(checks.size()); c-- > 0;)
-      for (const int n : checks[c]) tasks_[n].group = c;
-  }
-
-  bool comes_before(int i, int other) const {
-    const Task &a = tasks_[i], &b = tasks_[other];
-    if (a.group != b.group) return a.group < b.group;
-    return a.urgency != b.urgency ? a.urgency > b.urgency : i < other;
-  }
+  bool comes_before(int i, int other) const { return order_.comes_before(i, other); }
 
   void stop_all() {
     stop_ = true;
@@ -185,6 +164,7 @@ class Executor {
     tasks_[i].started = tasks_[i].done = true;
     expected_.learn(i, result.data);
     finish_output(i, "cached");
+    hold_against_asked(i);
     return true;
   }
 
@@ -313,6 +293,11 @@ class Executor {
     result.seconds = seconds_since(start);
     store(node, result);
     finish_output(i, "computed");
+    hold_against_asked(i);
+  }
+
+  void hold_against_asked(int i) const {
+    if (const auto asked = options_.asked.find(i); asked != options_.asked.end()) asked->second(results_[i]);
   }
 
   // The cache only saves time: a case does not fail because the cache's disk is full.
@@ -370,6 +355,7 @@ class Executor {
   const ExecuteOptions& options_;
   RunObserver& observer_;
   ExpectedTime expected_;
+  RunOrder order_;
   std::vector<NodeResult> results_;
   std::vector<Task> tasks_;
   stages::SharedWork shared_;

@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -45,6 +46,9 @@ struct NodeResult {
   stages::StageData loaded() const;
 };
 
+/// What a case asks of what some nodes make, by node: throws Error 80 where it is not so, with the field that it names.
+using Asked = std::map<int, std::function<void(const NodeResult& made)>>;
+
 struct ExecuteOptions {
   std::filesystem::path keep;  ///< the output of every node is also written here, cached ones too; empty: not written
   const StageCache* cache =
@@ -58,6 +62,7 @@ struct ExecuteOptions {
   /// Large volumes and fields that wait for a reader are laid aside in this folder, also in the results; empty: all
   /// stay in memory.
   std::filesystem::path spill;
+  Asked asked;                  ///< held against a node as soon as it is made, computed or cached
   bool allow_external = false;  ///< nodes may run programs that the configuration names
 };
 
@@ -71,7 +76,8 @@ stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Rep
 /// thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
 /// the thread count. Nodes run in an order that hangs on the graph alone: first what the checks read, and the checks,
-/// which may refuse the case; among them, and among the others, those come first that more nodes wait for. Where a node
+/// which may refuse the case, stages that recognise a part of the body, and landmarks of which
+/// something is asked; among them, and among the others, those come first that more nodes wait for. Where a node
 /// fails, what comes after it in that order is not begun, and is stopped where it runs; what comes before it is made,
 /// for it might fail too. So the error thrown is that of the first node in order, whatever failed first in time; its
 /// field names the node. Where a node that may be missing is refused (80), what runs beside it is made to its end, so

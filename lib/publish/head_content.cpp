@@ -64,13 +64,17 @@ void add_figures(const pipeline::Graph& graph, const std::vector<pipeline::NodeR
 
 }  // namespace
 
+void require_landmarks(const config::CaseConfig& config, const std::vector<cases::CaseLandmark>& known) {
+  for (const config::SceneLandmark& wanted : config.scene_landmarks) require(wanted, known);
+}
+
 void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
                       const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest) {
   manifest.landmarks = config.landmarks;
   if (const int found = graph.result(stages::DataKind::landmarks); found >= 0)
     manifest.landmarks =
         std::get<std::shared_ptr<const head::HeadLandmarks>>(results[static_cast<std::size_t>(found)].data)->landmarks;
-  for (const config::SceneLandmark& wanted : config.scene_landmarks) require(wanted, manifest.landmarks);
+  require_landmarks(config, manifest.landmarks);
   for (const auto& [landmark, anatomy] : config.roles.targets)
     if (const cases::CaseLandmark* l = config.is_shown(anatomy.name) ? find(manifest.landmarks, landmark) : nullptr)
       manifest.targets.push_back({l->name, l->position_mm, l->confidence, anatomy.name});

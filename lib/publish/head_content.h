@@ -15,4 +15,7 @@ namespace trephine::publish {
 void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
                       const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest);
 
+/// That Error 80 alone.
+void require_landmarks(const config::CaseConfig& config, const std::vector<cases::CaseLandmark>& known);
+
 }  // namespace trephine::publish

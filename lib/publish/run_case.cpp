@@ -26,6 +26,7 @@
 #include "publish/refused.h"
 #include "publish/run_json.h"
 #include "publish/scan_checks.h"
+#include "publish/scene_limits.h"
 #include "publish/series_hashes.h"
 #include "publish/verdict.h"
 
@@ -237,6 +238,7 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
   execution.made = &made.results;
   const std::vector<std::string> wanted = wanted_anatomies(config);
   while (true) try {
+      execution.asked = asked_of(config, made.graph);
       made.results = pipeline::execute(
           made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page), execution, observer);
       require_modalities(config, made.graph, made.results);

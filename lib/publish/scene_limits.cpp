@@ -6,18 +6,45 @@
 #include "base/log.h"
 #include "base/params.h"
 #include "base/refusal.h"
+#include "base/result.h"
 #include "meshing/decimate.h"
 #include "meshing/smooth.h"
+#include "publish/head_content.h"
+#include "surface/results.h"
 
 namespace trephine::publish {
 
-void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult& result) {
-  if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
+static void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, const std::string& stopped_by) {
+  if (limit.max_triangles > 0 && triangles > limit.max_triangles)
     throw refusal(limit.name,
-                  std::to_string(result.triangles_after) + " triangles, the scene allows " +
-                      std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by,
+                  std::to_string(triangles) + " triangles, the scene allows " + std::to_string(limit.max_triangles) +
+                      "; decimation stopped by " + stopped_by,
                   {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
                    "smoother kernel"});
+}
+
+pipeline::Asked asked_of(const config::CaseConfig& config, const pipeline::Graph& graph) {
+  pipeline::Asked asked;
+  for (std::size_t a = 0; a < graph.anatomies.size(); ++a) {
+    const config::SceneAnatomy& limit = config.scene[a];
+    const int node = graph.find_stage<meshing::DecimateParams>(graph.anatomies[a].name);
+    if (node < 0 || limit.max_triangles <= 0) continue;
+    asked[node] = [&limit](const pipeline::NodeResult& made) {
+      const auto* mesh = std::get_if<std::shared_ptr<const surface::TriMesh>>(&made.data);
+      if (mesh && *mesh)
+        hold_triangles(limit, std::int64_t((*mesh)->triangles.size()),
+                       trephine::result_of<surface::DecimationResult>(made.report).stopped_by);
+    };
+  }
+  if (const int node = graph.result(stages::DataKind::landmarks); node >= 0 && !config.scene_landmarks.empty())
+    asked[node] = [&config](const pipeline::NodeResult& made) {
+      require_landmarks(config, std::get<std::shared_ptr<const head::HeadLandmarks>>(made.data)->landmarks);
+    };
+  return asked;
+}
+
+void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult& result) {
+  hold_triangles(limit, result.triangles_after, result.stopped_by);
   if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
     throw refusal(limit.name,
                   "deviates by " + to_text(result.deviation_max_mm) +

@@ -10,6 +10,7 @@ StageType canal_stage() {
   s.name = "canal";
   s.version = 1;
   s.typical_s = 1.5;
+  s.recognises = true;
   s.summary = "finds the spinal canal inside the bone of a spine";
   s.description =
       "Gives a field in mm that is positive inside the space which the arches of the vertebrae enclose, slice by "

@@ -10,6 +10,7 @@ StageType clavicle_stage() {
   s.name = "clavicle";
   s.version = 1;
   s.typical_s = 1.5;
+  s.recognises = true;
   s.summary = "separates the clavicles from the other bones of a chest";
   s.description =
       "Gives a field that is positive inside the clavicles, or inside all other bone (part rest). A clavicle is a bone "

@@ -5,6 +5,7 @@
 #include "head/cranium.h"
 #include "mask/bits.h"
 #include "mask/hu_view.h"
+#include "place/lungs.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -16,7 +17,8 @@ struct CranialCavity {
 };
 
 /// The cavity of the skull at the port "skull" on the raster of the volume at "volume", found once in a run; without a
-/// skull, bone is what is bright. Throws as head::cranial_cavity does.
+/// skull, bone is what is bright. Throws as head::cranial_cavity and
+/// place::require_no_lungs do.
 inline std::shared_ptr<const CranialCavity> cranial_cavity_of(const StageInputs& in, const Progress& progress) {
   return in.once<CranialCavity>("cranial cavity", {"volume", "skull"}, progress, [&] {
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
@@ -24,6 +26,7 @@ inline std::shared_ptr<const CranialCavity> cranial_cavity_of(const StageInputs&
     const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
     const auto found = std::make_shared<CranialCavity>();
     found->mask = head::cranial_cavity(bone, found->report, progress);
+    place::require_no_lungs(found->mask, mask::HuView(ct));
     return std::shared_ptr<const CranialCavity>(found);
   });
 }

@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
-  s.version = 10;
+  s.version = 11;
   s.typical_s = 1.2;
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";

@@ -188,6 +188,8 @@ struct StageType {
   /// Of a check: the inputs by which alone it may refuse. A case is held against these first, before what its other
   /// inputs are made of is made.
   std::vector<std::string> refuses_early_by;
+  /// Refuses a scan of another part of the body. What it needs is made first, as what a check needs is.
+  bool recognises = false;
   bool examines = false;         ///< a check although it hands something on: what a person should look at, as labels
   bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
