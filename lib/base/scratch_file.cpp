@@ -22,7 +22,7 @@ FileDescriptor open_without_name(const std::filesystem::path& folder) {
   FileDescriptor fd(::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
   if (fd.valid() || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return fd;
   // A file system that knows no such files, as NFS: the name is taken away at once.
-  std::string name = (folder / (std::string(temporary_prefix) + "XXXXXX")).string();
+  std::string name = (folder / (temporary_prefix + std::to_string(::getpid()) + "-XXXXXX")).string();
   fd = FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
   if (fd.valid()) ::unlink(name.c_str());
   return fd;

@@ -8,7 +8,8 @@
 namespace trephine {
 
 /// A file without a name, which goes with the object, and with the process however that ends: for what a run lays aside
-/// and reads again. Only its owner could read it.
+/// and reads again. Its mode is 0600. A file system that knows no such files shows a hidden one instead (NFS: .nfs...),
+/// which goes likewise.
 class ScratchFile {
  public:
   /// In that folder. Throws Error 73 where it cannot be made there.

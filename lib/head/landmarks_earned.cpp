@@ -60,7 +60,8 @@ void hold_to_motion(HeadLandmarks& all, const std::set<std::string>& given, cons
     if (nasion && l.name.rfind("kocher", 0) == 0 && !given.count(l.name) &&
         mask::lies_between(*motion, slices, l.position_mm, nasion->position_mm, tolerance_mm))
       lower_confidence(l, share_of(norm(motion->by_mm), tolerance_mm),
-                       fmt::format("the head moved by {:.1f} mm between it and the nasion", norm(motion->by_mm)),
+                       fmt::format("the head moved by {:.1f} mm at or between the slices of it and of the nasion",
+                                   norm(motion->by_mm)),
                        reasons);
 }
 

@@ -61,6 +61,11 @@ class Executor {
       demand(w);
       ++tasks_[w].readers;  // the caller
     }
+    for (const auto& [node, hold] : options_.asked) try {
+        if (tasks_[node].done) hold(results_[node]);
+      } catch (const Error&) {
+        fail(node, std::current_exception(), false);
+      }
     // Starts with the last node: when a node's turn comes, all its readers have been counted, and a node without
     // readers is dropped.
     for (std::size_t i = tasks_.size(); i-- > 0;) {
@@ -84,7 +89,7 @@ class Executor {
       finished_ = true;
     }
     if (failed_ >= 0) {
-      if (options_.made) *options_.made = std::move(results_);
+      hand_over();
       std::rethrow_exception(tasks_[failed_].error);
     }
     if (stop_) throw Cancelled{};
@@ -164,7 +169,6 @@ class Executor {
     tasks_[i].started = tasks_[i].done = true;
     expected_.learn(i, result.data);
     finish_output(i, "cached");
-    hold_against_asked(i);
     return true;
   }
 
@@ -196,7 +200,7 @@ class Executor {
       std::exception_ptr error;
       try {
         lay_aside();
-        bring_back(graph_.nodes[i]);
+        with_field(graph_.nodes[i].name, [&] { bring_back(graph_.nodes[i]); });
         run_node(i);
       } catch (...) {
         error = std::current_exception();
@@ -294,6 +298,11 @@ class Executor {
     store(node, result);
     finish_output(i, "computed");
     hold_against_asked(i);
+  }
+
+  void hand_over() {
+    lay_aside();
+    if (options_.made) *options_.made = std::move(results_);
   }
 
   void hold_against_asked(int i) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/graph.h"
+#include "pipeline/run_order.h"
 #include "pipeline/spilled_data.h"
 #include "pipeline/stage_cache.h"
 
@@ -56,7 +57,7 @@ struct ExecuteOptions {
   const std::atomic<bool>* cancel = nullptr;
   /// Seconds that nodes took in an earlier run, by name; others are expected to take their stage's typical_s.
   std::map<std::string, double> seconds_before;
-  std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
+  std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is made comes here
   /// What an earlier run of nodes with the same keys made, by key: it is not made again.
   std::map<std::string, NodeResult> known;
   /// Large volumes and fields that wait for a reader are laid aside in this folder, also in the results; empty: all
@@ -75,13 +76,11 @@ stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Rep
 /// these. Independent nodes run at the same time on up to
 /// thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
-/// the thread count. Nodes run in an order that hangs on the graph alone: first what the checks read, and the checks,
-/// which may refuse the case, stages that recognise a part of the body, and landmarks of which
-/// something is asked; among them, and among the others, those come first that more nodes wait for. Where a node
-/// fails, what comes after it in that order is not begun, and is stopped where it runs; what comes before it is made,
-/// for it might fail too. So the error thrown is that of the first node in order, whatever failed first in time; its
-/// field names the node. Where a node that may be missing is refused (80), what runs beside it is made to its end, so
-/// that a run without it has only the rest to do.
+/// the thread count. Nodes run in the order of RunOrder. Where a node
+/// fails, or is not as `options.asked` wants it, what comes after it in that order is not begun, and is stopped where
+/// it runs; what comes before it is made, for it might fail too. So the error thrown is that of the first node in
+/// order, whatever failed first in time; its field names the node, or what `asked` names. Where a node that may be
+/// missing is refused (80), what runs beside it is made to its end, so that a run without it has only the rest to do.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 

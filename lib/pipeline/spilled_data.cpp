@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/spilled_data.h"
 
+#include <linux/magic.h>
+#include <sys/vfs.h>
+
 #include <system_error>
 #include <utility>
 
@@ -27,6 +30,12 @@ G filled(G grid, const ScratchFile& file) {
   return grid;
 }
 
+// A folder that lies in memory would hold a second copy there.
+bool lies_in_memory(const std::filesystem::path& folder) {
+  struct statfs of {};
+  return statfs(folder.c_str(), &of) == 0 && (of.f_type == TMPFS_MAGIC || of.f_type == RAMFS_MAGIC);
+}
+
 bool has_room(const std::filesystem::path& folder, double bytes) {
   constexpr double left_free_bytes = 1e9;
   std::error_code error;
@@ -40,7 +49,7 @@ std::shared_ptr<const SpilledData> SpilledData::write(const stages::StageData& d
                                                       const std::filesystem::path& folder) {
   const auto* volume = std::get_if<Volume>(&data);
   const auto* field = std::get_if<Field>(&data);
-  if ((!volume && !field) || stages::bytes_in_memory(data) < spilled_from_bytes ||
+  if ((!volume && !field) || stages::bytes_in_memory(data) < spilled_from_bytes || lies_in_memory(folder) ||
       !has_room(folder, stages::bytes_in_memory(data)))
     return {};
   try {

@@ -12,12 +12,12 @@ namespace trephine::pipeline {
 constexpr double spilled_from_bytes = 16e6;
 
 /// A large volume or field on disk, in a file without a name, while nobody needs it in memory ("spilled"). What the
-/// kernel still holds of the file counts for no process and is given up where memory is short. On a folder that lies in
-/// memory itself nothing is gained.
+/// kernel still holds of the file counts for no process and is given up where memory is short.
 class SpilledData {
  public:
-  /// Empty where the data are too small, neither volume nor field, or where the disk has not the room or fails: it
-  /// keeps 1 GB free for what the run will write. Never throws for the disk's sake.
+  /// Empty where the data are too small, neither volume nor field, where the folder lies in memory itself (tmpfs), or
+  /// where the disk has not the room or fails: it keeps 1 GB free for what the run will write. Never throws for the
+  /// disk's sake.
   static std::shared_ptr<const SpilledData> write(const stages::StageData& data, const std::filesystem::path& folder);
   /// The same bytes. Throws Error 74 where the disk fails. May be called from several threads.
   stages::StageData read() const;

@@ -142,7 +142,10 @@ bool concede(CaseConfig& config, const Error& e, Concessions& made) {
 void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,
                std::map<std::string, pipeline::NodeResult>& known) {
   for (std::size_t i = 0; i < results.size(); ++i)
-    if (results[i].state != pipeline::NodeResult::State::not_needed) known[graph.nodes[i].key] = std::move(results[i]);
+    if (results[i].state != pipeline::NodeResult::State::not_needed) {
+      if (results[i].spilled) results[i].data = {};  // it is read back from disk where it is needed
+      known[graph.nodes[i].key] = std::move(results[i]);
+    }
   results.clear();
 }
 

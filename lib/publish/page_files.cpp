@@ -84,7 +84,7 @@ std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const
   }
   files.push_back({page::page_notes_file, page::page_notes_json(notes)});
   progress.report(0.7);
-  malloc_trim(0);  // what measuring took does not count beside the page's own
+  malloc_trim(0);  // what measuring the deviations took is given back before the page is made
   files.push_back({page::page_file, page::make_case_page(loaded(content), notes, {}, cancelled)});
   progress.report(1);
   return files;

@@ -325,7 +325,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     made.graph = series.graph_of(config);
     pipeline::ExecuteOptions execution;
     execution.keep = request.keep;
-    execution.spill = made_in;
+    if (request.keep.empty()) execution.spill = made_in;  // who keeps all needs the disk for that
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;

@@ -8,6 +8,7 @@
 #include "base/refusal.h"
 #include "base/result.h"
 #include "meshing/decimate.h"
+#include "meshing/normals.h"
 #include "meshing/smooth.h"
 #include "publish/head_content.h"
 #include "surface/results.h"
@@ -23,11 +24,27 @@ static void hold_triangles(const config::SceneAnatomy& limit, std::int64_t trian
                    "smoother kernel"});
 }
 
+namespace {
+
+// The decimation of the anatomy where its published surface has the triangles of that: only smoothing and normals
+// follow. Else -1.
+int last_decimation(const pipeline::Graph& graph, const pipeline::Graph::Anatomy& anatomy) {
+  const int decimation = graph.find_stage<meshing::DecimateParams>(anatomy.name);
+  const int smoothing = graph.find_stage<meshing::SmoothParams>(anatomy.name);
+  const int normals = graph.find_stage<meshing::NormalsParams>(anatomy.name);
+  int node = anatomy.finished;
+  while (node >= 0 && (node == smoothing || node == normals))
+    node = graph.nodes[std::size_t(node)].sources.at("surface");
+  return node == decimation ? decimation : -1;
+}
+
+}  // namespace
+
 pipeline::Asked asked_of(const config::CaseConfig& config, const pipeline::Graph& graph) {
   pipeline::Asked asked;
   for (std::size_t a = 0; a < graph.anatomies.size(); ++a) {
     const config::SceneAnatomy& limit = config.scene[a];
-    const int node = graph.find_stage<meshing::DecimateParams>(graph.anatomies[a].name);
+    const int node = last_decimation(graph, graph.anatomies[a]);
     if (node < 0 || limit.max_triangles <= 0) continue;
     asked[node] = [&limit](const pipeline::NodeResult& made) {
       const auto* mesh = std::get_if<std::shared_ptr<const surface::TriMesh>>(&made.data);
@@ -38,7 +55,8 @@ pipeline::Asked asked_of(const config::CaseConfig& config, const pipeline::Graph
   }
   if (const int node = graph.result(stages::DataKind::landmarks); node >= 0 && !config.scene_landmarks.empty())
     asked[node] = [&config](const pipeline::NodeResult& made) {
-      require_landmarks(config, std::get<std::shared_ptr<const head::HeadLandmarks>>(made.data)->landmarks);
+      if (const auto* found = std::get_if<std::shared_ptr<const head::HeadLandmarks>>(&made.data); found && *found)
+        require_landmarks(config, (*found)->landmarks);
     };
   return asked;
 }

@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType brain_stage() {
   StageType s;
   s.name = "brain";
-  s.version = 6;
+  s.version = 7;
   s.typical_s = 4.8;
   s.summary = "finds the brain inside the skull";
   s.description =

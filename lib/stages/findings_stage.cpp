@@ -10,7 +10,7 @@ namespace trephine::stages {
 StageType findings_stage() {
   StageType s;
   s.name = "findings";
-  s.version = 9;
+  s.version = 10;
   s.typical_s = 2.7;
   s.place = StagePlace::scan;
   s.examines = true;

@@ -7,7 +7,7 @@ namespace trephine::stages {
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 6;
+  s.version = 7;
   s.typical_s = 0.45;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
