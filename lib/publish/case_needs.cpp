@@ -14,18 +14,18 @@
 
 namespace trephine::publish {
 
-// Measured values. Memory grows with the area of the surfaces rather than with the volume: with nine anatomies 317 MB
-// at 2.9 million voxels, 365 to 618 at 6.3, 513 at 9.4, 871 to 937 at 28, 824 to 1,045 at 46 and 1,022 to 1,149 at 50;
-// with a skull alone 256 at 6.3, 379 to 474 at 28 and 563 at 50. Beyond that the fields of the anatomies, which grow
-// with the volume, take most: 3,881 MB with nine anatomies at 262 million. A case: 2 MB at 16,000 voxels, 37 MB at 50
-// million, with a page (6 MB) and a CT (noise hardly compresses) 47, 65, 80 and 82 MB at 24, 28, 42 and 46. Its stages
-// in the cache, fields (growing with volume) and surfaces (growing with area): 80 MB at 6.3 million, 560 MB at 50
-// million.
+// Measured values. Memory, with nine anatomies: 317 MB at 2.9 million voxels, 427 at 6.3, 505 at 28, 670 at 42, 590 to
+// 760 at 50 and 2,430 to 2,480 at 262; with a skull alone 230 at 6.3, 303 at 28 and 400 at 50. A case: 2 MB at 16,000
+// voxels, 37 MB at 50 million, with a page (6 MB) and a CT (noise hardly compresses) 47, 65, 80 and 82 MB at 24, 28, 42
+// and 46. Its stages in the cache, fields (growing with volume) and surfaces (growing with area): 80 MB at 6.3 million,
+// 560 MB at 50 million.
 CaseNeeds case_needs(std::uint64_t voxels_count, std::size_t anatomies_count, bool with_ct, bool with_page) {
   const double mega = static_cast<double>(voxels_count) / 1e6;
   const double ct_mb = with_ct ? 0.85 * mega : 0, page_mb = with_page ? std::min(6.0, 1 + mega) : 0;
   const double anatomies = static_cast<double>(anatomies_count);
-  const double memory_mb = 80 + std::sqrt(mega) * (65 + 8.3 * anatomies) + 0.8 * anatomies * std::max(0.0, mega - 50);
+  const double of_surfaces_mb = 80 + std::sqrt(mega) * (65 + 8.3 * anatomies);  // their area
+  const double of_volumes_mb = 200 + 21 * anatomies + (3.4 + 0.51 * anatomies) * mega;
+  const double memory_mb = std::min(of_surfaces_mb, of_volumes_mb);
   return {memory_mb, 3 + 0.8 * mega + ct_mb + page_mb, 6 * mega + 20 * std::cbrt(mega * mega)};
 }
 
