@@ -192,7 +192,7 @@ TEST(Page, ObliqueCtIsResampled) {
           ASSERT_EQ(level, 0);
         }
         if (in && std::abs(truth(at)) < 158) {
-          ASSERT_NEAR((level - 24) * 2 - 160, truth(at), 1.01);
+          ASSERT_NEAR((level - 24) * 2 - 160, truth(at), 1.51);  // half a level, and half an HU of the volume
         }
         inside += in;
       }

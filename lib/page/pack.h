@@ -43,7 +43,8 @@ constexpr std::array<std::array<int, 2>, 4> page_hu_levels = {{{0, -1024}, {24, 
 
 /// The CT on at most `side` voxels a side (at most page_volume_side): means of the old voxels where there are more. A
 /// volume that lies oblique to the patient's axes is resampled (trilinear); what it does not cover is level 0.
-PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side = page_volume_side, const Progress& progress = {});
+PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side = page_volume_side,
+                     const Progress& progress = {});
 /// Each voxel's byte less what its neighbours in the slice predict, modulo 256: the median of left, above, and left +
 /// above - above left [Weinberger2000], with 0 beyond the border. gzip makes a CT's slices a fifth to a third smaller.
 std::string predicted_bytes(const PackedVolume& volume);
