@@ -45,7 +45,7 @@ std::string refused(double air_from_mm) {
 TEST(Lungs, ABonyCaseFullOfAirIsNoHead) {
   EXPECT_NE(refused(-20).find("of the space that bone encloses is air, as in a chest"), std::string::npos);
   EXPECT_NE(refused(-90).find("100 %"), std::string::npos);  // a dry skull
-  EXPECT_EQ(refused(45), "");                                // a tenth: after an operation
+  EXPECT_EQ(refused(45), "");                                // a tenth, ten times what a head has after an operation
   EXPECT_EQ(refused(90), "");
 }
 
@@ -55,6 +55,6 @@ TEST(Lungs, NoBrainIsLookedForBesideThem) {
     head::find_brain(shell(-20), {}, {}, report);
     FAIL() << "a brain in a chest";
   } catch (const Error& e) {
-    EXPECT_EQ(e.field(), "cranial cavity");
+    EXPECT_NE(std::string(e.what()).find("as in a chest"), std::string::npos) << e.what();
   }
 }

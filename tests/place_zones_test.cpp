@@ -21,7 +21,7 @@ struct Leaking {
   mask::BitMask cavity, box;
   Vec3 middle_mm{50, 18, 4};
 
-  Leaking() {
+  explicit Leaking(double noise_hu = 8) {
     phantom::HeadParams who;
     who.level = phantom::Level::clinical;
     who.seed = 3;
@@ -32,7 +32,7 @@ struct Leaking {
     how.slices_count = 60;
     how.slice_step_mm = how.slice_thickness_mm = 3;
     how.subvoxel_mm = 1.5;
-    how.noise_hu = 8;
+    how.noise_hu = noise_hu;
     volume = phantom::volume_of(phantom::scan(head, how));
     Report ignored;
     cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), ignored, {});
@@ -79,6 +79,16 @@ TEST(SegmentZones, BoneCellsAtTheBaseAreNoneOfTheDuras) {
   });
   EXPECT_LT(cells, 0.05 * box);
   EXPECT_NEAR(beside, rest, 0.002 * rest) << "and what lies beside it";
+}
+
+// Noise makes single voxels of tissue as dark as air. Joined to a bone cell's true air they took the base of the brain.
+TEST(SegmentZones, NoiseIsNoAir) {
+  Leaking scan(60);
+  const double box = double(scan.box.count());
+  const auto [tissue, rest] = scan.dura([](int, int, int) { return 40; });
+  const auto [air, beside] = scan.dura([](int, int, int) { return -800; });
+  EXPECT_LT(air, 0.05 * box);
+  EXPECT_NEAR(beside, rest, 0.01 * rest);
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 
 namespace trephine::contact {
 
-/// About an edge (RoundEdge): how far samples are looked for, and how many of a face are enough.
+/// About an edge (RoundEdge): how far samples are looked for.
 constexpr double edge_far_voxels = 3.2;
+/// How many samples of a face are enough.
 constexpr int least_face_samples = 3;
 
 /// How much a sample counts. What lies far along the edge counts less, for an edge may be curved.

@@ -183,13 +183,22 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
 }
 
 /// Of the cells near the wall, at the skull's base: those that hold air, and those that hold some of it, darker than
-/// all that the dura encloses. The nearest voxel alone misses bone cells, where air and their walls are mixed.
+/// all that the dura encloses. The nearest voxel alone misses bone cells, where air and their walls are mixed, and in
+/// noise any voxel may be as dark: so 27 places about a cell are asked, over 2 mm at least and, but in thick slices,
+/// over three voxels.
 struct AirCells {
   mask::BitMask air, some;
 };
 AirCells air_at_base(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place) {
   const mask::HuView hu(volume);
   grid::Grid<float> mean(grid::Lattice(wall), 0.f);
+  constexpr double over_mm = 2, over_voxels = 1.6;
+  Vec3 third;  // of the way over which a cell is asked, in cells
+  for (int a = 0; a < 3; ++a) {
+    const double voxel_mm = hu.lattice().spacing_mm[a];
+    const double way_mm = voxel_mm > over_mm ? over_mm : std::max(over_mm, over_voxels * voxel_mm);
+    third[a] = std::max(1.0, way_mm / wall.spacing_mm[a]) / 3;
+  }
   const auto air = mask::make_mask(grid::Lattice(wall), [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < wall.size[0]; ++i) {
       row[i] = 0;
@@ -199,7 +208,7 @@ AirCells air_at_base(const grid::Field& wall, const grid::HuVolume& volume, cons
       int air = 0, looked = 0;
       double sum = 0;
       for (int n = 0; n < 27; ++n) {
-        const Vec3 part{(n % 3 - 1) / 3.0, (n / 3 % 3 - 1) / 3.0, (n / 9 - 1) / 3.0};
+        const Vec3 part{(n % 3 - 1) * third.x, (n / 3 % 3 - 1) * third.y, (n / 9 - 1) * third.z};
         const Vec3 at = hu.lattice().to_index(wall.to_world_mm(middle + part));
         const int x = int(std::lround(at.x)), y = int(std::lround(at.y)), z = int(std::lround(at.z));
         if (hu.lattice().contains(x, y, z)) ++looked, air += hu(x, y, z) < air_hu, sum += hu(x, y, z);

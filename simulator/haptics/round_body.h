@@ -51,7 +51,8 @@ class RoundBody {
     double depth_mm = 0;
     double radius_mm = 0;   ///< of the part
     double along_mm = 0;    ///< where on the middle line, from the centre
-    double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep: a rod may lie on a surface
+    double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep, for a rod may lie on it;
+                            ///< set_on_edge() moves it with along_mm
     contact::Contact contact;
     /// The contact with a second shape that faces the same way, where the tool is nearly as deep in it (within a
     /// quarter of a voxel); and its weight in what is felt, 0 to 1/2: the larger, the less the depths differ.
@@ -59,8 +60,8 @@ class RoundBody {
     double beside_share = 0;
   };
   Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
-  /// Where that is at a sharp edge, its normal becomes that of the edge between its two faces
-  /// (ForceParams::Law::fifth).
+  /// Where that is at an edge, a rim or a corner, its normal becomes what the faces there say, and its point and its
+  /// places along the line those where the line passes the edge (ForceParams::Law::fifth).
   void set_on_edge(Touch& touch, Vec3 axis);
   /// Whether it reaches any surface of one of these shapes (bit n: shape n).
   bool reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes);
