@@ -149,4 +149,13 @@ void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& 
   results.clear();
 }
 
+void sort_as(const std::vector<std::string>& anatomies, Concessions& made) {
+  const auto before = [&](const auto& a, const auto& b) {
+    const auto place = [&](const std::string& name) { return std::find(anatomies.begin(), anatomies.end(), name); };
+    return place(a.anatomy) < place(b.anatomy);
+  };
+  std::stable_sort(made.missing.begin(), made.missing.end(), before);
+  std::stable_sort(made.stand_ins.begin(), made.stand_ins.end(), before);
+}
+
 }  // namespace trephine::publish

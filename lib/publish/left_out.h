@@ -30,4 +30,7 @@ bool concede(config::CaseConfig& config, const Error& e, Concessions& made);
 void keep_made(const pipeline::Graph& graph, std::vector<pipeline::NodeResult>& results,
                std::map<std::string, pipeline::NodeResult>& known);
 
+/// In the order of these anatomies: in which order they were refused depends on what a cache held.
+void sort_as(const std::vector<std::string>& anatomies, Concessions& made);
+
 }  // namespace trephine::publish

@@ -246,6 +246,7 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       observer.publishing();
       CaseContent content = make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
                                               series.input(config), request.params.pictures, progress);
+      sort_as(wanted, made.without);
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;
       content.manifest.figures.emplace_back(

@@ -20,7 +20,7 @@ grep -Eq '^ +dura +is missing: ' "$work/shown" || { cat "$work/shown" >&2; fail 
 python3 - "$library/c/case.json" <<'PY'
 import json, sys
 case = json.load(open(sys.argv[1]))
-assert [m["anatomy"] for m in case["missing"]] == ["sagittal_sinus", "dura"] and all(m["why"] for m in case["missing"]), case["missing"]
+assert [m["anatomy"] for m in case["missing"]] == ["dura", "sagittal_sinus"] and all(m["why"] for m in case["missing"]), case["missing"]
 assert not {"sagittal_sinus", "dura"} & {a["name"] for a in case["anatomies"]}
 assert "dura" not in [s["name"] for s in case["haptic"]["shapes"]] and "brainstem" in [a["name"] for a in case["anatomies"]]
 PY
