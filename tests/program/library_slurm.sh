@@ -110,7 +110,7 @@ want=$(for c in "$work"/local/*/case.json; do c=${c%/case.json}; echo "${c##*/} 
 [[ $(wc -l <<<"$want") == 5 && $local_code == 80 ]] || fail "the local build: $local_code $want"
 
 # Submitted, the first time in vain; the first two tasks are lost as a node's that dies.
-touch "$FAKE/down"
+touch "$FAKE/down" "$FAKE/held"  # held: the batch does not end before the next build has joined it, however long that takes
 echo 2 >"$FAKE/lose"
 build l.yaml --no-wait >said 2>&1 || fail "not submitted: $(cat said)"
 expect 75 'a cluster works on this library' "$TREPHINE" library build l.yaml --engine ninja --out "$work/out" --quiet
@@ -125,8 +125,11 @@ touch "$FAKE/silent"
 "$TREPHINE" library status "$work/out" --json status.json >said
 grep -q 'does not answer' said || fail "status: $(cat said)"
 rm "$FAKE/silent"
+build l.yaml --json built.json >said 2>&1 & builder=$!
+until [[ -s said ]] || ! kill -0 $builder 2>/dev/null; do sleep 0.05; done
+rm "$FAKE/held"
 code=0
-build l.yaml --json built.json >said 2>&1 || code=$?
+wait $builder || code=$?
 [[ $code == 80 ]] || { cat said; "$TREPHINE" library status "$work/out"; cat "$FAKE"/jobs/*/said; fail "exit code $code"; }
 have=$(digests)
 [[ $have == "$want" ]] || fail "other cases: $(diff <(echo "$want") <(echo "$have"))"
