@@ -256,7 +256,7 @@ class Executor {
   void lay_aside() {
     if (options_.spill.empty()) return;
     const std::lock_guard<std::mutex> one_at_a_time(spill_mutex_);
-    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    for (std::size_t i = 0; i < tasks_.size() && !spill_failed_; ++i) {
       std::unique_lock<std::mutex> lock(mutex_);
       const auto waits = [&] { return tasks_[i].done && tasks_[i].readers > 0 && tasks_[i].users == 0; };
       if (!waits() || stages::bytes_in_memory(results_[i].data) < spilled_from_bytes) continue;
@@ -264,6 +264,7 @@ class Executor {
       const stages::StageData data = results_[i].data;
       lock.unlock();
       if (!spilled) spilled = SpilledData::write(data, options_.spill);
+      spill_failed_ = !spilled;
       lock.lock();
       results_[i].spilled = spilled;
       if (spilled && waits()) results_[i].data = {};
@@ -369,7 +370,8 @@ class Executor {
   std::vector<Task> tasks_;
   stages::SharedWork shared_;
   std::mutex mutex_;
-  std::mutex spill_mutex_;  // taken before mutex_
+  std::mutex spill_mutex_;     // taken before mutex_
+  bool spill_failed_ = false;  // what the disk did not take once is not written again before each stage
   std::condition_variable wake_;
   std::atomic<bool> stop_{false}, cache_failed_{false};
   bool finished_ = false;

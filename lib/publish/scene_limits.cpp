@@ -15,7 +15,9 @@
 
 namespace trephine::publish {
 
-static void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, const std::string& stopped_by) {
+namespace {
+
+void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, const std::string& stopped_by) {
   if (limit.max_triangles > 0 && triangles > limit.max_triangles)
     throw refusal(limit.name,
                   std::to_string(triangles) + " triangles, the scene allows " + std::to_string(limit.max_triangles) +
@@ -23,8 +25,6 @@ static void hold_triangles(const config::SceneAnatomy& limit, std::int64_t trian
                   {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
                    "smoother kernel"});
 }
-
-namespace {
 
 // The decimation of the anatomy where its published surface has the triangles of that: only smoothing and normals
 // follow. Else -1.
