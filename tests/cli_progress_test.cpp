@@ -130,13 +130,12 @@ TEST(ProgressDisplay, AFurtherPlanIsOfWhatIsLeft) {
     d.finish("import");
     d.start("skull.decimate", nullptr);
     out.until("60 % of all, about [0-9.]+ s left");
-    const double before_s = last_left_s(out.text());
-    d.plan({{"skull.decimate", 48}});  // eight times as long as so far, and 4 / 6 before
-    for (int n = 0; n < 6000 && last_left_s(out.text()) < 5 * before_s; ++n)
+    d.plan({{"skull.decimate", 30}});  // in seconds of this machine, whatever was expected of what is done
+    for (int n = 0; n < 6000 && last_left_s(out.text()) < 25; ++n)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_GE(last_left_s(out.text()), 5 * before_s) << out.text();
-    d.report("skull.decimate", 0.75);  // 42 of 54
-    out.until("77 % of all");
+    EXPECT_GE(last_left_s(out.text()), 25) << out.text();
+    d.report("skull.decimate", 0.75);  // 22.5 s and those that have passed, of 30 and those
+    out.until("(7[6-9]|8[0-9]) % of all");
   }
   const std::string text = out.text();
   int last = 0;

@@ -22,39 +22,77 @@ TEST(Schedule, TimesInWhichSeveralRunAreShared) {
   EXPECT_TRUE(pipeline::wall_shares_s({}, 2).empty());
 }
 
-// How long a stage takes that reads a surface hangs on its triangles, which nobody knows before it is made.
-TEST(ExpectedTime, FollowsTheTrianglesOfASurface) {
-  set_thread_count(1);
-  stages::StageType import, segment, decimate;
-  import.typical_s = 1;
-  segment.typical_s = 3;
-  decimate.typical_s = 5;
-  decimate.typical_s_per_million = 20;
+// A graph of import, bone.segment, bone.contour, bone.decimate, each of which reads the one before it.
+struct Bone {
+  stages::StageType import, segment, contour, decimate;
   pipeline::Graph graph;
-  const auto add = [&](const char* name, const stages::StageType& type, int source) {
+  Bone() {
+    import.typical.base_s = 1;
+    segment.typical.base_s = 1;
+    segment.typical.per_million_voxels_s = 0.1;
+    segment.typical.surface_million = 0.5;
+    contour.typical.base_s = 3;
+    decimate.typical.base_s = 0;
+    decimate.typical.per_million_triangles_s = 20;
+    set_thread_count(1);
+    add("import", import, stages::DataKind::volume);
+    add("bone.segment", segment, stages::DataKind::field);
+    add("bone.contour", contour, stages::DataKind::mesh);
+    add("bone.decimate", decimate, stages::DataKind::mesh);
+  }
+  ~Bone() { set_thread_count(0); }
+  void add(const char* name, const stages::StageType& type, stages::DataKind output) {
     pipeline::Node node;
     node.name = name;
     node.type = &type;
-    if (source >= 0) node.sources["in"] = source;
+    node.output = output;
+    if (!graph.nodes.empty()) node.sources["in"] = int(graph.nodes.size()) - 1;
     graph.nodes.push_back(node);
-  };
-  add("import", import, -1);
-  add("bone.segment", segment, 0);
-  add("bone.contour", segment, 1);
-  add("bone.decimate", decimate, 2);
+  }
+};
+
+double second_of(const Plan& plan, const std::string& name) {
+  for (const auto& [node, seconds] : plan)
+    if (node == name) return seconds;
+  return -1;
+}
+
+// How long a stage takes hangs on the voxels and the triangles that it reads, which nobody knows before they are made.
+TEST(ExpectedTime, FollowsTheVoxelsAndTheTriangles) {
+  const Bone bone;
   const std::map<std::string, double> nothing, earlier = {{"bone.decimate", 7}};
-  pipeline::ExpectedTime first(graph, nothing), second(graph, earlier);
+  pipeline::ExpectedTime first(bone.graph, nothing), second(bone.graph, earlier);
+  // Of a head: 30 million voxels, and of a bone's field half a million triangles.
   EXPECT_EQ(first.plan({1, 1, 1, 1}),
-            (Plan{{"import", 1}, {"bone.segment", 3}, {"bone.contour", 3}, {"bone.decimate", 5}}));
-  EXPECT_FALSE(first.learn(1, std::make_shared<const grid::Field>(grid::Field(grid::Lattice{}))));
+            (Plan{{"import", 1}, {"bone.segment", 4}, {"bone.contour", 3}, {"bone.decimate", 10}}));
+  grid::Lattice small;
+  small.size = {256, 256, 61};
+  first.learn(0, std::make_shared<const grid::HuVolume>(grid::Grid<std::int16_t>(small)));
+  EXPECT_NEAR(second_of(first.plan({0, 1, 1, 1}), "bone.segment"), 1.4, 0.001);
+  EXPECT_NEAR(second_of(first.plan({0, 1, 1, 1}), "bone.decimate"), 2.5, 0.001) << "a quarter of the pixels";
   surface::TriMesh mesh;
   mesh.triangles.resize(2'000'000);
   const auto contour = std::make_shared<const surface::TriMesh>(mesh);
-  EXPECT_TRUE(first.learn(2, contour));
+  first.learn(2, contour);
   EXPECT_EQ(first.plan({0, 0, 0, 1}), (Plan{{"bone.decimate", 40}}));
   second.learn(2, contour);
   EXPECT_EQ(second.plan({0, 0, 0, 1}), (Plan{{"bone.decimate", 7}})) << "an earlier run says it better";
-  set_thread_count(0);
+}
+
+// A slow machine, or a stage that finds a scan hard: what has run tells it of what is to come.
+TEST(ExpectedTime, FollowsWhatTheNodesTook) {
+  Bone bone;
+  bone.add("skin.contour", bone.contour, stages::DataKind::mesh);
+  const std::map<std::string, double> nothing, earlier = {{"import", 1}, {"bone.decimate", 7}};
+  pipeline::ExpectedTime first(bone.graph, nothing), second(bone.graph, earlier);
+  const stages::StageData none;
+  first.learn(0, none, 11);  // in place of 1 s, and 4 s more count as foreseen
+  EXPECT_NEAR(second_of(first.plan({0, 1, 1, 1, 1}), "bone.contour"), 9, 1e-9);
+  first.learn(2, none, 3);  // the contour as foreseen, the machine as a whole (11 + 3 + 4) / (1 + 3 + 4)
+  EXPECT_NEAR(second_of(first.plan({0, 0, 0, 1, 1}), "skin.contour"), 3 * (3 + 0.1 * 2.25) / 3.1, 1e-9);
+  second.learn(0, none, 6);
+  EXPECT_NEAR(second_of(second.plan({0, 1, 1, 1, 1}), "bone.decimate"), 14, 1e-9);
+  EXPECT_NEAR(second_of(second.plan({0, 1, 1, 1, 1}), "bone.contour"), 3, 1e-9) << "which no earlier run has told";
 }
 
 }  // namespace

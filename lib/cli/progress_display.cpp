@@ -105,7 +105,10 @@ struct ProgressDisplay::State {
     shown_fraction = std::max(shown_fraction, std::min(sum / all_s, 0.99));
     const double elapsed = seconds_between(began, now), left_s = std::max(all_s - sum, 0.01 * all_s);
     std::string text = std::to_string(static_cast<int>(shown_fraction * 100)) + " % of all";
-    if (sum > 0.05 * all_s && elapsed > 2) text += ", about " + duration_text(elapsed * left_s / sum) + " left";
+    // A stage that is slow to begin with says little of the others, so some seconds count as foreseen.
+    const double held_s = std::max(5.0, 0.25 * all_s);
+    if (sum > 0.05 * all_s && elapsed > 2)
+      text += ", about " + duration_text(left_s * (elapsed + held_s) / (sum + held_s)) + " left";
     return text;
   }
   std::string running_text(Clock::time_point now) {
@@ -179,7 +182,12 @@ ProgressDisplay::~ProgressDisplay() {
 void ProgressDisplay::plan(const std::vector<std::pair<std::string, double>>& expected_s) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   State& s = *state_;
+  // What the plan says is in seconds of this machine, so what has been done counts as what it took.
   s.expected_s = {expected_s.begin(), expected_s.end()};
+  s.done_s = s.planned ? seconds_between(s.began, Clock::now()) : 0;
+  for (const State::Stage& r : s.running)
+    if (const auto e = s.expected_s.find(r.name); e != s.expected_s.end()) s.done_s -= e->second * r.fraction;
+  s.done_s = std::max(s.done_s, 0.0);
   s.all_s = s.done_s;
   for (const auto& [name, seconds] : s.expected_s) s.all_s += seconds;
   if (!std::exchange(s.planned, true)) s.began = Clock::now();

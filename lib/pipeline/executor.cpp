@@ -230,7 +230,8 @@ class Executor {
       return;
     }
     tasks_[i].done = true;
-    if (expected_.learn(i, results_[i].data)) tell_plan();
+    expected_.learn(i, results_[i].data, results_[i].seconds);
+    tell_plan();
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
     if (tasks_[i].readers == 0) drop(i);
     malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage

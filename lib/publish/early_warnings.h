@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Inside of publish: a run's observer between the stages and whoever looks on.
+#include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "pipeline/executor.h"
@@ -12,10 +14,11 @@ namespace trephine::publish {
 bool tells_at_once(const std::string& node);
 
 /// Tells at once what the scan is not suited for: a run that is refused later may be refused because of it. Calls
-/// `scan_is_read` with the report of the import; what that throws ends the run. All else goes on to `observer`.
+/// `scan_is_read` with the report of the import; what that throws ends the run. All else goes on to `observer`, the
+/// plan with the seconds of publishing: those of an earlier run, else a share of what the stages take.
 class EarlyWarnings : public pipeline::RunObserver {
  public:
-  EarlyWarnings(pipeline::RunObserver& observer, std::string token, double publishing_s,
+  EarlyWarnings(pipeline::RunObserver& observer, std::string token, std::optional<double> publishing_before_s,
                 std::function<void(const Report&)> scan_is_read);
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override;
   void publishing() override { observer_.publishing(); }
@@ -26,7 +29,8 @@ class EarlyWarnings : public pipeline::RunObserver {
  private:
   pipeline::RunObserver& observer_;
   const std::string token_;
-  const double publishing_s_;
+  const std::optional<double> publishing_before_s_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   const std::function<void(const Report&)> scan_is_read_;
 };
 

@@ -354,7 +354,9 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       require_disk(request.library,
                    needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
     };
-    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second, check_needs);
+    EarlyWarnings early(observer, token,
+                        before == execution.seconds_before.end() ? std::nullopt : std::optional<double>(before->second),
+                        check_needs);
     CaseContent content;
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);

@@ -10,7 +10,8 @@ StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
   s.version = 6;
-  s.typical_s = 0.9;
+  s.typical.base_s = 0.15;
+  s.typical.per_million_voxels_s = 0.022;
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
   s.case_figures = "";

@@ -9,7 +9,8 @@ StageType body_stage() {
   StageType s;
   s.name = "body";
   s.version = 3;
-  s.typical_s = 0.6;
+  s.typical.base_s = 0.05;
+  s.typical.per_million_voxels_s = 0.036;
   s.place = StagePlace::scan;
   s.draws_removal = true;
   s.summary = "takes mask, couch and other apparatus off a scan";

@@ -9,7 +9,7 @@ StageType boolean_stage() {
   StageType s;
   s.name = "boolean";
   s.version = 2;
-  s.typical_s = 1.5;
+  s.typical.base_s = 1.5;
   s.place = StagePlace::scene;
   s.summary = "cuts burr holes and other solids out of a surface";
   s.description =

@@ -10,7 +10,9 @@ StageType brain_stage() {
   StageType s;
   s.name = "brain";
   s.version = 7;
-  s.typical_s = 4.8;
+  s.typical.base_s = 0.3;
+  s.typical.per_million_voxels_s = 0.075;
+  s.typical.surface_million = 0.9;
   s.summary = "finds the brain inside the skull";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the brain and follows its sulci. A seeded "

@@ -9,7 +9,9 @@ StageType canal_stage() {
   StageType s;
   s.name = "canal";
   s.version = 1;
-  s.typical_s = 1.5;
+  s.typical.base_s = 0.2;
+  s.typical.per_million_voxels_s = 0.057;
+  s.typical.surface_million = 0.14;
   s.recognises = true;
   s.summary = "finds the spinal canal inside the bone of a spine";
   s.description =

@@ -9,7 +9,9 @@ StageType clavicle_stage() {
   StageType s;
   s.name = "clavicle";
   s.version = 1;
-  s.typical_s = 1.5;
+  s.typical.base_s = 0.05;
+  s.typical.per_million_voxels_s = 0.015;
+  s.typical.surface_million = 0.15;
   s.recognises = true;
   s.summary = "separates the clavicles from the other bones of a chest";
   s.description =

@@ -9,7 +9,8 @@ StageType contour_stage() {
   StageType s;
   s.name = "contour";
   s.version = 1;
-  s.typical_s = 0.36;
+  s.typical.base_s = 0.01;
+  s.typical.per_million_triangles_s = 0.9;
   s.summary = "makes the closed surface of a field, or of a volume at an isovalue";
   s.description =
       "Marching cubes on real values: the surface lies between the voxels, where the field says. Where the edge of the "

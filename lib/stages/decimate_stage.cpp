@@ -9,8 +9,8 @@ StageType decimate_stage() {
   StageType s;
   s.name = "decimate";
   s.version = 9;
-  s.typical_s = 1.2;
-  s.typical_s_per_million = 6;
+  s.typical.base_s = 0.03;
+  s.typical.per_million_triangles_s = 2.8;
   s.summary = "reduces the triangles of a surface within a bound in mm";
   s.description =
       "Collapses edges and keeps the surface closed, 2-manifold and free of self-intersections. It stops at the "

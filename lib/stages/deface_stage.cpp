@@ -9,7 +9,7 @@ StageType deface_stage() {
   StageType s;
   s.name = "deface";
   s.version = 4;
-  s.typical_s = 3;
+  s.typical.base_s = 3;
   s.place = StagePlace::scan;
   s.removes_face = true;
   s.case_figures = "face.";

@@ -33,7 +33,7 @@ StageType face_gate_stage() {
   StageType s;
   s.name = "face_gate";
   s.version = 3;
-  s.typical_s = 2;
+  s.typical.base_s = 2;
   s.place = StagePlace::scene;
   s.case_name = "face";
   s.serves = "the check that no face is published";

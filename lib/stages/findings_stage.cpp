@@ -11,7 +11,8 @@ StageType findings_stage() {
   StageType s;
   s.name = "findings";
   s.version = 10;
-  s.typical_s = 2.7;
+  s.typical.base_s = 0.3;
+  s.typical.per_million_voxels_s = 0.038;
   s.place = StagePlace::scan;
   s.examines = true;
   s.serves = "what of the head a person should look at";

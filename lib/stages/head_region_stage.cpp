@@ -9,7 +9,8 @@ StageType head_region_stage() {
   StageType s;
   s.name = "head_region";
   s.version = 2;
-  s.typical_s = 0.45;
+  s.typical.base_s = 0.05;
+  s.typical.per_million_voxels_s = 0.009;
   s.place = StagePlace::scan;
   s.summary = "cuts a scan to the region of the head";
   s.description =

@@ -10,7 +10,8 @@ StageType import_stage() {
   StageType s;
   s.name = "import";
   s.version = 7;
-  s.typical_s = 0.7;
+  s.typical.base_s = 0.1;
+  s.typical.per_million_voxels_s = 0.007;
   s.place = StagePlace::scene;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;

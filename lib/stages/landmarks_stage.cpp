@@ -10,7 +10,8 @@ StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
   s.version = 11;
-  s.typical_s = 1.2;
+  s.typical.base_s = 0.5;
+  s.typical.per_million_voxels_s = 0.008;
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";
   s.description =

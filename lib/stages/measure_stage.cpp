@@ -9,7 +9,8 @@ StageType measure_stage() {
   StageType s;
   s.name = "measure";
   s.version = 3;
-  s.typical_s = 0.5;
+  s.typical.base_s = 0.1;
+  s.typical.per_million_triangles_s = 0.65;
   s.place = StagePlace::scene;
   s.serves = "what decimation and smoothing did to";
   s.summary = "measures a surface, also against a reference";

@@ -11,7 +11,8 @@ StageType mismatch_stage() {
   StageType s;
   s.name = "mismatch";
   s.version = 2;
-  s.typical_s = 1;
+  s.typical.base_s = 0.1;
+  s.typical.per_input_s = 0.09;
   s.place = StagePlace::scene;
   s.case_name = "haptic.mismatch";
   s.serves = "how far what is felt lies from what is seen";

@@ -9,7 +9,7 @@ StageType normals_stage() {
   StageType s;
   s.name = "normals";
   s.version = 1;
-  s.typical_s = 0.02;
+  s.typical.base_s = 0.01;
   s.summary = "gives every point of a surface a normal";
   s.description =
       "Gives smooth normals, one for each point. No point is split at a sharp edge, so a closed surface stays closed. "

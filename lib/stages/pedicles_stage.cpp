@@ -73,7 +73,8 @@ StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
   s.version = 3;
-  s.typical_s = 3;
+  s.typical.base_s = 0.2;
+  s.typical.per_million_voxels_s = 0.055;
   s.place = StagePlace::scan;
   s.summary = "finds the pedicles of a spine and the axis of each";
   s.description =

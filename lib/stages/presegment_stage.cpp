@@ -8,7 +8,7 @@ StageType presegment_stage() {
   StageType s;
   s.name = "presegment";
   s.version = 1;
-  s.typical_s = 1.5;
+  s.typical.base_s = 1.5;
   s.summary = "makes the speed image that drives a snake";
   s.description =
       "Gives a field on the volume's voxels from -1 (the surface moves inwards) over 0 (it rests) to 1 (it moves "

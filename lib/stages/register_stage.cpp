@@ -15,7 +15,7 @@ StageType register_stage() {
   s.name = "register";
   s.version = 6;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
-  s.typical_s = 12;
+  s.typical.base_s = 12;
   s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
                   "overlap_ratio", "margin_ratio", "scale_ratio", "bone_ratio"};
   s.summary = "lays a second scan of the patient (MR, angiography, another CT) on the CT";

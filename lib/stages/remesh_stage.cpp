@@ -9,7 +9,7 @@ StageType remesh_stage() {
   StageType s;
   s.name = "remesh";
   s.version = 1;
-  s.typical_s = 6;
+  s.typical.base_s = 6;
   s.summary = "makes a surface's triangles even, within a bound in mm";
   s.description =
       "Isotropic remeshing: near equilateral triangles with edges of one length and points on the input's surface. "

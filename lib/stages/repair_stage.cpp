@@ -9,7 +9,7 @@ StageType repair_stage() {
   StageType s;
   s.name = "repair";
   s.version = 1;
-  s.typical_s = 5;
+  s.typical.base_s = 5;
   s.summary = "makes a closed, valid surface from a mesh of another program";
   s.description =
       "Merges points, turns triangles, separates what more than one sheet shares, fills holes, removes slivers, "

@@ -9,7 +9,7 @@ StageType resample_stage() {
   StageType s;
   s.name = "resample";
   s.version = 1;
-  s.typical_s = 1;
+  s.typical.base_s = 1;
   s.place = StagePlace::scan;
   s.in_every_recipe = true;
   s.summary = "puts a CT volume on voxels of another size";

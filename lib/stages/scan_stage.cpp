@@ -8,7 +8,8 @@ StageType scan_stage() {
   StageType s;
   s.name = "scan";
   s.version = 3;
-  s.typical_s = 0.12;
+  s.typical.base_s = 0;
+  s.typical.per_million_voxels_s = 0.006;
   s.place = StagePlace::scan;
   s.serves = "what the scan is suited for";
   s.case_figures = "scan.";

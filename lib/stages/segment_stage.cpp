@@ -9,7 +9,9 @@ StageType segment_stage() {
   StageType s;
   s.name = "segment";
   s.version = 12;
-  s.typical_s = 0.4;
+  s.typical.base_s = 0.05;
+  s.typical.per_million_voxels_s = 0.033;
+  s.typical.surface_million = 0.9;
   s.summary = "finds one anatomy in a CT volume by thresholds";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the anatomy. Its zero crossing is the anatomy's "

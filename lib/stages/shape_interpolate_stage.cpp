@@ -9,7 +9,8 @@ StageType shape_interpolate_stage() {
   StageType s;
   s.name = "shape_interpolate";
   s.version = 1;
-  s.typical_s = 0.45;
+  s.typical.base_s = 0.02;
+  s.typical.per_million_voxels_s = 0.001;
   s.summary = "adds slices between thick ones, so that surfaces have no terraces";
   s.description =
       "Thick slices make a surface that is nearly parallel to them a flight of terraces. Between two slices the "

@@ -9,7 +9,8 @@ StageType simplify_stage() {
   StageType s;
   s.name = "simplify";
   s.version = 1;
-  s.typical_s = 0.1;
+  s.typical.base_s = 0;
+  s.typical.per_million_voxels_s = 0.005;
   s.summary = "closes a field's small tunnels and cavities, for display";
   s.description =
       "Closes tunnels narrower than close_handles_mm by membranes of one voxel and fills small cavities; everywhere "

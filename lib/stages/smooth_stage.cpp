@@ -9,8 +9,7 @@ StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
   s.version = 4;
-  s.typical_s = 0.1;
-  s.typical_s_per_million = 1;
+  s.typical.base_s = 0.08;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
       "Windowed sinc, Laplacian or feature-keeping smoothing. No point moves farther than the bound, and the volume is "

@@ -9,7 +9,7 @@ StageType snake_stage() {
   StageType s;
   s.name = "snake";
   s.version = 2;
-  s.typical_s = 10;
+  s.typical.base_s = 10;
   s.summary = "evolves a surface over a speed image (active contour)";
   s.description =
       "Grows balls, or another field, over the speed image of presegment until the surface rests, by region "

@@ -74,6 +74,17 @@ enum class From {
   haptic,              ///< the haptic volume of the case (haptic volumes)
 };
 
+/// The seconds that a stage takes, for the time left until an earlier run of the case tells: sums of these, fitted to
+/// seven heads, a chest and a lumbar spine on two quiet cores (docs/strangers-scans.md, "The time left").
+struct TypicalTime {
+  double base_s = 0.5;
+  double per_million_voxels_s = 0;     ///< of its largest field or volume
+  double per_million_triangles_s = 0;  ///< of its largest surface; of a field, of the surface that it has
+  double per_input_s = 0;
+  /// Triangles of the surface of the field that it makes, in slices of 512 x 512; 0: those of the field that it reads.
+  double surface_million = 0;
+};
+
 /// A landmark that a stage finds, and the slice in which it is best seen; or a family of them, of which there are as
 /// many as the scan shows: their names begin with this one and "_".
 struct StagePoint {
@@ -196,10 +207,7 @@ struct StageType {
   bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
   bool draws_removal = false;    ///< takes something off the scan, on the same voxels: a picture shows what
   bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
-  /// Seconds on a head of 10 million voxels: a weight of the overall progress until a run of the library has told.
-  double typical_s = 0.5;
-  /// Likewise, for a million triangles of the surface that it reads, once there is one; 0: it does not hang on them.
-  double typical_s_per_million = 0;
+  TypicalTime typical;
   std::string summary, description;
   std::vector<std::string> examples;  ///< whole command lines
   std::vector<Port> ports;

@@ -10,7 +10,7 @@ StageType t1_contrast_stage() {
   StageType s;
   s.name = "t1_contrast";
   s.version = 1;
-  s.typical_s = 4;
+  s.typical.base_s = 4;
   s.summary = "makes a T1-weighted MR readable for the stages that find brain and ventricles";
   s.description =
       "Takes an MR that lies on the CT's voxels (scan: mr in a recipe, or what `register` wrote), takes off the coil's "

@@ -9,7 +9,9 @@ StageType vein_stage() {
   StageType s;
   s.name = "vein";
   s.version = 1;
-  s.typical_s = 1.5;
+  s.typical.base_s = 0.05;
+  s.typical.per_million_voxels_s = 0.017;
+  s.typical.surface_million = 0.03;
   s.summary = "finds or estimates the subclavian veins below the clavicles";
   s.description =
       "Gives a field in about mm that is positive inside the vein, from the middle of the clavicle to behind the "

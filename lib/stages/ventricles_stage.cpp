@@ -9,7 +9,9 @@ StageType ventricles_stage() {
   StageType s;
   s.name = "ventricles";
   s.version = 5;
-  s.typical_s = 5;
+  s.typical.base_s = 1;
+  s.typical.per_million_voxels_s = 0.065;
+  s.typical.surface_million = 0.07;
   s.summary = "finds the ventricles inside the brain";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the lateral ventricles and the third. They are the "

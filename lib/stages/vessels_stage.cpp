@@ -10,7 +10,7 @@ StageType vessels_stage() {
   StageType s;
   s.name = "vessels";
   s.version = 2;
-  s.typical_s = 4;
+  s.typical.base_s = 4;
   s.summary = "finds the vessels that a CT angiography shows";
   s.description =
       "Subtracts the CT from an angiography that lies on its voxels (scan: cta in a recipe, or what `register` wrote), "

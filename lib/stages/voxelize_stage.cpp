@@ -146,7 +146,9 @@ StageType voxelize_stage() {
   StageType s;
   s.name = "voxelize";
   s.version = 3;
-  s.typical_s = 7;
+  s.typical.base_s = 0.2;
+  s.typical.per_million_triangles_s = 0.6;
+  s.typical.per_input_s = 0.5;
   s.place = StagePlace::scene;
   s.case_name = "haptic.voxelize";
   s.summary = "makes the haptic volume, which is what the hand feels";

@@ -8,7 +8,9 @@ StageType zone_stage() {
   StageType s;
   s.name = "zone";
   s.version = 7;
-  s.typical_s = 0.45;
+  s.typical.base_s = 0.1;
+  s.typical.per_million_voxels_s = 0.008;
+  s.typical.surface_million = 0.04;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =
       "Gives a field in mm that is positive inside the dura, a slab in the midline, the superior sagittal sinus, the "
