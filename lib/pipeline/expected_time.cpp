@@ -14,6 +14,8 @@ constexpr double head_million_voxels = 30;  // 115 slices
 // As long as the nodes that have run are worth less than these seconds, what was expected counts more than what they
 // took.
 constexpr double machine_held_s = 4, stage_held_s = 0.1;
+// A stage that takes longer than this finds the scan hard, which says nothing of the others.
+constexpr double most_by_machine_ratio = 3;
 
 }  // namespace
 
@@ -52,15 +54,16 @@ void ExpectedTime::expect_amounts() {
 void ExpectedTime::learn(int node, const stages::StageData& output, double took_s) {
   const Node& n = graph_.nodes[std::size_t(node)];
   if (took_s > 0) {
-    const auto take = [&](Taken& t, double expected_s) {
+    const auto take = [](Taken& t, double expected_s, double seconds) {
       t.expected_s += expected_s;
-      t.took_s += took_s;
+      t.took_s += seconds;
     };
     if (const auto before = before_.find(n.name); before != before_.end()) {
-      take(by_earlier_, before->second);
+      take(by_earlier_, before->second, took_s);
     } else {
-      take(by_typical_, typical_s(n));
-      take(of_[n.type], typical_s(n));
+      const double expected_s = typical_s(n);
+      take(by_typical_, expected_s, std::min(took_s, most_by_machine_ratio * expected_s));
+      take(of_[n.type], expected_s, took_s);
     }
   }
   Amount a{true, 0, 0, 0};
