@@ -107,7 +107,7 @@ def main():
     parse.add_argument("folder", type=pathlib.Path)
     parse.add_argument("names", nargs="*")
     parse.add_argument("--data", type=pathlib.Path)
-    asked = parse.parse_args()
+    asked = parse.parse_intermixed_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     unknown = set(asked.names) - set(SCANS)
     if unknown:

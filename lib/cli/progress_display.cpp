@@ -106,7 +106,7 @@ struct ProgressDisplay::State {
     const double elapsed = seconds_between(began, now), left_s = std::max(all_s - sum, 0.01 * all_s);
     std::string text = std::to_string(static_cast<int>(shown_fraction * 100)) + " % of all";
     // A stage that is slow to begin with says little of the others, so some seconds count as foreseen.
-    const double held_s = std::max(5.0, 0.25 * all_s);
+    const double held_s = std::max(10.0, 0.25 * all_s);
     if (sum > 0.05 * all_s && elapsed > 2)
       text += ", about " + duration_text(left_s * (elapsed + held_s) / (sum + held_s)) + " left";
     return text;
