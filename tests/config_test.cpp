@@ -203,8 +203,8 @@ TEST(Config, TheOrderOfKeysInAFileSaysNothing) {
                            after = config::read_case_config(Files(beginning, recipe + roles).config);
   EXPECT_EQ(before.roles.class_of, "skull");
   EXPECT_EQ(before.roles.burr_holes.bone, after.roles.burr_holes.bone);
-  ASSERT_EQ(before.scan_steps.size(), 1u);
-  EXPECT_EQ(before.scan_steps[0].params.as<grid::ResampleParams>().spacing_mm[2], 2);
+  ASSERT_EQ(before.scan_steps.size(), 2u);  // with the look at the part of the body, which every recipe has
+  EXPECT_EQ(before.scan_steps[1].params.as<grid::ResampleParams>().spacing_mm[2], 2);
   std::string wrong = first;
   wrong.replace(wrong.find("bone: skull"), 11, "bone: skul");
   EXPECT_TRUE(has(faults(Files(beginning, wrong)).at(0), "did you mean skull?"));

@@ -139,9 +139,24 @@ TEST(OnlyWhatTheSceneRequires, ASkullAloneNeedsNoBrain) {
   const config::CaseConfig config = config::read_case_config(configs / "ct_skull.yaml");
   std::set<std::string> names;
   for (const pipeline::Node& n : pipeline::make_graph(config, "input").nodes) names.insert(n.name);
-  EXPECT_EQ(names, (std::set<std::string>{"import", "scan", "body", "head_region", "skin.segment", "skull.segment",
-                                          "skull.simplify", "skull.shape_interpolate", "skull.contour",
+  EXPECT_EQ(names, (std::set<std::string>{"import", "body_part", "scan", "body", "head_region", "skin.segment",
+                                          "skull.segment", "skull.simplify", "skull.shape_interpolate", "skull.contour",
                                           "skull.decimate", "skull.smooth", "skull.normals", "skull.measure"}));
+}
+
+// What the scan must be of is asked where the configuration says it, and else no stage looks.
+TEST(OnlyWhatTheSceneRequires, ThePartOfTheBodyIsAskedWhereItIsSaid) {
+  const auto looks = [&](const char* config, const std::vector<std::string>& set) {
+    config::ConfigOverrides overrides;
+    overrides.set = set;
+    return pipeline::make_graph(config::read_case_config(configs / config, overrides), "input").find("body_part") >= 0;
+  };
+  for (const char* c : {"ct_head.yaml", "ct_skull.yaml", "ct_spine.yaml", "ct_spine_bone.yaml", "ct_chest.yaml"}) {
+    EXPECT_TRUE(looks(c, {})) << c;
+    EXPECT_FALSE(looks(c, {"body_part.expected=any"})) << c;
+  }
+  EXPECT_FALSE(looks("ct_chest_bone.yaml", {}));
+  EXPECT_TRUE(looks("ct_chest_bone.yaml", {"body_part.expected=chest"}));
 }
 
 // Skull of the sample on coarse voxels: what the explanation foretells is what the run does, before and after.
@@ -177,7 +192,7 @@ TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
   };
   using State = publish::Explanation::Stage::State;
   const std::set<std::string> all = foretold(State::compute);
-  EXPECT_EQ(all.size(), 14u);
+  EXPECT_EQ(all.size(), 15u);
   Recorder first;
   publish::run_case(request, first);
   EXPECT_EQ(first.computed, all);

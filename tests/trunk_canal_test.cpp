@@ -146,5 +146,27 @@ TEST(Canal, OfWhatIsNoSpineIsRefused) {
   EXPECT_EQ(code_of(volume, elsewhere, what), ExitCode::bad_input);
 }
 
+TEST(Canal, ATubeOfAirIsNone) {
+  const Spine spine;
+  const auto scan = [&](float content_hu) {
+    return scanned(drawn(raster({1, 1, 1}), [&](Vec3 p) { return spine.canal_mm(p) > 0 ? content_hu : spine.hu(p); }),
+                   0.6, 10);
+  };
+  segmentation::SegmentParams p;
+  p.lower_hu = 250;
+  Report r;
+  const auto canal_of = [&](const grid::HuVolume& v) {
+    return trunk::find_canal(v, segmentation::segment(v, {}, p, r), {}, r);
+  };
+  EXPECT_NO_THROW(canal_of(scan(-100)));
+  try {
+    canal_of(scan(-1000));
+    FAIL() << "an airway is a canal";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("which is air"), std::string::npos) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace trephine

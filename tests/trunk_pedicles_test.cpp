@@ -121,6 +121,28 @@ TEST(Pedicles, WhatIsNoneIsDoubtfulOrRefused) {
   }
 }
 
+// What stands beside the canal is so high that no axis could be sure: said before one is looked for, unless a person
+// gives them.
+TEST(Pedicles, AWallOfBoneIsRefusedBeforeAxesAreLookedFor) {
+  const Spine spine;
+  const grid::Lattice l = lattice_of_spine(spine);
+  const auto tall = [](Vec3 p) { return std::min(4 - std::abs(std::abs(p.x) - 17), 20 - std::abs(p.z)); };
+  const grid::Field bone = field_of(l, tall), canal = field_of(l, [&](Vec3 p) { return 12 - std::abs(p.x); });
+  Report report;
+  const auto found = trunk::find_pedicles(bone, canal, {}, report);
+  ASSERT_EQ(found.size(), 2u);
+  for (const trunk::PedicleAxis& p : found) EXPECT_EQ(p.confidence, 0) << p.doubt;
+  try {
+    trunk::find_pedicles(bone, canal, {}, report, {}, true);
+    FAIL() << "looked for axes";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("is nowhere less than"), std::string::npos) << e.what();
+  }
+  EXPECT_NO_THROW(trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                       field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report, {}, true));
+}
+
 TEST(Pedicles, ThinOnesAreDoubtful) {
   SpineParams params;
   params.half_width_mm = 0.9;

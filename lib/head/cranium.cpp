@@ -21,26 +21,28 @@ constexpr double opening_mm = 2;
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
-/// Whether in at least `min_enclosure` of 26 directions a ray from that cell meets bone before it leaves the volume.
-bool is_enclosed(const mask::BitMask& bone, int i, int j, int k) {
-  int met = 0, missed = 0;
+/// In how many of 26 directions a ray from each cell of the box, which holds all bone, meets bone.
+grid::Mask rays_met(const mask::BitMask& bone, const grid::Box& box) {
+  grid::Mask count(grid::cropped(bone.lattice(), box)), meets(count);
+  const auto [nx, ny, nz] = count.size;
   for (int dk = -1; dk <= 1; ++dk)
     for (int dj = -1; dj <= 1; ++dj)
       for (int di = -1; di <= 1; ++di) {
         if (!di && !dj && !dk) continue;
-        int x = i, y = j, z = k;
-        while (bone.lattice().contains(x, y, z)) {
-          if (bone.get(x, y, z)) {
-            ++met;
-            break;
-          }
-          x += di;
-          y += dj;
-          z += dk;
-        }
-        if (!bone.lattice().contains(x, y, z) && ++missed > 26 * (1 - min_enclosure)) return false;
+        // A ray meets what the ray of the next cell meets, so the cells come from the far end of the direction on.
+        for (int c = 0; c < nz; ++c)
+          for (int b = 0; b < ny; ++b)
+            for (int a = 0; a < nx; ++a) {
+              const int i = di > 0 ? nx - 1 - a : a, j = dj > 0 ? ny - 1 - b : b, k = dk > 0 ? nz - 1 - c : c;
+              const int x = i + di, y = j + dj, z = k + dk;
+              const bool inside = x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz;
+              const bool met =
+                  inside && (meets.at(x, y, z) || bone.get(x + box.begin[0], y + box.begin[1], z + box.begin[2]));
+              meets.at(i, j, k) = met;
+              count.at(i, j, k) = std::uint8_t(count.at(i, j, k) + met);
+            }
       }
-  return met >= 26 * min_enclosure;
+  return count;
 }
 
 /// The cell farthest from bone among those that bone encloses.
@@ -55,9 +57,12 @@ std::size_t core_of(const mask::BitMask& bone, const grid::Grid<float>& to_bone)
         if (to_bone.at(i, j, k) >= min_core_mm) order.push_back(std::uint32_t(to_bone.index(i, j, k)));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return to_bone.voxels[a] > to_bone.voxels[b]; });
+  const grid::Mask met = rays_met(bone, box);
   for (std::uint32_t v : order) {
     const int nx = bone.lattice().size[0], ny = bone.lattice().size[1];
-    if (is_enclosed(bone, int(v % nx), int(v / nx % ny), int(v / nx / ny))) return v;
+    if (met.at(int(v % nx) - box.begin[0], int(v / nx % ny) - box.begin[1], int(v / nx / ny) - box.begin[2]) >=
+        26 * min_enclosure)
+      return v;
   }
   throw refusal(
       "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels",

@@ -99,7 +99,7 @@ void GraphBuilder::prepare(const config::RecipeStep& step) {
 // The checks that a recipe names: of the scan as it was read, or of what was made of it.
 void GraphBuilder::add_checks_of_scan(bool as_read) {
   for (const config::RecipeStep& step : config_.scan_steps) {
-    if (!step.type->is_check() || step.type->reads(From::import) != as_read) continue;
+    if (!step.type->is_check() || step.type->reads(From::import) != as_read || is_idle(step)) continue;
     const auto is_shown = [&](const auto& p) { return config_.is_shown(anatomy_of(p.second)); };
     const bool complete = std::all_of(step.ports.begin(), step.ports.end(), [&](const auto& p) {
       return !step.type->find_port(p.first)->required || is_shown(p);

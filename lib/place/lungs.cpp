@@ -21,7 +21,8 @@ void require_no_lungs(const mask::BitMask& enclosed, const mask::HuView& hu) {
       fmt::format("{:.0f} % of the space that bone encloses is air, as in a chest: no head was scanned, or its "
                   "skull is empty",
                   100 * share),
-      {"take a series of a head; for the bone alone take configs/ct_skull.yaml"});
+      {"take a series of a head; a chest is made by configs/ct_chest.yaml, an empty skull's bone by "
+       "configs/ct_skull.yaml"});
 }
 
 }  // namespace trephine::place

@@ -39,7 +39,7 @@ std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, c
     if (a.anatomy == anatomy) return "left out";
   for (const cases::CaseStandIn& a : m.stand_ins)
     if (a.anatomy == anatomy) return kind_of(a);
-  if (may_be_of_another(m, anatomy)) return "doubtful";
+  if (may_be_of_another(m, anatomy) || figure(m, "body_part.is_expected") == "unknown") return "doubtful";
   const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
   return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
 }

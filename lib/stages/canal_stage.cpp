@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType canal_stage() {
   StageType s;
   s.name = "canal";
-  s.version = 1;
+  s.version = 2;
   s.typical.base_s = 0.2;
   s.typical.per_million_voxels_s = 0.057;
   s.typical.surface_million = 0.14;

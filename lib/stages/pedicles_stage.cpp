@@ -72,7 +72,7 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
 StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
-  s.version = 3;
+  s.version = 4;
   s.typical.base_s = 0.2;
   s.typical.per_million_voxels_s = 0.055;
   s.place = StagePlace::scan;
@@ -101,11 +101,11 @@ StageType pedicles_stage() {
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const grid::Field& bone = *in.get<grid::Field>("bone");
     grid::place_in(bone, grid::lattice_of(*in.get<grid::HuVolume>("volume")));
-    std::vector<trunk::PedicleAxis> all =
-        trunk::find_pedicles(bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress);
+    const auto* given = in.get<head::HeadLandmarks>("given");
+    std::vector<trunk::PedicleAxis> all = trunk::find_pedicles(
+        bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress, !given);
     std::map<std::string, bool> is_given;
-    if (const auto* given = in.get<head::HeadLandmarks>("given"))
-      take_given(bone, given->landmarks, all, is_given, report);
+    if (given) take_given(bone, given->landmarks, all, is_given, report);
     head::HeadLandmarks out;
     for (const trunk::PedicleAxis& p : all) {
       const std::string name = name_of(p);

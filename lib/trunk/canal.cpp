@@ -83,6 +83,13 @@ void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::
   report.add("tissue_hu", tissue);
   if (middle < 80 || middle > 700)
     report.warn(fmt::format("its cross-section, {:.0f} mm^2, is not of the size of an adult's spinal canal", middle));
+  if (tissue < -500)
+    throw refusal(
+        "canal",
+        fmt::format("it holds {:.0f} HU, which is air: what bone encloses there is an airway or a sinus, of a "
+                    "spinal canal the content is above -500 HU",
+                    tissue),
+        {"take a series of a spine, or one that shows more of it"});
   if (tissue < -60 || tissue > 100)
     report.warn(fmt::format("it holds {:.0f} HU, which is no cord, root or liquor without contrast", tissue));
 }

@@ -49,7 +49,8 @@ struct CanalParams {
 /// Report: length_mm, volume_ml, area_median_mm2, area_least_mm2 and its position area_least_z_mm (over slices in which
 /// half of the wall is bone; 0 where there are none), walled_ratio, tissue_hu. Warns where area or content are not
 /// those of a canal. The result has the same bits whatever the thread count. Throws Error 65 where a raster differs; 80
-/// where the bone is empty, no such space is found, or it is shorter or less walled than required; Cancelled.
+/// where the bone is empty, no such space is found, it is shorter or less walled than required, or holds air;
+/// Cancelled.
 grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, const CanalParams& params, Report& report,
                        const Progress& progress = {});
 

@@ -17,6 +17,7 @@ namespace {
 constexpr double raster_mm = 0.6;
 constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // how far from the canal bone is looked at
 constexpr double walk_mm = 0.25;
+constexpr double max_height_mm = 30;  // from here on the confidence is 0, whatever the axis
 
 // The part of the bone that lies beside the canal.
 grid::Lattice raster_about(const grid::Field& bone, const grid::Field& canal) {
@@ -40,6 +41,20 @@ grid::Lattice raster_about(const grid::Field& bone, const grid::Field& canal) {
     l.size[std::size_t(c)] = std::max(2, int((std::min(high[c], bone_high[c] + 2) - l.origin_mm[c]) / raster_mm) + 1);
   }
   return l;
+}
+
+// Where all that stands beside the canal is so high that none can have a confidence above 0, no axis is looked for.
+void require_low_enough(const std::vector<PediclePlace>& places) {
+  double lowest_mm = 1e9;
+  for (const PediclePlace& place : places)
+    if (!place.cut) lowest_mm = std::min(lowest_mm, place.height_mm);
+  if (lowest_mm < max_height_mm || lowest_mm > 1e8) return;
+  throw refusal(
+      "pedicles",
+      fmt::format("the bone beside the canal is nowhere less than {:.0f} mm high, and a pedicle is less than "
+                  "{:.0f}: is this a spine, and are its slices thin enough to part one vertebra from the next?",
+                  lowest_mm, max_height_mm),
+      {"take a series of a spine, thinner slices, or give them as landmarks"});
 }
 
 // From `from` until the bone is left for good: gaps narrower than `gap_mm` are vessels.
@@ -122,7 +137,7 @@ PedicleAxis axis_of(const BoneDistance& bone, const grid::Field& scan, const Ped
   const double length = norm(front - p.entry_mm);
   doubt(p, std::min(mask::ramp(length, 15, 28), mask::ramp(length, 90, 75)),
         fmt::format("it would be {:.0f} mm long, from behind to the body's front", length));
-  doubt(p, mask::ramp(place.height_mm, 30, 22),
+  doubt(p, mask::ramp(place.height_mm, max_height_mm, 22),
         fmt::format("the bone beside the canal is {:.0f} mm high", place.height_mm));
   doubt(p, mask::ramp(std::min(to_scan_end_mm(scan, p.entry_mm), to_scan_end_mm(scan, p.target_mm)), 0, 3),
         "the scan ends there");
@@ -198,9 +213,10 @@ void pair_up(std::vector<Found>& all) {
 }  // namespace
 
 std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
-                                       Report& report, const Progress& progress) {
+                                       Report& report, const Progress& progress, bool refuse_early) {
   grid::place_in(canal, bone);  // the same raster
   const std::vector<PediclePlace> places = pedicle_places(bone, canal, params);
+  if (refuse_early) require_low_enough(places);
   progress.report(0.1);
   const BoneDistance distance(bone, raster_about(bone, canal), progress.part(0.1, 0.5));
   std::vector<Found> found;

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "look/body_part.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "base/refusal.h"
+#include "head/cranium.h"
+#include "look/orientation.h"
+#include "mask/coarse.h"
+#include "mask/hu_view.h"
+#include "trunk/canal_parts.h"
+
+namespace trephine::look {
+namespace {
+
+constexpr double cell_mm = 3;
+constexpr double bone_hu = 226, air_hu = -300, tissue_low_hu = -150, tissue_high_hu = 150;
+
+// A cranial cavity. Given heads have 1,250 to 1,540 ml with up to 2 % of air, and a wall of 97 to 100 %.
+constexpr double head_low_ml = 900, head_high_ml = 2000, head_air_ratio = 0.05, head_walled_ratio = 0.9;
+constexpr double cavity_ml = 300, cavity_air_ratio = 0.25, cavity_walled_ratio = 0.7;  ///< as small, open or cut
+constexpr double wall_mm = 6;
+
+// Lungs: the given chest has 50 %, an empty skull too, but no tissue about it. What stages refuse later is a quarter.
+constexpr double lung_ratio = 0.35, lung_ml = 150, lung_tissue_ml = 2000;
+
+// A spine alone: its canal, which holds tissue, and hardly any bone away from it.
+constexpr double spine_mm = 80, spine_low_hu = -100, spine_high_hu = 250, spine_bone_ratio = 0.9;
+
+// How far below a cranial cavity a scan must go to show a vertebra with pedicles (the atlas has none), or a clavicle.
+constexpr double vertebra_mm = 30, clavicle_mm = 50;
+
+double ml(const mask::BitMask& m) { return double(m.count()) * m.lattice().voxel_volume_mm3() / 1000; }
+
+mask::BitMask between(const mask::HuView& hu, double low, double high) {
+  mask::BitMask m = mask::above(hu, low);
+  return m.remove(mask::above(hu, high));
+}
+
+// How far the lattice reaches below the mask, along the patient's length.
+double below_mm(const mask::BitMask& m) {
+  const grid::Lattice& l = m.lattice();
+  const int axis = head::vertical_axis(l);
+  const grid::Box box = m.bounds();
+  const bool up = l.direction.column[std::size_t(axis)].z > 0;
+  const int cells = up ? box.begin[std::size_t(axis)] : l.size[std::size_t(axis)] - box.end[std::size_t(axis)];
+  return cells * l.spacing_mm[axis] * std::abs(l.direction.column[std::size_t(axis)].z);
+}
+
+// The share of the mask's surface, within the lattice, that has bone within wall_mm.
+double walled_ratio(const mask::BitMask& space, const mask::BitMask& bone, const Progress& progress) {
+  const mask::BitMask wall = mask::dilated(bone, wall_mm, progress);
+  const mask::BitMask rim = mask::without(mask::dilated_6(space), space);
+  return double(mask::both(rim, wall).count()) / double(std::max<std::size_t>(1, rim.count()));
+}
+
+// Air whose neighbours are air: no cell that a surface crosses.
+double inner_air_ml(const mask::BitMask& air) {
+  mask::BitMask other = air;
+  other.invert();
+  return ml(mask::without(air, mask::dilated_6(other)));
+}
+
+void look_for_canal(const mask::BitMask& bone, const mask::HuView& hu, BodyPartSeen& seen, const Progress& progress) {
+  constexpr double about_mm = 60;
+  const grid::Lattice& l = bone.lattice();
+  if (std::abs(l.direction.column[2].z) < 0.7) return;
+  const trunk::CanalCourse course = trunk::canal_course(bone, {}, progress);
+  if (course.points.empty()) return;
+  seen.canal_mm = double(course.points.size()) * l.spacing_mm.z;
+  std::vector<float> content;
+  std::size_t all = 0, about = 0;
+  for (int k = 0; k < l.size[2]; ++k) {
+    const int s = k - course.first_slice;
+    const bool within = s >= 0 && s < int(course.points.size());
+    const trunk::CanalPoint p = course.points[std::size_t(std::clamp(s, 0, int(course.points.size()) - 1))];
+    if (within) content.push_back(hu(int(std::lround(p.i)), int(std::lround(p.j)), k));
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (bone.get(i, j, k)) {
+          ++all;
+          about += std::hypot((i - p.i) * l.spacing_mm.x, (j - p.j) * l.spacing_mm.y) < about_mm;
+        }
+  }
+  std::nth_element(content.begin(), content.begin() + std::ptrdiff_t(content.size() / 2), content.end());
+  seen.canal_hu = content[content.size() / 2];
+  seen.bone_about_canal_ratio = double(about) / double(std::max<std::size_t>(1, all));
+}
+
+}  // namespace
+
+BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress) {
+  const mask::HuView hu(volume);
+  const mask::CoarseRaster raster = mask::coarse_raster(hu.lattice(), cell_mm);
+  mask::BitMask all(hu.lattice());
+  all.invert();
+  const grid::Grid<float> means = mask::coarse_mean(hu, all, raster, -1000);
+  const mask::HuView cells(means);
+  const mask::BitMask bone = mask::coarse_mask(mask::above(hu, bone_hu), raster, 0.4);
+  BodyPartSeen seen;
+  seen.tissue_ml = ml(between(cells, tissue_low_hu, tissue_high_hu));
+  if (!bone.any()) return seen;
+  progress.report(0.4);
+  try {
+    Report ignored;
+    const mask::BitMask space = head::cranial_cavity(bone, ignored, progress);
+    seen.enclosed_ml = ml(space);
+    mask::BitMask air = space;
+    air.remove(mask::above(cells, air_hu));
+    seen.enclosed_air_ratio = double(air.count()) / double(std::max<std::size_t>(1, space.count()));
+    seen.enclosed_inner_air_ml = inner_air_ml(air);
+    seen.walled_ratio = walled_ratio(space, bone, progress);
+    seen.below_mm = below_mm(space);
+    if (seen.enclosed_ml > head_low_ml && seen.enclosed_ml < head_high_ml && seen.enclosed_air_ratio < head_air_ratio &&
+        seen.walled_ratio > head_walled_ratio)
+      seen.head = head_signs(bone, mask::BitMask(bone.lattice()), progress).found;
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::quality) throw;
+  }
+  progress.report(0.7);
+  if (!seen.head) look_for_canal(bone, cells, seen, progress);
+  progress.report(1);
+  return seen;
+}
+
+namespace {
+
+void judge_head(const BodyPartSeen& seen, std::string& is_expected, Report& report) {
+  if (seen.head) return;
+  if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml)
+    throw refusal("expected",
+                  fmt::format("lungs are seen, and no head: {:.0f} % of the {:.0f} ml that bone encloses are air, of a "
+                              "head at most {:.0f} %",
+                              100 * seen.enclosed_air_ratio, seen.enclosed_ml, 100 * lung_ratio),
+                  {"take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
+                   "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, "
+                   "set `expected` of `body_part` to any by --set body_part.expected=any"});
+  if (seen.enclosed_ml == 0 && seen.canal_mm > spine_mm && seen.canal_hu > spine_low_hu &&
+      seen.canal_hu < spine_high_hu && seen.bone_about_canal_ratio > spine_bone_ratio)
+    throw refusal("expected",
+                  fmt::format("a spine is seen, and no head: bone encloses no cranial cavity, but a canal {:.0f} mm "
+                              "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
+                              seen.canal_mm, 100 * seen.bone_about_canal_ratio, 100 * spine_bone_ratio),
+                  {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
+                   "head all the same, set `expected` of `body_part` to any by --set body_part.expected=any"});
+  if (seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
+      seen.walled_ratio > cavity_walled_ratio)
+    return;
+  is_expected = "unknown";
+  report.warn(
+      "no cranial cavity with a brain in it is seen, so nothing says that a head was scanned: bone is made of it, "
+      "whichever it is; look at the overlays");
+}
+
+void judge_trunk(const BodyPartSeen& seen, bool spine) {
+  const double least_mm = spine ? vertebra_mm : clavicle_mm;
+  if (!seen.head || seen.below_mm >= least_mm) return;
+  throw refusal(
+      "expected",
+      fmt::format("a head is seen (a cranial cavity of {:.0f} ml), and the scan ends {:.0f} mm below it: {} "
+                  "needs at least {:.0f} mm",
+                  seen.enclosed_ml, seen.below_mm, spine ? "a vertebra with pedicles" : "a clavicle", least_mm),
+      {fmt::format("take a series of a {}; of this one configs/ct_head.yaml makes a head; or where it is "
+                   "right all the same, set `expected` of `body_part` to any by --set body_part.expected=any",
+                   spine ? "spine" : "chest with its shoulders")});
+}
+
+}  // namespace
+
+void judge_body_part(const grid::HuVolume& volume, const BodyPartParams& params, Report& report,
+                     const Progress& progress) {
+  mask::check_finite(volume);
+  const BodyPartSeen seen = body_part_of(volume, progress);
+  report.add("shows_head", seen.head ? "yes" : "no");
+  report.add("tissue_ml", seen.tissue_ml);
+  report.add("enclosed_ml", seen.enclosed_ml);
+  report.add("enclosed_air_ratio", seen.enclosed_air_ratio);
+  report.add("enclosed_inner_air_ml", seen.enclosed_inner_air_ml);
+  report.add("enclosed_walled_ratio", seen.walled_ratio);
+  report.add("below_enclosed_mm", seen.below_mm);
+  if (!seen.head) {
+    report.add("canal_mm", seen.canal_mm);
+    report.add("canal_hu", seen.canal_hu);
+    report.add("bone_about_canal_ratio", seen.bone_about_canal_ratio);
+  }
+  std::string is_expected = "not told";
+  if (params.expected == BodyPart::head) judge_head(seen, is_expected = "yes", report);
+  if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
+    judge_trunk(seen, params.expected == BodyPart::spine);
+  report.add("is_expected", is_expected);
+}
+
+}  // namespace trephine::look

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "look/body_part.h"
+
+#include "stages/stage.h"
+
+namespace trephine::stages {
+
+StageType body_part_stage() {
+  StageType s;
+  s.name = "body_part";
+  s.version = 1;
+  s.typical_s = 0.2;
+  s.place = StagePlace::scan;
+  s.serves = "what part of the body the scan shows";
+  s.case_figures = "body_part.";
+  s.tells_at_once = true;
+  s.recognises = true;
+  s.in_every_recipe = true;
+  s.summary = "says whether a scan shows a head, lungs or a spine, before anything is made of it";
+  s.description =
+      "Looks at cells of 3 mm for a cranial cavity, for lungs and for the canal of a spine. Where the scan surely "
+      "shows "
+      "another part of the body than the expected one, it is refused at once, with the recipe that fits; where only no "
+      "cranial cavity is seen, as in a scan of a jaw, a head's recipe goes on with a warning. What it lets pass, the "
+      "stages that look for the part may still refuse.";
+  s.examples = {"trephine body-part scan.nrrd --expected head --report seen.json"};
+  s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<look::BodyPartParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    look::judge_body_part(*in.get<grid::HuVolume>("volume"), params.as<look::BodyPartParams>(), report, progress);
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine::stages
