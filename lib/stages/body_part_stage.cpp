@@ -9,7 +9,8 @@ StageType body_part_stage() {
   StageType s;
   s.name = "body_part";
   s.version = 1;
-  s.typical_s = 0.2;
+  s.typical.base_s = 0.1;
+  s.typical.per_million_voxels_s = 0.012;
   s.place = StagePlace::scan;
   s.serves = "what part of the body the scan shows";
   s.case_figures = "body_part.";
