@@ -20,10 +20,9 @@ StageType body_part_stage() {
   s.summary = "says whether a scan shows a head, lungs or a spine, before anything is made of it";
   s.description =
       "Looks at cells of 3 mm for a cranial cavity, for lungs and for the canal of a spine. Where the scan surely "
-      "shows "
-      "another part of the body than the expected one, it is refused at once, with the recipe that fits; where only no "
-      "cranial cavity is seen, as in a scan of a jaw, a head's recipe goes on with a warning. What it lets pass, the "
-      "stages that look for the part may still refuse.";
+      "shows another part of the body than the expected one, it is refused at once, with the recipe that fits; where "
+      "only no cranial cavity is seen, as in a scan of a jaw, a head's recipe goes on with a warning. What it lets "
+      "pass, the stages that look for the part may still refuse.";
   s.examples = {"trephine body-part scan.nrrd --expected head --report seen.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
