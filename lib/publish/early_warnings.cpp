@@ -13,11 +13,12 @@ bool tells_at_once(const std::string& node) {
 }
 
 EarlyWarnings::EarlyWarnings(pipeline::RunObserver& observer, std::string token,
-                             std::optional<double> publishing_before_s, std::function<void(const Report&)> scan_is_read)
-    : observer_(observer),
-      token_(std::move(token)),
-      publishing_before_s_(publishing_before_s),
-      scan_is_read_(std::move(scan_is_read)) {}
+                             const std::map<std::string, double>& seconds_before,
+                             std::function<void(const Report&)> scan_is_read)
+    : observer_(observer), token_(std::move(token)), scan_is_read_(std::move(scan_is_read)) {
+  if (const auto before = seconds_before.find(publishing_step); before != seconds_before.end())
+    publishing_before_s_ = before->second;
+}
 
 void EarlyWarnings::planned(const std::vector<std::pair<std::string, double>>& expected_s) {
   auto all = expected_s;

@@ -3,6 +3,7 @@
 // Inside of publish: a run's observer between the stages and whoever looks on.
 #include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -18,7 +19,7 @@ bool tells_at_once(const std::string& node);
 /// plan with the seconds of publishing: those of an earlier run, else a share of what the stages take.
 class EarlyWarnings : public pipeline::RunObserver {
  public:
-  EarlyWarnings(pipeline::RunObserver& observer, std::string token, std::optional<double> publishing_before_s,
+  EarlyWarnings(pipeline::RunObserver& observer, std::string token, const std::map<std::string, double>& seconds_before,
                 std::function<void(const Report&)> scan_is_read);
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override;
   void publishing() override { observer_.publishing(); }
@@ -29,7 +30,7 @@ class EarlyWarnings : public pipeline::RunObserver {
  private:
   pipeline::RunObserver& observer_;
   const std::string token_;
-  const std::optional<double> publishing_before_s_;
+  std::optional<double> publishing_before_s_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   const std::function<void(const Report&)> scan_is_read_;
 };

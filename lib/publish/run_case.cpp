@@ -332,7 +332,6 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     execution.allow_external = request.params.allow_external;
     const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
-    const auto before = execution.seconds_before.find(publishing_step);
     const auto check_needs = [&](const Report& scan) {
       const ScanRaster raster = raster_by_report(scan);
       give_large_blocks_back(raster);
@@ -354,9 +353,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       require_disk(request.library,
                    needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
     };
-    EarlyWarnings early(observer, token,
-                        before == execution.seconds_before.end() ? std::nullopt : std::optional<double>(before->second),
-                        check_needs);
+    EarlyWarnings early(observer, token, execution.seconds_before, check_needs);
     CaseContent content;
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);
