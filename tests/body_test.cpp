@@ -233,6 +233,7 @@ TEST(HeadRegion, TheHeadIsKeptAndTheAirAroundItGoes) {
   Report report;
   const grid::HuVolume out = head::head_region(head(), {}, report);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings[0];
+  EXPECT_EQ(report.find("skin_cut"), nullptr);
   const grid::Lattice& l = grid::lattice_of(out);
   const grid::Field after = skin_of(out), before = skin_of(head());
   EXPECT_LT(l.count(), head().count());
@@ -254,6 +255,13 @@ TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_NE(report.warnings[0].find("the vertex is missing"), std::string::npos) << report.warnings[0];
   EXPECT_NE(report.warnings[1].find("cuts the head on its left side"), std::string::npos) << report.warnings[1];
+  const auto cut = [&](const char* name) {
+    const ParameterValue* where = report.find(name);
+    return where ? std::get<std::string>(*where) : "";
+  };
+  EXPECT_EQ(cut("skin_cut"), "above and on its left side");
+  EXPECT_EQ(cut("brain_cut").substr(0, 5), "above");
+  EXPECT_EQ(cut("brainstem_cut"), "");
 }
 
 TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {

@@ -286,4 +286,38 @@ TEST(LongLandmarksPhantom, ALibraryOfVariants) {
 }
 
 }  // namespace
+// Where the lateral ventricles meet at their floor and the third one is not seen, a short piece lies below a pair.
+TEST(LandmarksFind, AShortPieceBelowThePairIsNoThirdVentricle) {
+  LandmarkScene s = scene();
+  const Vec3 monro = (s.head.landmark("monro_left") + s.head.landmark("monro_right")) * 0.5;
+  grid::Field& f = s.ventricles;
+  for (int k = 0; k < f.size[2]; ++k)
+    for (int j = 0; j < f.size[1]; ++j)
+      for (int i = 0; i < f.size[0]; ++i) {
+        const Vec3 p = f.to_world_mm({double(i), double(j), double(k)}) - monro;
+        if (p.z < -1 && std::abs(p.x) < 8 && (p.y < -2 || p.y > 5)) f.at(i, j, k) = std::min(f.at(i, j, k), -2.f);
+      }
+  Report report;
+  const head::HeadLandmarks found = find(s, report);
+  for (const char* name : {"monro_left", "monro_right"}) EXPECT_LT(confidence(found, name), 0.3) << name;
+}
+
+// The scan's end cuts the scalp about as high as the highest point that it shows of the head, levelled otherwise.
+TEST(LandmarksFind, AVertexBesideAnEndInTheScalpIsDoubtful) {
+  double top = -1e9;
+  const grid::Field& skin = scene().skin;
+  for (int k = 0; k < skin.size[2]; ++k)
+    for (int j = 0; j < skin.size[1]; ++j)
+      for (int i = 0; i < skin.size[0]; ++i)
+        if (skin.at(i, j, k) > 0) top = std::max(top, skin.to_world_mm({double(i), double(j), double(k)}).z);
+  const LandmarkScene ended = cut(scene(), {-1e4, -1e4, -1e4}, {1e4, 1e4, top - 2});
+  for (const double nasion_mm : {4.0, 7.0, 10.0, 13.0, 16.0}) {
+    head::LandmarkInputs in = ended.inputs();
+    in.given = {{"nasion", scene().head.landmark("nasion") + Vec3{0, 0, nasion_mm}, 1, "given"}};
+    Report report;
+    const head::HeadLandmarks found = head::find_landmarks(ended.volume, in, {}, report);
+    EXPECT_LT(confidence(found, "vertex"), 0.5) << nasion_mm;
+  }
+}
+
 }  // namespace trephine

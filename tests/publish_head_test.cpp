@@ -11,6 +11,7 @@
 #include "pipeline/graph.h"
 #include "publish/case_pictures.h"
 #include "publish/head_content.h"
+#include "publish/verdict.h"
 #include "scratch_folder.h"
 
 using namespace trephine;
@@ -269,6 +270,21 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   const pipeline::Graph silent = Read("", "anatomies: {skull: }\n").graph();
   EXPECT_EQ(silent.scan, 0);
   EXPECT_EQ(source(silent, "face", "skin"), silent.find("skin.segment"));
+}
+
+TEST(HeadContent, AVerdictSaysWhereTheScanEndsInAnAnatomy) {
+  Report region, scan;
+  region.add("skin_cut", std::string("above and on its left side"));
+  region.add("brain_cut", std::string("above"));
+  scan.add("brain", std::string("doubtful"));
+  scan.add("slice_step_mm", 5.0);
+  scan.add("noise_hu", 4.0);
+  cases::CaseManifest m;
+  m.missing.push_back({"dura", "a test"});
+  EXPECT_EQ(publish::verdict_of({"skin", "skull", "brain", "dura"}, m, nullptr, &region, nullptr),
+            "skin: cut off above and on its left side; skull: good; brain: cut off above; dura: left out");
+  EXPECT_EQ(publish::verdict_of({"skull", "brain"}, m, &scan, &region, nullptr),
+            "skull: good; brain: doubtful, cut off above (slices of 5 mm, noise of 4 HU)");
 }
 
 TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {

@@ -10,11 +10,11 @@ namespace {
 // A scan in which no cranial cavity is seen may be one of a jaw, or of no head at all.
 TEST(Verdict, OfAScanThatShowsNoHeadIsDoubtful) {
   cases::CaseManifest manifest;
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr), "skull: good");
+  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: good");
   manifest.figures = {{"body_part.is_expected", std::string("yes")}};
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr), "skull: good");
+  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: good");
   manifest.figures = {{"body_part.is_expected", std::string("unknown")}};
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr), "skull: doubtful");
+  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: doubtful");
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/head_region.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <map>
+#include <string>
 
 #include "base/error.h"
 #include "head/cranium.h"
@@ -48,6 +49,23 @@ mask::BitMask part_of(const mask::BitMask& mask, const grid::Box& box) {
   return mask::placed(mask::crop(mask, box), mask.lattice());
 }
 
+/// Of each shape of a head where the scan's end or the field's edge cuts it: "above and on its left side".
+class Cuts {
+ public:
+  void add(std::initializer_list<const char*> shapes, const std::string& where) {
+    for (const char* shape : shapes) {
+      std::string& text = of_[shape];
+      text += (text.empty() ? "" : " and ") + where;
+    }
+  }
+  void report(Report& report) const {
+    for (const auto& [shape, where] : of_) report.add(shape + "_cut", where);
+  }
+
+ private:
+  std::map<std::string, std::string> of_;
+};
+
 const char* side_name(const grid::Lattice& l, int axis, bool last) {
   const Vec3 out = l.direction.column[axis] * (last ? 1.0 : -1.0);
   if (std::abs(out.x) >= std::abs(out.y)) return out.x > 0 ? "left" : "right";
@@ -89,13 +107,19 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   for (int a = 0; a < 3; ++a) centre[a] = (c.size[a] - 1) / 2.0;
   centre[up.axis] = at_height(foramen);
   report.add("foramen_z_mm", c.to_world_mm(centre).z);
-  if (area[at_height(0)] > cut_cavity_mm2 && foramen == 0)
+  Cuts cuts;
+  if (area[at_height(0)] > cut_cavity_mm2 && foramen == 0) {
     report.warn("the scan ends below in the cranial cavity: the base of the skull is missing");
-  if (area[at_height(n - 1)] > cut_cavity_mm2)
+    cuts.add({"skull", "brain", "dura", "brainstem"}, "below");
+  }
+  if (area[at_height(n - 1)] > cut_cavity_mm2) {
     report.warn("the scan ends above in the cranial cavity: the vertex is missing");
-  else if (const std::vector<double> slices = areas_mm2(tissue, up.axis); slices[at_height(n - 1)] > cut_side_mm2)
+    cuts.add({"skin", "skull", "brain", "dura", "midline", "sagittal_sinus"}, "above");
+  } else if (const std::vector<double> slices = areas_mm2(tissue, up.axis); slices[at_height(n - 1)] > cut_side_mm2) {
     report.warn(
         "the scan ends above in the skull or the scalp: the skin of the vertex is missing, and closed by a plane");
+    cuts.add({"skin"}, "above");
+  }
 
   const int lowest = std::max(0, foramen - int(std::ceil(p.below_mm / c.spacing_mm[up.axis])));
   grid::Box box = grid::whole_box(c);
@@ -108,12 +132,19 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   const mask::BitMask upper = part_of(tissue, skull_box);
   for (int a = 0; a < 3; ++a) {
     if (a == up.axis) continue;
-    const std::vector<double> cut = areas_mm2(upper, a);
-    for (const bool last : {false, true})
-      if ((last ? cut.back() : cut.front()) > cut_side_mm2)
-        report.warn(fmt::format("the field of view cuts the head on its {} side: what lies there is missing",
-                                side_name(c, a, last)));
+    const std::vector<double> cut = areas_mm2(upper, a), of_bone = areas_mm2(mask::both(upper, bone), a),
+                              of_cavity = areas_mm2(cavity, a);
+    for (const bool last : {false, true}) {
+      const auto at_end = [&](const std::vector<double>& all) { return last ? all.back() : all.front(); };
+      if (!(at_end(cut) > cut_side_mm2)) continue;
+      const std::string side = side_name(c, a, last), where = "on its " + side + " side";
+      report.warn("the field of view cuts the head " + where + ": what lies there is missing");
+      cuts.add({"skin"}, where);
+      if (at_end(of_bone) > cut_side_mm2) cuts.add({"skull"}, where);
+      if (at_end(of_cavity) > cut_cavity_mm2) cuts.add({"brain", "dura"}, where);
+    }
   }
+  cuts.report(report);
 
   grid::Box fine;
   for (int a = 0; a < 3; ++a) {

@@ -24,7 +24,6 @@ constexpr double tangent_mm = 5, middle_depth_mm = 70, tragi_to_nasion_deg = 20;
 constexpr double min_lopsided_mm = 3.5, max_lopsided_mm = 10;  ///< distance of one tragus from the other's mirror image
 constexpr double min_symmetry = 0.15;                          ///< below this the plane is not that of a head
 constexpr double min_leap_mm = 2, max_leap_mm = 5;             ///< of the midline's skin between neighbouring points
-constexpr double max_vertices_apart_mm = 15;                   ///< 6 degrees of another level
 constexpr double max_estimates_apart_mm = 10, of_an_estimate = 0.45;
 constexpr double max_covered_ratio = 0.3;
 constexpr double min_near_midline_ratio = 0.2, of_a_fused_suture = 0.45;
@@ -76,6 +75,9 @@ class Finder {
     }
     auto vertex = out_.find("vertex") ? std::nullopt : find_vertex(skin, head_);
     if (vertex && !levelled_) lower(*vertex, "vertex", 0.5, "the head could not be levelled");
+    if (vertex && scan_ends_beside(skin, head_, vertex->position_mm))
+      lower(*vertex, "vertex", of_contradicted_vertices,
+            "the scan ends in the scalp beside it, and may hide what is higher");
     progress.report(0.85);
     set_arcs(skin);
     doubt_leaps(skin, skull, vertex);
@@ -244,7 +246,7 @@ class Finder {
     const auto highest = find_vertex(skin, lying);
     const double lying_mm = highest ? norm(highest->position_mm - vertex.position_mm) : 0;
     report_.add("vertex_to_highest_mm", lying_mm);
-    lower(vertex, "vertex", lying_mm > max_vertices_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", confidence_of_vertices_apart(lying_mm),
           fmt::format("the highest point, as the patient lay, is {:.0f} mm off", lying_mm));
     const Vec3* inion = known("inion", min_confidence);
     if (!inion) return;
@@ -253,7 +255,7 @@ class Finder {
     if (!half || skin.depth_in_scan_mm(*half) < 0.5) return;
     const double apart_mm = norm(*half - vertex.position_mm);
     report_.add("vertex_to_half_way_mm", apart_mm);
-    lower(vertex, "vertex", apart_mm > max_vertices_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", confidence_of_vertices_apart(apart_mm),
           fmt::format("half of the way from nasion to inion lies {:.0f} mm off", apart_mm));
   }
 

@@ -17,10 +17,10 @@ namespace trephine::head {
 namespace {
 
 constexpr double step_mm = 0.7, half_width_mm = 22;
-/// Walls up to this thick (twice the distance) are crossed where the foramen was not resolved.
-constexpr double max_outside_mm = 3.0;
+constexpr double max_outside_mm = 3;  ///< walls of twice that are crossed where the foramen was not resolved
 /// A foramen of this radius is seen in any noise; its narrowest part is so short, and hardly as long as the longest.
 constexpr double wide_mm = 1.3, short_mm = 4, longest_mm = 16;
+constexpr double least_third_mm = 10, sure_third_mm = 18;  ///< of the third ventricle, which is 25 to 40 mm long
 /// What the scan itself shows of a foramen is smoothed, and fluid and tissue in it have to be this far apart.
 constexpr double smooth_mm = 1, min_contrast_hu = 8;
 
@@ -336,11 +336,11 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const craniometry::FieldView
   const auto column = septum_column(d);
   if (!column) return {};
   const Third third = third_ventricle(d, *column);
-  if (third.rows * step_mm * step_mm < 25) return {};
-  // The foramina lie at the front end of its roof.
   const double length = (third.back - third.front) * step_mm;
-  const int last_j = third.front + int((0.4 * length + 2) / step_mm), first_j = third.front - int(5 / step_mm);
-  const int level = (third.bottom + third.top) / 2;
+  // The foramina lie at the front end of its roof. A short piece may be the lateral ones' floor, where these meet.
+  if (third.rows * step_mm * step_mm < 25 || length < least_third_mm) return {};
+  const int last_j = third.front + int((0.4 * length + 2) / step_mm), first_j = third.front - int(5 / step_mm),
+            level = (third.bottom + third.top) / 2;
   std::array<std::optional<FoundPoint>, 2> found;
   for (int s = 0; s < 2; ++s) {
     const int side = s == 0 ? 1 : -1;
@@ -386,6 +386,7 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const craniometry::FieldView
     p.confidence = radius_mm > 0 ? std::min(0.8 + 0.2 * mask::ramp(radius_mm, 0, wide_mm),
                                             mask::ramp(double(to - from) * step_mm, longest_mm, short_mm))
                                  : mask::ramp(radius_mm, -max_outside_mm, 0) * 0.8;
+    p.confidence *= mask::ramp(length, least_third_mm, sure_third_mm);
     if (!dark.voxels.empty())
       meet(p, brightest_place(local, dark, way(d, seeds, ends, allowed, [&](std::size_t v) {
                                 return double(dark.voxels[v]) + 0.1;

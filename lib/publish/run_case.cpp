@@ -14,6 +14,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "grid/resample.h"
+#include "head/head_region.h"
 #include "head/scan_verdict.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
@@ -251,6 +252,7 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       content.manifest.stand_ins = made.without.stand_ins;
       content.manifest.figures.emplace_back(
           "verdict", verdict_of(wanted, content.manifest, report_of(made, made.graph.find_stage<head::ScanLimits>()),
+                                report_of(made, made.graph.find_stage<head::HeadRegionParams>()),
                                 report_of(made, made.graph.find_stage<grid::ResampleParams>())));
       return content;
     } catch (const Error& e) {

@@ -34,14 +34,22 @@ std::string kind_of(const cases::CaseStandIn& s) {
   return named ? s.by.substr(0, s.by.size() - of.size()) : s.by + " instead";
 }
 
-std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan) {
-  for (const cases::CaseMissing& a : m.missing)
-    if (a.anatomy == anatomy) return "left out";
+std::string word_for_all(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan) {
   for (const cases::CaseStandIn& a : m.stand_ins)
     if (a.anatomy == anatomy) return kind_of(a);
   if (may_be_of_another(m, anatomy) || figure(m, "body_part.is_expected") == "unknown") return "doubtful";
   const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
   return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
+}
+
+// The same, and where the scan ends in it.
+std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan,
+                     const Report* region) {
+  for (const cases::CaseMissing& a : m.missing)
+    if (a.anatomy == anatomy) return "left out";
+  const std::string word = word_for_all(anatomy, m, scan), cut = region ? text_in(region->find(anatomy + "_cut")) : "";
+  if (cut.empty()) return word;
+  return (word == "good" ? "" : word + ", ") + "cut off " + cut;
 }
 
 // What of the scan speaks against more.
@@ -76,10 +84,10 @@ std::string coarser_voxels(const Report& resample) {
 }  // namespace
 
 std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest, const Report* scan,
-                       const Report* resample) {
+                       const Report* region, const Report* resample) {
   std::vector<std::pair<std::string, std::string>> parts;  // word, names
   for (const std::string& anatomy : wanted) {
-    const std::string word = word_for(anatomy, manifest, scan);
+    const std::string word = word_for(anatomy, manifest, scan, region);
     const auto same = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return p.first == word; });
     if (same == parts.end())
       parts.emplace_back(word, anatomy);
