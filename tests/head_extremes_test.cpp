@@ -7,10 +7,10 @@
 #include "consistency/anatomy_gate.h"
 #include "head/brain.h"
 #include "head/landmarks.h"
-#include "head/scan_verdict.h"
 #include "head/ventricles.h"
 #include "head_recipe.h"
 #include "mask/filters.h"
+#include "mask/scan_verdict.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/segment.h"
@@ -153,14 +153,14 @@ TEST(RecipeExtremes, AStronglyDenoisedScanIsUncertain) {
   phantom::ScanParams how = usual();
   how.noise_hu = 8;
   grid::HuVolume volume = scanned(how);
-  EXPECT_EQ(head::judge_scan(mask::measure_scan(volume), {}).kernel, "soft");
+  EXPECT_EQ(mask::judge_scan(mask::measure_scan(volume), {}).kernel, "soft");
   auto& hu = std::get<grid::Grid<std::int16_t>>(volume);
   grid::Grid<float> smooth(static_cast<const grid::Lattice&>(hu));
   for (std::size_t v = 0; v < hu.voxels.size(); ++v) smooth.voxels[v] = float(hu.voxels[v]);
   mask::gaussian(smooth, 2.2);
   for (std::size_t v = 0; v < hu.voxels.size(); ++v)  // bone and air stay sharp, as such filters leave them
     if (hu.voxels[v] > -50 && hu.voxels[v] < 110) hu.voxels[v] = std::int16_t(std::lround(smooth.voxels[v]));
-  EXPECT_EQ(head::judge_scan(mask::measure_scan(volume), {}).kernel, "denoised");
+  EXPECT_EQ(mask::judge_scan(mask::measure_scan(volume), {}).kernel, "denoised");
   const Outcome o = through_recipe(volume);
   ASSERT_EQ(o.code, ExitCode::ok) << o.field << " " << o.what;
   EXPECT_EQ(o.head_class, head::HeadClass::uncertain);

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "head/scan_verdict.h"
 #include "head/soft_tissue.h"
+#include "mask/scan_verdict.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
 
@@ -132,8 +132,8 @@ TEST(ScanFigures, AirIsUnknown) {
   air.voxels.assign(64 * 64 * 20, -1000);
   const ScanFigures f = measure_scan(grid::HuVolume(air));
   EXPECT_FALSE(f.known());
-  const head::ScanVerdict v = head::judge_scan(f, {});
-  EXPECT_EQ(v.brain, head::Suitability::unknown);
+  const mask::ScanVerdict v = mask::judge_scan(f, {});
+  EXPECT_EQ(v.brain, mask::Suitability::unknown);
   EXPECT_EQ(v.kernel, "unknown");
   ASSERT_EQ(v.reasons.size(), 1u);
 }
@@ -143,13 +143,13 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
   ScanFigures good;
   good.pixel_mm = 0.5, good.slice_step_mm = 1, good.tiles_count = 5000, good.noise_hu = 8, good.cube_noise_hu = 4;
   good.neighbour_correlation_ratio = 0.7, good.kernel_mm = 1, good.edge_mm = 1;
-  const head::ScanLimits limits;
-  EXPECT_EQ(head::judge_scan(good, limits).text(), "suited for brain, ventricles and skull");
-  EXPECT_TRUE(head::judge_scan(good, limits).reasons.empty());
+  const mask::ScanLimits limits;
+  EXPECT_EQ(mask::judge_scan(good, limits).text(), "suited for brain, ventricles and skull");
+  EXPECT_TRUE(mask::judge_scan(good, limits).reasons.empty());
   const auto changed = [&](auto change) {
     ScanFigures f = good;
     change(f);
-    const head::ScanVerdict v = head::judge_scan(f, limits);
+    const mask::ScanVerdict v = mask::judge_scan(f, limits);
     for (const std::string& r : v.reasons) {
       EXPECT_NE(r.find("; choose"), std::string::npos) << r;
     }
@@ -180,15 +180,15 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
 }
 
 TEST(ScanVerdict, RefusesWhereAsked) {
-  head::ScanLimits limits;
+  mask::ScanLimits limits;
   const grid::HuVolume noisy = scanned(slab(60), {0.6, 2});
   Report report;
-  head::judge_scan(noisy, limits, report);
+  mask::judge_scan(noisy, limits, report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings[0].find("softer kernel"), std::string::npos);
   limits.refuse = true;
   try {
-    head::judge_scan(noisy, limits, report);
+    mask::judge_scan(noisy, limits, report);
     FAIL() << "not refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

@@ -8,9 +8,9 @@
 #include <map>
 #include <set>
 
-#include "head/scan_verdict.h"
 #include "mask/bits.h"
 #include "mask/filters.h"
+#include "mask/scan_verdict.h"
 
 namespace trephine::head {
 
@@ -147,12 +147,12 @@ std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& par
 }
 
 std::string close_call(const HeadFigures& f, const mask::ScanFigures& scan, const HeadClassParams& p) {
-  const ScanVerdict verdict = judge_scan(scan, {});
-  if (verdict.ventricles != Suitability::doubtful && verdict.ventricles != Suitability::unsuited) return "";
+  const mask::ScanVerdict verdict = mask::judge_scan(scan, {});
+  if (verdict.ventricles != mask::Suitability::doubtful && verdict.ventricles != mask::Suitability::unsuited) return "";
   std::string why;
   for (const std::string& reason : verdict.reasons)
     if (why.empty() && reason.find("ventricles") != std::string::npos) why = reason.substr(0, reason.find(';'));
-  if (verdict.ventricles == Suitability::unsuited) return "the scan is " + why;
+  if (verdict.ventricles == mask::Suitability::unsuited) return "the scan is " + why;
   std::string near;
   if (f.midline_shift_mm && std::abs(std::abs(*f.midline_shift_mm) - p.shifted_mm) < p.doubtful_shift_mm)
     near =

@@ -15,7 +15,7 @@
 #include "cases/case.h"
 #include "grid/resample.h"
 #include "head/head_region.h"
-#include "head/scan_verdict.h"
+#include "mask/scan_verdict.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_needs.h"
@@ -251,7 +251,7 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;
       content.manifest.figures.emplace_back(
-          "verdict", verdict_of(wanted, content.manifest, report_of(made, made.graph.find_stage<head::ScanLimits>()),
+          "verdict", verdict_of(wanted, content.manifest, report_of(made, made.graph.find_stage<mask::ScanLimits>()),
                                 report_of(made, made.graph.find_stage<head::HeadRegionParams>()),
                                 report_of(made, made.graph.find_stage<grid::ResampleParams>())));
       return content;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/scan_verdict.h"
+#include "mask/scan_verdict.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -23,9 +23,9 @@ StageType scan_stage() {
   s.examples = {"trephine scan head.nrrd --report scan.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<head::ScanLimits>(); };
+  s.make_params = [] { return AnyParams::make<mask::ScanLimits>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    head::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<head::ScanLimits>(), report, progress);
+    mask::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<mask::ScanLimits>(), report, progress);
     return {};
   };
   return s;

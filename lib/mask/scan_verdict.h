@@ -6,7 +6,7 @@
 #include "base/report.h"
 #include "mask/scan_figures.h"
 
-namespace trephine::head {
+namespace trephine::mask {
 
 /// From which measure on a scan is doubtful or unsuited. docs/accuracy.md says on which phantoms they were chosen.
 struct ScanLimits {
@@ -67,7 +67,7 @@ struct ScanVerdict {
   std::string text() const;                ///< "doubtful for brain and ventricles, suited for skull"
 };
 
-ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limits);
+ScanVerdict judge_scan(const ScanFigures& figures, const ScanLimits& limits);
 
 /// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles`, `skull` and `skin`
 /// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, where the head moved (mask/motion.h)
@@ -76,4 +76,4 @@ ScanVerdict judge_scan(const mask::ScanFigures& figures, const ScanLimits& limit
 /// finite.
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
 
-}  // namespace trephine::head
+}  // namespace trephine::mask

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/scan_verdict.h"
+#include "mask/scan_verdict.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "base/result.h"
 #include "mask/motion.h"
 
-namespace trephine::head {
+namespace trephine::mask {
 namespace {
 
 constexpr double sharp_correlation = 0.35;  // of neighbours 0.5 mm apart; a kernel of 1 mm has 0.7
@@ -25,7 +25,7 @@ Suitability above(double value, double doubtful, double unsuited) {
   return value > unsuited ? Suitability::unsuited : value > doubtful ? Suitability::doubtful : Suitability::suited;
 }
 
-void blame(const mask::Motion& m, ScanVerdict& verdict) {
+void blame(const Motion& m, ScanVerdict& verdict) {
   for (Suitability* s : {&verdict.skin, &verdict.skull, &verdict.brain}) worsen(*s, Suitability::doubtful);
   const double left = m.by_mm.x, back = m.by_mm.y;
   verdict.reasons.push_back(fmt::format(
@@ -71,7 +71,7 @@ std::string ScanVerdict::text() const {
                      to_text(skull), of_skin);
 }
 
-ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
+ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   ScanVerdict out;
   const auto say = [&](Suitability s, const std::string& of, const std::string& why, const std::string& remedy) {
     out.reasons.push_back(fmt::format("{} for {}: {}; {}", to_text(s), of, why, remedy));
@@ -143,9 +143,9 @@ ScanVerdict judge_scan(const mask::ScanFigures& f, const ScanLimits& limits) {
 }
 
 void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
-  const mask::ScanFigures figures = mask::measure_scan(volume, progress);
+  const ScanFigures figures = measure_scan(volume, progress);
   ScanVerdict verdict = judge_scan(figures, limits);
-  const std::optional<mask::Motion> motion = mask::find_motion(volume, progress);
+  const std::optional<Motion> motion = find_motion(volume, progress);
   if (motion) blame(*motion, verdict);
   add_result(report, figures);
   if (motion) report.add("motion_mm", norm(motion->by_mm));
@@ -169,4 +169,4 @@ void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& 
     throw refusal("scan", remedy, {"or let it pass with a warning: `refuse` of the stage `scan` to false"});
 }
 
-}  // namespace trephine::head
+}  // namespace trephine::mask
