@@ -201,11 +201,10 @@ def changed(v, how, limit):
         f = frequencies(v)
         return filtered(v, 1 + 3 * (1 - np.exp(-((f / 0.4) ** 2)))).like(kernel="BONE")
     if how == "narrow":
-        for axis in (0, 1):
-            n = int(180 / v.step[axis])
-            inside = np.nonzero((v.voxels > 200).any(axis=(0, 2 - axis)))[0]  # bone, and what holds the head
-            first = int(np.clip((inside[0] + inside[-1] - n) // 2, 0, v.voxels.shape[2 - axis] - n))
-            v = cropped(v, axis, first, first + n - 1) if axis == 0 else v  # the height of the picture stays: a wide matrix
+        n = int(180 / v.step[0])
+        inside = np.nonzero((v.voxels > 200).any(axis=(0, 1)))[0]  # bone, and what holds the head
+        first = int(np.clip((inside[0] + inside[-1] - n) // 2, 0, v.voxels.shape[2] - n))
+        v = cropped(v, 0, first, first + n - 1)  # the height of the picture stays: a wide matrix
         return v
     if how in ("no-vertex", "no-base"):
         k = int(round((limit - v.origin[2]) / v.step[2]))

@@ -61,6 +61,8 @@ def used():
 def phantom(program, at, words):
     if (at / "dicom").exists():
         return at / "dicom"
+    whole, at = at, at.with_name(at.name + ".part")  # what is cut short is not taken for whole
+    shutil.rmtree(at, ignore_errors=True)
     given = {}
     key = None
     for w in (HARD + " " + words).split():  # what comes later takes the place of what came before
@@ -72,7 +74,9 @@ def phantom(program, at, words):
     if given["--level"] == ["simple"]:
         given.pop("--level")
     subprocess.run([program, "phantom", at, *(w for k, v in given.items() for w in [k, *v]), "--mesh-step-mm", "0", "--no-labels", "--quiet"], check=True)
-    return at / "dicom"
+    shutil.rmtree(whole, ignore_errors=True)
+    at.rename(whole)
+    return whole / "dicom"
 
 
 def series_of(program, folder, data, name, source, defect):
@@ -127,8 +131,14 @@ def main():
         done = subprocess.run([str(w) for w in run], capture_output=True, text=True, errors="replace")
         if name.endswith("_followed") and done.returncode == 65:
             remedy = re.search(r"mirrored by --set (import\.axes=\w+)", done.stderr) or re.search(r"--set (import\.offset_hu=-?\d+)", done.stderr)
+            if not remedy:
+                print(f"{name} ({row}): no remedy can be read: {done.stderr.strip().splitlines()[-1]}", flush=True)
+                continue
             before = used()
             done = subprocess.run([str(w) for w in run + ["--set", remedy[1]]], capture_output=True, text=True, errors="replace")
+        elif name.endswith("_followed"):
+            print(f"{name} ({row}): {done.returncode} in place of a refusal with 65", flush=True)
+            continue
         seconds = used() - before
         said = done.stderr.strip().splitlines()
         told = case_text(library / name) if done.returncode == 0 else (said or [""])[-1]

@@ -135,7 +135,7 @@ TEST(ProgressDisplay, AFurtherPlanIsOfWhatIsLeft) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     EXPECT_GE(last_left_s(out.text()), 25) << out.text();
     d.report("skull.decimate", 0.75);  // 22.5 s and those that have passed, of 30 and those
-    out.until("(7[6-9]|8[0-9]) % of all");
+    out.until("(7[6-9]|[89][0-9]) % of all");
   }
   const std::string text = out.text();
   int last = 0;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "phantom_heads.h"
 
@@ -100,11 +102,11 @@ TEST(BodyPart, ThePhantomsHeadIsSeen) {
 }
 
 TEST(BodyPart, LungsAreNoHeadAndTheRecipeThatFitsIsNamed) {
-  // A rib cage about two lungs, in a trunk.
+  // A rib cage with its gaps about two lungs, in a trunk.
   const Volume chest = drawn({170, 130, 60}, 2, [](Vec3 p) {
     const double r = std::hypot(p.x / 120, p.y / 85);
     if (r > 1.25) return -1000;
-    if (r > 1.0 && r < 1.06) return 700;
+    if (r > 1.0 && r < 1.06) return std::fmod(p.z + 1000, 24) < 10 ? 700 : 40;
     if (std::hypot(p.x, p.y - 70) < 18) return 700;
     return std::hypot((std::abs(p.x) - 60) / 45, p.y / 65) < 1 ? -850 : 40;
   });
@@ -113,6 +115,27 @@ TEST(BodyPart, LungsAreNoHeadAndTheRecipeThatFitsIsNamed) {
   EXPECT_TRUE(has(why, "configs/ct_chest.yaml")) << why;
   EXPECT_EQ(refused(chest, BodyPart::chest), "");
   EXPECT_EQ(refused(chest, BodyPart::spine), "");
+  // The remedy makes it all the same, and does not call it good.
+  EXPECT_TRUE(has(why, "--set body_part.refuse=false")) << why;
+  Report report;
+  look::judge_body_part(chest, {BodyPart::head, false}, report);
+  EXPECT_EQ(said(report), "unknown");
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_TRUE(has(report.warnings[0], "lungs are seen, and no head")) << report.warnings[0];
+}
+
+TEST(BodyPart, ASkullFullOfGasIsNoChest) {
+  // As after death: gas above, and tissue enough about it for a body with lungs.
+  const Volume dead = drawn({110, 120, 110}, 2, [](Vec3 p) {
+    const double r = std::sqrt(p.x * p.x / (66 * 66) + p.y * p.y / (84 * 84) + p.z * p.z / (70 * 70));
+    if (r < 1) return p.z > -15 ? -900 : 35;
+    if (r < 1.09) return 900;
+    return r < 1.3 || (p.z < -20 && std::hypot(p.x, p.y - 10) < 90) ? 40 : -1000;
+  });
+  Report report;
+  EXPECT_EQ(refused(dead, BodyPart::head, &report), "");
+  EXPECT_GT(std::get<double>(*report.find("tissue_ml")), 2000);
+  EXPECT_GT(std::get<double>(*report.find("enclosed_air_ratio")), 0.35);
 }
 
 TEST(BodyPart, ASpineAloneIsNoHead) {

@@ -75,9 +75,6 @@ class Finder {
     }
     auto vertex = out_.find("vertex") ? std::nullopt : find_vertex(skin, head_);
     if (vertex && !levelled_) lower(*vertex, "vertex", 0.5, "the head could not be levelled");
-    if (vertex && scan_ends_beside(skin, head_, vertex->position_mm))
-      lower(*vertex, "vertex", of_contradicted_vertices,
-            "the scan ends in the scalp beside it, and may hide what is higher");
     progress.report(0.85);
     set_arcs(skin);
     doubt_leaps(skin, skull, vertex);

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double step_mm = 0.5;
 constexpr double vertices_agree_mm = 6, max_vertices_apart_mm = 15;  ///< 2 and 6 degrees of another level
-constexpr double hidden_mm = 3;  ///< how much higher skin may be that a cut of 45 mm across hides
 
 /// How far each point of the curve stands out of the chord between the points `arm_mm` before and after it along the
 /// curve; negative where it is sunk. 0 near the ends.
@@ -140,12 +139,6 @@ std::optional<FoundPoint> find_vertex(const craniometry::FieldView& skin, const 
 
 double confidence_of_vertices_apart(double apart_mm) {
   return 1 - (1 - of_contradicted_vertices) * mask::ramp(apart_mm, vertices_agree_mm, max_vertices_apart_mm);
-}
-
-bool scan_ends_beside(const craniometry::FieldView& skin, const HeadFrame& head, Vec3 vertex_mm) {
-  const craniometry::Outline curve = craniometry::outline(skin, {head.origin_mm, head.up, head.back, 50, 50});
-  return std::any_of(curve.points_mm.begin(), curve.points_mm.end(),
-                     [&](Vec3 p) { return skin.depth_in_scan_mm(p) < 1 && dot(vertex_mm - p, head.up) < hidden_mm; });
 }
 
 }  // namespace trephine::head

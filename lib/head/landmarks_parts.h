@@ -111,8 +111,6 @@ std::optional<FoundPoint> find_vertex(const craniometry::FieldView& skin, const 
 /// Of two estimates of the vertex that lie apart: one at least is off by half of that.
 constexpr double of_contradicted_vertices = 0.45;
 double confidence_of_vertices_apart(double apart_mm);
-/// Whether the scan ends in skin of the midline that is about as high: what it hides may be higher.
-bool scan_ends_beside(const craniometry::FieldView& skin, const HeadFrame& head, Vec3 vertex_mm);
 
 /// The skin of the midline from the nasion backwards, swept about a centre between nasion and inion, as in
 /// place_burr_hole; without an inion it lies in the bones.

@@ -27,7 +27,8 @@ constexpr double cavity_ml = 300, cavity_air_ratio = 0.25, cavity_walled_ratio =
 constexpr double wall_mm = 6;
 
 // Lungs: the given chest has 50 %, an empty skull too, but no tissue about it. What stages refuse later is a quarter.
-constexpr double lung_ratio = 0.35, lung_ml = 150, lung_tissue_ml = 2000;
+// A skull full of gas has both, and walls as those of other heads; of what the given chest encloses 86 % are walled.
+constexpr double lung_ratio = 0.35, lung_ml = 150, lung_tissue_ml = 2000, lung_walled_ratio = 0.93;
 
 // A spine alone: its canal, which holds tissue, and hardly any bone away from it.
 constexpr double spine_mm = 80, spine_low_hu = -100, spine_high_hu = 250, spine_bone_ratio = 0.9;
@@ -132,14 +133,15 @@ namespace {
 
 void judge_head(const BodyPartSeen& seen, std::string& is_expected, Report& report) {
   if (seen.head) return;
-  if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml)
+  if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml &&
+      seen.walled_ratio < lung_walled_ratio)
     throw refusal("expected",
                   fmt::format("lungs are seen, and no head: {:.0f} % of the {:.0f} ml that bone encloses are air, of a "
                               "head at most {:.0f} %",
                               100 * seen.enclosed_air_ratio, seen.enclosed_ml, 100 * lung_ratio),
                   {"take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
                    "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, "
-                   "set `expected` of `body_part` to any by --set body_part.expected=any"});
+                   "--set body_part.refuse=false makes it, told as doubtful"});
   if (seen.enclosed_ml == 0 && seen.canal_mm > spine_mm && seen.canal_hu > spine_low_hu &&
       seen.canal_hu < spine_high_hu && seen.bone_about_canal_ratio > spine_bone_ratio)
     throw refusal("expected",
@@ -147,7 +149,7 @@ void judge_head(const BodyPartSeen& seen, std::string& is_expected, Report& repo
                               "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
                               seen.canal_mm, 100 * seen.bone_about_canal_ratio, 100 * spine_bone_ratio),
                   {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
-                   "head all the same, set `expected` of `body_part` to any by --set body_part.expected=any"});
+                   "head all the same, --set body_part.refuse=false makes it, told as doubtful"});
   if (seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
       seen.walled_ratio > cavity_walled_ratio)
     return;
@@ -166,7 +168,7 @@ void judge_trunk(const BodyPartSeen& seen, bool spine) {
                   "needs at least {:.0f} mm",
                   seen.enclosed_ml, seen.below_mm, spine ? "a vertebra with pedicles" : "a clavicle", least_mm),
       {fmt::format("take a series of a {}; of this one configs/ct_head.yaml makes a head; or where it is "
-                   "right all the same, set `expected` of `body_part` to any by --set body_part.expected=any",
+                   "right all the same, --set body_part.refuse=false makes it, told as doubtful",
                    spine ? "spine" : "chest with its shoulders")});
 }
 
@@ -188,10 +190,16 @@ void judge_body_part(const grid::HuVolume& volume, const BodyPartParams& params,
     report.add("canal_hu", seen.canal_hu);
     report.add("bone_about_canal_ratio", seen.bone_about_canal_ratio);
   }
-  std::string is_expected = "not told";
-  if (params.expected == BodyPart::head) judge_head(seen, is_expected = "yes", report);
-  if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
-    judge_trunk(seen, params.expected == BodyPart::spine);
+  std::string is_expected = params.expected == BodyPart::head ? "yes" : "not told";
+  try {
+    if (params.expected == BodyPart::head) judge_head(seen, is_expected, report);
+    if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
+      judge_trunk(seen, params.expected == BodyPart::spine);
+  } catch (const Error& e) {
+    if (params.refuse) throw;
+    is_expected = "unknown";
+    report.warn(e.what());
+  }
   report.add("is_expected", is_expected);
 }
 

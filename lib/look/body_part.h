@@ -11,11 +11,15 @@ enum class BodyPart { any, head, spine, chest };
 
 struct BodyPartParams {
   BodyPart expected = BodyPart::any;
+  bool refuse = true;
   template <class V>
   static void describe(V& v) {
     v.choice(&BodyPartParams::expected, "expected",
              {{"any", BodyPart::any}, {"head", BodyPart::head}, {"spine", BodyPart::spine}, {"chest", BodyPart::chest}},
              "What is made of the scan. With `any` it is measured, and nothing is refused.");
+    v.flag(&BodyPartParams::refuse, "refuse",
+           "Whether a scan that shows another part of the body is refused. If not, that is a warning, and what is made "
+           "of the scan is told as doubtful.");
   }
 };
 
@@ -35,7 +39,8 @@ struct BodyPartSeen {
 /// Takes well below a second of CPU time. The result is the same whatever the thread count. Throws Cancelled.
 BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress = {});
 
-/// Adds what is seen to the report. Throws Error 80 where it is surely another part of the body than the expected one:
+/// Adds what is seen to the report. Throws Error 80, or where params.refuse is false warns and reports is_expected
+/// "unknown", where it is surely another part of the body than the expected one:
 /// - for a head: lungs, or a spine alone; where only no cranial cavity is seen, it warns;
 /// - for spine or chest: a head, and a scan that ends before a vertebra of which pedicles can be told, or a clavicle.
 /// It is an early word: what it lets pass, the stages that look for the part may still refuse.

@@ -43,6 +43,8 @@ class Executor {
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
       if (const auto made = options_.known.find(graph.nodes[i].key); made != options_.known.end()) {
         results_[i] = made->second;
+        expected_.learn(int(i), results_[i].data,
+                        results_[i].state == NodeResult::State::computed ? results_[i].seconds : 0);
         continue;
       }
       auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
