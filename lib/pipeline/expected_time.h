@@ -10,11 +10,11 @@
 
 namespace trephine::pipeline {
 
-/// How long the nodes of a graph are expected to take: what they took in the last run that used the same cache, be it of
-/// another patient of the library; else what their stages typically take on so many voxels and triangles, of which more
-/// is known as the run goes on. Both
-/// follow what the nodes that have run took beside what was expected of them: a machine may be slow, and a stage may
-/// find a scan hard. It may fail to foresee a scan whose anatomies are unlike those of the scans that were measured.
+/// How long the nodes of a graph are expected to take: what they took in the last run that used the same cache, be it
+/// of another patient of the library; else what their stages typically take on so many voxels and triangles, of which
+/// more is known as the run goes on. Both follow what the nodes that have run took beside what was expected of them:
+/// a machine may be slow, and a stage may find a scan hard. It may fail to foresee a scan whose anatomies are unlike
+/// those of the scans that were measured.
 class ExpectedTime {
  public:
   /// The graph and the seconds must outlive it.
