@@ -8,7 +8,8 @@ cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trep
 # LONG=1: on the scan's own voxels, with all that the scene has. Here without the zones of a lesson, each of which has six pictures.
 if ((LONG == 0)); then
   sed -i -E '/^  (dura|midline|sagittal_sinus|third_ventricle|brainstem): \{max/d; /^    dura: /d' "$work/configs/scenes/ventriculostomy.yaml"
-  printf '\nset: {resample.spacing_mm: [3.5, 3.5, 3.5], haptic.spacing_mm: [2, 2, 2]}\n' >>"$work/configs/ct_head.yaml"
+  sed -i 's/^set: {/&resample.spacing_mm: [3.5, 3.5, 3.5], haptic.spacing_mm: [2, 2, 2], /' "$work/configs/ct_head.yaml"
+  grep -q '^set: {resample.spacing_mm' "$work/configs/ct_head.yaml" || fail "ct_head.yaml has no line of settings"
 fi
 mkdir -p "$work/build/release"
 ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
