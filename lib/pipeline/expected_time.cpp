@@ -24,29 +24,32 @@ ExpectedTime::ExpectedTime(const Graph& graph, const std::map<std::string, doubl
   expect_amounts();
 }
 
+// The most of each that one of its sources hands it; what has none reads a head.
+ExpectedTime::Amount ExpectedTime::read_by(const Node& node) const {
+  if (node.sources.empty()) return {false, head_million_voxels, 1, 0};
+  Amount a;
+  for (const auto& [port, source] : node.sources) {
+    const Amount& from = amounts_[std::size_t(source)];
+    a.million_voxels = std::max(a.million_voxels, from.million_voxels);
+    a.plane_ratio = std::max(a.plane_ratio, from.plane_ratio);
+    a.million_triangles = std::max(a.million_triangles, from.million_triangles);
+  }
+  return a;
+}
+
 // A node comes after its sources.
 void ExpectedTime::expect_amounts() {
   for (std::size_t i = 0; i < amounts_.size(); ++i) {
     Amount& a = amounts_[i];
     const Node& node = graph_.nodes[i];
     const stages::TypicalTime& typical = node.type->typical;
-    if (!a.counted) {
-      a = node.sources.empty() ? Amount{false, head_million_voxels, 1, 0} : Amount{};
-      for (const auto& [port, source] : node.sources) {
-        const Amount& from = amounts_[std::size_t(source)];
-        a.million_voxels = std::max(a.million_voxels, from.million_voxels);
-        a.plane_ratio = std::max(a.plane_ratio, from.plane_ratio);
-        a.million_triangles = std::max(a.million_triangles, from.million_triangles);
-      }
-    }
+    if (!a.counted) a = read_by(node);
     if (node.output == stages::DataKind::mesh) continue;
     // Of a field: what its surface will have. A stage that only hands a field on says nothing of it.
     if (typical.surface_million > 0) {
       a.million_triangles = typical.surface_million * a.plane_ratio;
     } else if (a.counted) {
-      a.million_triangles = 0;
-      for (const auto& [port, source] : node.sources)
-        a.million_triangles = std::max(a.million_triangles, amounts_[std::size_t(source)].million_triangles);
+      a.million_triangles = read_by(node).million_triangles;
     }
   }
 }
@@ -85,12 +88,8 @@ void ExpectedTime::learn(int node, const stages::StageData& output, double took_
 
 double ExpectedTime::typical_s(const Node& node) const {
   const stages::TypicalTime& t = node.type->typical;
-  double million_voxels = node.sources.empty() ? head_million_voxels : 0, million_triangles = 0;
-  for (const auto& [port, source] : node.sources) {
-    million_voxels = std::max(million_voxels, amounts_[std::size_t(source)].million_voxels);
-    million_triangles = std::max(million_triangles, amounts_[std::size_t(source)].million_triangles);
-  }
-  return t.base_s + t.per_million_voxels_s * million_voxels + t.per_million_triangles_s * million_triangles +
+  const Amount read = read_by(node);
+  return t.base_s + t.per_million_voxels_s * read.million_voxels + t.per_million_triangles_s * read.million_triangles +
          t.per_input_s * double(node.sources.size());
 }
 

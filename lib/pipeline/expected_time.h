@@ -36,6 +36,7 @@ class ExpectedTime {
     double expected_s = 0, took_s = 0;
     double ratio(double held_s, double prior) const { return (took_s + held_s * prior) / (expected_s + held_s); }
   };
+  Amount read_by(const Node& node) const;
   void expect_amounts();
   double typical_s(const Node& node) const;
   double seconds_of(const Node& node) const;
