@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "body/board.h"
 #include "body/pressed_strands.h"
 #include "mask/bits.h"
 #include "mask/coarse.h"
@@ -211,7 +212,13 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
   const mask::HuView hu(volume);
   const mask::BitMask tissue = mask::above(hu, p.tissue_hu);
   double thin_ml = 0;
-  const mask::BitMask found = body_tissue(hu, tissue, p, thin_ml, progress);
+  // A board that the field cuts behind may be joined with the body as widely as a neck.
+  mask::BitMask off_board = tissue;
+  if (const Board board = find_board(hu, progress); board.voxels.any()) {
+    off_board.remove(board.voxels);
+    report.add("board_thickness_mm", board.thickness_mm);
+  }
+  const mask::BitMask found = body_tissue(hu, off_board, p, thin_ml, progress);
   if (!found.any()) {
     report.warn(
         fmt::format("no body was found, and nothing was taken off: no tissue above {} HU in which a ball of {} "

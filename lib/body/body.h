@@ -51,6 +51,8 @@ struct BodyParams {
 /// thickness goes and what is left of an ear stays. The skin's edge is followed outwards as long as the HU fall; where
 /// they rise again, something lies on the skin.
 ///
+/// A flat board under the body is taken off first (body/board.h): it may touch the body over a wide place.
+///
 /// Where there is a perforated mask, its strands that lie on the skin without a gap are bumps of the skin: those lower
 /// than strand_mm are smoothed off (body/pressed_strands.h).
 ///
@@ -58,9 +60,9 @@ struct BodyParams {
 /// thickness where it is wider than it is high.
 ///
 /// The report: apparatus_ml (brighter than tissue_hu), apparatus_pieces_count, thin_apparatus_ml (its sheets and
-/// strands), body_ml, and strands_on_skin_ml where there is such a mask; a warning where the body was not found, and
-/// the scan then stays as it is. The result has the same bits whatever the thread count. Throws Error 65 where a voxel
-/// is not finite; Cancelled.
+/// strands), body_ml, strands_on_skin_ml where there is such a mask, and board_thickness_mm where there is a board; a
+/// warning where the body was not found, and the scan then stays as it is. The result has the same bits whatever the
+/// thread count. Throws Error 65 where a voxel is not finite; Cancelled.
 grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& params, Report& report,
                          const Progress& progress = {});
 

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType body_stage() {
   StageType s;
   s.name = "body";
-  s.version = 3;
+  s.version = 4;
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.036;
   s.place = StagePlace::scan;
