@@ -208,6 +208,25 @@ TEST(Body, DensePlatesThatTheEarsTouchGo) {
   EXPECT_LT(c.mean_mm, 0.1);
 }
 
+TEST(Body, ABoardThatTouchesTheHeadOverAWidePlaceGoes) {
+  // The head is pressed into it by 4 mm, over a place of some 50 mm.
+  const Volume& v = head();
+  double back = -1e6;
+  for (int k = 0; k < v.size[2]; ++k)
+    for (int j = 0; j < v.size[1]; ++j)
+      for (int i = 0; i < v.size[0]; ++i)
+        if (inside_mm().at(i, j, k) > 0) back = std::max(back, v.to_world_mm(Vec3{double(i), double(j), double(k)}).y);
+  Report report;
+  const grid::HuVolume out =
+      body::keep_body(with([&](Vec3 p, double) { return p.y > back - 4 && p.y < back + 18 ? -40 : -1e6; }), {}, report);
+  EXPECT_GT(figure(report, "apparatus_ml"), 1000);
+  EXPECT_GT(figure(report, "board_thickness_mm"), 15);
+  const Compared c = compare(out);
+  EXPECT_LT(c.apparatus_ml, 2);
+  EXPECT_LT(c.lost_ml, 2);
+  EXPECT_LT(c.mean_mm, 0.1);
+}
+
 TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
   Volume air(head(), std::int16_t(-1000));
   air.at(5, 5, 5) = 40;
@@ -262,6 +281,29 @@ TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
   EXPECT_EQ(cut("skin_cut"), "above and on its left side");
   EXPECT_EQ(cut("brain_cut").substr(0, 5), "above");
   EXPECT_EQ(cut("brainstem_cut"), "");
+}
+
+TEST(HeadRegion, PaddingThatCutsTheHeadIsSaid) {
+  // A round field whose middle lies 45 mm before the head's: its rim cuts the back of the head.
+  Volume scan = head();
+  const Vec3 middle = scan.to_world_mm({0.5 * (scan.size[0] - 1), 0.5 * (scan.size[1] - 1), 0.0});
+  const double radius = 0.5 * scan.size[1] * scan.spacing_mm.y;
+  std::size_t bone = 0;
+  for (int k = 0; k < scan.size[2]; ++k)
+    for (int j = 0; j < scan.size[1]; ++j)
+      for (int i = 0; i < scan.size[0]; ++i) {
+        const Vec3 p = scan.to_world_mm({double(i), double(j), double(k)});
+        if (std::hypot(p.x - middle.x, p.y - middle.y + 45) < radius) continue;
+        bone += scan.at(i, j, k) > 300;
+        scan.at(i, j, k) = -1000;
+      }
+  ASSERT_GT(bone, 1000u);
+  Report report;
+  head::head_region(scan, {}, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("cuts the head on its back side"), std::string::npos) << report.warnings[0];
+  EXPECT_EQ(std::get<std::string>(*report.find("skin_cut")), "on its back side");
+  EXPECT_EQ(std::get<std::string>(*report.find("skull_cut")), "on its back side");
 }
 
 TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {

@@ -17,14 +17,6 @@ using consistency::Clearance;
 using consistency::clearance;
 using consistency::Relation;
 
-grid::Lattice raster(Vec3 spacing, double half_mm) {
-  grid::Lattice l;
-  l.spacing_mm = spacing;
-  l.origin_mm = {-half_mm, -half_mm, -half_mm};
-  for (int a = 0; a < 3; ++a) l.size[a] = int(2 * half_mm / spacing[a]) + 1;
-  return l;
-}
-
 grid::Field ball(const grid::Lattice& l, Vec3 centre, double radius) {
   return field_of(l, [=](Vec3 p) { return radius - norm(p - centre); });
 }
@@ -70,35 +62,8 @@ TEST(Clearance, WhereTheVolumeCutsThereIsNoSurface) {
   EXPECT_NEAR(c.gap_mm, 4, 0.05);
 }
 
-/// A head of ellipsoids that is right.
-struct Head {
-  grid::Lattice l = raster({1.8, 1.8, 2.2}, 90);
-  Vec3 ventricles_at{0, 0, 5}, brain_at, skull_at;
-  double slit_mm = 0;
-  grid::Field skin, skull, brain, ventricles;
-  void make() {
-    const auto ellipsoid = [](Vec3 p, Vec3 r) {
-      return (1 - norm({p.x / r.x, p.y / r.y, p.z / r.z})) * std::min({r.x, r.y, r.z});
-    };
-    skin = field_of(l, [&](Vec3 p) { return ellipsoid(p, {82, 86, 84}); });
-    skull = field_of(l, [&](Vec3 p) {
-      const Vec3 q = p - skull_at;
-      return std::min(ellipsoid(q, {75, 79, 77}), -ellipsoid(q, {68, 72, 70}));
-    });
-    brain = field_of(l, [&](Vec3 p) {
-      const Vec3 q = p - brain_at;
-      return std::min(ellipsoid(q, {65, 69, 67}), std::abs(q.x - 30) - slit_mm / 2);
-    });
-    ventricles = field_of(l, [&](Vec3 p) { return ellipsoid(p - ventricles_at, {17, 40, 12}); });
-  }
-  head::HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
-  consistency::AnatomyFindings examine(Report& report) const {
-    return consistency::examine_anatomy(fields(), nullptr, consistency::AnatomyGateParams(), report);
-  }
-};
-
 TEST(AnatomyGate, PassesWhatIsRight) {
-  Head head;
+  EllipsoidHead head;
   head.make();
   Report report;
   const consistency::AnatomyFindings found = head.examine(report);
@@ -110,7 +75,7 @@ TEST(AnatomyGate, PassesWhatIsRight) {
 }
 
 /// The first fault's text holds each of the words, and it lies within `off_mm` of the place.
-void expect_fault(const Head& head, std::vector<std::string> words, Vec3 place, double off_mm) {
+void expect_fault(const EllipsoidHead& head, std::vector<std::string> words, Vec3 place, double off_mm) {
   Report report;
   const consistency::AnatomyFindings found = head.examine(report);
   ASSERT_FALSE(found.faults.empty());
@@ -128,21 +93,21 @@ void expect_fault(const Head& head, std::vector<std::string> words, Vec3 place, 
 }
 
 TEST(AnatomyGate, VentriclePokesOutOfTheBrain) {
-  Head head;
+  EllipsoidHead head;
   head.ventricles_at = {0, -35, 5};
   head.make();
   expect_fault(head, {"ml of the ventricles lie outside of the brain", "deepest at", "mm"}, {0, -75, 5}, 6);
 }
 
 TEST(AnatomyGate, BrainInTwoPieces) {
-  Head head;
+  EllipsoidHead head;
   head.slit_mm = 4;
   head.make();
   expect_fault(head, {"the brain is in 2 pieces"}, {48, 0, 0}, 12);
 }
 
 TEST(AnatomyGate, SkullTouchesTheSkin) {
-  Head head;
+  EllipsoidHead head;
   head.skull_at = head.brain_at = {6.9, 0, 0};  // of a gap of 7
   head.make();
   Report report;
@@ -166,7 +131,7 @@ TEST(AnatomyGate, ThickSlicesMayBringSurfacesNearOverMore) {
   consistency::AnatomyGateParams params;
   params.min_skin_skull_gap_mm = 0.5;
   const auto faults = [&](double slice_mm) {
-    Head head;
+    EllipsoidHead head;
     head.l = raster({1.4, 1.4, slice_mm}, 90);
     head.skull_at = head.brain_at = {6.9, 0, 0};
     head.make();
@@ -182,7 +147,7 @@ TEST(AnatomyGate, ThickSlicesMayBringSurfacesNearOverMore) {
 }
 
 TEST(AnatomyGate, BrainInTheBone) {
-  Head head;
+  EllipsoidHead head;
   head.brain_at = {0, 7, 0};
   head.make();
   expect_fault(head, {"ml of the brain lie in the skull"}, {0, 74, 0}, 35);
@@ -190,7 +155,7 @@ TEST(AnatomyGate, BrainInTheBone) {
 
 // What the message says to set lets the case pass, at the first try, also where several pairs are at fault.
 TEST(AnatomyGate, TheRemedyFollowedWorks) {
-  Head head;
+  EllipsoidHead head;
   head.brain_at = {0, 7, 0};
   head.skull_at = {8.5, 0, 0};
   head.ventricles_at = {0, -35, 5};
@@ -224,7 +189,7 @@ TEST(AnatomyGate, TheRemedyFollowedWorks) {
 
 // A place that a person has looked at passes; the same fault at another place is refused as before.
 TEST(AnatomyGate, AnAcceptedPlaceIsNoAcceptedLimit) {
-  const auto message_of = [](const Head& head, const consistency::AnatomyGateParams& params) {
+  const auto message_of = [](const EllipsoidHead& head, const consistency::AnatomyGateParams& params) {
     Report report;
     try {
       consistency::require_anatomy(consistency::examine_anatomy(head.fields(), nullptr, params, report));
@@ -233,7 +198,7 @@ TEST(AnatomyGate, AnAcceptedPlaceIsNoAcceptedLimit) {
     }
     return std::string();
   };
-  Head head;
+  EllipsoidHead head;
   head.skull_at = head.brain_at = {6.9, 0, 0};
   head.make();
   consistency::AnatomyGateParams params;
@@ -259,7 +224,7 @@ TEST(AnatomyGate, AnAcceptedPlaceIsNoAcceptedLimit) {
 }
 
 TEST(AnatomyGate, BrainOutsideOfTheSkull) {
-  Head head;
+  EllipsoidHead head;
   head.make();
   // A bud beyond the bone, under the skin.
   for (std::size_t v = 0; v < head.brain.voxels.size(); ++v) {
@@ -281,7 +246,7 @@ TEST(AnatomyGate, BrainOutsideOfTheSkull) {
 }
 
 TEST(AnatomyGate, AnEmptyAnatomyIsAFault) {
-  Head head;
+  EllipsoidHead head;
   head.make();
   std::fill(head.ventricles.voxels.begin(), head.ventricles.voxels.end(), -1.f);
   Report report;
@@ -291,7 +256,7 @@ TEST(AnatomyGate, AnEmptyAnatomyIsAFault) {
 }
 
 TEST(AnatomyGate, OnlyWhatIsGivenIsChecked) {
-  Head head;
+  EllipsoidHead head;
   head.ventricles_at = {0, -35, 5};
   head.make();
   head::HeadFields fields = head.fields();
@@ -301,10 +266,10 @@ TEST(AnatomyGate, OnlyWhatIsGivenIsChecked) {
 }
 
 TEST(AnatomyGate, RefusesOtherRastersAndNaN) {
-  Head head;
+  EllipsoidHead head;
   head.make();
   Report report;
-  Head other = head;
+  EllipsoidHead other = head;
   other.brain.spacing_mm.x *= 1.01;
   EXPECT_THROW(other.examine(report), Error);
   head.brain.voxels[1000] = std::nanf("");
@@ -312,7 +277,7 @@ TEST(AnatomyGate, RefusesOtherRastersAndNaN) {
 }
 
 TEST(AnatomyGate, TheSameBitsWithOneThread) {
-  Head head;
+  EllipsoidHead head;
   head.ventricles_at = {0, -35, 5};
   head.make();
   Report many, one;
@@ -325,7 +290,7 @@ TEST(AnatomyGate, TheSameBitsWithOneThread) {
 }
 
 TEST(AnatomyGate, PictureShowsThePlace) {
-  Head head;
+  EllipsoidHead head;
   head.ventricles_at = {0, -35, 5};
   head.make();
   grid::Grid<std::int16_t> volume(head.l, -1000);

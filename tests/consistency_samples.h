@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "consistency/anatomy_gate.h"
 #include "head/head_figures.h"
 #include "head/head_landmarks.h"
 #include "phantom/head.h"
@@ -37,6 +38,41 @@ inline grid::Field field_of(const grid::Lattice& l, const std::function<double(V
   });
   return f;
 }
+
+inline grid::Lattice raster(Vec3 spacing, double half_mm) {
+  grid::Lattice l;
+  l.spacing_mm = spacing;
+  l.origin_mm = {-half_mm, -half_mm, -half_mm};
+  for (int a = 0; a < 3; ++a) l.size[a] = int(2 * half_mm / spacing[a]) + 1;
+  return l;
+}
+
+/// A head of ellipsoids that is right.
+struct EllipsoidHead {
+  grid::Lattice l = raster({1.8, 1.8, 2.2}, 90);
+  Vec3 ventricles_at{0, 0, 5}, brain_at, skull_at;
+  double slit_mm = 0;
+  grid::Field skin, skull, brain, ventricles;
+  void make() {
+    const auto ellipsoid = [](Vec3 p, Vec3 r) {
+      return (1 - norm({p.x / r.x, p.y / r.y, p.z / r.z})) * std::min({r.x, r.y, r.z});
+    };
+    skin = field_of(l, [&](Vec3 p) { return ellipsoid(p, {82, 86, 84}); });
+    skull = field_of(l, [&](Vec3 p) {
+      const Vec3 q = p - skull_at;
+      return std::min(ellipsoid(q, {75, 79, 77}), -ellipsoid(q, {68, 72, 70}));
+    });
+    brain = field_of(l, [&](Vec3 p) {
+      const Vec3 q = p - brain_at;
+      return std::min(ellipsoid(q, {65, 69, 67}), std::abs(q.x - 30) - slit_mm / 2);
+    });
+    ventricles = field_of(l, [&](Vec3 p) { return ellipsoid(p - ventricles_at, {17, 40, 12}); });
+  }
+  head::HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
+  consistency::AnatomyFindings examine(Report& report) const {
+    return consistency::examine_anatomy(fields(), nullptr, consistency::AnatomyGateParams(), report);
+  }
+};
 
 inline head::HeadLandmarks true_landmarks(const phantom::Head& head) {
   head::HeadLandmarks out;

@@ -6,19 +6,25 @@
 
 namespace trephine::consistency {
 
-bool is_accepted(Vec3 p, const std::vector<Vec3>& accepted_mm) {
-  return std::any_of(accepted_mm.begin(), accepted_mm.end(),
+bool is_accepted(Vec3 p, const NotCompared& where) {
+  if (where.field_edge) {
+    const grid::Lattice& l = where.field_edge->lattice();
+    const Vec3 at = l.to_index(p);  // a surface may lie half a voxel beyond the volume
+    const auto voxel = [&](int a) { return std::clamp(int(std::lround(at[a])), 0, l.size[std::size_t(a)] - 1); };
+    if (where.field_edge->get(voxel(0), voxel(1), voxel(2))) return true;
+  }
+  return std::any_of(where.accepted_mm.begin(), where.accepted_mm.end(),
                      [&](Vec3 place) { return norm(p - place) <= accepted_radius_mm; });
 }
 
-void accept(mask::BitMask& wrong, const std::vector<Vec3>& accepted_mm) {
-  if (accepted_mm.empty()) return;
+void accept(mask::BitMask& wrong, const NotCompared& where) {
+  if (!where.any()) return;
   const grid::Lattice& l = wrong.lattice();
   const grid::Box box = wrong.bounds();
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
       for (int i = box.begin[0]; i < box.end[0]; ++i)
-        if (wrong.get(i, j, k) && is_accepted(l.to_world_mm({double(i), double(j), double(k)}), accepted_mm))
+        if (wrong.get(i, j, k) && is_accepted(l.to_world_mm({double(i), double(j), double(k)}), where))
           wrong.clear(i, j, k);
 }
 

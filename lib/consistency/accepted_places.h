@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Places about which a person has found two surfaces right, and so about which they are not compared.
+// Places at which two surfaces are not compared.
+#include <optional>
 #include <vector>
 
 #include "mask/bits.h"
@@ -10,10 +11,18 @@ namespace trephine::consistency {
 constexpr double accepted_radius_mm = 20;
 constexpr std::size_t max_places_count = 16;
 
-bool is_accepted(Vec3 place_mm, const std::vector<Vec3>& accepted_mm);
+/// Where two surfaces are not compared.
+struct NotCompared {
+  std::vector<Vec3> accepted_mm;  ///< about these places a person has found them right
+  /// The scanned field ends at these voxels, and every surface with it; may have no voxel at all.
+  std::optional<mask::BitMask> field_edge;
+  bool any() const { return !accepted_mm.empty() || field_edge; }
+};
 
-/// Takes the voxels about the accepted places out of the mask.
-void accept(mask::BitMask& wrong, const std::vector<Vec3>& accepted_mm);
+bool is_accepted(Vec3 place_mm, const NotCompared& where);
+
+/// Takes the voxels that lie there out of the mask.
+void accept(mask::BitMask& wrong, const NotCompared& where);
 
 /// The centres of the mask's voxels, LPS mm.
 std::vector<Vec3> points_of(const mask::BitMask& mask);

@@ -12,12 +12,14 @@
 #include "consistency/anatomy_gate_gap.h"
 #include "head/cranium.h"
 #include "mask/coarse.h"
+#include "mask/field_edge.h"
 
 namespace trephine::consistency {
 namespace {
 
 using mask::BitMask;
 
+constexpr double edge_reach_mm = 3;     ///< so far from where the field ends surfaces are not compared
 constexpr double usual_slice_mm = 1.5;  ///< in thicker slices surfaces may be near to each other over more
 
 std::string fixed(double v, int digits) {
@@ -36,16 +38,31 @@ const Remedy wrong_shape{
     "look there in the pictures: where the shape is wrong, paint it and bring it back by the stage `labels`, or take a "
     "series of a smoother kernel or thinner slices"};
 
-/// Where the scan's field cuts the skin off, bone and skin end together at its edge.
+/// Where the scan's field cuts the skin off, bone and skin end together at its edge; it is not always recognised.
 const Remedy wrong_or_cut_skin{
     wrong_shape.text + "; where the scan's field of view cuts the skin off there, take a series with a larger one"};
+
+/// About the places where padding or the volume's sides cut a body. A round field leaves less than two voxels of
+/// padding where it comes near to a side.
+BitMask where_the_field_ends(const mask::HuView& hu, const Progress& progress) {
+  const grid::Lattice& l = hu.lattice();
+  const auto at_side = [&](int index, int axis) { return index < 2 || index >= l.size[std::size_t(axis)] - 2; };
+  BitMask ends = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    const bool all = at_side(j, 1) || at_side(k, 2);
+    for (int i = 0; i < l.size[0]; ++i)
+      row[i] = (all || at_side(i, 0)) && hu(i, j, k) > mask::FieldEdge::tissue_above_hu;
+  });
+  ends |= mask::field_edge(hu, progress).tissue;
+  return mask::dilated(ends, edge_reach_mm, progress);
+}
 
 struct Gate {
   const head::HeadFields& fields;
   const AnatomyGateParams& params;
   Report& report;
   const Progress& progress;
-  const std::vector<Vec3>& accepted;
+  NotCompared accepted;
+  const grid::HuVolume* volume;  ///< may be null
   const MeasuredOnce& once;
   struct Ranked {
     double badness;  ///< ml
@@ -59,7 +76,7 @@ struct Gate {
            const char* second, std::vector<Vec3> places = {}) {
     if (!places.empty()) {
       values_to_set.clear();
-      places.insert(places.begin(), accepted.begin(), accepted.end());
+      places.insert(places.begin(), accepted.accepted_mm.begin(), accepted.accepted_mm.end());
     }
     faults.push_back(
         {badness,
@@ -71,17 +88,32 @@ struct Gate {
   void check_pair(const char* name, const grid::Field* one, const char* other_name, const grid::Field* other,
                   Relation relation, double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
     if (!one || !other) return;
-    const auto measure = [&] { return clearance(*one, *other, relation, gap_mm, accepted, progress); };
-    const Clearance c = once ? once("clearance of " + to_text(gap_mm) + " mm, accepted " + params.accepted_places_mm,
-                                    {name, other_name}, measure)
-                             : measure();
-    const bool inside = relation == Relation::inside;
+    const auto measured = [&](const std::string& what, std::vector<std::string> of,
+                              const std::function<Clearance()>& measure) {
+      return once ? once(what + to_text(gap_mm) + " mm, accepted " + params.accepted_places_mm, of, measure)
+                  : measure();
+    };
+    Clearance c = measured("clearance of ", {name, other_name},
+                           [&] { return clearance(*one, *other, relation, gap_mm, accepted, progress); });
+    const bool inside = relation == Relation::inside, in_skin = std::string(other_name) == "skin";
     // A slice mixes bone and scalp under the vertex, over the more of it the thicker it is. Other pairs do not lie so
     // flat against each other.
     const Vec3 spacing = one->spacing_mm;
-    const double slices = std::string(other_name) != "skin"
-                              ? 1
-                              : std::max(1.0, std::max({spacing.x, spacing.y, spacing.z}) / usual_slice_mm);
+    const double slices = in_skin ? std::max(1.0, std::max({spacing.x, spacing.y, spacing.z}) / usual_slice_mm) : 1;
+    const auto is_wrong = [&] {
+      return c.wrong_ml > params.max_outside_ml || (c.near_mm2 > slices * params.max_near_mm2 && c.gap_mm < gap_mm);
+    };
+    if (is_wrong() && in_skin && volume) {
+      c = measured("clearance beside the field's edge of ", {name, other_name, "volume"}, [&] {
+        NotCompared edge = accepted;
+        edge.field_edge = where_the_field_ends(mask::HuView(*volume), progress);
+        if (!edge.field_edge->any()) return c;
+        return clearance(*one, *other, relation, gap_mm, edge, progress);
+      });
+      if (!is_wrong())
+        report.warn(std::string("the scanned field's edge cuts ") + name +
+                    " and skin: there they end together, and were not compared");
+    }
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
     if (c.wrong_ml > params.max_outside_ml) {
@@ -89,13 +121,13 @@ struct Gate {
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
           wrong_shape, {{"max_outside_ml", above(c.wrong_ml)}}, c.deepest_mm, name, other_name, c.places_mm);
-    } else if (c.near_mm2 > slices * params.max_near_mm2 && c.gap_mm < gap_mm) {
+    } else if (is_wrong()) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
-          std::string(other_name) == "skin" ? wrong_or_cut_skin : wrong_shape,
-          {{"max_near_mm2", std::ceil(c.near_mm2 / slices) + 1}}, c.gap_at_mm, name, other_name, c.places_mm);
+          in_skin ? wrong_or_cut_skin : wrong_shape, {{"max_near_mm2", std::ceil(c.near_mm2 / slices) + 1}},
+          c.gap_at_mm, name, other_name, c.places_mm);
     }
   }
 
@@ -235,13 +267,13 @@ AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
 
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress,
-                                const MeasuredOnce& once) {
+                                const MeasuredOnce& once, const grid::HuVolume* volume) {
   AnatomyFindings out;
   out.figures = head::measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
   const std::vector<Vec3> accepted = places_of(params.accepted_places_mm);
   if (!accepted.empty())
     report.warn("what is wrong within 20 mm of " + params.accepted_places_mm + " was accepted and not checked");
-  Gate gate{fields, params, report, progress, accepted, once, {}};
+  Gate gate{fields, params, report, progress, {accepted, {}}, volume, once, {}};
   gate.check_empty("skin", fields.skin, out.figures.skin_ml);
   gate.check_empty("skull", fields.skull, out.figures.skull_ml);
   gate.check_empty("brain", fields.brain, out.figures.brain_ml);

@@ -79,9 +79,9 @@ class AnatomyError : public RefusalAbout {
 };
 
 struct Clearance;
-/// Gives what `measure` gives, which depends on `what` and on the fields of these anatomies alone: for callers who may
-/// have measured it before.
-using MeasuredOnce = std::function<Clearance(const std::string& what, const std::vector<std::string>& anatomies,
+/// Gives what `measure` gives, which depends on `what`, on the fields of the anatomies named and, where it is named, on
+/// "volume" alone: for callers who may have measured it before.
+using MeasuredOnce = std::function<Clearance(const std::string& what, const std::vector<std::string>& of,
                                              const std::function<Clearance()>& measure)>;
 
 /// The consistency check of a head's anatomies: is each given anatomy where it can be? It checks that
@@ -89,6 +89,9 @@ using MeasuredOnce = std::function<Clearance(const std::string& what, const std:
 ///   which is found from the skull; the skull (without one, the brain) lies inside the skin; and the surfaces keep the
 ///   required distances;
 /// - the brain is in one piece.
+///
+/// Where the scanned field ends within the head (mask/field_edge.h) or `volume`, which may be null, does, bone and skin
+/// end together: there they are not compared, and a warning says so.
 ///
 /// It also measures the head (head_figures.h). Surfaces are those of the fields, to a fraction of a voxel; where the
 /// volume cuts an anatomy there is no surface. Volumes count voxels by their centre.
@@ -100,7 +103,7 @@ using MeasuredOnce = std::function<Clearance(const std::string& what, const std:
 /// voxel is not finite; Cancelled.
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress = {},
-                                const MeasuredOnce& once = {});
+                                const MeasuredOnce& once = {}, const grid::HuVolume* volume = nullptr);
 
 /// Throws AnatomyError where there are faults.
 void require_anatomy(const AnatomyFindings& findings);

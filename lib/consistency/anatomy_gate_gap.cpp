@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "consistency/accepted_places.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "surface/point_triangle.h"
@@ -341,7 +340,7 @@ double exact_mm(const Fan& fan, const Side& other, const Candidate& c, double li
 }  // namespace
 
 Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
-                    const std::vector<Vec3>& accepted_mm, const Progress& progress) {
+                    const NotCompared& not_compared, const Progress& progress) {
   std::array<int, 3> one_at{}, other_at{};
   const grid::Lattice l = around_both(one, other, one_at, other_at);
   const mask::BitMask one_in = mask::positive(one, l), other_in = mask::positive(other, l);
@@ -350,7 +349,7 @@ Clearance clearance(const grid::Field& one, const grid::Field& other, Relation r
   if (relation == Relation::apart) allowed.invert();
   mask::BitMask wrong = one_in;
   wrong.remove(allowed);
-  accept(wrong, accepted_mm);
+  accept(wrong, not_compared);
   measure_wrong(wrong, allowed, out, progress);
   if (out.wrong_ml > 0) {
     out.places_mm = covering(points_of(wrong), out.deepest_mm);
@@ -366,10 +365,10 @@ Clearance clearance(const grid::Field& one, const grid::Field& other, Relation r
   const auto world_of = [&](Vec3 p) {
     return l.to_world_mm({p.x / l.spacing_mm.x, p.y / l.spacing_mm.y, p.z / l.spacing_mm.z});
   };
-  if (!accepted_mm.empty())
+  if (not_compared.any())
     near.erase(std::remove_if(near.begin(), near.end(),
                               [&](const Candidate& c) {
-                                return is_accepted(l.to_world_mm({c.i + 0.5, c.j + 0.5, c.k + 0.5}), accepted_mm);
+                                return is_accepted(l.to_world_mm({c.i + 0.5, c.j + 0.5, c.k + 0.5}), not_compared);
                               }),
                near.end());
   std::stable_sort(near.begin(), near.end(), [](const Candidate& p, const Candidate& q) { return p.mm < q.mm; });

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "consistency/accepted_places.h"
 #include "mask/bits.h"
 
 namespace trephine::consistency {
@@ -27,10 +28,9 @@ enum class Relation { inside, apart };
 /// it. The surface of a field consists of triangles in each cell between the points where the field crosses 0 on the
 /// cell's edges and the mean of these points. The nearest places are found by these means; there, the distance from
 /// points of one surface to the triangles of the other is exact. near_mm2 is the area of the surface nearer than
-/// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. What lies within
-/// accepted_radius_mm of a place in `accepted_mm` does not count. The result has the same bits whatever the thread
-/// count.
+/// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. What lies where surfaces are
+/// not compared does not count. The result has the same bits whatever the thread count.
 Clearance clearance(const grid::Field& one, const grid::Field& other, Relation relation, double asked_mm,
-                    const std::vector<Vec3>& accepted_mm = {}, const Progress& progress = {});
+                    const NotCompared& not_compared = {}, const Progress& progress = {});
 
 }  // namespace trephine::consistency

@@ -2,6 +2,7 @@
 #include "head/head_region.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <map>
@@ -11,6 +12,7 @@
 #include "head/cranium.h"
 #include "mask/bits.h"
 #include "mask/coarse.h"
+#include "mask/field_edge.h"
 #include "mask/hu_view.h"
 
 namespace trephine::head {
@@ -49,27 +51,82 @@ mask::BitMask part_of(const mask::BitMask& mask, const grid::Box& box) {
   return mask::placed(mask::crop(mask, box), mask.lattice());
 }
 
-/// Of each shape of a head where the scan's end or the field's edge cuts it: "above and on its left side".
+/// Of each shape of a head where the scan's end or the field's edge cuts it: "above and on its left and back side".
 class Cuts {
  public:
-  void add(std::initializer_list<const char*> shapes, const std::string& where) {
-    for (const char* shape : shapes) {
-      std::string& text = of_[shape];
-      text += (text.empty() ? "" : " and ") + where;
-    }
+  void add(std::initializer_list<const char*> shapes, const std::string& end) {
+    for (const char* shape : shapes) join(of_[shape].ends, end);
   }
+  void add_side(const char* shape, const std::string& side) { join(of_[shape].sides, side); }
   void report(Report& report) const {
-    for (const auto& [shape, where] : of_) report.add(shape + "_cut", where);
+    for (const auto& [shape, where] : of_) {
+      std::string text = where.ends;
+      if (!where.sides.empty()) join(text, "on its " + where.sides + " side");
+      report.add(shape + "_cut", text);
+    }
   }
 
  private:
-  std::map<std::string, std::string> of_;
+  struct Where {
+    std::string ends, sides;
+  };
+  static void join(std::string& text, const std::string& next) { text += (text.empty() ? "" : " and ") + next; }
+  std::map<std::string, Where> of_;
 };
 
 const char* side_name(const grid::Lattice& l, int axis, bool last) {
   const Vec3 out = l.direction.column[axis] * (last ? 1.0 : -1.0);
+  if (std::abs(out.z) > std::max(std::abs(out.x), std::abs(out.y))) return out.z > 0 ? "top" : "bottom";
   if (std::abs(out.x) >= std::abs(out.y)) return out.x > 0 ? "left" : "right";
   return out.y > 0 ? "back" : "front";
+}
+
+/// How much of a head the field's edge cuts towards each side of the volume, in mm2: by axis, first and last.
+struct CutAreas {
+  std::array<std::array<double, 2>, 3> tissue{}, bone{}, cavity{};
+};
+
+/// Adds where padding lies beside the head (mask/field_edge.h), in the voxels of `upper`, which are cells of `raster`.
+/// Each cell counts for the side to which most of its faces look, so that a round rim behind is not also one beside.
+void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const mask::BitMask& upper,
+                const mask::BitMask& cavity, CutAreas& out, const Progress& progress) {
+  struct Cell {
+    std::array<std::array<double, 2>, 3> faces{};
+    double bone = 0, all = 0;
+    bool in_cavity = false;
+  };
+  std::map<std::size_t, Cell> cells;
+  const mask::FieldEdge edge = mask::field_edge(hu, progress);
+  const grid::Lattice& l = hu.lattice();
+  const grid::Box box = edge.tissue.bounds();
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j)
+      for (int i = box.begin[0]; i < box.end[0]; ++i) {
+        const std::array<int, 3> at{i / raster.factor[0], j / raster.factor[1], k / raster.factor[2]};
+        if (!edge.tissue.get(i, j, k) || !upper.get(at[0], at[1], at[2])) continue;
+        Cell& cell = cells[upper.lattice().index(at[0], at[1], at[2])];
+        cell.in_cavity = cavity.get(at[0], at[1], at[2]);
+        for (int a = 0; a < 3; ++a)
+          for (const int last : {0, 1}) {
+            std::array<int, 3> next{i, j, k};
+            next[std::size_t(a)] += last ? 1 : -1;
+            if (!edge.padding.at(next[0], next[1], next[2])) continue;
+            const double mm2 = cell_face_mm2(l, a);
+            cell.faces[std::size_t(a)][std::size_t(last)] += mm2;
+            cell.all += mm2;
+            if (hu(i, j, k) > bone_hu) cell.bone += mm2;
+          }
+      }
+  for (const auto& [index, cell] : cells) {
+    std::size_t side = 0;
+    const auto of_side = [&cell = cell](std::size_t s) { return cell.faces[s / 2][s % 2]; };
+    for (std::size_t s = 1; s < 6; ++s)
+      if (of_side(s) > of_side(side)) side = s;
+    const double mm2 = of_side(side);
+    out.tissue[side / 2][side % 2] += mm2;
+    out.bone[side / 2][side % 2] += mm2 * cell.bone / cell.all;
+    if (cell.in_cavity) out.cavity[side / 2][side % 2] += mm2;
+  }
 }
 
 }  // namespace
@@ -130,20 +187,26 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   grid::Box skull_box = box;
   (up.ascends ? skull_box.begin : skull_box.end)[up.axis] = up.ascends ? foramen : n - foramen;
   const mask::BitMask upper = part_of(tissue, skull_box);
+  CutAreas areas;
   for (int a = 0; a < 3; ++a) {
     if (a == up.axis) continue;
     const std::vector<double> cut = areas_mm2(upper, a), of_bone = areas_mm2(mask::both(upper, bone), a),
                               of_cavity = areas_mm2(cavity, a);
-    for (const bool last : {false, true}) {
-      const auto at_end = [&](const std::vector<double>& all) { return last ? all.back() : all.front(); };
-      if (!(at_end(cut) > cut_side_mm2)) continue;
-      const std::string side = side_name(c, a, last), where = "on its " + side + " side";
-      report.warn("the field of view cuts the head " + where + ": what lies there is missing");
-      cuts.add({"skin"}, where);
-      if (at_end(of_bone) > cut_side_mm2) cuts.add({"skull"}, where);
-      if (at_end(of_cavity) > cut_cavity_mm2) cuts.add({"brain", "dura"}, where);
-    }
+    areas.tissue[a] = {cut.front(), cut.back()};
+    areas.bone[a] = {of_bone.front(), of_bone.back()};
+    areas.cavity[a] = {of_cavity.front(), of_cavity.back()};
   }
+  add_padded(hu, raster, upper, cavity, areas, progress.part(0.6, 0.9));
+  for (int a = 0; a < 3; ++a)
+    for (const bool last : {false, true}) {
+      if (!(areas.tissue[a][last] > cut_side_mm2)) continue;
+      const std::string side = side_name(c, a, last);
+      report.warn("the field of view cuts the head on its " + side + " side: what lies there is missing");
+      cuts.add_side("skin", side);
+      if (areas.bone[a][last] > cut_side_mm2) cuts.add_side("skull", side);
+      if (areas.cavity[a][last] > cut_cavity_mm2)
+        for (const char* shape : {"brain", "dura"}) cuts.add_side(shape, side);
+    }
   cuts.report(report);
 
   grid::Box fine;

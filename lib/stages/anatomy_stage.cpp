@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 6;
+  s.version = 7;
   s.typical.base_s = 0.15;
   s.typical.per_million_voxels_s = 0.022;
   s.place = StagePlace::scan;
@@ -30,16 +30,17 @@ StageType anatomy_stage() {
       "--landmarks landmarks.json",
       "trephine anatomy --brain brain.nrrd --ventricles ventricles.nrrd --volume head.nrrd --picture "
       "fault.png"};
-  s.ports = {
-      port("skin", DataKind::field).optional().help("the skin"),
-      port("skull", DataKind::field).optional().help("the skull"),
-      port("brain", DataKind::field).optional().help("the brain"),
-      port("ventricles", DataKind::field).optional().help("the ventricles"),
-      port("landmarks", DataKind::landmarks)
-          .where_shown("class_of")
-          .optional()
-          .help("landmarks and the midsagittal plane"),
-      port("volume", DataKind::volume).optional().help("CT volume, for its noise and a picture of what is wrong")};
+  s.ports = {port("skin", DataKind::field).optional().help("the skin"),
+             port("skull", DataKind::field).optional().help("the skull"),
+             port("brain", DataKind::field).optional().help("the brain"),
+             port("ventricles", DataKind::field).optional().help("the ventricles"),
+             port("landmarks", DataKind::landmarks)
+                 .where_shown("class_of")
+                 .optional()
+                 .help("landmarks and the midsagittal plane"),
+             port("volume", DataKind::volume)
+                 .optional()
+                 .help("CT volume, for its noise, where its field ends, and a picture of what is wrong")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<consistency::AnatomyGateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
@@ -55,7 +56,8 @@ StageType anatomy_stage() {
             const std::function<consistency::Clearance()>& measure) {
           return *in.once<consistency::Clearance>(
               what, of, progress, [&] { return std::make_shared<const consistency::Clearance>(measure()); });
-        });
+        },
+        volume);
     try {
       consistency::require_anatomy(findings);
     } catch (consistency::AnatomyError& e) {
