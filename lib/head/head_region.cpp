@@ -70,13 +70,14 @@ class Cuts {
   struct Where {
     std::string ends, sides;
   };
-  static void join(std::string& text, const std::string& next) { text += (text.empty() ? "" : " and ") + next; }
+  static void join(std::string& text, const std::string& next) {
+    if (text.find(next) == std::string::npos) text += (text.empty() ? "" : " and ") + next;
+  }
   std::map<std::string, Where> of_;
 };
 
 const char* side_name(const grid::Lattice& l, int axis, bool last) {
   const Vec3 out = l.direction.column[axis] * (last ? 1.0 : -1.0);
-  if (std::abs(out.z) > std::max(std::abs(out.x), std::abs(out.y))) return out.z > 0 ? "top" : "bottom";
   if (std::abs(out.x) >= std::abs(out.y)) return out.x > 0 ? "left" : "right";
   return out.y > 0 ? "back" : "front";
 }
@@ -200,12 +201,16 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   for (int a = 0; a < 3; ++a)
     for (const bool last : {false, true}) {
       if (!(areas.tissue[a][last] > cut_side_mm2)) continue;
-      const std::string side = side_name(c, a, last);
-      report.warn("the field of view cuts the head on its " + side + " side: what lies there is missing");
-      cuts.add_side("skin", side);
-      if (areas.bone[a][last] > cut_side_mm2) cuts.add_side("skull", side);
+      const bool is_end = a == up.axis;
+      const std::string side = is_end ? (last == up.ascends ? "above" : "below") : side_name(c, a, last);
+      report.warn("the field of view cuts the head " + (is_end ? side : "on its " + side + " side") +
+                  ": what lies there is missing");
+      const auto add = [&](const char* shape) { is_end ? cuts.add({shape}, side) : cuts.add_side(shape, side); };
+      add("skin");
+      if (areas.bone[a][last] > cut_side_mm2) add("skull");
       if (areas.cavity[a][last] > cut_cavity_mm2)
-        for (const char* shape : {"brain", "dura"}) cuts.add_side(shape, side);
+        for (const char* shape : {"brain", "dura"}) add(shape);
+      if (side == "below" && areas.cavity[a][last] > cut_cavity_mm2) add("brainstem");
     }
   cuts.report(report);
 
