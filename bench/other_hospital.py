@@ -16,6 +16,8 @@ of one that ran twice the last line counts. Needs numpy (Debian: python3-numpy).
   no-vertex the scan ends 30 mm below the vertex                              no-base   the scan begins at the orbits
   prone, feet-first, feet-first-prone   pixels, positions and tags of a patient who lies so; files in the reverse order
   oblique   the slices are turned by 12 degrees in their plane and tilted by 10, and begin where they are whole
+  round     the field is round, 170 mm wide, and cuts the head; beyond it lies padding
+  clipped   all that is darker than -850 HU is -1000 HU, so that air has one value
   reformat  the same with what is left of the slices below, as a program that reformats stores it: the rest is padding"""
 import argparse
 import hashlib
@@ -56,6 +58,11 @@ feet-first-prone-cerebrix head_mask_cerebrix feet-first-prone
 oblique-0051 head_invesalius_0051 oblique
 oblique-cerebrix head_mask_cerebrix oblique
 reformat-doe head_doe_ge reformat
+round-0051 head_invesalius_0051 round
+round-c3n head_neuronav_C3N-01192 round
+round-cerebrix head_mask_cerebrix round
+clipped-doe head_doe_ge clipped
+clipped-0051 head_invesalius_0051 clipped
 coarse-c3n head_neuronav_C3N-01192 coarse
 coarse-cerebrix head_mask_cerebrix coarse
 coarse-doe head_doe_ge coarse
@@ -83,7 +90,8 @@ class Volume:
         return np.linalg.inv(self.axes * self.step) @ (np.asarray(p, float) - self.origin)
 
     def holds(self, p):
-        return all(0 <= i <= n - 1 for i, n in zip(self.index(p), self.voxels.shape[::-1]))
+        i = np.round(self.index(p)).astype(int)
+        return all(0 <= i) and all(i < self.voxels.shape[::-1]) and self.voxels[tuple(i[::-1])] != padding
 
 
 def read(path):
@@ -217,6 +225,13 @@ def changed(v, how, limit):
         return flipped(flipped(v, 1), 2).like(position="FFP", backwards=True)
     if how in ("oblique", "reformat"):
         return oblique(v, 12, 10, how == "oblique")
+    if how == "round":
+        bone = np.nonzero((v.voxels > 400).any(axis=0))
+        y, x = np.indices(v.voxels.shape[1:])
+        beyond = np.hypot((x - np.median(bone[1])) * v.step[0], (y - np.median(bone[0])) * v.step[1]) > 85
+        return v.like(np.where(beyond[None], np.float32(padding), v.voxels))
+    if how == "clipped":
+        return v.like(np.where(v.voxels < -850, np.float32(-1000), v.voxels))
     if how == "coarse":
         return sampled(sampled(sampled(v, 0, 1, 1), 1, 1, 1), 2, 3, 3)
     sys.exit(f"{how}: not known")

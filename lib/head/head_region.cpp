@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "head/cranium.h"
@@ -55,23 +56,29 @@ mask::BitMask part_of(const mask::BitMask& mask, const grid::Box& box) {
 class Cuts {
  public:
   void add(std::initializer_list<const char*> shapes, const std::string& end) {
-    for (const char* shape : shapes) join(of_[shape].ends, end);
+    for (const char* shape : shapes) add_once(of_[shape].ends, end);
   }
-  void add_side(const char* shape, const std::string& side) { join(of_[shape].sides, side); }
+  void add_side(const char* shape, const std::string& side) { add_once(of_[shape].sides, side); }
   void report(Report& report) const {
     for (const auto& [shape, where] : of_) {
-      std::string text = where.ends;
-      if (!where.sides.empty()) join(text, "on its " + where.sides + " side");
-      report.add(shape + "_cut", text);
+      std::vector<std::string> all = where.ends;
+      if (!where.sides.empty()) all.push_back("on its " + listed(where.sides) + " side");
+      report.add(shape + "_cut", listed(all));
     }
   }
 
  private:
   struct Where {
-    std::string ends, sides;
+    std::vector<std::string> ends, sides;
   };
-  static void join(std::string& text, const std::string& next) {
-    if (text.find(next) == std::string::npos) text += (text.empty() ? "" : " and ") + next;
+  static void add_once(std::vector<std::string>& words, const std::string& word) {
+    if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+  }
+  static std::string listed(const std::vector<std::string>& words) {
+    std::string text;
+    for (std::size_t w = 0; w < words.size(); ++w)
+      text += (w == 0 ? "" : w + 1 < words.size() ? ", " : " and ") + words[w];
+    return text;
   }
   std::map<std::string, Where> of_;
 };
