@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the dura ends at the air of the skull's base.
+// Where the dura ends at the air of the skull's base, and the third ventricle where a bleed moved it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -82,6 +82,66 @@ TEST(SegmentZones, BoneCellsAtTheBaseAreNoneOfTheDuras) {
 }
 
 // Noise makes single voxels of tissue as dark as air. Joined to a bone cell's true air they took the base of the brain.
+/// The third ventricle by the true ventricles of a head, and how much of the true third and lateral ones it holds.
+struct FoundThird {
+  Report report;
+  double third = 0, lateral = 0;
+
+  explicit FoundThird(phantom::Variant variant, double shift_mm) {
+    phantom::HeadParams who;
+    who.level = phantom::Level::clinical;
+    who.seed = 3;
+    who.variant = variant;
+    const phantom::Head head(who);
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 150;
+    how.pixel_mm = 1.5;
+    how.slices_count = 90;
+    how.slice_step_mm = how.slice_thickness_mm = 2;
+    how.subvoxel_mm = 1.5;
+    const grid::HuVolume volume = phantom::volume_of(phantom::scan(head, how));
+    Report ignored;
+    const mask::BitMask cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), ignored, {});
+    grid::Field ventricles(cavity.lattice());
+    const auto each = [](const grid::Lattice& l, const auto& visit) {
+      for (int k = 0; k < l.size[2]; ++k)
+        for (int j = 0; j < l.size[1]; ++j)
+          for (int i = 0; i < l.size[0]; ++i) visit(i, j, k, l.to_world_mm({double(i), double(j), double(k)}));
+    };
+    each(ventricles, [&](int i, int j, int k, Vec3 p) {
+      const double mm = -head.implicit_mm(phantom::Anatomy::ventricles, p);
+      ventricles.at(i, j, k) = float(mm == 0 ? -1e-6 : std::clamp(mm, -20.0, 20.0));
+    });
+    place::ZoneParams params;
+    params.what = place::Zone::third_ventricle;
+    const grid::Field zone = place::find_zone(cavity, {nullptr, &ventricles}, params, report);
+    double all = 0, lateral_all = 0;
+    each(ventricles, [&](int i, int j, int k, Vec3 p) {
+      if (!(ventricles.at(i, j, k) > 0.3)) return;
+      const Vec3 at = zone.to_index(p);
+      const int x = int(std::lround(at.x)), y = int(std::lround(at.y)), z = int(std::lround(at.z));
+      const bool holds = zone.contains(x, y, z) && zone.at(x, y, z) > 0;
+      const bool is_third = std::abs(p.x - shift_mm) < 2.5 && p.z < 48 && p.z > 36 && p.y > -16 && p.y < 8;
+      const bool is_lateral = std::abs(p.x - shift_mm) > 8 || p.z > 58;
+      all += is_third, third += is_third && holds;
+      lateral_all += is_lateral, lateral += is_lateral && holds;
+    });
+    third /= all, lateral /= lateral_all;
+  }
+};
+
+// It is a critical structure of the lessons: where it was lost, a needle through it was no fault.
+TEST(SegmentZones, TheThirdVentricleIsFollowedToTheSide) {
+  const FoundThird normal(phantom::Variant::normal, 0), shifted(phantom::Variant::shifted, -8);
+  EXPECT_GT(normal.third, 0.85);
+  EXPECT_LT(normal.lateral, 0.02);
+  EXPECT_EQ(normal.report.find("third_shift_mm"), nullptr);
+  EXPECT_GT(shifted.third, 0.85);
+  EXPECT_LT(shifted.lateral, 0.02);
+  ASSERT_NE(shifted.report.find("third_shift_mm"), nullptr);
+  EXPECT_NEAR(std::get<double>(*shifted.report.find("third_shift_mm")), -8, 2);
+}
+
 TEST(SegmentZones, NoiseIsNoAir) {
   Leaking scan(60);
   const double box = double(scan.box.count());

@@ -13,15 +13,14 @@
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
+#include "place/third_ventricle.h"
 
 namespace trephine::place {
 namespace {
 
 constexpr double cut_sigma_mm = 1, inside_hu = 200, margin_mm = 3;
-constexpr double third_reach_mm = 6;  ///< from the template's third ventricle; a wide one reaches farther to the side
-constexpr double third_wide_mm = 9;   ///< fluid that goes on beyond this from the midline is a lateral ventricle's,
-constexpr double third_near_mm = 3;   ///< and so is what does not come as near to it as this
-constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by this
+constexpr double third_reach_mm = 6;    ///< from the template's third ventricle; a wide one reaches farther to the side
+constexpr double least_third_ml = 0.1;  ///< a slit has more
 constexpr double base_z = 20, air_hu = -300, min_air_ml = 0.3;
 constexpr double air_share = 0.25, near_air_mm = 4;
 constexpr float some_air_hu = -60;
@@ -69,39 +68,6 @@ double stem_mm(Vec3 p) {
     return norm(p - (a + ab * t)) - (r + t * (s - r));
   };
   return std::min(capsule({0, 6, 30}, {0, 16, 4}, 11.5, 12), capsule({0, 16, 4}, {0, 27, -26}, 9, 6));
-}
-
-/// Keeps of the fluid's distances what is narrow from side to side. The template's border alone lets the third
-/// ventricle bulge into lateral ventricles that are wider than the template's.
-void cut_off_lateral(grid::Field& fluid_mm, const HeadPlace& place, const Progress& progress) {
-  const Vec3 sideways = normalized(place.axes.column[0]);
-  const double step_mm = 0.5 * std::min({fluid_mm.spacing_mm.x, fluid_mm.spacing_mm.y, fluid_mm.spacing_mm.z});
-  const auto side_mm = [&](Vec3 p) { return std::abs(place.to_template(p).x) * place.scale.x; };
-  const auto is_fluid = [&](Vec3 p) {
-    const Vec3 at = fluid_mm.to_index(p);
-    const int i = int(std::lround(at.x)), j = int(std::lround(at.y)), k = int(std::lround(at.z));
-    return fluid_mm.contains(i, j, k) && fluid_mm.at(i, j, k) > 0;
-  };
-  grid::Field narrow(grid::Lattice(fluid_mm), 1.0f);
-  parallel_for(0, narrow.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-    progress.check();
-    for (int k = int(from); k < to; ++k)
-      for (int j = 0; j < narrow.size[1]; ++j)
-        for (int i = 0; i < narrow.size[0]; ++i) {
-          if (!(fluid_mm.at(i, j, k) > 0)) continue;
-          const Vec3 p = narrow.to_world_mm({double(i), double(j), double(k)});
-          double least_mm = third_wide_mm, most_mm = 0;
-          for (const double way : {step_mm, -step_mm})
-            for (Vec3 q = p; is_fluid(q) && most_mm <= third_wide_mm; q = q + sideways * way) {
-              least_mm = std::min(least_mm, side_mm(q));
-              most_mm = std::max(most_mm, side_mm(q));
-            }
-          if (most_mm > third_wide_mm || least_mm > third_near_mm) narrow.at(i, j, k) = -1;
-        }
-  });
-  mask::gaussian(narrow, third_cut_mm);
-  for (std::size_t n = 0; n < narrow.voxels.size(); ++n)
-    fluid_mm.voxels[n] = std::min(fluid_mm.voxels[n], static_cast<float>(2 * third_cut_mm) * narrow.voxels[n]);
 }
 
 /// How far a place of the template lies within the zone as far as the template says it, mm.
@@ -271,7 +237,7 @@ void leave_air(grid::Field& wall, const std::vector<float>& off) {
 }
 
 /// The smallest box around what is positive, with room for the surface.
-grid::Field trimmed(const grid::Field& field, Report& report, const char* what) {
+grid::Field trimmed(const grid::Field& field, Report& report, const char* what, double least_ml = 0) {
   grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
   std::size_t count = 0;
   for (int k = 0; k < field.size[2]; ++k)
@@ -285,10 +251,11 @@ grid::Field trimmed(const grid::Field& field, Report& report, const char* what) 
           box.end[a] = std::max(box.end[a], at[a] + 1);
         }
       }
-  if (count == 0)
-    throw refusal("", std::string("nothing of the ") + what + " lies in the scan",
+  const double ml = double(count) * field.voxel_volume_mm3() / 1000;
+  if (ml <= least_ml)
+    throw refusal("", std::string(count == 0 ? "nothing" : "nearly nothing") + " of the " + what + " lies in the scan",
                   {"take the zone out of the scene's `anatomies`, or take a scan of the whole head"});
-  report.add("volume_ml", double(count) * field.voxel_volume_mm3() / 1000);
+  report.add("volume_ml", ml);
   return grid::crop(field, grid::grown(box, 2, field));
 }
 
@@ -360,7 +327,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
     return trimmed(wall, report, name_of(params.what));
   }
-  const HeadPlace place = place_of(cavity, shapes, true, progress.part(0, 0.4));
+  HeadPlace place = place_of(cavity, shapes, true, progress.part(0, 0.4));
   report_place(place, report);
   if (!place.sure)
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",
@@ -371,6 +338,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   if (params.what == Zone::third_ventricle) {
     constexpr float far = -1e3f;
     seen = mask::signed_distance_mm(grid::fit(*shapes.ventricles, grid::cropped(cavity.lattice(), box), far), progress);
+    place = moved_to_third(seen, place, report);
     cut_off_lateral(seen, place, progress);
   } else {
     seen = cavity_mm(cavity, box, shapes.skull, params.what == Zone::midline ? params.cell_mm : 0,
@@ -392,7 +360,7 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
         }
     }
   });
-  return trimmed(zone, report, name_of(params.what));
+  return trimmed(zone, report, name_of(params.what), params.what == Zone::third_ventricle ? least_third_ml : 0);
 }
 
 }  // namespace trephine::place

@@ -77,7 +77,8 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// sinus_half_width_mm of the midline and sinus_depth_mm of the inner table, from above the frontal sinuses to above
 /// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
 /// template's. Of the ventricles near the template's third one, what goes on from side to side beyond 9 mm of the
-/// midline is lateral.
+/// midline is lateral; where a mass or a bleed has moved the third one to the side, it is followed there
+/// (third_ventricle.h: "third_shift_mm"), and less than 0.1 ml of it are none.
 ///
 /// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off ("beyond_ml"), with a warning above
 /// 3 ml, and so is the air of sinuses and bone cells at the skull's base, with their walls and what is left between
