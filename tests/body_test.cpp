@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "head/head_region.h"
 #include "head_recipe.h"
+#include "mask/field_edge.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "phantom_heads.h"
@@ -221,6 +222,7 @@ TEST(Body, ABoardThatTouchesTheHeadOverAWidePlaceGoes) {
       body::keep_body(with([&](Vec3 p, double) { return p.y > back - 4 && p.y < back + 18 ? -40 : -1e6; }), {}, report);
   EXPECT_GT(figure(report, "apparatus_ml"), 1000);
   EXPECT_GT(figure(report, "board_thickness_mm"), 15);
+  EXPECT_FALSE(mask::field_edge(mask::HuView(out)).tissue.any());  // where it was, the scan does not end
   const Compared c = compare(out);
   EXPECT_LT(c.apparatus_ml, 2);
   EXPECT_LT(c.lost_ml, 2);

@@ -16,7 +16,7 @@
 namespace trephine::body {
 namespace {
 
-constexpr float air_hu = -1000;
+constexpr float air_hu = -1000;  ///< and 1 HU more in every second voxel, so that it is not taken for padding
 constexpr double coarse_mm = 2;
 constexpr double min_core_ml = 50;   ///< the inside of a body is larger
 constexpr double other_core_ml = 2;  ///< of a holder or a cushion: smaller pieces are thin parts of the body
@@ -258,7 +258,8 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
               Sample* row = &grid.at(0, j, k);
               const std::uint64_t* kept = body.row(j, k);
               for (int i = 0; i < grid.size[0]; ++i)
-                if (!(kept[i >> 6] >> (i & 63) & 1) && row[i] > p.air_hu) row[i] = Sample(air_hu);
+                if (!(kept[i >> 6] >> (i & 63) & 1) && row[i] > p.air_hu)
+                  row[i] = Sample(air_hu + float((i + j + k) & 1));
             }
         });
       },

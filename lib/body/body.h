@@ -42,8 +42,9 @@ struct BodyParams {
 };
 
 /// Takes apparatus off a scan: radiotherapy masks, couch, head holder, clamps, pillows, leads and tubes. The result is
-/// the volume with air (-1000 HU) in the place of everything outside of the body that is brighter than `air_hu`. What
-/// the body encloses (sinuses, airways, ear canals) stays, and so does the blurred edge of the skin.
+/// the volume with air in the place of everything outside of the body that is brighter than `air_hu`: -1000 and -999 HU
+/// in turn, so that mask/field_edge.h does not take it for padding. What the body encloses (sinuses, airways, ear
+/// canals) stays, and so does the blurred edge of the skin.
 ///
 /// The body is found from inside out. Its inside is the largest piece of tissue and bone in which a ball of core_mm
 /// fits. What grows out of it, is at least thinnest_mm thick, smaller than most_part_ml and ends within reach_mm (ears,
