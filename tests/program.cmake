@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET trephine)
 # The program as its user meets it. Each script is a test.
-foreach(script anatomies bad_input correction dead_child export findings flags foreign_meshes left_out limits outputs preview privacy readme refused same_bytes scan_names rerun)
+foreach(script anatomies bad_input correction dead_child export findings flags foreign_meshes left_out limits other_part outputs preview privacy readme refused same_bytes scan_names rerun)
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};SIM=$<$<TARGET_EXISTS:trephine-sim>:$<TARGET_FILE:trephine-sim>>;FAULT=$<$<TARGET_EXISTS:library_fault>:$<TARGET_FILE:library_fault>>")

@@ -14,7 +14,8 @@ TEST(Verdict, OfAScanThatShowsNoHeadIsDoubtful) {
   manifest.figures = {{"body_part.is_expected", std::string("yes")}};
   EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: good");
   manifest.figures = {{"body_part.is_expected", std::string("unknown")}};
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: doubtful");
+  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr),
+            "skull: doubtful; it is not sure that the scan shows the part of the body that is made of it");
 }
 
 }  // namespace

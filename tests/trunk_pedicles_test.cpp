@@ -105,7 +105,12 @@ TEST(Pedicles, WhatIsNoneIsDoubtfulOrRefused) {
     ADD_FAILURE() << "found";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("pedicle_1_left_entry: [x, y, z]"), std::string::npos) << e.what();
   }
+  // A person may give what is not found.
+  EXPECT_TRUE(trunk::find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal,
+                                   {}, report, {}, true)
+                  .empty());
   // One side alone; and a wall of bone along the whole canal, as a graft makes it.
   for (const trunk::PedicleAxis& p : trunk::find_pedicles(
            field_of(l, [&](Vec3 p) { return p.x > 5 && p.y > 12 ? -1 : spine.bone(p); }), canal, {}, report))
@@ -129,11 +134,11 @@ TEST(Pedicles, AWallOfBoneIsRefusedBeforeAxesAreLookedFor) {
   const auto tall = [](Vec3 p) { return std::min(4 - std::abs(std::abs(p.x) - 17), 20 - std::abs(p.z)); };
   const grid::Field bone = field_of(l, tall), canal = field_of(l, [&](Vec3 p) { return 12 - std::abs(p.x); });
   Report report;
-  const auto found = trunk::find_pedicles(bone, canal, {}, report);
+  const auto found = trunk::find_pedicles(bone, canal, {}, report, {}, true);
   ASSERT_EQ(found.size(), 2u);
   for (const trunk::PedicleAxis& p : found) EXPECT_EQ(p.confidence, 0) << p.doubt;
   try {
-    trunk::find_pedicles(bone, canal, {}, report, {}, true);
+    trunk::find_pedicles(bone, canal, {}, report);
     FAIL() << "looked for axes";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

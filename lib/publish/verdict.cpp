@@ -22,6 +22,8 @@ std::string figure(const cases::CaseManifest& manifest, const std::string& name)
   return "";
 }
 
+bool is_other_part(const cases::CaseManifest& m) { return figure(m, "body_part.is_expected") == "unknown"; }
+
 bool is_hard_in(const Report* scan, const std::string& anatomy) {
   const std::string suited = scan ? text_in(scan->find(anatomy)) : "";
   return suited == "doubtful" || suited == "unsuited";
@@ -37,7 +39,7 @@ std::string kind_of(const cases::CaseStandIn& s) {
 std::string word_for_all(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan) {
   for (const cases::CaseStandIn& a : m.stand_ins)
     if (a.anatomy == anatomy) return kind_of(a);
-  if (may_be_of_another(m, anatomy) || figure(m, "body_part.is_expected") == "unknown") return "doubtful";
+  if (may_be_of_another(m, anatomy) || is_other_part(m)) return "doubtful";
   const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
   return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
 }
@@ -99,6 +101,7 @@ std::string verdict_of(const std::vector<std::string>& wanted, const cases::Case
   const std::string to_look_at = findings_text(manifest.findings);
   const bool hard = std::any_of(wanted.begin(), wanted.end(), [&](const auto& a) { return is_hard_in(scan, a); });
   if (hard) text += reasons(*scan);
+  if (is_other_part(manifest)) text += "; it is not sure that the scan shows the part of the body that is made of it";
   if (resample) text += coarser_voxels(*resample);
   return to_look_at.empty() ? text : text + "; to be looked at: " + to_look_at;
 }

@@ -72,7 +72,7 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
 StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
-  s.version = 4;
+  s.version = 5;
   s.typical.base_s = 0.2;
   s.typical.per_million_voxels_s = 0.055;
   s.place = StagePlace::scan;
@@ -102,8 +102,11 @@ StageType pedicles_stage() {
     const grid::Field& bone = *in.get<grid::Field>("bone");
     grid::place_in(bone, grid::lattice_of(*in.get<grid::HuVolume>("volume")));
     const auto* given = in.get<head::HeadLandmarks>("given");
+    const bool some_given =
+        given && std::any_of(given->landmarks.begin(), given->landmarks.end(),
+                             [](const cases::CaseLandmark& l) { return l.name.rfind("pedicle_", 0) == 0; });
     std::vector<trunk::PedicleAxis> all = trunk::find_pedicles(
-        bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress, !given);
+        bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress, some_given);
     std::map<std::string, bool> is_given;
     if (given) take_given(bone, given->landmarks, all, is_given, report);
     head::HeadLandmarks out;

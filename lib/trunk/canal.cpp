@@ -89,7 +89,8 @@ void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::
         fmt::format("it holds {:.0f} HU, which is air: what bone encloses there is an airway or a sinus, of a "
                     "spinal canal the content is above -500 HU",
                     tissue),
-        {"take a series of a spine, or one that shows more of it"});
+        {"take a series of a spine, or one that shows more of it (`import --list` shows all), or bring the canal as "
+         "labels by the stage `labels`"});
   if (tissue < -60 || tissue > 100)
     report.warn(fmt::format("it holds {:.0f} HU, which is no cord, root or liquor without contrast", tissue));
 }

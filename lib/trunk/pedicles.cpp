@@ -43,6 +43,10 @@ grid::Lattice raster_about(const grid::Field& bone, const grid::Field& canal) {
   return l;
 }
 
+constexpr const char* give_them =
+    "give both ends of each in the case's configuration, in mm, LPS: `landmarks: {pedicle_1_left_entry: [x, y, z], "
+    "pedicle_1_left_target: [x, y, z], ...}`";
+
 // Where all that stands beside the canal is so high that none can have a confidence above 0, no axis is looked for.
 void require_low_enough(const std::vector<PediclePlace>& places) {
   double lowest_mm = 1e9;
@@ -54,7 +58,7 @@ void require_low_enough(const std::vector<PediclePlace>& places) {
       fmt::format("the bone beside the canal is nowhere less than {:.0f} mm high, and a pedicle is less than "
                   "{:.0f}: is this a spine, and are its slices thin enough to part one vertebra from the next?",
                   lowest_mm, max_height_mm),
-      {"take a series of a spine, thinner slices, or give them as landmarks"});
+      {std::string("take a series of a spine, or thinner slices, or ") + give_them});
 }
 
 // From `from` until the bone is left for good: gaps narrower than `gap_mm` are vessels.
@@ -213,18 +217,19 @@ void pair_up(std::vector<Found>& all) {
 }  // namespace
 
 std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
-                                       Report& report, const Progress& progress, bool refuse_early) {
+                                       Report& report, const Progress& progress, bool some_given) {
   grid::place_in(canal, bone);  // the same raster
   const std::vector<PediclePlace> places = pedicle_places(bone, canal, params);
-  if (refuse_early) require_low_enough(places);
+  if (!some_given) require_low_enough(places);
   progress.report(0.1);
-  const BoneDistance distance(bone, raster_about(bone, canal), progress.part(0.1, 0.5));
   std::vector<Found> found;
   for (const PediclePlace& place : places)
     if (!place.cut) found.push_back({{}, place});
+  if (found.empty() && some_given) return {};
   if (found.empty())
     throw refusal("pedicles", "none is seen beside the canal",
-                  {"lower `lower_hu` of the bone's `segment`, lower `min_height_mm`, or give them as landmarks"});
+                  {std::string("lower `lower_hu` of the bone's `segment`, lower `min_height_mm`, or ") + give_them});
+  const BoneDistance distance(bone, raster_about(bone, canal), progress.part(0.1, 0.5));
   parallel_for(0, std::int64_t(found.size()), 1, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t n = from; n < to; ++n) {
       Found& f = found[std::size_t(n)];

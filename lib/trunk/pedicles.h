@@ -56,10 +56,11 @@ struct PedicleAxis {
 /// other, also in width, and whether it rises as the others do.
 ///
 /// Report: vertebrae_count and pedicles_count; a warning for each doubtful one. The same bits whatever the thread
-/// count. Throws Error 65 where the rasters differ; 80 where no pedicle is found and, with `refuse_early`, before any
-/// axis is looked for, where all bone beside the canal is so high that each confidence would be 0; Cancelled.
+/// count. Throws Error 65 where the rasters differ; 80 where no pedicle is found and, before any axis is looked
+/// for, where all bone beside the canal is so high that each confidence would be 0, but not with `some_given`, for a
+/// person may give what is not found; Cancelled.
 std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
-                                       Report& report, const Progress& progress = {}, bool refuse_early = false);
+                                       Report& report, const Progress& progress = {}, bool some_given = false);
 
 /// How much bone is about the line from entry to target in its narrowest place within the middle half: the half-width
 /// of an axis that a person gave. Negative where the line leaves the bone there.
