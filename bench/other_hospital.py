@@ -16,9 +16,9 @@ of one that ran twice the last line counts. Needs numpy (Debian: python3-numpy).
   no-vertex the scan ends 30 mm below the vertex                              no-base   the scan begins at the orbits
   prone, feet-first, feet-first-prone   pixels, positions and tags of a patient who lies so; files in the reverse order
   oblique   the slices are turned by 12 degrees in their plane and tilted by 10, and begin where they are whole
+  reformat  the same with what is left of the slices below, as a program that reformats stores it: the rest is padding
   round     the field is round, 170 mm wide, and cuts the head; beyond it lies padding
-  clipped   all that is darker than -850 HU is -1000 HU, so that air has one value
-  reformat  the same with what is left of the slices below, as a program that reformats stores it: the rest is padding"""
+  clipped   all that is darker than -850 HU is -1000 HU, so that air has one value"""
 import argparse
 import hashlib
 import json

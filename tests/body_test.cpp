@@ -229,6 +229,20 @@ TEST(Body, ABoardThatTouchesTheHeadOverAWidePlaceGoes) {
   EXPECT_LT(c.mean_mm, 0.1);
 }
 
+TEST(Body, BoardsAreSoughtOnFineVoxelsToo) {
+  Volume fine;
+  fine.size = {460, 420, 300};
+  fine.spacing_mm = {0.25, 0.25, 0.25};
+  fine.voxels.assign(fine.count(), -1000);
+  for (int k = 0; k < fine.size[2]; ++k)
+    for (int j = 0; j < fine.size[1]; ++j)
+      for (int i = 0; i < fine.size[0]; ++i)
+        if (j > 380 || std::hypot(i - 230.0, j - 210.0) < 150) fine.at(i, j, k) = 40;
+  Report report;
+  body::keep_body(fine, {}, report);
+  EXPECT_NEAR(figure(report, "board_thickness_mm"), 9.75, 0.3);
+}
+
 TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
   Volume air(head(), std::int16_t(-1000));
   air.at(5, 5, 5) = 40;
@@ -306,6 +320,20 @@ TEST(HeadRegion, PaddingThatCutsTheHeadIsSaid) {
   EXPECT_NE(report.warnings[0].find("cuts the head on its back side"), std::string::npos) << report.warnings[0];
   EXPECT_EQ(std::get<std::string>(*report.find("skin_cut")), "on its back side");
   EXPECT_EQ(std::get<std::string>(*report.find("skull_cut")), "on its back side");
+}
+
+TEST(HeadRegion, PaddingAboveIsSaidWhereverItBegins) {
+  for (int less = 30; less < 34; ++less) {  // whole slices of padding, at each phase of the cells
+    Volume scan = head();
+    for (int k = scan.size[2] - less; k < scan.size[2]; ++k)
+      for (int j = 0; j < scan.size[1]; ++j)
+        for (int i = 0; i < scan.size[0]; ++i) scan.at(i, j, k) = -1000;
+    Report report;
+    head::head_region(scan, {}, report);
+    ASSERT_NE(report.find("brain_cut"), nullptr) << less;
+    EXPECT_EQ(std::get<std::string>(*report.find("skin_cut")), "above");
+    EXPECT_EQ(std::get<std::string>(*report.find("sagittal_sinus_cut")), "above");
+  }
 }
 
 TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {

@@ -40,12 +40,14 @@ TEST(AnatomyGate, WhereTheScannedFieldEndsBoneAndSkinAreNotCompared) {
   EXPECT_EQ(fault, "");
   ASSERT_FALSE(warnings.empty());
   EXPECT_NE(warnings.back().find("the scanned field's edge cuts skull and skin"), std::string::npos) << warnings.back();
-  // Elsewhere bone that touches the skin is found as ever.
-  head.skull_at = {0, -9, 0};
+  // Elsewhere bone that reaches through the skin is found as ever, and placed there.
+  head.skull_at = head.brain_at = head.ventricles_at = {0, -9, 0};
   head.make();
   cut(head.skin);
   cut(head.skull);
-  EXPECT_NE(examined(&volume).first.find("skull"), std::string::npos);
+  cut(head.brain);
+  EXPECT_NE(examined(&volume).first.find("ml of the skull lie outside of the skin"), std::string::npos)
+      << examined(&volume).first;
 }
 
 }  // namespace

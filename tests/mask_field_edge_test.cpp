@@ -2,6 +2,7 @@
 // Where the scanned field ends within a body, on a ball of tissue in noisy air whose place is known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -86,6 +87,30 @@ TEST(FieldEdge, NoneWhereAllAirHasOneValue) {
   EXPECT_FALSE(field_edge(HuView(grid::HuVolume(sharp))).tissue.any());
 }
 
+TEST(FieldEdge, NoneWhereAirWasClippedAndApparatusTakenOff) {
+  // What stands in the place of apparatus (-1000 and -999 in turn) and foam that no side cuts are no measured air.
+  auto clipped = scan(nowhere, -1000, true);
+  for (int k = 0; k < clipped.size[2]; ++k)
+    for (int j = 0; j < clipped.size[1]; ++j)
+      for (int i = 0; i < clipped.size[0]; ++i) {
+        auto& hu = clipped.at(i, j, k);
+        if (hu < -500) hu = -1000;
+        if (j > 98) hu = std::int16_t(-1000 + ((i + j + k) & 1));
+        if (j < 12 && j > 4 && i > 30 && i < 80 && k > 4 && k < 55) hu = std::int16_t(-900 + (i * 7 + k) % 60);
+      }
+  const FieldEdge edge = field_edge(HuView(grid::HuVolume(clipped)));
+  EXPECT_FALSE(edge.tissue.any()) << edge.tissue.count();
+}
+
+TEST(FieldEdge, OfRealNumbers) {
+  const auto v = scan([](Vec3 p) { return std::hypot(p.x - 20, p.y) > 50; });
+  grid::Grid<float> f{grid::Lattice(v), 0.f};
+  std::copy(v.voxels.begin(), v.voxels.end(), f.voxels.begin());
+  const FieldEdge one = field_edge(HuView(grid::HuVolume(v))), other = field_edge(HuView(grid::HuVolume(f)));
+  EXPECT_GT(one.tissue.count(), 800u);
+  EXPECT_EQ(one.tissue.count(), other.tissue.count());
+}
+
 TEST(FieldEdge, TheSameWithOneAndFourThreads) {
   const grid::HuVolume v = scan([](Vec3 p) { return std::hypot(p.x - 20, p.y) > 50; });
   set_thread_count(1);
@@ -95,6 +120,8 @@ TEST(FieldEdge, TheSameWithOneAndFourThreads) {
   set_thread_count(0);
   EXPECT_EQ(one.tissue.count(), four.tissue.count());
   EXPECT_FALSE(without(one.tissue, four.tissue).any());
+  EXPECT_EQ(one.padding.count(), four.padding.count());
+  EXPECT_FALSE(without(one.padding, four.padding).any());
 }
 
 }  // namespace

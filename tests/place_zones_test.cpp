@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "base/error.h"
 #include "head/cranium.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
@@ -81,13 +82,12 @@ TEST(SegmentZones, BoneCellsAtTheBaseAreNoneOfTheDuras) {
   EXPECT_NEAR(beside, rest, 0.002 * rest) << "and what lies beside it";
 }
 
-// Noise makes single voxels of tissue as dark as air. Joined to a bone cell's true air they took the base of the brain.
 /// The third ventricle by the true ventricles of a head, and how much of the true third and lateral ones it holds.
 struct FoundThird {
   Report report;
   double third = 0, lateral = 0;
 
-  explicit FoundThird(phantom::Variant variant, double shift_mm) {
+  explicit FoundThird(phantom::Variant variant, double shift_mm, bool without = false) {
     phantom::HeadParams who;
     who.level = phantom::Level::clinical;
     who.seed = 3;
@@ -109,7 +109,8 @@ struct FoundThird {
           for (int i = 0; i < l.size[0]; ++i) visit(i, j, k, l.to_world_mm({double(i), double(j), double(k)}));
     };
     each(ventricles, [&](int i, int j, int k, Vec3 p) {
-      const double mm = -head.implicit_mm(phantom::Anatomy::ventricles, p);
+      double mm = -head.implicit_mm(phantom::Anatomy::ventricles, p);
+      if (without && std::abs(p.x - shift_mm) < 4 && p.z < 54) mm = -1;
       ventricles.at(i, j, k) = float(mm == 0 ? -1e-6 : std::clamp(mm, -20.0, 20.0));
     });
     place::ZoneParams params;
@@ -142,6 +143,20 @@ TEST(SegmentZones, TheThirdVentricleIsFollowedToTheSide) {
   EXPECT_NEAR(std::get<double>(*shifted.report.find("third_shift_mm")), -8, 2);
 }
 
+TEST(SegmentZones, NoLateralVentricleIsTakenForAThirdOneThatIsNotSeen) {
+  using phantom::Variant;
+  for (const Variant variant : {Variant::normal, Variant::hydrocephalic, Variant::small, Variant::shifted}) {
+    try {
+      const FoundThird found(variant, variant == Variant::shifted ? -8 : 0, true);
+      EXPECT_LT(found.lateral, 0.02) << int(variant);
+      EXPECT_EQ(found.report.find("third_shift_mm"), nullptr) << int(variant);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
+    }
+  }
+}
+
+// Noise makes single voxels of tissue as dark as air. Joined to a bone cell's true air they took the base of the brain.
 TEST(SegmentZones, NoiseIsNoAir) {
   Leaking scan(60);
   const double box = double(scan.box.count());

@@ -21,6 +21,7 @@ constexpr double min_offset_mm = 20;   ///< a board lies beside the body's middl
 mask::BitMask lengthwise(const mask::BitMask& solid) {
   const grid::Lattice& l = solid.lattice();
   grid::Lattice flat = l;
+  flat.spacing_mm[2] *= flat.size[2];  // a cell is as deep as the scan is long
   flat.size[2] = 1;
   const int least = int(std::ceil(in_all * l.size[2]));
   return mask::make_mask(flat, [&](int j, int, std::uint8_t* row) {

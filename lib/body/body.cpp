@@ -214,7 +214,8 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
   double thin_ml = 0;
   // A board that the field cuts behind may be joined with the body as widely as a neck.
   mask::BitMask off_board = tissue;
-  if (const Board board = find_board(hu, progress); board.voxels.any()) {
+  const bool along_slices = std::abs(hu.lattice().direction.column[2].z) > 0.7;
+  if (const Board board = along_slices ? find_board(hu, progress) : Board(); board.voxels.any()) {
     off_board.remove(board.voxels);
     report.add("board_thickness_mm", board.thickness_mm);
   }

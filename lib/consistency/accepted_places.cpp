@@ -10,8 +10,9 @@ bool is_accepted(Vec3 p, const NotCompared& where) {
   if (where.field_edge) {
     const grid::Lattice& l = where.field_edge->lattice();
     const Vec3 at = l.to_index(p);  // a surface may lie half a voxel beyond the volume
+    const auto near = [&](int a) { return at[a] > -1 && at[a] < l.size[std::size_t(a)]; };
     const auto voxel = [&](int a) { return std::clamp(int(std::lround(at[a])), 0, l.size[std::size_t(a)] - 1); };
-    if (where.field_edge->get(voxel(0), voxel(1), voxel(2))) return true;
+    if (near(0) && near(1) && near(2) && where.field_edge->get(voxel(0), voxel(1), voxel(2))) return true;
   }
   return std::any_of(where.accepted_mm.begin(), where.accepted_mm.end(),
                      [&](Vec3 place) { return norm(p - place) <= accepted_radius_mm; });

@@ -90,8 +90,10 @@ using MeasuredOnce = std::function<Clearance(const std::string& what, const std:
 ///   required distances;
 /// - the brain is in one piece.
 ///
-/// Where the scanned field ends within the head (mask/field_edge.h) or `volume`, which may be null, does, bone and skin
-/// end together: there they are not compared, and a warning says so.
+/// Where bone and skin are too near to each other, the places where the scanned field ends within the head
+/// (mask/field_edge.h, and the lateral sides of `volume`, which may be null) are left out, for there both end: a
+/// warning says so, and the figures of skin and skull are then those of the rest. A face that was taken off counts as
+/// such a place.
 ///
 /// It also measures the head (head_figures.h). Surfaces are those of the fields, to a fraction of a voxel; where the
 /// volume cuts an anatomy there is no surface. Volumes count voxels by their centre.

@@ -21,8 +21,9 @@ namespace {
 
 constexpr double coarse_mm = 2;
 constexpr double bone_hu = 226;
-constexpr double foramen_mm2 = 1300;    ///< a foramen magnum has 600 to 1,000 mm^2; the posterior fossa is far wider
-constexpr double cut_side_mm2 = 150;    ///< of tissue at a side of the field of view: a head cut there
+constexpr double foramen_mm2 = 1300;  ///< a foramen magnum has 600 to 1,000 mm^2; the posterior fossa is far wider
+constexpr double cut_side_mm2 = 150;  ///< of tissue at a side of the field of view: a head cut there
+constexpr int block_cells = 4;
 constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
 
 /// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
@@ -94,46 +95,49 @@ struct CutAreas {
   std::array<std::array<double, 2>, 3> tissue{}, bone{}, cavity{};
 };
 
-/// Adds where padding lies beside the head (mask/field_edge.h), in the voxels of `upper`, which are cells of `raster`.
-/// Each cell counts for the side to which most of its faces look, so that a round rim behind is not also one beside.
+/// Adds where padding lies beside the head (mask/field_edge.h), in and beside the cells of `upper`: of a cell that
+/// padding cuts, less than half may be tissue.
+/// Each block of cells counts for the side to which most of its faces look, so that a round rim behind is not also one
+/// beside.
 void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const mask::BitMask& upper,
                 const mask::BitMask& cavity, CutAreas& out, const Progress& progress) {
-  struct Cell {
+  struct Block {
     std::array<std::array<double, 2>, 3> faces{};
-    double bone = 0, all = 0;
-    bool in_cavity = false;
+    double bone = 0, cavity = 0, all = 0;
   };
-  std::map<std::size_t, Cell> cells;
+  std::map<std::array<int, 3>, Block> blocks;
   const mask::FieldEdge edge = mask::field_edge(hu, progress);
+  const mask::BitMask at_head = mask::dilated_6(upper), at_cavity = mask::dilated_6(cavity);
   const grid::Lattice& l = hu.lattice();
   const grid::Box box = edge.tissue.bounds();
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
       for (int i = box.begin[0]; i < box.end[0]; ++i) {
         const std::array<int, 3> at{i / raster.factor[0], j / raster.factor[1], k / raster.factor[2]};
-        if (!edge.tissue.get(i, j, k) || !upper.get(at[0], at[1], at[2])) continue;
-        Cell& cell = cells[upper.lattice().index(at[0], at[1], at[2])];
-        cell.in_cavity = cavity.get(at[0], at[1], at[2]);
+        if (!edge.tissue.get(i, j, k) || !at_head.get(at[0], at[1], at[2])) continue;
+        Block& block = blocks[{at[0] / block_cells, at[1] / block_cells, at[2] / block_cells}];
+        const bool in_cavity = at_cavity.get(at[0], at[1], at[2]);
         for (int a = 0; a < 3; ++a)
           for (const int last : {0, 1}) {
             std::array<int, 3> next{i, j, k};
             next[std::size_t(a)] += last ? 1 : -1;
             if (!edge.padding.at(next[0], next[1], next[2])) continue;
             const double mm2 = cell_face_mm2(l, a);
-            cell.faces[std::size_t(a)][std::size_t(last)] += mm2;
-            cell.all += mm2;
-            if (hu(i, j, k) > bone_hu) cell.bone += mm2;
+            block.faces[std::size_t(a)][std::size_t(last)] += mm2;
+            block.all += mm2;
+            if (hu(i, j, k) > bone_hu) block.bone += mm2;
+            if (in_cavity) block.cavity += mm2;
           }
       }
-  for (const auto& [index, cell] : cells) {
+  for (const auto& [index, block] : blocks) {
     std::size_t side = 0;
-    const auto of_side = [&cell = cell](std::size_t s) { return cell.faces[s / 2][s % 2]; };
+    const auto of_side = [&block = block](std::size_t s) { return block.faces[s / 2][s % 2]; };
     for (std::size_t s = 1; s < 6; ++s)
       if (of_side(s) > of_side(side)) side = s;
     const double mm2 = of_side(side);
     out.tissue[side / 2][side % 2] += mm2;
-    out.bone[side / 2][side % 2] += mm2 * cell.bone / cell.all;
-    if (cell.in_cavity) out.cavity[side / 2][side % 2] += mm2;
+    out.bone[side / 2][side % 2] += mm2 * block.bone / block.all;
+    out.cavity[side / 2][side % 2] += mm2 * block.cavity / block.all;
   }
 }
 
@@ -215,9 +219,11 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
       const auto add = [&](const char* shape) { is_end ? cuts.add({shape}, side) : cuts.add_side(shape, side); };
       add("skin");
       if (areas.bone[a][last] > cut_side_mm2) add("skull");
-      if (areas.cavity[a][last] > cut_cavity_mm2)
-        for (const char* shape : {"brain", "dura"}) add(shape);
-      if (side == "below" && areas.cavity[a][last] > cut_cavity_mm2) add("brainstem");
+      if (!(areas.cavity[a][last] > cut_cavity_mm2)) continue;
+      for (const char* shape : {"brain", "dura"}) add(shape);
+      if (side == "below") add("brainstem");
+      if (side == "above")
+        for (const char* shape : {"midline", "sagittal_sinus"}) add(shape);
     }
   cuts.report(report);
 

@@ -29,9 +29,9 @@ struct HeadRegionParams {
 ///
 /// The report: cranial_cavity_ml, foramen_z_mm (the level, LPS), region_ml, and warnings for what the scan does not
 /// show: the vertex or the base of the skull (the cavity reaches the volume's end), the skin of the vertex (tissue
-/// reaches it), or a side of the head that the field of view cuts, be it the volume's side or padding
-/// (mask/field_edge.h); with each, NAME_cut of the shapes that end there
-/// (skin_cut, skull_cut, brain_cut, ...): "above", "on its left side", "above and on its left and back side". Where no
+/// reaches it), or a side of the head that the field of view cuts by more than 150 mm2, be it the volume's side or
+/// padding (mask/field_edge.h), above the foramen magnum; with each, NAME_cut of the shapes that end there (skin_cut,
+/// skull_cut, brain_cut, ...): "above", "below", "on its left side", "above and on its left and back side". Where no
 /// space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is
 /// not finite; Cancelled. The result has the same bits whatever the thread count.
 grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams& params, Report& report,

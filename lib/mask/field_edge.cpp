@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -15,8 +16,6 @@ namespace {
 constexpr float padding_below_hu = -500, air_below_hu = -700;
 constexpr double least_side_share = 0.005, least_region_ml = 1, clear_of_tissue_mm = 4, least_measured_share = 0.03;
 constexpr double cell_mm = 4, least_edge_share = 0.8;
-constexpr std::array<std::array<int, 3>, 6> face_neighbours{
-    {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
 
 /// The commonest value of air on the volume's sides, where it is common.
 std::optional<float> commonest_at_sides(const HuView& hu) {
@@ -43,27 +42,36 @@ std::optional<float> commonest_at_sides(const HuView& hu) {
   return commonest;
 }
 
-/// Whole neighbourhoods of that value which reach the volume's sides.
-BitMask regions_of(float value, const HuView& hu, const Progress& progress) {
-  const grid::Lattice& l = hu.lattice();
-  const BitMask same = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) == value;
-  });
-  const double step_mm = 1.01 * std::max(l.spacing_mm.x, l.spacing_mm.y);
-  const Components parts = components(eroded(same, step_mm, progress));
+/// Whole neighbourhoods of that value which reach the volume's sides. One step to the face neighbours, whatever the
+/// spacing: in thick slices, too, padding may be one slice thick.
+BitMask regions_of(const BitMask& same) {
+  BitMask other = same;
+  BitMask inner = dilated_6(other.invert());
+  const Components parts = components(inner.invert());
   std::vector<char> keep(parts.list.size());
   for (std::size_t c = 0; c < keep.size(); ++c)
-    keep[c] = parts.list[c].faces > 0 && double(parts.list[c].voxels) * l.voxel_volume_mm3() > 1000 * least_region_ml;
-  return both(dilated(select(parts, keep), step_mm, progress), same);
+    keep[c] = parts.list[c].faces > 0 &&
+              double(parts.list[c].voxels) * same.lattice().voxel_volume_mm3() > 1000 * least_region_ml;
+  return both(dilated_6(select(parts, keep)), same);
 }
 
-/// Whether there is air that was measured, so that the regions are not simply all air.
-bool has_measured_air(const HuView& hu, const BitMask& padding, const BitMask& tissue, const Progress& progress) {
+/// Whether there is air about the body that was measured, so that the regions are not simply all air: it reaches the
+/// volume's sides, as lungs and foam do not, and is not what keep_body puts in the place of apparatus (1 HU off).
+bool has_measured_air(const HuView& hu, float value, const BitMask& padding, const BitMask& tissue,
+                      const Progress& progress) {
   BitMask air = above(hu, air_below_hu);
   air.invert();
   air.remove(dilated(tissue, clear_of_tissue_mm, progress));
-  const std::size_t all = air.count();
-  return double(without(air, padding).count()) >= least_measured_share * double(all) && all > 0;
+  const grid::Lattice& l = hu.lattice();
+  const BitMask noisy = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = air.get(i, j, k) && std::abs(hu(i, j, k) - value) > 1;
+  });
+  const Components parts = components(noisy);
+  std::size_t measured = 0;
+  for (const Component& c : parts.list)
+    if (c.faces > 0 && double(c.voxels) * l.voxel_volume_mm3() > 1000 * least_region_ml) measured += c.voxels;
+  const std::size_t all = measured + both(air, padding).count();
+  return measured > 0 && double(measured) >= least_measured_share * double(all);
 }
 
 /// Of `outermost`, which are tissue, the voxels in those cells in which nearly all of `rim` are of them.
@@ -97,11 +105,16 @@ FieldEdge field_edge(const HuView& hu, const Progress& progress) {
   const FieldEdge none{BitMask(hu.lattice()), BitMask(hu.lattice())};
   const std::optional<float> value = commonest_at_sides(hu);
   if (!value) return none;
-  FieldEdge out{regions_of(*value, hu, progress), {}};
+  const grid::Lattice& l = hu.lattice();
+  FieldEdge out{regions_of(make_mask(l,
+                                     [&](int j, int k, std::uint8_t* row) {
+                                       for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) == *value;
+                                     })),
+                {}};
   if (!out.padding.any()) return none;
   const BitMask tissue = above(hu, FieldEdge::tissue_above_hu);
   const BitMask outermost = both(tissue, dilated_6(out.padding));
-  if (!outermost.any() || !has_measured_air(hu, out.padding, tissue, progress)) return none;
+  if (!outermost.any() || !has_measured_air(hu, *value, out.padding, tissue, progress)) return none;
   BitMask other = tissue;
   const BitMask rim = both(tissue, dilated_6(other.invert()));
   out.tissue = where_most_are(outermost, rim);

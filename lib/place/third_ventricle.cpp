@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "place/third_ventricle.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -15,6 +17,7 @@ constexpr double third_wide_mm = 9;  ///< fluid that goes on beyond this from th
 constexpr double third_near_mm = 3;  ///< and so is what does not come as near to it as this
 constexpr double third_cut_mm = 1;   ///< its border to them is smoothed by this
 constexpr double most_shift_mm = 12, shift_step_mm = 0.5, clearly_more = 2, least_share = 1.0 / 3;
+constexpr double most_lateral = 0.25, told_shift_mm = 5;
 
 /// How much of the template's third ventricle is fluid when the template is moved to the left by so much, of 1.
 class Overlap {
@@ -26,10 +29,12 @@ class Overlap {
         for (double z = 0; z <= 70; ++z)
           if (place_mm(Place::third, {x, y, z}) < 0) third_.push_back({x, y, z});
   }
-  double at(double shift_mm) const {
+  /// `lateral` counts alone what lies in the lateral ventricles of the template where it is.
+  double at(double shift_mm, bool lateral = false) const {
     std::size_t wet = 0;
     for (Vec3 t : third_) {
       t.x += shift_mm / place_.scale.x;
+      if (lateral && std::min(place_mm(Place::lateral_left, t), place_mm(Place::lateral_right, t)) > 0) continue;
       const Vec3 i = fluid_mm_.to_index(place_.to_lps(t));
       const int x = int(std::lround(i.x)), y = int(std::lround(i.y)), z = int(std::lround(i.z));
       wet += fluid_mm_.contains(x, y, z) && fluid_mm_.at(x, y, z) > 0;
@@ -53,9 +58,14 @@ HeadPlace moved_to_third(const grid::Field& fluid_mm, const HeadPlace& place, Re
     for (const double to : {mm, -mm})
       if (const double share = overlap.at(to); share > most) most = share, shift_mm = to;
   if (most < clearly_more * here || most < least_share) return place;
+  // Fluid at both sides is that of wide lateral ventricles, and so is what lies where they lie.
+  if (most < clearly_more * overlap.at(-shift_mm) || overlap.at(shift_mm, true) > most_lateral * most) return place;
   HeadPlace moved = place;
   moved.centre_mm += place.axes.column[0] * shift_mm;
   report.add("third_shift_mm", shift_mm);
+  if (std::abs(shift_mm) > told_shift_mm)
+    report.warn(fmt::format("the third ventricle lies {:.0f} mm to the {} of the midline", std::abs(shift_mm),
+                            shift_mm > 0 ? "left" : "right"));
   return moved;
 }
 

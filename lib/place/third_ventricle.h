@@ -10,8 +10,9 @@ namespace trephine::place {
 /// The template moved to the side with the third ventricle, as a mass or a bleed moves it: `fluid_mm` is the signed
 /// distance to the ventricles (positive inside) about the template's third ventricle. Moved by up to 12 mm, in steps of
 /// half a millimetre, to where most of the template's third ventricle is fluid; but only where that is twice as much as
-/// where it lies already, and a third of its volume or more. Adds "third_shift_mm" (to the patient's left: above 0)
-/// where it is moved.
+/// where it lies already and as on the other side, a third of its volume or more, and for three quarters none of the
+/// template's lateral ventricles. Adds "third_shift_mm" (to the patient's left: above 0) where it is moved, and a
+/// warning above 5 mm.
 HeadPlace moved_to_third(const grid::Field& fluid_mm, const HeadPlace& place, Report& report);
 
 /// Keeps of the fluid's distances what is narrow from side to side. The template's border alone lets the third

@@ -252,9 +252,12 @@ grid::Field trimmed(const grid::Field& field, Report& report, const char* what, 
         }
       }
   const double ml = double(count) * field.voxel_volume_mm3() / 1000;
-  if (ml <= least_ml)
-    throw refusal("", std::string(count == 0 ? "nothing" : "nearly nothing") + " of the " + what + " lies in the scan",
+  if (count == 0)
+    throw refusal("", std::string("nothing of the ") + what + " lies in the scan",
                   {"take the zone out of the scene's `anatomies`, or take a scan of the whole head"});
+  if (ml <= least_ml)
+    throw refusal("", fmt::format("no more than {:.2g} ml of the {} are seen", ml, what),
+                  {"take the zone out of the scene's `anatomies`, or take a scan of thinner slices or less noise"});
   report.add("volume_ml", ml);
   return grid::crop(field, grid::grown(box, 2, field));
 }
