@@ -10,7 +10,7 @@ StageType head_region_stage() {
   s.name = "head_region";
   s.version = 4;
   s.typical.base_s = 0.05;
-  s.typical.per_million_voxels_s = 0.009;
+  s.typical.per_million_voxels_s = 0.02;
   s.place = StagePlace::scan;
   s.summary = "cuts a scan to the region of the head";
   s.description =
