@@ -243,6 +243,39 @@ TEST(Body, BoardsAreSoughtOnFineVoxelsToo) {
   EXPECT_NEAR(figure(report, "board_thickness_mm"), 9.75, 0.3);
 }
 
+TEST(Body, ABoardThatATiltedGantryCutsAslantGoes) {
+  // Slices tilted by 15 degrees; a cylinder of tissue along the table lies on a board, over a place of 40 mm.
+  for (const double deg : {-15.0, 15.0}) {
+    Volume v;
+    v.size = {130, 150, 40};
+    v.spacing_mm = {2, 2, 5};
+    const double c = std::cos(deg * 3.14159265 / 180), s = std::sin(deg * 3.14159265 / 180);
+    v.direction.column[1] = {0, c, s};
+    v.direction.column[2] = {0, -s, c};
+    v.origin_mm = v.direction * Vec3{-130, -150, -100};
+    v.voxels.assign(v.count(), -1000);
+    const auto is_board = [](Vec3 p) { return p.y > 77 && p.y < 95; };
+    const auto each = [&](const auto& visit) {
+      for (int k = 0; k < v.size[2]; ++k)
+        for (int j = 0; j < v.size[1]; ++j)
+          for (int i = 0; i < v.size[0]; ++i) visit(i, j, k, v.to_world_mm({double(i), double(j), double(k)}));
+    };
+    each([&](int i, int j, int k, Vec3 p) {
+      if (is_board(p) || std::hypot(p.x, p.y) < 80) v.at(i, j, k) = 40;
+    });
+    Report report;
+    const auto out = std::get<Volume>(body::keep_body(v, {}, report));
+    double left = 0, lost = 0;
+    each([&](int i, int j, int k, Vec3 p) {
+      if (std::hypot(p.x, p.y) > 84 && out.at(i, j, k) > -300) left += 0.02;
+      if (std::hypot(p.x, p.y) < 76 && out.at(i, j, k) < 0) lost += 0.02;
+    });
+    EXPECT_NEAR(figure(report, "board_thickness_mm"), 18, 2.1) << deg;
+    EXPECT_LT(left, 5) << deg;
+    EXPECT_LT(lost, 5) << deg;
+  }
+}
+
 TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
   Volume air(head(), std::int16_t(-1000));
   air.at(5, 5, 5) = 40;

@@ -17,8 +17,24 @@ constexpr double straight_mm = 1.5, straight_voxels = 0.7;
 constexpr double min_straight = 0.85;  ///< of the face
 constexpr double min_offset_mm = 20;   ///< a board lies beside the body's middle
 
-/// The places, as seen along the patient, that are solid in nearly all slices: a lattice of one slice.
-mask::BitMask lengthwise(const mask::BitMask& solid) {
+/// By how many voxels a line along the table (LPS z) is moved within each slice, from that in the middle one. Slices of
+/// a tilted gantry cut the table aslant.
+struct AlongTable {
+  double i = 0, j = 0;  ///< for each slice
+  int middle = 0;
+
+  explicit AlongTable(const grid::Lattice& l) : middle(l.size[2] / 2) {
+    const Vec3 way = transpose_times(l.direction, Vec3{0, 0, 1});
+    if (std::abs(way.z) < 0.7) return;
+    const double mm = l.spacing_mm.z / way.z;
+    i = way.x * mm / l.spacing_mm.x, j = way.y * mm / l.spacing_mm.y;
+  }
+  int move_i(int k) const { return int(std::lround(i * (k - middle))); }
+  int move_j(int k) const { return int(std::lround(j * (k - middle))); }
+};
+
+/// The places, as seen along the table, that are solid in nearly all slices: a lattice of one slice.
+mask::BitMask lengthwise(const mask::BitMask& solid, const AlongTable& along) {
   const grid::Lattice& l = solid.lattice();
   grid::Lattice flat = l;
   flat.spacing_mm[2] *= flat.size[2];  // a cell is as deep as the scan is long
@@ -26,10 +42,9 @@ mask::BitMask lengthwise(const mask::BitMask& solid) {
   const int least = int(std::ceil(in_all * l.size[2]));
   return mask::make_mask(flat, [&](int j, int, std::uint8_t* row) {
     std::vector<int> count(std::size_t(l.size[0]));
-    for (int k = 0; k < l.size[2]; ++k) {
-      const std::uint64_t* bits = solid.row(j, k);
-      for (int i = 0; i < l.size[0]; ++i) count[std::size_t(i)] += int(bits[i >> 6] >> (i & 63) & 1);
-    }
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int i = 0; i < l.size[0]; ++i)
+        count[std::size_t(i)] += solid.at(i + along.move_i(k), j + along.move_j(k), k);
     for (int i = 0; i < l.size[0]; ++i) row[i] = count[std::size_t(i)] >= least;
   });
 }
@@ -116,7 +131,11 @@ Flat board_in(const mask::BitMask& part, int axis, bool at_end, const Progress& 
   if (with_body) thin.remove(mask::dilated(thick, max_thickness_mm / 2 + 2 * std::max(step, width_step), progress));
   Flat none;
   if (!thin.any()) return none;
-  const Profile p = profile_of(thin, axis, at_end);
+  Profile p = profile_of(thin, axis, at_end);
+  for (std::size_t a = 0; a < p.runs.size(); ++a) {  // under the body it shows no face
+    const int x = p.first + int(a), next = at_end ? p.runs[a][0] - 1 : p.runs[a][1];
+    if (axis == 1 ? part.at(x, next, 0) : part.at(next, x, 0)) p.runs[a] = {0, 0};
+  }
   const Line line = face_of(p, at_end, max_thickness_mm / step, std::max(straight_mm / step, straight_voxels));
   if (!line.straight) return none;
   std::size_t solid = 0;
@@ -158,7 +177,8 @@ Board find_board(const mask::HuView& hu, const Progress& progress) {
   Board board;
   if (l.size[2] * l.spacing_mm.z < min_length_mm || l.size[2] < 5) return board;
   const mask::BitMask solid = mask::above(hu, solid_hu);
-  const mask::BitMask flat = lengthwise(solid);
+  const AlongTable along(l);
+  const mask::BitMask flat = lengthwise(solid, along);
   const mask::Components parts = mask::components(flat, true);
   const Vec3 middle = solid.lattice().to_index(mask::largest(mask::components(solid)).centre_mm());
   double best = 0;
@@ -187,11 +207,8 @@ Board find_board(const mask::HuView& hu, const Progress& progress) {
   if (best == 0) return board;
   board.thickness_mm = found.thickness_mm;
   board.width_mm = found.width_mm;
-  board.voxels = mask::BitMask(l);
-  parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < int(to); ++k)
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int w = 0; w < board.voxels.words(); ++w) board.voxels.row(j, k)[w] = found.places.row(j, 0)[w];
+  board.voxels = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = found.places.at(i - along.move_i(k), j - along.move_j(k), 0);
   });
   return board;
 }

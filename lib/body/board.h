@@ -16,8 +16,9 @@ struct Board {
 /// Finds the board: what is as dense as plastic in nearly all slices of one place, has a straight face of at least
 /// 100 mm, and is at most 60 mm thick. Nothing of a body is all of that. Where the body itself is in all slices too
 /// (the scan ends within it), the board's ends beside the body show where it lies, and between them it lies under the
-/// body likewise. Slices are those of the volume's third axis, along which the patient must lie; a scan shorter than 60
-/// mm has no board. The result is the same whatever the thread count.
+/// body likewise. Slices are those of the volume's third axis, along which the patient must lie; where a tilted gantry
+/// cuts the table (LPS z) aslant, it is followed. A scan shorter than 60 mm has no board. The result is the same
+/// whatever the thread count.
 Board find_board(const mask::HuView& hu, const Progress& progress = {});
 
 }  // namespace trephine::body

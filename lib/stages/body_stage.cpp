@@ -10,7 +10,7 @@ StageType body_stage() {
   s.name = "body";
   s.version = 4;
   s.typical.base_s = 0.05;
-  s.typical.per_million_voxels_s = 0.039;
+  s.typical.per_million_voxels_s = 0.041;
   s.place = StagePlace::scan;
   s.draws_removal = true;
   s.summary = "takes mask, couch and other apparatus off a scan";
