@@ -151,12 +151,13 @@ TEST(OnlyWhatTheSceneRequires, ThePartOfTheBodyIsAskedWhereItIsSaid) {
     overrides.set = set;
     return pipeline::make_graph(config::read_case_config(configs / config, overrides), "input").find("body_part") >= 0;
   };
-  for (const char* c : {"ct_head.yaml", "ct_skull.yaml", "ct_spine.yaml", "ct_spine_bone.yaml", "ct_chest.yaml"}) {
+  for (const char* c : {"ct_head.yaml", "ct_skull.yaml", "ct_spine.yaml", "ct_spine_bone.yaml", "ct_chest.yaml",
+                        "ct_chest_bone.yaml"}) {
     EXPECT_TRUE(looks(c, {})) << c;
     EXPECT_FALSE(looks(c, {"body_part.expected=any"})) << c;
   }
-  EXPECT_FALSE(looks("ct_chest_bone.yaml", {}));
-  EXPECT_TRUE(looks("ct_chest_bone.yaml", {"body_part.expected=chest"}));
+  EXPECT_FALSE(looks("sample.yaml", {}));
+  EXPECT_TRUE(looks("sample.yaml", {"body_part.expected=head"}));
 }
 
 // Skull of the sample on coarse voxels: what the explanation foretells is what the run does, before and after.
