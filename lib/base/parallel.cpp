@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 #endif
 
 #include <algorithm>
@@ -46,7 +47,10 @@ void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
 #ifdef TREPHINE_HEADLESS  // one after the other: the parallel parts run when a case is loaded
   for (std::int64_t i = 0; i < pieces; ++i) piece(i);
 #else
-  tbb::parallel_for(std::int64_t{0}, pieces, piece);
+  // In the context of a loop around it, an exception of that loop's other pieces would end this one before its end, and
+  // without a word: what follows would go on with what is half made.
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  tbb::parallel_for(std::int64_t{0}, pieces, piece, own);
 #endif
 }
 
