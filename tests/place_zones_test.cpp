@@ -16,6 +16,17 @@
 namespace trephine {
 namespace {
 
+/// How a head is scanned in voxels of 1.5 x 1.5 mm.
+phantom::ScanParams scan_in(int slices_count, double slice_mm) {
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 150;
+  how.pixel_mm = 1.5;
+  how.slices_count = slices_count;
+  how.slice_step_mm = how.slice_thickness_mm = slice_mm;
+  how.subvoxel_mm = 1.5;
+  return how;
+}
+
 /// Bone cells of the mastoid, into which the cavity leaks: 18 x 18 x 14 mm below the tentorium, beside the brain.
 struct Leaking {
   grid::HuVolume volume;
@@ -27,12 +38,7 @@ struct Leaking {
     who.level = phantom::Level::clinical;
     who.seed = 3;
     const phantom::Head head(who);
-    phantom::ScanParams how;
-    how.columns_count = how.rows_count = 150;
-    how.pixel_mm = 1.5;
-    how.slices_count = 60;
-    how.slice_step_mm = how.slice_thickness_mm = 3;
-    how.subvoxel_mm = 1.5;
+    phantom::ScanParams how = scan_in(60, 3);
     how.noise_hu = noise_hu;
     volume = phantom::volume_of(phantom::scan(head, how));
     Report ignored;
@@ -93,13 +99,7 @@ struct FoundThird {
     who.seed = 3;
     who.variant = variant;
     const phantom::Head head(who);
-    phantom::ScanParams how;
-    how.columns_count = how.rows_count = 150;
-    how.pixel_mm = 1.5;
-    how.slices_count = 90;
-    how.slice_step_mm = how.slice_thickness_mm = 2;
-    how.subvoxel_mm = 1.5;
-    const grid::HuVolume volume = phantom::volume_of(phantom::scan(head, how));
+    const grid::HuVolume volume = phantom::volume_of(phantom::scan(head, scan_in(90, 2)));
     Report ignored;
     const mask::BitMask cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), ignored, {});
     grid::Field ventricles(cavity.lattice());
