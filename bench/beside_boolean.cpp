@@ -13,6 +13,7 @@
 #include "surface/bounds.h"
 #include "voxel/cut.h"
 #include "voxel/shape_field.h"
+#include "../tests/report_of.h"
 
 namespace trephine {
 namespace {
@@ -118,7 +119,7 @@ void beside_boolean(const voxel::HapticVolume& before, const voxel::HapticVolume
   for (const voxel::HapticShape& s : before.shapes)
     if (bits >> s.number & 1) numbers.push_back(s.number);
   Report report;
-  voxel::cut_volume(cut, solid, bounds, numbers, report);
+  value_of(report, voxel::cut_volume(cut, solid, bounds, numbers));
   std::printf("  hole of %.2f mm; walls beside the cylinder's, where the burr is at its widest:\n", 2 * h.radius_mm);
   // Along rays from the axis: where the wall of bone is.
   contact::ContactVolume felt(is), uncut(was);
@@ -194,7 +195,7 @@ void beside_contour(const voxel::HapticVolume& after, int number, const drill::L
   params.min_component_mm3 = 0;
   params.keep_cavities = true;
   Report report;
-  const surface::TriMesh contoured = meshing::contour(voxel::shape_field(after, number), params, report);
+  const surface::TriMesh contoured = value_of(report, meshing::contour(voxel::shape_field(after, number), params));
   for (std::size_t n = 0; n < contoured.points_mm.size(); ++n) {
     const Vec3 i = l.to_index(contoured.world_mm(n));
     int between = 0;  // an ambiguous cell's own points lie on no edge

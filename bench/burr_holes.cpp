@@ -25,6 +25,7 @@
 #include "meshio/vtp.h"
 #include "metrics/deviation.h"
 #include "voxel/cut.h"
+#include "../tests/report_of.h"
 
 using namespace trephine;
 
@@ -129,12 +130,11 @@ struct Comparison {
   void add(grid::Field patch, const surface::TriMesh& whole, const surface::TriMesh& cut,
            const std::vector<boolean::Cutter>& cutters, double cut_s) {
     const double start = seconds();
-    Report ignored;
     for (const boolean::Cutter& c : cutters)
-      voxel::cut_field(patch, boolean::distance_to(c), boolean::bounds_of(c), ignored);
+      voxel::cut_field(patch, boolean::distance_to(c), boolean::bounds_of(c)).value;
     surface::TriMesh other;
     try {
-      other = meshing::contour(patch, {}, ignored);
+      other = meshing::contour(patch, {}).value;
     } catch (const Error&) {
       return;  // nothing is left
     }
@@ -191,9 +191,8 @@ int main(int argc, char** argv) try {
       cutters = many(c, std::uint64_t(i));
       c = cutters.front();
       patch = patch_around(field, cutters);
-      Report ignored;
       try {
-        around = meshing::contour(patch, {}, ignored);
+        around = meshing::contour(patch, {}).value;
       } catch (const Error& e) {
         std::printf("hole %d: no patch: %s\n", i, e.line("").c_str());
         ++empty;
@@ -205,7 +204,7 @@ int main(int argc, char** argv) try {
     const double start = seconds();
     try {
       Report r;
-      const surface::TriMesh out = boolean::cut_surface(whole, cutters, {}, r);
+      const surface::TriMesh out = value_of(r, boolean::cut_surface(whole, cutters, {}));
       times.push_back(seconds() - start);
       const meshing::Validity v = meshing::check_validity(out);
       (v.valid() && v.float32 ? valid : invalid)++;

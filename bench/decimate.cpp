@@ -41,6 +41,7 @@
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
 #include "scratch_folder.h"
+#include "../tests/report_of.h"
 
 using namespace trephine;
 
@@ -207,7 +208,7 @@ void contour_to(const char* surface, const char* volume_file, double isovalue) {
   if (const auto* grid = std::get_if<grid::Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
   Report report;
   surface::TriMesh mesh;
-  const double seconds = timed([&] { mesh = meshing::contour(volume, c, report); });
+  const double seconds = timed([&] { mesh = value_of(report, meshing::contour(volume, c)); });
   std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, mesh.triangles.size());
   const double checking = timed([&] { meshing::check_validity(mesh); });
   std::printf("%-28s %7.2f s\n\n", "check_validity", checking);
@@ -229,7 +230,7 @@ std::vector<Row> rows_of(std::size_t count, double bound_mm) {
       surface::TriMesh out;
       s = timed([&] {
         Report r;
-        out = meshing::decimate(input, d, r);
+        out = value_of(r, meshing::decimate(input, d));
       });
       return out;
     };

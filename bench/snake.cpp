@@ -131,10 +131,9 @@ grid::Field itk_parallel(const grid::Field& speed, const grid::Field& start, int
 #endif
 
 grid::Field ours(const grid::Field& speed, const grid::Field& start, segmentation::SnakeParams params, int& done) {
-  Report report;
-  grid::Field field = segmentation::evolve_snake(speed, start, params, report);
-  done = int(std::get<std::int64_t>(*report.find("iterations_count")));
-  return field;
+  auto made = segmentation::evolve_snake(speed, start, params);
+  done = int(made.result.iterations_count);
+  return std::move(made.value);
 }
 
 }  // namespace
@@ -155,8 +154,7 @@ int main(int argc, char** argv) {
   window.lower_hu = 15;
   window.upper_hu = 75;
   window.smoothing_sigma_mm = 1;
-  Report ignored;
-  const grid::Field speed = segmentation::presegment(volume, {}, window, ignored);
+  const grid::Field speed = segmentation::presegment(volume, {}, window).value;
   grid::Field start(static_cast<const grid::Lattice&>(speed));
   for (int k = 0; k < start.size[2]; ++k)
     for (int j = 0; j < start.size[1]; ++j)

@@ -11,6 +11,7 @@
 #include <functional>
 #include <random>
 
+#include "../tests/report_of.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -108,7 +109,7 @@ int main(int argc, char** argv) try {
       {"ventricles", &ventricles}, {"skull", &skull}, {"brain", &brain}, {"skin", &skin, &brain, 5}};
   for (const int threads : {1, 0}) {
     set_thread_count(threads);
-    const double s = timed([&] { v = voxel::voxelize(l, list, report = {}); });
+    const double s = timed([&] { v = value_of(report = {}, voxel::voxelize(l, list)); });
     row(threads == 1 ? "voxelize, 4 shapes, one thread" : "voxelize, 4 shapes", s);
   }
   for (const auto& f : report.figures) std::printf("  %-30s %s\n", f.first.c_str(), to_text(f.second).c_str());
@@ -131,7 +132,9 @@ int main(int argc, char** argv) try {
     return std::max(across, along);
   };
   const surface::Bounds bounds{at - Vec3{7, 7, 20}, at + Vec3{7, 7, 20}};
-  row("cut_volume, burr hole of 14 mm", timed([&] { voxel::cut_volume(v, hole, bounds, {2, 4}, report = {}); }));
+  row("cut_volume, burr hole of 14 mm", timed([&] {
+        value_of(report = {}, voxel::cut_volume(v, hole, bounds, {2, 4}));
+      }));
   for (const auto& f : report.figures) std::printf("  %-30s %s\n", f.first.c_str(), to_text(f.second).c_str());
   return 0;
 } catch (const Error& e) {

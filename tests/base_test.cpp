@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/params.h"
 #include "base/result.h"
+#include "base/warning.h"
 #include "base/text.h"
 #include "base/text_table.h"
 
@@ -225,23 +226,88 @@ TEST(Params, WhatIsDeclaredWithinIsListed) {
   EXPECT_NE(std::find(all.begin(), all.end(), "shares: names: number, 0 to 1"), all.end());
 }
 
-TEST(Results, AreFiguresOfAReportAndAMissingOneIsAnError) {
-  Report report;
-  add_result(report, Item{3, "bone", {1, 2}}, "skin.");
-  EXPECT_EQ(result_of<Item>(report, "skin.").of, "bone");
+struct Lengths {
+  double length_mm = 0;
+  std::optional<double> width_mm;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&Lengths::length_mm, "length_mm", Range{}, "Length.");
+    v.number(&Lengths::width_mm, "width_mm", "Width.");
+  }
+};
+
+struct Found {
+  std::array<int, 3> size{5, 6, 7};
+  Named<Lengths> shapes, sides;
+  std::vector<Lengths> list;
+  Named<double> clear_of;
+  std::optional<Lengths> whole;
+  std::vector<std::string> concerns;
+  std::optional<bool> doubted;
+  template <class V>
+  static void describe(V& v) {
+    using P = Found;
+    v.extent(&P::size, "size", "Voxels.");
+    v.map(&P::shapes, "shapes", "By shape.").items_alone();
+    v.map(&P::sides, "sides", "By side.").items_joined("_");
+    v.list(&P::list, "list", "One by one.").items_alone();
+    v.map(&P::clear_of, "clear_of", "Distances.").items_between("clear_of_", "_mm");
+    v.all_of(&P::whole);
+    v.words(&P::concerns, "concerns", "What it is about.");
+    v.flag(&P::doubted, "doubted", "Whether.");
+  }
+};
+
+std::string text_of(const Named<ParameterValue>& figures) {
+  std::string text;
+  for (const auto& [name, value] : figures) text += name + "=" + to_text(value) + " ";
+  return text;
+}
+
+TEST(Results, ArePrintedByTheirDeclaration) {
+  Found found;
+  EXPECT_EQ(text_of(figures_of(found)), "size=5x6x7 concerns= ");
+  found.shapes = {{"skin", {1, {}}}, {"skull", {2, 3}}};
+  found.sides = {{"left", {-0.0, {}}}};
+  found.list = {{4, {}}, {5, 6}};
+  found.clear_of = {{"sinus", 7}};
+  found.whole = Lengths{8, 9};
+  found.concerns = {"brain", "skull"};
+  found.doubted = false;
+  EXPECT_EQ(text_of(figures_of(found)),
+            "size=5x6x7 skin.length_mm=1 skull.length_mm=2 skull.width_mm=3 left_length_mm=0 1.length_mm=4 2.length_mm=5 "
+            "2.width_mm=6 clear_of_sinus_mm=7 length_mm=8 width_mm=9 concerns=brain skull doubted=false ");
+}
+
+TEST(Results, AreKnownByTheirStruct) {
+  const AnyParams any = AnyParams::make<Lengths>({3, {}});
+  EXPECT_EQ(result_as<Lengths>(any).length_mm, 3);
+  EXPECT_EQ(result_if<Found>(any), nullptr);
   try {
-    result_of<Item>(report, "skull.");
-    ADD_FAILURE() << "a missing figure";
+    result_as<Found>(any);
+    ADD_FAILURE() << "another struct";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::internal);
-    EXPECT_EQ(e.field(), "skull.size_mm");
   }
-  // As JSON has it: 3 for 3.0.
-  Report read;
-  read.add("size_mm", 3);
-  read.add("of", "x");
-  read.figures.emplace_back("window_hu", std::vector<double>{1, 2});
-  EXPECT_EQ(result_of<Item>(read).size_mm, 3);
+}
+
+TEST(Warnings, AreWordedWithTheirValues) {
+  EXPECT_EQ(to_text(Warning{"plain", "nothing {to} fill", {}}), "nothing {to} fill");
+  EXPECT_EQ(to_text(Warning{"shift", "{mm:.1f} mm to the {side}, {count} times", {{"mm", 2.26}, {"side", "left"}, {"count", std::int64_t{3}}}}),
+            "2.3 mm to the left, 3 times");
+  EXPECT_THROW(to_text(Warning{"lacks", "{missing}", {{"mm", 1.0}}}), Error);
+}
+
+TEST(Errors, WordTheirSettingsWhereTheyAreShown) {
+  Error e(ExitCode::bad_input, "", "series", "a gap; " + Setting{"max_gap_mm", "9_9"} + " reads it");
+  EXPECT_STREQ(e.what(), "a gap; --max-gap-mm 9_9 reads it");
+  e.worded_for("mr.import");
+  EXPECT_STREQ(e.what(), "a gap; --set mr.import.max_gap_mm=9_9 reads it");
+  ASSERT_EQ(e.message().settings().size(), 1u);
+  EXPECT_EQ(e.message().settings()[0].parameter, "max_gap_mm");
+  e.in_stage("mr.import").in_stage("other");
+  EXPECT_EQ(e.stage(), "mr.import");
+  EXPECT_EQ(e.because(Cause::child_died).because(Cause::child_limit).cause(), Cause::child_died);
 }
 
 std::string fault(const std::string& name, const std::vector<std::string>& items) {

@@ -14,6 +14,7 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "phantom_heads.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -32,8 +33,7 @@ const Volume& head() {
 }
 
 grid::Field skin_of(const grid::HuVolume& volume) {
-  Report report;
-  return grid::fit(segmentation::segment(volume, {}, head_recipe::skin(), report), grid::lattice_of(volume), -1000.f);
+  return grid::fit(segmentation::segment(volume, {}, head_recipe::skin()).value, grid::lattice_of(volume), -1000.f);
 }
 
 const grid::Grid<float>& inside_mm() {
@@ -104,13 +104,13 @@ Compared compare(const grid::HuVolume& cleaned) {
 
 TEST(Body, AHeadWithoutApparatusStaysAsItIs) {
   Report report;
-  EXPECT_TRUE(std::get<Volume>(body::keep_body(head(), {}, report)) == head());
+  EXPECT_TRUE(std::get<Volume>(value_of(report, body::keep_body(head(), {}))) == head());
   EXPECT_LT(figure(report, "apparatus_ml"), 0.5);
 }
 
 TEST(Body, AMaskOnTheSkinGoesAndTheSkinStays) {
   Report report;
-  const grid::HuVolume out = body::keep_body(with(mask), {}, report);
+  const grid::HuVolume out = value_of(report, body::keep_body(with(mask), {}));
   EXPECT_GT(figure(report, "apparatus_ml"), 60);
   EXPECT_GT(figure(report, "thin_apparatus_ml"), 60);
   const Compared c = compare(out);
@@ -132,8 +132,8 @@ TEST(Body, StrandsPressedOntoTheSkinGo) {
   body::BodyParams keep_strands;
   keep_strands.strand_mm = 0;
   Report report, before;
-  const Compared c = compare(body::keep_body(scan, {}, report)),
-                 was = compare(body::keep_body(scan, keep_strands, before));
+  const Compared c = compare(value_of(report, body::keep_body(scan, {}))),
+                 was = compare(value_of(before, body::keep_body(scan, keep_strands)));
   EXPECT_GT(figure(report, "strands_on_skin_ml"), 10);
   EXPECT_FALSE(before.find("strands_on_skin_ml"));
   EXPECT_GT(was.mean_mm, 0.3);
@@ -157,7 +157,7 @@ TEST(Body, BoneThatReachesTheSkinIsNoStrand) {
   ASSERT_GT(pin.size(), 50u);
   for (const std::size_t v : pin) scan.voxels[v] = 900;
   Report report;
-  const Volume out = std::get<Volume>(body::keep_body(scan, {}, report));
+  const Volume out = std::get<Volume>(value_of(report, body::keep_body(scan, {})));
   ASSERT_TRUE(report.find("strands_on_skin_ml"));
   for (const std::size_t v : pin) EXPECT_EQ(out.voxels[v], 900);
 }
@@ -167,17 +167,17 @@ TEST(Body, ASheetWithoutHolesIsNotTakenForAMask) {
     return p.y < 60 && outside_mm > 2.6 && outside_mm < 4.5 ? 30 : -1e6;
   };
   Report report;
-  const Compared c = compare(body::keep_body(with(sheet), {}, report));
+  const Compared c = compare(value_of(report, body::keep_body(with(sheet), {})));
   EXPECT_FALSE(report.find("strands_on_skin_ml"));
   EXPECT_LT(c.lost_ml, 1);
 }
 
 TEST(Body, CouchHolderAndClampGoTogetherWithAMask) {
-  Report report;
   const grid::HuVolume out = body::keep_body(with([](Vec3 p, double d) {
                                                return std::max({mask(p, d), couch(p, d), holder(p, d)});
                                              }),
-                                             {}, report);
+                                             {})
+                                 .value;
   const Compared c = compare(out);
   EXPECT_LT(c.apparatus_ml, 6);  // where the block lies on the skin
   EXPECT_LT(c.lost_ml, 3);
@@ -201,7 +201,7 @@ TEST(Body, DensePlatesThatTheEarsTouchGo) {
     return beside && std::abs(p.y - 30) < 55 && std::abs(p.z) < 40 ? 330 : -1e6;
   };
   Report report;
-  const grid::HuVolume out = body::keep_body(with(plates), {}, report);
+  const grid::HuVolume out = value_of(report, body::keep_body(with(plates), {}));
   EXPECT_GT(figure(report, "apparatus_ml"), 50);  // two plates of 3.6 x 110 x 80 mm hold 63 ml
   const Compared c = compare(out);
   EXPECT_LT(c.apparatus_ml, 2);  // an ear's edge on the plate
@@ -218,8 +218,9 @@ TEST(Body, ABoardThatTouchesTheHeadOverAWidePlaceGoes) {
       for (int i = 0; i < v.size[0]; ++i)
         if (inside_mm().at(i, j, k) > 0) back = std::max(back, v.to_world_mm(Vec3{double(i), double(j), double(k)}).y);
   Report report;
-  const grid::HuVolume out =
-      body::keep_body(with([&](Vec3 p, double) { return p.y > back - 4 && p.y < back + 18 ? -40 : -1e6; }), {}, report);
+  const grid::HuVolume out = value_of(
+      report,
+      body::keep_body(with([&](Vec3 p, double) { return p.y > back - 4 && p.y < back + 18 ? -40 : -1e6; }), {}));
   EXPECT_GT(figure(report, "apparatus_ml"), 1000);
   EXPECT_GT(figure(report, "board_thickness_mm"), 15);
   EXPECT_FALSE(mask::field_edge(mask::HuView(out)).tissue.any());  // where it was, the scan does not end
@@ -239,7 +240,7 @@ TEST(Body, BoardsAreSoughtOnFineVoxelsToo) {
       for (int i = 0; i < fine.size[0]; ++i)
         if (j > 380 || std::hypot(i - 230.0, j - 210.0) < 150) fine.at(i, j, k) = 40;
   Report report;
-  body::keep_body(fine, {}, report);
+  value_of(report, body::keep_body(fine, {}));
   EXPECT_NEAR(figure(report, "board_thickness_mm"), 9.75, 0.3);
 }
 
@@ -264,7 +265,7 @@ TEST(Body, ABoardThatATiltedGantryCutsAslantGoes) {
       if (is_board(p) || std::hypot(p.x, p.y) < 80) v.at(i, j, k) = 40;
     });
     Report report;
-    const auto out = std::get<Volume>(body::keep_body(v, {}, report));
+    const auto out = std::get<Volume>(value_of(report, body::keep_body(v, {})));
     double left = 0, lost = 0;
     each([&](int i, int j, int k, Vec3 p) {
       if (std::hypot(p.x, p.y) > 84 && out.at(i, j, k) > -300) left += 0.02;
@@ -280,7 +281,7 @@ TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
   Volume air(head(), std::int16_t(-1000));
   air.at(5, 5, 5) = 40;
   Report report;
-  EXPECT_TRUE(std::get<Volume>(body::keep_body(air, {}, report)) == air);
+  EXPECT_TRUE(std::get<Volume>(value_of(report, body::keep_body(air, {}))) == air);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no body was found"), std::string::npos);
 }
@@ -289,9 +290,9 @@ TEST(Body, TheSameBytesWithOneAndFourThreads) {
   const Volume scan = with(mask);
   Report one, four;
   set_thread_count(1);
-  const grid::HuVolume a = body::keep_body(scan, {}, one);
+  const grid::HuVolume a = value_of(one, body::keep_body(scan, {}));
   set_thread_count(4);
-  const grid::HuVolume b = body::keep_body(scan, {}, four);
+  const grid::HuVolume b = value_of(four, body::keep_body(scan, {}));
   set_thread_count(0);
   EXPECT_TRUE(std::get<Volume>(a) == std::get<Volume>(b));
   EXPECT_EQ(one.figures, four.figures);
@@ -299,7 +300,7 @@ TEST(Body, TheSameBytesWithOneAndFourThreads) {
 
 TEST(HeadRegion, TheHeadIsKeptAndTheAirAroundItGoes) {
   Report report;
-  const grid::HuVolume out = head::head_region(head(), {}, report);
+  const grid::HuVolume out = value_of(report, head::head_region(head(), {}));
   EXPECT_TRUE(report.warnings.empty()) << report.warnings[0];
   EXPECT_EQ(report.find("skin_cut"), nullptr);
   const grid::Lattice& l = grid::lattice_of(out);
@@ -319,7 +320,7 @@ TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
   box.end[2] -= 40;
   box.end[0] -= 45;
   Report report;
-  head::head_region(grid::crop(head(), box), {}, report);
+  value_of(report, head::head_region(grid::crop(head(), box), {}));
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_NE(report.warnings[0].find("the vertex is missing"), std::string::npos) << report.warnings[0];
   EXPECT_NE(report.warnings[1].find("cuts the head on its left side"), std::string::npos) << report.warnings[1];
@@ -348,7 +349,7 @@ TEST(HeadRegion, PaddingThatCutsTheHeadIsSaid) {
       }
   ASSERT_GT(bone, 1000u);
   Report report;
-  head::head_region(scan, {}, report);
+  value_of(report, head::head_region(scan, {}));
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("cuts the head on its back side"), std::string::npos) << report.warnings[0];
   EXPECT_EQ(std::get<std::string>(*report.find("skin_cut")), "on its back side");
@@ -362,7 +363,7 @@ TEST(HeadRegion, PaddingAboveIsSaidWhereverItBegins) {
       for (int j = 0; j < scan.size[1]; ++j)
         for (int i = 0; i < scan.size[0]; ++i) scan.at(i, j, k) = -1000;
     Report report;
-    head::head_region(scan, {}, report);
+    value_of(report, head::head_region(scan, {}));
     ASSERT_NE(report.find("brain_cut"), nullptr) << less;
     EXPECT_EQ(std::get<std::string>(*report.find("skin_cut")), "above");
     EXPECT_EQ(std::get<std::string>(*report.find("sagittal_sinus_cut")), "above");
@@ -378,7 +379,7 @@ TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {
   grid::Box box = grid::whole_box(head());
   box.end[2] = top - 2;  // 3 to 4.5 mm below the vertex
   Report report;
-  head::head_region(grid::crop(head(), box), {}, report);
+  value_of(report, head::head_region(grid::crop(head(), box), {}));
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("the skin of the vertex is missing"), std::string::npos) << report.warnings[0];
 }
@@ -386,7 +387,7 @@ TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {
 TEST(HeadRegion, AScanWithoutACraniumStaysAndIsSaid) {
   const Volume water(head(), 20);
   Report report;
-  EXPECT_TRUE(std::get<Volume>(head::head_region(water, {}, report)) == water);
+  EXPECT_TRUE(std::get<Volume>(value_of(report, head::head_region(water, {}))) == water);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no cranial cavity"), std::string::npos);
 }

@@ -11,6 +11,7 @@
 #include "head_recipe.h"
 #include "meshing/contour.h"
 #include "phantom/phantom.h"
+#include "report_of.h"
 #include "scratch_folder.h"
 #include "segmentation/segment.h"
 
@@ -27,11 +28,12 @@ struct Surfaces {
 /// As pipelines/ventriculostomy.yaml does.
 Surfaces surfaces_of(const grid::HuVolume& volume) {
   Report report;
-  const grid::Field outside = segmentation::segment(volume, {}, head_recipe::skin(), report);
+  const grid::Field outside = value_of(report, segmentation::segment(volume, {}, head_recipe::skin()));
   segmentation::SegmentMasks masks;
   masks.within = &outside;
-  return {meshing::contour(outside, {}, report),
-          meshing::contour(segmentation::segment(volume, masks, head_recipe::skull(), report), {}, report)};
+  return {value_of(report, meshing::contour(outside, {})),
+          value_of(report,
+                   meshing::contour(value_of(report, segmentation::segment(volume, masks, head_recipe::skull())), {}))};
 }
 
 void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& volume, const char* what) {
@@ -44,8 +46,7 @@ void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& v
     boolean::BurrHoleRequest r;
     r.side = side;
     r.toward_mm = marks.at(side == Side::left ? "monro_left" : "monro_right");
-    Report report;
-    const boolean::BurrHole hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull).value;
     const double off = norm(hole.skin_mm - marks.at(name));
     const double beside_skull = head.signed_distance_mm(phantom::Anatomy::skull, hole.position_mm);
     EXPECT_LT(off, 1) << what;
@@ -53,8 +54,7 @@ void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& v
     const Vec3 way = *r.toward_mm - hole.position_mm;
     EXPECT_LT(norm(way - hole.direction * dot(way, hole.direction)), 1e-6);
     r.toward_mm.reset();
-    Report square;
-    const boolean::BurrHole upright = boolean::place_burr_hole(r, marks, &s.skin, s.skull, square);
+    const boolean::BurrHole upright = boolean::place_burr_hole(r, marks, &s.skin, s.skull).value;
     Vec3 normal;
     head.implicit_mm(phantom::Anatomy::skull, head.project_mm(phantom::Anatomy::skull, upright.position_mm), normal);
     const double tilt = std::acos(std::min(1.0, -dot(normalized(normal), upright.direction))) * 180 / std::acos(-1.0);
@@ -99,7 +99,7 @@ void expect_plausible(const char* name, const Marks& marks) {
     r.side = side;
     Report report;
     boolean::BurrHole& hole = holes[side == Side::left];
-    hole = boolean::place_burr_hole(r, marks, &s.skin, s.skull, report);
+    hole = value_of(report, boolean::place_burr_hole(r, marks, &s.skin, s.skull));
     const double soft = norm(hole.position_mm - hole.skin_mm);
     std::printf(
         "%s %s: skin [%.1f, %.1f, %.1f], direction [%.3f, %.3f, %.3f], soft tissue %.2f, bone %.2f, depth %.2f\n", name,

@@ -10,6 +10,7 @@
 #include "boolean/cut_faces.h"
 #include "boolean/outer_curve.h"
 #include "phantom/truth.h"
+#include "report_of.h"
 #include "surface/ray_column.h"
 
 namespace trephine {
@@ -111,7 +112,7 @@ TEST(BurrHole, OnAShellTheAxisIsRadialAndTheHoleEndsJustInside) {
       r.side = side;
       r.diameter_mm = diameter;
       Report report;
-      const boolean::BurrHole hole = boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull, report);
+      const boolean::BurrHole hole = value_of(report, boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull));
       // 110 mm along the great circle, then 27.5 mm along the one square to it.
       const double a = 110.0 / 86, b = 27.5 / 86, x = side == Side::left ? 1 : -1;
       const Vec3 up{0, -std::cos(a), std::sin(a)};
@@ -137,7 +138,7 @@ TEST(BurrHole, ByPositionTowardsATargetAndByDirection) {
   r.position_mm = s.centre + Vec3{0, 0, 80};
   r.toward_mm = s.centre + Vec3{20, 10, 0};
   Report report;
-  const boolean::BurrHole hole = boolean::place_burr_hole(r, {}, &s.skin, s.skull, report);
+  const boolean::BurrHole hole = value_of(report, boolean::place_burr_hole(r, {}, &s.skin, s.skull));
   // The axis passes through the target, and through the position.
   const Vec3 to_target = *r.toward_mm - hole.position_mm;
   EXPECT_LT(norm(to_target - hole.direction * dot(to_target, hole.direction)), 1e-6);
@@ -150,15 +151,16 @@ TEST(BurrHole, ByPositionTowardsATargetAndByDirection) {
   r.toward_mm.reset();
   r.direction = Vec3{0, 0, -1};
   r.position_mm = s.centre + Vec3{3, 4, 84};  // above the bone, within the skin
-  const boolean::BurrHole straight = boolean::place_burr_hole(r, {}, nullptr, s.skull, report);
+  const boolean::BurrHole straight = value_of(report, boolean::place_burr_hole(r, {}, nullptr, s.skull));
   EXPECT_NEAR(straight.position_mm.z - s.centre.z, std::sqrt(6400.0 - 25), 0.05);
   EXPECT_EQ(straight.direction, (Vec3{0, 0, -1}));
   EXPECT_EQ(straight.skin_mm, straight.position_mm);
   EXPECT_GE(straight.cutter.above_mm, 20);
 
   r.direction.reset();
-  EXPECT_LT(degrees_between(boolean::place_burr_hole(r, {}, &s.skin, s.skull, report).direction, Vec3{-3, -4, -84}),
-            0.1);
+  EXPECT_LT(
+      degrees_between(value_of(report, boolean::place_burr_hole(r, {}, &s.skin, s.skull)).direction, Vec3{-3, -4, -84}),
+      0.1);
 }
 
 TEST(BurrHole, CellsOfTheDiploeDoNotEndTheBoneWiderGapsDo) {
@@ -170,8 +172,7 @@ TEST(BurrHole, CellsOfTheDiploeDoNotEndTheBoneWiderGapsDo) {
     add_sphere(skull, {}, 78 - gap, false);
     add_sphere(skull, {}, 72, true);
     skull.origin_mm = s.centre;
-    Report report;
-    const boolean::BurrHole hole = boolean::place_burr_hole({}, s.marks(), &s.skin, skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole({}, s.marks(), &s.skin, skull).value;
     EXPECT_NEAR(hole.bone_thickness_mm, gap < 3 ? 8 : 2, 0.05);
   }
 }
@@ -189,17 +190,15 @@ TEST(BurrHole, PitsAndKnobsOfTheOuterTableDoNotTiltTheAxis) {
   boolean::BurrHoleRequest r;
   r.at = At::position;
   r.position_mm = s.centre + outwards * 80;
-  Report report;
-  const boolean::BurrHole hole = boolean::place_burr_hole(r, {}, &s.skin, s.skull, report);
+  const boolean::BurrHole hole = boolean::place_burr_hole(r, {}, &s.skin, s.skull).value;
   EXPECT_LT(degrees_between(hole.direction, -outwards), 0.5);
   EXPECT_NEAR(hole.bone_thickness_mm, 6, 0.05);
 }
 
 TEST(BurrHole, RefusesNamingWhatIsMissingOrWrong) {
   const Shell s;
-  Report report;
   const auto place = [&](const boolean::BurrHoleRequest& r, const Marks& marks) {
-    return refused([&] { boolean::place_burr_hole(r, marks, &s.skin, s.skull, report); });
+    return refused([&] { boolean::place_burr_hole(r, marks, &s.skin, s.skull); });
   };
   EXPECT_NE(place({}, {}).find("landmarks: {nasion: [x, y, z], inion: [x, y, z]}"), std::string::npos);
   EXPECT_NE(place({}, {{"nasion", {}}}).find("landmarks: {inion: [x, y, z]}"), std::string::npos);
@@ -225,12 +224,12 @@ TEST(BurrHole, RefusesNamingWhatIsMissingOrWrong) {
   Marks exchanged = s.marks();
   exchanged["tragus_left"] = s.centre + Vec3{-80, 0, 0};
   exchanged["tragus_right"] = s.centre + Vec3{80, 0, 0};
-  EXPECT_NE(refused([&] { boolean::place_burr_hole({}, exchanged, &s.skin, s.skull, report); }, ExitCode::bad_config)
+  EXPECT_NE(refused([&] { boolean::place_burr_hole({}, exchanged, &s.skin, s.skull); }, ExitCode::bad_config)
                 .find("exchanged"),
             std::string::npos);
   r = {};
   r.diameter_mm = 61;
-  EXPECT_NE(refused([&] { boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull, report); }, ExitCode::bad_config)
+  EXPECT_NE(refused([&] { boolean::place_burr_hole(r, s.marks(), &s.skin, s.skull); }, ExitCode::bad_config)
                 .find("diameter_mm"),
             std::string::npos);
 }
@@ -239,7 +238,7 @@ TEST(BurrHole, WithoutSkinTheArcRunsOverTheSkull) {
   const Shell s;
   Report report;
   Marks marks{{"nasion", s.centre + Vec3{0, -80, 0}}, {"vertex", s.centre + Vec3{0, 0, 80}}};
-  const boolean::BurrHole hole = boolean::place_burr_hole({}, marks, nullptr, s.skull, report);
+  const boolean::BurrHole hole = value_of(report, boolean::place_burr_hole({}, marks, nullptr, s.skull));
   const double a = 110.0 / 80, b = 27.5 / 80;
   const Vec3 expected = Vec3{0, -std::cos(a), std::sin(a)} * std::cos(b) - Vec3{1, 0, 0} * std::sin(b);
   EXPECT_LT(norm(hole.position_mm - s.centre - expected * 80), 0.1);
@@ -298,8 +297,7 @@ void expect_kocher(const Patient& p, const char* what) {
   for (const Side side : {Side::left, Side::right}) {
     boolean::BurrHoleRequest r;
     r.side = side;
-    Report report;
-    const boolean::BurrHole hole = boolean::place_burr_hole(r, p.marks, &p.skin, p.skull, report);
+    const boolean::BurrHole hole = boolean::place_burr_hole(r, p.marks, &p.skin, p.skull).value;
     const Vec3 truth = p.marks.at(side == Side::left ? "kocher_left" : "kocher_right");
     const double off = norm(hole.skin_mm - truth);
     const double tilt = degrees_between(hole.direction, -truth_normal(p, hole.position_mm, hole.direction, 7));
@@ -336,8 +334,7 @@ TEST(BurrHolePhantom, TheScansEdgeIsNotTakenForTheHead) {
   // The vertex was not scanned: 110 mm from the nasion lie beyond the cut.
   const Patient p = patient({}, turned_by({0, 1, 0.2}, 10), {}, 2.5, 75);
   EXPECT_GE(boolean::detail::cut_faces(p.skin).size(), 2u);
-  Report report;
-  const auto what = refused([&] { boolean::place_burr_hole({}, p.marks, &p.skin, p.skull, report); });
+  const auto what = refused([&] { boolean::place_burr_hole({}, p.marks, &p.skin, p.skull); });
   EXPECT_NE(what.find("runs over the scan's edge"), std::string::npos) << what;
   // A hole beside the cut leaves the volume, one farther down does not.
   boolean::BurrHoleRequest r;
@@ -347,11 +344,10 @@ TEST(BurrHolePhantom, TheScansEdgeIsNotTakenForTheHead) {
     return p.world(p.head.project_mm(phantom::Anatomy::skull, at + Vec3{0, -30, 0}));
   };
   r.position_mm = frontal(70);
-  EXPECT_NE(
-      refused([&] { boolean::place_burr_hole(r, {}, &p.skin, p.skull, report); }).find("leave the scanned volume"),
-      std::string::npos);
+  EXPECT_NE(refused([&] { boolean::place_burr_hole(r, {}, &p.skin, p.skull); }).find("leave the scanned volume"),
+            std::string::npos);
   r.position_mm = frontal(55);
-  EXPECT_NO_THROW(boolean::place_burr_hole(r, {}, &p.skin, p.skull, report));
+  EXPECT_NO_THROW(boolean::place_burr_hole(r, {}, &p.skin, p.skull));
 }
 
 }  // namespace

@@ -31,15 +31,15 @@ TEST(AnatomyGate, WhereTheScannedFieldEndsBoneAndSkinAreNotCompared) {
   cut(head.brain);
   const grid::HuVolume volume = scan;
   const auto examined = [&](const grid::HuVolume* v) {
-    Report report;
-    const auto found = consistency::examine_anatomy(head.fields(), nullptr, {}, report, {}, {}, v);
-    return std::make_pair(found.faults.empty() ? "" : found.faults[0].what, report.warnings);
+    const auto found = consistency::examine_anatomy(head.fields(), nullptr, {}, {}, {}, v);
+    return std::make_pair(found.faults.empty() ? "" : found.faults[0].what, found.warnings);
   };
   EXPECT_NE(examined(nullptr).first.find("the surfaces of skull and skin"), std::string::npos);
   const auto [fault, warnings] = examined(&volume);
   EXPECT_EQ(fault, "");
   ASSERT_FALSE(warnings.empty());
-  EXPECT_NE(warnings.back().find("the scanned field's edge cuts skull and skin"), std::string::npos) << warnings.back();
+  EXPECT_NE(to_text(warnings.back()).find("the scanned field's edge cuts skull and skin"), std::string::npos)
+      << to_text(warnings.back());
   // Elsewhere bone that reaches through the skin is found as ever, and placed there.
   head.skull_at = head.brain_at = head.ventricles_at = {0, -9, 0};
   head.make();

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "consistency/anatomy_gate.h"
 #include "consistency_samples.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -58,14 +59,14 @@ TEST(HeadFigures, WidthsOfSimpleShapes) {
     s.turn = turn;
     s.make();
     Report report;
-    const head::HeadFigures f = head::measure_head(s.fields(), &s.landmarks, {}, report);
+    const head::HeadFigures f = result_of(report, head::measure_head(s.fields(), &s.landmarks, {}));
     ASSERT_TRUE(f.evans_index_ratio && f.midline_shift_mm);
     EXPECT_NEAR(*f.frontal_horns_mm, 36, 0.5) << turn;
     // In the plane at the widest line's level the inner skull is 140 wide, less what its height takes.
     const double up = dot(f.evans_place_mm - s.centre, Vec3{0, 0, 1});
     EXPECT_NEAR(*f.inner_skull_mm, 140 * std::sqrt(1 - up * up / (65.0 * 65.0)), 0.8) << turn;
     EXPECT_NEAR(*f.midline_shift_mm, 0, 0.1) << turn;
-    EXPECT_STREQ(f.midline_of, "septum");
+    EXPECT_EQ(f.midline_of, "septum");
     EXPECT_EQ(f.head_class, head::HeadClass::normal);
     EXPECT_NEAR(*f.brain_ml, 4.0 / 3 * 3.14159265 * 67 * 85 * 62 / 1000, 8);
   }
@@ -81,7 +82,7 @@ TEST(HeadFigures, AScanTooNoisyOrTooSmoothIsUncertain) {
     head::HeadFields fields = s.fields();
     fields.scan = &scan;
     Report report;
-    const head::HeadClass c = head::measure_head(fields, &s.landmarks, {}, report).head_class;
+    const head::HeadClass c = result_of(report, head::measure_head(fields, &s.landmarks, {})).head_class;
     EXPECT_EQ(report.warnings.empty(), c != head::HeadClass::uncertain);
     return c;
   };
@@ -103,7 +104,7 @@ TEST(HeadFigures, ASideWithoutItsTrigoneIsUncertain) {
         if (p.x < -1 && p.y > 10) f.at(i, j, k) = -5;
       }
   Report report;
-  EXPECT_EQ(head::measure_head(s.fields(), &s.landmarks, {}, report).head_class, head::HeadClass::uncertain);
+  EXPECT_EQ(result_of(report, head::measure_head(s.fields(), &s.landmarks, {})).head_class, head::HeadClass::uncertain);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("the right lateral ventricle ends"), std::string::npos) << report.warnings[0];
 }
@@ -113,11 +114,11 @@ TEST(HeadFigures, ShiftAgainstPlaneAndAgainstTheInnerSkull) {
   s.middle = 7;
   s.make();
   Report report;
-  const head::HeadFigures with = head::measure_head(s.fields(), &s.landmarks, {}, report);
+  const head::HeadFigures with = result_of(report, head::measure_head(s.fields(), &s.landmarks, {}));
   EXPECT_NEAR(with.midline_shift_mm.value(), 7, 0.2);
   EXPECT_EQ(with.head_class, head::HeadClass::shifted);
   EXPECT_TRUE(report.warnings.empty());
-  const head::HeadFigures without = head::measure_head(s.fields(), nullptr, {}, report);
+  const head::HeadFigures without = result_of(report, head::measure_head(s.fields(), nullptr, {}));
   EXPECT_NEAR(without.midline_shift_mm.value(), 7, 0.3);
   EXPECT_EQ(without.head_class, head::HeadClass::shifted);
   ASSERT_EQ(report.warnings.size(), 1u);
@@ -129,11 +130,11 @@ TEST(HeadFigures, WideHornsAreHydrocephalic) {
   s.width = 48;
   s.make();
   Report report;
-  const head::HeadFigures f = head::measure_head(s.fields(), &s.landmarks, {}, report);
+  const head::HeadFigures f = result_of(report, head::measure_head(s.fields(), &s.landmarks, {}));
   EXPECT_EQ(f.head_class, head::HeadClass::hydrocephalic);
   head::HeadClassParams strict;
   strict.hydrocephalic_evans_ratio = 0.4;
-  EXPECT_EQ(head::measure_head(s.fields(), &s.landmarks, strict, report).head_class, head::HeadClass::normal);
+  EXPECT_EQ(result_of(report, head::measure_head(s.fields(), &s.landmarks, strict)).head_class, head::HeadClass::normal);
 }
 
 TEST(HeadFigures, WhatIsMissingIsNotMeasured) {
@@ -142,12 +143,12 @@ TEST(HeadFigures, WhatIsMissingIsNotMeasured) {
   head::HeadFields fields = s.fields();
   fields.skull = nullptr;
   Report report;
-  const head::HeadFigures f = head::measure_head(fields, &s.landmarks, {}, report);
+  const head::HeadFigures f = result_of(report, head::measure_head(fields, &s.landmarks, {}));
   EXPECT_FALSE(f.evans_index_ratio);
   EXPECT_FALSE(f.skull_ml);
   EXPECT_TRUE(f.midline_shift_mm);
   EXPECT_EQ(f.head_class, head::HeadClass::unknown);
-  const head::HeadFigures none = head::measure_head({}, nullptr, {}, report);
+  const head::HeadFigures none = result_of(report, head::measure_head({}, nullptr, {}));
   EXPECT_EQ(none.head_class, head::HeadClass::unknown);
 }
 
@@ -166,7 +167,7 @@ void expect_class(phantom::Variant variant, int seed, double step_mm) {
   const head::HeadLandmarks* const all[] = {&h.landmarks, &plane_only, nullptr};
   for (const head::HeadLandmarks* landmarks : all) {
     Report report;
-    const head::HeadFigures f = head::measure_head(h.fields(), landmarks, {}, report);
+    const head::HeadFigures f = result_of(report, head::measure_head(h.fields(), landmarks, {}));
     EXPECT_EQ(f.head_class, want) << "seed " << seed << ", Evans " << f.evans_index_ratio.value_or(-1) << ", shift "
                                   << f.midline_shift_mm.value_or(-99);
     if (!landmarks) continue;

@@ -69,8 +69,8 @@ struct EllipsoidHead {
     ventricles = field_of(l, [&](Vec3 p) { return ellipsoid(p - ventricles_at, {17, 40, 12}); });
   }
   head::HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
-  consistency::AnatomyFindings examine(Report& report) const {
-    return consistency::examine_anatomy(fields(), nullptr, consistency::AnatomyGateParams(), report);
+  consistency::AnatomyFindings examine() const {
+    return consistency::examine_anatomy(fields(), nullptr, consistency::AnatomyGateParams());
   }
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "craniometry_found.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -33,7 +34,7 @@ TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
   // A bregma that a person placed is sure.
   head::LandmarkInputs in = s.inputs();
   in.given = {{"bregma", none.find("bregma")->position_mm, 1, "given"}};
-  EXPECT_GT(confidence(head::find_landmarks(s.volume, in, {}, report), "kocher_left"), 0.8);
+  EXPECT_GT(confidence(value_of(report, head::find_landmarks(s.volume, in, {})), "kocher_left"), 0.8);
 }
 
 /// Every n-th slice as a scan of slices so thick.
@@ -113,11 +114,10 @@ TEST(LandmarksEarned, AnEarOnWhichSomethingLayIsDoubtful) {
       as_read);
   head::LandmarkInputs in = s.inputs();
   in.as_read = &as_read;
-  Report report;
-  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, {}, report);
+  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, {}).value;
   EXPECT_LT(confidence(found, "tragus_left"), 0.5);
   in.as_read = &s.volume;  // nothing was taken off
-  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, {}, report);
+  const head::HeadLandmarks bare = head::find_landmarks(s.volume, in, {}).value;
   for (const char* name : {"tragus_left", "tragus_right"}) EXPECT_GT(confidence(bare, name), 0.8) << name;
   // With one ear doubtful the other is too, and with them the level by which these are found.
   for (const char* name : {"inion", "vertex"}) EXPECT_LT(confidence(found, name), 0.6 * confidence(bare, name)) << name;

@@ -206,8 +206,7 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
   const grid::HuVolume volume = spot;
   const grid::Field skin = ball(l, {0, 0, 0}, 90, -1), skull = ball(l, {0, 0, 0}, 80, 72);
   head::LandmarkInputs in;
-  Report report;
-  const auto run = [&] { head::find_landmarks(volume, in, {}, report); };
+  const auto run = [&] { head::find_landmarks(volume, in, {}); };
   EXPECT_EQ(code_of(run), ExitCode::usage);
   in.skin = &skin;
   EXPECT_EQ(code_of(run), ExitCode::usage);
@@ -245,14 +244,12 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
 
 TEST(LandmarksFind, AVolumeOfOneValueShowsNoHead) {
   const grid::HuVolume constant = grid::Grid<std::int16_t>(grid::lattice_of(scene().volume), 40);
-  Report report;
-  EXPECT_EQ(code_of([&] { head::find_landmarks(constant, scene().inputs(), {}, report); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { head::find_landmarks(constant, scene().inputs(), {}); }), ExitCode::quality);
 }
 
 TEST(LandmarksFind, Cancels) {
   const std::atomic<bool> stop{true};
-  Report report;
-  EXPECT_THROW(head::find_landmarks(scene().volume, scene().inputs(), {}, report, Progress({}, &stop)), Cancelled);
+  EXPECT_THROW(head::find_landmarks(scene().volume, scene().inputs(), {}, Progress({}, &stop)), Cancelled);
 }
 
 TEST(LongLandmarksPhantom, ALibraryOfVariants) {

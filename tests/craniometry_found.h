@@ -3,6 +3,7 @@
 // The head that the landmarks are looked for in, and what is found in it.
 #include "base/report.h"
 #include "craniometry_scenes.h"
+#include "report_of.h"
 
 namespace trephine::craniometry_test {
 
@@ -22,7 +23,7 @@ inline const LandmarkScene& scene() {
 }
 
 inline head::HeadLandmarks find(const LandmarkScene& s, Report& report) {
-  return head::find_landmarks(s.volume, s.inputs(), {}, report);
+  return value_of(report, head::find_landmarks(s.volume, s.inputs(), {}));
 }
 
 inline head::HeadLandmarks find(const LandmarkScene& s) {

@@ -10,6 +10,7 @@
 #include "boolean/burr_hole.h"
 #include "craniometry_found.h"
 #include "meshing/contour.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -22,7 +23,7 @@ TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
     in.given.push_back({name, scene().head.landmark(name), 1, "given"});
   in.given.push_back({"lesion", {1, 2, 3}, 1, "given"});
   Report report;
-  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, {}, report);
+  const head::HeadLandmarks found = value_of(report, head::find_landmarks(scene().volume, in, {}));
   for (const cases::CaseLandmark& g : in.given) {
     ASSERT_TRUE(found.find(g.name)) << g.name;
     EXPECT_EQ(found.find(g.name)->position_mm, g.position_mm);
@@ -47,7 +48,7 @@ TEST(LandmarksFind, TragiThatDoNotMirrorEachOtherAreDoubtful) {
     head::LandmarkInputs in = scene().inputs();
     in.given = {{"tragus_left", scene().head.landmark("tragus_left") + Vec3{0, -off_mm, 0}, 1, "given"}};
     Report report;
-    const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, {}, report);
+    const head::HeadLandmarks found = value_of(report, head::find_landmarks(scene().volume, in, {}));
     EXPECT_EQ(confidence(found, "tragus_left"), 1);
     EXPECT_LT(confidence(found, "tragus_right"), before) << off_mm;
     before = confidence(found, "tragus_right");
@@ -65,15 +66,15 @@ TEST(LandmarksFind, KochersPointIsThatOfTheBurrHole) {
     marks[name] = scene().head.landmark(name);
     in.given.push_back({name, marks[name], 1, "given"});
   }
-  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, params, report);
-  const surface::TriMesh skin = meshing::contour(scene().skin, meshing::ContourParams(), report),
-                         skull = meshing::contour(scene().skull, meshing::ContourParams(), report);
+  const head::HeadLandmarks found = value_of(report, head::find_landmarks(scene().volume, in, params));
+  const surface::TriMesh skin = value_of(report, meshing::contour(scene().skin, meshing::ContourParams())),
+                         skull = value_of(report, meshing::contour(scene().skull, meshing::ContourParams()));
   for (const bool right : {true, false}) {
     boolean::BurrHoleRequest request;
     request.side = right ? boolean::BurrHoleRequest::Side::right : boolean::BurrHoleRequest::Side::left;
     ASSERT_EQ(request.lateral_mm, params.lateral_mm);
     ASSERT_EQ(request.along_mm, params.along_mm);
-    const boolean::BurrHole hole = boolean::place_burr_hole(request, marks, &skin, skull, report);
+    const boolean::BurrHole hole = value_of(report, boolean::place_burr_hole(request, marks, &skin, skull));
     const Vec3 ours = found.find(right ? "kocher_right" : "kocher_left")->position_mm;
     EXPECT_LT(norm(hole.skin_mm - ours), 0.5);
   }
@@ -83,9 +84,8 @@ TEST(LandmarksFind, GivenOnesThatLieFarOutsideAreRefused) {
   head::LandmarkInputs in = scene().inputs();
   const auto refused = [&](const char* name, Vec3 at) {
     in.given = {{name, at, 1, "given"}};
-    Report report;
     try {
-      head::find_landmarks(scene().volume, in, {}, report);
+      head::find_landmarks(scene().volume, in, {});
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       EXPECT_EQ(e.field(), name);
@@ -108,7 +108,7 @@ TEST(LandmarksFind, GivenOnesThatCannotBeRightAreDoubted) {
   const auto doubts = [&](const char* name, Vec3 at) {
     in.given = {{name, at, 1, "given"}};
     Report report;
-    head::find_landmarks(scene().volume, in, {}, report);
+    value_of(report, head::find_landmarks(scene().volume, in, {}));
     std::string all;
     for (const std::string& w : report.warnings)
       if (w.rfind(name, 0) == 0 && w.find("as given") != std::string::npos) all += w + "; ";
@@ -127,7 +127,7 @@ TEST(LandmarksFind, ANameThatIsNotLookedForIsSaidWithTheNearestOne) {
   const Vec3 inside = scene().head.landmark("nasion");
   in.given = {{"naison", inside, 1, "given"}, {"left_tragus", inside, 1, "given"}, {"lesion_edge", inside, 1, "given"}};
   Report report;
-  const head::HeadLandmarks found = head::find_landmarks(scene().volume, in, {}, report);
+  const head::HeadLandmarks found = value_of(report, head::find_landmarks(scene().volume, in, {}));
   EXPECT_EQ(found.find("nasion")->source, "found");
   const auto warned = [&](const std::string& text) {
     return std::find(report.warnings.begin(), report.warnings.end(), text) != report.warnings.end();

@@ -9,6 +9,7 @@
 #include "craniometry/plausible.h"
 #include "craniometry_found.h"
 #include "dicom/import.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -148,7 +149,7 @@ TEST(Judged, ALandmarkOfWhichNothingSpeaksIsNone) {
   head::LandmarkInputs in = s.inputs();
   in.given = {{"tragus_left", s.head.landmark("tragus_left") + Vec3{0, 25, 0}, 1, "given"}};
   Report report;
-  const head::HeadLandmarks found = head::find_landmarks(s.volume, in, {}, report);
+  const head::HeadLandmarks found = value_of(report, head::find_landmarks(s.volume, in, {}));
   EXPECT_FALSE(found.find("tragus_right"));
   EXPECT_TRUE(warns(report, "tragus_right", "not found: "));
   for (const cases::CaseLandmark& l : found.landmarks) EXPECT_GE(l.confidence, 0.05) << l.name;
@@ -164,8 +165,7 @@ TEST(Judged, ALoneTragusIsDoubtful) {
   // Where a person gives the other one, the two confirm each other.
   head::LandmarkInputs in = scene().inputs();
   in.given = {{"tragus_right", scene().head.landmark("tragus_right"), 1, "given"}};
-  Report with_given;
-  EXPECT_GT(confidence(head::find_landmarks(scene().volume, in, {}, with_given), "tragus_left"), 0.8);
+  EXPECT_GT(confidence(head::find_landmarks(scene().volume, in, {}).value, "tragus_left"), 0.8);
 }
 
 TEST(Judged, ATragusWhoseOtherOneIsDoubtfulIsDoubtfulToo) {
@@ -192,15 +192,15 @@ void expect_read(const char* data, const std::vector<Read>& points) {
   const auto path = std::filesystem::path(own ? own : std::string(home ? home : "") + "/.cache/trephine-data") / data;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real data at " << path;
   const grid::HuVolume volume = dicom::import_series(path, {}).volume;
-  Report ignored, report;
-  const grid::Field skin = segmentation::segment(volume, {}, head_recipe::skin(), ignored);
+  Report report;
+  const grid::Field skin = segmentation::segment(volume, {}, head_recipe::skin()).value;
   segmentation::SegmentMasks masks;
   masks.within = &skin;
-  const grid::Field skull = segmentation::segment(volume, masks, head_recipe::skull(), ignored);
+  const grid::Field skull = segmentation::segment(volume, masks, head_recipe::skull()).value;
   head::LandmarkInputs in;
   in.skin = &skin;
   in.skull = &skull;
-  const head::HeadLandmarks found = head::find_landmarks(volume, in, {}, report);
+  const head::HeadLandmarks found = value_of(report, head::find_landmarks(volume, in, {}));
   for (const Read& p : points) {
     const cases::CaseLandmark* l = found.find(p.name);
     ASSERT_TRUE(l) << p.name;

@@ -11,6 +11,7 @@
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
 #include "voxel/cut.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -35,12 +36,12 @@ grid::Field around_the_pole(const std::function<double(double radius)>& distance
 /// Cuts both ways and compares: removed volume, distance between the two results, triangles.
 void compare(const grid::Field& field, const std::vector<boolean::Cutter>& cutters, const char* what) {
   Report r;
-  const surface::TriMesh whole = meshing::contour(field, {}, r);
+  const surface::TriMesh whole = value_of(r, meshing::contour(field, {}));
   Report cut_report;
-  const surface::TriMesh of_mesh = boolean::cut_surface(whole, cutters, {}, cut_report);
+  const surface::TriMesh of_mesh = value_of(cut_report, boolean::cut_surface(whole, cutters, {}));
   grid::Field cut = field;
-  for (const boolean::Cutter& c : cutters) voxel::cut_field(cut, boolean::distance_to(c), boolean::bounds_of(c), r);
-  const surface::TriMesh of_field = meshing::contour(cut, {}, r);
+  for (const boolean::Cutter& c : cutters) value_of(r, voxel::cut_field(cut, boolean::distance_to(c), boolean::bounds_of(c)));
+  const surface::TriMesh of_field = value_of(r, meshing::contour(cut, {}));
   for (const surface::TriMesh* m : {&of_mesh, &of_field}) {
     const meshing::Validity v = meshing::check_validity(*m);
     EXPECT_TRUE(v.valid() && v.float32) << what << ": " << v.text();

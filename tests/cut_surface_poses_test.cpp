@@ -8,6 +8,7 @@
 #include "boolean/cut_surface.h"
 #include "boolean/overlap.h"
 #include "cut_surface_shapes.h"
+#include "report_of.h"
 
 using namespace trephine;
 using namespace trephine::shapes;
@@ -28,7 +29,7 @@ Counts run(int poses, std::uint64_t seed) {
     const boolean::Cutter c = any_cutter(r, i % 3 == 1 ? 20 : 38);
     Report report;
     try {
-      const surface::TriMesh out = boolean::cut_surface(m, {c}, {}, report);
+      const surface::TriMesh out = value_of(report, boolean::cut_surface(m, {c}, {}));
       ++n.done;
       const meshing::Validity v = meshing::check_validity(out);
       EXPECT_TRUE(v.valid() && v.float32) << i << ": " << v.text();
@@ -41,7 +42,7 @@ Counts run(int poses, std::uint64_t seed) {
       // The same once more meets its own facets everywhere.
       Report again;
       ++n.twice;
-      const surface::TriMesh twice = boolean::cut_surface(out, {c}, {}, again);
+      const surface::TriMesh twice = value_of(again, boolean::cut_surface(out, {c}, {}));
       EXPECT_TRUE(meshing::check_validity(twice).valid()) << i;
       EXPECT_LE(figure(again, "removed_mm3"), std::max(0.5, 0.01 * exact)) << i;
     } catch (const Error& e) {

@@ -12,6 +12,7 @@
 #include "boolean/overlap.h"
 #include "cut_surface_shapes.h"
 #include "meshing/normals.h"
+#include "report_of.h"
 
 using namespace trephine;
 using namespace trephine::shapes;
@@ -21,7 +22,7 @@ namespace {
 
 surface::TriMesh cut(const surface::TriMesh& m, const std::vector<boolean::Cutter>& c, Report& r,
                      boolean::CutSurfaceParams p = {}) {
-  surface::TriMesh out = boolean::cut_surface(m, c, p, r);
+  surface::TriMesh out = value_of(r, boolean::cut_surface(m, c, p));
   const meshing::Validity v = meshing::check_validity(out);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
@@ -31,7 +32,7 @@ surface::TriMesh cut(const surface::TriMesh& m, const std::vector<boolean::Cutte
 ExitCode code_of(const surface::TriMesh& m, const std::vector<boolean::Cutter>& c, boolean::CutSurfaceParams p = {}) {
   try {
     Report r;
-    boolean::cut_surface(m, c, p, r);
+    value_of(r, boolean::cut_surface(m, c, p));
   } catch (const Error& e) {
     return e.code();
   }
@@ -153,9 +154,8 @@ TEST(CutSurface, AHoleThroughASkullJoinsItsSurfaces) {
 
 TEST(CutSurface, WhatTheCutDoesNotTouchStaysAsItIs) {
   surface::TriMesh m = vault(4);
+  meshing::compute_normals(m, {});
   Report r;
-  meshing::compute_normals(m, {}, r);
-  r = {};
   const boolean::Cutter c = cylinder({0, 0, 42}, {0, 0, -1}, 7, 10, 15);
   const surface::TriMesh out = cut(m, {c}, r);
   const auto corners = [](const surface::TriMesh& s, std::size_t t) {
@@ -183,7 +183,7 @@ TEST(CutSurface, WhatTheCutDoesNotTouchStaysAsItIs) {
   ASSERT_EQ(out.normals.size(), out.points_mm.size());
   // At the rim of the bore no normal is left of what was there before.
   surface::TriMesh again = out;
-  meshing::compute_normals(again, {}, r);
+  meshing::compute_normals(again, {});
   EXPECT_TRUE(std::equal(again.normals.begin(), again.normals.end(), out.normals.begin()));
 }
 
@@ -326,5 +326,5 @@ TEST(CutSurface, WhatCannotBeCutIsRefused) {
   EXPECT_EQ(code_of(m, {}), ExitCode::ok);
   const std::atomic<bool> cancel{true};
   Report r;
-  EXPECT_THROW(boolean::cut_surface(m, {c}, {}, r, Progress(nullptr, &cancel)), Cancelled);
+  EXPECT_THROW(value_of(r, boolean::cut_surface(m, {c}, {}, Progress(nullptr, &cancel))), Cancelled);
 }

@@ -67,8 +67,8 @@ TEST(DicomArchive, ASliceAtTheEndThatVanishesIsToldOf) {
     members.back().bytes = change(members.back().bytes);
     members.push_back({"EXPORT/READ.ME", "nothing of a slice"});
     std::string all;
-    for (const std::string& w : dicom::import_series(folder.write("a.zip", zip_bytes(members)), {}).folder.warnings)
-      all += w;
+    for (const Warning& w : dicom::import_series(folder.write("a.zip", zip_bytes(members)), {}).folder.warnings)
+      all += to_text(w);
     return all;
   };
   EXPECT_EQ(warnings([](std::string b) { return b; }), "");
@@ -98,10 +98,10 @@ TEST(DicomArchive, GivesTheSameVolumeAndHashAsTheFolder) {
     EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume));
     EXPECT_EQ(a.input_sha256, b.input_sha256);
     EXPECT_EQ(dicom::hash_of_series_input(file, {}), a.input_sha256);
-    EXPECT_EQ(std::get<std::int64_t>(*b.report.find("duplicates_dropped_count")), 0);
-    EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_hidden_count")), 1);
-    EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_links_count")), 1);
-    EXPECT_EQ(std::get<std::int64_t>(*b.folder.find("skipped_not_dicom_count")), 4);
+    EXPECT_EQ(std::get<std::int64_t>(*b.report().find("duplicates_dropped_count")), 0);
+    EXPECT_EQ(std::get<std::int64_t>(*printed(b.folder).find("skipped_hidden_count")), 1);
+    EXPECT_EQ(std::get<std::int64_t>(*printed(b.folder).find("skipped_links_count")), 1);
+    EXPECT_EQ(std::get<std::int64_t>(*printed(b.folder).find("skipped_not_dicom_count")), 4);
     const dicom::SeriesList list = dicom::list_series(file);
     ASSERT_EQ(list.series.size(), 1u);
     EXPECT_EQ(list.series[0].verdict, "usable");
@@ -141,7 +141,7 @@ TEST(DicomArchive, CompressedSlicesToo) {
   s.write(raw);
   const auto file = packed.write("a.zip", zip_bytes(members_of(compressed)));
   const dicom::ImportResult a = dicom::import_series(raw.path(), {}), b = dicom::import_series(file, {});
-  EXPECT_EQ(std::get<std::string>(*b.report.find("transfer_syntax")), "RLE lossless");
+  EXPECT_EQ(std::get<std::string>(*b.report().find("transfer_syntax")), "RLE lossless");
   EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume));
 }
 

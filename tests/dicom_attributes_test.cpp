@@ -96,7 +96,7 @@ std::vector<std::string> values_of(const Attribute& a) {
 }
 
 struct Read {
-  Outcome outcome;
+  Refused outcome;
   std::optional<grid::HuVolume> volume;
   std::string told;
 };
@@ -107,8 +107,8 @@ Read read(const Scan& scan) {
   try {
     dicom::ImportResult result = dicom::import_series(folder.path(), {});
     r.volume = std::move(result.volume);
-    for (const Report* report : {&result.report, &result.folder})
-      for (const std::string& w : report->warnings) r.told += w + "\n";
+    for (const Warnings* all : {&result.warnings, &result.folder.warnings})
+      for (const Warning& w : *all) r.told += to_text(w) + "\n";
   } catch (const Error& e) {
     r.outcome = {static_cast<int>(e.code()), e.line("import")};
   }
@@ -169,7 +169,7 @@ TEST(DicomAttributes, WhatCannotBeReadAlikeIsRefusedAndTheRemedyWorks) {
         if (tag == dicom::t_stored) d.number(dicom::t_high_bit, to - 1);
       };
       s.write(folder);
-      const Outcome o = outcome(folder.path());
+      const Refused o = outcome(folder.path());
       EXPECT_EQ(o.code, 65);
       const bool of_bits = t == dicom::t_stored;
       EXPECT_NE(o.line.find(of_bits ? "pixels have more bits" : "this one in 1 of 12 slices"), std::string::npos)
@@ -209,7 +209,7 @@ TEST(DicomAttributes, AModalityLutIsRefused) {
         d.elements[tag(0x28, 0x3000)] = {
             "SQ", synthetic::little(0xe000fffe, 4) + synthetic::little(inner.size(), 4) + inner, {}};
     };
-    const Outcome o = outcome(s);
+    const Refused o = outcome(s);
     EXPECT_EQ(o.code, 65);
     EXPECT_NE(o.line.find("ModalityLUTSequence"), std::string::npos) << o.line;
   }

@@ -36,7 +36,7 @@ class Folder {
   int best() const {
     dicom::ImportParams p;
     p.series_rule = dicom::SeriesRule::best;
-    return static_cast<int>(count(dicom::import_series(path(), p).report, "slices_count"));
+    return static_cast<int>(count(dicom::import_series(path(), p).report(), "slices_count"));
   }
 
  private:
@@ -56,11 +56,11 @@ TEST(DicomChoice, WhatTheListRefusesIsNoChoice) {
   ASSERT_EQ(list.size(), 2u);
   EXPECT_NE(list[0].usable, list[1].usable);
   const dicom::ImportResult r = dicom::import_series(folder.path(), {});
-  EXPECT_EQ(count(r.report, "slices_count"), 9);
+  EXPECT_EQ(count(r.report(), "slices_count"), 9);
   EXPECT_EQ(dicom::hash_of_series_input(folder.path(), {}), r.input_sha256);
-  ASSERT_EQ(r.folder.warnings.size(), 1u);
-  EXPECT_NE(r.folder.warnings[0].find("not used: s1"), std::string::npos) << r.folder.warnings[0];
-  EXPECT_NE(r.folder.warnings[0].find("a slice is missing"), std::string::npos) << r.folder.warnings[0];
+  ASSERT_EQ(printed(r.folder).warnings.size(), 1u);
+  EXPECT_NE(printed(r.folder).warnings[0].find("not used: s1"), std::string::npos) << printed(r.folder).warnings[0];
+  EXPECT_NE(printed(r.folder).warnings[0].find("a slice is missing"), std::string::npos) << printed(r.folder).warnings[0];
 }
 
 TEST(DicomChoice, WhereTheListRefusesAllImportSaysWhy) {
@@ -71,7 +71,7 @@ TEST(DicomChoice, WhereTheListRefusesAllImportSaysWhy) {
     gap.slices = 12;
     folder.add(gap);
   }
-  const Outcome o = outcome(folder.path());
+  const Refused o = outcome(folder.path());
   EXPECT_EQ(o.code, 65);
   EXPECT_NE(o.line.find("a slice is missing"), std::string::npos) << o.line;
 }
@@ -133,7 +133,7 @@ TEST(DicomChoice, TheRule) {
 TEST(DicomChoice, ManySeriesAreNoLine) {
   Folder folder;
   for (int n = 1; n <= 47; ++n) folder.add(named(n));
-  const Outcome o = outcome(folder.path());
+  const Refused o = outcome(folder.path());
   EXPECT_EQ(o.code, 64);
   EXPECT_NE(o.line.find("47 usable series"), std::string::npos) << o.line;
   EXPECT_NE(o.line.find("import --list"), std::string::npos) << o.line;

@@ -79,7 +79,7 @@ TEST_P(Compressed, DecodesToTheSameVolume) {
       compress(packed.path(), GetParam().type);
       const dicom::ImportResult a = dicom::import_series(raw.path(), {}), b = dicom::import_series(packed.path(), {});
       EXPECT_TRUE(synthetic::same_volume(a.volume, b.volume)) << (is_signed ? "signed " : "unsigned ") << bits;
-      EXPECT_EQ(std::get<std::string>(*b.report.find("transfer_syntax")), GetParam().name);
+      EXPECT_EQ(std::get<std::string>(*b.report().find("transfer_syntax")), GetParam().name);
     }
 }
 

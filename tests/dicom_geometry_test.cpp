@@ -81,7 +81,7 @@ TEST_P(Orientations, BlobsWhereTheyAre) {
   s.v = GetParam().v;
   s.columns = s.rows = 64;
   const dicom::ImportResult r = import(s);
-  EXPECT_EQ(figure(r.report, "resampled"), 0);
+  EXPECT_EQ(figure(r.report(), "resampled"), 0);
   expect_blobs(r.volume, s);
   const grid::Lattice& l = grid::lattice_of(r.volume);
   EXPECT_LT(norm(l.direction.column[0] - s.u) + norm(l.direction.column[1] - s.v), 1e-9);
@@ -129,8 +129,8 @@ TEST_P(Tilts, AreRectified) {
   s.background_hu = 20;
   s.drift_per_mm = s.v * std::tan(GetParam() * M_PI / 180);
   const dicom::ImportResult r = import(s);
-  EXPECT_NEAR(figure(r.report, "tilt_deg"), GetParam(), 0.01);
-  EXPECT_EQ(figure(r.report, "resampled"), 1);
+  EXPECT_NEAR(figure(r.report(), "tilt_deg"), GetParam(), 0.01);
+  EXPECT_EQ(figure(r.report(), "resampled"), 1);
   expect_blobs(r.volume, s);
   // Nothing of any slice is lost: the grid covers all of them.
   const grid::Lattice& l = grid::lattice_of(r.volume);
@@ -138,7 +138,7 @@ TEST_P(Tilts, AreRectified) {
   EXPECT_GE((l.size[1] - 1) * l.spacing_mm.y + 1e-6,
             (s.rows - 1) * s.dy_mm + std::abs(s.drift_per_mm.y) * 31 * s.step_mm);
   // What no slice covers is air; no overshoot of the interpolation goes beyond the true range.
-  EXPECT_EQ(figure(r.report, "hu_min"), 20);
+  EXPECT_EQ(figure(r.report(), "hu_min"), 20);
   std::visit([&](const auto& g) { EXPECT_EQ(*std::min_element(g.voxels.begin(), g.voxels.end()), -1000); }, r.volume);
 }
 
@@ -151,7 +151,7 @@ TEST(DicomGeometry, TiltOfAnObliqueStackInBothDirections) {
   s.background_hu = 20;
   s.drift_per_mm = s.v * 0.2 + s.u * -0.1;
   const dicom::ImportResult r = import(s);
-  EXPECT_NEAR(figure(r.report, "tilt_deg"), std::atan(std::hypot(0.2, 0.1)) * 180 / M_PI, 0.01);
+  EXPECT_NEAR(figure(r.report(), "tilt_deg"), std::atan(std::hypot(0.2, 0.1)) * 180 / M_PI, 0.01);
   expect_blobs(r.volume, s);
 }
 
@@ -160,7 +160,7 @@ TEST(DicomGeometry, UprightUniformStackIsNotTouched) {
   s.centre_mm = {-3.3, 120.7, -1234.56};
   for (auto& b : s.blobs) b.centre_mm += s.centre_mm;
   const dicom::ImportResult r = import(s);
-  EXPECT_EQ(figure(r.report, "resampled"), 0);
+  EXPECT_EQ(figure(r.report(), "resampled"), 0);
   const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
   for (int k = 0; k < s.slices; ++k)
     for (int j = 0; j < s.rows; ++j)
@@ -189,10 +189,10 @@ TEST(DicomGeometry, JitteredPositions) {
       s.along_mm.push_back((k - 21.5) * 1.5 + jitter * (2.0 * (seed >> 8) / 16777216.0 - 1));
     }
     const dicom::ImportResult r = import(s);
-    EXPECT_EQ(figure(r.report, "resampled"), 1) << jitter;
+    EXPECT_EQ(figure(r.report(), "resampled"), 1) << jitter;
     double largest = 0;
     for (std::size_t k = 1; k < s.along_mm.size(); ++k) largest = std::max(largest, s.along_mm[k] - s.along_mm[k - 1]);
-    EXPECT_NEAR(figure(r.report, "largest_gap_mm"), largest, 1e-6);
+    EXPECT_NEAR(figure(r.report(), "largest_gap_mm"), largest, 1e-6);
     expect_blobs(r.volume, s);
   }
 }
@@ -204,7 +204,7 @@ TEST(DicomGeometry, SpacingThatChanges) {
   const dicom::ImportResult r = import(s);
   EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 1, 1e-6);
   EXPECT_EQ(grid::lattice_of(r.volume).size[2], 81);
-  EXPECT_NEAR(figure(r.report, "largest_gap_mm"), 5, 1e-6);
+  EXPECT_NEAR(figure(r.report(), "largest_gap_mm"), 5, 1e-6);
   expect_blobs(r.volume, s, 0.15);                         // slices 5 mm apart miss the tops
   s.along_mm = positions({{2, 1.0}, {9, 5.0}, {2, 1.0}});  // two equal new steps are a change, not a missing slice
   EXPECT_NO_THROW(import(s));
@@ -215,7 +215,7 @@ TEST(DicomGeometry, OneSmallerStep) {
   s.along_mm = positions({{20, 1.5}, {1, 1.0}, {19, 1.5}});
   const dicom::ImportResult r = import(s);
   EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 1.5, 1e-6);
-  EXPECT_EQ(figure(r.report, "missing_slices_interpolated_count"), 0);
+  EXPECT_EQ(figure(r.report(), "missing_slices_interpolated_count"), 0);
   expect_blobs(r.volume, s);
 }
 
@@ -250,8 +250,8 @@ TEST(DicomGeometry, MissingSlice) {
     dicom::ImportParams p;
     p.gaps = dicom::GapPolicy::interpolate;
     const dicom::ImportResult r = import(s, p);
-    EXPECT_EQ(figure(r.report, "missing_slices_interpolated_count"), 1);
-    EXPECT_EQ(figure(r.report, "resampled"), 1);
+    EXPECT_EQ(figure(r.report(), "missing_slices_interpolated_count"), 1);
+    EXPECT_EQ(figure(r.report(), "resampled"), 1);
     expect_blobs(r.volume, s, 0.15);
   }
 }
@@ -263,7 +263,7 @@ TEST(DicomGeometry, TiltAndChangingSpacingAtOnce) {
   s.along_mm = positions({{9, 4.0}, {7, 6.0}});
   s.drift_per_mm = s.v * std::tan(-18.5 * M_PI / 180);
   const dicom::ImportResult r = import(s);
-  EXPECT_NEAR(figure(r.report, "tilt_deg"), -18.5, 0.01);
+  EXPECT_NEAR(figure(r.report(), "tilt_deg"), -18.5, 0.01);
   EXPECT_NEAR(grid::lattice_of(r.volume).spacing_mm.z, 4, 1e-6);
   expect_blobs(r.volume, s, 0.15);
 }

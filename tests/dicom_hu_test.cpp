@@ -89,10 +89,10 @@ TEST(DicomHu, PaddingBecomesAirAndIsCounted) {
     const ScratchFolder folder;
     s.write(folder);
     const dicom::ImportResult r = dicom::import_series(folder.path(), {});
-    EXPECT_EQ(count(r.report, "padding_voxels_count"), 4 * s.rows * s.slices);
+    EXPECT_EQ(count(r.report(), "padding_voxels_count"), 4 * s.rows * s.slices);
     const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
     EXPECT_EQ(g.at(2, 5, 1), -1000);
-    EXPECT_EQ(count(r.report, "below_air_voxels_count"), 0);
+    EXPECT_EQ(count(r.report(), "below_air_voxels_count"), 0);
   }
 }
 
@@ -107,12 +107,12 @@ TEST(DicomHu, MetalIsKeptOrClampedAndCounted) {
     s.write(folder);
     const dicom::ImportResult kept = dicom::import_series(folder.path(), {});
     EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(kept.volume).at(5, 5, 2), metal);
-    EXPECT_EQ(count(kept.report, "clamped_voxels_count"), 0);
+    EXPECT_EQ(count(kept.report(), "clamped_voxels_count"), 0);
     dicom::ImportParams p;
     p.clamp_high_hu = 3000;
     const dicom::ImportResult clamped = dicom::import_series(folder.path(), p);
     EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(clamped.volume).at(5, 5, 2), 3000);
-    EXPECT_EQ(count(clamped.report, "clamped_voxels_count"), s.slices);
+    EXPECT_EQ(count(clamped.report(), "clamped_voxels_count"), s.slices);
   }
 }
 

@@ -59,7 +59,7 @@ TEST(DicomIdentity, SlicesOfTwoPatientsAreRefusedUnlessAReasonIsGiven) {
         const bool other = how == 0 ? k == 0 : how == 1 ? k == 5 : how == 2 ? k == 11 : how == 3 ? k % 2 : k > 5;
         return other ? kind.other : kind.one;
       });
-      const Outcome o = outcome(s);
+      const Refused o = outcome(s);
       EXPECT_EQ(o.code, 65) << kind.keyword << how << o.line;
       EXPECT_NE(o.line.find(kind.keyword), std::string::npos) << o.line;
       EXPECT_NE(o.line.find("same_patient_reason"), std::string::npos) << o.line;
@@ -67,7 +67,7 @@ TEST(DicomIdentity, SlicesOfTwoPatientsAreRefusedUnlessAReasonIsGiven) {
         EXPECT_EQ(o.line.find(std::string(" ") + value), std::string::npos);
       dicom::ImportParams params;
       params.same_patient_reason = "a slip of the pen at the desk";
-      const Report r = imported(s, params).report;
+      const Report r = imported(s, params).report();
       EXPECT_TRUE(warns(r, std::string(kind.keyword) + " has 2 values within the series")) << kind.keyword;
       ASSERT_TRUE(r.find("same_patient_reason"));
       const ScratchFolder folder;
@@ -98,10 +98,10 @@ TEST(DicomIdentity, WritingsOfOneNameAndWhatAnonymisersWriteAreNoContradiction) 
 
 TEST(DicomIdentity, WhatIsAbsentIsTold) {
   const dicom::ImportResult none = imported(twelve(kinds[0].tag, "LO", [](int) { return ""; }));
-  EXPECT_EQ(std::get<std::string>(*none.folder.find("patient_said_by")), "nothing");
+  EXPECT_EQ(std::get<std::string>(*printed(none.folder).find("patient_said_by")), "nothing");
   const dicom::ImportResult id = imported(twelve(kinds[0].tag, "LO", [](int) { return "H-4711"; }));
-  EXPECT_EQ(std::get<std::string>(*id.folder.find("patient_said_by")), "PatientID");
-  EXPECT_TRUE(warns(imported(twelve(kinds[3].tag, "DA", [](int k) { return k < 9 ? "19610203" : ""; })).report,
+  EXPECT_EQ(std::get<std::string>(*printed(id.folder).find("patient_said_by")), "PatientID");
+  EXPECT_TRUE(warns(imported(twelve(kinds[3].tag, "DA", [](int k) { return k < 9 ? "19610203" : ""; })).report(),
                     "PatientBirthDate is said by 9 of 12 slices"));
 }
 
@@ -130,7 +130,7 @@ TEST(DicomIdentity, NoFileOrFolderIsNamedByItsName) {
     folder.write("CANARYDOE_JOHN/CANARYSCANS/CANARY" + std::to_string(k) + ".dcm", synthetic::file_bytes(d));
   }
   for (const auto& path : {patient, patient / "CANARYSCANS" / "CANARY4.dcm", patient / "CANARYNOWHERE"}) {
-    const Outcome o = outcome(path);
+    const Refused o = outcome(path);
     EXPECT_NE(o.code, 0);
     EXPECT_EQ(o.line.find("CANARY"), std::string::npos) << o.line;
     EXPECT_EQ(o.line.find("import: scan"), 0u) << o.line;
@@ -154,7 +154,7 @@ TEST(DicomIdentity, AnotherPatientsSeriesInTheFolderIsToldOf) {
   dicom::ImportParams params;
   params.series = "s1";
   EXPECT_TRUE(
-      warns(dicom::import_series(folder.path(), params).folder, "1 other series of the folder is of another patient"));
+      warns(printed(dicom::import_series(folder.path(), params).folder), "1 other series of the folder is of another patient"));
 }
 
 }  // namespace

@@ -31,12 +31,12 @@ inline std::int64_t count(const Report& r, const std::string& name) {
   return v ? std::get<std::int64_t>(*v) : -1;
 }
 
-struct Outcome {
+struct Refused {
   int code = 0;
   std::string line;
 };
 
-inline Outcome outcome(const std::filesystem::path& path, const dicom::ImportParams& params = {}) {
+inline Refused outcome(const std::filesystem::path& path, const dicom::ImportParams& params = {}) {
   try {
     dicom::import_series(path, params);
   } catch (const Error& e) {
@@ -45,7 +45,7 @@ inline Outcome outcome(const std::filesystem::path& path, const dicom::ImportPar
   return {};
 }
 
-inline Outcome outcome(const Scan& scan, const dicom::ImportParams& params = {}) {
+inline Refused outcome(const Scan& scan, const dicom::ImportParams& params = {}) {
   const ScratchFolder folder;
   scan.write(folder);
   return outcome(folder.path(), params);

@@ -36,15 +36,15 @@ int expect_agreement(const std::filesystem::path& folder, dicom::ImportParams pa
     try {
       const dicom::ImportResult r = dicom::import_series(folder, params);
       EXPECT_TRUE(s.usable) << folder << " " << s.token << ": " << s.verdict << ", but it was read";
-      EXPECT_EQ(std::get<bool>(*r.report.find("resampled")), !s.rectified_for.empty());
+      EXPECT_EQ(std::get<bool>(*r.report().find("resampled")), !s.rectified_for.empty());
       // A slab that was scanned again is read where its token is given, and says of which series it is a part.
       const std::string verdict = s.rectified_for.empty() ? "usable" : "usable, rectified: " + s.rectified_for;
       EXPECT_EQ(s.verdict.substr(0, s.verdict.find(", but scans only a part of ")), verdict);
       if (!s.rectified_for.empty()) {
-        EXPECT_EQ(std::get<std::string>(*r.report.find("resampled_for")), s.rectified_for);
+        EXPECT_EQ(std::get<std::string>(*r.report().find("resampled_for")), s.rectified_for);
       }
-      EXPECT_EQ(std::get<double>(*r.report.find("tilt_deg")), s.tilt_deg);
-      EXPECT_EQ(std::get<double>(*r.report.find("largest_gap_mm")), s.largest_gap_mm);
+      EXPECT_EQ(std::get<double>(*r.report().find("tilt_deg")), s.tilt_deg);
+      EXPECT_EQ(std::get<double>(*r.report().find("largest_gap_mm")), s.largest_gap_mm);
     } catch (const Error& e) {
       EXPECT_FALSE(s.usable) << folder << " " << s.token << ": " << e.line("import");
       EXPECT_EQ(s.verdict, "refused: " + e.field() + ": " + e.what()) << folder;
@@ -195,7 +195,7 @@ TEST(DicomList, ContrastThatIsNotToldIsNoNo) {
     EXPECT_NE(text.find(said), std::string::npos) << (agent ? agent : "absent") << ": " << text;
     EXPECT_EQ(text.find("not told") != std::string::npos, said == std::string("not told")) << text;
     EXPECT_NE(json.find("\"contrast\": " + std::string(as_json) + ","), std::string::npos) << json;
-    const Report report = dicom::import_series(folder.path(), {}).report;
+    const Report report = dicom::import_series(folder.path(), {}).report();
     EXPECT_EQ(std::get<std::string>(*report.find("contrast")), said) << (agent ? agent : "absent");
   }
 }

@@ -44,7 +44,7 @@ TEST(DicomMixtures, OtherUnitsThanHuAreRefused) {
     s.edit = [=](int k, DataSet& d) {
       if (k == 3) d.text(rescale_type_tag, "LO", unit);
     };
-    const Outcome o = outcome(s);
+    const Refused o = outcome(s);
     EXPECT_EQ(o.code, 65) << unit;
     EXPECT_NE(o.line.find("RescaleType"), std::string::npos) << o.line;
     EXPECT_EQ(o.line.find("person"), std::string::npos) << o.line;
@@ -82,7 +82,7 @@ TEST(DicomMixtures, WhatIsNotOneSeriesIsParted) {
     EXPECT_EQ(listed(own).size(), 1u);
     const ScratchFolder folder;
     own.write(folder);
-    EXPECT_TRUE(warns(dicom::import_series(folder.path(), {}).report, t == patient_tag
+    EXPECT_TRUE(warns(dicom::import_series(folder.path(), {}).report(), t == patient_tag
                                                                           ? "PatientID is another one in most slices"
                                                                           : "changes within the series, 12 values"));
   }
@@ -94,7 +94,7 @@ TEST(DicomMixtures, ChangesWithinASeriesAndUnusualValuesAreTold) {
     Scan s = longer();
     s.edit = edit;
     s.write(folder);
-    const Report r = dicom::import_series(folder.path(), {}).report;
+    const Report r = dicom::import_series(folder.path(), {}).report();
     EXPECT_TRUE(warns(r, what)) << what;
   };
   told([](int k, DataSet& d) { d.text(slope_tag, "DS", k == 3 ? "2" : "1"); },
@@ -110,7 +110,7 @@ TEST(DicomMixtures, ChangesWithinASeriesAndUnusualValuesAreTold) {
   told([](int, DataSet& d) { d.text(slope_tag, "DS", "40"); }, "are these HU?");
   const ScratchFolder folder;
   longer().write(folder);
-  EXPECT_TRUE(dicom::import_series(folder.path(), {}).report.warnings.empty());
+  EXPECT_TRUE(dicom::import_series(folder.path(), {}).report().warnings.empty());
 }
 
 TEST(DicomMixtures, AnOddSliceIsNamedAsWhatItIs) {
@@ -119,7 +119,7 @@ TEST(DicomMixtures, AnOddSliceIsNamedAsWhatItIs) {
     s.edit = [=](int k, DataSet& d) {
       if (k == at) change(d);
     };
-    const Outcome o = outcome(s);
+    const Refused o = outcome(s);
     EXPECT_EQ(o.code, at == 5 ? 65 : 0) << o.line;
     EXPECT_EQ(o.line.find("missing"), std::string::npos) << o.line;
     return o.line;
@@ -142,7 +142,7 @@ TEST(DicomMixtures, ASliceAtTheEndThatVanishesIsToldOf) {
     };
     s.write(folder);
     if (change) folder.write("slice1011.dcm", change(file_bytes(s.slice(11))));
-    return dicom::import_series(folder.path(), {}).folder;
+    return printed(dicom::import_series(folder.path(), {}).folder);
   };
   EXPECT_TRUE(folder_report(nullptr).warnings.empty());
   EXPECT_TRUE(warns(folder_report([](std::string b) { return b.substr(0, 140) + std::string(200, 'x'); }),
@@ -174,7 +174,7 @@ TEST(DicomMixtures, WhatFollowsThePixelsMayNotContradict) {
   EXPECT_EQ(code([](const std::string& b) { return b + std::string(1000, '\0'); }).code, 0) << "padded to a block";
   for (const std::string& more :
        {rows.bytes(), padding.bytes() + rows.bytes(), pixels.bytes(), own, padding.bytes() + own}) {
-    const Outcome o = code([&](const std::string& b) { return b + more; });
+    const Refused o = code([&](const std::string& b) { return b + more; });
     EXPECT_EQ(o.code, 65) << o.line;
     EXPECT_NE(o.line.find("scan: file 6 of 12 ("), std::string::npos) << o.line;
   }
@@ -185,14 +185,14 @@ TEST(DicomMixtures, PixelsThatHoldTextNeedAReason) {
   Scan s = small();
   s.edit = [](int k, DataSet& d) { d.text(burned_in_tag, "CS", k == 2 ? "YES" : "NO"); };
   s.write(folder);
-  const Outcome o = outcome(folder.path());
+  const Refused o = outcome(folder.path());
   EXPECT_EQ(o.code, 81);
   EXPECT_NE(o.line.find("BurnedInAnnotation"), std::string::npos) << o.line;
   EXPECT_NE(dicom::list_series(folder.path()).series.at(0).verdict.find("refused: BurnedInAnnotation"),
             std::string::npos);
   dicom::ImportParams params;
   params.burned_in_reason = "only the scanner's logo";
-  const Report r = dicom::import_series(folder.path(), params).report;
+  const Report r = dicom::import_series(folder.path(), params).report();
   ASSERT_TRUE(r.find("burned_in_reason"));
   EXPECT_EQ(std::get<std::string>(*r.find("burned_in_reason")), "only the scanner's logo");
 }

@@ -41,11 +41,11 @@ TEST_P(RealScans, GeometryAndRange) {
   EXPECT_EQ(l.size, e.size);
   EXPECT_LT(norm(l.spacing_mm - e.spacing_mm), 2e-3);
   EXPECT_NEAR(determinant(l.direction), 1, 1e-9);
-  EXPECT_NEAR(std::get<double>(*r.report.find("tilt_deg")), e.tilt_deg, 0.01);
-  EXPECT_EQ(std::get<bool>(*r.report.find("resampled")), e.resampled);
-  EXPECT_NEAR(std::get<double>(*r.report.find("largest_gap_mm")), e.largest_gap_mm, 2e-3);
-  EXPECT_EQ(std::get<double>(*r.report.find("hu_min")), e.hu_min);
-  EXPECT_EQ(std::get<double>(*r.report.find("hu_max")), e.hu_max);
+  EXPECT_NEAR(std::get<double>(*r.report().find("tilt_deg")), e.tilt_deg, 0.01);
+  EXPECT_EQ(std::get<bool>(*r.report().find("resampled")), e.resampled);
+  EXPECT_NEAR(std::get<double>(*r.report().find("largest_gap_mm")), e.largest_gap_mm, 2e-3);
+  EXPECT_EQ(std::get<double>(*r.report().find("hu_min")), e.hu_min);
+  EXPECT_EQ(std::get<double>(*r.report().find("hu_max")), e.hu_max);
   EXPECT_TRUE(std::holds_alternative<grid::Grid<std::int16_t>>(r.volume));
 }
 

@@ -43,7 +43,7 @@ void expect_marks(double tilt_deg) {
   p.noise_hu = 0;
   p.tilt_deg = tilt_deg;
   const dicom::ImportResult r = scanned(p);
-  EXPECT_NEAR(std::abs(number(r.report, "tilt_deg")), std::abs(tilt_deg), 0.01);
+  EXPECT_NEAR(std::abs(number(r.report(), "tilt_deg")), std::abs(tilt_deg), 0.01);
   const auto& g = std::get<grid::Grid<std::int16_t>>(r.volume);
   for (const phantom::Fiducial& mark : phantom::fiducials_of(p)) {
     Vec3 sum;
@@ -83,8 +83,7 @@ double skull_rms(double tilt_deg, int matrix, double step_mm) {
   bone.fill = segmentation::SegmentFill::cavities;
   bone.fill_close_mm = 2;
   bone.fill_max_ml = 100;
-  Report ignored;
-  const surface::TriMesh mesh = meshing::contour(segmentation::segment(r.volume, {}, bone, ignored), {}, ignored);
+  const surface::TriMesh mesh = meshing::contour(segmentation::segment(r.volume, {}, bone).value, {}).value;
   const phantom::Head head{phantom::HeadParams{}};
   const auto seen = [](Vec3 at) { return at.z >= 26 && at.z <= 58; };  // by every tilt; above the base's thin plates
   const surface::TriMesh truth =
@@ -146,8 +145,7 @@ surface::TriMesh plastic_skull(const grid::HuVolume& volume) {
   p.lower_hu = 500;
   p.edge = segmentation::SegmentEdge::half_maximum;
   p.components = segmentation::SegmentComponents::largest;
-  Report ignored;
-  return meshing::contour(segmentation::segment(volume, {}, p, ignored), {}, ignored);
+  return meshing::contour(segmentation::segment(volume, {}, p).value, {}).value;
 }
 
 struct Motion {

@@ -23,7 +23,7 @@ TEST(DicomSeries, OrderAndNamesDoNotMatter) {
   const dicom::ImportResult first = dicom::import_series(a.path(), {}), second = dicom::import_series(b.path(), {}),
                             tilted = dicom::import_series(c.path(), {});
   EXPECT_TRUE(synthetic::same_volume(first.volume, second.volume));
-  EXPECT_EQ(first.report.figures, second.report.figures);
+  EXPECT_EQ(first.report().figures, second.report().figures);
   EXPECT_EQ(first.input_sha256, second.input_sha256);
   EXPECT_EQ(dicom::hash_of_series_input(b.path(), {}), first.input_sha256);
   EXPECT_NE(tilted.input_sha256, first.input_sha256);
@@ -112,7 +112,7 @@ TEST(DicomSeries, AChoiceIsAskedFor) {
   b.image_type = "DERIVED\\PRIMARY\\CANARY";
   b.edit = [](int, DataSet& d) { d.text(tag(0x18, 0x10), "LO", "CANARY"); };
   b.write(folder, [](int k) { return "a" + std::to_string(k); });
-  const Outcome o = outcome(folder.path());
+  const Refused o = outcome(folder.path());
   EXPECT_EQ(o.code, 64);
   for (const char* part :
        {"s1-20x16x9: CT, 1.5 x 1.5 x 1 mm, kernel other, slice thickness 1 mm, DERIVED/PRIMARY/other, contrast",
@@ -139,7 +139,7 @@ TEST(DicomSeries, OtherModalities) {
     Scan s = small();
     s.modality = modality;
     s.sop_class = sop;
-    const Outcome o = outcome(s);
+    const Refused o = outcome(s);
     EXPECT_EQ(o.code, 65);
     EXPECT_NE(o.line.find(std::string("Modality (0008,0060): ") + modality), std::string::npos) << o.line;
     dicom::ImportParams any;
@@ -163,11 +163,11 @@ TEST(DicomSeries, DuplicatePositions) {
   folder.write("again2.dcm", synthetic::file_bytes(s.slice(2)));
   const dicom::ImportResult r = dicom::import_series(folder.path(), {});
   EXPECT_TRUE(synthetic::same_volume(r.volume, plain.volume));
-  EXPECT_EQ(count(r.report, "duplicates_dropped_count"), 2);
+  EXPECT_EQ(count(r.report(), "duplicates_dropped_count"), 2);
   DataSet d = s.slice(2);
   d.elements[pixels_tag].bytes[40] ^= 1;
   folder.write("again.dcm", synthetic::file_bytes(d));
-  const Outcome o = outcome(folder.path());
+  const Refused o = outcome(folder.path());
   EXPECT_EQ(o.code, 65);
   EXPECT_NE(o.line.find("different pixels"), std::string::npos) << o.line;
 }

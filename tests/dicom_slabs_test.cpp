@@ -43,12 +43,12 @@ TEST(DicomSlabs, ARescannedSlabDoesNotPartTheScan) {
   EXPECT_EQ(list[1].size[2], 4);
   EXPECT_NE(list[1].verdict.find("scans only a part of s1"), std::string::npos) << list[1].verdict;
   const dicom::ImportResult r = dicom::import_series(folder.path(), {});  // no choice is asked for
-  EXPECT_EQ(count(r.report, "slices_count"), 48);
-  ASSERT_EQ(r.folder.warnings.size(), 1u);
-  EXPECT_NE(r.folder.warnings[0].find("4 slices scan a part of the series again"), std::string::npos);
+  EXPECT_EQ(count(r.report(), "slices_count"), 48);
+  ASSERT_EQ(printed(r.folder).warnings.size(), 1u);
+  EXPECT_NE(printed(r.folder).warnings[0].find("4 slices scan a part of the series again"), std::string::npos);
   dicom::ImportParams slab;
   slab.series = "s2";
-  EXPECT_EQ(count(dicom::import_series(folder.path(), slab).report, "slices_count"), 4);
+  EXPECT_EQ(count(dicom::import_series(folder.path(), slab).report(), "slices_count"), 4);
 }
 
 TEST(DicomSlabs, SlabsThatOverlapAtTheSamePositionsAreOneScan) {
@@ -61,7 +61,7 @@ TEST(DicomSlabs, SlabsThatOverlapAtTheSamePositionsAreOneScan) {
   const ScratchFolder folder;
   s.write(folder);
   const dicom::ImportResult r = dicom::import_series(folder.path(), {});
-  EXPECT_EQ(count(r.report, "slices_count"), 26);
+  EXPECT_EQ(count(r.report(), "slices_count"), 26);
   EXPECT_EQ(std::get<grid::Grid<std::int16_t>>(r.volume).at(0, 0, 5), 900 - 1024 + 5);  // the lower slab's slice
 }
 
@@ -83,7 +83,7 @@ Scan without_offset() {
 }
 
 TEST(DicomOffset, ACtWithoutItIsNamedAndTheRemedyWorks) {
-  const Outcome o = outcome(without_offset());
+  const Refused o = outcome(without_offset());
   EXPECT_EQ(o.code, 65);
   EXPECT_NE(o.line.find("RescaleIntercept"), std::string::npos) << o.line;
   EXPECT_NE(o.line.find("--offset-hu -1024"), std::string::npos) << o.line;
@@ -92,8 +92,8 @@ TEST(DicomOffset, ACtWithoutItIsNamedAndTheRemedyWorks) {
   const ScratchFolder folder;
   without_offset().write(folder);
   const dicom::ImportResult r = dicom::import_series(folder.path(), said);
-  EXPECT_EQ(std::get<double>(*r.report.find("hu_min")), -1004);
-  EXPECT_EQ(std::get<double>(*r.report.find("hu_max")), 1076);
+  EXPECT_EQ(std::get<double>(*r.report().find("hu_min")), -1004);
+  EXPECT_EQ(std::get<double>(*r.report().find("hu_max")), 1076);
   Scan right = without_offset();
   right.intercept = -1024;
   EXPECT_EQ(outcome(right).code, 0);

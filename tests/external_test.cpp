@@ -17,6 +17,7 @@
 #include "base/hash.h"
 #include "external/confined.h"
 #include "scratch_folder.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -59,7 +60,7 @@ struct Refused {
 Refused refused(const external::ExternalParams& params) {
   Report report;
   try {
-    external::run_external(sample(), params, report);
+    value_of(report, external::run_external(sample(), params));
   } catch (const Error& e) {
     return {int(e.code()), e.field() + ": " + e.what()};
   }
@@ -86,7 +87,7 @@ TEST(External, TakesTheLabelsThatTheProgramWrote) {
   external::ExternalParams p = params_of("good");
   p.names = {{"soft", {1}}, {"bone", {2}}};
   Report report;
-  const grid::LabelFile map = external::run_external(sample(), p, report);
+  const grid::LabelFile map = value_of(report, external::run_external(sample(), p));
   const auto volume = std::get<grid::Grid<std::int16_t>>(sample());
   const auto& labels = std::get<grid::Mask>(map.samples);
   ASSERT_EQ(labels.size, volume.size);
@@ -116,7 +117,7 @@ TEST(External, TakesTheLabelsThatTheProgramWrote) {
   ASSERT_EQ(back.segments.size(), 2u);
   EXPECT_EQ(back.segments[1].name, "bone");
   Report again;
-  external::run_external(sample(), p, again);
+  value_of(again, external::run_external(sample(), p));
   EXPECT_EQ(again.find("output_sha256")->index(), report.find("output_sha256")->index());
   EXPECT_EQ(*again.find("output_sha256"), *report.find("output_sha256"));
 }

@@ -11,6 +11,7 @@
 #include "face/face_gate.h"
 #include "head_recipe.h"
 #include "phantom_heads.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -25,8 +26,7 @@ struct Scanned {
 Scanned scanned(int seed, phantom::Variant variant, int pixels, int slices) {
   Scanned s{phantom_heads::head_of(phantom::Level::simple, seed, variant), {}, {}};
   s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, 12)));
-  Report report;
-  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin(), report);
+  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin()).value;
   return s;
 }
 
@@ -93,8 +93,8 @@ TEST(FaceBelief, NoiseBelowAirIsNoRestOfACut) {
   const auto regions = face::face_regions(given, &found, s.skin, {});
   ASSERT_EQ(regions.size(), 2u);
   Report report;
-  const auto both = std::get<grid::Grid<std::int16_t>>(face::deface(s.volume, s.skin, regions, {}, report)),
-             one = std::get<grid::Grid<std::int16_t>>(face::deface(s.volume, s.skin, regions[1], {}, report));
+  const auto both = std::get<grid::Grid<std::int16_t>>(value_of(report, face::deface(s.volume, s.skin, regions, {}))),
+             one = std::get<grid::Grid<std::int16_t>>(value_of(report, face::deface(s.volume, s.skin, regions[1], {})));
   int below = 0;
   for (std::size_t v = 0; v < one.voxels.size(); ++v) below += one.voxels[v] == -1000 && both.voxels[v] != -1000;
   EXPECT_EQ(below, 0);
@@ -140,10 +140,9 @@ int attack(const Scanned& s, std::uint64_t seed, int count) {
     try {
       const auto regions = face::face_regions(given, &found, s.skin, {});
       Report report;
-      const grid::HuVolume out = face::deface(s.volume, s.skin, regions, {}, report);
+      const grid::HuVolume out = value_of(report, face::deface(s.volume, s.skin, regions, {}));
       // The gate of a run; at these coarse voxels it may refuse, too.
-      Report gate;
-      face::check_face_removed(s.skin, regions, {}, {face::face_volume("ct", out)}, gate);
+      face::check_face_removed(s.skin, regions, {}, {face::face_volume("ct", out)});
       const double left_mm = face::face_distances(s.skin, truth, {}, {face::face_volume("ct", out)})[0].distance_mm;
       EXPECT_GE(left_mm, face::face_clearance_mm) << "set " << i << ", of " << regions.size() << " regions";
       ++accepted;

@@ -11,6 +11,7 @@
 #include "head/ventricles.h"
 #include "head_recipe.h"
 #include "phantom_heads.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -29,8 +30,7 @@ struct Scanned {
 Scanned scanned(phantom::Level level, int pixels, int slices, double noise_hu) {
   Scanned s{phantom_heads::head_of(level, 7), {}, {}, {}};
   s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, noise_hu)));
-  Report report;
-  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin(), report);
+  s.skin = segmentation::segment(s.volume, {}, head_recipe::skin()).value;
   s.region = face::face_region(phantom_heads::face_landmarks(s.head));
   return s;
 }
@@ -90,18 +90,17 @@ TEST(Deface, NothingIsLeftNearTheTrueSkin) {
     face::DefaceParams p;
     p.policy = policy;
     Report report;
-    const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
+    const grid::HuVolume out = value_of(report, face::deface(s.volume, s.skin, s.region, p));
     EXPECT_GT(min_distance_mm(s.head, std::get<0>(out), where), face::face_clearance_mm)
         << where.x << " " << where.y << " " << where.z;
     EXPECT_GT(figure(report, "face_removed_ml"), policy == face::FaceRemoval::crop ? 400 : 150);
     EXPECT_GT(figure(report, "face_depth_mm"), face::face_clearance_mm);
     EXPECT_TRUE(report.warnings.empty());
-    Report gate;
-    EXPECT_NO_THROW(face::check_face_removed(s.skin, s.region, {}, {face::face_volume("ct", out)}, gate));
-    EXPECT_GE(figure(gate, "face_distance_mm"), face::face_clearance_mm);
+    const face::FaceGateResult gate = face::check_face_removed(s.skin, {s.region}, {}, {face::face_volume("ct", out)});
+    EXPECT_GE(gate.face_distance_mm, face::face_clearance_mm);
     // The skin found again is closed over the cut, and one piece.
     Report again;
-    const grid::Field skin = segmentation::segment(out, {}, head_recipe::skin(), again);
+    const grid::Field skin = value_of(again, segmentation::segment(out, {}, head_recipe::skin()));
     EXPECT_NEAR(
         figure(again, "volume_ml"),
         figure(report, "face_removed_ml") * -1 +
@@ -112,9 +111,8 @@ TEST(Deface, NothingIsLeftNearTheTrueSkin) {
             }(),
         30);
   }
-  Report report;
   try {
-    face::check_face_removed(s.skin, s.region, {}, {face::face_volume("ct", s.volume)}, report);
+    face::check_face_removed(s.skin, {s.region}, {}, {face::face_volume("ct", s.volume)});
     ADD_FAILURE() << "the control must be refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
@@ -125,7 +123,7 @@ TEST(Deface, AllElseKeepsItsValues) {
   const Scanned& s = small_head();
   face::DefaceParams p;
   Report report;
-  const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
+  const grid::HuVolume out = value_of(report, face::deface(s.volume, s.skin, s.region, p));
   const auto& before = std::get<0>(s.volume);
   const auto& after = std::get<0>(out);
   std::size_t changed_outside = 0, brain_changed = 0, brain = 0;
@@ -151,16 +149,16 @@ TEST(Deface, TheSameBitsWhateverTheThreadsAndTheSamplesType) {
   const Scanned& s = small_head();
   Report report;
   set_thread_count(1);
-  const grid::HuVolume one = face::deface(s.volume, s.skin, s.region, {}, report);
+  const grid::HuVolume one = value_of(report, face::deface(s.volume, s.skin, s.region, {}));
   set_thread_count(8);
-  const grid::HuVolume eight = face::deface(s.volume, s.skin, s.region, {}, report);
+  const grid::HuVolume eight = value_of(report, face::deface(s.volume, s.skin, s.region, {}));
   set_thread_count(0);
   EXPECT_TRUE(one == eight);
   // A skin that covers only a part of the raster, and a volume of floats.
   const auto& whole = std::get<0>(s.volume);
   grid::Grid<float> real(whole);
   for (std::size_t v = 0; v < real.voxels.size(); ++v) real.voxels[v] = whole.voxels[v];
-  const grid::HuVolume floats = face::deface(real, s.skin, s.region, {}, report);
+  const grid::HuVolume floats = value_of(report, face::deface(real, s.skin, s.region, {}));
   double worst = 0;
   for (std::size_t v = 0; v < real.voxels.size(); ++v)
     worst = std::max(worst, double(std::abs(std::get<1>(floats).voxels[v] - std::get<0>(one).voxels[v])));
@@ -174,8 +172,8 @@ TEST(Deface, WhereThereIsNoFace) {
   const grid::Box top{{0, 0, g.size[2] - 20}, g.size};
   const grid::HuVolume vertex = grid::crop(g, top);
   Report report;
-  const grid::Field skin = segmentation::segment(vertex, {}, head_recipe::skin(), report);
-  const grid::HuVolume out = face::deface(vertex, skin, s.region, {}, report);
+  const grid::Field skin = value_of(report, segmentation::segment(vertex, {}, head_recipe::skin()));
+  const grid::HuVolume out = value_of(report, face::deface(vertex, skin, s.region, {}));
   EXPECT_TRUE(out == vertex);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no face"), std::string::npos);
@@ -183,7 +181,7 @@ TEST(Deface, WhereThereIsNoFace) {
   head::HeadLandmarks wrong = phantom_heads::face_landmarks(s.head);
   wrong.landmarks[0].position_mm.y += 40;
   try {
-    face::deface(s.volume, s.skin, face::face_region(wrong), {}, report);
+    value_of(report, face::deface(s.volume, s.skin, face::face_region(wrong), {}));
     ADD_FAILURE();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
@@ -192,7 +190,7 @@ TEST(Deface, WhereThereIsNoFace) {
   // Of another raster.
   grid::Field moved = s.skin;
   moved.origin_mm.x += 0.3;
-  EXPECT_THROW(face::deface(s.volume, moved, s.region, {}, report), Error);
+  EXPECT_THROW(value_of(report, face::deface(s.volume, moved, s.region, {})), Error);
 }
 
 double dice(const grid::Field& a, const grid::Field& b, const grid::Lattice& l) {
@@ -212,7 +210,7 @@ TEST(LongDeface, BrainAndVentriclesAreFoundAsBefore) {
     face::DefaceParams p;
     p.policy = policy;
     Report report;
-    const grid::HuVolume out = face::deface(s.volume, s.skin, s.region, p, report);
+    const grid::HuVolume out = value_of(report, face::deface(s.volume, s.skin, s.region, p));
     const head_recipe::Fields after = head_recipe::fields_of(out, 24);
     const grid::Lattice& l = grid::lattice_of(s.volume);
     const double of_brain = dice(before.brain, after.brain, l),

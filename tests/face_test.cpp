@@ -141,9 +141,8 @@ surface::TriMesh ball_mesh(double radius_mm, int rings) {
 
 bool refused(const grid::Field& skin, const face::FaceRegion& region, const std::vector<face::FaceSurface>& surfaces,
              const std::vector<face::FaceVolume>& volumes, std::string* line = nullptr) {
-  Report report;
   try {
-    face::check_face_removed(skin, region, surfaces, volumes, report);
+    face::check_face_removed(skin, {region}, surfaces, volumes);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::privacy);
     if (line) *line = e.line("");

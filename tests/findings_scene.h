@@ -22,7 +22,8 @@ struct Scene {
   double blood_ml = 0;
   Vec3 blood_mm;
   std::vector<Finding> found;
-  Report report;
+  findings::FindingsResult result;
+  Warnings warnings;
   grid::LabelFile labels;
 
   explicit Scene(const phantom::HardParams& hard, phantom::Variant variant = phantom::Variant::normal,
@@ -66,9 +67,11 @@ struct Scene {
     for (const auto& [name, at] : head.things_mm())
       if (name == "blood") blood_mm = at;
     if (spoil) spoil(*this, head);
-    findings::Findings all = findings::find_findings(volume, {&skull, &brain, &ventricles, nullptr}, {}, report);
-    found = all.list;
-    labels = std::move(all.labels);
+    findings::Findings all = findings::find_findings(volume, {&skull, &brain, &ventricles, nullptr}, {});
+    result = all.result;
+    warnings = all.warnings;
+    found = all.result.list;
+    labels = std::move(all.value);
   }
 
   /// Adds `hu` to the voxels of the brain in the box about a point.
@@ -92,7 +95,7 @@ struct Scene {
   }
   static double figure(const Finding& f, const std::string& name) {
     for (const auto& [n, value] : f.figures)
-      if (n == name) return value;
+      if (n == name) return std::get<double>(value);
     return -1;
   }
 };

@@ -21,8 +21,7 @@ bool concerns(const Finding& f, const std::string& what) {
 TEST(Findings, AHealthyHeadHasNone) {
   const Scene s({});
   for (const Finding& f : s.found) ADD_FAILURE() << to_text(f.kind) << ": " << f.text << " " << f.confidence;
-  ASSERT_TRUE(s.report.find("findings_count"));
-  EXPECT_EQ(std::get<std::int64_t>(*s.report.find("findings_count")), 0);
+  EXPECT_EQ(s.result.findings_count, 0);
 }
 
 /// The blood is measured, its place is said, and it is sure.
@@ -89,11 +88,8 @@ TEST(Findings, WhereThereIsContrastMediumBloodIsDoubtful) {
   const Scene s(hard, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
     for (int n = 0; n < 3; ++n) scene.brighten(scene.blood_mm + Vec3{0, -24.0 - 10 * n, 10}, {25, 3, 3}, 170);
   });
-  ASSERT_TRUE(s.report.find("contrast_ml"));
-  EXPECT_GT(std::get<double>(*s.report.find("contrast_ml")), 0.65);
-  EXPECT_TRUE(std::any_of(s.report.warnings.begin(), s.report.warnings.end(), [](const std::string& w) {
-    return w.find("as bright as vessels with contrast medium") != std::string::npos;
-  }));
+  EXPECT_GT(s.result.contrast_ml, 0.65);
+  EXPECT_TRUE(std::any_of(s.warnings.begin(), s.warnings.end(), [](const Warning& w) { return w.id == "contrast_medium"; }));
   ASSERT_FALSE(s.of(FindingKind::dense).empty());
   for (const Finding& f : s.of(FindingKind::dense)) EXPECT_LT(f.confidence, 0.5) << f.text;
 }
@@ -121,19 +117,18 @@ TEST(Findings, InNoiseThatLeavesNoTissueToMeasureItAllButMetalIsDoubtful) {
       v = std::int16_t(v + int(state >> 16) % 1201 - 600);
     }
   });
-  EXPECT_EQ(std::get<double>(*s.report.find("tissue_noise_hu")), 0);
+  EXPECT_EQ(s.result.tissue_noise_hu, 0);
   EXPECT_FALSE(s.of(FindingKind::bone_gap).empty());
   for (const Finding& f : s.found)
     if (f.kind != FindingKind::metal) EXPECT_LT(f.confidence, findings::sure_confidence) << f.text;
-  ASSERT_FALSE(s.report.warnings.empty());
-  EXPECT_NE(s.report.warnings[0].find("cannot be measured"), std::string::npos) << s.report.warnings[0];
+  ASSERT_FALSE(s.warnings.empty());
+  EXPECT_NE(to_text(s.warnings[0]).find("cannot be measured"), std::string::npos) << to_text(s.warnings[0]);
   // Where the scan's noise is known to be far less than what bone stands out by, its gaps are seen all the same.
   for (const double noise_hu : {45.0, 195.0}) {
     findings::FindingShapes shapes{&s.skull, &s.brain, &s.ventricles, nullptr};
     shapes.voxel_noise_hu = noise_hu;
-    Report report;
     double surest = 0;
-    for (const Finding& f : findings::find_findings(s.volume, shapes, {}, report).list)
+    for (const Finding& f : findings::find_findings(s.volume, shapes, {}).result.list)
       if (f.kind == FindingKind::bone_gap) surest = std::max(surest, f.confidence);
     EXPECT_EQ(surest >= findings::sure_confidence, noise_hu < 90) << noise_hu;
   }
@@ -239,9 +234,8 @@ TEST(Findings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
             ventricles.at(i, j, k) =
                 float(std::min({3.5 - std::abs(d.x + middle.x - 16), 30 - std::abs(d.y), 8 - std::abs(d.z)}));
           }
-    Report report;
     for (const Finding& f :
-         findings::find_findings(s.volume, {&s.skull, &s.brain, &ventricles, &landmarks}, {}, report).list)
+         findings::find_findings(s.volume, {&s.skull, &s.brain, &ventricles, &landmarks}, {}).result.list)
       if (f.kind == FindingKind::shift) return f;
     return Finding{};
   };
@@ -256,15 +250,16 @@ TEST(Findings, TheReportListsThemAndTheLabelsOutlineThem) {
   hard.blood = phantom::Blood::intracerebral;
   const Scene s(hard, phantom::Variant::normal, 5);
   ASSERT_FALSE(s.found.empty());
-  ASSERT_TRUE(s.report.find("1.kind"));
-  EXPECT_EQ(std::get<std::string>(*s.report.find("1.kind")), "dense_tissue");
-  ASSERT_TRUE(s.report.find("1.volume_ml"));
-  const double ml = std::get<double>(*s.report.find("1.volume_ml"));
+  const Report report = printed(figures_of(s.result), {});
+  ASSERT_TRUE(report.find("1.kind"));
+  EXPECT_EQ(std::get<std::string>(*report.find("1.kind")), "dense_tissue");
+  ASSERT_TRUE(report.find("1.volume_ml"));
+  const double ml = std::get<double>(*report.find("1.volume_ml"));
   const auto& map = std::get<grid::Mask>(s.labels.samples);
   const auto voxels = std::count(map.voxels.begin(), map.voxels.end(), std::uint8_t{1});
   EXPECT_NEAR(double(voxels) * map.voxel_volume_mm3() / 1000, ml, 1e-6);
   EXPECT_LT(norm(s.found[0].position_mm - s.blood_mm), 8);
-  EXPECT_EQ(s.report.warnings.size(), s.found.size());
+  EXPECT_EQ(s.warnings.size(), s.found.size());
 }
 
 TEST(Findings, WhatIsNotThereIsRefused) {
@@ -272,10 +267,9 @@ TEST(Findings, WhatIsNotThereIsRefused) {
   l.size = {20, 20, 20};
   const grid::HuVolume volume = grid::Grid<std::int16_t>(l, std::int16_t{30});
   const grid::Field none(l, -1.f);
-  Report report;
   const auto code_of = [&](const findings::FindingShapes& shapes) {
     try {
-      findings::find_findings(volume, shapes, {}, report);
+      findings::find_findings(volume, shapes, {});
     } catch (const Error& e) {
       return e.code();
     }

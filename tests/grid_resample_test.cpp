@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -36,7 +37,7 @@ grid::HuVolume resampled(const grid::HuVolume& v, std::array<double, 3> spacing_
   grid::ResampleParams params;
   params.spacing_mm = spacing_mm;
   Report report;
-  return grid::resample(v, params, report);
+  return value_of(report, grid::resample(v, params));
 }
 
 TEST(Resample, AZeroOrTheSameSpacingChangesNothing) {
@@ -110,7 +111,7 @@ TEST(Resample, OneVoxelAtLeastAndNoMoreThanMemoryHolds) {
   params.spacing_mm = {1e-3, 1e-3, 1e-3};
   Report report;
   try {
-    grid::resample(large, params, report);
+    value_of(report, grid::resample(large, params));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

@@ -11,6 +11,7 @@
 #include "meshing/decimate.h"
 #include "meshing_shapes.h"
 #include "picture/render.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 #include "surface/bounds.h"
 #include "voxel/voxelize.h"
@@ -54,15 +55,14 @@ std::size_t segmented() {
   p.fill = segmentation::SegmentFill::cavities;
   p.fill_close_mm = 2;
   p.fill_max_ml = 100;
-  Report report;
-  return segmentation::segment(shell(160), {}, p, report).voxels.size();
+  return segmentation::segment(shell(160), {}, p).value.voxels.size();
 }
 
 std::size_t decimated() {
   meshing::DecimateParams p;
   p.target_triangles_count = 12000;
   Report report;
-  return meshing::decimate(ball_surface(90), p, report).triangles.size();
+  return value_of(report, meshing::decimate(ball_surface(90), p)).triangles.size();
 }
 
 std::size_t voxelized() {
@@ -74,7 +74,7 @@ std::size_t voxelized() {
   voxel::VoxelizeParams p;
   Report report;
   const grid::Lattice lattice = voxel::haptic_lattice(surface::bounds_of(mesh), {}, {}, p);
-  return voxel::voxelize(lattice, {shape}, report).voxels.count();
+  return value_of(report, voxel::voxelize(lattice, {shape})).voxels.count();
 }
 
 std::size_t pictured() {

@@ -13,6 +13,7 @@
 #include "mask/scan_verdict.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -20,7 +21,7 @@ namespace {
 
 using phantom::Anatomy;
 
-struct Outcome {
+struct Extreme {
   ExitCode code = ExitCode::ok;
   std::string field, what;
   grid::Field skin, skull, brain, ventricles;  ///< as far as it came
@@ -29,35 +30,36 @@ struct Outcome {
 };
 
 /// The values of pipelines/ventriculostomy.yaml, with `smoothing_sigma_mm` of brain and ventricles.
-Outcome through_recipe(const grid::HuVolume& volume, double smoothing_sigma_mm = 0) {
-  Outcome o;
+Extreme through_recipe(const grid::HuVolume& volume, double smoothing_sigma_mm = 0) {
+  Extreme o;
   Report report;
   try {
-    with_field("skin.segment", [&] { o.skin = segmentation::segment(volume, {}, head_recipe::skin(), report); });
+    with_field("skin.segment",
+               [&] { o.skin = value_of(report, segmentation::segment(volume, {}, head_recipe::skin())); });
     with_field("skull.segment", [&] {
-      o.skull = segmentation::segment(volume, {&o.skin, nullptr}, head_recipe::skull(), report);
+      o.skull = value_of(report, segmentation::segment(volume, {&o.skin, nullptr}, head_recipe::skull()));
     });
     with_field("brain.brain", [&] {
       head::BrainParams p = head_recipe::brain();
       p.smoothing_sigma_mm = smoothing_sigma_mm;
-      o.brain = head::find_brain(volume, {&o.skull, nullptr, nullptr}, p, report);
+      o.brain = value_of(report, head::find_brain(volume, {&o.skull, nullptr, nullptr}, p));
     });
     with_field("ventricles.ventricles", [&] {
       head::VentriclesParams p;
       p.smoothing_sigma_mm = smoothing_sigma_mm;
-      o.ventricles = head::find_ventricles(volume, {&o.brain, nullptr}, p, report);
+      o.ventricles = value_of(report, head::find_ventricles(volume, {&o.brain, nullptr}, p));
     });
     head::LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;
     in.brain = &o.brain;
     in.ventricles = &o.ventricles;
-    with_field("landmarks", [&] { o.landmarks = head::find_landmarks(volume, in, {}, report); });
+    with_field("landmarks", [&] { o.landmarks = value_of(report, head::find_landmarks(volume, in, {})); });
     with_field("anatomy", [&] {
       const mask::ScanFigures scan = mask::measure_scan(volume);
       const consistency::AnatomyFindings found =
-          consistency::examine_anatomy({&o.skin, &o.skull, &o.brain, &o.ventricles, &scan}, &o.landmarks, {}, report);
-      o.head_class = found.figures.head_class;
+          consistency::examine_anatomy({&o.skin, &o.skull, &o.brain, &o.ventricles, &scan}, &o.landmarks, {});
+      o.head_class = found.result.head.head_class;
       consistency::require_anatomy(found);
     });
   } catch (const Error& e) {
@@ -98,7 +100,7 @@ double dice(const grid::Field& field, Anatomy anatomy) {
 }
 
 /// Refused where it had to be, or with shapes at least so good.
-void right_or_refused(const Outcome& o, double min_brain, double min_ventricles) {
+void right_or_refused(const Extreme& o, double min_brain, double min_ventricles) {
   if (o.code == ExitCode::ok || o.field == "landmarks" || o.field.rfind("anatomy", 0) == 0) {
     EXPECT_GT(dice(o.brain, Anatomy::brain), min_brain) << o.what;
     EXPECT_GT(dice(o.ventricles, Anatomy::ventricles), min_ventricles) << o.what;
@@ -113,7 +115,7 @@ TEST(RecipeExtremes, CutAtTheBase) {
   phantom::ScanParams how = usual();
   how.slices_count = 46;  // from 25 mm above the ear canals
   how.centre_mm[2] = 80;
-  const Outcome o = through_recipe(scanned(how));
+  const Extreme o = through_recipe(scanned(how));
   right_or_refused(o, 0.95, 0.8);
   EXPECT_EQ(o.code, ExitCode::ok) << o.what;
   EXPECT_FALSE(o.landmarks.find("inion") && o.landmarks.find("inion")->confidence >= 0.5);
@@ -123,7 +125,7 @@ TEST(LongRecipeExtremes, CutAtTheVertex) {
   phantom::ScanParams how = usual();
   how.slices_count = 56;  // to 90 mm above the ear canals
   how.centre_mm[2] = 23;
-  const Outcome o = through_recipe(scanned(how));
+  const Extreme o = through_recipe(scanned(how));
   right_or_refused(o, 0.95, 0.8);
   EXPECT_EQ(o.code, ExitCode::ok) << o.what;
   EXPECT_FALSE(o.landmarks.find("kocher_right"));
@@ -132,7 +134,7 @@ TEST(LongRecipeExtremes, CutAtTheVertex) {
 TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
   phantom::ScanParams how = usual();
   how.noise_hu = 60;
-  const Outcome o = through_recipe(scanned(how));
+  const Extreme o = through_recipe(scanned(how));
   EXPECT_EQ(o.code, ExitCode::quality) << o.what;
   EXPECT_NE(o.field.find("brain.brain"), std::string::npos) << o.field;
   EXPECT_NE(o.what.find("noise"), std::string::npos) << o.what;
@@ -141,7 +143,7 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
   const std::size_t at = o.what.find(key);
   ASSERT_NE(at, std::string::npos) << o.what;
   const double sigma_mm = std::stod(o.what.substr(at + key.size()));
-  const Outcome smoothed = through_recipe(scanned(how), sigma_mm);
+  const Extreme smoothed = through_recipe(scanned(how), sigma_mm);
   EXPECT_EQ(smoothed.code, ExitCode::ok) << sigma_mm << " " << smoothed.field << " " << smoothed.what;
   EXPECT_EQ(smoothed.head_class, head::HeadClass::uncertain);
   right_or_refused(smoothed, 0.8, 0.45);
@@ -161,7 +163,7 @@ TEST(RecipeExtremes, AStronglyDenoisedScanIsUncertain) {
   for (std::size_t v = 0; v < hu.voxels.size(); ++v)  // bone and air stay sharp, as such filters leave them
     if (hu.voxels[v] > -50 && hu.voxels[v] < 110) hu.voxels[v] = std::int16_t(std::lround(smooth.voxels[v]));
   EXPECT_EQ(mask::judge_scan(mask::measure_scan(volume), {}).kernel, "denoised");
-  const Outcome o = through_recipe(volume);
+  const Extreme o = through_recipe(volume);
   ASSERT_EQ(o.code, ExitCode::ok) << o.field << " " << o.what;
   EXPECT_EQ(o.head_class, head::HeadClass::uncertain);
 }
@@ -173,7 +175,7 @@ TEST(RecipeExtremes, VoxelsOfFourMillimetresAreNotTakenForNoise) {
   how.slices_count = 40;
   how.slice_step_mm = 5;
   how.slice_thickness_mm = 1;
-  const Outcome o = through_recipe(scanned(how));
+  const Extreme o = through_recipe(scanned(how));
   EXPECT_EQ(o.what.find("noise of"), std::string::npos) << o.field << o.what;
 }
 
@@ -181,7 +183,7 @@ TEST(RecipeExtremes, AFieldOfViewOfFiveCentimetres) {
   phantom::ScanParams how = usual();
   how.field_of_view_mm = 50;
   how.slices_count = 30;
-  const Outcome o = through_recipe(scanned(how));
+  const Extreme o = through_recipe(scanned(how));
   EXPECT_EQ(o.code, ExitCode::quality) << o.what;
   EXPECT_NE(o.field.find("segment"), std::string::npos) << o.field;
 }
@@ -210,7 +212,7 @@ TEST(RecipeExtremes, TheSameValueEverywhere) {
     volume.size = {40, 40, 30};
     volume.spacing_mm = {2, 2, 2};
     volume.voxels.assign(volume.count(), std::int16_t(value));
-    const Outcome o = through_recipe(volume);
+    const Extreme o = through_recipe(volume);
     EXPECT_EQ(o.code, ExitCode::quality) << value << " " << o.what;
     EXPECT_NE(o.field.find("skin.segment"), std::string::npos) << value << " " << o.field;
   }

@@ -9,6 +9,7 @@
 #include "head/cranium.h"
 #include "mask/hu_view.h"
 #include "place/lungs.h"
+#include "report_of.h"
 
 using namespace trephine;
 
@@ -32,7 +33,7 @@ std::string refused(double air_from_mm) {
   const mask::HuView hu(scan);
   Report report;
   try {
-    place::require_no_lungs(head::cranial_cavity(head::bone_of(hu), report, {}), hu);
+    place::require_no_lungs(value_of(report, head::cranial_cavity(head::bone_of(hu), {})), hu);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     return e.what();
@@ -50,9 +51,8 @@ TEST(Lungs, ABonyCaseFullOfAirIsNoHead) {
 }
 
 TEST(Lungs, NoBrainIsLookedForBesideThem) {
-  Report report;
   try {
-    head::find_brain(shell(-20), {}, {}, report);
+    head::find_brain(shell(-20), {}, {});
     FAIL() << "a brain in a chest";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("as in a chest"), std::string::npos) << e.what();

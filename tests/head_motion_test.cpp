@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "mask/motion.h"
 #include "mask/scan_verdict.h"
+#include "report_of.h"
 
 using namespace trephine;
 
@@ -68,7 +69,7 @@ TEST(Motion, NothingIsSaidOfAHeadThatLiesStill) {
 
 TEST(Motion, IsSaidByTheVerdictOnAScan) {
   Report moved, still;
-  mask::judge_scan(head_of({2, 70, 4, -3}), {}, moved);
+  value_of(moved, mask::judge_scan(head_of({2, 70, 4, -3}), {}));
   ASSERT_NE(moved.find("motion_mm"), nullptr);
   EXPECT_NEAR(std::get<double>(*moved.find("motion_mm")), 5, 0.8);
   for (const char* name : {"skin", "skull", "brain"})
@@ -76,7 +77,7 @@ TEST(Motion, IsSaidByTheVerdictOnAScan) {
   ASSERT_FALSE(moved.warnings.empty());
   EXPECT_NE(moved.warnings.back().find("mm farther to the left"), std::string::npos) << moved.warnings.back();
   EXPECT_NE(moved.warnings.back().find("mm farther to the front"), std::string::npos) << moved.warnings.back();
-  mask::judge_scan(head_of({2, 70, 0, 0}), {}, still);
+  value_of(still, mask::judge_scan(head_of({2, 70, 0, 0}), {}));
   EXPECT_EQ(still.find("motion_mm"), nullptr);
 }
 

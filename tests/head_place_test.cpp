@@ -109,10 +109,9 @@ TEST(SegmentPlace, ABrainThatFillsLittleOfItsCavityIsTold) {
           ct.at(i, j, k) = out < 0 ? (p.z < dark_z_mm ? 0 : 35) : out < 8 ? 1000 : -1000;
           skull.at(i, j, k) = float(4 - std::abs(out - 4));
         }
-    Report report;
-    head::find_brain(ct, {&skull, nullptr, nullptr, {}}, {}, report);
-    const bool told = std::any_of(report.warnings.begin(), report.warnings.end(), [](const std::string& w) {
-      return w.find("% of the space that bone encloses was taken for brain") != std::string::npos;
+    const Warnings warnings = head::find_brain(ct, {&skull, nullptr, nullptr, {}}, {}).warnings;
+    const bool told = std::any_of(warnings.begin(), warnings.end(), [](const Warning& w) {
+      return to_text(w).find("% of the space that bone encloses was taken for brain") != std::string::npos;
     });
     EXPECT_EQ(told, dark_z_mm > -65) << dark_z_mm;
   }
@@ -121,12 +120,10 @@ TEST(SegmentPlace, ABrainThatFillsLittleOfItsCavityIsTold) {
 TEST(SegmentPlace, WhatIsNoHeadIsNotSure) {
   const grid::Lattice l = lattice_about({0, 0, 0}, {60, 60, 160}, 3);
   EXPECT_FALSE(place::place_head(mask::BitMask(l), nullptr, l).sure);
-  Report report;
   const mask::BitMask pipe = mask_of(l, [](Vec3 p) { return std::hypot(p.x, p.y) < 25; });
   const place::HeadPlace place = place::place_head(pipe, nullptr, l);
   EXPECT_FALSE(place.sure);
-  place::report_place(place, report);
-  ASSERT_EQ(report.warnings.size(), 1u);
+  ASSERT_EQ(place::warnings_of(place).size(), 1u);
 }
 
 /// Soft tissue with the template's fluid, a slit of a third ventricle, and what is not ventricle.
@@ -184,14 +181,12 @@ TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
   mask::BitMask others, cut_off;
   const mask::BitMask found = head::deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others, &cut_off);
   // Its stubs in the ventricles are said.
-  Report report;
-  head::warn_of_stubs(cut_off, found, report);
-  ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("a thin dark streak was cut off"), std::string::npos) << report.warnings[0];
+  const auto stubs = head::warn_of_stubs(cut_off, found);
+  ASSERT_TRUE(stubs);
+  EXPECT_NE(to_text(*stubs).find("a thin dark streak was cut off"), std::string::npos) << to_text(*stubs);
   const Scene whole;
   const mask::BitMask sound = head::deep_csf(whole.soft, whole.envelope, straight(), -15, 18.5, {}, nullptr, &cut_off);
-  head::warn_of_stubs(cut_off, sound, report);
-  EXPECT_EQ(report.warnings.size(), 1u);
+  EXPECT_FALSE(head::warn_of_stubs(cut_off, sound));
   for (const double side : {-1.0, 1.0})
     for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}, Vec3{33, -5, 27}})
       EXPECT_TRUE(holds(found, {side * p.x, p.y, p.z})) << side * p.x << " " << p.y;
@@ -204,19 +199,17 @@ TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
 TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
   const grid::Lattice l = lattice_about({0, 5, 45}, {45, 75, 45}, 1.5);
   const mask::BitMask whole = mask_of(l, [](Vec3 p) { return ventricle_mm(p) < 0; });
-  Report sound;
-  head::report_parts(whole, straight(), sound);
-  EXPECT_TRUE(sound.warnings.empty()) << sound.warnings.front();
-  EXPECT_NEAR(std::get<double>(*sound.find("asymmetry_ml")), 0, 0.2);
+  const auto sound = head::measure_parts(whole, straight());
+  EXPECT_TRUE(sound.warnings.empty()) << to_text(sound.warnings.front());
+  EXPECT_NEAR(sound.result.sides.value().asymmetry_ml, 0, 0.2);
   const mask::BitMask hurt = mask_of(l, [](Vec3 p) {
     return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place::place_mm(place::Place::third, p) > 0;
   });
-  Report report;
-  head::report_parts(hurt, straight(), report);
-  ASSERT_EQ(report.warnings.size(), 2u);
-  EXPECT_EQ(report.warnings[0], "no frontal horn of the left lateral ventricle found where it should be");
-  EXPECT_EQ(report.warnings[1], "no third ventricle found where it should be");
-  EXPECT_LT(std::get<double>(*report.find("asymmetry_ml")), -0.5);
+  const auto parts = head::measure_parts(hurt, straight());
+  ASSERT_EQ(parts.warnings.size(), 2u);
+  EXPECT_EQ(to_text(parts.warnings[0]), "no frontal horn of the left lateral ventricle found where it should be");
+  EXPECT_EQ(to_text(parts.warnings[1]), "no third ventricle found where it should be");
+  EXPECT_LT(parts.result.sides.value().asymmetry_ml, -0.5);
 }
 
 TEST(SegmentPlace, PitsThatNoiseExplainsAreNoSulci) {

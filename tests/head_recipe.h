@@ -43,13 +43,12 @@ struct Fields {
 };
 inline Fields fields_of(const grid::HuVolume& volume, double brain_lower_hu = 22.5) {
   Fields f;
-  Report report;
-  f.skin = segmentation::segment(volume, {}, skin(), report);
+  f.skin = segmentation::segment(volume, {}, skin()).value;
   segmentation::SegmentMasks masks;
   masks.within = &f.skin;
-  f.skull = segmentation::segment(volume, masks, skull(), report);
-  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu), report);
-  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  f.skull = segmentation::segment(volume, masks, skull()).value;
+  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu)).value;
+  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}).value;
   return f;
 }
 

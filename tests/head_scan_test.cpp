@@ -10,6 +10,7 @@
 #include "mask/scan_verdict.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
+#include "report_of.h"
 
 using namespace trephine;
 using namespace trephine::phantom;
@@ -150,8 +151,8 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
     ScanFigures f = good;
     change(f);
     const mask::ScanVerdict v = mask::judge_scan(f, limits);
-    for (const std::string& r : v.reasons) {
-      EXPECT_NE(r.find("; choose"), std::string::npos) << r;
+    for (const mask::ScanReason& r : v.reasons) {
+      EXPECT_NE(to_text(r.warning()).find("; choose"), std::string::npos) << r.verdict();
     }
     EXPECT_EQ(v.reasons.empty(), v.text() == "suited for brain, ventricles and skull");
     return v.text();
@@ -183,12 +184,12 @@ TEST(ScanVerdict, RefusesWhereAsked) {
   mask::ScanLimits limits;
   const grid::HuVolume noisy = scanned(slab(60), {0.6, 2});
   Report report;
-  mask::judge_scan(noisy, limits, report);
+  value_of(report, mask::judge_scan(noisy, limits));
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings[0].find("softer kernel"), std::string::npos);
   limits.refuse = true;
   try {
-    mask::judge_scan(noisy, limits, report);
+    value_of(report, mask::judge_scan(noisy, limits));
     FAIL() << "not refused";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

@@ -17,6 +17,7 @@
 #include "phantom/phantom.h"
 #include "phantom/random.h"
 #include "place/zones.h"
+#include "report_of.h"
 #include "segmentation/t1_contrast.h"
 #include "segmentation/vessels.h"
 
@@ -66,7 +67,7 @@ struct Ct {
 Ct ct_of(const Head& head, double voxel_mm) {
   Ct ct{laid(head, phantom::SecondScan::ct, voxel_mm, box(voxel_mm), 0.01), {}};
   Report report;
-  ct.cavity = head::cranial_cavity(head::bone_of(mask::HuView(ct.volume)), report, {});
+  ct.cavity = value_of(report, head::cranial_cavity(head::bone_of(mask::HuView(ct.volume)), {}));
   return ct;
 }
 
@@ -103,13 +104,13 @@ TEST(SecondScan, BrainAndVentriclesOfAnMr) {
   const Head head = head_of(phantom::Level::clinical, 4);
   const Ct ct = ct_of(head, 1.6);
   const grid::HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, grid::lattice_of(ct.volume));
-  Report report, ignored;
+  Report report;
   segmentation::T1ContrastParams params;
-  const grid::HuVolume grey = segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, report);
-  const grid::Field brain = head::find_brain(grey, {}, {}, ignored);
+  const grid::HuVolume grey = value_of(report, segmentation::t1_contrast(mr, ct.volume, ct.cavity, params));
+  const grid::Field brain = head::find_brain(grey, {}, {}).value;
   params.bright = segmentation::T1Bright::white;
-  const grid::HuVolume white = segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, ignored);
-  const grid::Field ventricles = head::find_ventricles(white, {&brain, nullptr}, {}, ignored);
+  const grid::HuVolume white = segmentation::t1_contrast(mr, ct.volume, ct.cavity, params).value;
+  const grid::Field ventricles = head::find_ventricles(white, {&brain, nullptr}, {}).value;
   const double of_brain = dice(head, Anatomy::brain, brain),
                of_ventricles = dice(head, Anatomy::ventricles, ventricles);
   std::printf("brain %.4f, ventricles %.4f\n%s", of_brain, of_ventricles, said(report).c_str());
@@ -121,7 +122,7 @@ TEST(SecondScan, BrainAndVentriclesOfAnMr) {
   EXPECT_GT(std::get<double>(*report.find("bias_ratio")), 0.1);
   // The CT's bone stays, and the same comes of one thread.
   set_thread_count(1);
-  EXPECT_EQ(std::get<grid::Grid<float>>(segmentation::t1_contrast(mr, ct.volume, ct.cavity, params, ignored)),
+  EXPECT_EQ(std::get<grid::Grid<float>>(segmentation::t1_contrast(mr, ct.volume, ct.cavity, params).value),
             std::get<grid::Grid<float>>(white));
   set_thread_count(0);
 }
@@ -130,9 +131,8 @@ TEST(SecondScan, WhatIsNoT1IsRefused) {
   const Head head = head_of(phantom::Level::clinical, 4);
   const Ct ct = ct_of(head, 2.5);
   grid::HuVolume mr = laid(head, phantom::SecondScan::mr, 2.5, grid::lattice_of(ct.volume));
-  Report report;
   const auto why = [&](const grid::HuVolume& scan) {
-    return refused([&] { segmentation::t1_contrast(scan, ct.volume, ct.cavity, {}, report); });
+    return refused([&] { segmentation::t1_contrast(scan, ct.volume, ct.cavity, {}); });
   };
   EXPECT_EQ(why(mr), "");
   // T2: what is bright becomes dark.
@@ -153,7 +153,8 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
   const Ct ct = ct_of(head, ct_mm);
   const grid::HuVolume cta = laid(head, phantom::SecondScan::cta, cta_mm, grid::lattice_of(ct.volume), 0.012);
   Report report;
-  const grid::Field found = segmentation::find_vessels(cta, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
+  const grid::Field found =
+      value_of(report, segmentation::find_vessels(cta, ct.volume, ct.cavity, nullptr, nullptr, {}));
   double truth = 0, hit = 0, all = 0, near = 0;
   const grid::Grid<float> mm = mask::signed_distance_mm(found, {});
   const grid::Lattice& l = grid::lattice_of(ct.volume);
@@ -183,7 +184,7 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
   // Without contrast agent there is none.
   const grid::HuVolume plain = laid(head, phantom::SecondScan::ct, cta_mm, l, 0.012);
   EXPECT_NE(refused([&] {
-              segmentation::find_vessels(plain, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
+              value_of(report, segmentation::find_vessels(plain, ct.volume, ct.cavity, nullptr, nullptr, {}));
             }).find("no vessel"),
             std::string::npos);
 }
@@ -221,23 +222,21 @@ TEST(SecondScan, VesselsOfATrunk) {
   params.region = segmentation::VesselRegion::soft_tissue;
   params.enhancement_hu = 125;
   params.smoothing_sigma_mm = 0.5;
-  Report report;
   const mask::BitMask tissue = segmentation::soft_tissue_around(grid::HuVolume(ct), bone);
   const auto volume_of = [&](const grid::Field& f) {
     return static_cast<double>(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));
   };
   const grid::Field both =
-      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, nullptr, params, report);
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, nullptr, params).value;
   EXPECT_GT(volume_of(both), 1.8 * artery_mm3);
   const grid::Field artery =
-      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, &vein, params, report);
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, nullptr, &vein, params).value;
   EXPECT_NEAR(volume_of(artery), artery_mm3, 0.1 * artery_mm3);
   const grid::Field of_vein =
-      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, &vein, nullptr, params, report);
+      segmentation::find_vessels(grid::HuVolume(cta), grid::HuVolume(ct), tissue, &vein, nullptr, params).value;
   EXPECT_NEAR(volume_of(of_vein), volume_of(vein), 0.1 * volume_of(vein));
   EXPECT_NE(refused([&] {
-              segmentation::find_vessels(grid::HuVolume(ct), grid::HuVolume(ct), tissue, nullptr, nullptr, params,
-                                         report);
+              segmentation::find_vessels(grid::HuVolume(ct), grid::HuVolume(ct), tissue, nullptr, nullptr, params);
             }).find("no vessel"),
             std::string::npos);
 }
@@ -255,16 +254,15 @@ void check_zones(const std::vector<int>& seeds) {
   for (const int seed : seeds) {
     const Head head = head_of(phantom::Level::hard, seed, true);
     const Ct ct = ct_of(head_of(phantom::Level::hard, seed), 1.5);
-    Report ignored;
-    const grid::Field brain = head::find_brain(ct.volume, {}, {}, ignored);
-    const grid::Field ventricles = head::find_ventricles(ct.volume, {&brain, nullptr}, {}, ignored);
+    const grid::Field brain = head::find_brain(ct.volume, {}, {}).value;
+    const grid::Field ventricles = head::find_ventricles(ct.volume, {&brain, nullptr}, {}).value;
     const auto zone = [&](place::Zone what, double thickness_mm = 0) {
       place::ZoneParams params;
       params.what = what;
       params.thickness_mm = thickness_mm;
       params.half_width_mm = 3;
       Report report;
-      grid::Field field = place::find_zone(ct.cavity, {nullptr, &ventricles}, params, report);
+      grid::Field field = value_of(report, place::find_zone(ct.cavity, {nullptr, &ventricles}, params));
       std::printf("seed %d: %s\n", seed, said(report).c_str());
       for (const float v : field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
       return field;
@@ -319,7 +317,7 @@ void check_zones(const std::vector<int>& seeds) {
     place::ZoneParams params;
     params.what = place::Zone::third_ventricle;
     Report report;
-    const grid::Field of_wide = place::find_zone(ct.cavity, {nullptr, &wide}, params, report);
+    const grid::Field of_wide = value_of(report, place::find_zone(ct.cavity, {nullptr, &wide}, params));
     double zone_all = 0, zone_lateral = 0;
     for (int k = 0; k < of_wide.size[2]; ++k)
       for (int j = 0; j < of_wide.size[1]; ++j)
@@ -362,7 +360,7 @@ TEST(SecondScan, TheDuraEndsWhereATemplatesCavityDoes) {
   const auto ml = [&](const BitMask& cavity, double max_beyond_mm, std::size_t warnings) {
     params.max_beyond_mm = max_beyond_mm;
     Report report;
-    place::find_zone(cavity, {}, params, report);
+    value_of(report, place::find_zone(cavity, {}, params));
     EXPECT_EQ(report.warnings.size(), warnings) << said(report);
     return std::get<double>(*report.find("volume_ml"));
   };

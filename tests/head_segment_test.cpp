@@ -11,6 +11,7 @@
 #include "head/brain.h"
 #include "head/ventricles.h"
 #include "head_recipe.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -84,10 +85,9 @@ double dice(const grid::Field& f, const grid::Lattice& l, Truth&& truth) {
 
 head_recipe::Fields segment_head(const grid::HuVolume& volume) {
   head_recipe::Fields f;
-  Report report;
-  f.skull = segmentation::segment(volume, {}, head_recipe::skull(), report);
-  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, head_recipe::brain(22), report);
-  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  f.skull = segmentation::segment(volume, {}, head_recipe::skull()).value;
+  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, head_recipe::brain(22)).value;
+  f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}).value;
   return f;
 }
 
@@ -115,7 +115,7 @@ TEST(SegmentHead, StreaksBesideTheVentriclesAreNoneOfThem) {
           streaked.at(i, j, k) += std::int16_t(std::lround(18 * std::sin(across / 3.5 + std::sin(across / 15))));
       }
   Report report;
-  const grid::Field found = head::find_ventricles(streaked, {&sound.brain, nullptr}, {}, report);
+  const grid::Field found = value_of(report, head::find_ventricles(streaked, {&sound.brain, nullptr}, {}));
   const auto truth = [](Vec3 p) { return in_ventricles(p); };
   EXPECT_GT(dice(found, streaked, truth), 0.9) << dice(sound.ventricles, streaked, truth) << " without streaks";
   int said = 0;
@@ -128,30 +128,28 @@ TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
   head::BrainParams p;
   p.lower_hu = 22;
   Report report;
-  const grid::Field brain = head::find_brain(volume, {}, p, report);
+  const grid::Field brain = value_of(report, head::find_brain(volume, {}, p));
   EXPECT_GT(dice(brain, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
   ASSERT_NE(report.find("cranial_cavity_ml"), nullptr);
 }
 
 TEST(SegmentHead, WhatCannotBeABrainIsRefused) {
   const grid::HuVolume volume = head(6);
-  Report report;
-  const grid::Field envelope = head::find_brain(volume, {}, {}, report);
+  const grid::Field envelope = head::find_brain(volume, {}, {}).value;
   EXPECT_GT(dice(envelope, grid::lattice_of(volume), [](Vec3 x) { return in_brain(x); }), 0.97);
   head::VentriclesParams ventricles;
   ventricles.lower_hu = 20;
-  EXPECT_THROW(head::find_ventricles(volume, {&envelope, nullptr}, ventricles, report), Error)
-      << "above upper_hu's default";
+  EXPECT_THROW(head::find_ventricles(volume, {&envelope, nullptr}, ventricles), Error) << "above upper_hu's default";
   try {
-    head::find_ventricles(volume, {}, {}, report);
+    head::find_ventricles(volume, {}, {});
     ADD_FAILURE() << "ventricles without a brain";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::usage);
   }
   // What is not of one value only is looked at.
-  const grid::Field skull = segmentation::segment(volume, {}, {}, report);
+  const grid::Field skull = segmentation::segment(volume, {}, {}).value;
   try {
-    head::find_brain(grid::Grid<std::int16_t>(grid::lattice_of(volume), 40), {&skull, nullptr, nullptr}, {}, report);
+    head::find_brain(grid::Grid<std::int16_t>(grid::lattice_of(volume), 40), {&skull, nullptr, nullptr}, {});
     ADD_FAILURE() << "a brain in a constant image";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -183,8 +181,7 @@ TEST(SegmentHead, CanBeCancelled) {
   std::atomic<bool> cancel{true};
   segmentation::SegmentParams p;
   p.lower_hu = 226;
-  Report report;
-  EXPECT_THROW(segmentation::segment(volume, {}, p, report, Progress({}, &cancel)), Cancelled);
+  EXPECT_THROW(segmentation::segment(volume, {}, p, Progress({}, &cancel)), Cancelled);
 }
 
 }  // namespace

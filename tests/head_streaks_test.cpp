@@ -117,13 +117,11 @@ TEST(Streaks, AreSaidWhereVentriclesLieInThem) {
   mask::BitMask high(s.lattice), low(s.lattice);
   high.set(60, 60, 4);
   low.set(60, 60, 1);
-  Report report;
-  head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, high, report);
-  EXPECT_TRUE(report.warnings.empty());
-  head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, low, report);
-  ASSERT_EQ(report.warnings.size(), 1u);
-  EXPECT_NE(report.warnings[0].find("streaks of 9 HU cross the slices at z 3 to 6 mm"), std::string::npos)
-      << report.warnings[0];
+  EXPECT_FALSE(head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, high));
+  const auto said = head::warn_of_streaks({{1, 7}, {2, 9.4}}, s.lattice, low);
+  ASSERT_TRUE(said);
+  EXPECT_NE(to_text(*said).find("streaks of 9 HU cross the slices at z 3 to 6 mm"), std::string::npos)
+      << to_text(*said);
 }
 
 }  // namespace trephine::segmentation

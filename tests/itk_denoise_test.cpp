@@ -11,6 +11,7 @@
 #include "itk/denoise.h"
 #include "itk/non_local_means.h"
 #include "phantom/random.h"
+#include "report_of.h"
 
 using namespace trephine;
 
@@ -58,7 +59,7 @@ double noise_within(const grid::Grid<float>& g) {
 
 grid::Grid<float> calm(const grid::Grid<float>& g, itk::DenoiseParams p) {
   Report report;
-  return std::get<grid::Grid<float>>(itk::denoise(grid::HuVolume(g), nullptr, p, report));
+  return std::get<grid::Grid<float>>(value_of(report, itk::denoise(grid::HuVolume(g), nullptr, p)));
 }
 
 }  // namespace
@@ -89,7 +90,7 @@ TEST(Denoise, LeavesWhatIsBeyondTheBox) {
   within.at(20, 20, 18) = 1;
   Report report;
   const itk::DenoiseParams p{itk::DenoiseMethod::gaussian, 1, 60};
-  const auto out = std::get<grid::Grid<std::int16_t>>(itk::denoise(grid::HuVolume(g), &within, p, report));
+  const auto out = std::get<grid::Grid<std::int16_t>>(value_of(report, itk::denoise(grid::HuVolume(g), &within, p)));
   EXPECT_EQ(std::get<std::int64_t>(*report.find("voxels_count")), 9 * 9 * 9);
   for (int k = 0; k < g.size[2]; ++k)
     for (int j = 0; j < g.size[1]; ++j)
@@ -101,7 +102,7 @@ TEST(Denoise, LeavesWhatIsBeyondTheBox) {
       }
   EXPECT_NE(out.at(20, 20, 18), g.at(20, 20, 18));
   within.at(20, 20, 18) = -1;
-  EXPECT_THROW(itk::denoise(grid::HuVolume(g), &within, p, report), Error);
+  EXPECT_THROW(value_of(report, itk::denoise(grid::HuVolume(g), &within, p)), Error);
 }
 
 TEST(Denoise, DoesNotDependOnThreads) {

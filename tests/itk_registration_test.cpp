@@ -10,6 +10,7 @@
 #include "grid/resample.h"
 #include "itk/same_place.h"
 #include "itk_scans.h"
+#include "report_of.h"
 
 using namespace trephine;
 using phantom::Head;
@@ -40,26 +41,26 @@ phantom::Second angiography_of(const Head& head, double voxel_mm, int seed) {
   return phantom::second_scan(head, p);
 }
 
-struct Outcome {
+struct Registered {
   double mean = 0, worst = 0, worst_published = 0;
   int doubtful = 0;
 };
 
-Outcome over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from,
+Registered over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from,
                      int to, itk::RegistrationParams params) {
-  Outcome all;
+  Registered all;
   for (int n = from; n < to; ++n) {
     const phantom::Second second = moved(rest, random_offset(static_cast<std::uint64_t>(n), 30, 20));
     Report report;
     const auto start = std::chrono::steady_clock::now();
-    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, params, report);
+    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, params);
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double error = target_error_mm(r.map, second.truth, places);
     std::printf(
         "offset %2d: %.3f mm, turn %.1f, spread %.3f, inverse %.3f, overlap %.2f, margin %.2f, scale %.4f, %.1f s %s\n",
-        n, error, std::get<double>(*report.find("turn_deg")), std::get<double>(*report.find("spread_mm")),
-        std::get<double>(*report.find("inverse_mm")), std::get<double>(*report.find("overlap_ratio")),
-        std::get<double>(*report.find("margin_ratio")), std::get<double>(*report.find("scale_ratio")), s,
+        n, error, r.figures.turn_deg, *r.figures.spread_mm,
+        *r.figures.inverse_mm, *r.figures.overlap_ratio,
+        *r.figures.margin_ratio, *r.figures.scale_ratio, s,
         r.doubts.c_str());
     all.mean += error / (to - from);
     all.worst = std::max(all.worst, error);
@@ -78,7 +79,7 @@ TEST(Registration, LaysAnMrOnTheCt) {
   itk::RegistrationParams quick;
   quick.finest_mm = 2;
   quick.samples_count = 20000;
-  const Outcome o = over_offsets(quick_ct(head, 2), mr_of(head, 2, 1), targets(head), 0, 3, quick);
+  const Registered o = over_offsets(quick_ct(head, 2), mr_of(head, 2, 1), targets(head), 0, 3, quick);
   EXPECT_LT(o.mean, 0.5);
   EXPECT_LT(o.worst, 1.0);
   EXPECT_EQ(o.doubtful, 0);
@@ -90,7 +91,7 @@ TEST(Registration, LaysAnAngiographyOnTheCt) {
   quick.moving = itk::MovingValues::hu;
   quick.finest_mm = 2;
   quick.samples_count = 20000;
-  const Outcome o = over_offsets(quick_ct(head, 2), angiography_of(head, 2, 1), targets(head), 0, 3, quick);
+  const Registered o = over_offsets(quick_ct(head, 2), angiography_of(head, 2, 1), targets(head), 0, 3, quick);
   EXPECT_LT(o.mean, 0.5);
   EXPECT_LT(o.worst, 1.0);
   EXPECT_EQ(o.doubtful, 0);
@@ -104,7 +105,7 @@ TEST(Registration, LongAngiographyOverTwentyOffsets) {
   for (int h = 0; h < 2; ++h) {
     const Head head = hard_head(10 + h);
     const grid::HuVolume fixed = head_ct(head, 1, 12);
-    const Outcome o = over_offsets(fixed, angiography_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, params);
+    const Registered o = over_offsets(fixed, angiography_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, params);
     mean += o.mean / 2;
     worst = std::max(worst, o.worst);
     doubtful += o.doubtful;
@@ -120,19 +121,19 @@ TEST(Registration, TakesAGivenTransform) {
   const grid::HuVolume ct = quick_ct(head, 3);
   const phantom::Second second = moved(mr_of(head, 3, 1), itk::rigid_map({5, 9, -7}, {12, -9, 4}, {}));
   Report report;
-  const itk::Registration r = itk::given_registration(ct, grid::HuVolume(second.volume), second.truth, {}, report);
+  const itk::Registration r = itk::given_registration(ct, grid::HuVolume(second.volume), second.truth, {});
   EXPECT_EQ(r.doubts, "");
   EXPECT_EQ(target_error_mm(r.map, second.truth, targets(head)), 0);
-  EXPECT_GT(std::get<double>(*report.find("overlap_ratio")), 0.8);
-  EXPECT_TRUE(report.warnings.empty()) << "the images agree with it";
+  EXPECT_GT(*r.figures.overlap_ratio, 0.8);
+  EXPECT_TRUE(r.warnings.empty()) << "the images agree with it";
   itk::LinearMap away = second.truth, wide = second.truth;
   away.offset_mm.x += 300;
-  EXPECT_NE(itk::given_registration(ct, grid::HuVolume(second.volume), away, {}, report).doubts, "");
+  EXPECT_NE(itk::given_registration(ct, grid::HuVolume(second.volume), away, {}).doubts, "");
   wide.matrix.column[1] = wide.matrix.column[1] * 1.01;
-  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), wide, {}, report), Error);
+  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), wide, {}), Error);
   itk::LinearMap mirrored = second.truth;
   mirrored.matrix.column[0] = -mirrored.matrix.column[0];
-  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), mirrored, {}, report), Error)
+  EXPECT_THROW(itk::given_registration(ct, grid::HuVolume(second.volume), mirrored, {}), Error)
       << "left would be right";
 }
 
@@ -158,13 +159,14 @@ TEST(Registration, SaysThatAResultIsDoubtful) {
   quick.finest_mm = 2.5;
   quick.samples_count = 15000;
   const auto doubts = [&](const grid::HuVolume& moving) {
-    Report report;
-    return itk::register_scans(ct, moving, nullptr, {}, quick, report).doubts;
+    return itk::register_scans(ct, moving, nullptr, {}, quick).doubts;
   };
   const auto warnings = [&](const grid::HuVolume& moving) {
-    Report report;
-    EXPECT_EQ(itk::register_scans(ct, moving, nullptr, {}, quick, report).doubts, "");
-    return report.warnings;
+    const itk::Registration r = itk::register_scans(ct, moving, nullptr, {}, quick);
+    EXPECT_EQ(r.doubts, "");
+    std::vector<std::string> texts;
+    for (const Warning& w : r.warnings) texts.push_back(to_text(w));
+    return texts;
   };
   phantom::Second mr = mr_of(head, 3, 1);
   EXPECT_EQ(warnings(grid::HuVolume(mr.volume)), std::vector<std::string>());
@@ -175,9 +177,7 @@ TEST(Registration, SaysThatAResultIsDoubtful) {
   ASSERT_EQ(said.size(), 1u);
   EXPECT_NE(said[0].find("whether this is the same patient"), std::string::npos) << said[0];
   const auto another_patient = [&](const grid::HuVolume& moving) {
-    Report report;
-    itk::register_scans(ct, moving, nullptr, {}, quick, report);
-    return std::get<bool>(*report.find("another_patient"));
+    return *itk::register_scans(ct, moving, nullptr, {}, quick).figures.another_patient;
   };
   EXPECT_FALSE(another_patient(grid::HuVolume(mr.volume)));
   EXPECT_TRUE(another_patient(grid::HuVolume(longer.volume)));
@@ -207,9 +207,9 @@ TEST(Registration, DoesNotDependOnThreads) {
   for (const int threads : {1, 2, 8}) {
     set_thread_count(threads);
     Report report;
-    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick, report);
+    const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick);
     std::string text = itk::encode_tfm(r.map);
-    for (const auto& f : report.figures) text += to_text(f.second) + "\n";
+    for (const auto& f : figures_of(r.figures)) text += to_text(f.second) + "\n";
     results.push_back(text);
   }
   set_thread_count(0);
@@ -226,12 +226,12 @@ TEST(Registration, BeginsWhereItIsTold) {
   quick.samples_count = 15000;
   const std::vector<Vec3> places = targets(head);
   Report far, near;
-  const itk::Registration alone = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick, far);
+  const itk::Registration alone = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, {}, quick);
   EXPECT_TRUE(alone.doubts != "" || target_error_mm(alone.map, second.truth, places) < 1) << "wrong and not said";
   EXPECT_GT(target_error_mm(alone.map, second.truth, places), 10) << "too easy for this test";
   const itk::LinearMap start =
       itk::then(second.truth, itk::rigid_map({5, 5, 5}, {8, 0, 6}, second.truth({0, -10, 42})));
-  const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, start, quick, near);
+  const itk::Registration r = itk::register_scans(ct, grid::HuVolume(second.volume), nullptr, start, quick);
   EXPECT_EQ(r.doubts, "");
   EXPECT_LT(target_error_mm(r.map, second.truth, places), 1.0);
 }
@@ -242,7 +242,7 @@ TEST(Registration, LongOverFortyOffsets) {
   for (int h = 0; h < 4; ++h) {
     const Head head = clinical_head(10 + h);
     const grid::HuVolume fixed = head_ct(head, 1, 12);
-    const Outcome o = over_offsets(fixed, mr_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, {});
+    const Registered o = over_offsets(fixed, mr_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, {});
     mean += o.mean / 4;
     worst = std::max(worst, o.worst);
     doubtful += o.doubtful;
@@ -284,12 +284,12 @@ TEST(Registration, LongHardScansAreRightOrRefused) {
     grid::HuVolume moving(second.volume);
     Report report;
     const auto& size = second.volume.size;
-    if (kind == 4) moving = grid::resample(grid::HuVolume(second.volume), {{2, 2, 7}}, report);
+    if (kind == 4) moving = value_of(report, grid::resample(grid::HuVolume(second.volume), {{2, 2, 7}}));
     if (kind == 5) {  // a slab across the body's axis, which is the second one of its lattice
       const int from = static_cast<int>(n) / 6 * 9, to = std::min(size[1], from + 30);
       moving = grid::crop(second.volume, {{0, from, 0}, {size[0], to, size[2]}});
     }
-    const itk::Registration r = itk::register_scans(ct, moving, nullptr, {}, quick, report);
+    const itk::Registration r = itk::register_scans(ct, moving, nullptr, {}, quick);
     const double error = target_error_mm(r.map, second.truth, places);
     std::printf("%2d kind %d: %.2f mm %s\n", static_cast<int>(n), kind, error, r.doubts.c_str());
     ++all;

@@ -112,7 +112,7 @@ TEST(VolumeSource, AScenesFileIsNoLinkOutOfItsFolder) {
   fs::remove(folder.path() / "scene/a.nrrd");
   grid::write_nrrd(folder.path() / "scene/b.nrrd", grid::HuVolume(counted(5)));
   fs::create_symlink("b.nrrd", folder.path() / "scene/a.nrrd");  // within it
-  EXPECT_EQ(dicom::import_series(scene, any_values()).report.warnings.size(), 0u);
+  EXPECT_EQ(dicom::import_series(scene, any_values()).report().warnings.size(), 0u);
 }
 
 TEST(VolumeSource, ASceneOfManyAttributesIsRefused) {

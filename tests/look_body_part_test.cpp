@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "phantom_heads.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -20,7 +21,7 @@ std::string refused(const Volume& v, BodyPart expected, Report* out = nullptr) {
   Report report;
   std::string why;
   try {
-    look::judge_body_part(v, {expected}, report);
+    value_of(report, look::judge_body_part(v, {expected}));
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     EXPECT_EQ(e.field(), "expected");
@@ -118,7 +119,7 @@ TEST(BodyPart, LungsAreNoHeadAndTheRecipeThatFitsIsNamed) {
   // The remedy makes it all the same, and does not call it good.
   EXPECT_TRUE(has(why, "--set body_part.refuse=false")) << why;
   Report report;
-  look::judge_body_part(chest, {BodyPart::head, false}, report);
+  value_of(report, look::judge_body_part(chest, {BodyPart::head, false}));
   EXPECT_EQ(said(report), "unknown");
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_TRUE(has(report.warnings[0], "lungs are seen, and no head")) << report.warnings[0];

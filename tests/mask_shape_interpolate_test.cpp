@@ -11,6 +11,7 @@
 #include "mask/shape_interpolate.h"
 #include "meshing_shapes.h"
 #include "surface/trimesh.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -30,7 +31,7 @@ grid::Field slices_of(const std::function<double(Vec3)>& inside_mm, double step_
 
 grid::Field interpolated(const grid::Field& f, mask::ShapeInterpolateParams p = {}) {
   Report report;
-  return *mask::shape_interpolate(std::make_shared<const grid::Field>(f), p, report);
+  return *value_of(report, mask::shape_interpolate(std::make_shared<const grid::Field>(f), p));
 }
 
 struct Error_mm {

@@ -12,6 +12,7 @@
 #include "mask/simplify_topology.h"
 #include "meshing_shapes.h"
 #include "surface/trimesh.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -30,7 +31,7 @@ Result simplified(const grid::Field& f, double handles_mm, double cavities_ml) {
   p.close_handles_mm = handles_mm;
   p.close_cavities_ml = cavities_ml;
   Result r;
-  r.field = mask::simplify_topology(f, p, r.report);
+  r.field = value_of(r.report, mask::simplify_topology(f, p));
   // Where the sign did not change the value did not.
   std::int64_t changed = 0;
   for (std::size_t i = 0; i < f.voxels.size(); ++i)
@@ -157,7 +158,7 @@ TEST(SimplifyTopology, RefusesWhatIsNotFinite) {
   f.at(3, 2, 1) = std::numeric_limits<float>::quiet_NaN();
   Report r;
   try {
-    mask::simplify_topology(f, {}, r);
+    value_of(r, mask::simplify_topology(f, {}));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -25,7 +26,7 @@ meshing::ContourParams everything() {
 
 surface::TriMesh contoured(const grid::Field& f, const meshing::ContourParams& p = everything()) {
   Report r;
-  return meshing::contour(f, p, r);
+  return value_of(r, meshing::contour(f, p));
 }
 
 std::string refusal(const std::function<void()>& f, ExitCode code) {
@@ -80,7 +81,7 @@ TEST(Contour, SamplesAtTheIsovalue) {  // M1
   meshing::ContourParams p = everything();
   p.isovalue_hu = 226;
   Report r;
-  const surface::TriMesh m = meshing::contour(grid::HuVolume(hu), p, r);
+  const surface::TriMesh m = value_of(r, meshing::contour(grid::HuVolume(hu), p));
   expect_valid(m, "integers");
   EXPECT_EQ(std::get<double>(*r.find("isovalue_hu")), 225.5);
   EXPECT_EQ(r.warnings.size(), 1u);
@@ -88,7 +89,7 @@ TEST(Contour, SamplesAtTheIsovalue) {  // M1
   grid::Grid<float> real(lattice(16, 16, 16));
   for (std::size_t i = 0; i < real.voxels.size(); ++i) real.voxels[i] = hu.voxels[i];
   Report q;
-  expect_valid(meshing::contour(grid::HuVolume(real), p, q), "reals equal to the isovalue");
+  expect_valid(value_of(q, meshing::contour(grid::HuVolume(real), p)), "reals equal to the isovalue");
   EXPECT_EQ(std::get<double>(*q.find("isovalue_hu")), 226);
 }
 
@@ -189,13 +190,13 @@ TEST(Contour, CavitiesAndSmallPieces) {
   meshing::ContourParams p;
   p.min_component_mm3 = 0;
   Report r;
-  surface::TriMesh m = meshing::contour(f, p, r);
+  surface::TriMesh m = value_of(r, meshing::contour(f, p));
   EXPECT_EQ(surface::topology_of(m).components, 2);  // the cavity went, and the ball in it
   EXPECT_EQ(std::get<std::int64_t>(*r.find("cavities_dropped_count")), 2);
   EXPECT_NEAR(surface::volume_mm3(m), 4.0 / 3 * M_PI * (1000 + 15.6), 60);
   p.min_component_mm3 = 100;
   Report q;
-  m = meshing::contour(f, p, q);
+  m = value_of(q, meshing::contour(f, p));
   EXPECT_EQ(surface::topology_of(m).components, 1);
   EXPECT_EQ(std::get<std::int64_t>(*q.find("small_components_dropped_count")), 1);
 }

@@ -15,6 +15,7 @@
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
 #include "surface/triangle_tree.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -27,7 +28,7 @@ Result decimated(const surface::TriMesh& m, std::int64_t count, double ratio, do
   p.keep_ratio = ratio;
   p.max_deviation_mm = deviation;
   Result r;
-  r.mesh = meshing::decimate(m, p, r.report);
+  r.mesh = value_of(r.report, meshing::decimate(m, p));
   const meshing::Validity v = meshing::check_validity(r.mesh);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
@@ -182,10 +183,9 @@ TEST(Decimate, ASurfaceOfNoiseIsNotCollapsedInVain) {
   std::normal_distribution<float> error(0, 0.75f);
   grid::Field f = sphere(90, 20);  // voxels of half a millimetre
   for (float& v : f.voxels) v = std::abs(v) < 2.9f ? v + error(random) : v;
-  Report ignored;
   meshing::ContourParams one;
   one.min_component_mm3 = 50;
-  const surface::TriMesh m = meshing::contour(f, one, ignored);
+  const surface::TriMesh m = meshing::contour(f, one).value;
   const Result r = decimated(m, 2000, 0, 1.5);
   EXPECT_EQ(r.text("stopped_by"), "deviation");
   EXPECT_LT(double(r.count("collapses_undone_count")), 0.5 * double(m.triangles.size()));
@@ -211,7 +211,7 @@ TEST(Decimate, RefusesWhatIsNotASurface) {
     p.keep_ratio = 0.5;
     Report r;
     try {
-      meshing::decimate(mesh, p, r);
+      value_of(r, meshing::decimate(mesh, p));
     } catch (const Error& e) {
       return e.code();
     }

@@ -17,7 +17,7 @@ using namespace shapes;
 /// Repaired, and checked to be valid.
 inline Result repaired(const surface::TriMesh& m, const meshing::RepairParams& p = {}) {
   Result r;
-  r.mesh = meshing::repair(m, p, r.report);
+  r.mesh = value_of(r.report, meshing::repair(m, p));
   const meshing::Validity v = meshing::check_validity(r.mesh);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);

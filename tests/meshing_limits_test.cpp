@@ -15,6 +15,7 @@
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
 #include "surface/incidence.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -66,7 +67,7 @@ TEST(Limits, RepairGivesUpAfterAllOfItsTimeAndWhenAskedTo) {
   Report report;
   const auto start = Clock::now();
   try {
-    meshing::repair(soup, p, report);
+    value_of(report, meshing::repair(soup, p));
     ADD_FAILURE() << "no limit";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::internal);
@@ -78,7 +79,7 @@ TEST(Limits, RepairGivesUpAfterAllOfItsTimeAndWhenAskedTo) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     cancel = true;
   });
-  EXPECT_THROW(meshing::repair(soup, p, report, Progress(nullptr, &cancel)), Cancelled);
+  EXPECT_THROW(value_of(report, meshing::repair(soup, p, Progress(nullptr, &cancel))), Cancelled);
   user.join();
   // What both would take is minutes; this bound is for a machine that does much else beside it.
   EXPECT_LT(seconds_since(start), 300);
@@ -101,19 +102,19 @@ TEST(Limits, AChainKeepsTheBoundThatWasAskedFor) {
   fewer.max_deviation_mm = 0.3;
   fewer.target_triangles_count = 4;
   Report report;
-  const surface::TriMesh rough = meshing::decimate(ball, fewer, report);
+  const surface::TriMesh rough = value_of(report, meshing::decimate(ball, fewer));
   meshing::SmoothParams p;
   p.max_displacement_mm = 0.3;
   p.iterations_count = 50;
   p.pass_band_ratio = 0.1;
   p.max_volume_change_percent = 100;
   Report free;
-  meshing::smooth(rough, p, free, {}, &ball);
+  value_of(free, meshing::smooth(rough, p, {}, &ball));
   const auto figure = [](const Report& r, const char* name) { return std::get<double>(*r.find(name)); };
   EXPECT_GT(figure(free, "reference_distance_max_mm"), 0.3) << "the control: without the bound it is broken";
   p.total_deviation_mm = 0.3;
   Report kept;
-  const surface::TriMesh smoothed = meshing::smooth(rough, p, kept, {}, &ball);
+  const surface::TriMesh smoothed = value_of(kept, meshing::smooth(rough, p, {}, &ball));
   EXPECT_LE(figure(kept, "reference_distance_max_mm"), 0.3);
   EXPECT_EQ(figure(kept, "total_deviation_proven_mm"), 0.3);
   EXPECT_TRUE(meshing::check_validity(smoothed).valid());
@@ -121,7 +122,7 @@ TEST(Limits, AChainKeepsTheBoundThatWasAskedFor) {
   p.total_deviation_mm = 0.05;
   const auto code = [&](const surface::TriMesh* reference) {
     try {
-      meshing::smooth(rough, p, kept, {}, reference);
+      value_of(kept, meshing::smooth(rough, p, {}, reference));
     } catch (const Error& e) {
       return e.code();
     }

@@ -13,6 +13,7 @@
 #include "meshing/smooth.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -54,7 +55,7 @@ void one_volume(std::uint64_t seed, Counts& counts) {
     less.keep_ratio = random(0.02, 0.6);
     less.max_deviation_mm = random() < 0.5 ? 0 : random(0.05, 1);
     Report report;
-    const surface::TriMesh fewer = meshing::decimate(whole, less, report);
+    const surface::TriMesh fewer = value_of(report, meshing::decimate(whole, less));
     check(fewer, "decimate");
     counts.turned += inward_pieces(fewer) != inward_pieces(whole);
     meshing::SmoothParams smoother;
@@ -64,7 +65,7 @@ void one_volume(std::uint64_t seed, Counts& counts) {
     smoother.iterations_count = 1 + std::int64_t(30 * random());
     smoother.pass_band_ratio = random(0.02, 1.5);
     smoother.max_displacement_mm = random(0.02, 1);
-    const surface::TriMesh smoothed = meshing::smooth(fewer, smoother, report);
+    const surface::TriMesh smoothed = value_of(report, meshing::smooth(fewer, smoother));
     check(smoothed, "smooth");
     counts.turned += inward_pieces(smoothed) != inward_pieces(fewer);
   } catch (const Error& e) {

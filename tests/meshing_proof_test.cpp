@@ -17,6 +17,7 @@
 #include "meshing/validity.h"
 #include "meshing_box.h"
 #include "meshing_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -131,12 +132,12 @@ TEST(Proof, StaysWhereThereIsNothingToDo) {
   meshing::centre_origin(m);
   surface::drop_unused_points(m);
   Report report;
-  meshing::compute_normals(m, {}, report);
+  meshing::compute_normals(m, {});
   EXPECT_TRUE(m.proven_valid());
-  EXPECT_TRUE(meshing::smooth(m, {}, report).proven_valid());
-  EXPECT_TRUE(meshing::decimate(m, {}, report).proven_valid());
-  EXPECT_TRUE(meshing::remesh(m, {}, report).proven_valid());
-  EXPECT_TRUE(meshing::repair(m, {}, report).proven_valid());
+  EXPECT_TRUE(value_of(report, meshing::smooth(m, {})).proven_valid());
+  EXPECT_TRUE(value_of(report, meshing::decimate(m, {})).proven_valid());
+  EXPECT_TRUE(value_of(report, meshing::remesh(m, {})).proven_valid());
+  EXPECT_TRUE(value_of(report, meshing::repair(m, {})).proven_valid());
 }
 
 }  // namespace

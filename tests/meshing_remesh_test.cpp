@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -16,7 +17,7 @@ using namespace shapes;
 
 Result remeshed(const surface::TriMesh& m, const meshing::RemeshParams& p) {
   Result r;
-  r.mesh = meshing::remesh(m, p, r.report);
+  r.mesh = value_of(r.report, meshing::remesh(m, p));
   const meshing::Validity v = meshing::check_validity(r.mesh);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
@@ -62,7 +63,7 @@ TEST(Remesh, EdgesAreShortenedForTheBound) {
   p.max_deviation_mm = 1e-5;
   Report refused;
   try {
-    meshing::remesh(m, p, refused);
+    value_of(refused, meshing::remesh(m, p));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -89,7 +90,7 @@ TEST(Remesh, BeyondItsTimeOrNotASurface) {  // M11
   Report r;
   const auto code = [&](const surface::TriMesh& m) {
     try {
-      meshing::remesh(m, p, r);
+      value_of(r, meshing::remesh(m, p));
     } catch (const Error& e) {
       return e.code();
     }

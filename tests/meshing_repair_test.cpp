@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "meshing_faults.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -40,7 +41,7 @@ TEST(Repair, BadIndicesAndNumbersAreRefused) {  // M5, M7
   const auto code = [](const surface::TriMesh& m) {
     try {
       Report r;
-      meshing::repair(m, {}, r);
+      value_of(r, meshing::repair(m, {}));
     } catch (const Error& e) {
       return e.code();
     }
@@ -172,7 +173,7 @@ TEST(Repair, BeyondItsTimeTheLastResort) {  // M11
   p.recontour_voxels_count = 0;
   Report r;
   try {
-    meshing::repair(m, p, r);
+    value_of(r, meshing::repair(m, p));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::internal);

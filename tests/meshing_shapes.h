@@ -11,6 +11,7 @@
 #include "meshing/contour.h"
 #include "random.h"
 #include "sampled_grid.h"
+#include "report_of.h"
 
 namespace trephine::shapes {
 
@@ -58,7 +59,7 @@ inline surface::TriMesh contoured(const grid::Field& f) {
   p.min_component_mm3 = 0;
   p.keep_cavities = true;
   Report r;
-  return meshing::contour(f, p, r);
+  return value_of(r, meshing::contour(f, p));
 }
 
 }  // namespace trephine::shapes

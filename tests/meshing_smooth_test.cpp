@@ -14,6 +14,7 @@
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -28,7 +29,7 @@ Result smoothed(const surface::TriMesh& m, std::int64_t iterations, double bound
   p.max_displacement_mm = bound;
   p.pass_band_ratio = band;
   Result r;
-  r.mesh = meshing::smooth(m, p, r.report);
+  r.mesh = value_of(r.report, meshing::smooth(m, p));
   const meshing::Validity v = meshing::check_validity(r.mesh);
   EXPECT_TRUE(v.valid()) << v.text();
   EXPECT_TRUE(v.float32);
@@ -100,9 +101,8 @@ TEST(Smooth, FeaturesAreKept) {
   surface::TriMesh m = contoured(sample(lattice(30, 30, 30, {1, 1, 1}, {-14.5, -14.5, -14.5}), [](Vec3 p) {
     return 10 - std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   }));
-  Report ignored;
   surface::TriMesh shaken = m;
-  meshing::compute_normals(shaken, meshing::NormalsParams(), ignored);
+  meshing::compute_normals(shaken, meshing::NormalsParams());
   Random random(4);
   for (std::size_t i = 0; i < m.points_mm.size(); ++i) m.points_mm[i] += shaken.normals[i] * random(-0.15, 0.15);
   meshing::snap_to_float32(m);
@@ -152,7 +152,7 @@ TEST(Smooth, RefusesWhatIsNotFinite) {
   meshing::SmoothParams p;
   Report r;
   try {
-    meshing::smooth(m, p, r);
+    value_of(r, meshing::smooth(m, p));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -179,8 +179,7 @@ TEST(Normals, LookOutwardsAndKeepTheMesh) {
     const surface::TriMesh before = m;
     meshing::NormalsParams p;
     p.weight = weight;
-    Report r;
-    meshing::compute_normals(m, p, r);
+    meshing::compute_normals(m, p);
     EXPECT_TRUE(m.points_mm == before.points_mm && m.triangles == before.triangles);
     ASSERT_EQ(m.normals.size(), m.points_mm.size());
     for (std::size_t i = 0; i < m.normals.size(); ++i) {
@@ -194,10 +193,9 @@ TEST(Normals, AreNeverZero) {
   surface::TriMesh m;  // two triangles back to back, and a point of no triangle
   m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}};
   m.triangles = {{0, 1, 2}, {0, 2, 1}};
-  Report r;
-  meshing::compute_normals(m, meshing::NormalsParams(), r);
+  const auto normals = meshing::compute_normals(m, meshing::NormalsParams());
   for (const Vec3 n : m.normals) EXPECT_NEAR(norm(n), 1, 1e-12);
-  EXPECT_EQ(std::get<std::int64_t>(*r.find("normals_replaced_count")), 4);
+  EXPECT_EQ(normals.normals_replaced_count, 4);
 }
 
 surface::TriMesh tetrahedron(Vec3 at, double size) {

@@ -14,6 +14,7 @@
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
 #include "surface/triangle_tree.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -66,7 +67,7 @@ surface::TriMesh decimated(const surface::TriMesh& m, double keep, double bound)
   p.target_triangles_count = 0;
   p.max_deviation_mm = bound;
   Report r;
-  return meshing::decimate(m, p, r);
+  return value_of(r, meshing::decimate(m, p));
 }
 
 /// Closed, and of the topology that it was.
@@ -100,7 +101,7 @@ void check_walls(const surface::TriMesh& m, double share, const char* name) {
       s.iterations_count = 40;
       s.max_displacement_mm = 0.1;
       Report r;
-      const surface::TriMesh smoothed = meshing::smooth(fewer, s, r);
+      const surface::TriMesh smoothed = value_of(r, meshing::smooth(fewer, s));
       expect_same_topology(m, smoothed, what + ", smoothed");
       const double thin = thinnest_mm(smoothed);
       EXPECT_GE(thin, after - 2 * s.max_displacement_mm) << what;
@@ -152,7 +153,7 @@ TEST(ThinWalls, PlateWithHolesAndASuture) {  // an open edge all around; tunnels
     meshing::SmoothParams s;
     s.max_displacement_mm = 0.1;
     Report r;
-    expect_same_topology(m, meshing::smooth(fewer, s, r), "smoothed");
+    expect_same_topology(m, value_of(r, meshing::smooth(fewer, s)), "smoothed");
   }
   const surface::TriMesh bounded = decimated(m, 0.001, 0.2);
   expect_same_topology(m, bounded, "bound");

@@ -10,6 +10,7 @@
 #include "base/write_file.h"
 #include "meshio/label_map.h"
 #include "meshio_shapes.h"
+#include "report_of.h"
 #include "scratch_folder.h"
 
 namespace trephine {
@@ -44,7 +45,7 @@ std::int64_t count(const Report& r, const std::string& name) { return std::get<s
 TEST(LabelMap, LaterFieldsWinAndOverlapIsCounted) {
   const Shapes shapes;
   Report report;
-  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
+  const meshio::LabelMap map = value_of(report, meshio::make_label_map(shapes.list()));
   EXPECT_EQ(map.labels.size, (std::array<int, 3>{20, 23, 12}));
   EXPECT_EQ(map.labels.origin_mm, (Vec3{-40, 10, 696}));
   std::size_t skin = 0, skull = 0;
@@ -65,8 +66,7 @@ TEST(LabelMap, LaterFieldsWinAndOverlapIsCounted) {
 
 TEST(LabelMap, KeysAsSlicerReadsThem) {
   const Shapes shapes;
-  Report report;
-  const grid::NrrdKeys keys = meshio::make_label_map(shapes.list(), report).keys;
+  const grid::NrrdKeys keys = meshio::make_label_map(shapes.list()).value.keys;
   const std::map<std::string, std::string> wanted = {
       {"Segmentation_MasterRepresentation", "Binary labelmap"},
       {"Segmentation_ContainedRepresentationNames", "Binary labelmap|"},
@@ -92,8 +92,7 @@ TEST(LabelMap, KeysAsSlicerReadsThem) {
 TEST(LabelMap, ReadBackBySecondProgram) {
   const ScratchFolder scratch;
   const Shapes shapes;
-  Report report;
-  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
+  const meshio::LabelMap map = meshio::make_label_map(shapes.list()).value;
   const std::filesystem::path file = scratch.path() / "labels.seg.nrrd";
   meshio::write_label_map(file, map);
   const grid::Nrrd back = grid::read_nrrd(file);
@@ -120,23 +119,21 @@ TEST(LabelMap, ReadBackBySecondProgram) {
 
 TEST(LabelMap, FaultsAreNamed) {
   Shapes shapes;
-  Report report;
   std::string line;
   auto list = shapes.list();
   grid::Field covering(shapes.skin, 1.f);
   list.push_back({&covering, "all", {1, 1, 1}});
-  EXPECT_EQ(code_of([&] { meshio::make_label_map(list, report); }, &line), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map(list); }, &line), ExitCode::quality);
   EXPECT_NE(line.find("skin"), std::string::npos) << line;
   shapes.skull.spacing_mm.x = 0.6;
-  EXPECT_EQ(code_of([&] { meshio::make_label_map(shapes.list(), report); }, &line), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map(shapes.list()); }, &line), ExitCode::bad_input);
   EXPECT_NE(line.find("skull"), std::string::npos) << line;
-  EXPECT_EQ(code_of([&] { meshio::make_label_map({}, report); }), ExitCode::internal);
+  EXPECT_EQ(code_of([&] { meshio::make_label_map({}); }), ExitCode::internal);
 }
 
 TEST(LabelMap, AFullDiskIsSaid) {
   const Shapes shapes;
-  Report report;
-  const meshio::LabelMap map = meshio::make_label_map(shapes.list(), report);
+  const meshio::LabelMap map = meshio::make_label_map(shapes.list()).value;
   EXPECT_EQ(code_of([&] { meshio::write_label_map("/dev/full", map); }), ExitCode::io);
 }
 

@@ -21,10 +21,9 @@ namespace fs = std::filesystem;
 constexpr Vec3 place{-93, 41, 712};
 
 surface::TriMesh read(const fs::path& file, double max_s = 0) {
-  Report report;
   meshio::ReadMeshLimits limits;
   limits.max_s = max_s;
-  return meshio::read_mesh_file(file, report, limits);
+  return meshio::read_mesh_file(file, limits).value;
 }
 
 fs::path write_as(const ScratchFolder& scratch, const char* format, const surface::TriMesh& mesh,
@@ -140,10 +139,9 @@ TEST(ReadMesh, FaultsAreNamed) {
   meshio::ReadMeshLimits small;
   small.max_bytes = 100;
   for (const char* f : readable) {
-    Report report;
     const surface::TriMesh mesh = bumpy_ball(12, 7, place);
     const fs::path file = write_as(scratch, f, mesh);
-    EXPECT_EQ(code_of([&] { meshio::read_mesh_file(file, report, small); }), ExitCode::bad_input) << f;
+    EXPECT_EQ(code_of([&] { meshio::read_mesh_file(file, small); }), ExitCode::bad_input) << f;
   }
 }
 

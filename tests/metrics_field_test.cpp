@@ -41,8 +41,7 @@ TEST(MeasureField, AShellThatIsTooThickOnEitherSide) {
   for (std::size_t v = 0; v < solid.voxels.size(); ++v) solid.voxels[v] = truth.voxels[v] > 0;
   meshing::ContourParams all;
   all.keep_cavities = true;
-  Report ignored;
-  const surface::TriMesh mesh = meshing::contour(truth, all, ignored);
+  const surface::TriMesh mesh = meshing::contour(truth, all).value;
   metrics::FieldTruth t;
   t.solid = &solid;
   t.distance = [](Vec3 p) { return shell(p, inner_mm, outer_mm); };
@@ -50,7 +49,7 @@ TEST(MeasureField, AShellThatIsTooThickOnEitherSide) {
   t.is_inner = [](Vec3 p) { return norm(p) < 10; };
   // 0.3 mm too far in, 0.1 mm too far out; cropped as fields are.
   const grid::Field found = field_of(grid::cropped(l, {{3, 3, 3}, {37, 37, 37}}), inner_mm - 0.3, outer_mm + 0.1);
-  const Report r = metrics::measure_field(found, t, 5000);
+  const Report r = printed(figures_of(metrics::measure_field(found, t, 5000)), {});
   EXPECT_NEAR(figure(r, "inner_bias_mm"), 0.3, 0.03);
   EXPECT_NEAR(figure(r, "outer_bias_mm"), 0.1, 0.03);
   EXPECT_NEAR(figure(r, "width_bias_mm"), 0.4, 0.04);

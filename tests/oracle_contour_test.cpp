@@ -20,6 +20,7 @@
 #include "mask/filters.h"
 #include "meshing/contour.h"
 #include "surface/trimesh.h"
+#include "report_of.h"
 
 using namespace trephine;
 using namespace trephine::mask;
@@ -90,7 +91,7 @@ TEST(Oracle, MarchingCubesAreVtks) {
     params.keep_cavities = true;
     Report report;
     const auto start = std::chrono::steady_clock::now();
-    const surface::TriMesh own = meshing::contour(g, params, report);
+    const surface::TriMesh own = value_of(report, meshing::contour(g, params));
     const double ours = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     double theirs = 0;
     const auto vtk = contour_by_vtk(g, &theirs);

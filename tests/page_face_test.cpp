@@ -11,6 +11,7 @@
 #include "page/case_page.h"
 #include "page_reading.h"
 #include "phantom_heads.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -26,8 +27,7 @@ Patient patient() {
   const phantom::Head head = phantom_heads::head_of(phantom::Level::simple, 7);
   Patient p;
   p.volume = phantom::volume_of(phantom::scan(head, phantom_heads::scan_of(150, 80, 12)));
-  Report report;
-  p.skin = segmentation::segment(p.volume, {}, head_recipe::skin(), report);
+  p.skin = segmentation::segment(p.volume, {}, head_recipe::skin()).value;
   p.region = face::face_region(phantom_heads::face_landmarks(head));
   return p;
 }
@@ -35,7 +35,8 @@ Patient patient() {
 // The page of a case of skin and CT.
 std::string page_of(const grid::HuVolume& volume) {
   Report report;
-  surface::TriMesh skin = meshing::contour(segmentation::segment(volume, {}, head_recipe::skin(), report), {}, report);
+  surface::TriMesh skin =
+      value_of(report, meshing::contour(value_of(report, segmentation::segment(volume, {}, head_recipe::skin())), {}));
   case_samples::MemoryCase c;
   cases::CaseManifest& m = c.manifest;
   m.case_token = "head";
@@ -81,7 +82,7 @@ TEST(PageFace, NoPageShowsAFaceThatWasTakenAway) {
     face::DefaceParams params;
     params.policy = policy;
     Report report;
-    EXPECT_GE(distance_mm(p, page_of(face::deface(p.volume, p.skin, p.region, params, report))),
+    EXPECT_GE(distance_mm(p, page_of(value_of(report, face::deface(p.volume, p.skin, p.region, params)))),
               face::face_clearance_mm);
   }
 }

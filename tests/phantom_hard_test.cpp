@@ -291,8 +291,8 @@ TEST(PhantomHard, MeasureSaysHowMuchApparatusIsInASurface) {
     apparatus += labels.voxels[i] == 7 ? labels.voxel_volume_mm3() / 1000 : 0;
   }
   const phantom::TruthSurface skin = phantom::truth_surface(truth, phantom::Anatomy::skin);
-  EXPECT_EQ(std::get<double>(*phantom::measure_against_truth(body, skin, 200).find("apparatus_ml")), 0);
-  EXPECT_NEAR(std::get<double>(*phantom::measure_against_truth(with, skin, 200).find("apparatus_ml")), apparatus, 1e-6);
+  EXPECT_EQ(*phantom::measure_against_truth(body, skin, 200).apparatus_ml, 0);
+  EXPECT_NEAR(*phantom::measure_against_truth(with, skin, 200).apparatus_ml, apparatus, 1e-6);
 
   phantom::PhantomParams prone = p;
   prone.scan.position = phantom::Position::head_first_prone;

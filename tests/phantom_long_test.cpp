@@ -37,8 +37,8 @@ TEST(LongPhantom, WritesWhereAsked) {
   phantom::PhantomParams p;
   if (size && std::string(size) == "small") p = phantom::sample_phantom();
   const auto start = std::chrono::steady_clock::now();
-  const Report r = phantom::make_phantom(out, p);
-  for (const auto& f : r.figures) std::printf("%s %s\n", f.first.c_str(), to_text(f.second).c_str());
+  const phantom::PhantomResult r = phantom::make_phantom(out, p);
+  for (const auto& f : figures_of(r)) std::printf("%s %s\n", f.first.c_str(), to_text(f.second).c_str());
   std::printf("%.1f s\n", seconds_since(start));
   grid::write_nrrd(std::filesystem::path(out) / "volume.nrrd",
                    grid::HuVolume(phantom::volume_of(phantom::scan(phantom::Head(p.head), p.scan))));

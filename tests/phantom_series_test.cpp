@@ -168,7 +168,7 @@ TEST(PhantomTruth, SameFilesWhateverTheThreadsAndReadBack) {
   p.head.seed = 11;
   p.scan.contents = phantom::Contents::head_with_fiducials;
   set_thread_count(1);
-  const Report report = phantom::make_phantom(a.path() / "one", p);
+  const phantom::PhantomResult made = phantom::make_phantom(a.path() / "one", p);
   set_thread_count(2);
   phantom::make_phantom(b.path() / "elsewhere", p);
   set_thread_count(0);
@@ -177,7 +177,7 @@ TEST(PhantomTruth, SameFilesWhateverTheThreadsAndReadBack) {
   for (const char* name : {"truth/truth.json", "truth/labels.nrrd", "truth/skin.vtp", "truth/skull.vtp",
                            "truth/brain.vtp", "truth/ventricles.vtp", "dicom/slice_0005.dcm"})
     EXPECT_EQ(files.count(name), 1u) << name;
-  ASSERT_NE(report.find("brain_volume_ml"), nullptr);
+  ASSERT_NE(find_item(figures_of(made), "brain_volume_ml"), nullptr);
 
   const phantom::Truth truth = phantom::read_truth(a.path() / "one/truth/truth.json");
   const phantom::Head head(p.head);
@@ -244,13 +244,13 @@ TEST(PhantomSample, RegeneratesTheCommittedSeries) {
 TEST(PhantomSpine, IsScannedWithItsTruth) {
   const phantom::PhantomParams p = exact(phantom::BodyParams::Body::spine, 120, 40);
   const ScratchFolder one, other;
-  const Report report = phantom::make_phantom(one.path(), p);
+  const phantom::PhantomResult made = phantom::make_phantom(one.path(), p);
   set_thread_count(1);
   phantom::make_phantom(other.path(), p);
   set_thread_count(0);
   EXPECT_EQ(hashes_of(one.path()), hashes_of(other.path()));
   // 80 mm hold the one vertebra of 34 mm that is whole, and parts of its neighbours.
-  EXPECT_EQ(std::get<std::int64_t>(*report.find("pedicles_count")), 2);
+  EXPECT_EQ(made.pedicles_count, 2);
   const std::vector<char> truth = read_file(one.path() / "truth" / "truth.json", 1 << 20);
   const std::string text(truth.begin(), truth.end());
   EXPECT_NE(text.find("pedicle_1_left"), std::string::npos);

@@ -15,6 +15,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
+struct Letter {
+  std::string letter;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&Letter::letter, "letter", "A letter.");
+  }
+};
+
 struct Cache {
   Cache() {
     for (const char digit : {'a', 'b', 'c', 'd'}) {
@@ -23,9 +31,11 @@ struct Cache {
       surface::TriMesh mesh;
       mesh.points_mm = {{double(digit), 0, 0}, {1, 0, 0}, {0, 1, 0}};
       mesh.triangles = {{0, 1, 2}};
-      Report report;
-      report.add("letter", std::string(1, digit));
-      cache.store(key, stages::DataKind::mesh, std::make_shared<const surface::TriMesh>(mesh), report, 3);
+      cache.store(key, stages::DataKind::mesh,
+                  {std::make_shared<const surface::TriMesh>(mesh),
+                   AnyParams::make<Letter>({std::string(1, digit)}),
+                   {{"small", "only {count} triangle", {{"count", std::int64_t{1}}}}}},
+                  3);
     }
     for (const auto& e : fs::directory_iterator(path)) content[e.path().filename()] = read(e.path());
   }
@@ -38,9 +48,12 @@ struct Cache {
   }
   /// What the cache gives for the key, or nothing; never that of another one.
   bool holds(const std::string& key) const {
-    const auto report = cache.load_outcome(key).report;
-    if (!report) return false;
-    EXPECT_EQ(std::get<std::string>(*report->find("letter")), key.substr(0, 1));
+    stages::StageType type;
+    type.declares<NothingDeclared, Letter>();
+    const auto made = cache.load_outcome(key, type).made;
+    if (!made) return false;
+    EXPECT_EQ(result_as<Letter>(made->result).letter, key.substr(0, 1));
+    EXPECT_EQ(to_text(made->warnings.at(0)), "only 1 triangle");
     const auto data = cache.load_data(key, stages::DataKind::mesh);
     if (!data) return false;
     EXPECT_EQ(std::get<std::shared_ptr<const surface::TriMesh>>(*data)->points_mm[0].x, double(key[0]));
@@ -67,7 +80,7 @@ TEST(StageCache, AnEntryUnderAnotherNameIsNone) {
         for (const auto& [bit, extension] : {std::pair<int, const char*>{1, ".index"}, {2, ".vtp"}})
           if (which & bit)
             fs::copy_file(c.path / (from + extension), c.path / (to + extension), fs::copy_options::overwrite_existing);
-        EXPECT_FALSE(c.cache.look_up(to).has_report && (which & 1)) << "the index of another key";
+        EXPECT_FALSE(c.cache.look_up(to).has_result && (which & 1)) << "the index of another key";
         EXPECT_FALSE(c.holds(to)) << from[0] << " as " << to[0] << ", " << which;
         EXPECT_FALSE(fs::exists(c.path / (to + ".index"))) << "what is wrong is removed";
         EXPECT_TRUE(c.holds(from));

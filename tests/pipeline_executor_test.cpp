@@ -29,11 +29,19 @@ struct NoParams {
   }
 };
 
+struct Place {
+  double x_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&Place::x_mm, "x_mm", Range{}, "Where it lies.");
+  }
+};
+
 class Silent : public pipeline::RunObserver {
  public:
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
-  void finished(const std::string& node, const std::string& how, double, const Report&) override {
+  void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome&) override {
     const std::lock_guard<std::mutex> lock(mutex);
     log[node] = how;
   }
@@ -57,9 +65,9 @@ struct Fixture {
     type->name = name;
     for (std::size_t i = 0; i < sources.size(); ++i)
       type->ports.push_back(stages::port("p" + std::to_string(i), stages::DataKind::mesh));
-    type->make_params = [] { return AnyParams::make<NoParams>(); };
-    type->run = [this, name, n = sources.size()](const AnyParams& p, const stages::StageInputs& in, Report& report,
-                                                 const Progress& progress) -> stages::StageData {
+    type->declares<NoParams, Place>();
+    type->run = [this, name, n = sources.size()](const AnyParams& p, const stages::StageInputs& in,
+                                                 const Progress& progress) -> stages::StageOutcome {
       progress.report(0.5);
       if (const auto f = first.find(name); f != first.end()) f->second(progress);
       if (name.rfind("fails", 0) == 0) throw Error(ExitCode::quality, "", "", "as asked");
@@ -73,13 +81,12 @@ struct Fixture {
       mesh->points_mm = {{p.as<NoParams>().value, 0, 0}};
       for (std::size_t i = 0; i < n; ++i)
         mesh->points_mm[0].x += in.get<surface::TriMesh>("p" + std::to_string(i))->points_mm[0].x;
-      report.add("x_mm", mesh->points_mm[0].x);
       const std::lock_guard<std::mutex> lock(mutex);
       made[name] = mesh;
       if (name == "last")
         for (const auto& [other, weak] : made)
           if (other != "last" && !weak.expired()) alive_at_end_stage.push_back(other);
-      return std::shared_ptr<const surface::TriMesh>(mesh);
+      return {std::shared_ptr<const surface::TriMesh>(mesh), AnyParams::make<Place>({mesh->points_mm[0].x}), {}};
     };
     pipeline::Node node;
     node.name = name;
@@ -282,8 +289,7 @@ TEST(Executor, TakesFromTheCacheWhatIsThereAndWhole) {
     Silent silent;
     const auto results = pipeline::execute(f.graph, {last}, options, silent);
     log = silent.log;
-    EXPECT_EQ(std::get<double>(*results[size_t(a)].report.find("x_mm")), 1)
-        << "reports of what was skipped are known too";
+    EXPECT_EQ(result_as<Place>(results[size_t(a)].result).x_mm, 1) << "results of what was skipped are known too";
     return x_of(results[size_t(last)]);
   };
   std::map<std::string, std::string> log;

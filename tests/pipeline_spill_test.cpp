@@ -26,7 +26,7 @@ class Silent : public pipeline::RunObserver {
  public:
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const Report&) override {}
+  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 };
 
 struct Nodes {
@@ -40,7 +40,11 @@ struct Nodes {
     for (std::size_t i = 0; i < sources.size(); ++i)
       type->ports.push_back(stages::port("p" + std::to_string(i), stages::DataKind::field));
     type->make_params = [] { return AnyParams::make<NoParams>(); };
-    type->run = [run](const AnyParams&, const stages::StageInputs& in, Report&, const Progress&) { return run(in); };
+    type->run = [run](const AnyParams&, const stages::StageInputs& in, const Progress&) {
+      stages::StageOutcome out;
+      out.data = run(in);
+      return out;
+    };
     pipeline::Node node;
     node.name = name;
     node.type = type.get();

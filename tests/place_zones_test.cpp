@@ -12,6 +12,7 @@
 #include "phantom/head.h"
 #include "phantom/phantom.h"
 #include "place/zones.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -42,7 +43,7 @@ struct Leaking {
     how.noise_hu = noise_hu;
     volume = phantom::volume_of(phantom::scan(head, how));
     Report ignored;
-    cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), ignored, {});
+    cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), {}).value;
     const grid::Lattice& l = cavity.lattice();
     box = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) {
@@ -66,7 +67,7 @@ struct Leaking {
     Report report;
     place::ZoneShapes shapes;
     shapes.volume = &volume;
-    const grid::Field field = place::find_zone(cavity, shapes, params, report);
+    const grid::Field field = value_of(report, place::find_zone(cavity, shapes, params));
     const mask::BitMask inside = mask::positive(field, cavity.lattice());
     const double within = double(mask::both(inside, box).count());
     return {within, double(inside.count()) - within};
@@ -101,7 +102,7 @@ struct FoundThird {
     const phantom::Head head(who);
     const grid::HuVolume volume = phantom::volume_of(phantom::scan(head, scan_in(90, 2)));
     Report ignored;
-    const mask::BitMask cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), ignored, {});
+    const mask::BitMask cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), {}).value;
     grid::Field ventricles(cavity.lattice());
     const auto each = [](const grid::Lattice& l, const auto& visit) {
       for (int k = 0; k < l.size[2]; ++k)
@@ -115,7 +116,7 @@ struct FoundThird {
     });
     place::ZoneParams params;
     params.what = place::Zone::third_ventricle;
-    const grid::Field zone = place::find_zone(cavity, {nullptr, &ventricles}, params, report);
+    const grid::Field zone = value_of(report, place::find_zone(cavity, {nullptr, &ventricles}, params));
     double all = 0, lateral_all = 0;
     each(ventricles, [&](int i, int j, int k, Vec3 p) {
       if (!(ventricles.at(i, j, k) > 0.3)) return;

@@ -168,7 +168,7 @@ TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
       const std::lock_guard<std::mutex> lock(mutex);
       if (node == publish::publishing_step) published.insert(share);
     }
-    void finished(const std::string& node, const std::string& how, double, const Report&) override {
+    void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome&) override {
       const std::lock_guard<std::mutex> lock(mutex);
       (how == "computed" ? computed : cached).insert(node);
     }

@@ -10,6 +10,7 @@
 #include "voxel/cut.h"
 #include "voxel/shape_field.h"
 #include "voxel/voxelize.h"
+#include "report_of.h"
 
 using namespace trephine;
 
@@ -217,7 +218,7 @@ TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
   voxel::VoxelizeParams params;
   Report report;
   const grid::Lattice lattice = voxel::haptic_lattice({{-25, -25, -10}, {25, 25, 10}}, Mat3{}, {}, params);
-  voxel::HapticVolume volume = voxel::voxelize(lattice, {{"skull", &plate, nullptr, 0}}, report);
+  voxel::HapticVolume volume = value_of(report, voxel::voxelize(lattice, {{"skull", &plate, nullptr, 0}}));
   boolean::Cutter hole;
   hole.position_mm = {0.3, -0.2, 5};
   hole.direction = {0, 0, -1};
@@ -225,7 +226,7 @@ TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
   hole.above_mm = 5;
   hole.depth_mm = 12;
   EXPECT_FALSE(voxel::hole_is_free(volume, "skull", bore(hole)));
-  voxel::cut_volume(volume, boolean::distance_to(hole), boolean::bounds_of(hole), {1}, report);
+  value_of(report, voxel::cut_volume(volume, boolean::distance_to(hole), boolean::bounds_of(hole), {1}));
   EXPECT_TRUE(voxel::hole_is_free(volume, "skull", bore(hole)));
   // The same hole a millimetre aside is not.
   hole.position_mm.x += 1.2;

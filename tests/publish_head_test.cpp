@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "config/config.h"
+#include "head/head_region.h"
+#include "mask/scan_verdict.h"
 #include "picture/image.h"
 #include "pipeline/graph.h"
 #include "publish/case_pictures.h"
@@ -273,18 +275,23 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
 }
 
 TEST(HeadContent, AVerdictSaysWhereTheScanEndsInAnAnatomy) {
-  Report region, scan;
-  region.add("skin_cut", std::string("above and on its left side"));
-  region.add("brain_cut", std::string("above"));
-  scan.add("brain", std::string("doubtful"));
-  scan.add("slice_step_mm", 5.0);
-  scan.add("noise_hu", 4.0);
+  head::HeadRegionResult region;
+  region.cut = {{"skin", "above and on its left side"}, {"brain", "above"}};
+  mask::ScanResult scan;
+  scan.suited.brain = mask::Suitability::doubtful;
+  scan.figures.slice_step_mm = 5;
+  scan.figures.noise_hu = 4;
   cases::CaseManifest m;
   m.missing.push_back({"dura", "a test"});
-  EXPECT_EQ(publish::verdict_of({"skin", "skull", "brain", "dura"}, m, nullptr, &region, nullptr),
+  stages::CaseParts parts;
+  const auto verdict = [&](const std::vector<std::string>& wanted) {
+    return publish::verdict_text(publish::judge_anatomies(wanted, m, parts.evidence), m, parts.evidence, parts.remarks);
+  };
+  stages::stage_named("head_region").contribute(AnyParams::make(region), parts);
+  EXPECT_EQ(verdict({"skin", "skull", "brain", "dura"}),
             "skin: cut off above and on its left side; skull: good; brain: cut off above; dura: left out");
-  EXPECT_EQ(publish::verdict_of({"skull", "brain"}, m, &scan, &region, nullptr),
-            "skull: good; brain: doubtful, cut off above (slices of 5 mm, noise of 4 HU)");
+  stages::stage_named("scan").contribute(AnyParams::make(scan), parts);
+  EXPECT_EQ(verdict({"skull", "brain"}), "skull: good; brain: doubtful, cut off above (slices of 5 mm, noise of 4 HU)");
 }
 
 TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {
@@ -297,7 +304,7 @@ TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {
     results[std::size_t(g.result(stages::DataKind::landmarks))].data =
         std::make_shared<const head::HeadLandmarks>(found);
     cases::CaseManifest m;
-    publish::add_head_content(r.config, g, results, m);
+    publish::add_landmarks(r.config, g, results, m);
     return m;
   };
   try {

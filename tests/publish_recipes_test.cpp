@@ -41,18 +41,20 @@ TEST(Recipes, ARefusedAnatomyNamesTheConfigurationThatDoesWithout) {
   EXPECT_EQ(publish::configs_without(shipped("ct_spine.yaml"), spine, "skin"),
             std::vector<std::string>{"ct_spine_bone.yaml"});
   EXPECT_EQ(publish::configs_without(shipped("ct_spine.yaml"), spine, "bone"), std::vector<std::string>());
-  const Error skin(ExitCode::quality, "", "skin.segment: max_scan_edge_ratio", "97 % of its rim");
+  Error skin(ExitCode::quality, "", "max_scan_edge_ratio", "97 % of its rim");
+  skin.in_stage("skin.segment");
   const Error told = publish::with_other_configs(skin, shipped("ct_spine.yaml"), spine);
   EXPECT_EQ(std::string(told.what()), "97 % of its rim; a case without skin is made by ct_spine_bone.yaml");
   EXPECT_EQ(told.field(), skin.field());
-  const Error input(ExitCode::bad_input, "", "skin.segment", "is empty");
+  Error input(ExitCode::bad_input, "", "", "is empty");
+  input.in_stage("skin.segment");
   EXPECT_STREQ(publish::with_other_configs(input, shipped("ct_spine.yaml"), spine).what(), "is empty");
 }
 
 class Nobody : public pipeline::RunObserver {
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const Report&) override {}
+  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 };
 
 /// Makes the case of a real scan; its manifest.

@@ -4,17 +4,27 @@
 
 #include <gtest/gtest.h>
 
+#include "look/body_part.h"
+#include "stages/stage.h"
+
 namespace trephine {
 namespace {
 
 // A scan in which no cranial cavity is seen may be one of a jaw, or of no head at all.
 TEST(Verdict, OfAScanThatShowsNoHeadIsDoubtful) {
   cases::CaseManifest manifest;
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: good");
-  manifest.figures = {{"body_part.is_expected", std::string("yes")}};
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr), "skull: good");
-  manifest.figures = {{"body_part.is_expected", std::string("unknown")}};
-  EXPECT_EQ(publish::verdict_of({"skull"}, manifest, nullptr, nullptr, nullptr),
+  const stages::StageType& stage = stages::stage_named("body_part");
+  const auto verdict = [&](look::IsExpected is) {
+    look::BodyPartResult result;
+    result.is_expected = is;
+    stages::CaseParts parts;
+    stage.contribute(AnyParams::make(result), parts);
+    return publish::verdict_text(publish::judge_anatomies({"skull"}, manifest, parts.evidence), manifest,
+                                 parts.evidence, parts.remarks);
+  };
+  EXPECT_EQ(verdict(look::IsExpected::not_told), "skull: good");
+  EXPECT_EQ(verdict(look::IsExpected::yes), "skull: good");
+  EXPECT_EQ(verdict(look::IsExpected::unknown),
             "skull: doubtful; it is not sure that the scan shows the part of the body that is made of it");
 }
 

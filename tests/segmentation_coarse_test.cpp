@@ -57,11 +57,10 @@ bool inside(const grid::Field& f, const grid::Box& at, int i, int j, int k) {
 TEST(CoarseSegment, HoldsTheFineShapeAndNothingFurtherThanACell) {
   const grid::HuVolume volume = scan();
   const grid::Lattice& l = grid::lattice_of(volume);
-  Report ignored;
-  const grid::Field fine = segmentation::segment(volume, {}, params(0), ignored);
+  const grid::Field fine = segmentation::segment(volume, {}, params(0)).value;
   const grid::Box fine_at = grid::place_in(fine, l);
   for (const double cell_mm : {0.5, 1.0, 1.5, 2.0}) {
-    const grid::Field coarse = segmentation::segment(volume, {}, params(cell_mm), ignored);
+    const grid::Field coarse = segmentation::segment(volume, {}, params(cell_mm)).value;
     const grid::Box at = grid::place_in(coarse, l);
     const int reach = static_cast<int>(cell_mm / 0.5), up = std::max(1, static_cast<int>(cell_mm / 1.2));
     int missing = 0, far = 0;
@@ -127,11 +126,10 @@ TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
   for (int k = 0; k < 3; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) slices.at(i, j, k) = whole.at(i, j, 14);
-  Report ignored;
-  EXPECT_EQ(segmentation::segment(slices, {}, params(1.5), ignored).size[2], 3);
+  EXPECT_EQ(segmentation::segment(slices, {}, params(1.5)).value.size[2], 3);
   for (const double cell_mm : {3.6, 10.0, 1e9}) {
     try {
-      segmentation::segment(slices, {}, params(cell_mm), ignored);
+      segmentation::segment(slices, {}, params(cell_mm));
       FAIL() << cell_mm;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << cell_mm;
@@ -140,12 +138,11 @@ TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
 }
 
 TEST(CoarseSegment, SameBytesWhateverTheThreads) {
-  Report ignored;
   set_thread_count(1);
-  const grid::Field one = segmentation::segment(scan(), {}, params(1.5), ignored);
+  const grid::Field one = segmentation::segment(scan(), {}, params(1.5)).value;
   for (const int threads : {2, 8}) {
     set_thread_count(threads);
-    EXPECT_TRUE(segmentation::segment(scan(), {}, params(1.5), ignored) == one) << threads;
+    EXPECT_TRUE(segmentation::segment(scan(), {}, params(1.5)).value == one) << threads;
   }
   set_thread_count(0);
 }
@@ -155,9 +152,8 @@ TEST(CoarseSegment, NoNumberIsRefused) {
   grid::Grid<float> g(static_cast<const grid::Lattice&>(whole));
   for (std::size_t i = 0; i < g.voxels.size(); ++i) g.voxels[i] = whole.voxels[i];
   g.at(30, 30, 14) = std::numeric_limits<float>::quiet_NaN();
-  Report ignored;
   try {
-    segmentation::segment(g, {}, params(1.5), ignored);
+    segmentation::segment(g, {}, params(1.5));
     FAIL() << "accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -165,10 +161,9 @@ TEST(CoarseSegment, NoNumberIsRefused) {
 }
 
 TEST(CoarseSegment, NotWithOtherAnatomies) {
-  Report report;
-  const grid::Field field = segmentation::segment(scan(), {}, params(1.5), report);
+  const grid::Field field = segmentation::segment(scan(), {}, params(1.5)).value;
   try {
-    segmentation::segment(scan(), {&field, nullptr}, params(1.5), report);
+    segmentation::segment(scan(), {&field, nullptr}, params(1.5));
     FAIL() << "accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::usage);

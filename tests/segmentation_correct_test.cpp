@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -79,8 +80,7 @@ grid::LabelFile painted_correction(const grid::Field& field) {
   grid::LabelFile after = before;
   paint(after, bump_begin, bump_end, 3);
   paint(after, pit_begin, pit_end, 0);
-  Report report;
-  return segmentation::correction_between(before, after, "3", "3", report);
+  return segmentation::correction_between(before, after, "3", "3").value;
 }
 
 std::int64_t count(const Report& r, const char* name) { return std::get<std::int64_t>(*r.find(name)); }
@@ -90,7 +90,7 @@ TEST(Correct, OnlyWhatWasPaintedChanges) {
   const grid::Field field = ball(scan, radius);
   const grid::LabelFile correction = grid::decode_labels(grid::encode_labels(painted_correction(field)));
   Report report;
-  const grid::Field out = segmentation::corrected(field, scan, correction, report);
+  const grid::Field out = value_of(report, segmentation::corrected(field, scan, correction));
   ASSERT_EQ(out.size, field.size);
   std::int64_t plus = 0, minus = 0, kept = 0;
   for (int k = 0; k < scan.size[2]; ++k)
@@ -127,7 +127,7 @@ TEST(Correct, SurvivesAnotherSegmentation) {
   const grid::LabelFile correction = painted_correction(ball(scan, radius));
   const grid::Field other = ball(scan, 16.2);  // another threshold
   Report report;
-  const grid::Field out = segmentation::corrected(other, scan, correction, report);
+  const grid::Field out = value_of(report, segmentation::corrected(other, scan, correction));
   for (int k = 0; k < scan.size[2]; ++k)
     for (int j = 0; j < scan.size[1]; ++j)
       for (int i = 0; i < scan.size[0]; ++i) {
@@ -140,7 +140,7 @@ TEST(Correct, SurvivesAnotherSegmentation) {
   EXPECT_GT(number(report, "already_ratio"), 0);  // a part of the pit's rim is outside already
   // Applied again it changes nothing, and says so.
   Report again;
-  EXPECT_EQ(segmentation::corrected(out, scan, correction, again), out);
+  EXPECT_EQ(value_of(again, segmentation::corrected(out, scan, correction)), out);
   EXPECT_EQ(number(again, "already_ratio"), 1);
   EXPECT_EQ(again.warnings.size(), 1u);
 }
@@ -154,10 +154,10 @@ TEST(Correct, FieldsGrowToWhatWasAdded) {
   grid::LabelFile after = labels_of(all);  // an editor saves the whole scan's voxels
   paint(after, {44, 23, 18}, {57, 27, 22}, 3);
   Report report;
-  const grid::LabelFile correction = segmentation::correction_between(before, after, "3", "", report);
+  const grid::LabelFile correction = value_of(report, segmentation::correction_between(before, after, "3", ""));
   EXPECT_EQ(count(report, "removed_voxels_count"), 0);
   Report applied;
-  const grid::Field out = segmentation::corrected(field, scan, correction, applied);
+  const grid::Field out = value_of(applied, segmentation::corrected(field, scan, correction));
   EXPECT_GT(out.size[0], field.size[0]);
   const grid::Box place = grid::place_in(out, scan);
   for (int k = place.begin[2]; k < place.end[2]; ++k)
@@ -173,7 +173,7 @@ TEST(Correct, OtherVoxelsTakeTheNearest) {
   const grid::Lattice coarse = raster({38, 32, 26}, scan.origin_mm, 1.6);
   const grid::Field field = ball(coarse, radius);
   Report report;
-  const grid::Field out = segmentation::corrected(field, coarse, correction, report);
+  const grid::Field out = value_of(report, segmentation::corrected(field, coarse, correction));
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_TRUE(std::get<bool>(*report.find("resampled")));
   // Of the bump, what lay outside of the ball: sampled by a few dozen voxels.
@@ -203,30 +203,26 @@ std::string refused(const std::function<void()>& f, int code = 65) {
 TEST(Correct, WhatIsNoCorrectionIsRefused) {
   const grid::Field field = ball(scan, radius);
   const grid::LabelFile before = labels_of(field);
-  Report r;
-  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "3", "3", r); }),
+  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "3", "3"); }),
             "after: nothing of the label is different");
-  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "4", "3", r); }).substr(0, 8), "before: ");
+  EXPECT_EQ(refused([&] { segmentation::correction_between(before, before, "4", "3"); }).substr(0, 8), "before: ");
   EXPECT_EQ(refused([&] {
-              segmentation::correction_between(before, labels_of(ball(scan, radius), 5), "3", "4", r);
+              segmentation::correction_between(before, labels_of(ball(scan, radius), 5), "3", "4");
             }).substr(0, 7),
             "after: ");
   grid::LabelFile moved = before;
   moved.lattice.origin_mm.x += 0.4;
   std::get<grid::Mask>(moved.samples).origin_mm.x += 0.4;
-  EXPECT_NE(refused([&] {
-              segmentation::correction_between(before, moved, "3", "3", r);
-            }).find("do not lie on those of before"),
-            std::string::npos);
-  EXPECT_NE(refused([&] { segmentation::corrected(field, scan, before, r); }).find("is no correction"),
-            std::string::npos);
+  EXPECT_NE(
+      refused([&] { segmentation::correction_between(before, moved, "3", "3"); }).find("do not lie on those of before"),
+      std::string::npos);
+  EXPECT_NE(refused([&] { segmentation::corrected(field, scan, before); }).find("is no correction"), std::string::npos);
   grid::LabelFile far = painted_correction(field);
   far.lattice.origin_mm.x += 500;
   std::get<grid::Mask>(far.samples).origin_mm.x += 500;
-  EXPECT_NE(refused([&] {
-              segmentation::corrected(field, scan, far, r);
-            }).find("no voxel of the correction lies in the scan"),
-            std::string::npos);
+  EXPECT_NE(
+      refused([&] { segmentation::corrected(field, scan, far); }).find("no voxel of the correction lies in the scan"),
+      std::string::npos);
 }
 
 TEST(Correct, AnotherOrderOfAxesIsTheSameRaster) {
@@ -246,11 +242,10 @@ TEST(Correct, AnotherOrderOfAxesIsTheSameRaster) {
   grid::LabelFile other = after;
   other.lattice = l;
   other.samples = flipped;
-  Report a, b;
-  const grid::LabelFile one = segmentation::correction_between(before, after, "3", "3", a),
-                        two = segmentation::correction_between(before, other, "3", "3", b);
-  EXPECT_EQ(std::get<grid::Mask>(one.samples), std::get<grid::Mask>(two.samples));
-  EXPECT_GT(count(b, "added_voxels_count"), 0);
+  const auto one = segmentation::correction_between(before, after, "3", "3");
+  const auto two = segmentation::correction_between(before, other, "3", "3");
+  EXPECT_EQ(std::get<grid::Mask>(one.value.samples), std::get<grid::Mask>(two.value.samples));
+  EXPECT_GT(two.result.added_voxels_count, 0);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
 #include "grid/labels.h"
+#include "report_of.h"
 #include "segmentation/correct.h"
 #include "segmentation/edit_list.h"
 #include "segmentation/hand_edits.h"
@@ -80,17 +81,17 @@ TEST(HandEdits, ASnakeAddsWhatHasItsHuWithinItsBall) {
   const grid::HuVolume volume = scan();
   const grid::Field before = found();
   Report report;
-  const grid::Field after = edited(before, volume, snake(), report);
+  const grid::Field after = value_of(report, edited(before, volume, snake()));
   EXPECT_FALSE(inside(before, {21.5, -5, 20}));
   EXPECT_TRUE(inside(after, {21.5, -5, 20})) << "the second ball is filled";
   EXPECT_FALSE(inside(after, {24.5, -5, 20})) << "and nothing of the brain beside it";
   const double ball = 4.0 / 3 * M_PI * 64 / 1000;
-  EXPECT_GT(number_of(report, "added_ml"), 0.6 * ball);
-  EXPECT_LT(number_of(report, "added_ml"), 1.05 * ball);
+  EXPECT_GT(std::get<double>(*report.find("added_ml")), 0.6 * ball);
+  EXPECT_LT(std::get<double>(*report.find("added_ml")), 1.05 * ball);
   EXPECT_TRUE(report.warnings.empty());
   SnakeEdit back = snake();
   back.removes = true;
-  const grid::Field without = edited(after, volume, back, report);
+  const grid::Field without = value_of(report, edited(after, volume, back));
   EXPECT_FALSE(inside(without, {21.5, -5, 20}));
   EXPECT_TRUE(inside(without, {6, -5, 20}));
 }
@@ -116,10 +117,9 @@ TEST(HandEdits, ASnakeStepByStepIsTheSnakeAtOnce) {
   early.steps_count = 4;
   EditSnake four(volume, early);
   for (int step = 0; step < 4; ++step) four.advance();
-  Report report;
   const grid::Field field = found();
-  const grid::Field once = edited(field, volume, early, report);
-  const grid::Field same = corrected(field, grid::lattice_of(volume), correction_of(four.mask()), report);
+  const grid::Field once = edited(field, volume, early).value;
+  const grid::Field same = corrected(field, grid::lattice_of(volume), correction_of(four.mask())).value;
   EXPECT_EQ(once.voxels, same.voxels);
 }
 
@@ -163,21 +163,21 @@ TEST(HandEdits, ACutTakesOneSideWithinItsBall) {
   edit.point_mm = {13, -5, 20};
   edit.normal = {1, 0, 0};
   Report report;
-  const grid::Field after = edited(before, scan(), edit, report);
+  const grid::Field after = value_of(report, edited(before, scan(), edit));
   EXPECT_FALSE(inside(after, {14.6, -5, 20}));
   EXPECT_TRUE(inside(after, {11.4, -5, 20}));
   const double h = 3, cap = M_PI * h * h * (18 - h) / 3 / 1000;
-  EXPECT_NEAR(number_of(report, "removed_ml"), cap, 0.2 * cap);
-  EXPECT_EQ(number_of(report, "added_ml"), 0);
+  EXPECT_NEAR(std::get<double>(*report.find("removed_ml")), cap, 0.2 * cap);
+  EXPECT_EQ(std::get<double>(*report.find("added_ml")), 0);
   edit.normal = {-1, 0, 0};
   edit.within_mm = 4;
-  const grid::Field other = edited(before, scan(), edit, report);
+  const grid::Field other = value_of(report, edited(before, scan(), edit));
   EXPECT_TRUE(inside(other, {14.6, -5, 20})) << "the other side";
   EXPECT_FALSE(inside(other, {11, -5, 20}));
   EXPECT_TRUE(inside(other, {5.5, -5, 20})) << "beyond the ball nothing goes";
   edit.point_mm = {-10, -5, 20};
   Report none;
-  EXPECT_EQ(edited(before, scan(), edit, none).voxels, before.voxels);
+  EXPECT_EQ(value_of(none, edited(before, scan(), edit)).voxels, before.voxels);
   EXPECT_EQ(none.warnings.size(), 1u) << "and it is told";
 }
 
@@ -190,8 +190,7 @@ TEST(HandEdits, SmoothingTakesASpikeAndNothingBeyondTheBall) {
   SmoothEdit edit;
   edit.point_mm = {18, -5, 20};
   edit.within_mm = 5;
-  Report report;
-  const grid::Field after = edited(spiky, scan(), edit, report);
+  const grid::Field after = edited(spiky, scan(), edit).value;
   EXPECT_TRUE(inside(spiky, {20, -5.2, 20}));
   EXPECT_FALSE(inside(after, {20, -5.2, 20}));
   EXPECT_TRUE(inside(after, {1.6, -5.2, 20})) << "the other spike lies beyond the ball";
@@ -231,7 +230,7 @@ TEST_F(EditLists, KeepTheOrderAndTheirValues) {
   const EditList read = read_edit_list(file);
   EXPECT_EQ(encode_edit_list(read), encode_edit_list(list()));
   Report report;
-  const grid::Field both = apply_edits(found(), scan(), read, folder_.path(), report);
+  const grid::Field both = value_of(report, apply_edits(found(), scan(), read, folder_.path()));
   EXPECT_FALSE(inside(both, {6, -5, 20})) << "cut";
   EXPECT_TRUE(inside(both, {21.5, -5, 20})) << "added before";
   EXPECT_EQ(std::get<std::int64_t>(*report.find("edits_count")), 2);
@@ -250,16 +249,16 @@ TEST_F(EditLists, APatchIsThatOfTheListOrRefused) {
   PatchEdit patch{"a.nrrd", sha256_of_bytes(bytes)};
   EditList one;
   one.edits.emplace_back("patch", AnyParams::make(patch));
-  Report report, direct;
-  const grid::Field by_list = apply_edits(found(), scan(), one, folder_.path(), report);
-  EXPECT_EQ(by_list.voxels, corrected(found(), raster(), grid::read_labels(folder_.path() / "a.nrrd"), direct).voxels);
-  EXPECT_GT(number_of(report, "added_ml"), 0);
+  Report report;
+  const grid::Field by_list = value_of(report, apply_edits(found(), scan(), one, folder_.path()));
+  EXPECT_EQ(by_list.voxels, corrected(found(), raster(), grid::read_labels(folder_.path() / "a.nrrd")).value.voxels);
+  EXPECT_GT(std::get<double>(*report.find("added_ml")), 0);
   for (const PatchEdit& bad : {PatchEdit{"a.nrrd", std::string(64, '0')}, PatchEdit{"../a.nrrd", patch.sha256},
                                PatchEdit{".a", patch.sha256}}) {
     EditList wrong;
     wrong.edits.emplace_back("patch", AnyParams::make(bad));
     try {
-      apply_edits(found(), scan(), wrong, folder_.path(), report);
+      value_of(report, apply_edits(found(), scan(), wrong, folder_.path()));
       ADD_FAILURE() << bad.file;
     } catch (const Error& e) {
       EXPECT_EQ(int(e.code()), 65) << bad.file;

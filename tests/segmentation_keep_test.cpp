@@ -24,9 +24,8 @@ std::size_t inside(const grid::Field& f) {
 
 ExitCode code_of(const grid::HuVolume& volume, const segmentation::SegmentParams& params, std::string* what = nullptr,
                  const segmentation::SegmentMasks& masks = {}) {
-  Report report;
   try {
-    segmentation::segment(volume, masks, params, report);
+    segmentation::segment(volume, masks, params);
   } catch (const Error& e) {
     if (what) *what = e.what();
     return e.code();

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "report_of.h"
 #include "segmentation/labels.h"
 #include "segmentation_labels_writers.h"
 
@@ -109,7 +110,7 @@ double held_ml(const grid::Field& f) {
 grid::Field taken(const grid::HuVolume& volume, const std::string& bytes, Report& report,
                   segmentation::LabelParams params = {}) {
   if (params.label.empty()) params.label = "3";
-  return segmentation::label_field(volume, grid::decode_labels(bytes), params, report);
+  return value_of(report, segmentation::label_field(volume, grid::decode_labels(bytes), params));
 }
 
 bool flag(const Report& r, const char* name) { return std::get<bool>(*r.find(name)); }

@@ -28,8 +28,7 @@ inline grid::Grid<std::int16_t> rounded(const grid::Grid<float>& g) {
 
 inline grid::Field run(const grid::HuVolume& volume, const segmentation::SegmentParams& params,
                        const segmentation::SegmentMasks& masks = {}) {
-  Report report;
-  grid::Field field = segmentation::segment(volume, masks, params, report);
+  grid::Field field = segmentation::segment(volume, masks, params).value;
   for (float f : field.voxels) EXPECT_TRUE(std::isfinite(f) && f != 0);
   return field;
 }

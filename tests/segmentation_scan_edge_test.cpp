@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -44,7 +45,7 @@ double ratio_of(const grid::HuVolume& v, double limit) {
   segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = limit;
   Report report;
-  segmentation::segment(v, {}, p, report);
+  value_of(report, segmentation::segment(v, {}, p));
   return std::get<double>(*report.find("scan_edge_ratio"));
 }
 
@@ -52,7 +53,7 @@ TEST(ScanEdge, AFieldOfViewWithinTheBodyHasNoSkin) {
   for (const std::int16_t padding : {-2000, -1024}) {  // undeclared; made air
     Report report;
     try {
-      segmentation::segment(scanned(170, 110, 140, padding, true), {}, skin(), report);
+      value_of(report, segmentation::segment(scanned(170, 110, 140, padding, true), {}, skin()));
       FAIL() << "not refused";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality);
@@ -61,8 +62,7 @@ TEST(ScanEdge, AFieldOfViewWithinTheBodyHasNoSkin) {
     EXPECT_GT(std::get<double>(*report.find("scan_edge_ratio")), 0.99);
   }
   // A square field that the body fills: the whole rim is the volume's side.
-  Report report;
-  EXPECT_THROW(segmentation::segment(scanned(400, 400, 140, -1024, false), {}, skin(), report), Error);
+  EXPECT_THROW(segmentation::segment(scanned(400, 400, 140, -1024, false), {}, skin()), Error);
 }
 
 TEST(ScanEdge, ABodyWithinTheFieldHasAllOfItAndOneCutAtTheSidesMost) {
@@ -79,10 +79,10 @@ TEST(ScanEdge, WhereItIsNotRefusedItIsStillTold) {
   segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = 1;
   Report report, whole;
-  EXPECT_NO_THROW(segmentation::segment(scanned(170, 110, 140, -1024, true), {}, p, report));
+  EXPECT_NO_THROW(value_of(report, segmentation::segment(scanned(170, 110, 140, -1024, true), {}, p)));
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("100 % of its rim"), std::string::npos) << report.warnings[0];
-  EXPECT_NO_THROW(segmentation::segment(scanned(150, 100, 400, -1024, true), {}, p, whole));
+  EXPECT_NO_THROW(value_of(whole, segmentation::segment(scanned(150, 100, 400, -1024, true), {}, p)));
   EXPECT_TRUE(whole.warnings.empty());
   EXPECT_EQ(whole.find("scan_edge_ratio"), nullptr);
 }
@@ -90,10 +90,10 @@ TEST(ScanEdge, WhereItIsNotRefusedItIsStillTold) {
 // The value that the refusal names lets the shape pass, and it is told what it is.
 TEST(ScanEdge, TheRemedyWorks) {
   const grid::HuVolume scan = scanned(170, 110, 140, -2000, true);
-  Report report, after;
+  Report after;
   std::string what;
   try {
-    segmentation::segment(scan, {}, skin(), report);
+    segmentation::segment(scan, {}, skin());
   } catch (const Error& e) {
     what = e.what();
   }
@@ -101,7 +101,7 @@ TEST(ScanEdge, TheRemedyWorks) {
   ASSERT_NE(at, std::string::npos) << what;
   segmentation::SegmentParams p = skin();
   p.max_scan_edge_ratio = std::stod(what.substr(at + 4));
-  EXPECT_NO_THROW(segmentation::segment(scan, {}, p, after));
+  EXPECT_NO_THROW(value_of(after, segmentation::segment(scan, {}, p)));
   EXPECT_EQ(after.warnings.size(), 1u);
 }
 

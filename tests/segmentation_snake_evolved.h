@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "report_of.h"
 #include "segmentation/snake.h"
 #include "segmentation_snake_shapes.h"
 
@@ -28,7 +29,7 @@ struct Evolved {
 inline Evolved run(const grid::Field& speed, const segmentation::SnakeParams& p,
                    const segmentation::SnakeMasks& masks = {}) {
   Evolved r;
-  r.field = segmentation::snake(speed, masks, p, r.report);
+  r.field = value_of(r.report, segmentation::snake(speed, masks, p));
   for (const float v : r.field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
   return r;
 }

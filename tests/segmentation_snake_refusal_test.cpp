@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "report_of.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/speed_image.h"
 #include "segmentation_snake_evolved.h"
@@ -26,9 +27,8 @@ TEST(Snake, BubblesAreReadStrictly) {
 TEST(Snake, NothingToBeginWithIsRefused) {
   const grid::Lattice l = lattice({20, 20, 20}, {1, 1, 1});
   const grid::Field speed = ball_speed(l, 6);
-  Report report;
   const auto refused = [&](const segmentation::SnakeParams& p, const segmentation::SnakeMasks& masks = {}) {
-    return error_of([&] { segmentation::snake(speed, masks, p, report); });
+    return error_of([&] { segmentation::snake(speed, masks, p); });
   };
   segmentation::SnakeParams p;
   EXPECT_EQ(refused(p).code(), ExitCode::usage);
@@ -65,8 +65,7 @@ TEST(Snake, ALeakIsRefusedByItsVolumeAndWarnedOfAtTheEdge) {
   ASSERT_FALSE(leaked.report.warnings.empty());
   EXPECT_NE(leaked.report.warnings[0].find("edge"), std::string::npos);
   p.max_volume_ml = 4;
-  Report report;
-  const Error e = error_of([&] { segmentation::snake(speed, {}, p, report); });
+  const Error e = error_of([&] { segmentation::snake(speed, {}, p); });
   EXPECT_EQ(e.code(), ExitCode::quality);
   EXPECT_EQ(e.field(), "max_volume_ml");
 }
@@ -81,7 +80,7 @@ TEST(Snake, AGeodesicSnakeStaysWithinThePresegmentationsMask) {
   edges.method = segmentation::PresegmentMethod::edges;
   edges.edge_kappa_hu_per_mm = 5;
   Report report;
-  const grid::Field speed = segmentation::presegment(volume, {&within, nullptr}, edges, report);
+  const grid::Field speed = value_of(report, segmentation::presegment(volume, {&within, nullptr}, edges));
   segmentation::SnakeParams p;
   p.method = segmentation::SnakeMethod::geodesic;
   p.bubbles = "0,0,0,6";
@@ -109,10 +108,9 @@ TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
     window.lower_hu = -40;
     window.upper_hu = upper_hu;
     window.smoothing_sigma_mm = sigma_mm;
-    Report report;
     segmentation::SnakeParams p;
     p.bubbles = "0,0,0,5";
-    return run(segmentation::presegment(volume, {&within, nullptr}, window, report), p, {nullptr, &within, nullptr});
+    return run(segmentation::presegment(volume, {&within, nullptr}, window).value, p, {nullptr, &within, nullptr});
   };
   const auto warned = [](const Evolved& r, const char* of) {
     for (const std::string& w : r.report.warnings)
@@ -136,11 +134,10 @@ TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
 TEST(Snake, WhatVanishesFillsAllOrLosesItsStructureIsRefused) {
   const grid::Lattice l = lattice({20, 20, 20}, {0.8, 0.8, 0.8});
   const grid::Field start = sampled(l, [](Vec3 p) { return 5 - norm(p); });
-  Report report;
   segmentation::SnakeParams p;
   p.max_iterations_count = 1000;
   const auto refused = [&](const grid::Field& speed) {
-    return error_of([&] { segmentation::evolve_snake(speed, start, p, report); });
+    return error_of([&] { segmentation::evolve_snake(speed, start, p); });
   };
   EXPECT_EQ(refused(grid::Field(l, -1.f)).field(), "start");
   EXPECT_EQ(refused(grid::Field(l, 1.f)).field(), "speed");
@@ -153,9 +150,8 @@ TEST(Snake, WhatVanishesFillsAllOrLosesItsStructureIsRefused) {
 TEST(Snake, NoNumberNoHuAndNoOtherRasterGetIn) {
   const grid::Lattice l = lattice({20, 20, 20}, {1, 1, 1});
   const grid::Field good = ball_speed(l, 6);
-  Report report;
   const auto code = [&](const grid::Field& speed, const grid::Field& start) {
-    return error_of([&] { segmentation::evolve_snake(speed, start, {}, report); }).code();
+    return error_of([&] { segmentation::evolve_snake(speed, start, {}); }).code();
   };
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 40.f}) {
     grid::Field speed = good;

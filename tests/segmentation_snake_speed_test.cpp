@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "report_of.h"
 #include "segmentation/speed_image.h"
 #include "segmentation/tissue_mixture.h"
 #include "segmentation_snake_shapes.h"
@@ -24,8 +25,7 @@ grid::Grid<float> ramp() {
 TEST(Presegment, RegionsFollowTheFormulaOfItkSnap) {
   const grid::HuVolume volume = ramp();
   segmentation::PresegmentParams p;  // 40 to 80, smoothness 3
-  Report report;
-  const grid::Field speed = segmentation::presegment(volume, {}, p, report);
+  const grid::Field speed = segmentation::presegment(volume, {}, p).value;
   const double k = std::log((2 - 1e-3) / 1e-3) / 40;
   for (int i = 0; i < 200; ++i) {
     const double x = 2.0 * i - 200;
@@ -36,10 +36,10 @@ TEST(Presegment, RegionsFollowTheFormulaOfItkSnap) {
 
   p.sides = segmentation::PresegmentSides::lower;
   const double one = std::log((2 - 1e-3) / 1e-3) / (398.0 / 3);
-  EXPECT_NEAR(segmentation::presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((100 - 40) * one), 1e-5);
+  EXPECT_NEAR(segmentation::presegment(volume, {}, p).value.at(150, 3, 3), std::tanh((100 - 40) * one), 1e-5);
   p.sides = segmentation::PresegmentSides::upper;
   p.smooth_range_hu = 100;
-  EXPECT_NEAR(segmentation::presegment(volume, {}, p, report).at(150, 3, 3), std::tanh((80 - 100) * k * 0.4), 1e-5);
+  EXPECT_NEAR(segmentation::presegment(volume, {}, p).value.at(150, 3, 3), std::tanh((80 - 100) * k * 0.4), 1e-5);
 }
 
 TEST(Presegment, EdgesAreInMm) {
@@ -51,8 +51,7 @@ TEST(Presegment, EdgesAreInMm) {
     p.method = segmentation::PresegmentMethod::edges;
     p.edge_sigma_mm = 1.5;
     p.edge_kappa_hu_per_mm = 10;
-    Report report;
-    const grid::Field speed = segmentation::presegment(volume, {}, p, report);
+    const grid::Field speed = segmentation::presegment(volume, {}, p).value;
     const double s = std::hypot(2.0, 1.5);
     for (int k = 4; k < speed.size[2] - 4; ++k) {
       const double z = speed.to_world_mm({0, 0, double(k)}).z - 0.3;
@@ -104,7 +103,7 @@ TEST(Presegment, ClassesPartTissuesInNoise) {
   p.classes_count = 2;
   p.smoothing_sigma_mm = 0.6;
   Report report;
-  const grid::Field speed = segmentation::presegment(volume, {&all, nullptr}, p, report);
+  const grid::Field speed = value_of(report, segmentation::presegment(volume, {&all, nullptr}, p));
   EXPECT_GT(dice(speed, sampled(l, [&](Vec3 x) { return shape(x); })), 0.97);
   EXPECT_NEAR(std::get<double>(*report.find("class_1_hu")), 8, 2.5);
   EXPECT_NEAR(std::get<double>(*report.find("class_2_hu")), 34, 2.5);
@@ -114,10 +113,9 @@ TEST(Presegment, ClassesPartTissuesInNoise) {
 
 TEST(Presegment, WhatTellsNothingIsRefused) {
   const grid::Lattice l = lattice({10, 10, 10}, {1, 1, 1});
-  Report report;
   const auto refused = [&](const grid::Grid<float>& volume, const segmentation::PresegmentParams& p,
                            const segmentation::PresegmentMasks& masks = {}) {
-    return error_of([&] { segmentation::presegment(volume, masks, p, report); });
+    return error_of([&] { segmentation::presegment(volume, masks, p); });
   };
   for (const segmentation::PresegmentMethod method :
        {segmentation::PresegmentMethod::regions, segmentation::PresegmentMethod::edges,

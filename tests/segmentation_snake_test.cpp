@@ -65,8 +65,7 @@ TEST(Snake, NoiseAndBlurLeaveAnEllipsoidAndACapsuleWithinAFractionOfAVoxel) {
     Noise noise(7);
     const grid::Grid<float> volume = sampled(
         l, [&](Vec3 x) { return 20 - 12 * std::erf(distance(x) / (std::sqrt(2.0) * 0.6)) + 8 * noise.gaussian(); });
-    Report report;
-    const Evolved r = run(segmentation::presegment(volume, {}, window, report), p);
+    const Evolved r = run(segmentation::presegment(volume, {}, window).value, p);
     const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return -distance(x); });
     EXPECT_LT(std::abs(d.mean), bias);
     EXPECT_LT(d.rms, rms);
@@ -86,8 +85,7 @@ TEST(Snake, AGeodesicSnakeRestsWhereItsForcesBalance) {
     segmentation::PresegmentParams edges;
     edges.method = segmentation::PresegmentMethod::edges;
     edges.edge_kappa_hu_per_mm = kappa;
-    Report report;
-    const grid::Field speed = segmentation::presegment(volume, {}, edges, report);
+    const grid::Field speed = segmentation::presegment(volume, {}, edges).value;
     segmentation::SnakeParams p;
     p.method = segmentation::SnakeMethod::geodesic;
     const double s = std::hypot(sigma, edges.edge_sigma_mm);
@@ -208,9 +206,8 @@ TEST(Snake, ManyIterationsStayBoundedWhateverTheSpeed) {
          {segmentation::SnakeMethod::region_competition, segmentation::SnakeMethod::geodesic}) {
       p.curvature = curvature;
       p.method = method;
-      Report report;
       const Error e = error_of([&] {
-        const grid::Field f = segmentation::snake(rough, {}, p, report);
+        const grid::Field f = segmentation::snake(rough, {}, p).value;
         for (const float v : f.voxels) ASSERT_LE(std::abs(v), 6.0f);
       });
       EXPECT_TRUE(e.code() == ExitCode::ok || e.code() == ExitCode::quality) << e.what();
@@ -238,7 +235,6 @@ TEST(Snake, TheSameBytesWithOneTwoAndEightThreads) {
       w.smoothing_sigma_mm = 0.7;
       w.classes_count = 2;
       w.first_class = w.last_class = 2;
-      Report report;
       segmentation::SnakeParams p;
       p.bubbles_count = 3;
       p.max_iterations_count = 60;
@@ -247,7 +243,7 @@ TEST(Snake, TheSameBytesWithOneTwoAndEightThreads) {
         p.bubbles_count = 0;
         p.bubbles = "0,0,0,6";
       }
-      fields.push_back(segmentation::snake(segmentation::presegment(volume, {}, w, report), {}, p, report));
+      fields.push_back(segmentation::snake(segmentation::presegment(volume, {}, w).value, {}, p).value);
     }
   }
   set_thread_count(0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "field_deviation.h"
+#include "report_of.h"
 #include "segmentation_samples.h"
 
 namespace trephine {
@@ -133,7 +134,7 @@ TEST(SegmentThreshold, ClosingOutletsKeepsTheWallsOfWiderHoles) {
     const grid::Field open = run(shell, p);
     p.fill_close_mm = 2;
     Report report;
-    const grid::Field filled = segmentation::segment(grid::HuVolume(shell), {}, p, report);
+    const grid::Field filled = value_of(report, segmentation::segment(grid::HuVolume(shell), {}, p));
     const double by_closing_ml = std::get<double>(*report.find("filled_by_closing_ml"));
     if (diameter < 4) {
       EXPECT_TRUE(holds(filled, {0, 0, 13})) << "the outermost 2 mm stay, as a dimple";
@@ -227,7 +228,7 @@ TEST(SegmentThreshold, TheSkinsBrightRimIsNoBone) {
   p.lower_hu = 226;
   p.seed_lower_hu = 400;
   Report report;
-  const grid::Field bone = segmentation::segment(volume, {&skin, nullptr}, p, report);
+  const grid::Field bone = value_of(report, segmentation::segment(volume, {&skin, nullptr}, p));
   const auto inside = [&](Vec3 at) {
     const Vec3 i = bone.to_index(at);
     const int x = int(std::lround(i.x)), y = int(std::lround(i.y)), z = int(std::lround(i.z));

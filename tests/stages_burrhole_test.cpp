@@ -8,6 +8,7 @@
 #include "boolean/burr_hole_params.h"
 #include "head/head_landmarks.h"
 #include "meshing/contour.h"
+#include "report_of.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -29,7 +30,7 @@ std::shared_ptr<const surface::TriMesh> hollow_ball() {
           f.at(i, j, k) = float(std::min(outer_mm - r, r - inner_mm));
         }
     Report report;
-    return std::make_shared<const surface::TriMesh>(meshing::contour(f, meshing::ContourParams(), report));
+    return std::make_shared<const surface::TriMesh>(value_of(report, meshing::contour(f, meshing::ContourParams())));
   }();
   return mesh;
 }
@@ -56,7 +57,7 @@ std::string said(const head::HeadLandmarks& landmarks, Report& report, const boo
   in.by_port["bone"] = hollow_ball();
   in.by_port["landmarks"] = std::make_shared<const head::HeadLandmarks>(landmarks);
   try {
-    stage.run(any, in, report, {});
+    add(report, stage.run(any, in, {}).report());
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
     return e.field() + ": " + e.what();

@@ -105,15 +105,14 @@ TEST(SharedWork, FindingsUseTheCavityOfTheZones) {
   }));
   in.by_port["skull"] = of_radius([](double r) { return 3.5 - std::abs(r - 57.5); });
   in.by_port["brain"] = of_radius([](double r) { return 54 - r; });
-  Report report;
   const stages::StageType& findings = *stages::find_stage("findings");
-  findings.run(findings.make_params(), in, report, Progress());
+  findings.run(findings.make_params(), in, Progress());
   const auto cavity = in.once<stages::CranialCavity>("cranial cavity", {"volume", "skull"}, Progress(),
                                                      []() -> std::shared_ptr<const stages::CranialCavity> {
                                                        ADD_FAILURE() << "the stage made none that others share";
                                                        return std::make_shared<const stages::CranialCavity>();
                                                      });
-  EXPECT_NEAR(double(cavity->mask.count()) * 8 / (4.0 / 3 * M_PI * 54 * 54 * 54), 1, 0.05);
+  EXPECT_NEAR(double(cavity->value.count()) * 8 / (4.0 / 3 * M_PI * 54 * 54 * 54), 1, 0.05);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 class Nobody : public pipeline::RunObserver {
   void started(const std::string&) override {}
   void progressed(const std::string&, double) override {}
-  void finished(const std::string&, const std::string&, double, const Report&) override {}
+  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 };
 
 TEST_F(Trade, MeasuresEveryPointOnceAndSharesWhatPointsShare) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 #include "trunk/canal.h"
 #include "trunk_samples.h"
@@ -61,9 +62,9 @@ TEST_P(Canals, LieWithinTheirBoundOfTheTruth) {
   p.edge = segmentation::SegmentEdge::half_maximum;
   p.min_component_ml = 0.5;
   p.smoothing_sigma_mm = t.smoothing_mm;
-  Report bone_report, report;
-  const grid::Field bone = segmentation::segment(volume, {}, p, bone_report);
-  const grid::Field canal = trunk::find_canal(volume, bone, {}, report);
+  Report report;
+  const grid::Field bone = segmentation::segment(volume, {}, p).value;
+  const grid::Field canal = value_of(report, trunk::find_canal(volume, bone, {}));
   // Not the ends: how far it is made there depends on where the scan cuts.
   const auto counts = [](Vec3 q) { return q.z > -37 && q.z < 37; };
   grid::Field drawn_truth(grid::lattice_of(volume));
@@ -99,15 +100,14 @@ INSTANTIATE_TEST_SUITE_P(LongNoise, Canals,
 TEST(Canal, IsTheSameWhateverTheThreadCountAndLeavesBoneAlone) {
   const Spine spine;
   const grid::HuVolume volume = scanned(drawn(raster({1, 1, 2}), [&](Vec3 p) { return spine.hu(p); }), 0.6, 20);
-  Report r;
   segmentation::SegmentParams p;
   p.lower_hu = 250;
-  const grid::Field bone = segmentation::segment(volume, {}, p, r);
+  const grid::Field bone = segmentation::segment(volume, {}, p).value;
   const int before = thread_count();
   set_thread_count(1);
-  const grid::Field one = trunk::find_canal(volume, bone, {}, r);
+  const grid::Field one = trunk::find_canal(volume, bone, {}).value;
   set_thread_count(4);
-  const grid::Field four = trunk::find_canal(volume, bone, {}, r);
+  const grid::Field four = trunk::find_canal(volume, bone, {}).value;
   set_thread_count(before);
   EXPECT_TRUE(one == four);
   const grid::Box at = grid::place_in(one, bone);
@@ -118,9 +118,8 @@ TEST(Canal, IsTheSameWhateverTheThreadCountAndLeavesBoneAlone) {
 }
 
 ExitCode code_of(const grid::HuVolume& volume, const grid::Field& bone, std::string& what) {
-  Report r;
   try {
-    trunk::find_canal(volume, bone, {}, r);
+    trunk::find_canal(volume, bone, {});
   } catch (const Error& e) {
     what = e.field() + ": " + e.what();
     return e.code();
@@ -154,9 +153,8 @@ TEST(Canal, ATubeOfAirIsNone) {
   };
   segmentation::SegmentParams p;
   p.lower_hu = 250;
-  Report r;
   const auto canal_of = [&](const grid::HuVolume& v) {
-    return trunk::find_canal(v, segmentation::segment(v, {}, p, r), {}, r);
+    return trunk::find_canal(v, segmentation::segment(v, {}, p).value, {}).value;
   };
   EXPECT_NO_THROW(canal_of(scan(-100)));
   try {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "report_of.h"
 #include "segmentation/segment.h"
 #include "trunk/clavicle.h"
 #include "trunk/vein.h"
@@ -102,8 +103,7 @@ grid::Field bone_of(const grid::HuVolume& volume) {
   p.fill = segmentation::SegmentFill::cavities_and_cut;
   p.fill_close_mm = 2;
   p.fill_max_ml = 150;
-  Report r;
-  return segmentation::segment(volume, {}, p, r);
+  return segmentation::segment(volume, {}, p).value;
 }
 
 double figure(const Report& r, const std::string& name) {
@@ -121,7 +121,7 @@ TEST(Clavicle, BothArePartedFromSternumAndScapula) {
     const grid::HuVolume volume = chest.volume(noise);
     const grid::Field bone = bone_of(volume);
     Report report;
-    const grid::Field found = trunk::find_clavicles(bone, {}, report);
+    const grid::Field found = value_of(report, trunk::find_clavicles(bone, {}));
     const auto all = [](Vec3) { return true; };
     // The bridges, 3 mm thin, belong to nobody.
     const auto counts = [&](Vec3 p) {
@@ -146,12 +146,11 @@ TEST(Clavicle, BothArePartedFromSternumAndScapula) {
     EXPECT_NEAR(figure(report, "right_ml"), figure(report, "left_ml"), 0.5);
     EXPECT_LT(figure(report, "left_joint_mm2"), 60);
 
-    Report rest_report;
     trunk::ClavicleParams rest;
     rest.part = trunk::ClaviclePart::rest;
-    const grid::Field other = trunk::find_clavicles(bone, rest, rest_report);
+    const grid::Field other = trunk::find_clavicles(bone, rest).value;
     EXPECT_NEAR(volume_mm3(other, all) + volume_mm3(found, all), volume_mm3(bone, all), 1);
-    const grid::Field no_bone = trunk::find_clavicles(bone, rest, rest_report, {}, &found);
+    const grid::Field no_bone = trunk::find_clavicles(bone, rest, {}, &found).value;
     EXPECT_TRUE(no_bone == other) << "without what is none of it anyway";
   }
 }
@@ -162,8 +161,7 @@ TEST(Clavicle, OneSideIsThePatientsOwn) {
   for (const trunk::BodySide side : {trunk::BodySide::left, trunk::BodySide::right}) {
     trunk::ClavicleParams p;
     p.side = side;
-    Report report;
-    const grid::Field found = trunk::find_clavicles(bone, p, report);
+    const grid::Field found = trunk::find_clavicles(bone, p).value;
     const double left_mm3 = volume_mm3(found, [](Vec3 q) { return q.x > 0; });
     const double right_mm3 = volume_mm3(found, [](Vec3 q) { return q.x < 0; });
     EXPECT_GT(side == trunk::BodySide::left ? left_mm3 : right_mm3, 10000);
@@ -183,7 +181,7 @@ TEST(Clavicle, FusedWithOtherBoneIsSaidSo) {
   Chest chest;
   chest.bridge_mm = 8;  // thicker than the clavicle itself
   Report report;
-  const grid::Field found = trunk::find_clavicles(bone_of(chest.volume(10, {1.2, 1.2, 2})), {}, report);
+  const grid::Field found = value_of(report, trunk::find_clavicles(bone_of(chest.volume(10, {1.2, 1.2, 2})), {}));
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_NE(report.warnings.front().find("clavicle"), std::string::npos);
 }
@@ -203,17 +201,16 @@ TEST(Clavicle, WhereThereIsNoneIsRefusedAndSoIsItsVein) {
   chest.clavicles = false;
   const grid::HuVolume volume = chest.volume(10, {1.2, 1.2, 2});
   const grid::Field bone = bone_of(volume);
-  Report r;
-  std::string what = refused([&] { trunk::find_clavicles(bone, {}, r); });
+  std::string what = refused([&] { trunk::find_clavicles(bone, {}); });
   EXPECT_EQ(what.rfind("clavicle", 0), 0u) << what;
-  what = refused([&] { trunk::find_vein(volume, bone, {}, r); });
+  what = refused([&] { trunk::find_vein(volume, bone, {}); });
   EXPECT_EQ(what.rfind("vein", 0), 0u) << what;
   const grid::Lattice& l = bone;
-  what = refused([&] { trunk::find_clavicles(grid::Field(l, -1.f), {}, r); });
+  what = refused([&] { trunk::find_clavicles(grid::Field(l, -1.f), {}); });
   EXPECT_NE(what.find("empty"), std::string::npos) << what;
-  what = refused([&] { trunk::find_clavicles(grid::Field(l, 1.f), {}, r); });
+  what = refused([&] { trunk::find_clavicles(grid::Field(l, 1.f), {}); });
   EXPECT_EQ(what.rfind("clavicle", 0), 0u) << what;
-  what = refused([&] { trunk::find_vein(volume, grid::Field(l, -1.f), {}, r); });
+  what = refused([&] { trunk::find_vein(volume, grid::Field(l, -1.f), {}); });
   EXPECT_NE(what.find("empty"), std::string::npos) << what;
 }
 
@@ -231,7 +228,7 @@ TEST_P(Veins, WithContrastLieWhereTheyAre) {
   const grid::HuVolume volume = chest.volume(t.noise_hu);
   const grid::Field bone = bone_of(volume);
   Report report;
-  const grid::Field found = trunk::find_vein(volume, bone, {}, report);
+  const grid::Field found = value_of(report, trunk::find_vein(volume, bone, {}));
   EXPECT_EQ(text(report, "left_source"), "contrast");
   EXPECT_EQ(text(report, "right_source"), "contrast");
   EXPECT_TRUE(report.warnings.empty()) << report.warnings.front();
@@ -269,7 +266,7 @@ TEST(Vein, ASideThatShowsNoLungIsSaid) {
   trunk::VeinParams estimated;
   estimated.source = trunk::VeinSource::estimated;
   Report report;
-  trunk::find_vein(volume, bone_of(volume), estimated, report, {}, &lung);
+  value_of(report, trunk::find_vein(volume, bone_of(volume), estimated, {}, &lung));
   EXPECT_NEAR(figure(report, "left_lung_ml"), 102, 5);
   EXPECT_NEAR(figure(report, "right_lung_ml"), 4, 1);
   const auto said = [&](const std::string& part) {
@@ -287,7 +284,7 @@ TEST(Vein, WithoutContrastIsEstimatedAndSaysSo) {
     const grid::Field bone = bone_of(volume);
     Report report;
     trunk::VeinParams p;
-    const grid::Field found = trunk::find_vein(volume, bone, p, report);
+    const grid::Field found = value_of(report, trunk::find_vein(volume, bone, p));
     EXPECT_EQ(text(report, "left_source"), "estimated") << noise;
     EXPECT_EQ(text(report, "right_source"), "estimated") << noise;
     ASSERT_GE(report.warnings.size(), 2u);
@@ -312,13 +309,12 @@ TEST(Vein, IsTheSameWhateverTheThreadCount) {
   chest.vein_contrast_hu = 150;
   const grid::HuVolume volume = chest.volume(20, {1.2, 1.2, 2});
   const grid::Field bone = bone_of(volume);
-  Report r;
   const int before = thread_count();
   set_thread_count(1);
-  const grid::Field one = trunk::find_vein(volume, bone, {}, r), clavicles = trunk::find_clavicles(bone, {}, r);
+  const grid::Field one = trunk::find_vein(volume, bone, {}).value, clavicles = trunk::find_clavicles(bone, {}).value;
   set_thread_count(4);
-  EXPECT_TRUE(one == trunk::find_vein(volume, bone, {}, r));
-  EXPECT_TRUE(clavicles == trunk::find_clavicles(bone, {}, r));
+  EXPECT_TRUE(one == trunk::find_vein(volume, bone, {}).value);
+  EXPECT_TRUE(clavicles == trunk::find_clavicles(bone, {}).value);
   set_thread_count(before);
 }
 

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "phantom/spine.h"
+#include "report_of.h"
 #include "trunk/pedicles.h"
 
 namespace trephine {
@@ -54,9 +55,9 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
   for (const SpineParams& params : {SpineParams(), narrow, askew}) {
     const Spine spine(params);
     const grid::Lattice l = lattice_of_spine(spine);
-    Report report;
     const auto found = trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                            field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
+                                            field_of(l, [&](Vec3 p) { return spine.canal(p); }), {})
+                           .value;
     expect_truth(spine, found, 1, 2);
     EXPECT_EQ(found.front().vertebra, 1);
     EXPECT_EQ(found.back().vertebra, 3);
@@ -69,10 +70,10 @@ TEST(Pedicles, AreFoundInSlicesOfTwoAndAHalfAndThreeMillimetres) {
   const Spine spine;
   for (const double slice_mm : {2.5, 3.0}) {
     const grid::Lattice l = phantom::lattice_about(spine, {0.9, 0.9, slice_mm}, 42);
-    Report report;
     expect_truth(spine,
                  trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                      field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report),
+                                      field_of(l, [&](Vec3 p) { return spine.canal(p); }), {})
+                     .value,
                  1, 2);
   }
 }
@@ -85,8 +86,8 @@ TEST(Pedicles, OneThatTheScanCutsIsLeftOutAndSaid) {
   l.size[2] -= int(low - l.origin_mm.z);
   l.origin_mm.z = low;
   Report report;
-  const auto found = trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                          field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report);
+  const auto found = value_of(report, trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                                           field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}));
   EXPECT_EQ(found.size(), 4u);
   EXPECT_EQ(found.front().vertebra, 1);  // counted from the lowest that is seen
   ASSERT_FALSE(report.warnings.empty());
@@ -97,11 +98,9 @@ TEST(Pedicles, WhatIsNoneIsDoubtfulOrRefused) {
   const Spine spine;
   const grid::Lattice l = lattice_of_spine(spine);
   const grid::Field canal = field_of(l, [&](Vec3 p) { return spine.canal(p); });
-  Report report;
   // Without bone beside the canal.
   try {
-    trunk::find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal, {},
-                         report);
+    trunk::find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal, {});
     ADD_FAILURE() << "found";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -109,17 +108,18 @@ TEST(Pedicles, WhatIsNoneIsDoubtfulOrRefused) {
   }
   // A person may give what is not found.
   EXPECT_TRUE(trunk::find_pedicles(field_of(l, [&](Vec3 p) { return std::abs(p.x) > 9 ? -1 : spine.bone(p); }), canal,
-                                   {}, report, {}, true)
-                  .empty());
+                                   {}, {}, true)
+                  .value.empty());
   // One side alone; and a wall of bone along the whole canal, as a graft makes it.
-  for (const trunk::PedicleAxis& p : trunk::find_pedicles(
-           field_of(l, [&](Vec3 p) { return p.x > 5 && p.y > 12 ? -1 : spine.bone(p); }), canal, {}, report))
+  for (const trunk::PedicleAxis& p :
+       trunk::find_pedicles(field_of(l, [&](Vec3 p) { return p.x > 5 && p.y > 12 ? -1 : spine.bone(p); }), canal, {})
+           .value)
     EXPECT_LT(p.confidence, 0.5) << p.vertebra << p.left;
   const grid::Field wall = field_of(l, [&](Vec3 p) {
     return std::max(spine.bone(p), std::min(4 - std::abs(std::abs(p.x) - 17), 10 - std::abs(p.y - 22)));
   });
   try {
-    for (const trunk::PedicleAxis& p : trunk::find_pedicles(wall, canal, {}, report))
+    for (const trunk::PedicleAxis& p : trunk::find_pedicles(wall, canal, {}).value)
       EXPECT_LT(p.confidence, 0.5) << p.doubt;
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
@@ -133,19 +133,19 @@ TEST(Pedicles, AWallOfBoneIsRefusedBeforeAxesAreLookedFor) {
   const grid::Lattice l = lattice_of_spine(spine);
   const auto tall = [](Vec3 p) { return std::min(4 - std::abs(std::abs(p.x) - 17), 20 - std::abs(p.z)); };
   const grid::Field bone = field_of(l, tall), canal = field_of(l, [&](Vec3 p) { return 12 - std::abs(p.x); });
-  Report report;
-  const auto found = trunk::find_pedicles(bone, canal, {}, report, {}, true);
+  const auto found = trunk::find_pedicles(bone, canal, {}, {}, true).value;
   ASSERT_EQ(found.size(), 2u);
   for (const trunk::PedicleAxis& p : found) EXPECT_EQ(p.confidence, 0) << p.doubt;
   try {
-    trunk::find_pedicles(bone, canal, {}, report);
+    trunk::find_pedicles(bone, canal, {});
     FAIL() << "looked for axes";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     EXPECT_NE(std::string(e.what()).find("is nowhere less than"), std::string::npos) << e.what();
   }
   EXPECT_NO_THROW(trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                                       field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report, {}, true));
+                                       field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, {}, true)
+                      .value);
 }
 
 TEST(Pedicles, ThinOnesAreDoubtful) {
@@ -153,11 +153,10 @@ TEST(Pedicles, ThinOnesAreDoubtful) {
   params.half_width_mm = 0.9;
   const Spine spine(params);
   const grid::Lattice l = lattice_of_spine(spine);
-  Report report;
   try {
-    for (const trunk::PedicleAxis& p :
-         trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
-                              field_of(l, [&](Vec3 p) { return spine.canal(p); }), {}, report))
+    for (const trunk::PedicleAxis& p : trunk::find_pedicles(field_of(l, [&](Vec3 p) { return spine.bone(p); }),
+                                                            field_of(l, [&](Vec3 p) { return spine.canal(p); }), {})
+                                           .value)
       EXPECT_LT(p.confidence, 0.5) << p.half_width_mm;
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

@@ -7,6 +7,7 @@
 #include "voxel/cut.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -27,7 +28,7 @@ grid::Lattice lattice_for(const Solid& solid, Vec3 spacing_mm, std::mt19937_64& 
 
 Offsets felt(const Solid& solid, const grid::Lattice& lattice) {
   Report report;
-  const voxel::HapticVolume volume = voxel::voxelize(lattice, {{"a", &solid.mesh}}, report);
+  const voxel::HapticVolume volume = value_of(report, voxel::voxelize(lattice, {{"a", &solid.mesh}}));
   const voxel::HapticDecoder decoder(volume);
   return offsets_of(solid.points, 2, [&](Vec3 p) { return decoder.trilinear(1, p); });
 }
@@ -71,8 +72,7 @@ TEST(Accuracy, ThinSheetsAreFelt) {
         const Vec3 centre{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
         const Solid solid = shapes::block({9, 9, thick / 2}, centre, pose, 3, 400, rng, 2);
         Report report;
-        const voxel::HapticVolume volume = voxel::voxelize(
-            shapes::lattice_around(surface::bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}, report);
+        const voxel::HapticVolume volume = value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}));
         const voxel::HapticDecoder decoder(volume);
         for (const auto& s : solid.points) {
           const Vec3 inner = s.point_mm - s.normal * (thick / 2);
@@ -90,8 +90,8 @@ TEST(Accuracy, Volumes) {
     const Solid ball = shapes::ball(10, {3, 2, 1}, 0, rng);
     const Solid block = shapes::block({6, 8, 10}, {}, shapes::turned(rng), 0, 0, rng);
     Report report;
-    const voxel::HapticVolume a = voxel::voxelize(lattice_for(ball, h, rng), {{"a", &ball.mesh}}, report);
-    const voxel::HapticVolume b = voxel::voxelize(lattice_for(block, h, rng), {{"b", &block.mesh}}, report);
+    const voxel::HapticVolume a = value_of(report, voxel::voxelize(lattice_for(ball, h, rng), {{"a", &ball.mesh}}));
+    const voxel::HapticVolume b = value_of(report, voxel::voxelize(lattice_for(block, h, rng), {{"b", &block.mesh}}));
     EXPECT_NEAR(voxel::shape_volume_mm3(a, 1), 4.0 / 3 * M_PI * 1000, 0.006 * 4.0 / 3 * M_PI * 1000);
     EXPECT_NEAR(voxel::shape_volume_mm3(b, 1), 3840, 0.006 * 3840);
     EXPECT_EQ(voxel::shape_volume_mm3(b, 2), 0);
@@ -127,7 +127,7 @@ Scene make_scene(std::vector<Solid> solids, Vec3 h, std::mt19937_64& rng) {
   }
   const Vec3 anchor{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
   Report report;
-  scene.volume = voxel::voxelize(shapes::lattice_around(all, h, shapes::turned(rng), anchor), list, report);
+  scene.volume = value_of(report, voxel::voxelize(shapes::lattice_around(all, h, shapes::turned(rng), anchor), list));
   return scene;
 }
 

@@ -10,6 +10,7 @@
 #include "voxel/cut.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -64,23 +65,22 @@ TEST(CutVolume, RemovesTheExactVolume) {
       const Solid plate = shapes::block({14, 14, 4}, {}, pose, 0, 0, rng);
       const grid::Lattice l = shapes::lattice_around(surface::bounds_of(plate.mesh), h, shapes::turned(rng));
       Report made;
-      voxel::HapticVolume v = voxel::voxelize(l, {{"bone", &plate.mesh}}, made);
+      voxel::HapticVolume v = value_of(made, voxel::voxelize(l, {{"bone", &plate.mesh}}));
       // A burr hole through the plate, and a ball within it.
       const Tool hole = cylinder_tool({}, pose.column[2], 6, 9);
       const double before = voxel::shape_volume_mm3(v, 1);
       voxel::HapticVolume w = v;
       Report report;
-      voxel::cut_volume(w, hole.distance, hole.bounds, {}, report);
+      value_of(report, voxel::cut_volume(w, hole.distance, hole.bounds, {}));
       const double exact = M_PI * 36 * 8;
       EXPECT_NEAR(removed(report, "bone"), exact, 0.01 * exact) << n << " at " << h.x;
       EXPECT_NEAR(before - voxel::shape_volume_mm3(w, 1), removed(report, "bone"), 1e-6);
       voxel::check_haptic_volume(w);
       const Solid block = shapes::block({9, 9, 9}, {}, pose, 0, 0, rng);
       voxel::HapticVolume b =
-          voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
-                          {{"bone", &block.mesh}}, made);
+          value_of(made, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)), {{"bone", &block.mesh}}));
       const Tool ball = ball_tool({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)}, 7);
-      voxel::cut_volume(b, ball.distance, ball.bounds, {1}, report = {});
+      report = printed(voxel::cut_volume(b, ball.distance, ball.bounds, {1}));
       const double of_ball = 4.0 / 3 * M_PI * 343;
       EXPECT_NEAR(removed(report, "bone"), of_ball, 0.01 * of_ball) << n << " at " << h.x;
     }
@@ -92,10 +92,9 @@ TEST(CutVolume, TheNewSurfaceIsTheTools) {
     const Solid block = shapes::block({12, 12, 12}, {}, shapes::turned(rng), 0, 0, rng);
     Report report;
     voxel::HapticVolume v =
-        voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
-                        {{"bone", &block.mesh}}, report);
+        value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)), {{"bone", &block.mesh}}));
     const Tool ball = ball_tool({1, 2, 0}, 7);
-    voxel::cut_volume(v, ball.distance, ball.bounds, {}, report);
+    value_of(report, voxel::cut_volume(v, ball.distance, ball.bounds, {}));
     const voxel::HapticDecoder d(v);
     std::vector<shapes::SurfacePoint> points;
     for (int n = 0; n < 1500; ++n) {
@@ -119,9 +118,7 @@ voxel::HapticVolume phantom(Vec3 h, std::mt19937_64& rng) {
   const Solid e = shapes::ellipsoid({11, 13, 12}, {}, pose, 0, rng);
   const Solid f = shapes::block({5, 9, 9}, pose * Vec3{12, 0, 0}, pose, 0, 0, rng);
   Report report;
-  return voxel::voxelize(
-      shapes::lattice_around(surface::bounds_of(e.mesh), h, shapes::turned(rng)),
-      {{"ventricles", &a.mesh}, {"brain", &b.mesh}, {"skull", &c.mesh}, {"skin", &e.mesh}, {"block", &f.mesh}}, report);
+  return value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(e.mesh), h, shapes::turned(rng)), {{"ventricles", &a.mesh}, {"brain", &b.mesh}, {"skull", &c.mesh}, {"skin", &e.mesh}, {"block", &f.mesh}}));
 }
 
 void expect_that_nobody_gains(int rounds, unsigned seed) {
@@ -143,7 +140,7 @@ void expect_that_nobody_gains(int rounds, unsigned seed) {
                                : slab_tool(centre, shapes::turned(rng), {size, uniform(rng, 0.2, 6), 9}));
     }
     Report report;
-    for (const Tool& t : tools) voxel::cut_volume(after, t.distance, t.bounds, cut, report);
+    for (const Tool& t : tools) value_of(report, voxel::cut_volume(after, t.distance, t.bounds, cut));
     voxel::check_haptic_volume(after);
     const voxel::HapticDecoder was(before), is(after);
     const auto left_of = [&](Vec3 p) {
@@ -196,9 +193,9 @@ TEST(CutVolume, CutTwiceIsCutOnce) {
   voxel::HapticVolume v = phantom({0.8, 0.8, 0.8}, rng);
   const Tool t = cylinder_tool({6, 0, 0}, {1, 0, 0}, 4, 9);
   Report first, second;
-  voxel::cut_volume(v, t.distance, t.bounds, {}, first);
+  value_of(first, voxel::cut_volume(v, t.distance, t.bounds, {}));
   const voxel::HapticVolume once = v;
-  voxel::cut_volume(v, t.distance, t.bounds, {}, second);
+  value_of(second, voxel::cut_volume(v, t.distance, t.bounds, {}));
   EXPECT_EQ(v.voxels, once.voxels);
   EXPECT_GT(std::get<std::int64_t>(*first.find("voxels_count")), 500);
   EXPECT_EQ(std::get<std::int64_t>(*second.find("voxels_count")), 0);
@@ -211,21 +208,21 @@ TEST(CutVolume, ToolsThatMissOrAreNone) {
   voxel::HapticVolume w = v;
   Report report;
   const Tool far = ball_tool({500, 0, 0}, 7);
-  voxel::cut_volume(w, far.distance, far.bounds, {}, report);
-  voxel::cut_volume(w, far.distance, surface::Bounds{}, {}, report);
+  value_of(report, voxel::cut_volume(w, far.distance, far.bounds, {}));
+  value_of(report, voxel::cut_volume(w, far.distance, surface::Bounds{}, {}));
   const auto nan = [](Vec3) { return std::nan(""); };
-  voxel::cut_volume(w, nan, around({}, 9), {}, report);
+  value_of(report, voxel::cut_volume(w, nan, around({}, 9), {}));
   EXPECT_EQ(w.voxels, v.voxels);
   const std::string all_shapes = "removes nothing of ventricles, brain, skull, skin, block";
   EXPECT_EQ(report.warnings, std::vector<std::string>(3, all_shapes));
   const Tool inner = ball_tool({}, 2);  // in the brain, far from the skin
-  voxel::cut_volume(w, inner.distance, inner.bounds, {4}, report = {});
+  report = printed(voxel::cut_volume(w, inner.distance, inner.bounds, {4}));
   EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of skin"});
   w = v;
-  EXPECT_THROW(voxel::cut_volume(w, far.distance, far.bounds, {6}, report), Error);
+  EXPECT_THROW(value_of(report, voxel::cut_volume(w, far.distance, far.bounds, {6})), Error);
   // Everything.
   const Tool all = ball_tool({}, 90);
-  voxel::cut_volume(w, all.distance, all.bounds, {}, report = {});
+  report = printed(voxel::cut_volume(w, all.distance, all.bounds, {}));
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(std::count(w.voxels.voxels.begin(), w.voxels.voxels.end(), voxel::haptic_empty),
             std::ptrdiff_t(w.voxels.voxels.size()));
@@ -246,13 +243,13 @@ TEST(CutVolume, OfWindowsOfHu) {
         ct.at(i, j, k) = float(-1000 + 1040 * step(r - 12) + 960 * step(r - 6));
       }
   Report report;
-  const voxel::HapticVolume before = voxel::voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}, report);
+  const voxel::HapticVolume before = value_of(report, voxel::voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}));
   for (int n = 0; n < 12; ++n) {
     voxel::HapticVolume after = before;
     const Tool t = n % 2 ? ball_tool(uniform(rng, 0, 10) * shapes::unit_vector(rng), uniform(rng, 2, 5))
                          : cylinder_tool({}, shapes::unit_vector(rng), 3, 20);
     const std::vector<int> cut = n % 3 == 0 ? std::vector<int>{} : std::vector<int>{1 + n % 3 % 2};
-    voxel::cut_volume(after, t.distance, t.bounds, cut, report);
+    value_of(report, voxel::cut_volume(after, t.distance, t.bounds, cut));
     const voxel::HapticDecoder was(before), is(after);
     for (int k = 0; k < 50; ++k)
       for (int j = 0; j < 50; ++j)
@@ -277,7 +274,7 @@ TEST(CutVolume, OfWindowsOfHu) {
   // In the skin alone, away from the bone, the new surface is the tool's.
   voxel::HapticVolume after = before;
   const Tool t = ball_tool({0, 0, 11}, 3);
-  voxel::cut_volume(after, t.distance, t.bounds, {}, report);
+  value_of(report, voxel::cut_volume(after, t.distance, t.bounds, {}));
   const voxel::HapticDecoder d(after);
   std::vector<shapes::SurfacePoint> points;
   for (int n = 0; n < 1000; ++n) {
@@ -305,10 +302,10 @@ TEST(CutField, ContoursToTheCutSolid) {
               float(unit * std::clamp(12 - norm(l.to_world_mm({double(i), double(j), double(k)})), -1.5, 1.5));
     const Tool t = cylinder_tool({0, 0, 8}, normalized({0.2, 0.1, 1}), 4, 9);
     Report report;
-    voxel::cut_field(field, t.distance, t.bounds, report);
+    value_of(report, voxel::cut_field(field, t.distance, t.bounds));
     EXPECT_NEAR(std::get<double>(*report.find("unit_per_mm")), unit, 0.1 * unit);
     for (const float f : field.voxels) ASSERT_TRUE(std::isfinite(f));
-    const surface::TriMesh mesh = meshing::contour(field, meshing::ContourParams{}, report);
+    const surface::TriMesh mesh = value_of(report, meshing::contour(field, meshing::ContourParams{}));
     double sum = 0, worst = 0;
     std::size_t on_tool = 0;
     for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) {
@@ -334,15 +331,15 @@ TEST(CutField, ThatMissesChangesNothing) {
   const grid::Field before = field;
   Report report;
   const Tool far = ball_tool({99, 0, 0}, 3);
-  voxel::cut_field(field, far.distance, far.bounds, report);
+  value_of(report, voxel::cut_field(field, far.distance, far.bounds));
   EXPECT_EQ(field, before);
   EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of the field"});
   // Within what is outside already values fall, but nothing is removed.
   const Tool in_air = ball_tool({1, 1, 1}, 2);
-  voxel::cut_field(field, in_air.distance, in_air.bounds, report = {});
+  report = printed(voxel::cut_field(field, in_air.distance, in_air.bounds));
   EXPECT_EQ(report.warnings.size(), 1u);
   const Tool near = ball_tool({4, 4, 4}, 2);
-  voxel::cut_field(field, near.distance, near.bounds, report = {});
+  report = printed(voxel::cut_field(field, near.distance, near.bounds));
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_LE(field.at(4, 4, 4), 0);
 }

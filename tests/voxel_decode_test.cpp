@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -119,8 +120,7 @@ TEST(Decode, GradientPointsIntoTheShape) {
   const auto solid = shapes::ball(9, {}, 500, rng);
   Report report;
   const voxel::HapticVolume v =
-      voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)),
-                      {{"a", &solid.mesh}}, report);
+      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)), {{"a", &solid.mesh}}));
   const voxel::HapticDecoder d(v);
   double worst = 1;
   for (const auto& s : solid.points) worst = std::min(worst, dot(normalized(d.gradient(1, s.point_mm)), -s.normal));
@@ -151,7 +151,7 @@ TEST(DecodeHu, SaturatesAtAirAndIsNearestWhereWindowsMeet) {
   const SyntheticCt ct;
   Report report;
   // On the CT's own raster: tissue of -300 to 169, bone of 170 on.
-  const voxel::HapticVolume v = voxel::voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}, report);
+  const voxel::HapticVolume v = value_of(report, voxel::voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}));
   EXPECT_EQ(std::get<std::int64_t>(*report.find("clamped_voxels_count")), 0);
   const voxel::HapticDecoder d(v);
   std::mt19937_64 rng(3);
@@ -237,27 +237,27 @@ TEST(VoxelizeHu, ResamplesAndCounts) {
   finer.spacing_mm = {0.5, 1, 1};
   finer.origin_mm = {-2, 0.5, 1};
   Report report;
-  const voxel::HapticVolume v = voxel::voxelize_hu(ct, finer, {{"a", 0, 1000}}, report);
+  const voxel::HapticVolume v = value_of(report, voxel::voxelize_hu(ct, finer, {{"a", 0, 1000}}));
   for (int i = 0; i < 17; ++i) {
     const double x = -2 + 0.5 * i;
     const double expected = x < -0.5 || x > 3.5 ? -1024 : 100 * std::clamp(x, 0.0, 3.0) + 10 * 0.5 + 1;
     EXPECT_EQ(v.voxels.at(i, 0, 0), int(std::floor(expected + 0.5))) << x;
   }
   ct.at(1, 1, 1) = 1e6f;
-  voxel::voxelize_hu(ct, ct, {{"a", 0, 1000}}, report = {});
+  report = printed(voxel::voxelize_hu(ct, ct, {{"a", 0, 1000}}));
   EXPECT_EQ(std::get<std::int64_t>(*report.find("clamped_voxels_count")), 1);
   for (const auto& windows : std::vector<std::vector<voxel::HuWindow>>{
            {}, {{"a", 5, 4}}, {{"a", 0, 100}, {"b", 100, 200}}, std::vector<voxel::HuWindow>(33, {"a", 0, 1})})
-    EXPECT_THROW(voxel::voxelize_hu(ct, ct, windows, report), Error);
+    EXPECT_THROW(value_of(report, voxel::voxelize_hu(ct, ct, windows)), Error);
   for (const int low : {-1024, -1025, -32768}) try {
-      voxel::voxelize_hu(ct, ct, {{"bone", 300, 3071}, {"air", std::int16_t(low), -900}}, report);
+      value_of(report, voxel::voxelize_hu(ct, ct, {{"bone", 300, 3071}, {"air", std::int16_t(low), -900}}));
       FAIL() << low;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);
       EXPECT_EQ(e.field(), "haptic.windows.air");
       EXPECT_NE(std::string(e.what()).find("above -1024"), std::string::npos) << e.what();
     }
-  voxel::voxelize_hu(ct, ct, {{"air", -1023, 3071}}, report);
+  value_of(report, voxel::voxelize_hu(ct, ct, {{"air", -1023, 3071}}));
   const grid::Mask hard = voxel::haptic_hardness(ct, l, 100, 300);
   EXPECT_EQ(hard.at(0, 3, 3), 0);
   EXPECT_EQ(hard.at(2, 0, 0), 128);

@@ -6,13 +6,14 @@
 #include "base/parallel.h"
 #include "voxel/mismatch.h"
 #include "voxel_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
 
 voxel::HapticVolume volume_of(const surface::TriMesh& surface, const grid::Lattice& lattice) {
   Report report;
-  return voxel::voxelize(lattice, {{"a", &surface}}, report);
+  return value_of(report, voxel::voxelize(lattice, {{"a", &surface}}));
 }
 
 TEST(Mismatch, OfABallThatIsSeenLargerOrSmaller) {

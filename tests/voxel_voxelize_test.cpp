@@ -13,6 +13,7 @@
 #include "voxel/decode.h"
 #include "voxel/shape_occupancy.h"
 #include "voxel_shapes.h"
+#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -66,7 +67,7 @@ TEST(Voxelize, ClearOfASurface) {
   Report report;
   std::vector<voxel::VoxelizeShape> list{
       {"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 4}};
-  const voxel::HapticVolume volume = voxel::voxelize(l, list, report);
+  const voxel::HapticVolume volume = value_of(report, voxel::voxelize(l, list));
   const voxel::HapticDecoder decoder(volume);
   for (int n = 0; n < 2000; ++n) {
     const Vec3 u = shapes::unit_vector(rng);
@@ -76,7 +77,7 @@ TEST(Voxelize, ClearOfASurface) {
     ASSERT_GT(decoder.trilinear(3, u * 16), 0.99);
   }
   list[2].clear_mm = 2;  // to a radius of 10: between there and the skull is skin again
-  const voxel::HapticVolume thinner = voxel::voxelize(l, list, report);
+  const voxel::HapticVolume thinner = value_of(report, voxel::voxelize(l, list));
   const voxel::HapticDecoder again(thinner);
   std::vector<shapes::SurfacePoint> points;
   for (int n = 0; n < 1000; ++n) {
@@ -99,8 +100,7 @@ TEST(Voxelize, ClearOnlyAsFarAsTheWall) {
   for (const auto& t : hole.triangles) shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
   Report report;
   const voxel::HapticVolume volume =
-      voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}),
-                      {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}, report);
+      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}), {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}));
   const voxel::HapticDecoder decoder(volume);
   std::vector<shapes::SurfacePoint> outer;
   for (int n = 0; n < 2000; ++n) {
@@ -123,8 +123,8 @@ TEST(Voxelize, SameBytesWhateverTheThreadCount) {
   for (const int threads : {1, 2, 4}) {
     set_thread_count(threads);
     Report report;
-    made.push_back(voxel::voxelize(l, {{"a", &a.mesh}, {"b", &b.mesh, &a.mesh, 2.5}}, report));
-    voxel::cut_volume(made.back(), a.distance, surface::bounds_of(a.mesh), {2}, report);
+    made.push_back(value_of(report, voxel::voxelize(l, {{"a", &a.mesh}, {"b", &b.mesh, &a.mesh, 2.5}})));
+    value_of(report, voxel::cut_volume(made.back(), a.distance, surface::bounds_of(a.mesh), {2}));
   }
   set_thread_count(0);
   EXPECT_EQ(made[0].voxels, made[1].voxels);
@@ -148,12 +148,12 @@ TEST(Voxelize, RefusesWhatItCannotFill) {
   surface::TriMesh open = a.mesh;
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 200);
   Report r;
-  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}}, r); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}}, r); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"open", &open}}, r); }), ExitCode::bad_input);
-  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {}, r); }), ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}})); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}})); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"open", &open}})); }), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {})); }), ExitCode::bad_config);
   const surface::TriMesh none;
-  EXPECT_EQ(code_of([&] { voxel::voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"none", &none}})); }), ExitCode::bad_input);
 }
 
 // A membrane: what lies deeper than its thickness belongs to the shapes after it, and it is no wall to a clearance.
@@ -166,7 +166,7 @@ TEST(Voxelize, AShellOfAShape) {
   list[0].shell_mm = 2;
   Report report;
   const voxel::HapticVolume volume =
-      voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}), list, report);
+      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}), list));
   const voxel::HapticDecoder decoder(volume);
   std::vector<shapes::SurfacePoint> outer, inner;
   for (int n = 0; n < 2000; ++n) {
@@ -201,7 +201,7 @@ TEST(Voxelize, RefusesAShapeThatHasNoHalfOfAnyVoxel) {
   const auto refused = [&](const std::vector<voxel::VoxelizeShape>& list) -> std::string {
     Report r;
     try {
-      const voxel::HapticVolume v = voxel::voxelize(l, list, r);
+      const voxel::HapticVolume v = value_of(r, voxel::voxelize(l, list));
       for (const voxel::HapticShape& s : v.shapes) EXPECT_GT(voxel::shape_volume_mm3(v, s.number), 0) << s.name;
       return "";
     } catch (const Error& e) {

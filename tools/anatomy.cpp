@@ -39,9 +39,9 @@ Report examine(const cli::ParsedCommand& parsed, const Progress& progress) {
     landmarks = stages::load_data(parsed.path("landmarks"), stages::DataKind::landmarks);
     known = std::get<std::shared_ptr<const head::HeadLandmarks>>(landmarks).get();
   }
-  Report report;
   const consistency::AnatomyFindings found =
-      consistency::examine_anatomy(fields, known, parsed.params<consistency::AnatomyGateParams>(), report, progress);
+      consistency::examine_anatomy(fields, known, parsed.params<consistency::AnatomyGateParams>(), progress);
+  const Report report = printed(figures_of(found.result), found.warnings);
   if (parsed.has("picture") && !found.faults.empty())
     write_file(parsed.path("picture"), consistency::anatomy_picture(*volume, fields, found.faults[0]));
   if (!found.faults.empty()) {

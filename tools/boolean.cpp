@@ -92,8 +92,7 @@ std::vector<boolean::Cutter> cutters_given(const cli::ParsedCommand& parsed) {
     boolean::Cutter c;
     c.kind = boolean::Cutter::Kind::mesh;
     c.name = "mesh_" + std::to_string(all.size() + 1);
-    Report ignored;
-    c.mesh = std::make_shared<const surface::TriMesh>(meshio::read_mesh_file(file, ignored));
+    c.mesh = std::make_shared<const surface::TriMesh>(meshio::read_mesh_file(file).value);
     with_file(file, [&] { boolean::check_cutter(c, ExitCode::bad_input); });
     all.push_back(std::move(c));
   }
@@ -107,11 +106,18 @@ Report cut_surface_file(const cli::ParsedCommand& parsed, const std::vector<bool
   stages::StageInputs inputs;
   inputs.by_port["surface"] = stages::load_data(parsed.path("input"), stages::DataKind::mesh);
   inputs.by_port["cutters.1"] = std::make_shared<const std::vector<boolean::Cutter>>(cutters);
-  Report report;
-  stages::save_data(parsed.path("output"),
-                    stages::stage_named("boolean").run(AnyParams::make(parsed.params<boolean::CutSurfaceParams>()),
-                                                       inputs, report, progress));
-  return report;
+  const stages::StageOutcome made =
+      stages::stage_named("boolean").run(AnyParams::make(parsed.params<boolean::CutSurfaceParams>()), inputs, progress);
+  stages::save_data(parsed.path("output"), made.data);
+  return made.report();
+}
+
+// What one cutter did, under its name.
+template <class R>
+void add_of_cutter(Report& report, const boolean::Cutter& c, Vec3 spacing_mm, const Outcome<std::monostate, R>& one) {
+  if (const auto thin = boolean::thin_cutter(c, spacing_mm)) report.warn(to_text(*thin));
+  for (const auto& [name, value] : figures_of(one.result)) report.figures.emplace_back(c.name + "." + name, value);
+  for (const Warning& w : boolean::warnings_of(c, one.warnings)) report.warn(to_text(w));
 }
 
 Report cut_haptic_file(const cli::ParsedCommand& parsed, const std::vector<boolean::Cutter>& cutters,
@@ -128,10 +134,8 @@ Report cut_haptic_file(const cli::ParsedCommand& parsed, const std::vector<boole
   Report report;
   for (const boolean::Cutter& given : cutters) {
     const boolean::Cutter c = boolean::widened(given, widen_mm);
-    Report one;
-    voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), numbers, one, progress);
-    boolean::warn_of_thin(report, c, volume.voxels.spacing_mm);
-    boolean::add_of_cutter(report, c, one);
+    add_of_cutter(report, c, volume.voxels.spacing_mm,
+                  voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), numbers, progress));
   }
   voxel::write_haptic(parsed.path("output"), volume);
   return report;
@@ -143,10 +147,8 @@ Report cut_field_file(const cli::ParsedCommand& parsed, grid::Field field, const
   Report report;
   for (const boolean::Cutter& given : cutters) {
     const boolean::Cutter c = boolean::widened(given, widen_mm);
-    Report one;
-    voxel::cut_field(field, boolean::distance_to(c), boolean::bounds_of(c), one, progress);
-    boolean::warn_of_thin(report, c, field.spacing_mm);
-    boolean::add_of_cutter(report, c, one);
+    add_of_cutter(report, c, field.spacing_mm,
+                  voxel::cut_field(field, boolean::distance_to(c), boolean::bounds_of(c), progress));
   }
   stages::save_data(parsed.path("output"), std::make_shared<const grid::Field>(std::move(field)));
   return report;

@@ -45,12 +45,11 @@ cli::Command correction_command() {
   c.run = [](const cli::ParsedCommand& parsed) {
     const auto& params = parsed.params<CorrectionParams>();
     run_with_report(parsed, [&](const Progress&) {
-      Report report;
-      const grid::LabelFile made = segmentation::correction_between(
+      const auto made = segmentation::correction_between(
           itk::read_label_file(parsed.path("before")), itk::read_label_file(parsed.path("after")), params.label,
-          params.painted_label.empty() ? params.label : params.painted_label, report);
-      write_file(parsed.path("output"), grid::encode_labels(made));
-      return report;
+          params.painted_label.empty() ? params.label : params.painted_label);
+      write_file(parsed.path("output"), grid::encode_labels(made.value));
+      return printed(made);
     });
     return ExitCode::ok;
   };

@@ -113,8 +113,7 @@ void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& 
 void load_file_surface(const fs::path& file, const ExportParams& params, ExportInput& input, const Progress& progress) {
   const std::string name = params.name.empty() ? file.stem().string() : params.name;
   check_export_name("--name", name);
-  Report ignored;
-  input.meshes.push_back(meshio::read_mesh_file(file, ignored, {}, progress));
+  input.meshes.push_back(meshio::read_mesh_file(file, {}, progress).value);
   input.surfaces.push_back({&input.meshes.back(), name, params.colour_rgb, params.opacity, false});
 }
 
@@ -244,7 +243,11 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
   }
   Report labels;
   meshio::LabelMap map;
-  if (!formats.labels.empty()) map = label_map_of(parsed, input.manifest, labels, progress.part(0.8, 0.95));
+  if (!formats.labels.empty()) {
+    auto made = label_map_of(parsed, input.manifest, progress.part(0.8, 0.95));
+    labels = printed(made);
+    map = std::move(made.value);
+  }
   make_output_folder(out);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);

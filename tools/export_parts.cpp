@@ -56,8 +56,9 @@ std::array<double, 3> label_colour(const cases::CaseManifest& manifest, const st
 
 }  // namespace
 
-meshio::LabelMap label_map_of(const cli::ParsedCommand& parsed, const cases::CaseManifest& manifest, Report& report,
-                              const Progress& progress) {
+Outcome<meshio::LabelMap, meshio::LabelMapResult> label_map_of(const cli::ParsedCommand& parsed,
+                                                               const cases::CaseManifest& manifest,
+                                                               const Progress& progress) {
   std::list<grid::Field> fields;
   std::vector<meshio::LabelledField> shapes;
   for (const std::string& item : items_of(parsed, "labels")) {
@@ -71,7 +72,7 @@ meshio::LabelMap label_map_of(const cli::ParsedCommand& parsed, const cases::Cas
     shapes.push_back({&fields.back(), name, label_colour(manifest, name, shapes.size())});
     progress.check();
   }
-  return meshio::make_label_map(shapes, report, progress);
+  return meshio::make_label_map(shapes, progress);
 }
 
 }  // namespace trephine::tools

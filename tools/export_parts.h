@@ -33,7 +33,8 @@ struct ExportInput {
 };
 
 /// The shapes of --labels as one map; colours are the case's, where there is one.
-meshio::LabelMap label_map_of(const cli::ParsedCommand& parsed, const cases::CaseManifest& manifest, Report& report,
-                              const Progress& progress);
+Outcome<meshio::LabelMap, meshio::LabelMapResult> label_map_of(const cli::ParsedCommand& parsed,
+                                                               const cases::CaseManifest& manifest,
+                                                               const Progress& progress);
 
 }  // namespace trephine::tools

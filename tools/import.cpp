@@ -47,12 +47,9 @@ void write_private_file(const std::filesystem::path& file, const std::string& by
 }
 
 /// What the picture shows against what its files say.
-void look_at_result(const dicom::ImportResult& read, Report& report, const Progress& progress) {
-  const auto said = [&](const char* figure) {
-    const ParameterValue* value = read.report.find(figure);
-    return value ? std::get<std::string>(*value) : std::string();
-  };
-  if (said("modality") == "CT") look::tell(look::look_at(read.volume, said("patient_position"), progress), report);
+Report look_at_result(const dicom::ImportResult& read, const Progress& progress) {
+  const auto seen = look::look_at_ct(read.volume, read.figures, progress);
+  return seen ? printed(figures_of(look::figures_of(*seen)), look::warnings_of(*seen)) : Report();
 }
 
 /// The series that would be read, or none.
@@ -70,8 +67,8 @@ void look_at_meant(const cli::ParsedCommand& parsed, dicom::SeriesList& list, co
   if (!series) return;
   params.series = series->token;
   try {
-    look_at_result(dicom::import_series(parsed.path("input"), params, progress.part(0, 0.8)), series->seen,
-                   progress.part(0.8, 1));
+    series->seen = look_at_result(dicom::import_series(parsed.path("input"), params, progress.part(0, 0.8)),
+                                  progress.part(0.8, 1));
   } catch (const Error& e) {  // found where pixels are decoded
     if (e.code() != ExitCode::bad_input) throw;
     series->usable = false;
@@ -91,7 +88,7 @@ ExitCode list(const cli::ParsedCommand& parsed) {
     display.finish("look", "");
   }
   if (parsed.has("json")) write_file(parsed.path("json"), dicom::list_json(found));
-  for (const std::string& w : found.folder.warnings) log_warning(w);
+  for (const Warning& w : found.folder.warnings) log_warning(to_text(w));
   for (const dicom::SeriesSummary& s : found.series)
     for (const std::string& w : s.seen.warnings) log_warning(s.token + ": " + w);
   if (!parsed.quiet || !parsed.has("json")) std::cout << dicom::list_text(found);
@@ -142,14 +139,11 @@ cli::Command import_command() {
     run_with_report(parsed, [&](const Progress& progress) {
       dicom::ImportResult result =
           dicom::import_series(parsed.path("input"), parsed.params<dicom::ImportParams>(), progress);
-      Report seen;
-      look_at_result(result, seen, progress);
+      const Report seen = look_at_result(result, progress);
       stages::save_data(parsed.path("output"), std::make_shared<const grid::HuVolume>(std::move(result.volume)));
-      Report all = std::move(result.report);
-      for (auto& f : seen.figures) all.figures.push_back(std::move(f));
-      for (auto& w : seen.warnings) all.warnings.push_back(std::move(w));
-      for (auto& f : result.folder.figures) all.figures.push_back(std::move(f));
-      for (auto& w : result.folder.warnings) all.warnings.push_back(std::move(w));
+      Report all = result.report();
+      add(all, seen);
+      add(all, printed(result.folder));
       return all;
     });
     return ExitCode::ok;

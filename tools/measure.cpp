@@ -81,8 +81,7 @@ void check_flags(const cli::ParsedCommand& parsed) {
 // Reads a file of ours directly, and a file of another program by the reader of its format.
 surface::TriMesh read_surface(const std::filesystem::path& file) {
   if (file.extension() == ".vtp") return meshio::read_vtp(file);
-  Report ignored;
-  return meshio::read_mesh_file(file, ignored);
+  return meshio::read_mesh_file(file).value;
 }
 
 // Measures the surface, or the field where the file is a .nrrd.
@@ -93,18 +92,22 @@ Report measure_against_truth(const cli::ParsedCommand& parsed, const Progress& p
   const auto known = [&] { return phantom::truth_surface(truth, anatomy, progress.part(0, 0.4)); };
   if (parsed.path("surface").extension() == ".nrrd") {
     const grid::Field field = grid::read_foreign_field(parsed.path("surface"));
-    return phantom::measure_against_truth(field, known(), params.sample_count, progress.part(0.4, 1));
+    return printed(
+        figures_of(phantom::measure_against_truth(field, known(), params.sample_count, progress.part(0.4, 1))), {});
   }
   const surface::TriMesh surface = read_surface(parsed.path("surface"));
-  return phantom::measure_against_truth(surface, known(), params, progress.part(0.4, 1));
+  return printed(phantom::measure_against_truth(surface, known(), params, progress.part(0.4, 1)));
 }
 
 Report measure_against_mesh(const cli::ParsedCommand& parsed, const surface::TriMesh& mesh, const Progress& progress) {
   const surface::TriMesh reference = read_surface(parsed.path("reference"));
-  Report report = metrics::measure_surface(mesh, metrics::MeshReference{&reference},
-                                           parsed.params<metrics::MeasureParams>(), progress.part(0, 0.4));
-  if (const auto& certify = parsed.params<metrics::CertifyParams>(); certify.certify)
-    metrics::add_certified(report, metrics::certify_deviation(mesh, reference, certify, progress.part(0.4, 0.8)));
+  Report report = printed(metrics::measure_surface(mesh, metrics::MeshReference{&reference},
+                                                   parsed.params<metrics::MeasureParams>(), progress.part(0, 0.4)));
+  if (const auto& certify = parsed.params<metrics::CertifyParams>(); certify.certify) {
+    const auto proven = figures_of(
+        metrics::CertifiedFigures(metrics::certify_deviation(mesh, reference, certify, progress.part(0.4, 0.8))));
+    report.figures.insert(report.figures.end(), proven.begin(), proven.end());
+  }
   if (parsed.has("picture"))
     write_file(parsed.path("picture"),
                picture::encode_png(picture::deviation_picture(mesh, reference, 0, progress.part(0.8, 1))));
@@ -156,9 +159,9 @@ cli::Command measure_command() {
       if (parsed.has("labels")) {
         const grid::Mask labels =
             selected(grid::read_foreign_mask(parsed.path("labels")), parsed.params<LabelParams>());
-        return metrics::measure_surface(mesh, metrics::LabelReference{&labels, 0}, params, progress);
+        return printed(metrics::measure_surface(mesh, metrics::LabelReference{&labels, 0}, params, progress));
       }
-      if (!parsed.has("reference")) return metrics::measure_surface(mesh, {}, params, progress);
+      if (!parsed.has("reference")) return printed(metrics::measure_surface(mesh, {}, params, progress));
       return measure_against_mesh(parsed, mesh, progress);
     };
     run_with_report(parsed, [&](const Progress& progress) {

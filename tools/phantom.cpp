@@ -48,7 +48,7 @@ cli::Command phantom_command() {
     params.truth = parsed.params<phantom::TruthParams>();
     params.second = parsed.params<phantom::SecondScanParams>();
     run_with_report(parsed, [&](const Progress& progress) {
-      return phantom::make_phantom(parsed.path("folder"), params, progress);
+      return printed(figures_of(phantom::make_phantom(parsed.path("folder"), params, progress)), {});
     });
     return ExitCode::ok;
   };

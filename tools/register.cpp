@@ -77,8 +77,7 @@ picture::Image overlay_picture(const grid::HuVolume& ct, const grid::HuVolume& s
   return picture::contact_sheet(cells, 2);
 }
 
-itk::LinearMap map_of(const Report& report) {
-  const auto& rows = std::get<std::vector<double>>(*report.find("transform"));
+itk::LinearMap map_of(const std::vector<double>& rows) {
   itk::LinearMap map;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) map.matrix.column[k][i] = rows[static_cast<std::size_t>(4 * i + k)];
@@ -110,27 +109,26 @@ cli::Command register_command() {
       throw Error(ExitCode::usage, parsed.text("transform"), "transform", "must end in .tfm or .h5");
     run_with_report(parsed, [&](const Progress& progress) {
       const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
-      Report report;
-      stages::StageData made;
-      const auto picture = [&] {
+      const auto picture = [&](const itk::LinearMap& map) {
         if (!parsed.has("picture")) return;
         const grid::HuVolume &ct = *inputs.get<grid::HuVolume>("volume"),
                              &moving = *inputs.get<grid::HuVolume>("moving");
         const bool is_hu = params.moving == itk::MovingValues::hu;
         const grid::HuVolume second =
-            itk::resample_onto(moving, grid::lattice_of(ct), map_of(report), is_hu ? -1000.0f : 0.0f);
+            itk::resample_onto(moving, grid::lattice_of(ct), map, is_hu ? -1000.0f : 0.0f);
         write_file(parsed.path("picture"), picture::encode_png(overlay_picture(ct, second, is_hu)));
       };
       try {
-        made = stage.run(parsed.groups[0], inputs, report, progress.part(0.1, 0.95));
-      } catch (const Error& e) {
-        if (e.code() == ExitCode::quality) picture();
+        const stages::StageOutcome made = stage.run(parsed.groups[0], inputs, progress.part(0.1, 0.95));
+        const itk::LinearMap map = map_of(result_as<itk::RegistrationFigures>(made.result).transform);
+        picture(map);
+        if (parsed.has("transform")) itk::write_transform(parsed.path("transform"), map);
+        stages::save_data(parsed.path("output"), made.data);
+        return made.report();
+      } catch (const itk::DoubtfulRegistration& e) {
+        picture(e.map());
         throw;
       }
-      picture();
-      if (parsed.has("transform")) itk::write_transform(parsed.path("transform"), map_of(report));
-      stages::save_data(parsed.path("output"), made);
-      return report;
     });
     return ExitCode::ok;
   };

@@ -26,16 +26,16 @@ cli::Command repair_command() {
     const std::filesystem::path to = parsed.path("output");
     if (to.extension() != ".vtp") throw Error(ExitCode::usage, to.string(), "output", "must end in .vtp");
     run_with_report(parsed, [&](const Progress& progress) {
-      Report read, report;
       stages::StageInputs inputs;
-      inputs.by_port["surface"] = std::make_shared<const surface::TriMesh>(
-          meshio::read_mesh_file(parsed.path("surface"), read, {}, progress.part(0, 0.2)));
-      if (const auto* merged = read.find("points_merged")) report.figures.emplace_back("read_merged_count", *merged);
-      if (const auto* dropped = read.find("triangles_dropped"))
-        report.figures.emplace_back("read_dropped_count", *dropped);
-      stages::save_data(to, with_file(parsed.path("surface").string(), [&] {
-                          return stage.run(parsed.groups[0], inputs, report, progress.part(0.2, 1));
-                        }));
+      auto read = meshio::read_mesh_file(parsed.path("surface"), {}, progress.part(0, 0.2));
+      inputs.by_port["surface"] = std::make_shared<const surface::TriMesh>(std::move(read.value));
+      const stages::StageOutcome made = with_file(
+          parsed.path("surface").string(), [&] { return stage.run(parsed.groups[0], inputs, progress.part(0.2, 1)); });
+      stages::save_data(to, made.data);
+      Report report;
+      report.add("read_merged_count", read.result.points_merged);
+      report.add("read_dropped_count", read.result.triangles_dropped);
+      add(report, made.report());
       return report;
     });
     return ExitCode::ok;

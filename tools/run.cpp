@@ -8,6 +8,7 @@
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "library/sheet.h"
+#include "mask/scan_verdict.h"
 #include "named_values.h"
 #include "publish/run_case.h"
 
@@ -46,12 +47,12 @@ class DisplayObserver : public pipeline::RunObserver {
   }
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double, const Report& report) override {
+  void finished(const std::string& node, const std::string& how, double, const stages::StageOutcome& made) override {
     const bool cached = how == "cached";
     cached_ += cached;
     std::string note;
-    if (const ParameterValue* verdict = report.find("verdict"))
-      note = std::get<std::string>(*verdict) + (cached ? ", from the cache" : "");
+    if (const auto* scan = result_if<mask::ScanResult>(made.result))
+      note = scan->verdict + (cached ? ", from the cache" : "");
     display_.finish(node, note, min_line_s);
   }
 

@@ -70,10 +70,9 @@ stages::StageData load_surface(const std::filesystem::path& file, const Progress
   grid::BoundedGrid nrrd = with_file(file.string(), [&] { return grid::read_nrrd_bounded(file, grid::labels_limit); });
   if (holds_hu(nrrd.keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
-  Report ignored;
   const grid::Field field = grid::to_field(std::move(nrrd.grid));
   return std::make_shared<const surface::TriMesh>(
-      with_file(file.string(), [&] { return meshing::contour(field, meshing::ContourParams{}, ignored, progress); }));
+      with_file(file.string(), [&] { return meshing::contour(field, meshing::ContourParams{}, progress).value; }));
 }
 
 stages::StageData load_port(const stages::Port& port, const std::filesystem::path& file, const Progress& progress) {
@@ -180,11 +179,10 @@ cli::Command make_stage_command(const stages::StageType& stage) {
     check_output(stage, parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
-      Report report;
-      const stages::StageData made = naming_landmarks_file(
-          stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, report, progress.part(0.1, 1)); });
-      if (stage.output != stages::DataKind::nothing) stages::save_data(parsed.path("output"), made);
-      return report;
+      const stages::StageOutcome made = naming_landmarks_file(
+          stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, progress.part(0.1, 1)); });
+      if (stage.output != stages::DataKind::nothing) stages::save_data(parsed.path("output"), made.data);
+      return made.report();
     });
     return ExitCode::ok;
   };

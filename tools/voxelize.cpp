@@ -77,12 +77,11 @@ cli::Command voxelize_command() {
     const AnyParams params = shapes_of(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       const stages::StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.2));
-      Report report;
-      const stages::StageData data = stage.run(params, inputs, report, progress.part(0.2, 1));
-      const voxel::HapticVolume& made = *std::get<std::shared_ptr<const voxel::HapticVolume>>(data);
-      if (parsed.has("hardness")) write_file(parsed.path("hardness"), voxel::encode_hardness(made));
-      voxel::write_haptic(parsed.path("output"), made);
-      return report;
+      const stages::StageOutcome made = stage.run(params, inputs, progress.part(0.2, 1));
+      const voxel::HapticVolume& volume = *std::get<std::shared_ptr<const voxel::HapticVolume>>(made.data);
+      if (parsed.has("hardness")) write_file(parsed.path("hardness"), voxel::encode_hardness(volume));
+      voxel::write_haptic(parsed.path("output"), volume);
+      return made.report();
     });
     return ExitCode::ok;
   };

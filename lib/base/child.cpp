@@ -36,6 +36,10 @@ using Clock = std::chrono::steady_clock;
   throw Error(ExitCode::internal, "", worker, what);
 }
 
+Error limit_reached(const std::string& worker, const std::string& what) {
+  return Error(ExitCode::internal, "", worker, what).because(Cause::child_limit);
+}
+
 // The limit on file sizes holds for shared memory, too; 0 where there is none below `bytes`.
 std::uint64_t file_size_limit(std::uint64_t bytes) {
   rlimit limit{};
@@ -179,7 +183,7 @@ class Messages {
   }
 
   bool done = false;
-  std::vector<std::string> parts;  // code, case, file, field, what
+  std::vector<std::string> parts;  // code, case, file, field, what, cause
 
  private:
   std::string buffer_;
@@ -194,19 +198,27 @@ class Messages {
     if (code && static_cast<int>(k) == *code) {
       Error e(k, parts[2], parts[3], parts[4]);
       if (!parts[1].empty()) e.in_case(parts[1]);
+      const auto cause = parse_integer(parts[5]);
+      for (const Cause c : {Cause::child_limit, Cause::other_encoding})
+        if (cause && static_cast<int>(c) == *cause) e.because(c);
       throw e;
     }
   fail(worker, "the child sent an error of an unknown kind");
 }
 
-std::string how_it_died(int status, const ChildLimits& limits) {
-  if (WIFSIGNALED(status)) {
-    const int number = WTERMSIG(status);
-    if (number == SIGXCPU) return "CPU time limit " + to_text(std::ceil(std::max(1.0, limits.cpu_s))) + " s reached";
-    if (number == SIGXFSZ) return "its result is larger than the " + child_memory_limit_text(limits.memory_bytes);
-    return "the child was killed by signal " + std::to_string(number) + (number == SIGKILL ? " (out of memory?)" : "");
-  }
-  return "the child ended with status " + std::to_string(WEXITSTATUS(status)) + " and no result";
+Error death_of(const std::string& worker, int status, const ChildLimits& limits) {
+  if (!WIFSIGNALED(status))
+    return Error(ExitCode::internal, "", worker,
+                 "the child ended with status " + std::to_string(WEXITSTATUS(status)) + " and no result");
+  const int number = WTERMSIG(status);
+  if (number == SIGXCPU)
+    return limit_reached(worker, "CPU time limit " + to_text(std::ceil(std::max(1.0, limits.cpu_s))) + " s reached");
+  if (number == SIGXFSZ)
+    return limit_reached(worker, "its result is larger than the " + child_memory_limit_text(limits.memory_bytes));
+  const bool killed = number == SIGKILL;  // by a person, or for want of memory
+  Error e(ExitCode::internal, "", worker,
+          "the child was killed by signal " + std::to_string(number) + (killed ? " (out of memory?)" : ""));
+  return killed ? e : e.because(Cause::child_died);
 }
 
 ChildResult map_result(const std::string& worker, int fd) {
@@ -284,17 +296,13 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
     }
     if (n == 0) open = false;
     progress.check();
-    if (!ended && Clock::now() > deadline) fail(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
+    if (!ended && Clock::now() > deadline) throw limit_reached(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
   }
-  if (messages.parts.size() == 5) throw_child_error(worker, messages.parts);
+  if (messages.parts.size() == child_error_parts) throw_child_error(worker, messages.parts);
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ && file_size_limit(limits.memory_bytes))
     file_size_limit_reached(worker);
-  if (!messages.done || !WIFEXITED(status) || WEXITSTATUS(status) != 0) fail(worker, how_it_died(status, limits));
+  if (!messages.done || !WIFEXITED(status) || WEXITSTATUS(status) != 0) throw death_of(worker, status, limits);
   return map_result(worker, result_file.get());
-}
-
-bool is_child_limit(const Error& e) {
-  return e.code() == ExitCode::internal && std::string_view(e.what()).find("limit ") != std::string_view::npos;
 }
 
 }  // namespace trephine

@@ -134,9 +134,9 @@ void confine(std::uint64_t memory_bytes, rlim_t cpu_s, pid_t parent) {
   ::prctl(PR_SET_DUMPABLE, 0);  // a core that is piped to a collector does not obey RLIMIT_CORE
 }
 
-void send_error(ExitCode code, const std::string& case_token, const std::string& file, const std::string& field,
-                const std::string& what) {
-  std::vector<std::string> parts = {std::to_string(static_cast<int>(code)), case_token, file, field, what};
+void send_error(const Error& e) {
+  std::vector<std::string> parts = {std::to_string(static_cast<int>(e.code())), e.case_token(), e.file(), e.field(),
+                                    e.what(), std::to_string(static_cast<int>(e.cause()))};
   for (auto& p : parts) p.resize(std::min<std::size_t>(p.size(), child_message_limit / 8));
   send(ChildMessage::error, pack_child_error(parts));
 }
@@ -160,11 +160,12 @@ bool work(const std::string& name, std::uint64_t memory_bytes) {
     request.finish();
     return true;
   } catch (const Error& e) {
-    send_error(e.code(), e.case_token(), e.file(), e.field(), e.what());
+    send_error(e);
   } catch (const std::bad_alloc&) {
-    send_error(ExitCode::internal, "", "", name, child_memory_limit_text(memory_bytes) + " reached");
+    send_error(Error(ExitCode::internal, "", name, child_memory_limit_text(memory_bytes) + " reached")
+                   .because(Cause::child_limit));
   } catch (const std::exception& e) {
-    send_error(ExitCode::internal, "", "", name, "unexpected exception of type " + type_name(e));
+    send_error(Error(ExitCode::internal, "", name, "unexpected exception of type " + type_name(e)));
   }
   return false;
 }
@@ -207,7 +208,7 @@ std::vector<std::string> unpack_child_error(std::string_view bytes) {
     parts.emplace_back(bytes.substr(0, static_cast<std::size_t>(*size)));
     bytes.remove_prefix(static_cast<std::size_t>(*size));
   }
-  if (parts.size() != 5) return {};
+  if (parts.size() != child_error_parts) return {};
   return parts;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstring>
+#include <sstream>
 
 #include "base/params.h"
 
@@ -59,6 +60,7 @@ Parameter parameter_of_holder(Parameter p, const std::function<void*(void*)>& he
   // Reading a value does not change its holder, so the one function serves both.
   if (p.get) p.get = [get = p.get, held](const void* q) { return get(held(const_cast<void*>(q))); };
   if (p.set) p.set = [set = p.set, held](void* q, const ParameterValue& v) { set(held(q), v); };
+  if (p.there) p.there = [there = p.there, held](const void* q) { return there(held(const_cast<void*>(q))); };
   if (p.items) p.items = [items = p.items, held](void* q) { return items(held(q)); };
   if (p.add) p.add = [add = p.add, held](void* q, const std::string& name) { return add(held(q), name); };
   if (p.clear) p.clear = [clear = p.clear, held](void* q) { clear(held(q)); };
@@ -81,6 +83,82 @@ Parameter& Declarer::number_at(std::size_t at, const char* name, Range range, co
   p.get = [at](const void* q) { return ParameterValue(member_of<double>(q, at)); };
   p.set = [at](void* q, const ParameterValue& v) { member_at<double>(q, at) = std::get<double>(v); };
   return p;
+}
+
+template <class T>
+void make_optional(Parameter& p, std::size_t at) {
+  using Value = std::optional<T>;
+  p.left_out = true;
+  p.get = [at](const void* q) { return ParameterValue(member_of<Value>(q, at).value_or(T())); };
+  p.set = [at](void* q, const ParameterValue& v) { member_at<Value>(q, at) = std::get<T>(v); };
+  p.there = [at](const void* q) { return member_of<Value>(q, at).has_value(); };
+}
+
+Parameter& Declarer::optional_number_at(std::size_t at, const char* name, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::number);
+  make_optional<double>(p, at);
+  return p;
+}
+
+Parameter& Declarer::optional_integer_at(std::size_t at, const char* name, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::integer);
+  make_optional<std::int64_t>(p, at);
+  return p;
+}
+
+Parameter& Declarer::optional_text_at(std::size_t at, const char* name, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::text);
+  make_optional<std::string>(p, at);
+  return p;
+}
+
+Parameter& Declarer::optional_flag_at(std::size_t at, const char* name, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::flag);
+  make_optional<bool>(p, at);
+  return p;
+}
+
+Parameter& Declarer::extent_at(std::size_t at, const char* name, const char* help) {
+  using Value = std::array<int, 3>;
+  Parameter& p = add(name, help, ParameterKind::text);
+  p.get = [at](const void* q) {
+    const Value& n = member_of<Value>(q, at);
+    return ParameterValue(std::to_string(n[0]) + "x" + std::to_string(n[1]) + "x" + std::to_string(n[2]));
+  };
+  p.set = [at](void* q, const ParameterValue& v) {
+    std::istringstream in(std::get<std::string>(v));
+    char x = 0;
+    for (int& n : member_at<Value>(q, at)) in >> n >> x;
+  };
+  return p;
+}
+
+Parameter& Declarer::words_at(std::size_t at, const char* name, const char* help) {
+  using Value = std::vector<std::string>;
+  Parameter& p = add(name, help, ParameterKind::text);
+  p.get = [at](const void* q) {
+    std::string all;
+    for (const std::string& word : member_of<Value>(q, at)) all += (all.empty() ? "" : " ") + word;
+    return ParameterValue(all);
+  };
+  p.set = [at](void* q, const ParameterValue& v) {
+    Value& words = member_at<Value>(q, at);
+    words.clear();
+    std::istringstream in(std::get<std::string>(v));
+    for (std::string word; in >> word;) words.push_back(word);
+  };
+  return p;
+}
+
+Parameter& Declarer::number_list_at(std::size_t at, const char* name, const char* help) {
+  using Value = std::vector<double>;
+  Parameter& p = add(name, help, ParameterKind::any);  // of any count
+  p.get = [at](const void* q) { return ParameterValue(member_of<Value>(q, at)); };
+  p.set = [at](void* q, const ParameterValue& v) {
+    const auto* numbers = std::get_if<Value>(&v);
+    member_at<Value>(q, at) = numbers ? *numbers : Value();
+  };
+  return p.not_always();
 }
 
 Parameter& Declarer::flag_at(std::size_t at, const char* name, const char* help) {
@@ -173,9 +251,21 @@ Parameter& Declarer::choice_at(std::size_t at, std::size_t bytes, const char* na
   return p;
 }
 
-void Declarer::add_all(const ParameterSet& set, std::size_t at) {
+void Declarer::add_all(const ParameterSet& set, std::size_t at, const char* prefix) {
   const auto held = [at](void* q) -> void* { return static_cast<char*>(q) + at; };
-  for (const Parameter& p : set.parameters) out.parameters.push_back(parameter_of_holder(p, held));
+  for (const Parameter& p : set.parameters) {
+    out.parameters.push_back(parameter_of_holder(p, held));
+    out.parameters.back().name.insert(0, prefix);
+  }
+}
+
+void Declarer::add_all_optional(const ParameterSet& set, const std::function<void*(void*)>& held,
+                                const std::function<bool(const void*)>& there) {
+  for (const Parameter& p : set.parameters) {
+    Parameter& held_one = out.parameters.emplace_back(parameter_of_holder(p, held));
+    held_one.left_out = true;
+    held_one.there = [there, inner = held_one.there](const void* q) { return there(q) && (!inner || inner(q)); };
+  }
 }
 
 StepsOf Declarer::steps_at(std::size_t at) {

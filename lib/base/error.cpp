@@ -1,12 +1,39 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 
+#include <algorithm>
+
 #include "base/text.h"
 
 namespace trephine {
 
-Error::Error(ExitCode code, std::string file, std::string field, const std::string& what)
-    : std::runtime_error(what), code_(code), file_(std::move(file)), field_(std::move(field)) {}
+std::string Message::text(const std::string& stage) const {
+  std::string out;
+  std::size_t next = 0;
+  for (const char c : form_) {
+    if (c != place || next == settings_.size()) {
+      out += c;
+      continue;
+    }
+    const Setting& s = settings_[next++];
+    if (!stage.empty()) {
+      out += "--set " + stage + "." + s.parameter + "=" + s.value;
+      continue;
+    }
+    std::string flag = s.parameter;
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    out += "--" + flag + " " + s.value;
+  }
+  return out;
+}
+
+Error::Error(ExitCode code, std::string file, std::string field, const Message& what)
+    : code_(code), file_(std::move(file)), field_(std::move(field)), message_(what), what_(what.text()) {}
+
+Error& Error::because(Cause cause) {
+  if (cause_ == Cause::other) cause_ = cause;
+  return *this;
+}
 
 Error& Error::in_case(const std::string& token) {
   if (case_token_.empty()) case_token_ = token;
@@ -20,6 +47,37 @@ Error& Error::in_file(const std::string& file) {
 
 Error& Error::in_field(const std::string& field) {
   field_ = field_.empty() ? field : field + ": " + field_;
+  return *this;
+}
+
+Error& Error::in_stage(const std::string& stage) {
+  if (stage_.empty()) stage_ = stage;
+  return in_field(stage);
+}
+
+Error& Error::finds_fault_with(std::vector<std::string> parts) {
+  about_ = std::move(parts);
+  return *this;
+}
+
+Error& Error::recoded(ExitCode code) {
+  code_ = code;
+  return *this;
+}
+
+Error& Error::refiled(std::string file) {
+  file_ = std::move(file);
+  return *this;
+}
+
+Error& Error::reworded(const Message& what) {
+  message_ = what;
+  what_ = what.text();
+  return *this;
+}
+
+Error& Error::worded_for(const std::string& stage) {
+  what_ = message_.text(stage);
   return *this;
 }
 

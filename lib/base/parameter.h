@@ -73,12 +73,16 @@ struct Parameter {
   bool came_later = false;           ///< an identity made of the values leaves this one out where it is at its default
   bool whole = false;                ///< for numbers: whole ones
   bool left_out = false;             ///< a file that a program writes has no such key where the value is the default
+  bool bare_items = false;           ///< for list and map: printed figures of its items go without its name
+  const char *item_beginning = "", *item_ending = "";  ///< for map: what stands there about the name of a plain item
+  const char* item_separator = ".";  ///< between the name of an item and those of its members there
   int since = 0;                     ///< version of the file's format that had it first; an older file lacks it
   const TextForm* form = nullptr;    ///< for text
   std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
   /// For numbers, integers, flags, choices and texts.
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
+  std::function<bool(const void* params)> there;  ///< of a value that may be missing; empty: it is always there
   /// For groups, lists, maps and steps: the declaration of an item (for steps: the choices), the existing items, a
   /// function that adds one item of a name (in a map an existing item of that name is returned), and one that removes
   /// all items.
@@ -96,6 +100,13 @@ struct Parameter {
   Parameter& none_at_zero() { return zero_is_none = true, *this; }
   Parameter& is_later() { return came_later = true, *this; }
   Parameter& not_always() { return left_out = true, *this; }
+  /// How a printed result names the items of a list or map: without the list's own name ("skull.volume_ml");
+  /// plain ones between two words ("clear_of_sinus_mm"); members joined by another word than a dot ("left_length_mm").
+  Parameter& items_alone() { return bare_items = true, *this; }
+  Parameter& items_between(const char* beginning, const char* ending) {
+    return item_beginning = beginning, item_ending = ending, items_alone();
+  }
+  Parameter& items_joined(const char* separator) { return item_separator = separator, items_alone(); }
   Parameter& is_since(int version) { return since = version, *this; }
   Parameter& of_form(const TextForm& f) { return form = &f, *this; }
   /// A group that is there only where this says so of the struct that holds it.
@@ -128,6 +139,10 @@ struct ParameterSet {
   const Parameter* only_value() const;
   bool has_required() const;
 };
+
+/// Whether a file or a printed result goes without it: a value that may be missing and is, or one that is left out
+/// where it is the default; a group, list or map that is left out where nothing is in it.
+bool is_absent(const Parameter& parameter, const ParameterSet& set, void* object);
 
 /// The parameter of a struct that is held by another one: `held` leads from the holder to it.
 Parameter parameter_of_holder(Parameter parameter, const std::function<void*(void* holder)>& held);

@@ -254,13 +254,17 @@ std::string item_in_path(const std::string& name, std::size_t number) {
              : "[" + std::to_string(number) + "]";
 }
 
+bool is_absent(const Parameter& p, const ParameterSet& set, void* object) {
+  if (p.there) return !p.there(object);
+  if (!p.left_out) return false;
+  return p.is_value() ? p.get(object) == p.get(set.make().get()) : p.items(object).empty();
+}
+
 std::string fault_of(const ParameterSet& set, void* object) {
-  std::shared_ptr<void> defaults;
   for (const Parameter& p : set.parameters) {
     if (p.is_value()) {
+      if (is_absent(p, set, object)) continue;
       const ParameterValue value = p.get(object);
-      if (p.left_out && !defaults) defaults = set.make();
-      if (p.left_out && value == p.get(defaults.get())) continue;
       if (const std::string fault = fault_of(p, value); !fault.empty())
         return p.name + (p.name.empty() ? "" : ": ") + fault;
       continue;

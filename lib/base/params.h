@@ -63,6 +63,13 @@ class Declarer {
   explicit Declarer(ParameterSet& set) : out(set) {}
 
   Parameter& number_at(std::size_t at, const char* name, Range range, const char* help);
+  Parameter& optional_number_at(std::size_t at, const char* name, const char* help);
+  Parameter& optional_integer_at(std::size_t at, const char* name, const char* help);
+  Parameter& optional_text_at(std::size_t at, const char* name, const char* help);
+  Parameter& optional_flag_at(std::size_t at, const char* name, const char* help);
+  Parameter& number_list_at(std::size_t at, const char* name, const char* help);
+  Parameter& extent_at(std::size_t at, const char* name, const char* help);
+  Parameter& words_at(std::size_t at, const char* name, const char* help);
   Parameter& flag_at(std::size_t at, const char* name, const char* help);
   Parameter& text_at(std::size_t at, const char* name, const char* help);
   Parameter& numbers_at(std::size_t at, std::size_t count, const char* name, Range range, const char* help);
@@ -77,7 +84,10 @@ class Declarer {
   Parameter& section_of(const char* name, const char* help, std::shared_ptr<const ParameterSet> set);
   Parameter& constant_of(const char* name, const char* value, const char* help);
   Parameter& add(const char* name, const char* help, ParameterKind kind);
-  void add_all(const ParameterSet& set, std::size_t at);
+  void add_all(const ParameterSet& set, std::size_t at, const char* prefix = "");
+  /// Of a struct that may be missing: `held` gives it, made where it is not there; `there` says whether it is.
+  void add_all_optional(const ParameterSet& set, const std::function<void*(void*)>& held,
+                        const std::function<bool(const void*)>& there);
   static StepsOf steps_at(std::size_t at);
 
   template <class T>
@@ -162,6 +172,34 @@ class Collector : Declarer {
 
   Parameter& number(double P::*m, const char* name, Range range, const char* help) {
     return number_at(place(m), name, range, help);
+  }
+  /// A number that may be missing, of a result.
+  Parameter& number(std::optional<double> P::*m, const char* name, const char* help) {
+    return optional_number_at(place(m), name, help);
+  }
+  /// A whole number that may be missing, of a result.
+  Parameter& integer(std::optional<std::int64_t> P::*m, const char* name, const char* help) {
+    return optional_integer_at(place(m), name, help);
+  }
+  /// A text that may be missing, of a result.
+  Parameter& text(std::optional<std::string> P::*m, const char* name, const char* help) {
+    return optional_text_at(place(m), name, help);
+  }
+  /// A flag that may be missing, of a result.
+  Parameter& flag(std::optional<bool> P::*m, const char* name, const char* help) {
+    return optional_flag_at(place(m), name, help);
+  }
+  /// Voxels along three axes, kept and printed as one text: "512x512x108".
+  Parameter& extent(std::array<int, 3> P::*m, const char* name, const char* help) {
+    return extent_at(place(m), name, help);
+  }
+  /// Words, kept and printed as one text with blanks between them.
+  Parameter& words(std::vector<std::string> P::*m, const char* name, const char* help) {
+    return words_at(place(m), name, help);
+  }
+  /// Any count of numbers, of a result; left out where there are none.
+  Parameter& numbers(std::vector<double> P::*m, const char* name, const char* help) {
+    return number_list_at(place(m), name, help);
   }
   template <class I>
   Parameter& integer(I P::*m, const char* name, Range range, const char* help) {
@@ -266,10 +304,19 @@ class Collector : Declarer {
   void all_of() {
     add_all(parameters_of<B>(), place_of(static_cast<B&>(sample_)));
   }
-  /// Declares every parameter of a member's struct as P's own.
+  /// Declares every parameter of a member's struct as P's own, with `prefix` before their names.
   template <class M>
-  void all_of(M P::*m) {
-    add_all(parameters_of<M>(), place(m));
+  void all_of(M P::*m, const char* prefix = "") {
+    add_all(parameters_of<M>(), place(m), prefix);
+  }
+  /// The same of a struct of a result that may be missing, and its values with it.
+  template <class M>
+  void all_of(std::optional<M> P::*m) {
+    const std::size_t at = place(m);
+    const auto of = [at](void* q) -> std::optional<M>& { return member_at<std::optional<M>>(q, at); };
+    add_all_optional(
+        parameters_of<M>(), [of](void* q) -> void* { return of(q) ? &*of(q) : &of(q).emplace(); },
+        [of](const void* q) { return of(const_cast<void*>(q)).has_value(); });
   }
 
  private:

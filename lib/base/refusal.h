@@ -2,7 +2,6 @@
 #pragma once
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 
@@ -10,9 +9,9 @@ namespace trephine {
 
 /// What a person can do about a result that is refused, as the end of a message: an existing key and where its value
 /// must go, a stage, a series, a recipe, or the file to paint and bring back. Names that a person can write (keys,
-/// stages) stand in backticks: a test finds each of them in the reference.
+/// stages) stand in backticks: a test finds each of them in the reference. A value that is known is a Setting.
 struct Remedy {
-  std::string text;
+  Message text;
 };
 
 /// The one way to make an Error of code 80 (quality gate), so that none is without a remedy. The message is
@@ -20,16 +19,6 @@ struct Remedy {
 inline Error refusal(const std::string& field, const std::string& what, const Remedy& remedy) {
   return Error(ExitCode::quality, "", field, what + "; " + remedy.text);
 }
-
-/// A refusal that says which parts it finds fault with, the likeliest one first, so that who can do without may go on.
-class RefusalAbout : public Error {
- public:
-  RefusalAbout(const Error& refusal, std::vector<std::string> about) : Error(refusal), about_(std::move(about)) {}
-  const std::vector<std::string>& about() const { return about_; }
-
- private:
-  std::vector<std::string> about_;
-};
 
 namespace remedies {
 

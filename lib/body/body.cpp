@@ -207,7 +207,9 @@ mask::BitMask with_edge(const mask::BitMask& body, const mask::HuView& hu, const
 
 }  // namespace
 
-grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Report& report, const Progress& progress) {
+Outcome<grid::HuVolume, BodyResult> keep_body(const grid::HuVolume& volume, const BodyParams& p,
+                                              const Progress& progress) {
+  BodyResult result;
   mask::check_finite(volume);
   const mask::HuView hu(volume);
   const mask::BitMask tissue = mask::above(hu, p.tissue_hu);
@@ -217,23 +219,23 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
   const bool along_slices = std::abs(hu.lattice().direction.column[2].z) > 0.7;
   if (const Board board = along_slices ? find_board(hu, progress) : Board(); board.voxels.any()) {
     off_board.remove(board.voxels);
-    report.add("board_thickness_mm", board.thickness_mm);
+    result.board_thickness_mm = board.thickness_mm;
   }
   const mask::BitMask found = body_tissue(hu, off_board, p, thin_ml, progress);
-  if (!found.any()) {
-    report.warn(
-        fmt::format("no body was found, and nothing was taken off: no tissue above {} HU in which a ball of {} "
-                    "mm fits (tissue_hu, core_mm)",
-                    p.tissue_hu, p.core_mm));
-    return volume;
-  }
+  if (!found.any())
+    return {volume,
+            std::move(result),
+            {{"no_body",
+              "no body was found, and nothing was taken off: no tissue above {tissue_hu} HU in which a ball of "
+              "{core_mm} mm fits (tissue_hu, core_mm)",
+              {{"tissue_hu", p.tissue_hu}, {"core_mm", p.core_mm}}}}};
   mask::BitMask whole = found;
   whole |= mask::holes(found, mask::FillRule{outlet_mm, max_cavity_ml, true}, progress);
   mask::BitMask body = with_edge(whole, hu, p, progress);
   if (p.strand_mm > 0 && thin_ml > sheet_ml) {
     const PressedStrands pressed = find_pressed_strands(hu, whole, body, p.strand_mm, progress);
     if (pressed.found) {
-      report.add("strands_on_skin_ml", ml_of(mask::both(pressed.strands, tissue)));
+      result.strands_on_skin_ml = ml_of(mask::both(pressed.strands, tissue));
       body.remove(pressed.strands);
     }
   }
@@ -242,13 +244,11 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
   const double apparatus_ml = ml_of(apparatus);
   const mask::Components pieces = mask::components(apparatus, true);
   const double voxel_ml = hu.lattice().voxel_volume_mm3() / 1000;
-  report.add("body_ml", ml_of(whole));
-  report.add("apparatus_ml", apparatus_ml);
-  report.add("thin_apparatus_ml", std::min(thin_ml, apparatus_ml));
-  report.add("apparatus_pieces_count",
-             std::int64_t(std::count_if(pieces.list.begin(), pieces.list.end(),
-                                        [&](const mask::Component& c) { return c.voxels * voxel_ml >= piece_ml; })));
-  if (apparatus_ml < p.least_ml) return volume;
+  const std::int64_t pieces_count =
+      std::count_if(pieces.list.begin(), pieces.list.end(),
+                    [&](const mask::Component& c) { return c.voxels * voxel_ml >= piece_ml; });
+  result.found = ApparatusFigures{ml_of(whole), apparatus_ml, std::min(thin_ml, apparatus_ml), pieces_count};
+  if (apparatus_ml < p.least_ml) return {volume, std::move(result), {}};
   grid::HuVolume out = volume;
   std::visit(
       [&](auto& grid) {
@@ -265,7 +265,7 @@ grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& p, Repo
         });
       },
       out);
-  return out;
+  return {std::move(out), std::move(result), {}};
 }
 
 }  // namespace trephine::body

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::body {
@@ -41,6 +41,33 @@ struct BodyParams {
   }
 };
 
+struct ApparatusFigures {
+  double body_ml = 0;
+  double apparatus_ml = 0;       ///< brighter than tissue_hu
+  double thin_apparatus_ml = 0;  ///< its sheets and strands
+  std::int64_t apparatus_pieces_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ApparatusFigures;
+    v.number(&P::body_ml, "body_ml", Range{}, "The body, with what it encloses.");
+    v.number(&P::apparatus_ml, "apparatus_ml", Range{}, "Apparatus as bright as tissue.");
+    v.number(&P::thin_apparatus_ml, "thin_apparatus_ml", Range{}, "Its sheets and strands.");
+    v.integer(&P::apparatus_pieces_count, "apparatus_pieces_count", Range{}, "Its pieces.");
+  }
+};
+struct BodyResult {
+  std::optional<double> board_thickness_mm;  ///< where there is a board
+  std::optional<double> strands_on_skin_ml;  ///< where there is a perforated mask
+  std::optional<ApparatusFigures> found;     ///< where the body was found
+  template <class V>
+  static void describe(V& v) {
+    using P = BodyResult;
+    v.number(&P::board_thickness_mm, "board_thickness_mm", "Thickness of the board under the body.");
+    v.number(&P::strands_on_skin_ml, "strands_on_skin_ml", "Strands of a mask that lie on the skin.");
+    v.all_of(&P::found);
+  }
+};
+
 /// Takes apparatus off a scan: radiotherapy masks, couch, head holder, clamps, pillows, leads and tubes. The result is
 /// the volume with air in the place of everything outside of the body that is brighter than `air_hu`: -1000 and -999 HU
 /// in turn, so that mask/field_edge.h does not take it for padding. What the body encloses (sinuses, airways, ear
@@ -60,11 +87,9 @@ struct BodyParams {
 /// What it cannot do: a sheet without holes that touches the skin without a gap that the scan shows stays with its
 /// thickness where it is wider than it is high.
 ///
-/// The report: apparatus_ml (brighter than tissue_hu), apparatus_pieces_count, thin_apparatus_ml (its sheets and
-/// strands), body_ml, strands_on_skin_ml where there is such a mask, and board_thickness_mm where there is a board; a
-/// warning where the body was not found, and the scan then stays as it is. The result has the same bits whatever the
-/// thread count. Throws Error 65 where a voxel is not finite; Cancelled.
-grid::HuVolume keep_body(const grid::HuVolume& volume, const BodyParams& params, Report& report,
-                         const Progress& progress = {});
+/// Warns where the body was not found; the scan then stays as it is. The result has the same bits whatever the thread
+/// count. Throws Error 65 where a voxel is not finite; Cancelled.
+Outcome<grid::HuVolume, BodyResult> keep_body(const grid::HuVolume& volume, const BodyParams& params,
+                                              const Progress& progress = {});
 
 }  // namespace trephine::body

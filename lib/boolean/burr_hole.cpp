@@ -119,7 +119,7 @@ Midline find_midline(const Landmarks& marks) {
 /// The walk from the curve's start to `end`. Throws where it runs along a face that the scan's border cut; warns of
 /// what it leaps over.
 void check_walk(const OuterCurve& curve, Vec3 end, const std::vector<CutFace>& faces, const char* which,
-                Report& report) {
+                Warnings& warnings) {
   const Vec3 start = curve.points_mm[curve.start];
   double widest = 0;
   for (std::size_t i = curve.start; i < curve.points_mm.size() && norm(curve.points_mm[i] - start) <= norm(end - start);
@@ -133,7 +133,9 @@ void check_walk(const OuterCurve& curve, Vec3 end, const std::vector<CutFace>& f
                {"give the hole by `position_mm`, or take a series that holds the whole vault"});
   }
   if (widest > widest_gap_mm)
-    report.warn(fmt::format("the {} leaps over a gap or step of {:.1f} mm in the surface", which, widest));
+    warnings.push_back({"walk_leaps",
+                        "the {walk} leaps over a gap or step of {gap_mm:.1f} mm in the surface",
+                        {{"walk", which}, {"gap_mm", widest}}});
 }
 
 struct Entry {
@@ -142,7 +144,8 @@ struct Entry {
 
 /// Along the midline, then to the side.
 Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const surface::TriMesh& surface,
-                   const std::vector<CutFace>& faces, const char* surface_name, Report& report) {
+                   const std::vector<CutFace>& faces, const char* surface_name,
+                   Outcome<BurrHole, BurrHoleResult>& made) {
   const Vec3 front = normalized(m.nasion - m.centre_mm);
   const Vec3 onwards = normalized(m.up - front * dot(m.up, front));
   const OuterCurve midline =
@@ -160,7 +163,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const surface::Tr
     refuse(fmt::format("the nasion {} lies {:.1f} mm from the {}, at most {} mm", text_of(m.nasion), off, surface_name,
                        farthest_nasion_mm),
            {"give the right one in the case's configuration: `landmarks: {nasion: [x, y, z]}`, mm, LPS"});
-  check_walk(midline, top, faces, "midline", report);
+  check_walk(midline, top, faces, "midline", made.warnings);
   const Vec3 behind = along(midline, r.along_mm + tangent_mm, "midline");
   const Vec3 ahead = along(midline, std::max(0.0, r.along_mm - tangent_mm), "midline");
   const Vec3 tangent = normalized(behind - ahead), outwards = cross(m.left, tangent);
@@ -168,12 +171,8 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const surface::Tr
   const Vec3 middle = top - outwards * skull_depth_mm;
   const OuterCurve lateral = surface::without_ridges(outer_curve(surface, {middle, outwards, side, 5, 120}), middle, 0);
   const Vec3 point = along(lateral, r.lateral_mm, "arc to the side");
-  check_walk(lateral, point, faces, "arc to the side", report);
-  report.add("midline_from", m.source);
-  report.add("arcs_on", surface_name);
-  report.add("nasion_to_surface_mm", off);
-  report.add("arc_along_mm", r.along_mm);
-  report.add("arc_lateral_mm", r.lateral_mm);
+  check_walk(lateral, point, faces, "arc to the side", made.warnings);
+  made.result.arcs = ArcFigures{m.source, surface_name, off, r.along_mm, r.lateral_mm};
   return {point, normalized(middle - point)};
 }
 
@@ -194,8 +193,8 @@ Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const surface::T
   return into_the_head(normalized(way));
 }
 
-BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const surface::TriMesh* skin,
-               const surface::TriMesh& skull, Report& report) {
+Outcome<BurrHole, BurrHoleResult> place(const BurrHoleRequest& request, const Landmarks& marks,
+                                        const surface::TriMesh* skin, const surface::TriMesh& skull) {
   check_request(request);
   surface::check_mesh(skull);
   if (skull.triangles.empty())
@@ -207,14 +206,15 @@ BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const sur
   if (skin)
     for (const CutFace& face : cut_faces(*skin)) faces.push_back(face);
 
+  Outcome<BurrHole, BurrHoleResult> made;
   Entry entry;
   if (request.at == BurrHoleRequest::At::kocher) {
-    entry = kocher_point(request, find_midline(marks), skin ? *skin : skull, faces, skin ? "skin" : "skull", report);
+    entry = kocher_point(request, find_midline(marks), skin ? *skin : skull, faces, skin ? "skin" : "skull", made);
   } else {
     const surface::Bounds b = surface::bounds_of(skull);
     entry = {request.position_mm, normalized((b.min_mm + b.max_mm) * 0.5 - request.position_mm)};
   }
-  BurrHole hole;
+  BurrHole& hole = made.value;
   hole.request = request;
   hole.direction = direction_of(request, entry, skull);
   const HoleSection section = hole_section(skull, skin, entry.point_mm, hole.direction, request.diameter_mm / 2);
@@ -232,21 +232,21 @@ BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const sur
   check_within_scan(hole.cutter, section.bone_begin_mm - section.bone_enter_mm, faces);
 
   const Vec3 normal = perpendicular_to_skull(skull, hole.position_mm, hole.direction, request.diameter_mm / 2);
-  report.add("bone_thickness_mm", hole.bone_thickness_mm);
-  if (skin) report.add("soft_tissue_mm", section.bone_enter_mm - section.skin_enter_mm);
-  report.add("axis_to_normal_deg", degrees(std::acos(std::clamp(dot(normal, hole.direction), -1.0, 1.0))));
-  report.add("on_bone_ratio", section.on_bone_ratio);
-  report.add("cutter_depth_mm", hole.cutter.depth_mm);
-  return hole;
+  made.result.bone_thickness_mm = hole.bone_thickness_mm;
+  if (skin) made.result.soft_tissue_mm = section.bone_enter_mm - section.skin_enter_mm;
+  made.result.axis_to_normal_deg = degrees(std::acos(std::clamp(dot(normal, hole.direction), -1.0, 1.0)));
+  made.result.on_bone_ratio = section.on_bone_ratio;
+  made.result.cutter_depth_mm = hole.cutter.depth_mm;
+  return made;
 }
 
 }  // namespace
 
-BurrHole place_burr_hole(const BurrHoleRequest& asked, const Landmarks& landmarks_mm, const surface::TriMesh* skin,
-                         const surface::TriMesh& skull, Report& report) {
+Outcome<BurrHole, BurrHoleResult> place_burr_hole(const BurrHoleRequest& asked, const Landmarks& landmarks_mm,
+                                                  const surface::TriMesh* skin, const surface::TriMesh& skull) {
   BurrHoleRequest request = asked;
   if (request.name.empty()) request.name = "burr_hole_1";
-  return with_field("burr_holes." + request.name, [&] { return place(request, landmarks_mm, skin, skull, report); });
+  return with_field("burr_holes." + request.name, [&] { return place(request, landmarks_mm, skin, skull); });
 }
 
 }  // namespace trephine::boolean

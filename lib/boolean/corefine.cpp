@@ -152,7 +152,7 @@ Difference corefine_difference(const surface::TriMesh& surface, const surface::T
     d.mesh.origin_mm = surface.origin_mm;
     return d;
   } catch (const Error& e) {
-    if (is_child_limit(e)) throw;  // of time or memory: another try would meet it too
+    if (e.cause() == Cause::child_limit) throw;  // of time or memory: another try would meet it too
     Difference d;
     d.fault = e.what();
     return d;

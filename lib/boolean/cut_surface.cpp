@@ -17,7 +17,6 @@
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/point_to_mesh.h"
-#include "surface/results.h"
 
 namespace trephine::boolean {
 namespace {
@@ -265,8 +264,9 @@ surface::TriMesh checked(const surface::TriMesh& surface, const Progress& progre
 
 }  // namespace
 
-surface::TriMesh cut_surface(const surface::TriMesh& surface, const std::vector<Cutter>& given,
-                             const CutSurfaceParams& params, Report& report, const Progress& progress) {
+Outcome<surface::TriMesh, CutSurfaceResult> cut_surface(const surface::TriMesh& surface,
+                                                        const std::vector<Cutter>& given,
+                                                        const CutSurfaceParams& params, const Progress& progress) {
   std::vector<Cutter> cutters;
   for (const Cutter& c : given) cutters.push_back(widened(c, params.widen_mm));
   const auto name_of = [&](std::size_t i) {
@@ -276,34 +276,28 @@ surface::TriMesh cut_surface(const surface::TriMesh& surface, const std::vector<
     with_field(name_of(i), [&] { check_cutter(cutters[i], ExitCode::bad_input); });
   Cutting cutting(checked(surface, progress.part(0, 0.1)), params);
 
-  double total = 0;
-  Report each;
+  CutSurfaceResult result;
+  Warnings warnings;
   for (std::size_t i = 0; i < cutters.size(); ++i) {
     const double n = double(cutters.size());
     const auto removed = with_field(
         name_of(i), [&] { return cutting.cut(cutters[i], progress.part(0.1 + 0.9 * i / n, 0.1 + 0.9 * (i + 1) / n)); });
-    add_result(each, surface::RemovedResult{removed.mm3}, name_of(i) + ".");
-    each.add(name_of(i) + ".removed_expected_mm3", removed.expected_mm3);
-    if (removed.mm3 == 0) each.warn(name_of(i) + " removes nothing");
-    total += removed.mm3;
+    result.cutters.emplace_back(name_of(i), RemovedBySurface{removed.mm3, removed.expected_mm3});
+    if (removed.mm3 == 0)
+      warnings.push_back({"removes_nothing", "{cutter} removes nothing", {{"cutter", name_of(i)}}});
+    result.removed_mm3 += removed.mm3;
   }
   surface::TriMesh out = cutting.changed ? std::move(cutting.mesh) : surface;
   if (!cutting.changed) meshing::snap_to_float32(out);
-  if (cutting.changed && !surface.normals.empty()) {
-    Report unread;
-    meshing::compute_normals(out, {}, unread);
-  }
-  report.add("cutters_count", cutters.size());
-  report.add("removed_mm3", total);
-  for (const auto& [name, value] : each.figures) report.figures.emplace_back(name, value);
-  report.add("dropped_count", cutting.dropped.count);
-  report.add("dropped_mm3", cutting.dropped.mm3);
-  report.add("moved_mm", cutting.moved_mm);
-  report.add("tries_count", cutting.tries);
-  report.add("triangles_count", out.triangles.size());
-  for (const auto& w : each.warnings) report.warn(w);
+  if (cutting.changed && !surface.normals.empty()) meshing::compute_normals(out, {});
+  result.cutters_count = cutters.size();
+  result.dropped_count = cutting.dropped.count;
+  result.dropped_mm3 = cutting.dropped.mm3;
+  result.moved_mm = cutting.moved_mm;
+  result.tries_count = cutting.tries;
+  result.triangles_count = out.triangles.size();
   progress.report(1);
-  return out;
+  return {std::move(out), std::move(result), std::move(warnings)};
 }
 
 }  // namespace trephine::boolean

@@ -28,16 +28,21 @@ Cutter widened(Cutter cutter, double by_mm) {
   return cutter;
 }
 
-void add_of_cutter(Report& report, const Cutter& cutter, const Report& one) {
-  for (const auto& [name, value] : one.figures) report.figures.emplace_back(cutter.name + "." + name, value);
-  for (const std::string& w : one.warnings) report.warn(cutter.name + ": " + w);
+Warnings warnings_of(const Cutter& cutter, const Warnings& of_one) {
+  Warnings all;
+  for (Warning w : of_one) {
+    w.form.insert(0, "{cutter}: ");
+    w.values.emplace_back("cutter", cutter.name);
+    all.push_back(std::move(w));
+  }
+  return all;
 }
 
-void warn_of_thin(Report& report, const Cutter& c, Vec3 spacing_mm) {
+std::optional<Warning> thin_cutter(const Cutter& c, Vec3 spacing_mm) {
   double least_mm = 0;
   switch (c.kind) {
     case Cutter::Kind::mesh:
-      return;
+      return {};
     case Cutter::Kind::ellipsoid:
       least_mm = *std::min_element(c.radii_mm.begin(), c.radii_mm.end());
       break;
@@ -50,10 +55,13 @@ void warn_of_thin(Report& report, const Cutter& c, Vec3 spacing_mm) {
       break;
   }
   const double voxel_mm = std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
-  if (least_mm < voxel_mm)
-    report.warn((c.name.empty() ? "cutter" : c.name) + ": its radius, " + to_text(ParameterValue(least_mm)) +
-                " mm, is less than a voxel, " + to_text(ParameterValue(voxel_mm)) +
-                " mm: the voxels cannot hold it, more may be removed");
+  if (!(least_mm < voxel_mm)) return {};
+  return Warning{"thin_cutter",
+                 "{cutter}: its radius, {radius_mm} mm, is less than a voxel, {voxel_mm} mm: the voxels cannot hold it, "
+                 "more may be removed",
+                 {{"cutter", c.name.empty() ? "cutter" : c.name},
+                  {"radius_mm", to_text(ParameterValue(least_mm))},
+                  {"voxel_mm", to_text(ParameterValue(voxel_mm))}}};
 }
 
 }  // namespace trephine::boolean

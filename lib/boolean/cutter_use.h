@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "base/report.h"
+#include <optional>
+
+#include "base/result.h"
 #include "boolean/cutter.h"
 
 namespace trephine::boolean {
@@ -14,11 +16,11 @@ std::vector<Cutter> with_unique_names(std::vector<Cutter> cutters);
 /// The cutter with larger radii. A mesh cannot be widened: throws Error 78.
 Cutter widened(Cutter cutter, double by_mm);
 
-/// Adds what one cutter did, under its name: "burr_hole_1.removed_mm3".
-void add_of_cutter(Report& report, const Cutter& cutter, const Report& one);
+/// What one cutter warns of, with its name before each: "burr_hole_1: removes nothing of skull".
+Warnings warnings_of(const Cutter& cutter, const Warnings& of_one);
 
-/// Warns where the cutter is thinner than a voxel: voxels cannot represent it, and up to several times its volume is
-/// removed.
-void warn_of_thin(Report& report, const Cutter& cutter, Vec3 spacing_mm);
+/// A warning where the cutter is thinner than a voxel: voxels cannot represent it, and up to several times its volume
+/// is removed.
+std::optional<Warning> thin_cutter(const Cutter& cutter, Vec3 spacing_mm);
 
 }  // namespace trephine::boolean

@@ -111,7 +111,7 @@ void refuse_as_usage(const Command& command, const Error& e) {
   std::string field = e.field();
   for (const ParameterGroup& g : command.groups)
     if (g.make().set->find(field)) field = flag_of(field);
-  throw Error(ExitCode::usage, e.file(), field, e.what()).in_case(e.case_token());
+  throw Error(ExitCode::usage, e.file(), field, e.message()).in_case(e.case_token());
 }
 
 ExitCode run(const Program& program, const std::vector<std::string>& words, std::string& who) {

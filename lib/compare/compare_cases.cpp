@@ -50,11 +50,10 @@ Seen seen_of(const cases::LoadedCase& c, const std::string& name, const Progress
   if (surface && !surface->triangles.empty()) {
     seen.surface = surface;
   } else if (const cases::CaseShape* shape = felt_shape(c, name)) {
-    Report ignored;
     meshing::ContourParams params;
     params.min_component_mm3 = 0;
     params.keep_cavities = true;
-    seen.own = meshing::contour(voxel::shape_field(c.haptic, shape->number, progress), params, ignored, progress);
+    seen.own = meshing::contour(voxel::shape_field(c.haptic, shape->number, progress), params, progress).value;
     seen.surface = &seen.own;
     seen.felt = true;
   }

@@ -62,7 +62,7 @@ BitMask where_the_field_ends(const mask::HuView& hu, const Progress& progress) {
 struct Gate {
   const head::HeadFields& fields;
   const AnatomyGateParams& params;
-  Report& report;
+  AnatomyFindings& out;
   const Progress& progress;
   NotCompared accepted;
   const grid::HuVolume* volume;  ///< may be null
@@ -87,9 +87,11 @@ struct Gate {
   }
   static double above(double ml) { return std::ceil(10 * ml + 0.5) / 10; }
 
-  /// Checks `name` against `other_name`. `wrong_figure` and `gap_figure` are the names of the results in the report.
+  using Figure = std::optional<double> AnatomyResult::*;
+  using Count = std::optional<std::int64_t> AnatomyResult::*;
+  /// Checks `name` against `other_name`.
   void check_pair(const char* name, const grid::Field* one, const char* other_name, const grid::Field* other,
-                  Relation relation, double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
+                  Relation relation, double gap_mm, Figure wrong_ml, Figure least_gap_mm) {
     if (!one || !other) return;
     const auto measured = [&](const std::string& what, std::vector<std::string> of,
                               const std::function<Clearance()>& measure) {
@@ -115,11 +117,13 @@ struct Gate {
         return clearance(*one, *other, relation, gap_mm, edge, progress);
       });
       if (c.wrong_ml < everywhere.wrong_ml || c.near_mm2 < everywhere.near_mm2)
-        report.warn(std::string("the scanned field's edge cuts ") + name +
-                    " and skin: there they end together, and were not compared");
+        out.warnings.push_back({"field_cuts",
+                                "the scanned field's edge cuts {anatomy} and skin: there they end together, and were "
+                                "not compared",
+                                {{"anatomy", name}}});
     }
-    report.add(wrong_figure, c.wrong_ml);
-    if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
+    out.result.*wrong_ml = c.wrong_ml;
+    if (c.gap_mm < 1e5) out.result.*least_gap_mm = c.gap_mm;
     if (c.wrong_ml > params.max_outside_ml) {
       add(c.wrong_ml,
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
@@ -143,10 +147,10 @@ struct Gate {
   }
 
   /// Counts the pieces by face neighbours and checks those beside the largest.
-  void check_pieces(const char* name, const grid::Field* field, double max_loose_ml) {
+  void check_pieces(const char* name, const grid::Field* field, Count count, double max_loose_ml) {
     if (!field) return;
     const auto pieces = mask::components(mask::positive(*field, *field));
-    report.add(std::string(name) + "_pieces_count", pieces.list.size());
+    out.result.*count = static_cast<std::int64_t>(pieces.list.size());
     if (pieces.list.size() < 2 || max_loose_ml < 0) return;
     std::size_t first = 0, second = 1, all = 0;
     for (std::size_t c = 0; c < pieces.list.size(); ++c) all += pieces.list[c].voxels;
@@ -170,19 +174,20 @@ struct Gate {
   }
 
   /// `allowed` is the cranial cavity with the bone, on a coarser raster.
-  void check_cavity(const char* name, const grid::Field* field, const BitMask& allowed, double max_ml) {
+  void check_cavity(const char* name, const grid::Field* field, const BitMask& allowed, Figure outside_ml,
+                    double max_ml) {
     if (!field) return;
-    const BitMask out = mask::make_mask(*field, [&](int j, int k, std::uint8_t* row) {
+    const BitMask outside = mask::make_mask(*field, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < field->size[0]; ++i) {
         if (!(field->at(i, j, k) > 0)) continue;
         const Vec3 c = allowed.lattice().to_index(field->to_world_mm({double(i), double(j), double(k)}));
         row[i] = !allowed.at(int(std::lround(c.x)), int(std::lround(c.y)), int(std::lround(c.z)));
       }
     });
-    const double ml = double(out.count()) * field->voxel_volume_mm3() / 1000;
-    report.add(std::string(name) + "_outside_skull_ml", ml);
+    const double ml = double(outside.count()) * field->voxel_volume_mm3() / 1000;
+    out.result.*outside_ml = ml;
     if (ml <= max_ml) return;
-    const grid::Box box = mask::largest(mask::components(out)).bounds();
+    const grid::Box box = mask::largest(mask::components(outside)).bounds();
     const Vec3 place = field->to_world_mm({0.5 * (box.begin[0] + box.end[0] - 1), 0.5 * (box.begin[1] + box.end[1] - 1),
                                            0.5 * (box.begin[2] + box.end[2] - 1)});
     add(ml,
@@ -196,15 +201,23 @@ struct Gate {
     const BitMask bone = coarse_bone(*fields.skull);
     BitMask cavity;
     try {
-      cavity = head::cranial_cavity(bone, report, progress);
+      auto found = head::cranial_cavity(bone, progress);
+      out.result.cranial_cavity_ml = found.result.cranial_cavity_ml;
+      out.warnings.insert(out.warnings.end(), found.warnings.begin(), found.warnings.end());
+      cavity = std::move(found.value);
     } catch (const Error& e) {
       if (e.code() != ExitCode::quality) throw;
-      report.warn("the skull encloses no space in which a brain could lie: whether it lies inside was not checked");
+      out.warnings.push_back(
+          {"no_cranial_cavity",
+           "the skull encloses no space in which a brain could lie: whether it lies inside was not checked",
+           {}});
       return;
     }
     cavity |= bone;
-    check_cavity("brain", fields.brain, cavity, params.max_outside_skull_ml);
-    if (!fields.brain) check_cavity("ventricles", fields.ventricles, cavity, params.max_outside_skull_ml);
+    check_cavity("brain", fields.brain, cavity, &AnatomyResult::brain_outside_skull_ml, params.max_outside_skull_ml);
+    if (!fields.brain)
+      check_cavity("ventricles", fields.ventricles, cavity, &AnatomyResult::ventricles_outside_skull_ml,
+                   params.max_outside_skull_ml);
   }
 };
 
@@ -249,63 +262,71 @@ std::string text_of(const std::vector<Vec3>& places) {
 Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
   std::set<std::string> said;
   std::map<std::string, double> values;
-  std::string text, keys;
+  Message text;
+  std::string keys;
   std::vector<Vec3> places;
   for (const AnatomyFault& f : faults) {
     for (const Vec3 p : f.places_to_accept_mm)
       if (std::none_of(places.begin(), places.end(), [&](Vec3 q) { return q == p; })) places.push_back(p);
-    if (said.insert(f.remedy).second) text += (text.empty() ? "" : "; ") + f.remedy;
+    if (said.insert(f.remedy.text()).second) text = text + (text.empty() ? "" : "; ") + f.remedy;
     for (const auto& [key, value] : f.values_to_set) values[key] = std::max(values[key], value);
   }
   for (const auto& [key, value] : values)
     keys += (keys.empty() ? "" : " and ") + fixed(value, value < 1000 ? 1 : 0) + " for `" + key + "`";
   if (!places.empty()) keys = text_of(places) + " for `accepted_places_mm`" + (keys.empty() ? "" : " and ") + keys;
-  return {text + (keys.empty() ? "" : "; where it is right, set " + keys + " of the stage `anatomy`")};
+  if (keys.empty()) return {text};
+  return {text + ("; where it is right, set " + keys + " of the stage `anatomy`")};
 }
 
 }  // namespace
 
 AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
-    : RefusalAbout(refusal("", all_of(faults), remedies_of(faults)), {faults.front().first, faults.front().second}),
-      faults_(std::move(faults)) {}
+    : Error(refusal("", all_of(faults), remedies_of(faults))), faults_(std::move(faults)) {
+  finds_fault_with({faults_.front().first, faults_.front().second});
+}
 
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
-                                const AnatomyGateParams& params, Report& report, const Progress& progress,
+                                const AnatomyGateParams& params, const Progress& progress,
                                 const MeasuredOnce& once, const grid::HuVolume* volume) {
+  using R = AnatomyResult;
   AnatomyFindings out;
-  out.figures = head::measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
+  auto head = head::measure_head(fields, landmarks, params, progress.part(0, 0.2));
+  out.result.head = head.result;
+  out.warnings = std::move(head.warnings);
   const std::vector<Vec3> accepted = places_of(params.accepted_places_mm);
   if (!accepted.empty())
-    report.warn("what is wrong within 20 mm of " + params.accepted_places_mm + " was accepted and not checked");
-  Gate gate{fields, params, report, progress, {accepted, {}}, volume, once, {}};
-  gate.check_empty("skin", fields.skin, out.figures.skin_ml);
-  gate.check_empty("skull", fields.skull, out.figures.skull_ml);
-  gate.check_empty("brain", fields.brain, out.figures.brain_ml);
-  gate.check_empty("ventricles", fields.ventricles, out.figures.ventricles_ml);
+    out.warnings.push_back({"accepted",
+                            "what is wrong within 20 mm of {places_mm} was accepted and not checked",
+                            {{"places_mm", params.accepted_places_mm}}});
+  Gate gate{fields, params, out, progress, {accepted, {}}, volume, once, {}};
+  gate.check_empty("skin", fields.skin, out.result.head.skin_ml);
+  gate.check_empty("skull", fields.skull, out.result.head.skull_ml);
+  gate.check_empty("brain", fields.brain, out.result.head.brain_ml);
+  gate.check_empty("ventricles", fields.ventricles, out.result.head.ventricles_ml);
   if (gate.faults.empty()) {
     gate.check_pair("ventricles", fields.ventricles, "brain", fields.brain, Relation::inside,
-                    params.min_brain_ventricles_gap_mm, "ventricles_outside_brain_ml", "brain_ventricles_gap_mm");
+                    params.min_brain_ventricles_gap_mm, &R::ventricles_outside_brain_ml, &R::brain_ventricles_gap_mm);
     progress.report(0.3);
     gate.check_pair("ventricles", fields.ventricles, "skull", fields.skull, Relation::apart,
-                    params.min_skull_brain_gap_mm, "ventricles_in_skull_ml", "skull_ventricles_gap_mm");
+                    params.min_skull_brain_gap_mm, &R::ventricles_in_skull_ml, &R::skull_ventricles_gap_mm);
     progress.report(0.4);
     gate.check_pair("brain", fields.brain, "skull", fields.skull, Relation::apart, params.min_skull_brain_gap_mm,
-                    "brain_in_skull_ml", "skull_brain_gap_mm");
+                    &R::brain_in_skull_ml, &R::skull_brain_gap_mm);
     progress.report(0.6);
     gate.check_pair("skull", fields.skull, "skin", fields.skin, Relation::inside, params.min_skin_skull_gap_mm,
-                    "skull_outside_skin_ml", "skin_skull_gap_mm");
+                    &R::skull_outside_skin_ml, &R::skin_skull_gap_mm);
     if (!fields.skull)
       gate.check_pair("brain", fields.brain, "skin", fields.skin, Relation::inside, params.min_skin_skull_gap_mm,
-                      "brain_outside_skin_ml", "skin_brain_gap_mm");
+                      &R::brain_outside_skin_ml, &R::skin_brain_gap_mm);
     progress.report(0.8);
     gate.check_enclosed();
-    gate.check_pieces("brain", fields.brain, params.max_loose_brain_ml);
-    gate.check_pieces("ventricles", fields.ventricles, -1);
+    gate.check_pieces("brain", fields.brain, &R::brain_pieces_count, params.max_loose_brain_ml);
+    gate.check_pieces("ventricles", fields.ventricles, &R::ventricles_pieces_count, -1);
   }
   std::stable_sort(gate.faults.begin(), gate.faults.end(),
                    [](const auto& a, const auto& b) { return a.badness > b.badness; });
   for (auto& f : gate.faults) out.faults.push_back(std::move(f.fault));
-  report.add("faults_count", out.faults.size());
+  out.result.faults_count = out.faults.size();
   progress.report(1);
   return out;
 }

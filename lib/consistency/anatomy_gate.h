@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/refusal.h"
+#include "base/warning.h"
 #include "head/head_figures.h"
 
 namespace trephine::consistency {
@@ -53,7 +54,7 @@ struct AnatomyFault {
   /// What a person can do about it, with names of keys in backticks (base/refusal.h); the same of several faults is
   /// said once. And where the shape is right: keys of the stage `anatomy` with values that let it pass, this fault
   /// alone; of several faults each key is said once, with the largest.
-  std::string remedy;
+  Message remedy;
   std::vector<std::pair<std::string, double>> values_to_set;
   /// What to add to accepted_places_mm so that this fault passes, and no other; empty where it is too wide for that.
   std::vector<Vec3> places_to_accept_mm;
@@ -61,14 +62,47 @@ struct AnatomyFault {
   std::string first, second;  ///< the anatomies it is about; second may be empty
 };
 
+/// The stage's result: the head's figures, and what the check measured of each pair of anatomies that is there: what of
+/// one lies where it cannot be, and the least distance of their surfaces (0 where they cross).
+struct AnatomyResult {
+  head::HeadFigures head;
+  std::optional<double> ventricles_outside_brain_ml, brain_ventricles_gap_mm, ventricles_in_skull_ml,
+      skull_ventricles_gap_mm, brain_in_skull_ml, skull_brain_gap_mm, skull_outside_skin_ml, skin_skull_gap_mm,
+      brain_outside_skin_ml, skin_brain_gap_mm, cranial_cavity_ml, brain_outside_skull_ml, ventricles_outside_skull_ml;
+  std::optional<std::int64_t> brain_pieces_count, ventricles_pieces_count;
+  std::size_t faults_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = AnatomyResult;
+    v.all_of(&P::head);
+    v.number(&P::ventricles_outside_brain_ml, "ventricles_outside_brain_ml", "Ventricles outside of the brain.");
+    v.number(&P::brain_ventricles_gap_mm, "brain_ventricles_gap_mm", "Least distance of brain and ventricles.");
+    v.number(&P::ventricles_in_skull_ml, "ventricles_in_skull_ml", "Ventricles in the skull's bone.");
+    v.number(&P::skull_ventricles_gap_mm, "skull_ventricles_gap_mm", "Least distance of skull and ventricles.");
+    v.number(&P::brain_in_skull_ml, "brain_in_skull_ml", "Brain in the skull's bone.");
+    v.number(&P::skull_brain_gap_mm, "skull_brain_gap_mm", "Least distance of skull and brain.");
+    v.number(&P::skull_outside_skin_ml, "skull_outside_skin_ml", "Skull outside of the skin.");
+    v.number(&P::skin_skull_gap_mm, "skin_skull_gap_mm", "Least distance of skin and skull.");
+    v.number(&P::brain_outside_skin_ml, "brain_outside_skin_ml", "Brain outside of the skin.");
+    v.number(&P::skin_brain_gap_mm, "skin_brain_gap_mm", "Least distance of skin and brain.");
+    v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", "Volume of the cranial cavity.");
+    v.number(&P::brain_outside_skull_ml, "brain_outside_skull_ml", "Brain outside of the cranial cavity.");
+    v.number(&P::ventricles_outside_skull_ml, "ventricles_outside_skull_ml", "Ventricles outside of it.");
+    v.integer(&P::brain_pieces_count, "brain_pieces_count", "Pieces of the brain.");
+    v.integer(&P::ventricles_pieces_count, "ventricles_pieces_count", "Pieces of the ventricles.");
+    v.integer(&P::faults_count, "faults_count", Range{}, "How many faults were found.");
+  }
+};
+
 struct AnatomyFindings {
-  head::HeadFigures figures;
+  AnatomyResult result;
+  Warnings warnings;
   std::vector<AnatomyFault> faults;  ///< the worst first
 };
 
 /// The error that require_anatomy throws: exit code 80, all faults in one line, then each remedy once. It is about the
 /// anatomies of the worst fault.
-class AnatomyError : public RefusalAbout {
+class AnatomyError : public Error {
  public:
   explicit AnatomyError(std::vector<AnatomyFault> faults);
   const std::vector<AnatomyFault>& faults() const { return faults_; }
@@ -98,13 +132,10 @@ using MeasuredOnce = std::function<Clearance(const std::string& what, const std:
 /// It also measures the head (head_figures.h). Surfaces are those of the fields, to a fraction of a voxel; where the
 /// volume cuts an anatomy there is no surface. Volumes count voxels by their centre.
 ///
-/// Adds to the report what measure_head adds, and skin_skull_gap_mm, skull_brain_gap_mm, skull_ventricles_gap_mm,
-/// brain_ventricles_gap_mm (the least distance; 0 where the surfaces cross), ventricles_outside_brain_ml,
-/// brain_in_skull_ml, brain_outside_skull_ml, skull_outside_skin_ml, brain_pieces_count, ventricles_pieces_count,
-/// cranial_cavity_ml, faults_count. An anatomy without a voxel is a fault. Throws Error 65 where rasters differ or a
+/// An anatomy without a voxel is a fault. Throws Error 65 where rasters differ or a
 /// voxel is not finite; Cancelled.
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
-                                const AnatomyGateParams& params, Report& report, const Progress& progress = {},
+                                const AnatomyGateParams& params, const Progress& progress = {},
                                 const MeasuredOnce& once = {}, const grid::HuVolume* volume = nullptr);
 
 /// Throws AnatomyError where there are faults.

@@ -34,7 +34,7 @@ Error Draft::renamed(const Error& e) const {
   std::string file = e.file();
   if (const std::size_t at = file.find(file_.string()); at != std::string::npos)
     file.replace(at, file_.string().size(), name_.filename().string());
-  return Error(e.code(), file, e.field(), e.what());
+  return Error(e).refiled(file);
 }
 
 }  // namespace trephine::desk

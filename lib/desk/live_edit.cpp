@@ -96,8 +96,9 @@ LiveEdit::Now LiveEdit::snake(const std::string& token, const OpenCase& one, con
   return {snake_->steps(), snake_->change_mm(), snake_->volume_ml()};
 }
 
-Report LiveEdit::preview(const std::string& token, const OpenCase& one, const std::string& anatomy,
-                         const segmentation::EditList& edit) {
+Outcome<std::monostate, segmentation::EditsResult> LiveEdit::preview(const std::string& token, const OpenCase& one,
+                                                                     const std::string& anatomy,
+                                                                     const segmentation::EditList& edit) {
   const Progress progress({}, &cancel_requested());
   const std::shared_ptr<const DrawnField> drawn = one.field(anatomy);
   if (!drawn) throw Error(ExitCode::no_input, "", "anatomy", "the case has no such field");
@@ -107,16 +108,15 @@ Report LiveEdit::preview(const std::string& token, const OpenCase& one, const st
   if (near.empty()) throw Error(ExitCode::usage, "", "edit", "lies beyond the scan");
   const std::lock_guard<std::mutex> lock(work_mutex_);
   DrawnField out = spread(*drawn, near, lattice);
-  Report report;
-  grid::Field part = segmentation::apply_edits(field_of(out, near, lattice), *scan, edit, {}, report, progress);
-  part = grid::fit(part, grid::cropped(lattice, near), -float(most));
+  auto made = segmentation::apply_edits(field_of(out, near, lattice), *scan, edit, {}, progress);
+  const grid::Field part = grid::fit(made.value, grid::cropped(lattice, near), -float(most));
   for_box(near, [&](int i, int j, int k) {
     const float v = part.at(i - near.begin[0], j - near.begin[1], k - near.begin[2]);
     const auto n = static_cast<std::int16_t>(std::lround(std::clamp(v, -float(most), float(most))));
     at_place(out, i, j, k) = n != 0 ? n : v > 0 ? 1 : -1;
   });
   show(token, std::move(out));
-  return report;
+  return {{}, made.result, std::move(made.warnings)};
 }
 
 std::shared_ptr<const DrawnField> LiveEdit::field(const std::string& token) const {

@@ -25,9 +25,11 @@ class LiveEdit {
   /// than 2,000 steps.
   Now snake(const std::string& token, const OpenCase& one, const segmentation::SnakeEdit& edit, int steps);
   /// What the only edit of the list, which is no patch, would make of the anatomy's shape, as it is drawn. Only what
-  /// lies about it is computed. Report as apply_edits() has it. Throws Error 64 where it lies beyond the scan.
-  Report preview(const std::string& token, const OpenCase& one, const std::string& anatomy,
-                 const segmentation::EditList& edit);
+  /// lies about it is computed. Result and warnings are those of apply_edits(). Throws Error 64 where it lies beyond
+  /// the scan.
+  Outcome<std::monostate, segmentation::EditsResult> preview(const std::string& token, const OpenCase& one,
+                                                             const std::string& anatomy,
+                                                             const segmentation::EditList& edit);
   /// To be drawn; null where nothing of that case is watched.
   std::shared_ptr<const DrawnField> field(const std::string& token) const;
   /// Gives the memory back.

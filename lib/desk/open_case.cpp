@@ -112,7 +112,7 @@ class OpenCase::Watcher : public pipeline::RunObserver {
   explicit Watcher(OpenCase& of) : of_(of) {}
   void started(const std::string& node) override { of_.set_doing(node, 0); }
   void progressed(const std::string& node, double fraction) override { of_.set_doing(node, fraction); }
-  void finished(const std::string&, const std::string&, double, const Report&) override {}
+  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 
  private:
   OpenCase& of_;

@@ -39,9 +39,11 @@ Reply Desk::try_edit(const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case");
   const auto one = looked_at_case(token);
-  const Report report = live_.preview(token, *one, json.at("anatomy"), edits_of(json.at("edit")));
-  Json out = {{"warnings", report.warnings}};
-  for (const auto& [name, value] : report.figures) out[name] = std::visit([](const auto& v) { return Json(v); }, value);
+  const auto made = live_.preview(token, *one, json.at("anatomy"), edits_of(json.at("edit")));
+  Json out = {{"warnings", Json::array()}};
+  for (const Warning& w : made.warnings) out["warnings"].push_back(to_text(w));
+  for (const auto& [name, value] : figures_of(made.result))
+    out[name] = std::visit([](const auto& v) { return Json(v); }, value);
   return json_reply(out);
 }
 

@@ -29,7 +29,7 @@ class Trial::Watcher : public pipeline::RunObserver {
     of_.now_.doing = node;
     of_.now_.fraction = fraction;
   }
-  void finished(const std::string&, const std::string&, double, const Report&) override {}
+  void finished(const std::string&, const std::string&, double, const stages::StageOutcome&) override {}
 
  private:
   Trial& of_;
@@ -89,7 +89,7 @@ void Trial::work(const TrialWish& wish) {
       volumes_ml = {volume_ml(*before), volume_ml(*drawn)};
     const std::lock_guard<std::mutex> lock(mutex_);
     now_.volumes_ml = volumes_ml;
-    now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, std::move(made.report));
+    now_.reports.emplace_back(of.graph.nodes[std::size_t(node)].name, made.report());
     if (drawn) {
       field_ = std::move(drawn);
       now_.has_field = true;

@@ -68,7 +68,7 @@ void fill_summary(const FileHeader& h, Series& s) {
   s.summary.size = {h.columns, h.rows, static_cast<int>(s.slices.size())};
 }
 
-void refuse(Series& s, const std::string& file, const std::string& field, const std::string& what) {
+void refuse(Series& s, const std::string& file, const std::string& field, const Message& what) {
   if (!s.refusal.empty()) return;
   s.refusal_file = file;
   s.refusal_field = field;
@@ -93,7 +93,7 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
   s.summary.slice_thickness_mm = f.thickness_mm.value_or(0);
 
   if (!s.is_ct && modality == ModalityPolicy::ct)
-    refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless --modality any");
+    refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
   for (const FrameRef& r : s.slices)
     if (r.header->syntax != h.syntax &&
         (r.header->syntax->encoding == Encoding::native) != (h.syntax->encoding == Encoding::native))
@@ -189,7 +189,7 @@ void read_headers(const std::vector<InputFile>& files, Catalogue& c, const Progr
     } else {
       c.broken.push_back({names[i], faults[i].field, faults[i].what,
                           !faults[i].field.empty() || (!is_index(faults[i].what) && begins_as_dicom(files[i].origin)),
-                          static_cast<int>(i) + 1});
+                          static_cast<int>(i) + 1, faults[i].is_empty});
     }
   }
 }
@@ -231,7 +231,7 @@ void sort_series(std::vector<Series>& series) {
     const auto& n = s.summary.size;
     s.summary.token = fmt::format("s{}-{}x{}x{}", ++ordinal, n[0], n[1], n[2]);
     s.summary.usable = s.refusal.empty();
-    s.summary.verdict = s.summary.usable ? "usable" : s.refusal_field + ": " + s.refusal;
+    s.summary.verdict = s.summary.usable ? "usable" : s.refusal_field + ": " + s.refusal.text();
   }
 }
 
@@ -281,7 +281,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
       const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end());
       fill_summary(h, s);
       s.summary.size[2] = static_cast<int>(group.faulty.size());
-      refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless --modality any");
+      refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
       c.series.push_back(std::move(s));
       continue;
     }

@@ -36,7 +36,8 @@ struct Series {
   std::string sort_uid;  ///< decides between equal series; never shown
   bool is_ct = false;
   std::vector<OddSlice> odd;                         ///< ascending along the normal
-  std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; with an empty `refusal` it is usable
+  std::string refusal_file, refusal_field;
+  Message refusal;                                   ///< why it is not usable; empty: it is usable
   std::string part_of;                               ///< the token of the series of which it scans a part again
   std::string rectified_for;                         ///< by judge: what import would correct by resampling
   std::exception_ptr refused;                        ///< by judge: what import would throw
@@ -53,8 +54,9 @@ struct Catalogue {
   std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens follow this order
   struct Broken {
     std::string name, field, what;
-    bool is_dicom;   ///< it begins as a DICOM file does
-    int number = 0;  ///< among the files by name, from 1
+    bool is_dicom;          ///< it begins as a DICOM file does
+    int number = 0;         ///< among the files by name, from 1
+    bool is_empty = false;  ///< it has no bytes
   };
   std::vector<LeftOut> left_out;
   std::vector<Broken> broken;  ///< files that are not DICOM or end before their pixel data
@@ -87,6 +89,6 @@ const Series* proposed(const Catalogue& catalogue);
 const Series& choose(Catalogue& catalogue, const ImportParams& params, const Progress& progress = {});
 
 /// The other content of the folder, for ImportResult::folder. With `chosen` null, everything that is not a series.
-Report describe_rest(const Catalogue& catalogue, const Series* chosen);
+FolderRest describe_rest(const Catalogue& catalogue, const Series* chosen);
 
 }  // namespace trephine::dicom

@@ -82,6 +82,8 @@ std::string listing(const Catalogue& c) {
   return usable > max_listed ? fmt::format("{}, which `trephine import --list FOLDER` shows as a table", usable) : out;
 }
 
+const Setting first_series{"series", "s1"};
+
 [[noreturn]] void refuse(const Series& s) {
   if (s.refused) std::rethrow_exception(s.refused);
   throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
@@ -96,7 +98,8 @@ const Series& named(const Catalogue& c, const std::string& token) {
   }
   const std::string known = listing(c);
   throw Error(ExitCode::usage, "", "series",
-              "no such series; " + (known.empty() ? "none is usable" : "there are: " + known));
+              known.empty() ? Message("no such series; none is usable")
+                            : "no such series; there are: " + known + "; " + first_series + " chooses the first");
 }
 
 }  // namespace
@@ -126,9 +129,9 @@ void judge(Series& s, const ImportParams& params, const Progress& progress) {
     s.refused = std::current_exception();
     s.refusal_file = e.file();
     s.refusal_field = e.field();
-    s.refusal = e.what();
+    s.refusal = e.message();
     s.summary.usable = false;
-    s.summary.verdict = s.refusal_field + ": " + s.refusal;
+    s.summary.verdict = s.refusal_field + ": " + s.refusal.text();
   }
 }
 
@@ -161,8 +164,9 @@ const Series& choose(Catalogue& c, const ImportParams& params, const Progress& p
     if (left == 1 || params.series_rule == SeriesRule::best) return *best;
     throw Error(
         ExitCode::usage, "", "series",
-        fmt::format("{} usable series, choose one by its token: {}; proposed is {}, --series-rule best takes it", left,
-                    listing(c), best->summary.token));
+        fmt::format("{} usable series, choose one by its token: {}; proposed is {}, ", left, listing(c),
+                    best->summary.token) +
+            Setting{"series_rule", "best"} + " takes it; " + first_series + " chooses the first");
   }
   // Nothing is usable. The reason given is that of the largest CT series, or else of whatever was nearest to being one.
   if (!c.series.empty()) refuse(c.series.front());

@@ -70,6 +70,7 @@ struct Element {
 /// A place where the data is not well-formed DICOM; `what` holds no text of the file.
 struct WalkFault {
   std::string field, what;
+  bool is_empty = false;  ///< the file has no bytes
 };
 
 /// The place of an element: the tags of the sequences around it, outermost first, and the item's index in each.

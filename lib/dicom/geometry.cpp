@@ -16,8 +16,8 @@ namespace {
 /// A head of 5 mm slices tilted by 25 degrees grows to twice its size, a change of spacing by at most five times.
 constexpr double largest_growth = 20;
 
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error(ExitCode::bad_input, "", tag_name(make_tag(0x0020, 0x0032)), what);
+[[noreturn]] void refuse(const Message& what) {
+  throw Error(ExitCode::bad_input, "", tag_name(make_tag(0x0020, 0x0032)), what).because(Cause::missing_slices);
 }
 
 std::string mm(double v) { return fmt::format("{:.3f}", v); }
@@ -150,9 +150,9 @@ void check_steps(const std::vector<double>& steps, GapPolicy gaps, double max_ga
     if (!is_missing_slice(steps, k)) continue;
     ++g.missing_steps;
     if (gaps == GapPolicy::refuse)
-      refuse(fmt::format(
-          "a slice is missing: a gap of {} mm above slice {} of {}, neighbours {} mm; --gaps interpolate reads it",
-          mm(steps[k]), k + 1, steps.size() + 1, mm(steps[k == 0 ? 1 : k - 1])));
+      refuse(fmt::format("a slice is missing: a gap of {} mm above slice {} of {}, neighbours {} mm; ", mm(steps[k]),
+                         k + 1, steps.size() + 1, mm(steps[k == 0 ? 1 : k - 1])) +
+             Setting{"gaps", "interpolate"} + " reads it");
   }
 }
 

@@ -67,7 +67,7 @@ class HeaderReader {
   }
 
   FileHeader read() {
-    if (source_.size() == 0) throw WalkFault{"", "an empty file, not a DICOM file"};
+    if (source_.size() == 0) throw WalkFault{"", "an empty file, not a DICOM file", true};
     if (const std::uint8_t* p = source_.get(0, 4); p && std::memcmp(p, "PK\3\4", 4) == 0)
       throw WalkFault{"", "a ZIP archive, not a DICOM file: choose the archive itself in place of its folder"};
     const std::uint64_t begin = meta();

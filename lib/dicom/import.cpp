@@ -264,53 +264,51 @@ std::string hash_of_series(const Series& series, const Progress& progress) {
   Sha256 sha;
   sha.text("trephine dicom series 1").integer(static_cast<std::int64_t>(hashes.size()));
   for (const std::string& h : hashes) sha.text(h);
-  Report told;  // a stored result must not keep quiet about what this series says otherwise
-  warn_of_changes(series, HuCounts(), told);
-  for (const std::string& w : told.warnings) sha.text(w);
+  // A stored result must not keep quiet about what this series says otherwise.
+  for (const Warning& w : warnings_of_changes(series, HuCounts())) sha.text(to_text(w));
   return sha.hex();
 }
 
-Report describe(const Series& series, const Plan& plan, const HuCounts& counts, const grid::HuVolume& volume) {
+void describe(const Series& series, const Plan& plan, const HuCounts& counts, ImportResult& result) {
   const StackGeometry& g = plan.geometry;
   const FileHeader& h = *series.slices.front().header;
-  const auto text = [](const grid::Lattice& l) { return fmt::format("{}x{}x{}", l.size[0], l.size[1], l.size[2]); };
-  Report r;
-  r.add("modality", series.summary.modality);
-  r.add("slices_count", g.levels.size());
-  r.add("size", text(g.target));
-  r.add("spacing_x_mm", g.target.spacing_mm.x);
-  r.add("spacing_y_mm", g.target.spacing_mm.y);
-  r.add("spacing_z_mm", g.target.spacing_mm.z);
-  r.add("slice_thickness_mm", series.summary.slice_thickness_mm);
-  r.add("smallest_step_mm", g.smallest_step_mm);
-  r.add("largest_gap_mm", g.largest_step_mm);
-  r.add("tilt_deg", g.tilt_deg);
-  r.add("resampled", g.resampled);
-  if (g.resampled) r.add("resampled_for", g.reason);
-  r.add("missing_slices_interpolated_count", g.missing_steps);
-  r.add("duplicates_dropped_count", series.slices.size() - g.levels.size());
-  r.add("padding_voxels_count", counts.padding);
-  r.add("clamped_voxels_count", counts.clamped);
-  r.add("below_air_voxels_count", counts.below_air);
-  r.add("hu_min", counts.min);
-  r.add("hu_max", counts.max);
-  r.add("sample_type", std::holds_alternative<grid::Grid<std::int16_t>>(volume) ? "int16" : "float32");
-  r.add("kernel", series.summary.kernel);
-  r.add("image_type", series.summary.image_type);
-  r.add("patient_position", h.patient_position);
-  r.add("contrast", series.summary.contrast_text());
-  r.add("transfer_syntax", series.summary.transfer_syntax);
-  if (h.tilt_tag_deg) r.add("tilt_by_tag_deg", *h.tilt_tag_deg);
+  ImportFigures& f = result.figures;
+  f.modality = series.summary.modality;
+  f.slices_count = g.levels.size();
+  f.size = g.target.size;
+  f.spacing_x_mm = g.target.spacing_mm.x;
+  f.spacing_y_mm = g.target.spacing_mm.y;
+  f.spacing_z_mm = g.target.spacing_mm.z;
+  StackFigures& stack = f.stack.emplace();
+  stack.slice_thickness_mm = series.summary.slice_thickness_mm;
+  stack.smallest_step_mm = g.smallest_step_mm;
+  stack.largest_gap_mm = g.largest_step_mm;
+  stack.tilt_deg = g.tilt_deg;
+  stack.resampled = g.resampled;
+  if (g.resampled) stack.resampled_for = g.reason;
+  stack.missing_slices_interpolated_count = g.missing_steps;
+  stack.duplicates_dropped_count = series.slices.size() - g.levels.size();
+  f.padding_voxels_count = counts.padding;
+  f.clamped_voxels_count = counts.clamped;
+  f.below_air_voxels_count = counts.below_air;
+  f.hu_min = counts.min;
+  f.hu_max = counts.max;
+  f.sample_type = sample_type_of(result.volume);
+  f.tags = TagFigures{series.summary.kernel,          series.summary.image_type,      h.patient_position,
+                      series.summary.contrast_text(), series.summary.transfer_syntax, h.tilt_tag_deg};
+  const auto warn = [&](const char* id, const char* form, Named<ParameterValue> values) {
+    result.warnings.push_back({id, form, std::move(values)});
+  };
   constexpr double same_tilt_deg = 1;  // the tag's sign is not reliable, and often it is rounded
   if (h.tilt_tag_deg && std::abs(std::abs(*h.tilt_tag_deg) - std::abs(g.tilt_deg)) > same_tilt_deg)
-    r.warn(fmt::format("GantryDetectorTilt is {:.4g} degrees, by the slices' positions it is {:.1f}: these count",
-                       *h.tilt_tag_deg, g.tilt_deg));
-
-  warn_of_changes(series, counts, r);
-  if (g.resampled) r.warn("resampled from the true positions: " + g.reason);
+    warn("tilt_by_tag",
+         "GantryDetectorTilt is {by_tag_deg:.4g} degrees, by the slices' positions it is {tilt_deg:.1f}: these count",
+         {{"by_tag_deg", *h.tilt_tag_deg}, {"tilt_deg", g.tilt_deg}});
+  for (Warning& w : warnings_of_changes(series, counts)) result.warnings.push_back(std::move(w));
+  if (g.resampled) warn("resampled", "resampled from the true positions: {why}", {{"why", g.reason}});
   if (counts.below_air > 0)
-    r.warn(fmt::format("{} voxels below -1024 HU that no padding tag declares", counts.below_air));
-  if (h.syntax->lossy) r.warn("compressed with loss: " + std::string(h.syntax->name));
+    warn("below_air", "{count} voxels below -1024 HU that no padding tag declares", {{"count", counts.below_air}});
+  if (h.syntax->lossy) warn("lossy", "compressed with loss: {syntax}", {{"syntax", std::string(h.syntax->name)}});
   if (plan.rules.front().padding && counts.padding > 0) {
     HuRule bare = plan.rules.front();
     bare.padding.reset();
@@ -320,9 +318,9 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
     HuCounts ignored;
     if (h.bits_allocated == 16) HuMapper<float>().apply(bare, word, 1, &hu, ignored);
     if (hu > -300)
-      r.warn(fmt::format("the declared padding value means {} HU: {} voxels of it became air", hu, counts.padding));
+      warn("padding_is_tissue", "the declared padding value means {hu} HU: {count} voxels of it became air",
+           {{"hu", fmt::format("{}", hu)}, {"count", counts.padding}});
   }
-  return r;
 }
 
 }  // namespace
@@ -341,7 +339,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
     HuCounts counts;
     result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
     if (series.is_ct) require_offset(result.volume, tag_name(t_intercept));
-    result.report = describe(series, plan, counts, result.volume);
+    describe(series, plan, counts, result);
     say_otherwise(result, params);
     result.folder = describe_rest(catalogue, &series);
     result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
@@ -350,7 +348,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 }
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
-                                 const Progress& progress, Report* folder) {
+                                 const Progress& progress, FolderRest* folder) {
   const VolumeSource volume =
       with_scan(folder_or_file, [&] { return chosen_volume(folder_or_file, params.series, progress); });
   if (!volume.file.empty()) return with_scan(folder_or_file, [&] { return hash_of_volume(folder_or_file, volume); });

@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::dicom {
@@ -104,10 +105,115 @@ struct SeriesSummary {
   std::string line() const;           ///< "s1-512x512x108: CT, 0.479 x 0.479 x 1.5 mm, kernel H40s, ..."
 };
 
+/// Of a DICOM series: its stack of slices.
+struct StackFigures {
+  double slice_thickness_mm = 0, smallest_step_mm = 0, largest_gap_mm = 0, tilt_deg = 0;
+  bool resampled = false;
+  std::optional<std::string> resampled_for;
+  std::int64_t missing_slices_interpolated_count = 0;
+  std::size_t duplicates_dropped_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = StackFigures;
+    v.number(&P::slice_thickness_mm, "slice_thickness_mm", Range{}, "Thickness of the slices, by their tag.");
+    v.number(&P::smallest_step_mm, "smallest_step_mm", Range{}, "Smallest distance of slices.");
+    v.number(&P::largest_gap_mm, "largest_gap_mm", Range{}, "Largest distance of slices.");
+    v.number(&P::tilt_deg, "tilt_deg", Range{}, "Tilt of the gantry, by the positions.");
+    v.flag(&P::resampled, "resampled", "Whether the volume is resampled.");
+    v.text(&P::resampled_for, "resampled_for", "What it is resampled for.");
+    v.integer(&P::missing_slices_interpolated_count, "missing_slices_interpolated_count", Range{}, "Missing slices.");
+    v.integer(&P::duplicates_dropped_count, "duplicates_dropped_count", Range{}, "Slices dropped as duplicates.");
+  }
+};
+
+/// Of a DICOM series: what its tags say.
+struct TagFigures {
+  std::string kernel, image_type, patient_position, contrast, transfer_syntax;
+  std::optional<double> tilt_by_tag_deg;
+  template <class V>
+  static void describe(V& v) {
+    using P = TagFigures;
+    v.text(&P::kernel, "kernel", "Kernel of the reconstruction.");
+    v.text(&P::image_type, "image_type", "Type of the images.");
+    v.text(&P::patient_position, "patient_position", "The patient's position, as HFS.");
+    v.text(&P::contrast, "contrast", "Contrast medium: yes, no, or not told.");
+    v.text(&P::transfer_syntax, "transfer_syntax", "How the pixels are stored.");
+    v.number(&P::tilt_by_tag_deg, "tilt_by_tag_deg", "Tilt of the gantry, by its tag.");
+  }
+};
+
+/// What is printed of a scan that was read; of a volume file without what only DICOM says.
+struct ImportFigures {
+  std::string modality;  ///< "CT", "MR", ...; of a volume file "CT" or "any"
+  std::optional<std::string> format;
+  std::size_t slices_count = 0;
+  std::array<int, 3> size{0, 0, 0};
+  double spacing_x_mm = 0, spacing_y_mm = 0, spacing_z_mm = 0;
+  std::optional<StackFigures> stack;
+  std::int64_t padding_voxels_count = 0, clamped_voxels_count = 0;
+  std::optional<std::int64_t> below_air_voxels_count;
+  double hu_min = 0, hu_max = 0;
+  std::string sample_type;
+  std::optional<TagFigures> tags;
+  std::optional<double> offset_hu;  ///< what whoever reads it says otherwise than the files, here and below
+  std::optional<std::string> axes, orientation_reason, burned_in_reason, same_patient_reason;
+  template <class V>
+  static void describe(V& v) {
+    using P = ImportFigures;
+    v.text(&P::modality, "modality", "Modality.");
+    v.text(&P::format, "format", "Format of a volume file.");
+    v.integer(&P::slices_count, "slices_count", Range{}, "Slices.");
+    v.extent(&P::size, "size", "Columns, rows and slices of the volume.");
+    v.number(&P::spacing_x_mm, "spacing_x_mm", Range{}, "Distance of columns.");
+    v.number(&P::spacing_y_mm, "spacing_y_mm", Range{}, "Distance of rows.");
+    v.number(&P::spacing_z_mm, "spacing_z_mm", Range{}, "Distance of slices.");
+    v.all_of(&P::stack);
+    v.integer(&P::padding_voxels_count, "padding_voxels_count", Range{}, "Voxels of padding.");
+    v.integer(&P::clamped_voxels_count, "clamped_voxels_count", Range{}, "Voxels whose value was clamped.");
+    v.integer(&P::below_air_voxels_count, "below_air_voxels_count", "Voxels below -1024 HU that are no padding.");
+    v.number(&P::hu_min, "hu_min", Range{}, "Smallest value.");
+    v.number(&P::hu_max, "hu_max", Range{}, "Largest value.");
+    v.text(&P::sample_type, "sample_type", "int16 or float32.");
+    v.all_of(&P::tags);
+    v.number(&P::offset_hu, "offset_hu", "What was added to every value.");
+    v.text(&P::axes, "axes", "To which sides of the patient columns, rows and slices rise, as was said.");
+    v.text(&P::orientation_reason, "orientation_reason", "Why the orientation is right as it is.");
+    v.text(&P::burned_in_reason, "burned_in_reason", "Why pixels that may hold text may be used.");
+    v.text(&P::same_patient_reason, "same_patient_reason", "Why all slices are of one patient.");
+  }
+};
+
+/// Other content of the folder: skipped files, other series. It is not for case.json.
+struct FolderFigures {
+  std::int64_t files_count = 0;
+  std::optional<std::int64_t> other_series_count, other_series_slices_count;  ///< beside the series that was chosen
+  std::int64_t localizers_count = 0, images_without_geometry_count = 0, skipped_not_dicom_count = 0,
+               skipped_broken_count = 0, skipped_hidden_count = 0;
+  std::optional<std::int64_t> skipped_links_count;
+  std::optional<std::string> patient_said_by;
+  template <class V>
+  static void describe(V& v) {
+    using P = FolderFigures;
+    v.integer(&P::files_count, "files_count", Range{}, "Files.");
+    v.integer(&P::other_series_count, "other_series_count", "Other series.");
+    v.integer(&P::other_series_slices_count, "other_series_slices_count", "Their slices.");
+    v.integer(&P::localizers_count, "localizers_count", Range{}, "Localizers.");
+    v.integer(&P::images_without_geometry_count, "images_without_geometry_count", Range{}, "Images without geometry.");
+    v.integer(&P::skipped_not_dicom_count, "skipped_not_dicom_count", Range{}, "Files that are no DICOM.");
+    v.integer(&P::skipped_broken_count, "skipped_broken_count", Range{}, "DICOM files that are broken.");
+    v.integer(&P::skipped_hidden_count, "skipped_hidden_count", Range{}, "Hidden files.");
+    v.integer(&P::skipped_links_count, "skipped_links_count", "Symbolic links.");
+    v.text(&P::patient_said_by, "patient_said_by", "Attributes by which the series says who the patient is.");
+  }
+};
+using FolderRest = Outcome<std::monostate, FolderFigures>;
+
 struct ImportResult {
-  grid::HuVolume volume;     ///< patient LPS; direction right-handed; slices ascend along the normal
-  Report report;             ///< of the series alone: equal series give equal reports
-  Report folder;             ///< other content of the folder (skipped files, other series); not for case.json
+  grid::HuVolume volume;  ///< patient LPS; direction right-handed; slices ascend along the normal
+  ImportFigures figures;  ///< of the series alone, as the warnings: equal series give equal ones
+  Warnings warnings;
+  FolderRest folder;
+  Report report() const { return printed(figures_of(figures), warnings); }  ///< figures and warnings as they are printed
   std::string input_sha256;  ///< hash_of_series_input of what was read
 };
 
@@ -145,7 +251,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 /// choice of the series. `folder`, where given, becomes ImportResult::folder. Throws as import_series does up to the
 /// decoding.
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
-                                 const Progress& progress = {}, Report* folder = nullptr);
+                                 const Progress& progress = {}, FolderRest* folder = nullptr);
 
 /// One series as it is to be read: where it is, and by which parameters it is chosen.
 struct SeriesChoice {
@@ -156,7 +262,7 @@ struct SeriesChoice {
 /// Everything that a folder holds.
 struct SeriesList {
   std::vector<SeriesSummary> series;  ///< the usable ones first
-  Report folder;                      ///< the other content of the folder
+  FolderRest folder;
 };
 
 /// The series found, with the verdict that import_series would give for each if it were chosen. Nothing is decoded: of

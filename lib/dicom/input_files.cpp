@@ -113,11 +113,12 @@ std::string name_of_scan(const fs::path& folder_or_file) {
 }
 
 Error without_names(const Error& e, const fs::path& folder_or_file) {
-  std::string what = e.what(), name = name_of_scan(folder_or_file);
-  replace_all(what, folder_or_file.string(), name);
-  Error out(e.code(), e.file().rfind("scan", 0) == 0 ? e.file() : name, e.field(), what);
-  out.in_case(e.case_token());
-  return out;
+  std::string form = e.message().form();
+  const std::string name = name_of_scan(folder_or_file);
+  replace_all(form, folder_or_file.string(), name);
+  Error out = e;
+  if (e.file().rfind("scan", 0) != 0) out.refiled(name);
+  return out.reworded({form, e.message().settings()});
 }
 
 }  // namespace trephine::dicom

@@ -90,7 +90,7 @@ std::string list_text(const SeriesList& list) {
   for (const SeriesSummary& s : list.series)
     for (const auto& [name, value] : s.seen.figures)
       out += fmt::format("{}: {}: {}\n", s.token, name, trephine::to_text(value));
-  for (const auto& [name, value] : list.folder.figures) out += fmt::format("{}: {}\n", name, trephine::to_text(value));
+  for (const auto& [name, value] : figures_of(list.folder.result)) out += fmt::format("{}: {}\n", name, trephine::to_text(value));
   return out;
 }
 
@@ -125,7 +125,7 @@ std::string list_json(const SeriesList& list) {
     all["series"].push_back(j);
   }
   ordered_json& rest = all["folder"] = ordered_json::object();
-  for (const auto& [name, value] : list.folder.figures)
+  for (const auto& [name, value] : figures_of(list.folder.result))
     if (const auto* count = std::get_if<std::int64_t>(&value)) rest[name] = *count;
   return all.dump(2) + "\n";
 }

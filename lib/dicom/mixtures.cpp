@@ -176,27 +176,33 @@ void refuse_unequal(const Series& s) {
       if (counts[r.header->said[a]] < counts[odd->header->said[a]]) odd = &r;
     throw Error(ExitCode::bad_input, odd->header->name, tag_name(attributes()[a].tag),
                 fmt::format("{} values within the series, this one in {} of {} slices: they cannot be read alike; take "
-                            "these files out, and where that leaves a gap, read it with --gaps interpolate",
-                            counts.size(), counts[odd->header->said[a]], s.slices.size()));
+                            "these files out, and where that leaves a gap, read it with ",
+                            counts.size(), counts[odd->header->said[a]], s.slices.size()) +
+                    Setting{"gaps", "interpolate"});
   }
 }
 
-void warn_of_identity(const Series& s, Report& report) {
+void warn_of_identity(const Series& s, Warnings& warnings) {
   const SeriesIdentity said = identity_of(s.slices);
   for (int which = 0; which < identity_count; ++which) {
     const auto absent = static_cast<std::size_t>(said.absent[static_cast<std::size_t>(which)]);
     if (absent > 0 && absent < s.slices.size())
-      report.warn(
-          fmt::format("{} is said by {} of {} slices: that the others are of the same patient is taken on trust",
-                      identity_keyword(which), s.slices.size() - absent, s.slices.size()));
+      warnings.push_back({"identity_of_some",
+                          "{attribute} is said by {count} of {slices_count} slices: that the others are of the same "
+                          "patient is taken on trust",
+                          {{"attribute", identity_keyword(which)},
+                           {"count", static_cast<std::int64_t>(s.slices.size() - absent)},
+                           {"slices_count", static_cast<std::int64_t>(s.slices.size())}}});
   }
   for (const int which : said.own_for_each)
-    report.warn(fmt::format("{} is another one in most slices: that all are of one patient is taken on trust",
-                            identity_keyword(which)));
+    warnings.push_back({"identity_of_each",
+                        "{attribute} is another one in most slices: that all are of one patient is taken on trust",
+                        {{"attribute", identity_keyword(which)}}});
   for (const auto& c : said.contradictions)
     if (c.values > 1)
-      report.warn(fmt::format("{} has {} values within the series, which is used for the reason given",
-                              identity_keyword(c.which), c.values));
+      warnings.push_back({"identity_contradicts",
+                          "{attribute} has {count} values within the series, which is used for the reason given",
+                          {{"attribute", identity_keyword(c.which)}, {"count", static_cast<std::int64_t>(c.values)}}});
 }
 
 template <class Get>
@@ -259,7 +265,8 @@ StackGeometry analyse_series(const Series& s, const ImportParams& params) {
         throw Error(ExitCode::bad_input, r.header->name, tag_name(t_rescale_type),
                     unit +
                         ", must be HU; where the values are Hounsfield units all the same (some programs write US, "
-                        "unspecified), --units any takes them for such");
+                        "unspecified), " +
+                        Setting{"units", "any"} + " takes them for such");
   if (params.burned_in_reason.empty())
     for (const FrameRef& r : s.slices)
       if (r.header->burned_in)
@@ -270,20 +277,28 @@ StackGeometry analyse_series(const Series& s, const ImportParams& params) {
     return analyse_stack(s.stack, params.gaps, params.max_gap_mm);
   } catch (const Error& e) {
     // A slice that was parted from the series is not one that was lost.
-    if (e.field() == tag_name(t_position) && params.gaps == GapPolicy::refuse)
+    if (e.cause() == Cause::missing_slices && params.gaps == GapPolicy::refuse)
       for (const OddSlice& odd : s.odd)
         if (odd.within)
           throw Error(ExitCode::bad_input, odd.file, odd.field,
-                      odd.what + fmt::format(", at {:.1f} mm along the slices' normal: it is none of the series, and "
-                                             "leaves a gap; --gaps interpolate reads the others",
-                                             odd.along_mm));
+                      odd.what +
+                          fmt::format(", at {:.1f} mm along the slices' normal: it is none of the series, and leaves a "
+                                      "gap; ",
+                                      odd.along_mm) +
+                          Setting{"gaps", "interpolate"} + " reads the others");
     throw;
   }
 }
 
-void warn_of_changes(const Series& s, const HuCounts& counts, Report& report) {
-  const auto changes = [&](const char* what, std::size_t count, const char* then = "") {
-    if (count > 1) report.warn(fmt::format("{} changes within the series, {} values{}", what, count, then));
+Warnings warnings_of_changes(const Series& s, const HuCounts& counts) {
+  Warnings all;
+  const auto warn = [&](const char* id, const char* form, Named<ParameterValue> values = {}) {
+    all.push_back({id, form, std::move(values)});
+  };
+  const auto changes = [&](const char* what, std::size_t count, const std::string& then = "") {
+    if (count > 1)
+      warn("attribute_changes", "{attribute} changes within the series, {count} values{then}",
+           {{"attribute", what}, {"count", static_cast<std::int64_t>(count)}, {"then", then}});
   };
   for (std::size_t a = 0; a < attributes().size(); ++a) {
     const AttributeRule rule = attributes()[a].rule;
@@ -299,15 +314,18 @@ void warn_of_changes(const Series& s, const HuCounts& counts, Report& report) {
                                                  : "");
   }
   changes("StudyInstanceUID", distinct(s, [](const FrameRef& r) { return r.header->study_uid; }).size());
-  warn_of_identity(s, report);
+  warn_of_identity(s, all);
   const auto any = [&](bool FileHeader::*member) {
     return std::any_of(s.slices.begin(), s.slices.end(), [&](const FrameRef& r) { return r.header->*member; });
   };
-  if (any(&FileHeader::lossy)) report.warn("LossyImageCompression is 01: the pixels were compressed with loss once");
-  if (any(&FileHeader::quality_control)) report.warn("QualityControlImage is YES: the scan may be of a test object");
+  if (any(&FileHeader::lossy))
+    warn("lossy_once", "LossyImageCompression is 01: the pixels were compressed with loss once");
+  if (any(&FileHeader::quality_control))
+    warn("test_object", "QualityControlImage is YES: the scan may be of a test object");
   for (const FrameRef& r : s.slices)
     if (r.header->photometric == "MONOCHROME1") {
-      report.warn("PhotometricInterpretation is MONOCHROME1, which is shown inverted; HU are taken as they are stored");
+      warn("monochrome1",
+           "PhotometricInterpretation is MONOCHROME1, which is shown inverted; HU are taken as they are stored");
       break;
     }
   const auto slopes = distinct(s, [](const FrameRef& r) { return frame_of(r).slope.value_or(1); });
@@ -316,25 +334,27 @@ void warn_of_changes(const Series& s, const HuCounts& counts, Report& report) {
     changes("RescaleSlope of the frames", slopes.size(), ": applied frame by frame");
   if (intercepts.size() > 1 && s.slices.front().header->frames.size() > 1)
     changes("RescaleIntercept of the frames", intercepts.size(), ": applied frame by frame");
-  if (!s.is_ct) return;
+  if (!s.is_ct) return all;
   if (*slopes.begin() < 0)
-    report.warn(fmt::format("RescaleSlope is {:.4g}: bright and dark are exchanged", *slopes.begin()));
+    warn("negative_slope", "RescaleSlope is {slope:.4g}: bright and dark are exchanged", {{"slope", *slopes.begin()}});
   constexpr double least = -10240, most = 100;
   for (const double i : {*intercepts.begin(), *intercepts.rbegin()})
     if (i < least || i > most) {
-      report.warn(fmt::format("RescaleIntercept is {:.6g}, usual is -1024, at most {} to {}", i, least, most));
+      warn("unusual_intercept", "RescaleIntercept is {intercept:.6g}, usual is -1024, at most {least} to {most}",
+           {{"intercept", i}, {"least", least}, {"most", most}});
       break;
     }
   for (const std::string& type : distinct(s, [](const FrameRef& r) { return r.header->raw_image_type; }))
     if (type.find("MIP") != std::string::npos || type.find("MAX_IP") != std::string::npos ||
         type.find("MIN_IP") != std::string::npos) {
-      report.warn("ImageType says that slices are projections (MIP), which show no surfaces where they are");
+      warn("projections", "ImageType says that slices are projections (MIP), which show no surfaces where they are");
       break;
     }
   constexpr double metal_hu = 31000;
   if (counts.max > metal_hu)
-    report.warn(
-        fmt::format("values up to {:.0f} HU, metal has at most about {:.0f}: are these HU?", counts.max, metal_hu));
+    warn("beyond_metal", "values up to {max_hu:.0f} HU, metal has at most about {metal_hu:.0f}: are these HU?",
+         {{"max_hu", counts.max}, {"metal_hu", metal_hu}});
+  return all;
 }
 
 }  // namespace trephine::dicom

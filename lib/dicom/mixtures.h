@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "base/report.h"
+#include "base/warning.h"
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
 
@@ -24,7 +24,7 @@ void find_odd_slices(std::vector<Series>& series, const std::vector<LeftOut>& le
 /// for it; 81 where the pixels are said to hold text and no reason is given for using them.
 StackGeometry analyse_series(const Series& series, const ImportParams& params);
 
-/// Warns of what should not change within a series but does, and of values that are unusual for a CT.
-void warn_of_changes(const Series& series, const HuCounts& counts, Report& report);
+/// Of what should not change within a series but does, and of values that are unusual for a CT.
+Warnings warnings_of_changes(const Series& series, const HuCounts& counts);
 
 }  // namespace trephine::dicom

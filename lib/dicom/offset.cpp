@@ -33,25 +33,37 @@ void require_offset(const grid::HuVolume& volume, const std::string& field) {
   throw Error(
       ExitCode::bad_input, "", field,
       fmt::format("the values are those of a CT without its offset of -1024: {:.0f} % lie about 0, as air would, "
-                  "{:.0f} % about 1050, as soft tissue would, and none where air and lung have their HU; "
-                  "--offset-hu -1024 adds it",
-                  100 * double(air) * of, 100 * double(tissue) * of));
+                  "{:.0f} % about 1050, as soft tissue would, and none where air and lung have their HU; ",
+                  100 * double(air) * of, 100 * double(tissue) * of) +
+          Setting{"offset_hu", "-1024"} + " adds it");
+}
+
+std::string sample_type_of(const grid::HuVolume& volume) {
+  return std::holds_alternative<grid::Grid<std::int16_t>>(volume) ? "int16" : "float32";
 }
 
 void say_otherwise(ImportResult& result, const ImportParams& params) {
-  Report& r = result.report;
+  ImportFigures& f = result.figures;
   if (params.offset_hu != 0) {
-    r.add("offset_hu", params.offset_hu);
-    r.warn(fmt::format("{:g} was added to every value, as whoever reads it said", params.offset_hu));
+    f.offset_hu = params.offset_hu;
+    result.warnings.push_back({"offset_added",
+                               "{offset_hu:g} was added to every value, as whoever reads it said",
+                               {{"offset_hu", params.offset_hu}}});
   }
   if (!params.axes.empty()) {
     result.volume = grid::with_axes(std::move(result.volume), params.axes);
-    r.add("axes", params.axes);
-    r.warn("columns, rows and slices rise to " + params.axes + " as whoever reads it said, whatever the files say");
+    f.axes = params.axes;
+    result.warnings.push_back({"axes_given",
+                               "columns, rows and slices rise to {axes} as whoever reads it said, whatever the files "
+                               "say",
+                               {{"axes", params.axes}}});
   }
-  if (!params.orientation_reason.empty()) r.add("orientation_reason", params.orientation_reason);
-  if (!params.burned_in_reason.empty()) r.add("burned_in_reason", params.burned_in_reason);
-  if (!params.same_patient_reason.empty()) r.add("same_patient_reason", params.same_patient_reason);
+  const auto note = [](std::optional<std::string>& figure, const std::string& reason) {
+    if (!reason.empty()) figure = reason;
+  };
+  note(f.orientation_reason, params.orientation_reason);
+  note(f.burned_in_reason, params.burned_in_reason);
+  note(f.same_patient_reason, params.same_patient_reason);
 }
 
 }  // namespace trephine::dicom

@@ -11,6 +11,9 @@ namespace trephine::dicom {
 /// and what no slice covers (-1000 exactly) do not count.
 void require_offset(const grid::HuVolume& volume, const std::string& field);
 
+/// "int16" or "float32".
+std::string sample_type_of(const grid::HuVolume& volume);
+
 /// What whoever reads it says otherwise than the files: applies `axes`, and records it and the reasons given.
 void say_otherwise(ImportResult& result, const ImportParams& params);
 

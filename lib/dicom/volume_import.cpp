@@ -79,8 +79,9 @@ void require_hu(const Counts& c) {
 void require_values_said(const ImportParams& params) {
   if (params.volume_values == VolumeValues::unsaid)
     throw Error(ExitCode::usage, "", "volume_values",
-                "must be given: a file that is no DICOM does not say whether its values are HU; --volume-values hu "
-                "says so, --volume-values any that they are not");
+                "must be given: a file that is no DICOM does not say whether its values are HU; " +
+                    Message(Setting{"volume_values", "hu"}) + " says so, " + Setting{"volume_values", "any"} +
+                    " that they are not");
 }
 
 // All but the hash.
@@ -95,21 +96,24 @@ ImportResult imported(itk::VolumeFile read, const ImportParams& params) {
   if (hu) require_offset(read.volume, "volume_values");
   if (hu) require_hu(counts);
   const grid::Lattice& lattice = grid::lattice_of(read.volume);
-  Report& r = result.report;
-  r.add("modality", hu ? "CT" : "any");
-  r.add("format", read.format);
-  r.add("slices_count", lattice.size[2]);
-  r.add("size", fmt::format("{}x{}x{}", lattice.size[0], lattice.size[1], lattice.size[2]));
-  r.add("spacing_x_mm", lattice.spacing_mm.x);
-  r.add("spacing_y_mm", lattice.spacing_mm.y);
-  r.add("spacing_z_mm", lattice.spacing_mm.z);
-  r.add("padding_voxels_count", counts.padding);
-  r.add("clamped_voxels_count", counts.clamped);
-  r.add("hu_min", counts.min);
-  r.add("hu_max", counts.max);
-  r.add("sample_type", std::holds_alternative<grid::Grid<std::int16_t>>(read.volume) ? "int16" : "float32");
-  for (const std::string& w : read.warnings) r.warn(w);
-  if (hu) r.warn("a " + read.format + " file cannot say that its values are HU: whoever gave it said so");
+  ImportFigures& f = result.figures;
+  f.modality = hu ? "CT" : "any";
+  f.format = read.format;
+  f.slices_count = static_cast<std::size_t>(lattice.size[2]);
+  f.size = lattice.size;
+  f.spacing_x_mm = lattice.spacing_mm.x;
+  f.spacing_y_mm = lattice.spacing_mm.y;
+  f.spacing_z_mm = lattice.spacing_mm.z;
+  f.padding_voxels_count = static_cast<std::int64_t>(counts.padding);
+  f.clamped_voxels_count = static_cast<std::int64_t>(counts.clamped);
+  f.hu_min = counts.min;
+  f.hu_max = counts.max;
+  f.sample_type = sample_type_of(read.volume);
+  for (const std::string& w : read.warnings) result.warnings.push_back({"volume_file", w, {}});
+  if (hu)
+    result.warnings.push_back({"hu_by_word",
+                               "a {format} file cannot say that its values are HU: whoever gave it said so",
+                               {{"format", read.format}}});
   result.volume = std::move(read.volume);
   say_otherwise(result, params);
   return result;
@@ -126,7 +130,7 @@ auto naming(const std::filesystem::path& path, const VolumeSource& volume, F&& f
     return std::forward<F>(f)();
   } catch (const Error& e) {
     if (!volume.unpacked) throw;
-    throw Error(e.code(), name_of_scan(path), e.field(), e.what());
+    throw Error(e).refiled(name_of_scan(path));
   }
 }
 

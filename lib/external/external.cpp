@@ -92,7 +92,7 @@ bool holds_version(const std::string& line, const std::string& version) {
 
 class Run {
  public:
-  Run(const ExternalParams& params, Report& report) : params_(params), report_(report) {
+  explicit Run(const ExternalParams& params) : params_(params) {
     if (params.program.empty()) usage("program", "is needed: the program that labels the scan");
     if (params.version.empty()) usage("version", "is needed: what the first line of its version must hold");
     const fs::path output = params.labels_file;
@@ -111,7 +111,7 @@ class Run {
 
   void check_version(const Progress& progress) {
     if (params_.version_arguments.empty()) {
-      report_.add("said_version", "is not asked");
+      made.result.said_version = "is not asked";
       return;
     }
     ConfinedRequest request = request_of(params_.version_arguments);
@@ -121,14 +121,14 @@ class Run {
     const std::string line = said.empty() ? "" : said.front();
     if (!holds_version(line, params_.version))
       usage("version", "the program says '" + line + "', which does not hold " + printable(params_.version));
-    report_.add("said_version", line);
+    made.result.said_version = line;
   }
 
   void label(const grid::HuVolume& volume, const Progress& progress) {
     std::error_code ignored;
     fs::create_directories((scratch_.folder() / params_.labels_file).parent_path(), ignored);
     write_file(scratch_.folder() / "input.nii.gz", grid::encode_nifti(volume, true));
-    report_.add("program_sha256", sha256_of_file(program_));
+    made.result.program_sha256 = sha256_of_file(program_);
     const ConfinedResult result = run_confined(request_of(params_.arguments), progress);
     require_good(result, "");
     for (const auto& [open, what] :
@@ -138,7 +138,9 @@ class Run {
           {result.attributes_open, "is kept from modes and times of files by a filter of system calls alone"},
           {result.processes_open, "may see the command lines of other processes"}}) {
       if (open.empty()) continue;
-      report_.warn(std::string("the program ") + what + ", the kernel allows no other (" + open + ")");
+      made.warnings.push_back({"not_confined",
+                               "the program {what}, the kernel allows no other ({open})",
+                               {{"what", what}, {"open", open}}});
     }
   }
 
@@ -166,6 +168,8 @@ class Run {
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(ExitCode::bad_input, "", "labels_file", printable(params_.labels_file) + " " + what);
   }
+
+  Outcome<grid::LabelFile, ExternalResult> made;
 
  private:
   std::string filled(const std::string& text) const {
@@ -241,7 +245,6 @@ class Run {
   }
 
   const ExternalParams& params_;
-  Report& report_;
   Scratch scratch_;
   std::string program_;
 };
@@ -296,7 +299,7 @@ void require_same_grid(const grid::Lattice& map, const grid::Lattice& volume) {
                 {"set `same_grid` to false, and it is resampled"});
 }
 
-void report_labels(const grid::LabelFile& map, Report& report) {
+void count_labels(const grid::LabelFile& map, ExternalResult& result) {
   std::set<int> values;
   std::size_t voxels = 0;
   std::visit(
@@ -312,32 +315,33 @@ void report_labels(const grid::LabelFile& map, Report& report) {
     throw refusal("labels_file", "holds no label: every voxel is 0",
                   {"look at what the program says of this series when it is run by hand, or paint the labels and bring "
                    "them back by the stage `labels`"});
-  report.add("labels_count", values.size());
-  report.add("labelled_ml", double(voxels) * map.lattice.voxel_volume_mm3() / 1000);
+  result.labels_count = values.size();
+  result.labelled_ml = double(voxels) * map.lattice.voxel_volume_mm3() / 1000;
 }
 
 }  // namespace
 
-grid::LabelFile run_external(const grid::HuVolume& volume, const ExternalParams& params, Report& report,
-                             const Progress& progress) {
-  Run run(params, report);
+Outcome<grid::LabelFile, ExternalResult> run_external(const grid::HuVolume& volume, const ExternalParams& params,
+                                                      const Progress& progress) {
+  Run run(params);
+  ExternalResult& result = run.made.result;
+  grid::LabelFile& map = run.made.value;
   run.check_version(progress.part(0, 0.05));
   run.label(volume, progress.part(0.05, 0.95));
   const std::string bytes = run.output();
-  report.add("output_sha256", sha256_of_bytes(bytes));
-  grid::LabelFile map;
+  result.output_sha256 = sha256_of_bytes(bytes);
   try {
     map = grid::decode_labels_bounded(bytes);
   } catch (const Error& e) {
     run.refuse("is no map of labels: " + (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }
-  report.add("output_format", map.format);
-  for (const std::string& w : map.warnings) report.warn(w);
+  result.output_format = map.format;
+  for (const std::string& w : map.warnings) run.made.warnings.push_back({"label_file", w, {}});
   map.warnings.clear();
   if (params.same_grid) require_same_grid(map.lattice, grid::lattice_of(volume));
   make_plain(map, params.names, run);
-  report_labels(map, report);
-  return map;
+  count_labels(map, result);
+  return std::move(run.made);
 }
 
 }  // namespace trephine::external

@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "grid/labels.h"
 
@@ -64,20 +64,38 @@ struct ExternalParams {
   }
 };
 
+/// What is printed of it, and what a case records of the program.
+struct ExternalResult {
+  std::string said_version;
+  std::string program_sha256;
+  std::string output_sha256;
+  std::string output_format;
+  std::size_t labels_count = 0;
+  double labelled_ml = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ExternalResult;
+    v.text(&P::said_version, "said_version", "First line of what the program says of its version.");
+    v.text(&P::program_sha256, "program_sha256", "SHA-256 of the program's file.");
+    v.text(&P::output_sha256, "output_sha256", "SHA-256 of what it wrote.");
+    v.text(&P::output_format, "output_format", "Format of that.");
+    v.integer(&P::labels_count, "labels_count", Range{}, "Labels.");
+    v.number(&P::labelled_ml, "labelled_ml", Range{}, "Volume with a label.");
+  }
+};
+
 /// Lets another program label the volume. It runs as run_confined says (external/confined.h), with an empty home and
 /// an empty folder of its own, which is removed afterwards. It gets the volume as NIfTI, HU, with nothing of the
 /// patient but the voxels. What it wrote is not trusted: no link out of the folder is followed, and the map is checked
 /// as decode_labels does.
 ///
-/// The result has one layer of uint8 or int16 with the declared names. Report: said_version (the first line),
-/// program_sha256 (of the program's file), output_sha256 (of the file's bytes), output_format, labels_count,
-/// labelled_ml. Warns where the program was not confined, and of what the file's reader warns.
+/// The map has one layer of uint8 or int16 with the declared names. Warns where the program was not confined, and of what the file's reader warns.
 ///
 /// Throws Error: 64 for parameters that make no sense, and where the program says another version; 66 where there is no
 /// such program; 70 where it exceeds a limit, is killed, or ends with another code than 0 (with the last line that it
 /// said), or is not confined and had to be; 65 where its output is missing or no map of labels; 80 where the map lies
 /// on another grid than the volume's (same_grid), or holds no label; 73, 74; Cancelled.
-grid::LabelFile run_external(const grid::HuVolume& volume, const ExternalParams& params, Report& report,
-                             const Progress& progress = {});
+Outcome<grid::LabelFile, ExternalResult> run_external(const grid::HuVolume& volume, const ExternalParams& params,
+                                                      const Progress& progress = {});
 
 }  // namespace trephine::external

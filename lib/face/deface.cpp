@@ -239,8 +239,9 @@ void check_landmark(const char* name, Vec3 p, const SkinDistance& skin, const gr
 
 }  // namespace
 
-grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const FaceRegion& region,
-                      const DefaceParams& params, Report& report, const Progress& progress) {
+Outcome<grid::HuVolume, DefaceResult> deface(const grid::HuVolume& volume, const grid::Field& skin,
+                                             const FaceRegion& region, const DefaceParams& params,
+                                             const Progress& progress) {
   const grid::Lattice& l = grid::lattice_of(volume);
   if (const auto* g = std::get_if<grid::Grid<float>>(&volume))
     for (const float v : g->voxels)
@@ -248,7 +249,6 @@ grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, con
   const grid::Box placed = grid::place_in(skin, l);
   mask::check_varies(volume);
   const Cut cut(region, params, l);
-  report.add("face_policy", params.policy == FaceRemoval::crop ? "crop" : "deface");
   grid::HuVolume out = volume;
   // The cut's own box, and around it what decides its shape.
   const grid::Box zone = box_of(region, l, cut.margin_mm() + cut.ramp_mm() + params.cover_mm);
@@ -269,11 +269,14 @@ grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, con
           [&](auto& g) { return remove(g, zone, known, distance, kept, cut, region, progress.part(0.6, 1)); }, out);
     }
   }
-  report.add("face_removed_ml", double(removed.body) * l.voxel_volume_mm3() / 1000);
-  report.add("face_removed_voxels_count", removed.changed);
-  report.add("face_depth_mm", std::isfinite(removed.min_depth_mm) ? removed.min_depth_mm : -1.0);
-  if (removed.body == 0) report.warn("no face in the volume: nothing was removed");
-  return out;
+  DefaceResult result;
+  result.policy = params.policy;
+  result.removed_ml = double(removed.body) * l.voxel_volume_mm3() / 1000;
+  result.removed_voxels_count = removed.changed;
+  if (std::isfinite(removed.min_depth_mm)) result.depth_mm = removed.min_depth_mm;
+  Warnings warnings;
+  if (removed.body == 0) warnings.push_back({"no_face", "no face in the volume: nothing was removed", {}});
+  return {std::move(out), result, std::move(warnings)};
 }
 
 }  // namespace trephine::face

@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 
@@ -91,21 +91,39 @@ struct DefaceParams : FaceBeliefParams {
   }
 };
 
+/// What is printed of it.
+struct DefaceResult {
+  FaceRemoval policy = FaceRemoval::deface;
+  double removed_ml = 0;  ///< of the body
+  std::size_t removed_voxels_count = 0;
+  double depth_mm = -1;  ///< the least depth under the skin, within the region, of what is left; -1: nothing is left
+  std::optional<std::int64_t> regions_count;
+  template <class V>
+  static void describe(V& v) {
+    using P = DefaceResult;
+    v.choice(&P::policy, "face_policy", {{"deface", FaceRemoval::deface}, {"crop", FaceRemoval::crop}},
+             "How the face was removed.");
+    v.number(&P::removed_ml, "face_removed_ml", Range{}, "What was removed of the body.");
+    v.integer(&P::removed_voxels_count, "face_removed_voxels_count", Range{}, "Voxels that were changed.");
+    v.number(&P::depth_mm, "face_depth_mm", Range{}, "Least depth under the skin of what is left; -1: nothing is.");
+    v.integer(&P::regions_count, "face_regions_count", "Regions of which the face is the union.");
+  }
+};
+
 /// Takes the face off a head, before anything is contoured: the result is the volume with air (removed_hu) in place of
 /// the face. In the region grown by `above_mm` and `behind_mm`, everything that lies outside the skin, or less than the
 /// depth under it, becomes air. What is left is rounded, ends in a ramp of a voxel and a half, so that a surface
 /// through it is smooth, and is covered by soft tissue. Everything else keeps its values to the last bit: cranium,
 /// brain, ears, and the field of an operation from `above_mm` over the nasion upwards.
 ///
-/// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. The report:
-/// face_policy, face_removed_ml (of the body), face_removed_voxels_count, face_depth_mm (the least depth under the
-/// skin, within the region, of what is left; -1 where nothing is left). Warns where the volume holds no face.
+/// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. Warns where the volume holds no face.
 ///
 /// The shape of the bones underneath stays, except where `crop` removes them, and so do ears, forehead and the back of
 /// the head. The result has the same bits whatever the thread count. Throws Error 65 where the skin is on another
 /// raster or a voxel is not finite; 81 where a landmark of the region lies in the volume but more than 25 mm off the
 /// skin (it cannot be right); Cancelled.
-grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const FaceRegion& region,
-                      const DefaceParams& params, Report& report, const Progress& progress = {});
+Outcome<grid::HuVolume, DefaceResult> deface(const grid::HuVolume& volume, const grid::Field& skin,
+                                             const FaceRegion& region, const DefaceParams& params,
+                                             const Progress& progress = {});
 
 }  // namespace trephine::face

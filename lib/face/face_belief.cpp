@@ -65,11 +65,6 @@ void unite(grid::Grid<T>& a, const grid::Grid<T>& b) {
     a.voxels[v] = a.voxels[v] == air || b.voxels[v] == air ? air : std::min(a.voxels[v], b.voxels[v]);
 }
 
-template <class T>
-T figure(const Report& report, const char* name) {
-  return std::get<T>(*report.find(name));
-}
-
 }  // namespace
 
 std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
@@ -121,30 +116,28 @@ void check_tragi(const FaceRegion& region, const grid::Field& skin) {
                     100 * *ratio, 100 * min_ratio));
 }
 
-grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const std::vector<FaceRegion>& regions,
-                      const DefaceParams& params, Report& report, const Progress& progress) {
-  grid::HuVolume out =
-      deface(volume, skin, regions.at(0), params, report, progress.part(0, 1.0 / double(regions.size())));
+Outcome<grid::HuVolume, DefaceResult> deface(const grid::HuVolume& volume, const grid::Field& skin,
+                                             const std::vector<FaceRegion>& regions, const DefaceParams& params,
+                                             const Progress& progress) {
+  const double share = 1.0 / double(regions.size());
+  auto out = deface(volume, skin, regions.at(0), params, progress.part(0, share));
   for (std::size_t r = 1; r < regions.size(); ++r) {
-    Report more;
-    const double share = 1.0 / double(regions.size());
-    const grid::HuVolume other =
-        deface(volume, skin, regions[r], params, more, progress.part(double(r) * share, double(r + 1) * share));
+    const auto other =
+        deface(volume, skin, regions[r], params, progress.part(double(r) * share, double(r + 1) * share));
     std::visit(
         [&](auto& g) {
           using G = std::decay_t<decltype(g)>;
-          unite(g, std::get<G>(other));
+          unite(g, std::get<G>(other.value));
         },
-        out);
-    for (auto& [name, value] : report.figures) {
-      if (name == "face_removed_ml") value = std::max(std::get<double>(value), figure<double>(more, name.c_str()));
-      if (name == "face_removed_voxels_count")
-        value = std::max(std::get<std::int64_t>(value), figure<std::int64_t>(more, name.c_str()));
-      if (const double depth = figure<double>(more, "face_depth_mm"); name == "face_depth_mm" && depth >= 0)
-        value = std::get<double>(value) < 0 ? depth : std::min(std::get<double>(value), depth);
-    }
+        out.value);
+    const DefaceResult& more = other.result;
+    out.result.removed_ml = std::max(out.result.removed_ml, more.removed_ml);
+    out.result.removed_voxels_count = std::max(out.result.removed_voxels_count, more.removed_voxels_count);
+    if (more.depth_mm >= 0)
+      out.result.depth_mm =
+          out.result.depth_mm < 0 ? more.depth_mm : std::min(out.result.depth_mm, more.depth_mm);
   }
-  report.add("face_regions_count", regions.size());
+  out.result.regions_count = static_cast<std::int64_t>(regions.size());
   return out;
 }
 

@@ -33,9 +33,10 @@ std::optional<double> tragi_position_ratio(const FaceRegion& region, const grid:
 /// Throws Error 81 where the tragi lie too far to the front: a face in front of them would be published.
 void check_tragi(const FaceRegion& region, const grid::Field& skin);
 
-/// deface for each region, and the union of what was removed. The report is that of deface (of what was removed, the
-/// larger of the two; of depths, the least), and face_regions_count.
-grid::HuVolume deface(const grid::HuVolume& volume, const grid::Field& skin, const std::vector<FaceRegion>& regions,
-                      const DefaceParams& params, Report& report, const Progress& progress = {});
+/// deface for each region, and the union of what was removed. Of what was removed the result has the larger of the two,
+/// of depths the least.
+Outcome<grid::HuVolume, DefaceResult> deface(const grid::HuVolume& volume, const grid::Field& skin,
+                                             const std::vector<FaceRegion>& regions, const DefaceParams& params,
+                                             const Progress& progress = {});
 
 }  // namespace trephine::face

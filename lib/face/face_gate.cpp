@@ -165,15 +165,9 @@ std::vector<FaceDistance> face_distances(const grid::Field& original_skin, const
   return out;
 }
 
-void check_face_removed(const grid::Field& original_skin, const FaceRegion& region,
-                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
-                        Report& report, const Progress& progress) {
-  check_face_removed(original_skin, std::vector<FaceRegion>{region}, surfaces, volumes, report, progress);
-}
-
-void check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
-                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
-                        Report& report, const Progress& progress) {
+FaceGateResult check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
+                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                                  const Progress& progress) {
   FaceDistance least{"", face_search_mm};
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double share = 1.0 / double(regions.size());
@@ -181,7 +175,6 @@ void check_face_removed(const grid::Field& original_skin, const std::vector<Face
     for (const FaceDistance& d : face_distances(original_skin, regions[r], surfaces, volumes, part))
       if (d.distance_mm < least.distance_mm) least = d;
   }
-  report.add("face_distance_mm", least.distance_mm);
   if (least.distance_mm < face_clearance_mm)
     throw Error(
         ExitCode::privacy, "", least.name,
@@ -189,6 +182,7 @@ void check_face_removed(const grid::Field& original_skin, const std::vector<Face
             " mm from the skin that was scanned, must be at least " + to_text(ParameterValue(face_clearance_mm)) +
             " mm; the scene's face policy can be deface, crop, or keep with a reason; where it is deface already, "
             "a larger deface.side_depth_mm or a finer haptic.spacing_mm helps");
+  return {least.distance_mm};
 }
 
 }  // namespace trephine::face

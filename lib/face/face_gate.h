@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "face/deface.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
@@ -46,14 +46,18 @@ std::vector<FaceDistance> face_distances(const grid::Field& original_skin, const
                                          const std::vector<FaceSurface>& surfaces,
                                          const std::vector<FaceVolume>& volumes, const Progress& progress = {});
 
-/// The privacy gate. Throws Error 81, naming the nearest object and its distance, where that is below
-/// face_clearance_mm. The report: face_distance_mm, the least distance of all (at most face_search_mm).
-void check_face_removed(const grid::Field& original_skin, const FaceRegion& region,
-                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
-                        Report& report, const Progress& progress = {});
-/// The same for a face that is the union of several regions (face_regions).
-void check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
-                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
-                        Report& report, const Progress& progress = {});
+struct FaceGateResult {
+  double face_distance_mm = 0;  ///< the least distance of all, at most face_search_mm
+  template <class V>
+  static void describe(V& v) {
+    v.number(&FaceGateResult::face_distance_mm, "face_distance_mm", Range{}, "How near what is shown comes to the face.");
+  }
+};
+
+/// The privacy gate of a face that is the union of these regions (face_regions). Throws Error 81, naming the nearest
+/// object and its distance, where that is below face_clearance_mm.
+FaceGateResult check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
+                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                                  const Progress& progress = {});
 
 }  // namespace trephine::face

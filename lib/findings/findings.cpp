@@ -22,9 +22,8 @@ constexpr double of_parts = 0.42;         ///< most confidence of a shift that i
 std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& p, const Progress& progress) {
   std::vector<Seen> all;
   if (!shapes.ventricles) return all;
-  Report ignored;
   const head::HeadFields fields{nullptr, shapes.skull, shapes.brain, shapes.ventricles, nullptr};
-  const head::HeadFigures f = head::measure_head(fields, shapes.landmarks, {}, ignored, progress);
+  const head::HeadFigures f = head::measure_head(fields, shapes.landmarks, {}, progress).result;
   // Horns of 15 mm have three slices of 5 mm, and where the septum lies is known no better.
   const Vec3 spacing = shapes.ventricles->spacing_mm;
   const double slices = mask::ramp(std::max({spacing.x, spacing.y, spacing.z}), 12, 3);
@@ -32,13 +31,13 @@ std::vector<Seen> of_figures(const FindingShapes& shapes, const FindingsParams& 
   if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) >= p.min_shift_mm) {
     Seen s;
     s.finding.kind = FindingKind::shift;
-    s.finding.where = std::string("of the ") + f.midline_of;
+    s.finding.where = "of the " + f.midline_of;
     s.finding.position_mm = f.midline_place_mm;
     s.finding.confidence =
         0.9 * plane * slices * mask::ramp(std::abs(*f.midline_shift_mm), 0.5 * p.min_shift_mm, 1.7 * p.min_shift_mm);
     // Ventricles that cannot be whole: what is taken for the third one may be a piece of another. Two horns that face
     // each other across the septum are seen as they are.
-    if (f.head_class == head::HeadClass::uncertain && f.midline_of != std::string("septum"))
+    if (f.head_class == head::HeadClass::uncertain && f.midline_of != "septum")
       s.finding.confidence = std::min(s.finding.confidence, of_parts);
     s.finding.figures = {{"shift_mm", std::abs(*f.midline_shift_mm)}};
     s.finding.text = fmt::format("the midline is shifted by {:.1f} mm to the {} ({})", std::abs(*f.midline_shift_mm),
@@ -71,23 +70,6 @@ std::string joined(const std::vector<std::string>& words, const char* between) {
   return all;
 }
 
-void report_one(const Finding& f, std::size_t number, Report& report) {
-  const std::string n = std::to_string(number) + ".";
-  report.add(n + "kind", std::string(to_text(f.kind)));
-  report.add(n + "where", f.where);
-  report.add(n + "side", f.side);
-  report.figures.emplace_back(n + "position_mm",
-                              std::vector<double>{f.position_mm.x, f.position_mm.y, f.position_mm.z});
-  report.add(n + "confidence", f.confidence);
-  report.add(n + "concerns", joined(f.concerns, " "));
-  report.add(n + "text", f.text);
-  for (const auto& [name, value] : f.figures)
-    if (name.size() > 6 && name.compare(name.size() - 6, 6, "_count") == 0)
-      report.add(n + name, std::int64_t(value));
-    else
-      report.add(n + name, value);
-}
-
 // "43 ml ... lie beside the brain, left (brain may be wrong because of it)"
 std::string text_with_place(const Finding& f) {
   const std::string concerned = joined(f.concerns, " and ");
@@ -96,15 +78,17 @@ std::string text_with_place(const Finding& f) {
 }
 
 // Many doubtful places are streaks or sinuses: one line for all of them, so that what is sure is not lost among them.
-void warn_of_doubtful(const std::vector<Finding>& all, Report& report) {
+void warn_of_doubtful(const std::vector<Finding>& all, Warnings& warnings) {
   std::map<std::string, int> count;
   for (const Finding& f : all)
     if (f.confidence < sure_confidence) ++count[to_text(f.kind)];
   std::vector<std::string> kinds;
   for (const auto& [kind, n] : count) kinds.push_back(std::to_string(n) + " of " + kind);
   if (!kinds.empty())
-    report.warn("doubtful, and perhaps something usual such as streaks or a sinus: " + joined(kinds, ", ") +
-                "; the report says where each is");
+    warnings.push_back({"doubtful_findings",
+                        "doubtful, and perhaps something usual such as streaks or a sinus: {kinds}; the report says "
+                        "where each is",
+                        {{"kinds", joined(kinds, ", ")}}});
 }
 
 }  // namespace
@@ -138,7 +122,7 @@ bool is_seen_in_bone(const std::string& kind) {
 }
 
 Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
-                       Report& report, const Progress& progress) {
+                       const Progress& progress) {
   const grid::Lattice& l = grid::lattice_of(volume);
   const auto check = [&](const grid::Field* f, const char* name, bool required) {
     if (required && !f) throw Error(ExitCode::usage, "", name, "is needed");
@@ -149,9 +133,10 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   check(shapes.ventricles, "ventricles", false);
   mask::check_finite(volume);
   const Inside in = inside_of(volume, shapes, progress.part(0, 0.5));
-  report.add("template_sure", in.place.sure ? "yes" : "no");
-  report.add("tissue_noise_hu", in.noise_hu);
-  report.add("contrast_ml", in.contrast_ml);
+  Findings out;
+  out.result.template_sure = in.place.sure;
+  out.result.tissue_noise_hu = in.noise_hu;
+  out.result.contrast_ml = in.contrast_ml;
   std::vector<Seen> implants = metal(in, volume, *shapes.skull, params, progress.part(0.5, 0.52));
   for (Seen& s : tubes(in, volume, *shapes.skull, params, progress.part(0.52, 0.55))) implants.push_back(std::move(s));
   std::vector<Seen> all = dense_tissue(in, implants, params, progress.part(0.55, 0.6));
@@ -167,28 +152,31 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   // noise that hides all tissue.
   if (!in.noise_known) {
     const bool bone_is_seen = shapes.voxel_noise_hu > 0 && shapes.voxel_noise_hu < max_bone_noise_hu;
-    report.warn(std::string("the noise of the brain's tissue cannot be measured: all but metal") +
-                (bone_is_seen ? " and gaps of the bone" : "") + " is doubtful");
+    out.warnings.push_back({"tissue_noise_unknown",
+                            std::string("the noise of the brain's tissue cannot be measured: all but metal") +
+                                (bone_is_seen ? " and gaps of the bone" : "") + " is doubtful",
+                            {}});
     for (Seen& s : all)
       if (s.finding.kind != FindingKind::metal && !(bone_is_seen && s.finding.kind == FindingKind::bone_gap))
         s.finding.confidence = std::min(s.finding.confidence, 0.9 * sure_confidence);
   }
   if (in.contrast_ml > vessels_ml)
-    report.warn(
-        fmt::format("{} inside the skull are as bright as vessels with contrast medium, whatever the scan's tags "
-                    "say: dense tissue and tubes are doubtful",
-                    ml_text(in.contrast_ml)));
+    out.warnings.push_back({"contrast_medium",
+                            "{volume} inside the skull are as bright as vessels with contrast medium, whatever the "
+                            "scan's tags say: dense tissue and tubes are doubtful",
+                            {{"volume", ml_text(in.contrast_ml)}, {"contrast_ml", in.contrast_ml}}});
 
-  Findings out;
   grid::Mask labels(in.cells());
   const Vec3 middle = in.envelope.centre_mm();
+  std::vector<Finding>& list = out.result.list;
   for (Seen& s : all) {
-    if (out.list.size() == 200) break;
+    if (list.size() == 200) break;
     s.finding.side = side_of(s.finding.position_mm, shapes.landmarks, middle);
-    out.list.push_back(s.finding);
-    const int value = int(out.list.size());
-    report_one(out.list.back(), out.list.size(), report);
-    if (s.finding.confidence >= sure_confidence) report.warn("to be looked at: " + text_with_place(s.finding));
+    list.push_back(s.finding);
+    const int value = int(list.size());
+    if (s.finding.confidence >= sure_confidence)
+      out.warnings.push_back({to_text(s.finding.kind), "to be looked at: {finding}",
+                              {{"finding", text_with_place(s.finding)}, {"number", std::int64_t{value}}}});
     if (s.cells.lattice().count() == 0) continue;
     for (int k = 0; k < labels.size[2]; ++k)
       for (int j = 0; j < labels.size[1]; ++j)
@@ -199,13 +187,13 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     segment.id = "finding_" + std::to_string(value);
     segment.name = std::string(to_text(s.finding.kind)) + " " + std::to_string(value);
     segment.value = value;
-    out.labels.segments.push_back(segment);
+    out.value.segments.push_back(segment);
   }
-  warn_of_doubtful(out.list, report);
-  report.add("findings_count", std::int64_t(out.list.size()));
-  out.labels.lattice = labels;
-  out.labels.samples = std::move(labels);
-  out.labels.format = "seg.nrrd";
+  warn_of_doubtful(list, out.warnings);
+  out.result.findings_count = list.size();
+  out.value.lattice = labels;
+  out.value.samples = std::move(labels);
+  out.value.format = "seg.nrrd";
   progress.report(1);
   return out;
 }

@@ -7,7 +7,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "grid/labels.h"
 #include "head/head_landmarks.h"
@@ -62,9 +62,29 @@ struct Finding {
   std::string side;       ///< left, right or middle; of the patient
   Vec3 position_mm;       ///< its middle, LPS
   double confidence = 0;  ///< 0 to 1; sure from sure_confidence on
-  std::vector<std::pair<std::string, double>> figures;  ///< volume_ml, longest_mm, mean_hu, area_cm2, shift_mm, ...
-  std::vector<std::string> concerns;                    ///< brain, ventricles, skull: what may be wrong because of it
-  std::string text;                                     ///< a whole sentence
+  std::vector<std::string> concerns;  ///< brain, ventricles, skull: what may be wrong because of it
+  std::string text;                   ///< a whole sentence
+  Named<ParameterValue> figures;      ///< volume_ml, longest_mm, mean_hu, area_cm2, shift_mm, ...
+  template <class V>
+  static void describe(V& v) {
+    using P = Finding;
+    v.choice(&P::kind, "kind",
+             {{"dense_tissue", FindingKind::dense},
+              {"dark_tissue", FindingKind::dark},
+              {"midline_shift", FindingKind::shift},
+              {"wide_ventricles", FindingKind::wide_ventricles},
+              {"bone_gap", FindingKind::bone_gap},
+              {"metal", FindingKind::metal},
+              {"tube", FindingKind::tube}},
+             "What it is.");
+    v.text(&P::where, "where", "Where it lies, in words.");
+    v.text(&P::side, "side", "The patient's side.");
+    v.numbers(&P::position_mm, "position_mm", Range{}, "Its middle, LPS.");
+    v.number(&P::confidence, "confidence", Range{}, "How sure it is that it is nothing usual.");
+    v.words(&P::concerns, "concerns", "The anatomies that may be wrong because of it.");
+    v.text(&P::text, "text", "A sentence that says it.");
+    v.map(&P::figures, "figures", "What was measured.").items_alone();
+  }
 };
 
 /// The shapes of the head, on the scan's raster.
@@ -77,10 +97,26 @@ struct FindingShapes {
   double voxel_noise_hu = 0;              ///< of the scan, as measure_scan has it; 0: not known
 };
 
-struct Findings {
-  std::vector<Finding> list;  ///< the largest of each kind first, kinds in their order
-  grid::LabelFile labels;  ///< voxels of about 1.5 mm: n in the voxels of list[n - 1]; shift, width and gap have none
+/// The stage's result.
+struct FindingsResult {
+  bool template_sure = false;  ///< the place of the template, by which sinuses are told
+  double tissue_noise_hu = 0;  ///< of the brain's tissue, smoothed
+  double contrast_ml = 0;      ///< what is as bright as vessels with contrast medium
+  std::vector<Finding> list;   ///< the largest of each kind first, kinds in their order
+  std::size_t findings_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = FindingsResult;
+    v.choice(&P::template_sure, "template_sure", {{"no", false}, {"yes", true}}, "Whether the template lies surely.");
+    v.number(&P::tissue_noise_hu, "tissue_noise_hu", Range{}, "Noise of the brain's tissue, smoothed.");
+    v.number(&P::contrast_ml, "contrast_ml", Range{}, "What is as bright as vessels with contrast medium.");
+    v.list(&P::list, "list", "What to look at.").items_alone();
+    v.integer(&P::findings_count, "findings_count", Range{}, "How many there are.");
+  }
 };
+
+/// Voxels of about 1.5 mm: n in the voxels of list[n - 1]; shift, width and gap have none.
+using Findings = Outcome<grid::LabelFile, FindingsResult>;
 
 /// Looks for what speaks against a usual head:
 /// - dense: tissue inside the skull, not thinner than 3 mm, that is as dense as fresh blood (the brain's tissue
@@ -100,11 +136,9 @@ struct Findings {
 ///   densest bone (1.3 times; 1.7 times at the petrous bones) are one doubtful finding of their own.
 /// - tube: straight, thin and long, in the brain; doubtful where it keeps to a few slices, as streaks of metal do.
 ///
-/// Adds findings_count and, for each, "N.kind", "N.where", "N.side", "N.position_mm", "N.confidence", "N.concerns"
-/// (separated by blanks), "N.text" and its figures to the report; as a warning the text of each that is sure, and how
-/// many of each kind are doubtful. The same bits whatever the thread count. Throws Error 64 without skull or brain, 65
+/// Warns of each that is sure, and of how many of each kind are doubtful. The same bits whatever the thread count. Throws Error 64 without skull or brain, 65
 /// where a field is on another raster, 80 where the brain is empty; Cancelled.
 Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
-                       Report& report, const Progress& progress = {});
+                       const Progress& progress = {});
 
 }  // namespace trephine::findings

@@ -24,9 +24,8 @@ constexpr double noise_depth_mm = 6;  ///< below the edge of tissue, where tissu
 const char* const remedy = "take a series that shows the brain, or give another field of it";
 
 mask::BitMask cavity_of(const mask::BitMask& bone, const Progress& progress) {
-  Report ignored;
   try {
-    return head::cranial_cavity(bone, ignored, progress);
+    return head::cranial_cavity(bone, progress).value;
   } catch (const Error& e) {  // an open skull encloses nothing: the brain's envelope is all there is
     if (e.code() != ExitCode::quality) throw;
     return mask::BitMask(bone.lattice());
@@ -73,7 +72,6 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   known.remove(mask::dilated(in.skull, bone_blur_mm, progress));
   known.remove(mask::dilated(in.dense, dense_blur_mm, progress));
   in.tissue = mask::coarse_mean(hu, soft, in.raster, -1000);
-  Report ignored;
   mask::BitMask of_brain = known;
   of_brain &= in.envelope;
   if (!of_brain.any()) throw refusal("brain", "has no soft tissue", {remedy});

@@ -76,7 +76,7 @@ Seen told(const Pieces& p, bool sure, Vec3 at_mm) {
   s.finding.confidence = 0.9 * mask::ramp(1000 * p.ml, 0.5 * min_metal_mm3, 3 * min_metal_mm3);
   if (!sure) s.finding.confidence = std::min(s.finding.confidence, doubtful);
   s.finding.figures = {
-      {"volume_ml", p.ml}, {"pieces_count", double(p.count)}, {"mean_hu", p.sum_hu / double(p.voxels)}};
+      {"volume_ml", p.ml}, {"pieces_count", std::int64_t{p.count}}, {"mean_hu", p.sum_hu / double(p.voxels)}};
   s.finding.text =
       fmt::format("{} piece{} {} above the base of the skull, {}", p.count, p.count == 1 ? "" : "s",
                   sure ? "of metal" : "as dense as metal, or as the densest bone of this scan,", ml_text(p.ml));

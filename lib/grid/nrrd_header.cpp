@@ -269,7 +269,9 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
     return found->second;
   };
   for (const char* name : {"data file", "datafile"})
-    if (fields.count(name)) refuse("data file", "a detached header: convert it to one file with the data in it");
+    if (fields.count(name))
+      throw Error(ExitCode::bad_input, "", "data file", "a detached header: convert it to one file with the data in it")
+          .because(Cause::other_encoding);
   for (const char* name : {"line skip", "lineskip", "byte skip", "byteskip"})
     if (fields.count(name) && fields[name] != "0") refuse(name, "must be 0");
 
@@ -284,7 +286,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   if (encoding == "gzip" || encoding == "gz")
     h.gzip = true;
   else if (encoding != "raw")
-    refuse("encoding", "'" + encoding + "', must be raw or gzip");
+    throw Error(ExitCode::bad_input, "", "encoding", "'" + encoding + "', must be raw or gzip")
+        .because(Cause::other_encoding);
   if (bytes_of(h.type) > 1) {
     const std::string endian = lower(get("endian"));
     if (endian != "little" && endian != "big") refuse("endian", "'" + endian + "', must be little or big");

@@ -154,7 +154,8 @@ Grid<T> resampled_grid(const Grid<T>& in, const std::array<double, 3>& step_mm, 
 template Grid<std::int16_t> resampled_grid(const Grid<std::int16_t>&, const std::array<double, 3>&, const Progress&);
 template Grid<float> resampled_grid(const Grid<float>&, const std::array<double, 3>&, const Progress&);
 
-HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress) {
+Outcome<HuVolume, ResampleResult> resample(const HuVolume& volume, const ResampleParams& params,
+                                           const Progress& progress) {
   const Lattice& old = lattice_of(volume);
   std::array<double, 3> step_mm{};
   double voxels = 1;
@@ -175,14 +176,11 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
   require_memory(static_cast<std::uint64_t>(voxels) * voxel_bytes, "a volume of this `spacing_mm`");
   HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled_grid(g, step_mm, progress)); }, volume);
   const Lattice& made = lattice_of(out);
-  report.figures.emplace_back("spacing_mm", std::vector<double>{step_mm[0], step_mm[1], step_mm[2]});
-  double coarser = 0;
-  for (int a = 0; a < 3; ++a) coarser = std::max(coarser, step_mm[a] / old.spacing_mm[a]);
-  report.add("coarsest_ratio", coarser);
-  report.add("voxels_count", made.count());
-  report.add("voxels_ratio", old.count() ? double(made.count()) / double(old.count()) : 1.0);
+  ResampleResult result{step_mm, 0, made.count(), 1};
+  for (int a = 0; a < 3; ++a) result.coarsest_ratio = std::max(result.coarsest_ratio, step_mm[a] / old.spacing_mm[a]);
+  if (old.count()) result.voxels_ratio = double(made.count()) / double(old.count());
   progress.report(1);
-  return out;
+  return {std::move(out), result, {}};
 }
 
 }  // namespace trephine::grid

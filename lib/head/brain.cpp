@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/brain.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.h"
@@ -11,13 +9,11 @@
 #include "head/brain_pits.h"
 #include "head/cranium.h"
 #include "head/deep_csf.h"
-#include "head/soft_tissue.h"
 #include "mask/along_sheets.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "place/lungs.h"
-#include "segmentation/finish.h"
 
 namespace trephine::head {
 namespace {
@@ -59,7 +55,7 @@ struct Tissue {
 };
 
 Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::CoarseRaster& raster, mask::BitMask known,
-                 const BrainParams& p, Report& report, const Progress& progress) {
+                 const BrainParams& p, BrainResult& result, const Progress& progress) {
   known &= mask::make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
     const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
     for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
@@ -68,14 +64,16 @@ Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::Coars
   known = mask::coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0)
     v = mask::masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
-  if (p.edge == segmentation::SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
+  if (p.edge == segmentation::SegmentEdge::half_maximum) result.level = level_tissue(v, known, progress);
   // More noise is averaged over wider planes.
   const double noise = tissue_noise(v, known, progress);
   check_noise(noise, v, p.smoothing_sigma_mm);
   Tissue t{v, {}, known, noise};
   const double wide_mm = std::min(max_sheet_mm, sheet_mm_per_noise * noise);
   if (wide_mm >= min_sheet_mm) v = mask::averaged_along_sheets(v, known, wide_mm, progress);
-  t.soft = soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
+  SoftTissue soft = soft_tissue(std::move(v), known, strength_ratio, -1000, progress);
+  t.soft = std::move(soft.image);
+  result.tissue_noise_hu_mm1_5 = soft.noise_hu_mm1_5;
   return t;
 }
 
@@ -140,15 +138,19 @@ grid::Field kept_within(grid::Field field, const mask::BitMask& allowed) {
   return field;
 }
 
-grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const BrainParams& p, Report& report,
-                     const Progress& progress) {
+Outcome<grid::Field, BrainResult> brain_in(const mask::HuView& hu, const BrainMasks& masks, const BrainParams& p,
+                                           const Progress& progress) {
+  BrainResult result;
   mask::BitMask bone = masks.skull ? mask::positive(*masks.skull, hu.lattice()) : bone_of(hu);
   // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are not brain either.
   const mask::Components bright = mask::components(mask::make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
   }));
   bone |= mask::select(bright, mask::touching(bright, bone));
-  mask::BitMask cavity = cranial_cavity(bone, report, progress);
+  auto found = cranial_cavity(bone, progress);
+  Warnings warnings = std::move(found.warnings);
+  result.cranial_cavity_ml = found.result.cranial_cavity_ml;
+  mask::BitMask cavity = std::move(found.value);
   place::require_no_lungs(cavity, hu);
   const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   progress.report(0.3);
@@ -164,7 +166,7 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   const mask::CoarseRaster raster = mask::coarse_raster(cavity.lattice(), cell_mm, true);
   mask::BitMask known = cavity;
   known.remove(mask::dilated(bone, bone_blur_mm, progress));
-  const Tissue scanned = tissue_of(hu, box, raster, std::move(known), p, report, progress);
+  const Tissue scanned = tissue_of(hu, box, raster, std::move(known), p, result, progress);
   grid::Field soft = scanned.soft;
   progress.report(0.6);
   mask::BitMask allowed = cavity;
@@ -185,25 +187,27 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
       mask::dilated(mask::largest(mask::components(mask::eroded(tissue, open_mm, progress))), open_mm + 1, progress);
   shape &= tissue;
   progress.report(0.7);
-  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count());
   shape = mask::closed(shape, p.close_mm, progress);
   shape &= cavity;
   mask::BitMask filled = mask::holes(shape, {p.fill_close_mm, p.fill_max_ml, true}, progress);
   filled &= cavity;
   shape |= filled;
-  report.add("filled_ml", double(filled.count()) * soft.voxel_volume_mm3() / 1000);
+  result.filled_ml = double(filled.count()) * soft.voxel_volume_mm3() / 1000;
   shape = mask::largest(mask::components(shape));
-  report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
+  result.envelope_ml = double(shape.count()) * soft.voxel_volume_mm3() / 1000;
   if (const double share = double(shape.count()) / double(cavity.count()); share < min_filled_share)
-    report.warn(fmt::format(
-        "only {:.0f} % of the space that bone encloses was taken for brain with its sulci (90 % and more in "
-        "heads): look in the pictures whether a part of the brain is missing",
-        100 * share));
+    warnings.push_back({"cavity_not_filled",
+                        "only {filled_percent:.0f} % of the space that bone encloses was taken for brain with its "
+                        "sulci (90 % and more in heads): look in the pictures whether a part of the brain is missing",
+                        {{"filled_percent", 100 * share}}});
 
   // Sulci, fissures and cisterns are the CSF that is reached from outside without passing through the ventricles.
   const mask::BitMask wide = wide_csf(soft, shape, csf_hu, ventricle_hu, progress);
   const place::HeadPlace place = place::place_head(shape, &wide, hu.lattice(), progress);
-  place::report_place(place, report);
+  result.place = figures_of(place);
+  const Warnings of_place = warnings_of(place);
+  warnings.insert(warnings.end(), of_place.begin(), of_place.end());
   // The brain ends at the foramen magnum.
   if (place.sure)
     shape &= mask::make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
@@ -242,10 +246,10 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   mask::BitMask cut = mask::grown_within(reached(outside, dark), deeper, sharpened_mm, progress);
   cut &= shape;
   const mask::BitMask tissue_cut = dark_tissue(cut, shape, soft, progress);
-  report.add("dark_tissue_ml", double(tissue_cut.count()) * soft.voxel_volume_mm3() / 1000);
+  result.dark_tissue_ml = double(tissue_cut.count()) * soft.voxel_volume_mm3() / 1000;
   cut.remove(tissue_cut);
   const mask::BitMask pits = noise_pits(cut, shape, scanned.level, scanned.known, scanned.noise, progress);
-  report.add("noise_pits_ml", double(pits.count()) * soft.voxel_volume_mm3() / 1000);
+  result.noise_pits_ml = double(pits.count()) * soft.voxel_volume_mm3() / 1000;
   shape.remove(cut.remove(pits));
   mask::BitMask solid =
       mask::dilated(mask::largest(mask::components(mask::eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
@@ -254,9 +258,9 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
   progress.report(0.8);
   soft = sharp;
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
-  report.add("cut_voxels_count", mask::place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
+  result.cut_voxels_count = mask::place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress);
   grid::Field field = mask::refined(soft, raster);
-  return kept_within(std::move(field), allowed);
+  return {kept_within(std::move(field), allowed), std::move(result), std::move(warnings)};
 }
 
 }  // namespace
@@ -264,17 +268,17 @@ grid::Field brain_in(const mask::HuView& hu, const BrainMasks& masks, const Brai
 
 namespace trephine::head {
 
-grid::Field find_brain(const grid::HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
-                       const Progress& progress) {
+Outcome<grid::Field, BrainResult> find_brain(const grid::HuVolume& volume, const BrainMasks& masks,
+                                             const BrainParams& params, const Progress& progress) {
   segmentation::check_thresholds(params.lower_hu, params.upper_hu);
-  return segmentation::found_and_finished(
+  return segmentation::finished<BrainResult>(
       volume, {params.grow_mm, 1},
       [&](const mask::HuView& hu) {
         mask::check_varies(volume);
         if (params.smoothing_sigma_mm == 0) check_scan_noise(volume, masks.scan_figures, progress);
-        return brain_in(hu, masks, params, report, progress);
+        return brain_in(hu, masks, params, progress);
       },
-      report, progress);
+      progress);
 }
 
 }  // namespace trephine::head

@@ -2,8 +2,11 @@
 #pragma once
 #include <functional>
 
+#include "head/soft_tissue.h"
 #include "head/tissue_params.h"
 #include "mask/scan_figures.h"
+#include "place/place_head.h"
+#include "segmentation/finish.h"
 
 namespace trephine::head {
 
@@ -45,6 +48,31 @@ struct BrainMasks {
   std::function<mask::ScanFigures(const Progress& progress)> scan_figures;
 };
 
+struct BrainResult {
+  double cranial_cavity_ml = 0;
+  std::optional<TissueLevel> level;  ///< with edge half_maximum
+  double tissue_noise_hu_mm1_5 = 0;
+  double filled_ml = 0, envelope_ml = 0;
+  place::PlaceFigures place;
+  double dark_tissue_ml = 0, noise_pits_ml = 0;
+  std::size_t cut_voxels_count = 0;  ///< where the mask ends inside tissue
+  segmentation::FinishResult finished;
+  template <class V>
+  static void describe(V& v) {
+    using P = BrainResult;
+    v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", Range{}, "Volume of the cranial cavity.");
+    v.all_of(&P::level);
+    v.number(&P::tissue_noise_hu_mm1_5, "tissue_noise_hu_mm1_5", Range{}, "Noise of the brain's tissue.");
+    v.number(&P::filled_ml, "filled_ml", Range{}, "Cavities in the envelope that were filled.");
+    v.number(&P::envelope_ml, "envelope_ml", Range{}, "The brain with its sulci.");
+    v.all_of(&P::place);
+    v.number(&P::dark_tissue_ml, "dark_tissue_ml", Range{}, "Dark tissue that was left in place.");
+    v.number(&P::noise_pits_ml, "noise_pits_ml", Range{}, "Pits of noise that were left in place.");
+    v.integer(&P::cut_voxels_count, "cut_voxels_count", Range{}, "Voxels where the mask ends inside tissue.");
+    v.all_of(&P::finished);
+  }
+};
+
 /// The brain's outer surface with sulci, fissures and cisterns, as a field like that of segment().
 ///
 /// The space in the skull is found on a 2 mm raster by a seeded watershed on the distance to bone, so that every
@@ -55,18 +83,18 @@ struct BrainMasks {
 /// narrower than 4 mm, and so do wide dark places that are not as dark as CSF (oedema, old infarcts).
 ///
 /// A sulcus is cut only where the scan shows one beyond its noise, locally where streaks make that stronger
-/// (brain_pits.h; "noise_pits_ml" is what was left in place). The ventricles are told from cisterns and fissures by
+/// (brain_pits.h). The ventricles are told from cisterns and fissures by
 /// their place in a template that is registered to the envelope (place/place_head.h), and the brain ends at that
-/// template's foramen magnum. Where the template is not sure to fit, the report warns, the head must not be tilted by
+/// template's foramen magnum. Where the template is not sure to fit, a warning says so, the head must not be tilted by
 /// more than about 15 degrees, and the brain ends where the spinal canal begins to be narrow.
 ///
 /// This is a first automatic estimate; strong cupping misleads it, and brain that bulges out of a skull with a large
-/// defect is cut off. The report says what was found ("volume_ml", ...) and warns where that is implausible, as where
-/// the envelope fills less than 85 % of the space that bone encloses.
+/// defect is cut off. Warns where what was found is implausible, as where the envelope fills less than 85 % of the
+/// space that bone encloses.
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 80 also where all voxels have one
 /// value, or no space enclosed by bone is found.
-grid::Field find_brain(const grid::HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
-                       const Progress& progress = {});
+Outcome<grid::Field, BrainResult> find_brain(const grid::HuVolume& volume, const BrainMasks& masks,
+                                             const BrainParams& params, const Progress& progress = {});
 
 }  // namespace trephine::head

@@ -111,7 +111,7 @@ mask::BitMask bone_of(const mask::HuView& hu) {
   return mask::select(pieces, keep);
 }
 
-mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Progress& progress) {
+Outcome<mask::BitMask, CavityResult> cranial_cavity(const mask::BitMask& bone, const Progress& progress) {
   const mask::CoarseRaster c = mask::coarse_raster(bone.lattice(), coarse_mm);
   const mask::BitMask walls = mask::coarse_mask(bone, c, 0);
   const grid::Grid<float> to_bone = mask::distance_mm(walls, progress);
@@ -141,9 +141,11 @@ mask::BitMask cranial_cavity(const mask::BitMask& bone, Report& report, const Pr
   core = mask::dilated(core, 2 * opening_mm, progress);
   cavity &= core;
   const double ml = double(cavity.count()) * bone.lattice().voxel_volume_mm3() / 1000;
-  report.add("cranial_cavity_ml", ml);
-  if (ml < 700 || ml > 2200) report.warn("the cranial cavity found is not of the size of a whole adult one");
-  return cavity;
+  Warnings warnings;
+  if (ml < 700 || ml > 2200)
+    warnings.push_back(
+        {"unusual_cranial_cavity", "the cranial cavity found is not of the size of a whole adult one", {}});
+  return {std::move(cavity), {ml}, std::move(warnings)};
 }
 
 }  // namespace trephine::head

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/head_doubts.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -77,98 +75,116 @@ int pieces_of(const grid::Field& f) {
 
 }  // namespace
 
-std::vector<std::string> ventricle_doubts(const grid::Field& ventricles, const VentricleAxes& axes,
-                                          const HeadLandmarks* landmarks, const HeadFigures& figures,
-                                          const HeadClassParams& params, Report& report, bool& horns_whole) {
-  std::vector<std::string> out;
-  const auto outside = [&](const char* what, const std::optional<double>& v, double low, double high, int digits) {
-    if (v && !(*v >= low && *v <= high))
-      out.push_back(
-          fmt::format("{} is {:.{}f}, {:.{}f} to {:.{}f} are plausible", what, *v, digits, low, digits, high, digits));
+VentricleDoubts ventricle_doubts(const grid::Field& ventricles, const VentricleAxes& axes,
+                                 const HeadLandmarks* landmarks, const HeadFigures& figures,
+                                 const HeadClassParams& params) {
+  VentricleDoubts out;
+  const auto outside = [&](const char* id, const std::string& what, const std::optional<double>& v, double low,
+                           double high, const std::string& digits) {
+    if (!v || (*v >= low && *v <= high)) return;
+    out.doubts.push_back({id,
+                          what + " is {value:." + digits + "f}, {low:." + digits + "f} to {high:." + digits +
+                              "f} are plausible",
+                          {{"value", *v}, {"low", low}, {"high", high}}});
   };
-  const int pieces = pieces_of(ventricles);
-  report.add("ventricle_pieces_count", pieces);
-  if (pieces > params.most_pieces_count)
-    out.push_back(
-        fmt::format("the ventricles are in {} pieces, at most {:.0f} are plausible", pieces, params.most_pieces_count));
+  out.pieces_count = pieces_of(ventricles);
+  if (out.pieces_count > params.most_pieces_count)
+    out.doubts.push_back({"many_pieces",
+                          "the ventricles are in {pieces_count} pieces, at most {most_count:.0f} are plausible",
+                          {{"pieces_count", std::int64_t{out.pieces_count}}, {"most_count", params.most_pieces_count}}});
   const Sides sides = sides_of(ventricles, axes);
-  const double larger = std::max(sides.ml[0], sides.ml[1]);
-  const double ratio = larger > 0 ? std::min(sides.ml[0], sides.ml[1]) / larger : 1;
-  report.add("ventricle_sides_ratio", ratio);
-  if (ratio < params.least_sides_ratio)
-    out.push_back(fmt::format("the {} half of the ventricles holds {:.1f} ml, the other one {:.1f}",
-                              sides.ml[0] < sides.ml[1] ? "left" : "right", std::min(sides.ml[0], sides.ml[1]),
-                              larger));
-  horns_whole = true;
+  const double larger = std::max(sides.ml[0], sides.ml[1]), smaller = std::min(sides.ml[0], sides.ml[1]);
+  const auto name_of = [](int side) { return side == 0 ? "left" : "right"; };
+  out.sides_ratio = larger > 0 ? smaller / larger : 1;
+  if (out.sides_ratio < params.least_sides_ratio)
+    out.doubts.push_back(
+        {"unequal_sides",
+         "the {side} half of the ventricles holds {smaller_ml:.1f} ml, the other one {larger_ml:.1f}",
+         {{"side", name_of(sides.ml[0] < sides.ml[1] ? 0 : 1)}, {"smaller_ml", smaller}, {"larger_ml", larger}}});
   for (int side = 0; side < 2; ++side) {
-    const char* name = side == 0 ? "left" : "right";
     const double area = sides.horn_mm2(side), length = sides.horn_length_mm(side);
-    report.add(side == 0 ? "horn_left_mm2" : "horn_right_mm2", area);
+    out.horn_mm2[side] = area;
     const bool missing = length < min_horn_length_mm;
     const double min_mm2 = std::max(params.least_horn_mm2, params.least_horns_ratio * sides.horn_mm2(1 - side));
     if (!missing && area >= min_mm2) continue;
-    horns_whole = false;
-    out.push_back(missing ? fmt::format("the {} frontal horn is missing", name)
-                          : fmt::format("the {} frontal horn is a thread of {:.0f} mm2, at least {:.0f} are plausible",
-                                        name, area, min_mm2));
+    out.horns_whole = false;
+    if (missing)
+      out.doubts.push_back({"no_frontal_horn", "the {side} frontal horn is missing", {{"side", name_of(side)}}});
+    else
+      out.doubts.push_back(
+          {"thin_frontal_horn",
+           "the {side} frontal horn is a thread of {area_mm2:.0f} mm2, at least {least_mm2:.0f} are plausible",
+           {{"side", name_of(side)}, {"area_mm2", area}, {"least_mm2", min_mm2}}});
   }
   for (int side = 0; side < 2; ++side)
     if (sides.behind_mm(side) < min_behind_ratio * sides.behind_mm(1 - side))
-      out.push_back(fmt::format("the {} lateral ventricle ends {:.0f} mm behind the foramina, the other one {:.0f} mm",
-                                side == 0 ? "left" : "right", sides.behind_mm(side), sides.behind_mm(1 - side)));
+      out.doubts.push_back(
+          {"short_ventricle",
+           "the {side} lateral ventricle ends {mm:.0f} mm behind the foramina, the other one {other_mm:.0f} mm",
+           {{"side", name_of(side)}, {"mm", sides.behind_mm(side)}, {"other_mm", sides.behind_mm(1 - side)}}});
   bool looked_for = false, seen = false;
   if (landmarks)
     for (const cases::CaseLandmark& l : landmarks->landmarks) {
       looked_for = looked_for || l.source == "found";
       seen = seen || (l.name.rfind("monro", 0) == 0 && l.confidence >= 0.5);
     }
-  if (looked_for && !seen) out.push_back("no foramen of Monro was found: the third ventricle may be missing");
-  outside("the ventricles' volume (ml)", figures.ventricles_ml, params.least_ventricles_ml, params.most_ventricles_ml,
-          1);
-  outside("Evans' index", figures.evans_index_ratio, params.least_evans_ratio, params.most_evans_ratio, 2);
-  outside("the midline shift (mm)", figures.midline_shift_mm, -params.most_shift_mm, params.most_shift_mm, 1);
+  if (looked_for && !seen)
+    out.doubts.push_back(
+        {"no_foramen", "no foramen of Monro was found: the third ventricle may be missing", {}});
+  outside("ventricles_volume", "the ventricles' volume (ml)", figures.ventricles_ml, params.least_ventricles_ml,
+          params.most_ventricles_ml, "1");
+  outside("evans_index", "Evans' index", figures.evans_index_ratio, params.least_evans_ratio, params.most_evans_ratio,
+          "2");
+  outside("midline_shift", "the midline shift (mm)", figures.midline_shift_mm, -params.most_shift_mm,
+          params.most_shift_mm, "1");
   return out;
 }
 
-std::string scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params) {
-  if (!scan.known()) return "";
+std::optional<Warning> scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params) {
+  if (!scan.known()) return {};
   if (scan.cube_noise_hu < params.least_cube_noise_hu)
-    return fmt::format(
-        "the scan's noise in a cube of 2 mm is {:.1f} HU, below {:.1f} it was denoised so strongly that narrow horns "
-        "may "
-        "be gone",
-        scan.cube_noise_hu, params.least_cube_noise_hu);
+    return Warning{"denoised",
+                   "the scan's noise in a cube of 2 mm is {noise_hu:.1f} HU, below {limit_hu:.1f} it was denoised so "
+                   "strongly that narrow horns may be gone",
+                   {{"noise_hu", scan.cube_noise_hu}, {"limit_hu", params.least_cube_noise_hu}}};
   if (scan.cube_noise_hu > params.most_cube_noise_hu || scan.noise_hu > params.most_noise_hu)
-    return fmt::format(
-        "the scan's noise is {:.0f} HU a voxel and {:.0f} HU in a cube of 2 mm, above {:.0f} or {:.0f} narrow horns "
-        "cannot be seen",
-        scan.noise_hu, scan.cube_noise_hu, params.most_noise_hu, params.most_cube_noise_hu);
-  return "";
+    return Warning{"noisy",
+                   "the scan's noise is {noise_hu:.0f} HU a voxel and {cube_noise_hu:.0f} HU in a cube of 2 mm, above "
+                   "{limit_hu:.0f} or {cube_limit_hu:.0f} narrow horns cannot be seen",
+                   {{"noise_hu", scan.noise_hu},
+                    {"cube_noise_hu", scan.cube_noise_hu},
+                    {"limit_hu", params.most_noise_hu},
+                    {"cube_limit_hu", params.most_cube_noise_hu}}};
+  return {};
 }
 
-std::string close_call(const HeadFigures& f, const mask::ScanFigures& scan, const HeadClassParams& p) {
+std::optional<Warning> close_call(const HeadFigures& f, const mask::ScanFigures& scan, const HeadClassParams& p) {
   const mask::ScanVerdict verdict = mask::judge_scan(scan, {});
-  if (verdict.ventricles != mask::Suitability::doubtful && verdict.ventricles != mask::Suitability::unsuited) return "";
-  std::string why;
-  for (const std::string& reason : verdict.reasons)
-    if (why.empty() && reason.find("ventricles") != std::string::npos) why = reason.substr(0, reason.find(';'));
-  if (verdict.ventricles == mask::Suitability::unsuited) return "the scan is " + why;
-  std::string near;
+  if (verdict.ventricles != mask::Suitability::doubtful && verdict.ventricles != mask::Suitability::unsuited) return {};
+  const auto reason = std::find_if(verdict.reasons.begin(), verdict.reasons.end(),
+                                   [](const mask::ScanReason& r) { return r.concerns("ventricles"); });
+  const std::string why = reason == verdict.reasons.end() ? "" : reason->verdict();
+  if (verdict.ventricles == mask::Suitability::unsuited)
+    return Warning{"unsuited_scan", "the scan is {why}", {{"why", why}}};
+  const auto near = [&](const char* id, const char* form, double value, double limit) {
+    return Warning{id, std::string(form) + ", and the scan is {why}",
+                   {{"value", value}, {"limit", limit}, {"why", why}}};
+  };
   if (f.midline_shift_mm && std::abs(std::abs(*f.midline_shift_mm) - p.shifted_mm) < p.doubtful_shift_mm)
-    near =
-        fmt::format("a midline shift of {:.1f} mm is near to the limit of {:.1f}", *f.midline_shift_mm, p.shifted_mm);
-  else if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) > p.shifted_mm)
-    return "";
-  else if (f.evans_index_ratio && std::abs(*f.evans_index_ratio - p.hydrocephalic_evans_ratio) < p.doubtful_evans_ratio)
-    near = fmt::format("Evans' index of {:.2f} is near to the limit of {:.2f}", *f.evans_index_ratio,
-                       p.hydrocephalic_evans_ratio);
-  else if (f.evans_index_ratio && *f.evans_index_ratio <= p.small_evans_ratio + p.doubtful_evans_ratio && f.brain_ml &&
-           f.ventricles_ml) {
+    return near("shift_near_limit", "a midline shift of {value:.1f} mm is near to the limit of {limit:.1f}",
+                *f.midline_shift_mm, p.shifted_mm);
+  if (f.midline_shift_mm && std::abs(*f.midline_shift_mm) > p.shifted_mm) return {};
+  if (f.evans_index_ratio && std::abs(*f.evans_index_ratio - p.hydrocephalic_evans_ratio) < p.doubtful_evans_ratio)
+    return near("evans_near_limit", "Evans' index of {value:.2f} is near to the limit of {limit:.2f}",
+                *f.evans_index_ratio, p.hydrocephalic_evans_ratio);
+  if (f.evans_index_ratio && *f.evans_index_ratio <= p.small_evans_ratio + p.doubtful_evans_ratio && f.brain_ml &&
+      f.ventricles_ml) {
     const double limit_ml = p.small_ventricles_ratio * *f.brain_ml;
     if (std::abs(*f.ventricles_ml - limit_ml) < p.doubtful_share_ratio * limit_ml)
-      near = fmt::format("ventricles of {:.1f} ml are near to the limit of {:.1f}", *f.ventricles_ml, limit_ml);
+      return near("volume_near_limit", "ventricles of {value:.1f} ml are near to the limit of {limit:.1f}",
+                  *f.ventricles_ml, limit_ml);
   }
-  return near.empty() ? "" : near + ", and the scan is " + why;
+  return {};
 }
 
 }  // namespace trephine::head

@@ -284,7 +284,6 @@ void measure_shift(const HeadFields& fields, const Lines& l, const Horns& horns,
         third.push_back({runs[0].middle(), b, u});
     }
   const std::vector<Middle>* of = septum.size() >= 10 ? &septum : third.size() >= 20 ? &third : &horn;
-  out.midline_of = of == &septum ? "septum" : of == &third ? "third ventricle" : "frontal horns";
   if (of->empty()) return;
   std::vector<double> lefts, backs, ups;
   for (const Middle& m : *of) {
@@ -294,15 +293,12 @@ void measure_shift(const HeadFields& fields, const Lines& l, const Horns& horns,
   }
   const double left = median_of(lefts), back = median_of(backs), up = median_of(ups);
   out.midline_place_mm = l.axes.at(left, back, up);
-  if (has_plane) {
-    out.midline_shift_mm = left;
-    return;
-  }
-  if (!fields.skull) return;
   std::vector<double> middles;
-  for (int n = -5; n <= 5; ++n)
+  for (int n = -5; n <= 5 && !has_plane && fields.skull; ++n)
     if (const auto inner = inner_skull_on(fields, l.axes, back + n, up)) middles.push_back(inner->middle());
-  if (!middles.empty()) out.midline_shift_mm = left - median_of(middles);
+  if (!has_plane && middles.empty()) return;
+  out.midline_shift_mm = has_plane ? left : left - median_of(middles);
+  out.midline_of = of == &septum ? "septum" : of == &third ? "third ventricle" : "frontal horns";
 }
 
 std::optional<double> ml_of(const grid::Field* f) {
@@ -329,30 +325,29 @@ HeadClass class_of(const HeadFigures& f, const HeadClassParams& p, bool doubted)
   return little && *f.evans_index_ratio <= p.small_evans_ratio ? HeadClass::small : HeadClass::normal;
 }
 
-/// Tells what speaks against the ventricles being whole; takes the widths away that were measured across a gap.
-bool doubt(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, const HeadLandmarks* landmarks,
-           const HeadClassParams& params, HeadFigures& f, Report& report) {
+/// What speaks against the ventricles being whole; takes the widths away that were measured across a gap.
+Warnings doubts_of(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, const HeadLandmarks* landmarks,
+                   const HeadClassParams& params, HeadFigures& f) {
   const double middle = f.midline_shift_mm ? dot(f.midline_place_mm - axes.origin, axes.left) : 0;
-  bool horns_whole = true;
-  auto doubts = ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
-                                 landmarks, f, params, report, horns_whole);
+  VentricleDoubts found = ventricle_doubts(
+      *fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back}, landmarks, f, params);
   if (fields.scan)
-    for (const std::string& d : {scan_doubt(*fields.scan, params), close_call(f, *fields.scan, params)})
-      if (!d.empty()) doubts.push_back(d);
-  for (const std::string& d : doubts) report.warn("the class is uncertain: " + d);
-  if (!horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
-  return !doubts.empty();
-}
-
-void add(Report& report, const char* name, const std::optional<double>& value) {
-  if (value) report.add(name, *value);
+    for (auto& doubt : {scan_doubt(*fields.scan, params), close_call(f, *fields.scan, params)})
+      if (doubt) found.doubts.push_back(*doubt);
+  f.ventricle_pieces_count = found.pieces_count;
+  f.ventricle_sides_ratio = found.sides_ratio;
+  f.horn_left_mm2 = found.horn_mm2[0];
+  f.horn_right_mm2 = found.horn_mm2[1];
+  if (!found.horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
+  return std::move(found.doubts);
 }
 
 }  // namespace
 
-HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
-                         Report& report, const Progress& progress) {
-  HeadFigures f;
+Outcome<std::monostate, HeadFigures> measure_head(const HeadFields& fields, const HeadLandmarks* landmarks,
+                                                  const HeadClassParams& params, const Progress& progress) {
+  Outcome<std::monostate, HeadFigures> out;
+  HeadFigures& f = out.result;
   f.skin_ml = ml_of(fields.skin);
   f.skull_ml = ml_of(fields.skull);
   f.brain_ml = ml_of(fields.brain);
@@ -367,30 +362,27 @@ HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmark
       // Lines start inside the head: about the ventricles' middle.
       const Extent e = extent_of(*fields.ventricles, axes);
       axes.origin.x = 0.5 * (e.least.x + e.most.x);
-      report.warn(
-          "no midsagittal plane is known: widths are taken along the patient's left, and the middle is that of "
-          "the inner skull");
+      out.warnings.push_back({"no_midsagittal_plane",
+                              "no midsagittal plane is known: widths are taken along the patient's left, and the "
+                              "middle is that of the inner skull",
+                              {}});
     }
     const Lines lines = lines_of(*fields.ventricles, axes, progress);
     const Horns horns = horns_of(lines, landmarks);
     measure_evans(fields, lines, horns, f);
     measure_shift(fields, lines, horns, has_plane, f);
     if (!f.evans_index_ratio && fields.skull)
-      report.warn("Evans' index could not be measured: no plane of the frontal horns has inner skull on both sides");
-    doubted = doubt(fields, axes, horns, landmarks, params, f, report);
+      out.warnings.push_back(
+          {"no_evans_index",
+           "Evans' index could not be measured: no plane of the frontal horns has inner skull on both sides",
+           {}});
+    const Warnings doubts = doubts_of(fields, axes, horns, landmarks, params, f);
+    doubted = !doubts.empty();
+    for (const Warning& doubt : doubts)
+      out.warnings.push_back({doubt.id, "the class is uncertain: " + doubt.form, doubt.values});
   }
   f.head_class = class_of(f, params, doubted);
-  add(report, "skin_ml", f.skin_ml);
-  add(report, "skull_ml", f.skull_ml);
-  add(report, "brain_ml", f.brain_ml);
-  add(report, "ventricles_ml", f.ventricles_ml);
-  add(report, "frontal_horns_mm", f.frontal_horns_mm);
-  add(report, "inner_skull_mm", f.inner_skull_mm);
-  add(report, "evans_index_ratio", f.evans_index_ratio);
-  add(report, "midline_shift_mm", f.midline_shift_mm);
-  if (f.midline_shift_mm) report.add("midline_of", f.midline_of);
-  report.add("class", to_text(f.head_class));
-  return f;
+  return out;
 }
 
 }  // namespace trephine::head

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 #include "mask/scan_figures.h"
@@ -89,6 +89,9 @@ struct HeadClassParams {
 
 /// Figures of a head; a figure is empty where it could not be measured.
 struct HeadFigures {
+  /// Of the ventricles: pieces, the smaller side's share of the larger one's volume, the frontal horns' cross-sections.
+  std::optional<std::int64_t> ventricle_pieces_count;
+  std::optional<double> ventricle_sides_ratio, horn_left_mm2, horn_right_mm2;
   std::optional<double> skin_ml, skull_ml, brain_ml, ventricles_ml;
   /// The frontal horns' greatest width, measured in the axial plane of the head where it is greatest, and the inner
   /// skull's width in that plane. evans_place_mm is the centre of the frontal horns' width.
@@ -98,9 +101,34 @@ struct HeadFigures {
   /// Monro. midline_of names the structure: "septum" (halfway between the frontal horns' inner walls), "third
   /// ventricle", or "frontal horns" (their centre).
   std::optional<double> midline_shift_mm;
-  const char* midline_of = "";
+  std::string midline_of;
   Vec3 midline_place_mm;
   HeadClass head_class = HeadClass::unknown;
+  template <class V>
+  static void describe(V& v) {
+    using P = HeadFigures;
+    v.integer(&P::ventricle_pieces_count, "ventricle_pieces_count", "Pieces of the ventricles of 0.1 ml and more.");
+    v.number(&P::ventricle_sides_ratio, "ventricle_sides_ratio", "The smaller half's share of the larger one.");
+    v.number(&P::horn_left_mm2, "horn_left_mm2", "Cross-section of the left frontal horn.");
+    v.number(&P::horn_right_mm2, "horn_right_mm2", "Cross-section of the right frontal horn.");
+    v.number(&P::skin_ml, "skin_ml", "What the skin encloses.");
+    v.number(&P::skull_ml, "skull_ml", "Volume of the skull.");
+    v.number(&P::brain_ml, "brain_ml", "Volume of the brain.");
+    v.number(&P::ventricles_ml, "ventricles_ml", "Volume of the ventricles.");
+    v.number(&P::frontal_horns_mm, "frontal_horns_mm", "The frontal horns' greatest width.");
+    v.number(&P::inner_skull_mm, "inner_skull_mm", "The inner skull's width in that plane.");
+    v.number(&P::evans_index_ratio, "evans_index_ratio", "Evans' index.");
+    v.number(&P::midline_shift_mm, "midline_shift_mm", "Shift of the midline to the patient's left.");
+    v.text(&P::midline_of, "midline_of", "The structure that it was measured of.").not_always();
+    v.choice(&P::head_class, "class",
+             {{"normal", HeadClass::normal},
+              {"hydrocephalic", HeadClass::hydrocephalic},
+              {"shifted", HeadClass::shifted},
+              {"small", HeadClass::small},
+              {"uncertain", HeadClass::uncertain},
+              {"unknown", HeadClass::unknown}},
+             "The head's class.");
+  }
 };
 
 /// Measures a head in its own axes: left is the midsagittal plane's normal, up is the patient's superior direction,
@@ -127,10 +155,9 @@ struct HeadFigures {
 /// A landmark monro_left or monro_right that has a confidence is used. Without it the foramina are taken to lie behind
 /// the foremost point of the ventricles by 0.31 of the lateral ventricles' length, at most 32 mm.
 ///
-/// Adds to the report skin_ml, skull_ml, brain_ml, ventricles_ml, frontal_horns_mm, inner_skull_mm, evans_index_ratio,
-/// midline_shift_mm, midline_of and class; warnings name what could not be measured. Throws Error 65 where a voxel is
+/// Warnings name what could not be measured. Throws Error 65 where a voxel is
 /// not finite or the rasters differ; Cancelled. The result has the same bits whatever the thread count.
-HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
-                         Report& report, const Progress& progress = {});
+Outcome<std::monostate, HeadFigures> measure_head(const HeadFields& fields, const HeadLandmarks* landmarks,
+                                                  const HeadClassParams& params, const Progress& progress = {});
 
 }  // namespace trephine::head

@@ -60,12 +60,14 @@ class Cuts {
     for (const char* shape : shapes) add_once(of_[shape].ends, end);
   }
   void add_side(const char* shape, const std::string& side) { add_once(of_[shape].sides, side); }
-  void report(Report& report) const {
+  Named<std::string> in_words() const {
+    Named<std::string> out;
     for (const auto& [shape, where] : of_) {
       std::vector<std::string> all = where.ends;
       if (!where.sides.empty()) all.push_back("on its " + listed(where.sides) + " side");
-      report.add(shape + "_cut", listed(all));
+      out.emplace_back(shape, listed(all));
     }
+    return out;
   }
 
  private:
@@ -143,8 +145,8 @@ void add_padded(const mask::HuView& hu, const mask::CoarseRaster& raster, const 
 
 }  // namespace
 
-grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams& p, Report& report,
-                           const Progress& progress) {
+Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volume, const HeadRegionParams& p,
+                                                      const Progress& progress) {
   mask::check_finite(volume);
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
@@ -153,15 +155,21 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   const mask::BitMask tissue =
       mask::largest(mask::components(mask::coarse_mask(mask::above(hu, p.tissue_hu), raster, 0.5)));
   progress.report(0.4);
+  HeadRegionResult result;
+  Warnings warnings;
   mask::BitMask cavity;
   try {
-    cavity = cranial_cavity(bone, report, progress);
+    auto found = cranial_cavity(bone, progress);
+    cavity = std::move(found.value);
+    result.cranial_cavity_ml = found.result.cranial_cavity_ml;
+    warnings = std::move(found.warnings);
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
-    report.warn(
-        "no cranial cavity was found, and the scan was not cut to the head: no space of 15 mm radius that bone "
-        "encloses");
-    return volume;
+    warnings.push_back({"no_cranial_cavity",
+                        "no cranial cavity was found, and the scan was not cut to the head: no space of 15 mm radius "
+                        "that bone encloses",
+                        {}});
+    return {volume, {}, std::move(warnings)};
   }
   const grid::Lattice& c = cavity.lattice();
   const UpAxis up = up_axis(c);
@@ -175,18 +183,21 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   Vec3 centre;
   for (int a = 0; a < 3; ++a) centre[a] = (c.size[a] - 1) / 2.0;
   centre[up.axis] = at_height(foramen);
-  report.add("foramen_z_mm", c.to_world_mm(centre).z);
+  result.foramen_z_mm = c.to_world_mm(centre).z;
   Cuts cuts;
   if (area[at_height(0)] > cut_cavity_mm2 && foramen == 0) {
-    report.warn("the scan ends below in the cranial cavity: the base of the skull is missing");
+    warnings.push_back(
+        {"ends_below", "the scan ends below in the cranial cavity: the base of the skull is missing", {}});
     cuts.add({"skull", "brain", "dura", "brainstem"}, "below");
   }
   if (area[at_height(n - 1)] > cut_cavity_mm2) {
-    report.warn("the scan ends above in the cranial cavity: the vertex is missing");
+    warnings.push_back({"ends_above", "the scan ends above in the cranial cavity: the vertex is missing", {}});
     cuts.add({"skin", "skull", "brain", "dura", "midline", "sagittal_sinus"}, "above");
   } else if (const std::vector<double> slices = areas_mm2(tissue, up.axis); slices[at_height(n - 1)] > cut_side_mm2) {
-    report.warn(
-        "the scan ends above in the skull or the scalp: the skin of the vertex is missing, and closed by a plane");
+    warnings.push_back(
+        {"ends_in_scalp",
+         "the scan ends above in the skull or the scalp: the skin of the vertex is missing, and closed by a plane",
+         {}});
     cuts.add({"skin"}, "above");
   }
 
@@ -214,8 +225,9 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
       if (!(areas.tissue[a][last] > cut_side_mm2)) continue;
       const bool is_end = a == up.axis;
       const std::string side = is_end ? (last == up.ascends ? "above" : "below") : side_name(c, a, last);
-      report.warn("the field of view cuts the head " + (is_end ? side : "on its " + side + " side") +
-                  ": what lies there is missing");
+      warnings.push_back({"field_cuts_head",
+                          "the field of view cuts the head {where}: what lies there is missing",
+                          {{"where", is_end ? side : "on its " + side + " side"}}});
       const auto add = [&](const char* shape) { is_end ? cuts.add({shape}, side) : cuts.add_side(shape, side); };
       add("skin");
       if (areas.bone[a][last] > cut_side_mm2) add("skull");
@@ -225,7 +237,7 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
       if (side == "above")
         for (const char* shape : {"midline", "sagittal_sinus"}) add(shape);
     }
-  cuts.report(report);
+  result.cut = cuts.in_words();
 
   grid::Box fine;
   for (int a = 0; a < 3; ++a) {
@@ -237,11 +249,11 @@ grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams&
   if (lowest > 0)
     (up.ascends ? fine.begin : fine.end)[up.axis] =
         up.ascends ? lowest * raster.factor[up.axis] : std::min(l.size[up.axis], (n - lowest) * raster.factor[up.axis]);
-  const grid::HuVolume out =
+  grid::HuVolume out =
       std::visit([&](const auto& grid) { return grid::HuVolume(grid::crop(grid, fine)); }, volume);
-  report.add("region_ml", grid::lattice_of(out).count() * l.voxel_volume_mm3() / 1000);
-  report.add("neck_cut", lowest > 0);
-  return out;
+  result.region_ml = grid::lattice_of(out).count() * l.voxel_volume_mm3() / 1000;
+  result.neck_cut = lowest > 0;
+  return {std::move(out), std::move(result), std::move(warnings)};
 }
 
 }  // namespace trephine::head

@@ -22,19 +22,37 @@ struct HeadRegionParams {
   }
 };
 
+/// The stage's result; without a cranial cavity nothing of it is there.
+struct HeadRegionResult {
+  std::optional<double> cranial_cavity_ml, foramen_z_mm;
+  /// Of each shape of a head that the scan's end or the field's edge cuts, where: "above", "below", "on its left side",
+  /// "above and on its left and back side".
+  Named<std::string> cut;
+  std::optional<double> region_ml;
+  std::optional<bool> neck_cut;
+  template <class V>
+  static void describe(V& v) {
+    using P = HeadRegionResult;
+    v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", "Volume of the cranial cavity.");
+    v.number(&P::foramen_z_mm, "foramen_z_mm", "Level of the foramen magnum, LPS.");
+    v.map(&P::cut, "cut", "Where the scan cuts a shape, by its name.").items_between("", "_cut").not_always();
+    v.number(&P::region_ml, "region_ml", "Volume of the region.");
+    v.flag(&P::neck_cut, "neck_cut", "Whether it is cut through the neck.");
+  }
+};
+
 /// Cuts a scan to the region of the head, on the same voxels. The cranial cavity is found first, on cells of about 2 mm
 /// (bone above 226 HU encloses it); its lower end is the lowest level at which it is wider than a foramen magnum. The
 /// region reaches from below_mm under that level to the end of the tissue above it, and to the ends of the tissue in
 /// between on all sides, each with margin_mm. Up is the volume's axis that is nearest to the patient's (LPS z).
 ///
-/// The report: cranial_cavity_ml, foramen_z_mm (the level, LPS), region_ml, and warnings for what the scan does not
+/// Warnings say what the scan does not
 /// show: the vertex or the base of the skull (the cavity reaches the volume's end), the skin of the vertex (tissue
 /// reaches it), or a side of the head that the field of view cuts by more than 150 mm2, be it the volume's side or
-/// padding (mask/field_edge.h), above the foramen magnum; with each, NAME_cut of the shapes that end there (skin_cut,
-/// skull_cut, brain_cut, ...): "above", "below", "on its left side", "above and on its left and back side". Where no
+/// padding (mask/field_edge.h), above the foramen magnum. Where no
 /// space enclosed by bone is found, the volume stays as it is and a warning says so. Throws Error 65 where a voxel is
 /// not finite; Cancelled. The result has the same bits whatever the thread count.
-grid::HuVolume head_region(const grid::HuVolume& volume, const HeadRegionParams& params, Report& report,
-                           const Progress& progress = {});
+Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volume, const HeadRegionParams& params,
+                                                      const Progress& progress = {});
 
 }  // namespace trephine::head

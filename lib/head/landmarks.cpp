@@ -30,8 +30,8 @@ constexpr double min_near_midline_ratio = 0.2, of_a_fused_suture = 0.45;
 
 class Finder {
  public:
-  Finder(const grid::HuVolume& volume, const LandmarkInputs& in, const LandmarkParams& params, Report& report)
-      : volume_(volume), lattice_(grid::lattice_of(volume)), in_(in), params_(params), report_(report) {
+  Finder(const grid::HuVolume& volume, const LandmarkInputs& in, const LandmarkParams& params)
+      : volume_(volume), lattice_(grid::lattice_of(volume)), in_(in), params_(params) {
     const auto check = [&](const grid::Field* f, const char* name) {
       if (f) with_field(name, [&] { grid::place_in(*f, lattice_); });
     };
@@ -41,12 +41,12 @@ class Finder {
     check(in.skull, "skull");
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
-    check_given(in.given, *in.skin, in.ventricles, report);
+    warnings_ = check_given(in.given, *in.skin, in.ventricles);
     mask::check_varies(volume);
     out_.landmarks = in.given;
   }
 
-  HeadLandmarks run(const Progress& progress) {
+  Outcome<HeadLandmarks, LandmarksResult> run(const Progress& progress) {
     const craniometry::FieldView skin(*in_.skin, lattice_), skull(*in_.skull, lattice_);
     const bool by_points = plane_from_given();
     if (!by_points) plane_by_symmetry(skin, skull, progress.part(0, 0.7));
@@ -54,10 +54,11 @@ class Finder {
     check_sides(in_.given, out_.midsagittal);
     head_ = frame_in(out_.midsagittal, skull);
     const auto nasion = find_nasion(skin, skull, head_);
-    if (const cases::CaseLandmark* given = out_.find("nasion"))
-      doubt_given(*given, nasion, report_);
-    else
+    if (const cases::CaseLandmark* given = out_.find("nasion")) {
+      if (const auto doubt = doubt_given(*given, nasion)) warnings_.push_back(*doubt);
+    } else {
       add("nasion", nasion, "found", "no hollow between brow and nose");
+    }
     if (const Vec3* p = known("nasion", 0.5)) level_by_nasion(head_, *p);
     for (const int side : {1, -1}) {
       progress.check();
@@ -96,9 +97,10 @@ class Finder {
     hold_to_motion(out_, given_names(), mask::find_motion(volume_, last), lattice_, why_);
     hold_to_bregma(out_, given_names(), why_);
     if (levelled_) hold_to_level(out_, given_names(), why_);
-    leave_out_what_is_none(out_, given_names(), why_, report_);
+    const Warnings none = leave_out_what_is_none(out_, given_names(), why_);
+    warnings_.insert(warnings_.end(), none.begin(), none.end());
     tell();
-    return std::move(out_);
+    return {std::move(out_), std::move(result_), std::move(warnings_)};
   }
 
  private:
@@ -126,28 +128,26 @@ class Finder {
     if (found && found->confidence >= min_confidence && lies_in_scan(found->position_mm))
       out_.landmarks.push_back({name, found->position_mm, found->confidence, source});
     else
-      report_.warn(fmt::format("{} not found: {}", name,
-                               !found             ? otherwise
-                               : why_.count(name) ? why_[name].c_str()
-                                                  : "too near the scan's edge, or doubtful"));
+      not_found(name, !found ? otherwise : why_.count(name) ? why_[name] : "too near the scan's edge, or doubtful");
+  }
+  void not_found(const std::string& name, const std::string& why) {
+    warnings_.push_back(
+        {"landmark_not_found", "{landmark} not found: {reason}", {{"landmark", name}, {"reason", why}}});
   }
   bool lies_in_scan(Vec3 p) const { return craniometry::FieldView(*in_.skin, lattice_).depth_in_scan_mm(p) >= 0; }
 
   bool plane_from_given() {
     const auto plane = plane_of_given(in_.given);
     if (plane) out_.midsagittal = *plane;
-    if (plane) report_.add("midsagittal_from", "given landmarks");
+    if (plane) result_.midsagittal_from = "given landmarks";
     return plane.has_value();
   }
 
   void plane_by_symmetry(const craniometry::FieldView& skin, const craniometry::FieldView& skull,
                          const Progress& progress) {
     const craniometry::MirrorPlane plane = craniometry::find_mirror_plane(skin, skull, progress);
-    report_.add("midsagittal_from", "symmetry");
-    report_.add("symmetry_residual_mm", plane.residual_mm);
-    report_.add("symmetry_midline_residual_mm", plane.midline_mm);
-    report_.add("symmetry_matched_ratio", plane.matched);
-    report_.add("symmetry_sharpness_mm", plane.rise_mm);
+    result_.midsagittal_from = "symmetry";
+    result_.symmetry = SymmetryFigures{plane.residual_mm, plane.midline_mm, plane.matched, plane.rise_mm};
     if (plane.confidence < min_symmetry)
       throw refusal("midsagittal",
                     fmt::format("no symmetric skull was found (residual {:.1f} mm of at most 4, {:.0f} % match of at "
@@ -166,7 +166,7 @@ class Finder {
     const MidsagittalPlane& p = out_.midsagittal;
     const Vec3 left = tragi[0]->position_mm;
     const double apart_mm = norm(left - p.normal * (2 * dot(left - p.point_mm, p.normal)) - tragi[1]->position_mm);
-    report_.add("tragi_asymmetry_mm", apart_mm);
+    result_.tragi_asymmetry_mm = apart_mm;
     for (cases::CaseLandmark* l : tragi)
       lower(*l, mask::ramp(apart_mm, max_lopsided_mm, min_lopsided_mm),
             fmt::format("{:.0f} mm from the mirror image of the other tragus", apart_mm));
@@ -179,7 +179,7 @@ class Finder {
       if (l.name != "tragus_left" && l.name != "tragus_right") continue;
       const double side = l.name == "tragus_left" ? 1 : -1;
       const double covered = covered_ratio(*in_.as_read, volume_, skin, l.position_mm, head_.left * side);
-      report_.add(l.name + "_covered_ratio", covered);
+      result_.covered_ratio.emplace_back(l.name, covered);
       lower(l, mask::ramp(covered, 1.2 * max_covered_ratio, 0.5 * max_covered_ratio),
             fmt::format("something that was taken off lies on {:.0f} % of the skin about it", 100 * covered));
     }
@@ -226,7 +226,7 @@ class Finder {
     if (!arc_) return;
     if (vertex) doubt_vertex(skin, *vertex);
     leap_mm_ = widest_leap_mm(arc_->skin, params_.along_mm + tangent_mm);
-    report_.add("midline_leap_mm", leap_mm_);
+    result_.midline_leap_mm = leap_mm_;
     const double factor = std::max(0.3, mask::ramp(leap_mm_, max_leap_mm, min_leap_mm));
     const std::string why = fmt::format("the midline's skin leaps by {:.1f} mm", leap_mm_);
     if (vertex) lower(*vertex, "vertex", factor, why);
@@ -242,7 +242,7 @@ class Finder {
     lying.up = cross(lying.left, lying.back);
     const auto highest = find_vertex(skin, lying);
     const double lying_mm = highest ? norm(highest->position_mm - vertex.position_mm) : 0;
-    report_.add("vertex_to_highest_mm", lying_mm);
+    result_.vertex_to_highest_mm = lying_mm;
     lower(vertex, "vertex", confidence_of_vertices_apart(lying_mm),
           fmt::format("the highest point, as the patient lay, is {:.0f} mm off", lying_mm));
     const Vec3* inion = known("inion", min_confidence);
@@ -251,7 +251,7 @@ class Finder {
     const auto half = surface::point_along(arc_->skin, 0.5 * all);
     if (!half || skin.depth_in_scan_mm(*half) < 0.5) return;
     const double apart_mm = norm(*half - vertex.position_mm);
-    report_.add("vertex_to_half_way_mm", apart_mm);
+    result_.vertex_to_half_way_mm = apart_mm;
     lower(vertex, "vertex", confidence_of_vertices_apart(apart_mm),
           fmt::format("half of the way from nasion to inion lies {:.0f} mm off", apart_mm));
   }
@@ -260,7 +260,10 @@ class Finder {
   /// does not, that distance is all that is left, and no reason to trust it.
   void find_bregma(const craniometry::FieldView& skin, const craniometry::FieldView& skull) {
     if (out_.find("bregma")) return;
-    if (!arc_) return report_.warn("bregma and Kocher's points not measured: the nasion is not known");
+    if (!arc_) {
+      warnings_.push_back({"nasion_not_known", "bregma and Kocher's points not measured: the nasion is not known", {}});
+      return;
+    }
     const Vec3* nasion = known("nasion", min_confidence);
     const auto suture = craniometry::find_coronal_suture(
         volume_, {arc_->centre_mm, arc_->front, arc_->onwards, head_.left, *nasion},
@@ -273,17 +276,15 @@ class Finder {
     }
     std::optional<FoundPoint> seen, estimated;
     if (suture) {
-      report_.add("suture_visible_ratio", suture->visible_ratio);
-      report_.add("suture_distinct_ratio", suture->distinct_ratio);
-      report_.add("suture_halves_apart_mm", suture->halves_apart_mm);
-      report_.add("suture_from_nasion_mm", suture->arc_mm);
+      result_.suture =
+          SutureFigures{suture->visible_ratio, suture->distinct_ratio, suture->halves_apart_mm, suture->arc_mm};
       seen = FoundPoint{suture->bregma_mm, suture->confidence};
       const bool agree = usual && norm(*usual - suture->bregma_mm) <= max_estimates_apart_mm;
       if (seen->confidence < 0.5 && agree && seen->confidence > 0.2) seen->confidence = 0.5;
     }
     if (usual) estimated = FoundPoint{*usual, of_an_estimate * mask::ramp(arc_->nasion_gap_mm, 10, 4)};
     if (seen && seen->confidence >= 0.5) {
-      report_.add("suture_near_midline_ratio", suture->near_midline_ratio);
+      result_.suture_near_midline_ratio = suture->near_midline_ratio;
       if (suture->near_midline_ratio < min_near_midline_ratio)
         lower(*seen, "bregma", of_a_fused_suture / seen->confidence,
               "the coronal suture has grown together at the midline, and is seen beside it alone");
@@ -302,7 +303,7 @@ class Finder {
                behind = surface::point_along(midline, params_.along_mm + tangent_mm),
                ahead = surface::point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
     if (!top || !behind || !ahead || runs_over_edge(skin, arc_->skin, *top)) {
-      report_.warn("kocher_left and kocher_right not found: the midline's skin ends before, at the scan's edge");
+      not_found("kocher_left and kocher_right", "the midline's skin ends before, at the scan's edge");
       return;
     }
     const Vec3 outwards = cross(head_.left, normalized(*behind - *ahead));
@@ -318,7 +319,7 @@ class Finder {
       if (out_.find(name)) continue;
       const auto p = surface::point_along(lateral, params_.lateral_mm);
       if (!p || runs_over_edge(skin, lateral, *p) || base < min_confidence) {
-        report_.warn(name + " not found: the skin ends before, at the scan's edge, or the nasion is doubtful");
+        not_found(name, "the skin ends before, at the scan's edge, or the nasion is doubtful");
         continue;
       }
       // The confidence includes the plane's already, through the nasion's.
@@ -329,7 +330,7 @@ class Finder {
       if (suture_mm) {
         const double before_mm =
             craniometry::before_suture_mm(*p, *suture_mm, arc_->centre_mm, *known("nasion", min_confidence));
-        report_.add(name + "_before_suture_mm", before_mm);
+        result_.before_suture_mm.emplace_back(name, before_mm);
         if (before_mm < craniometry::min_before_suture_mm || before_mm > craniometry::max_before_suture_mm)
           lower(found, name, 0.45,
                 fmt::format("{:.0f} mm before the coronal suture, {:.0f} to {:.0f} are right", before_mm,
@@ -349,20 +350,20 @@ class Finder {
   }
 
   void tell() {
-    report_.add("midsagittal_confidence", out_.midsagittal.confidence);
-    for (const cases::CaseLandmark& l : out_.landmarks) {
-      report_.add(l.name + "_mm",
-                  fmt::format("[{:.1f}, {:.1f}, {:.1f}]", l.position_mm.x, l.position_mm.y, l.position_mm.z));
-      report_.add(l.name + "_confidence", l.confidence);
-    }
+    result_.midsagittal_confidence = out_.midsagittal.confidence;
+    for (const cases::CaseLandmark& l : out_.landmarks)
+      result_.landmarks.emplace_back(l.name, LandmarkFigures{fmt::format("[{:.1f}, {:.1f}, {:.1f}]", l.position_mm.x,
+                                                                         l.position_mm.y, l.position_mm.z),
+                                                             l.confidence});
   }
 
   const grid::HuVolume& volume_;
   const grid::Lattice& lattice_;
   const LandmarkInputs& in_;
   const LandmarkParams& params_;
-  Report& report_;
   HeadLandmarks out_;
+  LandmarksResult result_;
+  Warnings warnings_;
   HeadFrame head_;
   std::optional<MidlineArc> arc_;           ///< none without a nasion
   std::map<std::string, std::string> why_;  ///< a landmark is doubtful
@@ -372,9 +373,9 @@ class Finder {
 
 }  // namespace
 
-HeadLandmarks find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
-                             Report& report, const Progress& progress) {
-  HeadLandmarks found = Finder(volume, inputs, params, report).run(progress);
+Outcome<HeadLandmarks, LandmarksResult> find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs,
+                                                       const LandmarkParams& params, const Progress& progress) {
+  auto found = Finder(volume, inputs, params).run(progress);
   progress.report(1);
   return found;
 }

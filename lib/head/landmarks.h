@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
 #include "mask/scan_figures.h"
@@ -42,6 +42,72 @@ struct LandmarkInputs {
   std::function<mask::ScanFigures(const Progress& progress)> scan_figures;
 };
 
+/// How well the head is symmetric.
+struct SymmetryFigures {
+  double residual_mm = 0, midline_residual_mm = 0, matched_ratio = 0, sharpness_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = SymmetryFigures;
+    v.number(&P::residual_mm, "symmetry_residual_mm", Range{}, "Of skull and skin from their mirror image.");
+    v.number(&P::midline_residual_mm, "symmetry_midline_residual_mm", Range{}, "Of the structures on the midline.");
+    v.number(&P::matched_ratio, "symmetry_matched_ratio", Range{}, "Share that matches.");
+    v.number(&P::sharpness_mm, "symmetry_sharpness_mm", Range{}, "How much worse a plane beside it is.");
+  }
+};
+/// The coronal suture where one is seen.
+struct SutureFigures {
+  double visible_ratio = 0, distinct_ratio = 0, halves_apart_mm = 0, from_nasion_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = SutureFigures;
+    v.number(&P::visible_ratio, "suture_visible_ratio", Range{}, "Share of the suture that is seen.");
+    v.number(&P::distinct_ratio, "suture_distinct_ratio", Range{}, "How much it stands out.");
+    v.number(&P::halves_apart_mm, "suture_halves_apart_mm", Range{}, "How far its two halves lie apart.");
+    v.number(&P::from_nasion_mm, "suture_from_nasion_mm", Range{}, "From the nasion, over the midline's skin.");
+  }
+};
+struct LandmarkFigures {
+  std::string position_mm;  ///< as a person reads it
+  double confidence = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&LandmarkFigures::position_mm, "mm", "Where it lies, LPS.");
+    v.number(&LandmarkFigures::confidence, "confidence", Range{}, "How sure it is, 0 to 1.");
+  }
+};
+/// What is printed of landmarks; what was not looked at is missing.
+struct LandmarksResult {
+  std::string midsagittal_from;             ///< "symmetry", or "given landmarks"
+  std::optional<SymmetryFigures> symmetry;  ///< where the plane is from that
+  std::optional<double> tragi_asymmetry_mm;
+  Named<double> covered_ratio;  ///< of the skin about a tragus
+  std::optional<double> vertex_to_highest_mm, vertex_to_half_way_mm;
+  std::optional<double> midline_leap_mm;
+  std::optional<SutureFigures> suture;
+  std::optional<double> suture_near_midline_ratio;  ///< where it is clear
+  Named<double> before_suture_mm;                   ///< how far a Kocher's point lies before it
+  double midsagittal_confidence = 0;
+  Named<LandmarkFigures> landmarks;
+  template <class V>
+  static void describe(V& v) {
+    using P = LandmarksResult;
+    v.text(&P::midsagittal_from, "midsagittal_from", "What the midsagittal plane is from.");
+    v.all_of(&P::symmetry);
+    v.number(&P::tragi_asymmetry_mm, "tragi_asymmetry_mm", "From one tragus to the other's mirror image.");
+    v.map(&P::covered_ratio, "covered", "Share of the skin about it that something lay on.")
+        .items_between("", "_covered_ratio");
+    v.number(&P::vertex_to_highest_mm, "vertex_to_highest_mm", "From the vertex to the highest point as scanned.");
+    v.number(&P::vertex_to_half_way_mm, "vertex_to_half_way_mm", "To half of the way from nasion to inion.");
+    v.number(&P::midline_leap_mm, "midline_leap_mm", "The widest leap of the midline's skin.");
+    v.all_of(&P::suture);
+    v.number(&P::suture_near_midline_ratio, "suture_near_midline_ratio", "Share that is seen near the midline.");
+    v.map(&P::before_suture_mm, "before_suture", "How far it lies before the coronal suture.")
+        .items_between("", "_before_suture_mm");
+    v.number(&P::midsagittal_confidence, "midsagittal_confidence", Range{}, "How sure the plane is, 0 to 1.");
+    v.map(&P::landmarks, "landmarks", "Each landmark.").items_joined("_");
+  }
+};
+
 /// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. docs/landmarks.md
 /// says how each is found and how its confidence (0 to 1) is computed; from 0.5 on it is reliable.
 /// - midsagittal plane: mirror symmetry of skull and skin, then of the structures on the midline; from nasion, inion
@@ -62,16 +128,15 @@ struct LandmarkInputs {
 /// does not lie 5 to 25 mm before a suture that is seen. Of each one below 0.5 a warning tells why.
 ///
 /// A landmark that lies outside the scan or cannot be seen (no face), or has a confidence below 0.05, is left out, and
-/// the report's warnings say so; nothing is invented. Given landmarks are in the result unchanged, with a warning for a
-/// name that is not searched for (and the nearest name that is). The report: symmetry_residual_mm and, for each
-/// landmark, its position and confidence. The result has the same bits whatever the thread count, and the function is
-/// safe to call from several threads.
+/// warnings say so; nothing is invented. Given landmarks are in the result unchanged, with a warning for a
+/// name that is not searched for (and the nearest name that is). The result has the same bits whatever the thread
+/// count, and the function is safe to call from several threads.
 ///
 /// Throws Error 64 without skin or skull; 65 where a field is on another raster, or where a given landmark is not
 /// finite, occurs twice, or lies more than 30 mm outside of the skin; 80 where the volume has only one value, or there
 /// is no skull or none that is symmetric while the plane is not given; Cancelled.
-HeadLandmarks find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
-                             Report& report, const Progress& progress = {});
+Outcome<HeadLandmarks, LandmarksResult> find_landmarks(const grid::HuVolume& volume, const LandmarkInputs& inputs,
+                                                       const LandmarkParams& params, const Progress& progress = {});
 
 /// `found`, with those of `given` in place of the ones of the same name, and the others after them. The plane and
 /// Kocher's points stay as they were; find_landmarks with `given` measures them again.

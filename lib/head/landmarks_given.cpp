@@ -69,8 +69,9 @@ std::string meant(const std::string& name) {
 
 }  // namespace
 
-void check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field* ventricles,
-                 Report& report) {
+Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin,
+                     const grid::Field* ventricles) {
+  Warnings warnings;
   std::set<std::string> names;
   for (const cases::CaseLandmark& l : given) {
     if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
@@ -90,14 +91,25 @@ void check_given(const std::vector<cases::CaseLandmark>& given, const grid::Fiel
                                   : ": is it of another scan?"));
     }
     if (is_on_skin(l.name) && is_deep(skin, l.position_mm, max_below_mm))
-      report.warn(fmt::format("{} as given lies more than {:.0f} mm below the skin", l.name, max_below_mm));
+      warnings.push_back({"given_below_skin",
+                          "{landmark} as given lies more than {most_mm:.0f} mm below the skin",
+                          {{"landmark", l.name}, {"most_mm", max_below_mm}}});
     if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, max_beside_mm))
-      report.warn(fmt::format("{} as given lies more than {:.0f} mm from the ventricles", l.name, max_beside_mm));
+      warnings.push_back({"given_beside_ventricles",
+                          "{landmark} as given lies more than {most_mm:.0f} mm from the ventricles",
+                          {{"landmark", l.name}, {"most_mm", max_beside_mm}}});
     if (is_known(l.name)) continue;
     const std::string near = meant(l.name);
-    report.warn(printable(l.name) + " is none of the landmarks that are looked for" +
-                (near.empty() ? ": it is kept as it is" : ", did you mean " + near + "?"));
+    if (near.empty())
+      warnings.push_back({"unknown_landmark",
+                          "{landmark} is none of the landmarks that are looked for: it is kept as it is",
+                          {{"landmark", printable(l.name)}}});
+    else
+      warnings.push_back({"unknown_landmark",
+                          "{landmark} is none of the landmarks that are looked for, did you mean {near}?",
+                          {{"landmark", printable(l.name)}, {"near", near}}});
   }
+  return warnings;
 }
 
 void check_sides(const std::vector<cases::CaseLandmark>& given, const MidsagittalPlane& plane) {
@@ -115,11 +127,14 @@ void check_sides(const std::vector<cases::CaseLandmark>& given, const Midsagitta
   }
 }
 
-void doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report) {
+std::optional<Warning> doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found) {
   const double off_mm = found ? norm(given.position_mm - found->position_mm) : 0;
-  if (found && found->confidence > 0.5 && off_mm > max_off_mm)
-    report.warn(fmt::format("{} as given lies {:.0f} mm from where it would be found, ({:.0f}, {:.0f}, {:.0f}) mm",
-                            given.name, off_mm, found->position_mm.x, found->position_mm.y, found->position_mm.z));
+  if (!found || !(found->confidence > 0.5) || !(off_mm > max_off_mm)) return std::nullopt;
+  const Vec3 p = found->position_mm;
+  return Warning{
+      "given_far_from_found",
+      "{landmark} as given lies {off_mm:.0f} mm from where it would be found, ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) mm",
+      {{"landmark", given.name}, {"off_mm", off_mm}, {"x_mm", p.x}, {"y_mm", p.y}, {"z_mm", p.z}}};
 }
 
 std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLandmark>& all) {

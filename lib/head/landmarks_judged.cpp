@@ -68,8 +68,8 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
   judge_foramina(all, given, reasons);
 }
 
-void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
-                            Report& report) {
+Warnings leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons) {
+  Warnings warnings;
   const auto is_none = [&](const cases::CaseLandmark& l) {
     return !given.count(l.name) && l.confidence < min_confidence;
   };
@@ -77,12 +77,17 @@ void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& giv
     if (given.count(l.name) || l.confidence >= doubtful_confidence) continue;
     const auto reason = reasons.find(l.name);
     const std::string because = reason == reasons.end() ? "" : ": " + reason->second;
-    report.warn(is_none(l) ? fmt::format("{} not found{}", l.name, because)
-                           : fmt::format("{} is doubtful (confidence {:.2f}){}; look at it, or give it in the case's "
-                                         "configuration: landmarks: {{{}: [x, y, z]}}, mm, LPS",
-                                         l.name, l.confidence, because, l.name));
+    if (is_none(l))
+      warnings.push_back(
+          {"landmark_not_found", "{landmark} not found{because}", {{"landmark", l.name}, {"because", because}}});
+    else
+      warnings.push_back({"landmark_doubtful",
+                          "{landmark} is doubtful (confidence {confidence:.2f}){because}; look at it, or give it in "
+                          "the case's configuration: landmarks: {{{landmark}: [x, y, z]}}, mm, LPS",
+                          {{"landmark", l.name}, {"confidence", l.confidence}, {"because", because}}});
   }
   all.landmarks.erase(std::remove_if(all.landmarks.begin(), all.landmarks.end(), is_none), all.landmarks.end());
+  return warnings;
 }
 
 }  // namespace trephine::head

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/report.h"
+#include "base/warning.h"
 #include "craniometry/near_distance.h"
 #include "craniometry/skin_arc.h"
 #include "head/head_landmarks.h"
@@ -42,15 +42,15 @@ struct FoundPoint {
 /// of the skin than a landmark marked on a cut-off part can. Warns where a name is not searched for (with the nearest
 /// one that is), where a landmark of the skin lies deep below it, and where a foramen is far from the ventricles (null:
 /// not known).
-void check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field* ventricles,
-                 Report& report);
+Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin,
+                     const grid::Field* ventricles);
 /// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi;
 /// none where too few are given. Throws Error 65 where they span no head.
 std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLandmark>& given);
 /// Throws Error 65 where a left landmark lies to the right of the plane, or the reverse.
 void check_sides(const std::vector<cases::CaseLandmark>& given, const MidsagittalPlane& plane);
 /// Warns where the given landmark is far from where it would be found.
-void doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report);
+std::optional<Warning> doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found);
 
 constexpr double min_confidence = 0.05;      ///< a landmark below this is left out
 constexpr double doubtful_confidence = 0.5;  ///< each landmark below this is told of
@@ -69,8 +69,7 @@ void judge_foramina(HeadLandmarks& all, const std::set<std::string>& given, Reas
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// Removes found landmarks below min_confidence; given ones stay. Warns of each that is removed, with the reason, and
 /// of each doubtful one, with the reason and how to give it.
-void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
-                            Report& report);
+Warnings leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons);
 
 /// How sure a landmark that is looked for in a scan of such slices and noise can be at most: the share of 1 that is
 /// left where half of the slices' distance is an error beside the 5 mm within which readers agree, and noise one beside

@@ -83,7 +83,7 @@ struct Span {
 
 }  // namespace
 
-void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& report, const Progress& progress) {
+TissueLevel level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, const Progress& progress) {
   const grid::Lattice& l = hu;
   const grid::Grid<float> mean = mask::masked_gaussian(hu, known, 1.0, -1000, 0.02, progress);
   const Vec3 centre = l.to_world_mm({0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), 0.5 * (l.size[2] - 1)});
@@ -102,15 +102,15 @@ void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& rep
           values.push_back(mean.at(i, j, k));
         }
   const double middle = mask::median(values, float(tissue_level_hu));
-  report.add("tissue_hu", middle);
-  if (samples.size() < 20 * terms) return;
+  TissueLevel level{middle, {}};
+  if (samples.size() < 20 * terms) return level;
   const Terms fit = fitted(samples, middle);
   double least = 1e300, most = -1e300;
   for (const Sample& s : samples) {
     least = std::min(least, value_of(fit, s.at));
     most = std::max(most, value_of(fit, s.at));
   }
-  report.add("tissue_slope_hu", most - least);
+  level.tissue_slope_hu = most - least;
   parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j) {
@@ -123,6 +123,7 @@ void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& rep
           row[i] += float(std::clamp(tissue_level_hu - (a + i * (first + i * second)), -max_hu, max_hu));
       }
   });
+  return level;
 }
 
 namespace {
@@ -287,11 +288,9 @@ void total_variation(grid::Grid<float>& hu, const mask::BitMask& domain, double 
     if (in[v] > 0) hu.voxels[v] = u[v];
 }
 
-grid::Grid<float> soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, bool level, double strength_ratio,
-                              float nowhere, Report& report, const Progress& progress) {
-  if (level) level_tissue(hu, known, report, progress);
+SoftTissue soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, double strength_ratio, float nowhere,
+                       const Progress& progress) {
   const double noise = tissue_noise(hu, known, progress);
-  report.add("tissue_noise_hu_mm1_5", noise);
   total_variation(hu, known, strength_ratio * noise, tv_iterations, progress);
   // Beside the known voxels, the mean of the known ones.
   const grid::Grid<float> beside = mask::masked_gaussian(hu, known, extend_mm, nowhere, 0.02, progress);
@@ -301,7 +300,7 @@ grid::Grid<float> soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, 
         for (int i = 0; i < hu.size[0]; ++i)
           if (!known.get(i, j, k)) hu.at(i, j, k) = beside.at(i, j, k);
   });
-  return hu;
+  return {std::move(hu), noise};
 }
 
 }  // namespace trephine::head

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
 #include "mask/scan_figures.h"
@@ -13,11 +13,23 @@ namespace trephine::head {
 /// HU of brain tissue after level_tissue, which is the typical value in a well calibrated scan.
 constexpr double tissue_level_hu = 30;
 
+/// HU of the brain's tissue before level_tissue.
+struct TissueLevel {
+  double tissue_hu = 0;                   ///< the fit at its centre
+  std::optional<double> tissue_slope_hu;  ///< how much it varies over the voxels; none: too few of them
+  template <class V>
+  static void describe(V& v) {
+    using P = TissueLevel;
+    v.number(&P::tissue_hu, "tissue_hu", Range{}, "HU of the brain's tissue.");
+    v.number(&P::tissue_slope_hu, "tissue_slope_hu", "How much they vary.");
+  }
+};
+
 /// Levels the brain's tissue. Scanners differ by several HU, and beam hardening darkens the middle of a head. A
 /// quadratic in space is fitted robustly to the brain's tissue among the voxels in `known` (CSF, blood and
 /// calcifications have no weight), and all values are moved by at most 30 HU, so that tissue lies at tissue_level_hu
-/// everywhere. Adds "tissue_hu" (the fit at its centre) and "tissue_slope_hu" (how much it varies over the voxels).
-void level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, Report& report, const Progress& progress = {});
+/// everywhere.
+TissueLevel level_tissue(grid::Grid<float>& hu, const mask::BitMask& known, const Progress& progress = {});
 
 /// The noise of tissue in the scan as HU mm^1.5: the square root of the spectral density of white noise, so that a mean
 /// over v mm^3 has a standard deviation of this value divided by sqrt(v), whatever the kernel and the slice thickness.
@@ -47,9 +59,15 @@ void check_scan_noise(const grid::HuVolume& volume,
 void total_variation(grid::Grid<float>& hu, const mask::BitMask& domain, double strength_hu_mm, int iterations,
                      const Progress& progress = {});
 
-/// The image in which brain and ventricles are found: levelled (where asked for) and denoised as strongly as its noise
-/// needs. Only the voxels in `known` count; the others get the mean of the known ones beside them, or `nowhere`.
-grid::Grid<float> soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, bool level, double strength_ratio,
-                              float nowhere, Report& report, const Progress& progress = {});
+/// The image in which brain and ventricles are found, and its noise as tissue_noise() measures it.
+struct SoftTissue {
+  grid::Grid<float> image;
+  double noise_hu_mm1_5 = 0;
+};
+
+/// Denoises the image as strongly as its noise needs. Only the voxels in `known` count; the others get the mean of the
+/// known ones beside them, or `nowhere`.
+SoftTissue soft_tissue(grid::Grid<float> hu, const mask::BitMask& known, double strength_ratio, float nowhere,
+                       const Progress& progress = {});
 
 }  // namespace trephine::head

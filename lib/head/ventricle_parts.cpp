@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/ventricle_parts.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,20 +40,19 @@ mask::BitMask believable_pieces(const mask::BitMask& found, const place::HeadPla
   return mask::select(pieces, keep);
 }
 
-void warn_of_stubs(const mask::BitMask& cut_off, const mask::BitMask& ventricles, Report& report) {
+std::optional<Warning> warn_of_stubs(const mask::BitMask& cut_off, const mask::BitMask& ventricles) {
   mask::BitMask border = mask::at_least_ml(mask::components(cut_off, true), streak_ml);
   border &= mask::dilated_6(ventricles);
-  if (!border.any()) return;
+  if (!border.any()) return std::nullopt;
   const Vec3 at = mask::largest(mask::components(border, true)).centre_mm();
-  report.warn(
-      fmt::format("a thin dark streak was cut off the ventricles at ({:.0f}, {:.0f}, {:.0f}) mm, as of a catheter or a "
-                  "clip; what of it runs across them may be left as a stub: look there",
-                  at.x, at.y, at.z));
+  return Warning{"stub_of_streak",
+                 "a thin dark streak was cut off the ventricles at ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) mm, as of a "
+                 "catheter or a clip; what of it runs across them may be left as a stub: look there",
+                 {{"x_mm", at.x}, {"y_mm", at.y}, {"z_mm", at.z}}};
 }
 
-void warn_of_streaks(const std::vector<mask::StreakedSlice>& slices, const grid::Lattice& lattice,
-                     const mask::BitMask& ventricles, Report& report) {
-  report.add("streaked_slices_count", slices.size());
+std::optional<Warning> warn_of_streaks(const std::vector<mask::StreakedSlice>& slices, const grid::Lattice& lattice,
+                                       const mask::BitMask& ventricles) {
   const grid::Box box = ventricles.bounds();
   const int first = int(std::lround(lattice.to_index(ventricles.lattice().to_world_mm({0, 0, 0})).z)) + box.begin[2];
   double worst_hu = 0, from_mm = 0, to_mm = 0;
@@ -66,18 +63,19 @@ void warn_of_streaks(const std::vector<mask::StreakedSlice>& slices, const grid:
     to_mm = worst_hu > 0 ? std::max(to_mm, z) : z;
     worst_hu = std::max(worst_hu, s.rms_hu);
   }
-  if (worst_hu > 0)
-    report.warn(fmt::format(
-        "streaks of {:.0f} HU cross the slices at z {:.0f} to {:.0f} mm, as of a holder or fillings; they were taken "
-        "off before the ventricles were sought, but what lies there is doubtful: look there, or choose a series "
-        "without them",
-        worst_hu, from_mm, to_mm));
+  if (worst_hu == 0) return std::nullopt;
+  return Warning{"streaks_cross_ventricles",
+                 "streaks of {streaks_hu:.0f} HU cross the slices at z {from_mm:.0f} to {to_mm:.0f} mm, as of a holder "
+                 "or fillings; they were taken off before the ventricles were sought, but what lies there is doubtful: "
+                 "look there, or choose a series without them",
+                 {{"streaks_hu", worst_hu}, {"from_mm", from_mm}, {"to_mm", to_mm}}};
 }
 
-void report_parts(const mask::BitMask& found, const place::HeadPlace& place, Report& report) {
+Outcome<std::monostate, VentricleParts> measure_parts(const mask::BitMask& found, const place::HeadPlace& place) {
+  Outcome<std::monostate, VentricleParts> out;
   const mask::Components pieces = mask::components(found);
-  report.add("pieces_count", pieces.list.size());
-  if (!place.sure) return;
+  out.result.pieces_count = pieces.list.size();
+  if (!place.sure) return out;
   enum Part { frontal, body, trigone, horns, parts };
   std::array<std::array<double, parts>, 2> ml{};
   double third = 0, third_x = 0;
@@ -96,24 +94,26 @@ void report_parts(const mask::BitMask& found, const place::HeadPlace& place, Rep
   std::array<double, 2> sum{};
   for (int side = 0; side < 2; ++side)
     for (const double v : ml[side]) sum[side] += v;
-  report.add("ventricle_left_ml", sum[0]);
-  report.add("ventricle_right_ml", sum[1]);
-  report.add("third_ml", third);
-  report.add("asymmetry_ml", sum[0] - sum[1]);
-  if (third > 0) report.add("third_shift_mm", third_x / third * place.scale.x);
-  constexpr const char* sides[2] = {"left", "right"};
-  constexpr const char* names[3] = {"frontal horn", "body", "trigone"};
+  VentricleSides& sides = out.result.sides.emplace(VentricleSides{sum[0], sum[1], third, sum[0] - sum[1], {}});
+  if (third > 0) sides.third_shift_mm = third_x / third * place.scale.x;
+  constexpr const char* side_names[2] = {"left", "right"};
+  constexpr const char* part_names[3] = {"frontal horn", "body", "trigone"};
   for (int side = 0; side < 2; ++side)
     for (const Part part : {frontal, body, trigone}) {
       const double mine = ml[side][part], other = ml[1 - side][part];
       if (mine < there_ml)
-        report.warn(
-            fmt::format("no {} of the {} lateral ventricle found where it should be", names[part], sides[side]));
+        out.warnings.push_back({"no_part",
+                                "no {part} of the {side} lateral ventricle found where it should be",
+                                {{"part", part_names[part]}, {"side", side_names[side]}}});
       else if (mine < compressed_ratio * other && other > compressed_ml)
-        report.warn(fmt::format("the {} of the {} lateral ventricle holds {:.1f} ml, the other side's {:.1f}",
-                                names[part], sides[side], mine, other));
+        out.warnings.push_back(
+            {"compressed_part",
+             "the {part} of the {side} lateral ventricle holds {part_ml:.1f} ml, the other side's {other_ml:.1f}",
+             {{"part", part_names[part]}, {"side", side_names[side]}, {"part_ml", mine}, {"other_ml", other}}});
     }
-  if (third < there_ml) report.warn("no third ventricle found where it should be");
+  if (third < there_ml)
+    out.warnings.push_back({"no_third_ventricle", "no third ventricle found where it should be", {}});
+  return out;
 }
 
 }  // namespace trephine::head

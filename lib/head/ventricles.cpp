@@ -145,8 +145,8 @@ grid::Field resampled(grid::Field from, const grid::Lattice& to, const Progress&
   return from;
 }
 
-grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, const VentriclesParams& p,
-                          Report& report, const Progress& progress) {
+Outcome<grid::Field, VentriclesResult> ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks,
+                                                     const VentriclesParams& p, const Progress& progress) {
   const grid::Box brain_box = grid::grown(mask::positive(*masks.brain, *masks.brain).bounds(), 1, *masks.brain);
   if (brain_box.empty())
     throw refusal("brain", "the mask is empty: 0 voxels",
@@ -157,6 +157,7 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
   for (int a = 0; a < 3; ++a)
     if (box.begin[a] < 0 || box.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "brain", "the field reaches beyond the volume");
+  VentriclesResult result;
   const bool fitted = p.edge == segmentation::SegmentEdge::half_maximum;
   // Finer voxels add no information about the shape; the edge is fitted between the voxels.
   const int merge = fitted ? std::clamp(int(max_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
@@ -188,9 +189,11 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
     raw = mask::masked_gaussian(std::move(raw), averaged, p.smoothing_sigma_mm, 1000, 0.02, progress);
   }
   known &= soft_alone();
-  if (p.edge == segmentation::SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
+  if (p.edge == segmentation::SegmentEdge::half_maximum) result.level = level_tissue(raw, known, progress);
   const std::vector<mask::StreakedSlice> streaks = mask::remove_streaks(raw, known, progress);
-  grid::Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
+  SoftTissue denoised = soft_tissue(raw, known, strength_ratio, 1000, progress);
+  result.tissue_noise_hu_mm1_5 = denoised.noise_hu_mm1_5;
+  grid::Field soft = std::move(denoised.image);
   const double noise = tissue_noise(raw, known, progress);
   check_noise(noise, raw, p.smoothing_sigma_mm);
   progress.report(0.4);
@@ -200,19 +203,20 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
   mask::BitMask others, cut_off;
   const mask::BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
   const place::HeadPlace place = place::place_head(envelope, &wide, hu.lattice(), progress);
-  place::report_place(place, report);
+  result.place = figures_of(place);
+  Warnings warnings = warnings_of(place);
   mask::BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   progress.report(0.6);
   if (p.edge == segmentation::SegmentEdge::half_maximum && shape.any()) {
     upper = half_of_both_sides(soft, shape, brain, upper, progress);
     shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   }
-  report.add("upper_hu", upper);
-  warn_of_stubs(cut_off, shape, report);
+  result.upper_hu = upper;
+  if (const auto stubs = warn_of_stubs(cut_off, shape)) warnings.push_back(*stubs);
   if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
   shape |= mask::holes(shape, {p.fill_close_mm, 5, false}, progress);  // choroid plexus, calcified or not
   shape &= brain;
-  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count());
   progress.report(0.8);
   const auto margin = [&](double mm) {
     return int(std::ceil(mm / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z})));
@@ -226,7 +230,7 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
     horns =
         find_horns(trephine::grid::crop(raw, around), mask::crop(known, around), mask::crop(envelope, around),
                    mask::crop(others, around), mask::crop(shape, around), centre, place, noise, horns_count, progress);
-    report.add("horns_count", horns_count);
+    result.horns_count = horns_count;
     course = mask::positive(horns, l);
     course &= brain;
   }
@@ -260,20 +264,23 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
     found &= mask::crop(fine_brain, out);
     found = believable_pieces(found, place);
     found |= mask::holes(found, {p.fill_close_mm, 5, false}, progress);
-    if (!found.any()) mask::check_mask(found, hu.lattice().count(), report);
+    if (!found.any()) mask::check_mask(found, hu.lattice().count());
   } else {
     for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
     field = trephine::grid::crop(soft, cut);
     found = mask::crop(shape, cut);
   }
-  const std::size_t cut_count =
+  result.cut_voxels_count =
       mask::place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
-  report.add("cut_voxels_count", cut_count);
-  report_parts(found, place, report);
-  warn_of_streaks(streaks, l, found, report);
+  const auto parts = measure_parts(found, place);
+  result.parts = parts.result;
+  warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
+  result.streaked_slices_count = streaks.size();
+  if (const auto crossed = warn_of_streaks(streaks, l, found)) warnings.push_back(*crossed);
   const double ml = double(found.count()) * whole.voxel_volume_mm3() / 1000;
-  if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");
-  return field;
+  if (ml < 3 || ml > 200)
+    warnings.push_back({"unusual_ventricles", "the ventricles found are not of the size of an adult's", {}});
+  return {std::move(field), std::move(result), std::move(warnings)};
 }
 
 }  // namespace
@@ -281,17 +288,17 @@ grid::Field ventricles_in(const mask::HuView& hu, const VentriclesMasks& masks, 
 
 namespace trephine::head {
 
-grid::Field find_ventricles(const grid::HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
-                            Report& report, const Progress& progress) {
+Outcome<grid::Field, VentriclesResult> find_ventricles(const grid::HuVolume& volume, const VentriclesMasks& masks,
+                                                       const VentriclesParams& params, const Progress& progress) {
   if (!masks.brain) throw Error(ExitCode::usage, "", "brain", "is needed: the field of the brain that holds them");
   segmentation::check_thresholds(params.lower_hu, params.upper_hu);
-  return segmentation::found_and_finished(
+  return segmentation::finished<VentriclesResult>(
       volume, {params.grow_mm, 1},
       [&](const mask::HuView& hu) {
         mask::check_varies(volume);
-        return ventricles_in(hu, masks, params, report, progress);
+        return ventricles_in(hu, masks, params, progress);
       },
-      report, progress);
+      progress);
 }
 
 }  // namespace trephine::head

@@ -86,8 +86,8 @@ ChildResult filtered_by_itk(const grid::Grid<float>& before, const DenoiseTask& 
 
 }  // namespace
 
-grid::HuVolume denoise(const grid::HuVolume& volume, const grid::Field* within, const DenoiseParams& params,
-                       Report& report, const Progress& progress) {
+Outcome<grid::HuVolume, DenoiseResult> denoise(const grid::HuVolume& volume, const grid::Field* within,
+                                               const DenoiseParams& params, const Progress& progress) {
   const grid::Lattice& lattice = grid::lattice_of(volume);
   const double margin_mm =
       params.method == DenoiseMethod::non_local_means ? params.search_mm + params.patch_mm : 4 * params.sigma_mm;
@@ -138,11 +138,12 @@ grid::HuVolume denoise(const grid::HuVolume& volume, const grid::Field* within, 
             }
       },
       out);
-  report.add("voxels_count", before.voxels.size());
-  if (params.method == DenoiseMethod::curvature) report.add("iterations_count", task.iterations);
+  DenoiseResult figures;
+  figures.voxels_count = before.voxels.size();
+  if (params.method == DenoiseMethod::curvature) figures.iterations_count = task.iterations;
   const double mean = soft ? sum / double(soft) : 0;
-  report.add("removed_hu", soft ? std::sqrt(std::max(0.0, square / double(soft) - mean * mean)) : 0.0);
-  return out;
+  figures.removed_hu = soft ? std::sqrt(std::max(0.0, square / double(soft) - mean * mean)) : 0.0;
+  return {std::move(out), figures, {}};
 }
 
 }  // namespace trephine::itk

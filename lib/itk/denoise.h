@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::itk {
@@ -40,6 +40,20 @@ struct DenoiseParams {
   }
 };
 
+/// What is printed of it.
+struct DenoiseResult {
+  std::size_t voxels_count = 0;
+  std::optional<std::int64_t> iterations_count;
+  double removed_hu = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = DenoiseResult;
+    v.integer(&P::voxels_count, "voxels_count", Range{}, "Voxels that were filtered.");
+    v.integer(&P::iterations_count, "iterations_count", "Iterations, of the curvature flow.");
+    v.number(&P::removed_hu, "removed_hu", Range{}, "Standard deviation of what was taken away within soft tissue.");
+  }
+};
+
 /// The volume with less noise, by ITK's filters in a bounded child (itk_child.h), or by our own non-local means
 /// (non_local_means.h). Where `within` is given, only the box
 /// about the places where it is positive is filtered, with 4 sigma_mm (search_mm and patch_mm) around it; the rest
@@ -47,12 +61,11 @@ struct DenoiseParams {
 /// computed by itself.
 ///
 /// Curvature: [Whitaker2001] diffusion until a Gaussian of sigma_mm would be reached, in steps that are stable for the
-/// smallest voxel side. Reports voxels_count, iterations_count, and removed_hu, the standard deviation of what was
-/// taken away within soft tissue (-100 to 100 HU). Throws 64 where sigma_mm (search_mm) is too
+/// smallest voxel side. Soft tissue is -100 to 100 HU. Throws 64 where sigma_mm (search_mm) is too
 /// much for the voxels (5,000 steps each), 65 where a voxel is not finite, the Gaussian has fewer than
 /// 4 voxels along an axis, or `within` is nowhere
 /// positive; as itk_child::run.
-grid::HuVolume denoise(const grid::HuVolume& volume, const grid::Field* within, const DenoiseParams& params,
-                       Report& report, const Progress& progress = {});
+Outcome<grid::HuVolume, DenoiseResult> denoise(const grid::HuVolume& volume, const grid::Field* within,
+                                               const DenoiseParams& params, const Progress& progress = {});
 
 }  // namespace trephine::itk

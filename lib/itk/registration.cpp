@@ -66,8 +66,7 @@ void check_extent(const grid::Lattice& lattice, const std::string& which) {
 }
 
 grid::Grid<float> at_spacing(const grid::Grid<float>& grid, double mm) {
-  Report ignored;
-  return std::get<grid::Grid<float>>(grid::resample(grid::HuVolume(grid), {{mm, mm, mm}}, ignored));
+  return std::get<grid::Grid<float>>(grid::resample(grid::HuVolume(grid), {{mm, mm, mm}}).value);
 }
 
 // 8 mm, 4 mm and the finest; each made of the one before it, from fine to coarse.
@@ -128,39 +127,25 @@ std::string doubts_of(const RegistrationFound& f, const RegistrationParams& p, d
 }
 
 // Two scans of one head give figures well within the limits, which are wide for scans that are worse than ours.
-std::string unusual(const RegistrationFound& f, const RegistrationParams& p) {
+bool is_unusual(const RegistrationFound& f, const RegistrationParams& p) {
   constexpr double usual_ratio = 0.3;  // of the limit of the stretch: 1.2 %; phantoms of one head give 0.7 % at most
-  if (p.kind != RegistrationKind::rigid || !(f.scale_ratio > usual_ratio * p.largest_scale_ratio)) return "";
-  return fmt::format(
-      "an affine registration would stretch by {:.3f}, which is within the limit of {} and more than two scans of one "
-      "head usually give: look at the picture of `register` whether this is the same patient",
-      f.scale_ratio, p.largest_scale_ratio);
+  return p.kind == RegistrationKind::rigid && f.scale_ratio > usual_ratio * p.largest_scale_ratio;
 }
 
-void describe_map(const Registration& r, Report& report) {
-  std::vector<double> rows;
+RegistrationFigures figures_of_map(const LinearMap& map) {
+  RegistrationFigures figures;
   for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) rows.push_back(r.map.matrix.column[k][i]);
-    rows.push_back(r.map.offset_mm[i]);
+    for (int k = 0; k < 3; ++k) figures.transform.push_back(map.matrix.column[k][i]);
+    figures.transform.push_back(map.offset_mm[i]);
   }
-  report.figures.emplace_back("transform", ParameterValue(rows));
-  report.add("turn_deg", angle_deg(r.map));
-}
-
-void describe(const Registration& r, const RegistrationFound& f, Report& report) {
-  describe_map(r, report);
-  report.add("information_nats", f.information);
-  report.add("spread_mm", f.spread_mm);
-  report.add("inverse_mm", f.inverse_mm);
-  report.add("overlap_ratio", f.overlap_ratio);
-  report.add("margin_ratio", f.margin_ratio);
-  report.add("scale_ratio", f.scale_ratio);
+  figures.turn_deg = angle_deg(map);
+  return figures;
 }
 
 }  // namespace
 
 Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& moving, const grid::Field* within,
-                            const std::optional<LinearMap>& initial, const RegistrationParams& params, Report& report,
+                            const std::optional<LinearMap>& initial, const RegistrationParams& params,
                             const Progress& progress) {
   if (!(params.lower_hu < params.upper_hu)) throw Error(ExitCode::usage, "", "lower_hu", "is not below upper_hu");
   check_extent(grid::lattice_of(fixed), "volume");
@@ -202,17 +187,25 @@ Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& m
   double longest_side_mm = params.finest_mm;
   for (const grid::HuVolume* volume : {&fixed, &moving})
     for (int a = 0; a < 3; ++a) longest_side_mm = std::max(longest_side_mm, grid::lattice_of(*volume).spacing_mm[a]);
-  Registration r{found.map, doubts_of(found, params, longest_side_mm)};
-  describe(r, found, report);
-  const std::string doubt = unusual(found, params);
-  const bool another = r.doubts.empty() && !doubt.empty();
-  report.add("another_patient", another);
-  if (another) report.warn(doubt);
+  Registration r{found.map, doubts_of(found, params, longest_side_mm), figures_of_map(found.map), {}};
+  r.figures.information_nats = found.information;
+  r.figures.spread_mm = found.spread_mm;
+  r.figures.inverse_mm = found.inverse_mm;
+  r.figures.overlap_ratio = found.overlap_ratio;
+  r.figures.margin_ratio = found.margin_ratio;
+  r.figures.scale_ratio = found.scale_ratio;
+  r.figures.another_patient = r.doubts.empty() && is_unusual(found, params);
+  if (*r.figures.another_patient)
+    r.warnings.push_back({"another_patient",
+                          "an affine registration would stretch by {scale_ratio:.3f}, which is within the limit of "
+                          "{limit_ratio} and more than two scans of one head usually give: look at the picture of "
+                          "`register` whether this is the same patient",
+                          {{"scale_ratio", found.scale_ratio}, {"limit_ratio", params.largest_scale_ratio}}});
   return r;
 }
 
 Registration given_registration(const grid::HuVolume& fixed, const grid::HuVolume& moving, const LinearMap& map,
-                                const RegistrationParams& params, Report& report) {
+                                const RegistrationParams& params) {
   constexpr float body_hu = -300;
   constexpr double stretch = 1e-4;
   for (int a = 0; a < 3 && params.kind == RegistrationKind::rigid; ++a)
@@ -242,12 +235,11 @@ Registration given_registration(const grid::HuVolume& fixed, const grid::HuVolum
   RegistrationFound found;
   found.map = map;
   found.overlap_ratio = body > 0 ? double(both) / double(body) : 0;
-  Registration r{map, ""};
+  Registration r{map, "", figures_of_map(map), {}};
   if (!(found.overlap_ratio >= params.least_overlap_ratio))
     r.doubts = fmt::format("{:.2f} of the CT's body lies in the second scan, at least {} (least_overlap_ratio)",
                            found.overlap_ratio, params.least_overlap_ratio);
-  describe_map(r, report);
-  report.add("overlap_ratio", found.overlap_ratio);
+  r.figures.overlap_ratio = found.overlap_ratio;
   return r;
 }
 

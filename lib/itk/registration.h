@@ -3,9 +3,10 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/warning.h"
 #include "grid/grid.h"
 #include "itk/transform.h"
 
@@ -69,9 +70,45 @@ struct RegistrationParams {
   }
 };
 
+/// The figures of a registration; those that a given transform has not been measured for are missing.
+struct RegistrationFigures {
+  std::vector<double> transform;
+  double turn_deg = 0;
+  std::optional<double> information_nats, spread_mm, inverse_mm, overlap_ratio, margin_ratio, bone_ratio, scale_ratio;
+  std::optional<bool> another_patient;  ///< the limits are kept, but two scans of one head usually need less stretching
+  std::optional<double> given_apart_mm;
+  template <class V>
+  static void describe(V& v) {
+    using P = RegistrationFigures;
+    v.numbers(&P::transform, "transform", "Rows of the matrix from the CT to the second scan, each with its offset.");
+    v.number(&P::turn_deg, "turn_deg", Range{}, "Angle by which it turns.");
+    v.number(&P::information_nats, "information_nats", "Mutual information.");
+    v.number(&P::spread_mm, "spread_mm", "How far apart registrations end that begin off the result.");
+    v.number(&P::inverse_mm, "inverse_mm", "How far the registration in the other direction is from the inverse.");
+    v.number(&P::overlap_ratio, "overlap_ratio", "Share of the CT's body that lies in the second scan.");
+    v.number(&P::margin_ratio, "margin_ratio", "By how much the information exceeds that of places 20 mm off.");
+    v.number(&P::bone_ratio, "bone_ratio", "How far the bones of two reconstructions lie upon each other.");
+    v.number(&P::scale_ratio, "scale_ratio", "How much an affine registration would still stretch.");
+    v.flag(&P::another_patient, "another_patient", "Whether that is more than two scans of one head usually need.");
+    v.number(&P::given_apart_mm, "given_apart_mm", "How far a given transform leads from the images' own.");
+  }
+};
+
 struct Registration {
   LinearMap map;       ///< from a place in the fixed scan to the moving one
   std::string doubts;  ///< why the result must not be used; empty where the self-check passed
+  RegistrationFigures figures;
+  Warnings warnings;
+};
+
+/// A registration that must not be used; the map is for a picture of it.
+class DoubtfulRegistration : public Error {
+ public:
+  DoubtfulRegistration(const Error& error, const LinearMap& map) : Error(error), map_(map) {}
+  const LinearMap& map() const { return map_; }
+
+ private:
+  LinearMap map_;
 };
 
 /// Registers the moving scan onto the fixed one, a CT, by Mattes' mutual information [Mattes2003] as ITK computes it,
@@ -82,23 +119,21 @@ struct Registration {
 /// every number of threads.
 ///
 /// The result checks itself: three starts 8 mm and 8 degrees off, the other direction, overlap, the metric's margin,
-/// and what an affine registration would still stretch. Reports the transform, these figures and the mutual
-/// information. Where a limit of params is not kept, `doubts` says which; the caller decides (register exits with 80).
-/// `another_patient` of the report: the limits are kept, but two scans of one head usually need less stretching;
-/// warned.
+/// and what an affine registration would still stretch. Where a limit of params is not kept, `doubts` says which; the caller decides (register exits with 80).
+/// Warns where another_patient holds.
 ///
 /// Throws Error 64 where lower_hu is not below upper_hu; 65 where a scan is empty of contrast, has a voxel that is not
 /// finite, or is smaller than 32 mm along an axis; as itk_child::run.
 Registration register_scans(const grid::HuVolume& fixed, const grid::HuVolume& moving, const grid::Field* within,
-                            const std::optional<LinearMap>& initial, const RegistrationParams& params, Report& report,
+                            const std::optional<LinearMap>& initial, const RegistrationParams& params,
                             const Progress& progress = {});
 
-/// Takes the map for the registration's result. Reports it and the share of the CT's body (above -300 HU) that lies in
+/// Takes the map for the registration's result, with the share of the CT's body (above -300 HU) that lies in
 /// the moving scan; doubts where that is less than least_overlap_ratio. (Whether the images agree is the caller's to
 /// check: apart_mm, bone_ratio.) Throws Error 65 where the kind is rigid and the
 /// map stretches by more than 1e-4.
 Registration given_registration(const grid::HuVolume& fixed, const grid::HuVolume& moving, const LinearMap& map,
-                                const RegistrationParams& params, Report& report);
+                                const RegistrationParams& params);
 
 /// The moving scan on the fixed one's voxels: trilinear, `outside` where it does not reach; whole numbers where the
 /// moving scan has them.

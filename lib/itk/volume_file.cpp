@@ -195,7 +195,7 @@ VolumeFile read_any(const fs::path& file, const Progress& progress, const std::s
       try {
         return decoded(grid::read_nrrd_bounded(file, grid::scan_limit, progress), "NRRD");
       } catch (const Error& e) {
-        if (e.field() != "encoding" && e.field() != "data file") throw;
+        if (e.cause() != Cause::other_encoding) throw;
       }
       return read_with_itk(file, ItkFormat::nrrd, "NRRD", progress);
     case Kind::detached_nrrd:

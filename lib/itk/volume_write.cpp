@@ -183,7 +183,7 @@ grid::AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vec
         return std::move(read.grid);
       });
     } catch (const Error& e) {
-      if (!nrrd || (e.field() != "encoding" && e.field() != "data file")) throw;
+      if (!nrrd || e.cause() != Cause::other_encoding) throw;
     }
   }
   VolumeFile volume = read_volume_file(file, progress, analyze_axes);

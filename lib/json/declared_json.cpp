@@ -23,12 +23,6 @@ Json written(const Parameter& p, const ParameterValue& value) {
   return out;
 }
 
-// Whether a file goes without the key: nothing is there, or the value is the default.
-bool is_left_out(const Parameter& p, const ParameterSet& set, void* object) {
-  if (!p.left_out) return false;
-  return p.is_value() ? p.get(object) == p.get(set.make().get()) : p.items(object).empty();
-}
-
 Json written(const Parameter& p, void* object) {
   if (p.is_value()) return written(p, p.get(object));
   const std::vector<ParameterItem> items = p.items(object);
@@ -51,7 +45,7 @@ Json written(const ParameterSet& set, void* object) {
   if (const Parameter* only = set.only_value()) return written(*only, object);
   Json out = Json::object();
   for (const Parameter& p : set.parameters)
-    if (Json one = is_left_out(p, set, object) ? Json() : written(p, object); !one.is_null())
+    if (Json one = is_absent(p, set, object) ? Json() : written(p, object); !one.is_null())
       out[p.name] = std::move(one);
   return out;
 }

@@ -32,6 +32,19 @@ std::string declared_json(const AnyParams& params, int indent = 1);
 /// {"name": {...}}.
 void read_declared_json(std::string_view json, const ParameterSet& set, void* object, const JsonRules& rules = {});
 
+/// Of what this program wrote for itself and reads back, such as a cache.
+inline const JsonRules of_a_program{1, 1 << 24, {}};
+template <class R>
+std::string json_of_value(R value) {
+  return declared_json(parameters_of<R>(), &value, -1);
+}
+template <class R>
+R value_of_json(std::string_view json) {
+  R value;
+  read_declared_json(json, parameters_of<R>(), &value, of_a_program);
+  return value;
+}
+
 /// The text below these keys, which says how the rest is to be read; "" where there is none. The bounds are the same,
 /// and Error 65 is thrown where it is no JSON.
 std::string declared_text(std::string_view json, const std::vector<std::string>& keys);

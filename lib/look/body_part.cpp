@@ -69,6 +69,7 @@ double inner_air_ml(const mask::BitMask& air) {
 
 void look_for_canal(const mask::BitMask& bone, const mask::HuView& hu, BodyPartSeen& seen, const Progress& progress) {
   constexpr double about_mm = 60;
+  seen.canal_mm = seen.canal_hu = seen.bone_about_canal_ratio = 0;
   const grid::Lattice& l = bone.lattice();
   if (std::abs(l.direction.column[2].z) < 0.7) return;
   const trunk::CanalCourse course = trunk::canal_course(bone, {}, progress);
@@ -105,11 +106,13 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
   const mask::BitMask bone = mask::coarse_mask(mask::above(hu, bone_hu), raster, 0.4);
   BodyPartSeen seen;
   seen.tissue_ml = ml(between(cells, tissue_low_hu, tissue_high_hu));
-  if (!bone.any()) return seen;
+  if (!bone.any()) {
+    seen.canal_mm = seen.canal_hu = seen.bone_about_canal_ratio = 0;
+    return seen;
+  }
   progress.report(0.4);
   try {
-    Report ignored;
-    const mask::BitMask space = head::cranial_cavity(bone, ignored, progress);
+    const mask::BitMask space = head::cranial_cavity(bone, progress).value;
     seen.enclosed_ml = ml(space);
     mask::BitMask air = space;
     air.remove(mask::above(cells, air_hu));
@@ -131,8 +134,9 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
 
 namespace {
 
-void judge_head(const BodyPartSeen& seen, std::string& is_expected, Report& report) {
-  if (seen.head) return;
+// Whether a head is seen, or at least a skull that is small, open or cut.
+bool shows_head(const BodyPartSeen& seen) {
+  if (seen.head) return true;
   if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml &&
       seen.walled_ratio < lung_walled_ratio)
     throw refusal("expected",
@@ -142,21 +146,17 @@ void judge_head(const BodyPartSeen& seen, std::string& is_expected, Report& repo
                   {"take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
                    "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, "
                    "--set body_part.refuse=false makes it, told as doubtful"});
-  if (seen.enclosed_ml == 0 && seen.canal_mm > spine_mm && seen.canal_hu > spine_low_hu &&
-      seen.canal_hu < spine_high_hu && seen.bone_about_canal_ratio > spine_bone_ratio)
+  const double canal_mm = *seen.canal_mm, canal_hu = *seen.canal_hu, bone_ratio = *seen.bone_about_canal_ratio;
+  if (seen.enclosed_ml == 0 && canal_mm > spine_mm && canal_hu > spine_low_hu && canal_hu < spine_high_hu &&
+      bone_ratio > spine_bone_ratio)
     throw refusal("expected",
                   fmt::format("a spine is seen, and no head: bone encloses no cranial cavity, but a canal {:.0f} mm "
                               "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
-                              seen.canal_mm, 100 * seen.bone_about_canal_ratio, 100 * spine_bone_ratio),
+                              canal_mm, 100 * bone_ratio, 100 * spine_bone_ratio),
                   {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
                    "head all the same, --set body_part.refuse=false makes it, told as doubtful"});
-  if (seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
-      seen.walled_ratio > cavity_walled_ratio)
-    return;
-  is_expected = "unknown";
-  report.warn(
-      "no cranial cavity with a brain in it is seen, so nothing says that a head was scanned: bone is made of it, "
-      "whichever it is; look at the overlays");
+  return seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
+         seen.walled_ratio > cavity_walled_ratio;
 }
 
 void judge_trunk(const BodyPartSeen& seen, bool spine) {
@@ -174,33 +174,28 @@ void judge_trunk(const BodyPartSeen& seen, bool spine) {
 
 }  // namespace
 
-void judge_body_part(const grid::HuVolume& volume, const BodyPartParams& params, Report& report,
-                     const Progress& progress) {
+Outcome<std::monostate, BodyPartResult> judge_body_part(const grid::HuVolume& volume, const BodyPartParams& params,
+                                                        const Progress& progress) {
   mask::check_finite(volume);
-  const BodyPartSeen seen = body_part_of(volume, progress);
-  report.add("shows_head", seen.head ? "yes" : "no");
-  report.add("tissue_ml", seen.tissue_ml);
-  report.add("enclosed_ml", seen.enclosed_ml);
-  report.add("enclosed_air_ratio", seen.enclosed_air_ratio);
-  report.add("enclosed_inner_air_ml", seen.enclosed_inner_air_ml);
-  report.add("enclosed_walled_ratio", seen.walled_ratio);
-  report.add("below_enclosed_mm", seen.below_mm);
-  if (!seen.head) {
-    report.add("canal_mm", seen.canal_mm);
-    report.add("canal_hu", seen.canal_hu);
-    report.add("bone_about_canal_ratio", seen.bone_about_canal_ratio);
-  }
-  std::string is_expected = params.expected == BodyPart::head ? "yes" : "not told";
+  Outcome<std::monostate, BodyPartResult> out;
+  out.result.seen = body_part_of(volume, progress);
+  if (params.expected == BodyPart::head) out.result.is_expected = IsExpected::yes;
   try {
-    if (params.expected == BodyPart::head) judge_head(seen, is_expected, report);
+    if (params.expected == BodyPart::head && !shows_head(out.result.seen)) {
+      out.result.is_expected = IsExpected::unknown;
+      out.warnings.push_back({"no_cranial_cavity",
+                              "no cranial cavity with a brain in it is seen, so nothing says that a head was scanned: "
+                              "bone is made of it, whichever it is; look at the overlays",
+                              {}});
+    }
     if (params.expected == BodyPart::spine || params.expected == BodyPart::chest)
-      judge_trunk(seen, params.expected == BodyPart::spine);
+      judge_trunk(out.result.seen, params.expected == BodyPart::spine);
   } catch (const Error& e) {
     if (params.refuse) throw;
-    is_expected = "unknown";
-    report.warn(e.what());
+    out.result.is_expected = IsExpected::unknown;
+    out.warnings.push_back({"other_part", "{why}", {{"why", std::string(e.what())}}});
   }
-  report.add("is_expected", is_expected);
+  return out;
 }
 
 }  // namespace trephine::look

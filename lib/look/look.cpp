@@ -215,15 +215,23 @@ std::string contradiction_of(const ScanLook& look) {
 
 }  // namespace
 
-void tell(const ScanLook& look, Report& report) {
-  report.add("head_orientation", look.head == Seen::as_said     ? "as said"
-                                 : look.head == Seen::otherwise ? "otherwise"
-                                                                : "unknown");
+std::optional<ScanLook> look_at_ct(const grid::HuVolume& volume, const dicom::ImportFigures& scan,
+                                   const Progress& progress) {
+  if (scan.modality != "CT") return {};
+  return look_at(volume, scan.tags ? scan.tags->patient_position : "", progress);
+}
+
+LookFigures figures_of(const ScanLook& look) {
   std::string ends;
   for (const std::string& e : look.ends) ends += (ends.empty() ? "" : ", ") + e;
-  report.add("scan_cuts_body", ends.empty() ? "nowhere" : ends);
-  if (look.head == Seen::otherwise) report.warn(contradiction_of(look));
-  for (const std::string& s : look.sayings) report.warn(s);
+  return {look.head, ends.empty() ? "nowhere" : ends};
+}
+
+Warnings warnings_of(const ScanLook& look) {
+  Warnings all;
+  if (look.head == Seen::otherwise) all.push_back({"head_lies_otherwise", contradiction_of(look), {}});
+  for (const std::string& s : look.sayings) all.push_back({"seen", s, {}});
+  return all;
 }
 
 void require_orientation(const ScanLook& look, const std::string& reason) {

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
+#include "dicom/import.h"
 #include "grid/grid.h"
 
 namespace trephine::look {
@@ -41,8 +42,25 @@ struct ScanLook {
 /// The result is the same whatever the thread count. Throws Error 65 where a voxel is not finite; Cancelled.
 ScanLook look_at(const grid::HuVolume& volume, const std::string& patient_position, const Progress& progress = {});
 
-/// Adds `head_orientation` (as said, otherwise, unknown) and `scan_ends`, and a warning for each saying.
-void tell(const ScanLook& look, Report& report);
+/// The same of a scan that was read; nothing where it is no CT.
+std::optional<ScanLook> look_at_ct(const grid::HuVolume& volume, const dicom::ImportFigures& scan,
+                                   const Progress& progress = {});
+
+/// What is printed of it.
+struct LookFigures {
+  Seen head = Seen::unknown;
+  std::string scan_cuts_body;
+  template <class V>
+  static void describe(V& v) {
+    v.choice(&LookFigures::head, "head_orientation",
+             {{"unknown", Seen::unknown}, {"as said", Seen::as_said}, {"otherwise", Seen::otherwise}},
+             "Whether the head lies as the scan says.");
+    v.text(&LookFigures::scan_cuts_body, "scan_cuts_body", "Where the scan's sides cut the body.");
+  }
+};
+LookFigures figures_of(const ScanLook& look);
+/// One for each saying, and where the head lies otherwise than the scan says.
+Warnings warnings_of(const ScanLook& look);
 
 /// Throws Error 65, field `orientation_reason`, where the head lies otherwise than said and no reason is given.
 void require_orientation(const ScanLook& look, const std::string& reason);

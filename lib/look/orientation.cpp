@@ -62,10 +62,9 @@ Vec3 middle_of(const mask::BitMask& mask, Vec3 about, double& ml) {
 
 HeadSigns head_signs(const mask::BitMask& bone, const mask::BitMask& air, const Progress& progress) {
   HeadSigns signs;
-  Report ignored;
   mask::BitMask cavity;
   try {
-    cavity = head::cranial_cavity(bone, ignored, progress);
+    cavity = head::cranial_cavity(bone, progress).value;
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
     return signs;

@@ -83,7 +83,7 @@ const Remedy wider_or_other_thresholds{
     "set `lower_hu` and `upper_hu` so that the tissue lies between them, or paint it and bring it back by the stage "
     "`labels`"};
 
-void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
+MaskSize check_mask(const BitMask& mask, std::size_t volume_voxels) {
   const std::size_t n = mask.count();
   if (n == 0) throw refusal("", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels), other_thresholds);
   if (n == volume_voxels)
@@ -92,8 +92,7 @@ void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) 
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
       throw refusal("", fmt::format("the mask lies in a single slice: {} voxels", n), other_thresholds);
-  report.add("voxels_count", n);
-  report.add("volume_ml", double(n) * mask.lattice().voxel_volume_mm3() / 1000);
+  return {n, double(n) * mask.lattice().voxel_volume_mm3() / 1000};
 }
 
 void check_varies(const grid::HuVolume& volume) {

@@ -47,8 +47,19 @@ struct FillRule {
 /// closed shape's complement that touch the lattice's edge or exceed max_ml, grown back by close_mm along free paths.
 BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progress = {});
 
-/// Throws Error 80 where the mask is empty, fills the volume, or is flat; adds "voxels_count" and "volume_ml".
-void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report);
+/// How large a mask is.
+struct MaskSize {
+  std::size_t voxels_count = 0;
+  double volume_ml = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&MaskSize::voxels_count, "voxels_count", Range{}, "Voxels inside.");
+    v.number(&MaskSize::volume_ml, "volume_ml", Range{}, "Their volume.");
+  }
+};
+
+/// Throws Error 80 where the mask is empty, fills the volume, or is flat.
+MaskSize check_mask(const BitMask& mask, std::size_t volume_voxels);
 
 /// Throws Error 80 where all voxels are alike, so that the volume cannot show what other fields say is in it.
 void check_varies(const grid::HuVolume& volume);

@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
-#include "base/result.h"
 #include "mask/motion.h"
 
 namespace trephine::mask {
@@ -28,13 +27,27 @@ Suitability above(double value, double doubtful, double unsuited) {
 void blame(const Motion& m, ScanVerdict& verdict) {
   for (Suitability* s : {&verdict.skin, &verdict.skull, &verdict.brain}) worsen(*s, Suitability::doubtful);
   const double left = m.by_mm.x, back = m.by_mm.y;
-  verdict.reasons.push_back(fmt::format(
-      "doubtful for skin, skull and brain: the head moved while it was scanned, by {:.1f} mm (above z = {:.0f} mm it "
-      "lies "
-      "{:.1f} mm farther to the {} and {:.1f} mm farther to the {}): every surface has a step there; choose another "
-      "series, or look at the step in the pictures",
-      norm(m.by_mm), m.at_mm.z, std::abs(left), left > 0 ? "left" : "right", std::abs(back),
-      back > 0 ? "back" : "front"));
+  verdict.reasons.push_back(
+      {Suitability::doubtful,
+       {"skin", "skull", "brain"},
+       {"head_moved",
+        "the head moved while it was scanned, by {motion_mm:.1f} mm (above z = {above_mm:.0f} mm it lies {aside_mm:.1f} "
+        "mm farther to the {side} and {along_mm:.1f} mm farther to the {end}): every surface has a step there",
+        {{"motion_mm", norm(m.by_mm)},
+         {"above_mm", m.at_mm.z},
+         {"aside_mm", std::abs(left)},
+         {"side", left > 0 ? "left" : "right"},
+         {"along_mm", std::abs(back)},
+         {"end", back > 0 ? "back" : "front"}}},
+       "choose another series, or look at the step in the pictures"});
+}
+
+// "brain, ventricles and skull"
+std::string listed(const std::vector<std::string>& words) {
+  std::string all;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    all += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+  return all;
 }
 
 }  // namespace
@@ -61,7 +74,23 @@ std::string ScanLimits::fault() const {
   return "";
 }
 
-std::string ScanVerdict::text() const {
+bool ScanReason::concerns(const std::string& anatomy) const {
+  return std::find(of.begin(), of.end(), anatomy) != of.end();
+}
+
+std::string ScanReason::verdict() const {
+  return (of.empty() ? "" : std::string(to_text(is)) + " for " + listed(of) + ": ") + trephine::to_text(why);
+}
+
+Warning ScanReason::warning() const {
+  Warning w = why;
+  if (of.empty()) return w;
+  w.form = "{suited} for {of}: " + why.form + "; {remedy}";
+  w.values.insert(w.values.end(), {{"suited", to_text(is)}, {"of", listed(of)}, {"remedy", remedy}});
+  return w;
+}
+
+std::string ScanSuitability::text() const {
   const std::string of_skin = skin == Suitability::doubtful ? ", doubtful for skin" : "";
   if (brain == ventricles && brain == skull)
     return fmt::format("{} for brain, ventricles and skull{}", to_text(brain), of_skin);
@@ -73,25 +102,28 @@ std::string ScanVerdict::text() const {
 
 ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   ScanVerdict out;
-  const auto say = [&](Suitability s, const std::string& of, const std::string& why, const std::string& remedy) {
-    out.reasons.push_back(fmt::format("{} for {}: {}; {}", to_text(s), of, why, remedy));
+  const auto give_reason = [&](Suitability s, std::vector<std::string> of, Warning why, const char* remedy) {
+    out.reasons.push_back({s, std::move(of), std::move(why), remedy});
   };
   if (const Suitability s = above(f.slice_step_mm, limits.doubtful_slice_mm, limits.unsuited_slice_mm);
       s != Suitability::suited) {
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull}) worsen(*of, s);
-    say(s, "brain, ventricles and skull", fmt::format("slices {:.1f} mm apart", f.slice_step_mm),
+    give_reason(s, {"brain", "ventricles", "skull"},
+                {"slices_far_apart", "slices {step_mm:.1f} mm apart", {{"step_mm", f.slice_step_mm}}},
         "choose the series with slices of 1 mm (import --list shows all), or scan with such");
   }
   if (f.edge_mm > limits.doubtful_edge_mm) {
     worsen(out.skull, Suitability::doubtful);
-    say(Suitability::doubtful, "skull", fmt::format("edges are blurred over {:.1f} mm", f.edge_mm),
+    give_reason(Suitability::doubtful, {"skull"},
+                {"edges_blurred", "edges are blurred over {edge_mm:.1f} mm", {{"edge_mm", f.edge_mm}}},
         "choose a series of a sharper kernel for bone");
   }
   if (!f.known()) {
     out.kernel = "unknown";
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull, &out.skin})
       if (*of == Suitability::suited) *of = Suitability::unknown;
-    out.reasons.push_back("noise could not be measured: too little even soft tissue in the scan");
+    give_reason(Suitability::unknown, {},
+                {"noise_unknown", "noise could not be measured: too little even soft tissue in the scan", {}}, "");
     return out;
   }
   const bool sharp = f.neighbour_correlation_ratio < sharp_correlation && f.pixel_mm < 0.75;
@@ -105,9 +137,12 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   if (soft_tissue != Suitability::suited) {
     worsen(out.brain, soft_tissue);
     worsen(out.ventricles, soft_tissue);
-    say(soft_tissue, "brain and ventricles",
-        fmt::format("noise of {:.0f} HU a voxel, {:.0f} HU in a cube of 2 mm{}", f.noise_hu, f.cube_noise_hu,
-                    sharp ? ", of a kernel that enhances edges" : ""),
+    give_reason(
+        soft_tissue, {"brain", "ventricles"},
+        {sharp ? "noise_of_sharp_kernel" : "noise",
+         std::string("noise of {noise_hu:.0f} HU a voxel, {cube_noise_hu:.0f} HU in a cube of 2 mm") +
+             (sharp ? ", of a kernel that enhances edges" : ""),
+         {{"noise_hu", f.noise_hu}, {"cube_noise_hu", f.cube_noise_hu}}},
         sharp ? "choose the series with the softer kernel (import --list shows all, --set import.series=s2 takes the "
                 "second)"
               : "choose a series of thicker slices or a smoother kernel, or denoise it before");
@@ -115,58 +150,65 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   if (const Suitability s = above(f.noise_hu, limits.doubtful_bone_noise_hu, limits.unsuited_bone_noise_hu);
       s != Suitability::suited) {
     worsen(out.skull, s);
-    say(s, "skull", fmt::format("noise of {:.0f} HU a voxel", f.noise_hu),
+    give_reason(s, {"skull"}, {"noise_in_bone", "noise of {noise_hu:.0f} HU a voxel", {{"noise_hu", f.noise_hu}}},
         "choose a series of a smoother kernel or thicker slices");
   }
   if (f.noise_hu > limits.doubtful_skin_noise_hu) {
     out.skin = Suitability::doubtful;
-    say(out.skin, "skin", fmt::format("noise of {:.0f} HU a voxel tears it where fat lies below", f.noise_hu),
+    give_reason(out.skin, {"skin"},
+                {"noise_in_skin", "noise of {noise_hu:.0f} HU a voxel tears it where fat lies below",
+                 {{"noise_hu", f.noise_hu}}},
         "choose a series of a smoother kernel or thicker slices");
   }
   if (waxy) {
     worsen(out.ventricles, Suitability::doubtful);
-    say(Suitability::doubtful, "ventricles",
-        smeared ? fmt::format("noise of only {:.1f} HU that hangs together over {:.1f} mm: strongly denoised",
-                              f.noise_hu, f.kernel_mm)
-                : fmt::format("noise of only {:.1f} HU in a cube of 2 mm: strongly denoised", f.cube_noise_hu),
+    give_reason(Suitability::doubtful, {"ventricles"},
+        smeared ? Warning{"denoised",
+                          "noise of only {noise_hu:.1f} HU that hangs together over {kernel_mm:.1f} mm: strongly "
+                          "denoised",
+                          {{"noise_hu", f.noise_hu}, {"kernel_mm", f.kernel_mm}}}
+                : Warning{"denoised",
+                          "noise of only {cube_noise_hu:.1f} HU in a cube of 2 mm: strongly denoised",
+                          {{"cube_noise_hu", f.cube_noise_hu}}},
         "choose the series without iterative reconstruction or with less of it");
   }
   if (f.artefact_ratio > limits.doubtful_artefact_ratio) {
     worsen(out.brain, Suitability::doubtful);
     worsen(out.ventricles, Suitability::doubtful);
-    say(Suitability::doubtful, "brain and ventricles",
-        fmt::format("{:.0f} % of the soft tissue is far more uneven than noise (streaks, blood, motion)",
-                    100 * f.artefact_ratio),
+    give_reason(Suitability::doubtful, {"brain", "ventricles"},
+        {"artefacts",
+         "{artefacts_percent:.0f} % of the soft tissue is far more uneven than noise (streaks, blood, motion)",
+         {{"artefacts_percent", 100 * f.artefact_ratio}}},
         "choose a series with metal artefact reduction, and look at the pictures");
   }
   return out;
 }
 
-void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress) {
-  const ScanFigures figures = measure_scan(volume, progress);
-  ScanVerdict verdict = judge_scan(figures, limits);
-  const std::optional<Motion> motion = find_motion(volume, progress);
-  if (motion) blame(*motion, verdict);
-  add_result(report, figures);
-  if (motion) report.add("motion_mm", norm(motion->by_mm));
-  report.add("kernel", verdict.kernel);
-  report.add("brain", to_text(verdict.brain));
-  report.add("ventricles", to_text(verdict.ventricles));
-  report.add("skull", to_text(verdict.skull));
-  report.add("skin", to_text(verdict.skin));
-  std::string remedy;
-  for (const std::string& r : verdict.reasons) {
-    report.warn(r);
-    remedy += (remedy.empty() ? "" : ". ") + r;
+Outcome<std::monostate, ScanResult> judge_scan(const grid::HuVolume& volume, const ScanLimits& limits,
+                                               const Progress& progress) {
+  Outcome<std::monostate, ScanResult> out;
+  out.result.figures = measure_scan(volume, progress);
+  ScanVerdict verdict = judge_scan(out.result.figures, limits);
+  if (const std::optional<Motion> motion = find_motion(volume, progress)) {
+    blame(*motion, verdict);
+    out.result.motion_mm = norm(motion->by_mm);
   }
-  report.add("verdict", verdict.text());
-  report.add("remedy", remedy.empty() ? "none needed" : remedy);
+  std::string remedy;
+  for (const ScanReason& r : verdict.reasons) {
+    out.warnings.push_back(r.warning());
+    remedy += (remedy.empty() ? "" : ". ") + trephine::to_text(out.warnings.back());
+  }
+  out.result.kernel = verdict.kernel;
+  out.result.suited = verdict;
+  out.result.verdict = verdict.text();
+  out.result.remedy = remedy.empty() ? "none needed" : remedy;
   const Suitability worst = std::max({verdict.brain, verdict.ventricles, verdict.skull}, [](auto a, auto b) {
     const auto rank = [](Suitability s) { return s == Suitability::unknown ? 0 : int(s) + 1; };
     return rank(a) < rank(b);
   });
   if (limits.refuse && worst == Suitability::unsuited)
     throw refusal("scan", remedy, {"or let it pass with a warning: `refuse` of the stage `scan` to false"});
+  return out;
 }
 
 }  // namespace trephine::mask

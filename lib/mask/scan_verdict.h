@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "base/params.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "mask/scan_figures.h"
 
 namespace trephine::mask {
@@ -59,21 +62,66 @@ struct ScanLimits {
 enum class Suitability { suited, doubtful, unsuited, unknown };
 const char* to_text(Suitability s);
 
-struct ScanVerdict {
-  Suitability brain = Suitability::suited, ventricles = Suitability::suited, skull = Suitability::suited;
-  Suitability skin = Suitability::suited;  ///< unknown where the noise is
-  std::string kernel;                      ///< soft, sharp, denoised, or unknown
-  std::vector<std::string> reasons;        ///< whole sentences: what was measured, and what a person can do
-  std::string text() const;                ///< "doubtful for brain and ventricles, suited for skull"
+/// What a scan is suited for, by anatomy. Of the skin unknown only where the noise is.
+struct ScanSuitability {
+  Suitability brain = Suitability::suited, ventricles = Suitability::suited, skull = Suitability::suited,
+              skin = Suitability::suited;
+  template <class V>
+  static void describe(V& v) {
+    using P = ScanSuitability;
+    const auto choices = {std::pair{"suited", Suitability::suited},
+                          {"doubtful", Suitability::doubtful},
+                          {"unsuited", Suitability::unsuited},
+                          {"unknown", Suitability::unknown}};
+    v.choice(&P::brain, "brain", choices, "What the scan is for the brain.");
+    v.choice(&P::ventricles, "ventricles", choices, "What it is for the ventricles.");
+    v.choice(&P::skull, "skull", choices, "What it is for the skull.");
+    v.choice(&P::skin, "skin", choices, "What it is for the skin.");
+  }
+  std::string text() const;  ///< "doubtful for brain and ventricles, suited for skull"
+};
+
+/// Why a scan is no more than that.
+struct ScanReason {
+  Suitability is = Suitability::doubtful;
+  std::vector<std::string> of;  ///< anatomies; empty: of every one it cannot be said
+  Warning why;                  ///< what was measured
+  std::string remedy;           ///< what a person can do; empty: nothing
+  bool concerns(const std::string& anatomy) const;
+  std::string verdict() const;  ///< "doubtful for skull: noise of 90 HU a voxel"
+  Warning warning() const;      ///< the same and the remedy
+};
+
+struct ScanVerdict : ScanSuitability {
+  std::string kernel;  ///< soft, sharp, denoised, or unknown
+  std::vector<ScanReason> reasons;
 };
 
 ScanVerdict judge_scan(const ScanFigures& figures, const ScanLimits& limits);
 
-/// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles`, `skull` and `skin`
-/// (suited, doubtful, unsuited or unknown), `verdict` and `remedy` to the report, where the head moved (mask/motion.h)
-/// `motion_mm`, and a warning for every reason.
+/// The stage's result.
+struct ScanResult {
+  ScanFigures figures;
+  std::optional<double> motion_mm;  ///< where the head moved (mask/motion.h)
+  std::string kernel;
+  ScanSuitability suited;
+  std::string verdict, remedy;  ///< in words
+  template <class V>
+  static void describe(V& v) {
+    using P = ScanResult;
+    v.all_of(&P::figures);
+    v.number(&P::motion_mm, "motion_mm", "How far the head moved between two slices.");
+    v.text(&P::kernel, "kernel", "soft, sharp, denoised or unknown.");
+    v.all_of(&P::suited);
+    v.text(&P::verdict, "verdict", "What the scan is suited for, in words.");
+    v.text(&P::remedy, "remedy", "What a person can do, in words.");
+  }
+};
+
+/// Measures and judges the scan of a head; warns of every reason.
 /// Throws Error 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not
 /// finite.
-void judge_scan(const grid::HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
+Outcome<std::monostate, ScanResult> judge_scan(const grid::HuVolume& volume, const ScanLimits& limits,
+                                               const Progress& progress = {});
 
 }  // namespace trephine::mask

@@ -229,20 +229,17 @@ int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& param
   return s[axis] > params.thicker_than_mm && s[axis] >= 1.5 * within && lattice.size[axis] > 1 ? axis : -1;
 }
 
-std::shared_ptr<const grid::Field> shape_interpolate(const std::shared_ptr<const grid::Field>& whole,
-                                                     const ShapeInterpolateParams& params, Report& report,
-                                                     const Progress& progress) {
+Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interpolate(
+    const std::shared_ptr<const grid::Field>& whole, const ShapeInterpolateParams& params, const Progress& progress) {
   const grid::Field& given = *whole;
   check_finite(given);
+  Warnings warnings;
   if (std::none_of(given.voxels.begin(), given.voxels.end(), [](float f) { return f > 0; }))
-    report.warn("nothing is inside: there is nothing to interpolate");
+    warnings.push_back({"nothing_inside", "nothing is inside: there is nothing to interpolate", {}});
   const int axis = thick_axis(given, params);
   const double s[3] = {given.spacing_mm.x, given.spacing_mm.y, given.spacing_mm.z};
-  report.add("slice_step_before_mm", axis < 0 ? *std::max_element(s, s + 3) : s[axis]);
-  if (axis < 0) {
-    report.add("slice_step_mm", *std::max_element(s, s + 3));
-    return whole;
-  }
+  const double step_before_mm = axis < 0 ? *std::max_element(s, s + 3) : s[axis];
+  if (axis < 0) return {whole, {step_before_mm, step_before_mm}, std::move(warnings)};
   const grid::Field field = with_last_axis(given, axis, 2);
   const double step_mm = field.spacing_mm.z, reach_mm = params.reach_steps * step_mm;
   int n = std::max(3, int(std::ceil(step_mm / params.step_mm - 1e-9)));
@@ -270,8 +267,7 @@ std::shared_ptr<const grid::Field> shape_interpolate(const std::shared_ptr<const
       }
     }
   });
-  report.add("slice_step_mm", l.spacing_mm.z);
-  return std::make_shared<const grid::Field>(std::move(out));
+  return {std::make_shared<const grid::Field>(std::move(out)), {step_before_mm, l.spacing_mm.z}, std::move(warnings)};
 }
 
 }  // namespace trephine::mask

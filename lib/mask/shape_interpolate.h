@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::mask {
@@ -33,6 +33,18 @@ struct ShapeInterpolateParams {
   }
 };
 
+/// What is printed of it.
+struct ShapeInterpolateResult {
+  double slice_step_before_mm = 0;
+  double slice_step_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ShapeInterpolateResult;
+    v.number(&P::slice_step_before_mm, "slice_step_before_mm", Range{}, "Distance of slices before.");
+    v.number(&P::slice_step_mm, "slice_step_mm", Range{}, "Distance of slices.");
+  }
+};
+
 /// Shape-based interpolation [Raya1990]: adds slices between the thick slices of a field, so that its surface has no
 /// terraces where it is nearly parallel to the slices. The outline of every given slice stays where it is; between two
 /// slices the surface runs smoothly from one outline to the next, because what is interpolated (by cubics that never
@@ -46,11 +58,10 @@ struct ShapeInterpolateParams {
 ///
 /// What it cannot do: it draws no detail that lies between slices, and a surface seen in a single slice is a guess.
 ///
-/// Where no slices are thick, the field itself is handed on, not a copy. The report: slice_step_before_mm,
-/// slice_step_mm. Throws Error 65 where a value is not finite; Cancelled.
-std::shared_ptr<const grid::Field> shape_interpolate(const std::shared_ptr<const grid::Field>& field,
-                                                     const ShapeInterpolateParams& params, Report& report,
-                                                     const Progress& progress = {});
+/// Where no slices are thick, the field itself is given, not a copy. Throws Error 65 where a value is not finite; Cancelled.
+Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interpolate(
+    const std::shared_ptr<const grid::Field>& field, const ShapeInterpolateParams& params,
+    const Progress& progress = {});
 
 /// The axis (0, 1, 2) whose steps are thick by `params`; -1 where none is.
 int thick_axis(const grid::Lattice& lattice, const ShapeInterpolateParams& params);

@@ -285,12 +285,14 @@ double distance_mm(const BitMask& shape, int i, int j, int k, double reach_mm) {
 
 }  // namespace
 
-grid::Field simplify_topology(const grid::Field& field, const SimplifyParams& params, Report& report,
-                              const Progress& progress) {
+Outcome<grid::Field, SimplifyResult> simplify_topology(const grid::Field& field, const SimplifyParams& params,
+                                                       const Progress& progress) {
   check_finite(field);
   grid::Field out = field;
   const BitMask shape = positive(field, field);
-  if (!shape.any()) report.warn("nothing is inside: there is nothing to simplify");
+  Warnings warnings;
+  if (!shape.any())
+    warnings.push_back({"nothing_inside", "nothing is inside: there is nothing to simplify", {}});
   const Cavities before(shape);
   const Topology3 was = topology3_of(shape, before);
   progress.report(0.2);
@@ -331,19 +333,19 @@ grid::Field simplify_topology(const grid::Field& field, const SimplifyParams& pa
   const Topology3 is = topology3_of(sum, Cavities(sum));
   const std::size_t changed = added.count() + filled.count();
 
-  report.add("euler_characteristic_before", std::int64_t{2 * was.euler});
-  report.add("euler_characteristic_after", std::int64_t{2 * is.euler});
-  report.add("handles_before_count", std::int64_t{was.handles()});
-  report.add("handles_after_count", std::int64_t{is.handles()});
-  report.add("cavities_before_count", was.cavities);
-  report.add("cavities_after_count", is.cavities);
-  report.add("membranes_count", membranes_count);
-  report.add("cavities_filled_count", static_cast<std::int64_t>(std::count(fill.begin(), fill.end(), 1)));
-  report.add("voxels_changed_count", changed);
-  report.add("volume_added_ml", double(changed) * field.voxel_volume_mm3() / 1000);
-  report.add("moved_max_mm", added.any() ? moved + diagonal_mm(field) / 2 : 0.0);
+  const SimplifyResult result{std::int64_t{2 * was.euler},
+                              std::int64_t{2 * is.euler},
+                              std::int64_t{was.handles()},
+                              std::int64_t{is.handles()},
+                              std::int64_t(was.cavities),
+                              std::int64_t(is.cavities),
+                              membranes_count,
+                              static_cast<std::int64_t>(std::count(fill.begin(), fill.end(), 1)),
+                              changed,
+                              double(changed) * field.voxel_volume_mm3() / 1000,
+                              added.any() ? moved + diagonal_mm(field) / 2 : 0.0};
   progress.report(1);
-  return out;
+  return {std::move(out), result, std::move(warnings)};
 }
 
 }  // namespace trephine::mask

@@ -13,7 +13,6 @@
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
-#include "surface/results.h"
 
 namespace trephine::meshing {
 namespace {
@@ -108,7 +107,7 @@ Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, std::s
 }
 
 template <class T>
-surface::TriMesh contour_grid(const grid::Grid<T>& grid, double isovalue, const ContourParams& params, Report& report,
+Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid, double isovalue, const ContourParams& params,
                               const Progress& progress) {
   const InsideVoxels inside = find_inside(grid, isovalue);
   require_surface(grid, inside);
@@ -121,37 +120,40 @@ surface::TriMesh contour_grid(const grid::Grid<T>& grid, double isovalue, const 
   std::size_t moved = 0;
   const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
 
-  report.add("inside_voxels_count", inside.count);
-  add_result(report, surface::ContourResult{static_cast<std::int64_t>(mesh.triangles.size())});
-  report.add("points_count", mesh.points_mm.size());
-  report.add("volume_ml", v.volume_mm3 / 1000);
-  report.add("components_count", v.topology.components);
-  report.add("genus_count", static_cast<std::int64_t>(v.topology.genus));
-  report.add("small_components_dropped_count", small);
-  report.add("cavities_dropped_count", cavities);
-  report.add("points_drawn_in_count", moved);
+  ContourResult result;
+  result.inside_voxels_count = inside.count;
+  result.triangles_count = mesh.triangles.size();
+  result.points_count = mesh.points_mm.size();
+  result.volume_ml = v.volume_mm3 / 1000;
+  result.components_count = v.topology.components;
+  result.genus_count = v.topology.genus;
+  result.small_components_dropped_count = small;
+  result.cavities_dropped_count = cavities;
+  result.points_drawn_in_count = moved;
   progress.report(1);
-  return mesh;
+  return {std::move(mesh), result, {}};
 }
 
 }  // namespace
 
-surface::TriMesh contour(const grid::Field& field, const ContourParams& params, Report& report,
+Outcome<surface::TriMesh, ContourResult> contour(const grid::Field& field, const ContourParams& params,
                          const Progress& progress) {
-  return contour_grid(field, 0.0, params, report, progress);
+  return contour_grid(field, 0.0, params, progress);
 }
 
-surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& params, Report& report,
+Outcome<surface::TriMesh, ContourResult> contour(const grid::HuVolume& volume, const ContourParams& params,
                          const Progress& progress) {
   return std::visit(
       [&](const auto& grid) {
         double isovalue = params.isovalue_hu;
-        if (std::is_integral_v<typename std::decay_t<decltype(grid)>::Sample> && isovalue == std::floor(isovalue)) {
-          isovalue -= 0.5;
-          report.warn("isovalue lowered by 1/2 HU: the samples are integers");
-        }
-        report.add("isovalue_hu", isovalue);
-        return contour_grid(grid, isovalue, params, report, progress);
+        const bool lowered =
+            std::is_integral_v<typename std::decay_t<decltype(grid)>::Sample> && isovalue == std::floor(isovalue);
+        if (lowered) isovalue -= 0.5;
+        auto made = contour_grid(grid, isovalue, params, progress);
+        made.result.isovalue_hu = isovalue;
+        if (lowered)
+          made.warnings.push_back({"isovalue_lowered", "isovalue lowered by 1/2 HU: the samples are integers", {}});
+        return made;
       },
       volume);
 }

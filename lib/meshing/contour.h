@@ -2,7 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
@@ -24,6 +24,34 @@ struct ContourParams {
   }
 };
 
+/// What is printed of a contour.
+struct ContourResult {
+  std::optional<double> isovalue_hu;
+  std::size_t inside_voxels_count = 0;
+  std::size_t triangles_count = 0;
+  std::size_t points_count = 0;
+  double volume_ml = 0;
+  std::size_t components_count = 0;
+  std::int64_t genus_count = 0;
+  std::int64_t small_components_dropped_count = 0;
+  std::int64_t cavities_dropped_count = 0;
+  std::size_t points_drawn_in_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ContourResult;
+    v.number(&P::isovalue_hu, "isovalue_hu", "Isovalue of a CT volume, as it was used.");
+    v.integer(&P::inside_voxels_count, "inside_voxels_count", Range{}, "Voxels inside.");
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.integer(&P::points_count, "points_count", Range{}, "Points.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
+    v.integer(&P::components_count, "components_count", Range{}, "Connected components.");
+    v.integer(&P::genus_count, "genus_count", Range{}, "Genus.");
+    v.integer(&P::small_components_dropped_count, "small_components_dropped_count", Range{}, "Small components that were dropped.");
+    v.integer(&P::cavities_dropped_count, "cavities_dropped_count", Range{}, "Cavities that were dropped.");
+    v.integer(&P::points_drawn_in_count, "points_drawn_in_count", Range{}, "Points that were drawn in, so that the surface is valid.");
+  }
+};
+
 /// The surface of a field (at 0, positive inside) or of a CT volume (at isovalue_hu, denser inside). It is closed,
 /// 2-manifold, oriented outwards whatever the lattice's handedness, and free of self-intersections and degenerate
 /// triangles, all of that also in float32 (validity.h). Everything beyond the lattice is outside: an anatomy that the
@@ -38,9 +66,9 @@ struct ContourParams {
 ///
 /// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
 /// inside; 65 where a sample is not finite; 80 where no valid surface can be made.
-surface::TriMesh contour(const grid::Field& field, const ContourParams& params, Report& report,
+Outcome<surface::TriMesh, ContourResult> contour(const grid::Field& field, const ContourParams& params,
                          const Progress& progress = {});
-surface::TriMesh contour(const grid::HuVolume& volume, const ContourParams& params, Report& report,
+Outcome<surface::TriMesh, ContourResult> contour(const grid::HuVolume& volume, const ContourParams& params,
                          const Progress& progress = {});
 /// The surface of a field to be looked at: the same but for a few points, with all pieces and cavities, and not looked
 /// through for self-intersections, which takes as long as all the rest. Throws as contour() does where there is no

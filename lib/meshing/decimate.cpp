@@ -15,7 +15,6 @@
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
-#include "surface/results.h"
 
 namespace trephine::meshing {
 namespace {
@@ -111,15 +110,15 @@ bool fit(const surface::TriMesh& mesh) {
   return std::find(used.begin(), used.end(), false) == used.end() && on_float32_raster(mesh);
 }
 
-struct Outcome {
+struct Collapsed {
   surface::TriMesh mesh;
   DeviationFigures deviation;
   std::size_t undone = 0, undone_for_validity = 0;
   bool limited = false;
 };
 
-Outcome collapse_all(const surface::TriMesh& input, std::size_t target, double bound_mm, const Progress& progress) {
-  Outcome o;
+Collapsed collapse_all(const surface::TriMesh& input, std::size_t target, double bound_mm, const Progress& progress) {
+  Collapsed o;
   const double limit_mm = sampled_share * bound_mm;
   const double step = float32_step_mm(input);
   EdgeCollapse collapse(input, limit_mm, step);
@@ -170,7 +169,7 @@ Outcome collapse_all(const surface::TriMesh& input, std::size_t target, double b
 
 }  // namespace
 
-surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& params, Report& report,
+Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
                           const Progress& progress) {
   surface::check_mesh(mesh);
   surface::TriMesh copy;
@@ -185,7 +184,7 @@ surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& pa
   const std::size_t target = target_count(input, params);
   const double volume = surface::volume_mm3(input);
 
-  Outcome o;
+  Collapsed o;
   const char* stopped_by = "count";
   const bool collapsed = target != 0 && input.triangles.size() > target;
   if (collapsed) {
@@ -196,19 +195,20 @@ surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& pa
   }
   with_field("decimate", [&] { require_valid(o.mesh, progress.part(0.9, 1)); });
 
-  report.add("triangles_before_count", input.triangles.size());
-  report.add("triangles_count", o.mesh.triangles.size());
-  report.add("reduction_percent", 100 * (1 - double(o.mesh.triangles.size()) / double(input.triangles.size())));
-  add_result(report, surface::DecimationResult{stopped_by});
-  add_result(report, surface::BoundResult{o.deviation.max_mm});
-  report.add("deviation_p99_mm", o.deviation.p99_mm);
-  report.add("deviation_rms_mm", o.deviation.rms_mm);
-  if (collapsed && params.max_deviation_mm > 0) report.add("deviation_proven_mm", params.max_deviation_mm);
-  report.add("volume_change_percent", 100 * (surface::volume_mm3(o.mesh) / volume - 1));
-  report.add("collapses_undone_count", o.undone);
-  report.add("collapses_undone_for_validity_count", o.undone_for_validity);
+  DecimateResult result;
+  result.triangles_before_count = input.triangles.size();
+  result.triangles_count = o.mesh.triangles.size();
+  result.reduction_percent = 100 * (1 - double(o.mesh.triangles.size()) / double(input.triangles.size()));
+  result.stopped_by = stopped_by;
+  result.deviation_max_mm = o.deviation.max_mm;
+  result.deviation_p99_mm = o.deviation.p99_mm;
+  result.deviation_rms_mm = o.deviation.rms_mm;
+  if (collapsed && params.max_deviation_mm > 0) result.deviation_proven_mm = params.max_deviation_mm;
+  result.volume_change_percent = 100 * (surface::volume_mm3(o.mesh) / volume - 1);
+  result.collapses_undone_count = o.undone;
+  result.collapses_undone_for_validity_count = o.undone_for_validity;
   progress.report(1);
-  return std::move(o.mesh);
+  return {std::move(o.mesh), std::move(result), {}};
 }
 
 }  // namespace trephine::meshing

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -22,6 +22,36 @@ struct DecimateParams {
              "Stop at this share of the triangles; 0: no such limit. Of the two counts the larger one applies.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1e6},
              "Largest distance between the surface and the input, in either direction; 0: no such limit.");
+  }
+};
+
+/// What is printed of a decimation.
+struct DecimateResult {
+  std::size_t triangles_before_count = 0;
+  std::size_t triangles_count = 0;
+  double reduction_percent = 0;
+  std::string stopped_by;
+  double deviation_max_mm = 0;
+  double deviation_p99_mm = 0;
+  double deviation_rms_mm = 0;
+  std::optional<double> deviation_proven_mm;
+  double volume_change_percent = 0;
+  std::size_t collapses_undone_count = 0;
+  std::size_t collapses_undone_for_validity_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = DecimateResult;
+    v.integer(&P::triangles_before_count, "triangles_before_count", Range{}, "Triangles before.");
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.number(&P::reduction_percent, "reduction_percent", Range{}, "By how much they are fewer.");
+    v.text(&P::stopped_by, "stopped_by", "The limit at which the reduction ended.");
+    v.number(&P::deviation_max_mm, "deviation_max_mm", Range{}, "Largest distance to the input.");
+    v.number(&P::deviation_p99_mm, "deviation_p99_mm", Range{}, "99th percentile of the distances.");
+    v.number(&P::deviation_rms_mm, "deviation_rms_mm", Range{}, "Root mean square of the distances.");
+    v.number(&P::deviation_proven_mm, "deviation_proven_mm", "Bound that was proven.");
+    v.number(&P::volume_change_percent, "volume_change_percent", Range{}, "Change of volume.");
+    v.integer(&P::collapses_undone_count, "collapses_undone_count", Range{}, "Collapses that were undone.");
+    v.integer(&P::collapses_undone_for_validity_count, "collapses_undone_for_validity_count", Range{}, "Those of them that would have made the surface invalid.");
   }
 };
 
@@ -45,7 +75,7 @@ struct DecimateParams {
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.
-surface::TriMesh decimate(const surface::TriMesh& mesh, const DecimateParams& params, Report& report,
+Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
                           const Progress& progress = {});
 
 }  // namespace trephine::meshing

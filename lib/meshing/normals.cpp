@@ -9,7 +9,7 @@
 
 namespace trephine::meshing {
 
-void compute_normals(surface::TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress) {
+NormalsResult compute_normals(surface::TriMesh& mesh, const NormalsParams& params, const Progress& progress) {
   mesh.normals.clear();
   surface::check_mesh(mesh);
   const surface::TriMesh& in = mesh;
@@ -41,9 +41,8 @@ void compute_normals(surface::TriMesh& mesh, const NormalsParams& params, Report
     }
   });
   mesh.normals = std::move(normals);
-  report.add("normals_count", mesh.normals.size());
-  report.add("normals_replaced_count", static_cast<std::int64_t>(std::count(replaced.begin(), replaced.end(), 1)));
   progress.report(1);
+  return {mesh.normals.size(), static_cast<std::int64_t>(std::count(replaced.begin(), replaced.end(), 1))};
 }
 
 }  // namespace trephine::meshing

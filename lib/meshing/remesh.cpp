@@ -14,7 +14,6 @@
 #include "meshing/validity.h"
 #include "surface/incidence.h"
 #include "surface/point_to_mesh.h"
-#include "surface/results.h"
 
 namespace trephine::meshing {
 namespace {
@@ -76,7 +75,7 @@ double mean_least_angle_deg(const surface::TriMesh& mesh) {
 
 }  // namespace
 
-surface::TriMesh remesh(const surface::TriMesh& input, const RemeshParams& params, Report& report,
+Outcome<surface::TriMesh, RemeshResult> remesh(const surface::TriMesh& input, const RemeshParams& params,
                         const Progress& progress) {
   surface::check_mesh(input);
   surface::TriMesh original = input;
@@ -108,17 +107,12 @@ surface::TriMesh remesh(const surface::TriMesh& input, const RemeshParams& param
       continue;
     }
     const Edges edges(mesh);
-    report.add("triangles_count", mesh.triangles.size());
-    report.add("edge_mm", edge);
-    report.add("tries_count", n);
-    add_result(report, surface::BoundResult{deviation});
-    report.add("edge_min_mm", edges.least);
-    report.add("edge_mean_mm", edges.mean);
-    report.add("edge_max_mm", edges.most);
-    report.add("angle_min_deg", mean_least_angle_deg(mesh));
-    report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
+    const RemeshResult result{mesh.triangles.size(),      edge,        n,
+                              deviation,                  edges.least, edges.mean,
+                              edges.most,                 mean_least_angle_deg(mesh),
+                              100 * (v.volume_mm3 / volume - 1)};
     progress.report(1);
-    return mesh;
+    return {std::move(mesh), result, {}};
   }
   throw refusal("remesh", fault + " with edges down to " + to_text(edge / 0.7) + " mm",
                 {"choose a smaller `edge_mm`, or raise `max_deviation_mm`"});

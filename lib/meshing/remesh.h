@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -31,6 +31,32 @@ struct RemeshParams {
   }
 };
 
+/// What is printed of a remeshing.
+struct RemeshResult {
+  std::size_t triangles_count = 0;
+  double edge_mm = 0;
+  std::int64_t tries_count = 0;
+  double deviation_max_mm = 0;
+  double edge_min_mm = 0;
+  double edge_mean_mm = 0;
+  double edge_max_mm = 0;
+  double angle_min_deg = 0;
+  double volume_change_percent = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = RemeshResult;
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.number(&P::edge_mm, "edge_mm", Range{}, "Edge that was aimed at.");
+    v.integer(&P::tries_count, "tries_count", Range{}, "Tries.");
+    v.number(&P::deviation_max_mm, "deviation_max_mm", Range{}, "Largest distance to the input.");
+    v.number(&P::edge_min_mm, "edge_min_mm", Range{}, "Shortest edge.");
+    v.number(&P::edge_mean_mm, "edge_mean_mm", Range{}, "Mean edge.");
+    v.number(&P::edge_max_mm, "edge_max_mm", Range{}, "Longest edge.");
+    v.number(&P::angle_min_deg, "angle_min_deg", Range{}, "Mean of the least angles.");
+    v.number(&P::volume_change_percent, "volume_change_percent", Range{}, "Change of volume.");
+  }
+};
+
 /// Gives the same surface even triangles, near equilateral and with edges of about edge_mm ([Botsch2004]; CGAL's
 /// isotropic remeshing in the bounded child), with every point projected onto the input. It is for consumers that need
 /// even triangles, such as finite elements; decimation gives a smaller deviation at the same count.
@@ -44,7 +70,7 @@ struct RemeshParams {
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not valid, or no try
 /// was good enough; 70 where the child dies or runs longer than time_limit_s; Cancelled.
-surface::TriMesh remesh(const surface::TriMesh& mesh, const RemeshParams& params, Report& report,
+Outcome<surface::TriMesh, RemeshResult> remesh(const surface::TriMesh& mesh, const RemeshParams& params,
                         const Progress& progress = {});
 
 }  // namespace trephine::meshing

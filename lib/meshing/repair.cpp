@@ -111,7 +111,7 @@ bool mend_in_place(const surface::TriMesh& input, const RepairParams& params, Re
   return false;
 }
 
-surface::TriMesh repair_now(const surface::TriMesh& input, const RepairParams& params, Report& report,
+Outcome<surface::TriMesh, RepairResult> repair_now(const surface::TriMesh& input, const RepairParams& params,
                             const Progress& progress) {
   surface::check_mesh(input);
   if (input.triangles.empty()) throw Error(ExitCode::bad_input, "", "repair", "the mesh has no triangles");
@@ -123,6 +123,7 @@ surface::TriMesh repair_now(const surface::TriMesh& input, const RepairParams& p
   surface::drop_unused_points(r.mesh);
   const surface::TriMesh before = r.mesh;
   const char* method = "none";
+  Warnings warnings;
   if (!r.mesh.proven_valid() && !check_validity(r.mesh, progress.part(0, 0.1)).valid()) {
     surface::TriMesh cleaned;
     method = "mended";
@@ -136,42 +137,45 @@ surface::TriMesh repair_now(const surface::TriMesh& input, const RepairParams& p
       r.mesh = with_field("repair: last resort", [&] {
         return recontour(cleaned, static_cast<int>(params.recontour_voxels_count), r.voxel_mm, progress.part(0.5, 0.9));
       });
-      report.warn("not repaired in place (" + r.mended.fault +
-                  "): a new surface through voxels; see to_input_max_mm and from_input_max_mm");
+      warnings.push_back({"repaired_by_voxels",
+                          "not repaired in place ({fault}): a new surface through voxels; see to_input_max_mm and "
+                          "from_input_max_mm",
+                          {{"fault", r.mended.fault}}});
     }
   }
   const int dropped =
       params.min_component_mm3 > 0 ? surface::keep_large_components(r.mesh, params.min_component_mm3) : 0;
   with_field("repair", [&] { require_valid(r.mesh, progress.part(0.9, 0.95)); });
 
-  report.add("method", method);
-  report.add("triangles_count", r.mesh.triangles.size());
-  report.add("points_merged_count", r.soup.merged);
-  report.add("triangles_dropped_count", r.soup.sideless);
-  report.add("duplicates_dropped_count", r.soup.duplicates);
-  report.add("fins_dropped_count", r.soup.fins);
-  report.add("sheets_dropped_count", r.soup.sheets);
-  report.add("flipped_count", r.soup.flipped);
-  report.add("points_split_count", r.soup.split);
-  report.add("holes_filled_count", r.mended.holes);
-  report.add("degenerate_removed_count", r.mended.degenerate);
-  report.add("self_intersections_found_count", r.mended.self_intersections);
-  report.add("united_count", r.mended.united);
-  report.add("components_dropped_count", dropped);
-  report.add("voxel_mm", r.voxel_mm);
-  report.add("volume_ml", surface::volume_mm3(r.mesh) / 1000);
-  report.add("to_input_max_mm", reach_mm(r.mesh, surface::PointToMesh(before), progress));
-  report.add("from_input_max_mm", reach_mm(before, surface::PointToMesh(r.mesh), progress));
+  RepairResult result;
+  result.method = method;
+  result.triangles_count = r.mesh.triangles.size();
+  result.points_merged_count = r.soup.merged;
+  result.triangles_dropped_count = r.soup.sideless;
+  result.duplicates_dropped_count = r.soup.duplicates;
+  result.fins_dropped_count = r.soup.fins;
+  result.sheets_dropped_count = r.soup.sheets;
+  result.flipped_count = r.soup.flipped;
+  result.points_split_count = r.soup.split;
+  result.holes_filled_count = r.mended.holes;
+  result.degenerate_removed_count = r.mended.degenerate;
+  result.self_intersections_found_count = r.mended.self_intersections;
+  result.united_count = r.mended.united;
+  result.components_dropped_count = static_cast<std::size_t>(dropped);
+  result.voxel_mm = r.voxel_mm;
+  result.volume_ml = surface::volume_mm3(r.mesh) / 1000;
+  result.to_input_max_mm = reach_mm(r.mesh, surface::PointToMesh(before), progress);
+  result.from_input_max_mm = reach_mm(before, surface::PointToMesh(r.mesh), progress);
   progress.report(1);
-  return std::move(r.mesh);
+  return {std::move(r.mesh), std::move(result), std::move(warnings)};
 }
 
 }  // namespace
 
-surface::TriMesh repair(const surface::TriMesh& input, const RepairParams& params, Report& report,
+Outcome<surface::TriMesh, RepairResult> repair(const surface::TriMesh& input, const RepairParams& params,
                         const Progress& progress) {
   return within_time(params.total_limit_s, progress,
-                     [&](const TimeLimit& limit) { return repair_now(input, params, report, limit.progress()); });
+                     [&](const TimeLimit& limit) { return repair_now(input, params, limit.progress()); });
 }
 
 }  // namespace trephine::meshing

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -30,6 +30,50 @@ struct RepairParams {
     v.number(&P::total_limit_s, "total_limit_s", Range{0.1, 86400},
              "Limit on the wall clock time of all of it, the last resort included; after it the repair is given up "
              "(exit code 70).");
+  }
+};
+
+/// What is printed of a repair.
+struct RepairResult {
+  std::string method;
+  std::size_t triangles_count = 0;
+  std::size_t points_merged_count = 0;
+  std::size_t triangles_dropped_count = 0;
+  std::size_t duplicates_dropped_count = 0;
+  std::size_t fins_dropped_count = 0;
+  std::size_t sheets_dropped_count = 0;
+  std::size_t flipped_count = 0;
+  std::size_t points_split_count = 0;
+  std::size_t holes_filled_count = 0;
+  std::size_t degenerate_removed_count = 0;
+  std::size_t self_intersections_found_count = 0;
+  std::size_t united_count = 0;
+  std::size_t components_dropped_count = 0;
+  double voxel_mm = 0;
+  double volume_ml = 0;
+  double to_input_max_mm = 0;
+  double from_input_max_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = RepairResult;
+    v.text(&P::method, "method", "How it was repaired.");
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.integer(&P::points_merged_count, "points_merged_count", Range{}, "Points merged.");
+    v.integer(&P::triangles_dropped_count, "triangles_dropped_count", Range{}, "Triangles without area that were dropped.");
+    v.integer(&P::duplicates_dropped_count, "duplicates_dropped_count", Range{}, "Duplicates dropped.");
+    v.integer(&P::fins_dropped_count, "fins_dropped_count", Range{}, "Fins dropped.");
+    v.integer(&P::sheets_dropped_count, "sheets_dropped_count", Range{}, "Sheets dropped.");
+    v.integer(&P::flipped_count, "flipped_count", Range{}, "Triangles flipped.");
+    v.integer(&P::points_split_count, "points_split_count", Range{}, "Points split.");
+    v.integer(&P::holes_filled_count, "holes_filled_count", Range{}, "Holes filled.");
+    v.integer(&P::degenerate_removed_count, "degenerate_removed_count", Range{}, "Degenerate triangles removed.");
+    v.integer(&P::self_intersections_found_count, "self_intersections_found_count", Range{}, "Self-intersections found.");
+    v.integer(&P::united_count, "united_count", Range{}, "Pieces united.");
+    v.integer(&P::components_dropped_count, "components_dropped_count", Range{}, "Components dropped.");
+    v.number(&P::voxel_mm, "voxel_mm", Range{}, "Voxel of the repair by volume; 0: none.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
+    v.number(&P::to_input_max_mm, "to_input_max_mm", Range{}, "Largest distance to the input.");
+    v.number(&P::from_input_max_mm, "from_input_max_mm", Range{}, "Largest distance of the input to it.");
   }
 };
 
@@ -59,7 +103,7 @@ struct RepairParams {
 /// can be made; 70 where the child reached its limit of time or memory and the last resort is turned off, or where all
 /// of it takes longer than total_limit_s; Cancelled.
 /// The result has the same bytes whatever the thread count.
-surface::TriMesh repair(const surface::TriMesh& mesh, const RepairParams& params, Report& report,
+Outcome<surface::TriMesh, RepairResult> repair(const surface::TriMesh& mesh, const RepairParams& params,
                         const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -205,7 +205,7 @@ Mended mend(const surface::TriMesh& mesh, double flattest_mm, double time_limit_
     surface::check_mesh(mended.mesh);
   } catch (const Error& e) {
     mended.fault = e.what();
-    mended.over_limit = is_child_limit(e);
+    mended.over_limit = e.cause() == Cause::child_limit;
   }
   return mended;
 }

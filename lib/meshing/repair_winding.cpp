@@ -58,8 +58,7 @@ class Recontour {
     ContourParams params;
     params.min_component_mm3 = 4 * side_ * side_ * side_;
     params.keep_cavities = true;
-    Report ignored;
-    return contour(field_, params, ignored, progress.part(0.8, 1));
+    return contour(field_, params, progress.part(0.8, 1)).value;
   }
   double side_mm() const { return side_; }
 

@@ -15,7 +15,6 @@
 #include "meshing/reference_distance.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
-#include "surface/results.h"
 
 namespace trephine::meshing {
 namespace {
@@ -138,8 +137,7 @@ void take_back(surface::TriMesh& mesh, const surface::TriMesh& original, std::ve
 void move_points(surface::TriMesh& mesh, const surface::TriMesh& original, const std::vector<Vec3>& target,
                  double volume, double max_displacement_mm) {
   surface::TriMesh shape = original;
-  Report unused;
-  compute_normals(shape, NormalsParams(), unused);
+  compute_normals(shape, NormalsParams());
   const double step = float32_step_mm(original), area = surface::area_mm2(original);
   // Rounding to float32 moves a point by less than one step of the grid, so the bound holds after it as well.
   const double limit = std::max(0.0, max_displacement_mm - step);
@@ -174,7 +172,7 @@ std::vector<std::uint32_t> turned_triangles(const surface::TriMesh& mesh, const 
 
 }  // namespace
 
-surface::TriMesh smooth(const surface::TriMesh& input, const SmoothParams& params, Report& report,
+Outcome<surface::TriMesh, SmoothResult> smooth(const surface::TriMesh& input, const SmoothParams& params,
                         const Progress& progress, const surface::TriMesh* reference) {
   surface::check_mesh(input);
   const double bound_mm = params.total_deviation_mm;
@@ -233,17 +231,18 @@ surface::TriMesh smooth(const surface::TriMesh& input, const SmoothParams& param
   }
   with_field("smooth", [&] { require_valid(mesh, progress.part(0.9, 1)); });
   const double smoothed_volume = surface::volume_mm3(mesh);
-  report.add("triangles_count", mesh.triangles.size());
-  add_result(report, surface::SmoothingResult{largest});
-  report.add("displacement_rms_mm", mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size()));
-  report.add("strength_ratio", strength);
-  report.add("volume_ml", smoothed_volume / 1000);
-  report.add("volume_change_percent", 100 * (smoothed_volume / volume - 1));
-  if (to_reference) report.add("reference_distance_max_mm", to_reference->largest_mm(mesh));
-  if (bound_mm > 0) report.add("total_deviation_proven_mm", bound_mm);
-  report.add("points_held_back_count", static_cast<std::int64_t>(std::count(held.begin(), held.end(), 1)));
+  SmoothResult result;
+  result.triangles_count = mesh.triangles.size();
+  result.displacement_max_mm = largest;
+  result.displacement_rms_mm = mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size());
+  result.strength_ratio = strength;
+  result.volume_ml = smoothed_volume / 1000;
+  result.volume_change_percent = 100 * (smoothed_volume / volume - 1);
+  if (to_reference) result.reference_distance_max_mm = to_reference->largest_mm(mesh);
+  if (bound_mm > 0) result.total_deviation_proven_mm = bound_mm;
+  result.points_held_back_count = static_cast<std::int64_t>(std::count(held.begin(), held.end(), 1));
   progress.report(1);
-  return mesh;
+  return {std::move(mesh), result, {}};
 }
 
 }  // namespace trephine::meshing

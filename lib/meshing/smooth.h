@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -44,6 +44,32 @@ struct SmoothParams {
   }
 };
 
+/// What is printed of a smoothing.
+struct SmoothResult {
+  std::size_t triangles_count = 0;
+  double displacement_max_mm = 0;
+  double displacement_rms_mm = 0;
+  double strength_ratio = 1;
+  double volume_ml = 0;
+  double volume_change_percent = 0;
+  std::optional<double> reference_distance_max_mm;
+  std::optional<double> total_deviation_proven_mm;
+  std::int64_t points_held_back_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = SmoothResult;
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.number(&P::displacement_max_mm, "displacement_max_mm", Range{}, "Largest displacement of a point.");
+    v.number(&P::displacement_rms_mm, "displacement_rms_mm", Range{}, "Root mean square of the displacements.");
+    v.number(&P::strength_ratio, "strength_ratio", Range{}, "Share of the movement that was taken.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
+    v.number(&P::volume_change_percent, "volume_change_percent", Range{}, "Change of volume.");
+    v.number(&P::reference_distance_max_mm, "reference_distance_max_mm", "Largest distance to the reference, at points of the surfaces.");
+    v.number(&P::total_deviation_proven_mm, "total_deviation_proven_mm", "Bound of the distance to the reference that was proven.");
+    v.integer(&P::points_held_back_count, "points_held_back_count", Range{}, "Points that were held back.");
+  }
+};
+
 /// Smooths a surface by one of three filters: a low-pass filter of the points (windowed sinc, [Taubin1996]), half-steps
 /// towards the mean of the neighbours (Laplacian), or points fitted to filtered normals (feature_smooth.h). Of the
 /// filter's movement each point takes the part along its normal, plus a uniform offset that restores the volume,
@@ -61,7 +87,7 @@ struct SmoothParams {
 /// Throws Error 64 where total_deviation_mm is set without a reference; 65 where a mesh is not finite or its indices
 /// are out of range; 80 where it is not closed and 2-manifold, intersects itself already, or lies further from the
 /// reference than total_deviation_mm before it is smoothed.
-surface::TriMesh smooth(const surface::TriMesh& mesh, const SmoothParams& params, Report& report,
+Outcome<surface::TriMesh, SmoothResult> smooth(const surface::TriMesh& mesh, const SmoothParams& params,
                         const Progress& progress = {}, const surface::TriMesh* reference = nullptr);
 
 }  // namespace trephine::meshing

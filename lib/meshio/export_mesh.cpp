@@ -32,10 +32,9 @@ std::vector<Vec3> normals_of(const surface::TriMesh& mesh) {
   std::vector<Vec3> normals = mesh.normals;
   if (normals.empty()) {
     surface::TriMesh copy = mesh;
-    Report ignored;
     meshing::NormalsParams params;
     params.weight = meshing::NormalWeight::area;  // no arc cosine, whose last digit is the C library's
-    meshing::compute_normals(copy, params, ignored);
+    meshing::compute_normals(copy, params);
     normals = std::move(copy.normals);
   }
   for (Vec3& n : normals) {

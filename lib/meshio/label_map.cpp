@@ -103,7 +103,7 @@ std::string label_description(const LabelMap& map) {
 
 }  // namespace
 
-LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report, const Progress& progress) {
+Outcome<LabelMap, LabelMapResult> make_label_map(const std::vector<LabelledField>& fields, const Progress& progress) {
   if (fields.empty() || fields.size() > 255)
     throw Error(ExitCode::internal, "", "labels", "there must be 1 to 255 shapes");
   std::vector<grid::Box> places;
@@ -116,17 +116,18 @@ LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report
     overlap += paint(map.labels, *fields[i].field, places[i], std::uint8_t(i + 1));
     progress.report(double(i + 1) / double(fields.size()));
   }
+  LabelMapResult result;
   std::array<std::size_t, 256> voxels{};
   for (const std::uint8_t v : map.labels.voxels) ++voxels[v];
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (voxels[i + 1] == 0)
       throw refusal(fields[i].name, "keeps no voxel: it is empty, or later shapes cover it",
                     {"put it later in `labels`"});
-    report.add(fields[i].name + ".voxels_count", voxels[i + 1]);
-    report.add(fields[i].name + ".volume_ml", double(voxels[i + 1]) * lattice.voxel_volume_mm3() / 1000);
+    result.shapes.emplace_back(
+        fields[i].name, LabelledFigures{voxels[i + 1], double(voxels[i + 1]) * lattice.voxel_volume_mm3() / 1000});
   }
-  report.add("overlapping_voxels_count", overlap);
-  return map;
+  result.overlapping_voxels_count = overlap;
+  return {std::move(map), std::move(result), {}};
 }
 
 const std::vector<LabelFormat>& all_label_formats() {

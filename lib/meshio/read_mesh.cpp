@@ -138,9 +138,9 @@ const std::vector<std::string>& readable_mesh_extensions() {
   return all;
 }
 
-surface::TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits,
-                                const Progress& progress) {
-  return with_file(file.string(), [&] {
+Outcome<surface::TriMesh, ReadMeshResult> read_mesh_file(const std::filesystem::path& file,
+                                                         const ReadMeshLimits& limits, const Progress& progress) {
+  return with_file(file.string(), [&]() -> Outcome<surface::TriMesh, ReadMeshResult> {
     const ForeignReader& reader = reader_for(file);
     surface::TriMesh mesh;
     bool ours = false;
@@ -173,11 +173,8 @@ surface::TriMesh read_mesh_file(const std::filesystem::path& file, Report& repor
     surface::drop_unused_points(mesh);
     if (!ours && !reader.reads("vtp")) meshing::centre_origin(mesh);
     surface::check_mesh(mesh);
-    report.add("triangles_count", mesh.triangles.size());
-    report.add("points_merged", merged);
-    report.add("triangles_dropped", dropped);
-    report.add("closed", surface::topology_of(mesh).closed());
-    return mesh;
+    const ReadMeshResult result{mesh.triangles.size(), merged, dropped, surface::topology_of(mesh).closed()};
+    return {std::move(mesh), result, {}};
   });
 }
 

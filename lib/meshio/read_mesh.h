@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshio {
@@ -14,6 +14,19 @@ namespace trephine::meshio {
 struct ReadMeshLimits {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
   double max_s = 0;  ///< wall clock and CPU; 0: by the file's size (20 s and 1 s a MB of CPU)
+};
+
+struct ReadMeshResult {
+  std::size_t triangles_count = 0, points_merged = 0, triangles_dropped = 0;
+  bool closed = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = ReadMeshResult;
+    v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
+    v.integer(&P::points_merged, "points_merged", Range{}, "Points that were merged with others.");
+    v.integer(&P::triangles_dropped, "triangles_dropped", Range{}, "Triangles that lost a side by that.");
+    v.flag(&P::closed, "closed", "Whether it is closed.");
+  }
 };
 
 /// The extensions that read_mesh_file takes, with their dots.
@@ -33,10 +46,11 @@ const std::vector<std::string>& readable_mesh_extensions();
 /// check_mesh and has at least one triangle, but need not be closed or valid: require_valid (meshing/validity.h) checks
 /// that.
 ///
-/// Fills the report: triangles_count, points_merged, triangles_dropped, closed. Throws Error naming the file: 66 where
+/// Throws Error naming the file: 66 where
 /// it is missing; 64 for another extension; 65 where it is too large, damaged, has no triangle, or no reader survives
 /// it within the limits.
-surface::TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits = {},
-                                const Progress& progress = {});
+Outcome<surface::TriMesh, ReadMeshResult> read_mesh_file(const std::filesystem::path& file,
+                                                         const ReadMeshLimits& limits = {},
+                                                         const Progress& progress = {});
 
 }  // namespace trephine::meshio

@@ -55,10 +55,7 @@ surface::TriMesh parse_in_child(std::string_view bytes) {
     try {
       return run_child("vtp-parse", bytes, limits);
     } catch (const Error& e) {  // a fault of the reader, and a file that no user can do anything with
-      const std::string_view what = e.what();
-      const bool died = what.find("killed by signal") != std::string_view::npos;
-      const bool killed = what.find("signal 9") != std::string_view::npos;  // by a person, or for want of memory
-      if (e.code() != ExitCode::internal || !died || killed) throw;
+      if (e.cause() != Cause::child_died) throw;
       throw Error(ExitCode::bad_input, "", "", "damaged: VTK's reader died of it; write the file again");
     }
   }();

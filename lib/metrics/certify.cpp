@@ -173,16 +173,14 @@ CertifiedDeviation certify_deviation(const surface::TriMesh& mesh, const surface
   return d;
 }
 
-void add_certified(Report& report, const CertifiedDeviation& d) {
+CertifiedFigures::CertifiedFigures(const CertifiedDeviation& d)
+    : max_mm(d.upper_mm()),
+      lower_mm(d.lower_mm()),
+      to_reference_mm(d.mesh_to_reference.upper_mm),
+      from_reference_mm(d.reference_to_mesh.upper_mm) {
   const bool first = d.mesh_to_reference.lower_mm >= d.reference_to_mesh.lower_mm;
   const Vec3 at = first ? d.mesh_to_reference.at_mm : d.reference_to_mesh.at_mm;
-  report.add("certified_max_mm", d.upper_mm());
-  report.add("certified_lower_mm", d.lower_mm());
-  report.add("certified_to_reference_mm", d.mesh_to_reference.upper_mm);
-  report.add("certified_from_reference_mm", d.reference_to_mesh.upper_mm);
-  report.add("certified_at_x_mm", at.x);
-  report.add("certified_at_y_mm", at.y);
-  report.add("certified_at_z_mm", at.z);
+  at_x_mm = at.x, at_y_mm = at.y, at_z_mm = at.z;
 }
 
 }  // namespace trephine::metrics

@@ -50,8 +50,23 @@ struct CertifiedDeviation {
 CertifiedDeviation certify_deviation(const surface::TriMesh& mesh, const surface::TriMesh& reference,
                                      const CertifyParams& params, const Progress& progress = {});
 
-/// Adds certified_max_mm (the upper bound), certified_lower_mm, certified_to_reference_mm, certified_from_reference_mm
-/// and certified_at_{x,y,z}_mm.
-void add_certified(Report& report, const CertifiedDeviation& deviation);
+/// What is printed of it.
+struct CertifiedFigures {
+  double max_mm = 0, lower_mm = 0, to_reference_mm = 0, from_reference_mm = 0;
+  double at_x_mm = 0, at_y_mm = 0, at_z_mm = 0;
+  explicit CertifiedFigures(const CertifiedDeviation& deviation);
+  CertifiedFigures() = default;
+  template <class V>
+  static void describe(V& v) {
+    using P = CertifiedFigures;
+    v.number(&P::max_mm, "certified_max_mm", Range{}, "No point of either surface lies farther from the other.");
+    v.number(&P::lower_mm, "certified_lower_mm", Range{}, "Distance of a point that was examined.");
+    v.number(&P::to_reference_mm, "certified_to_reference_mm", Range{}, "The same bound from the mesh alone.");
+    v.number(&P::from_reference_mm, "certified_from_reference_mm", Range{}, "And from the reference alone.");
+    v.number(&P::at_x_mm, "certified_at_x_mm", Range{}, "Where the examined point lies.");
+    v.number(&P::at_y_mm, "certified_at_y_mm", Range{}, "Where the examined point lies.");
+    v.number(&P::at_z_mm, "certified_at_z_mm", Range{}, "Where the examined point lies.");
+  }
+};
 
 }  // namespace trephine::metrics

@@ -110,6 +110,7 @@ Deviation combine(Side mesh_to_reference, Side reference_to_mesh) {
   d.mesh_to_reference = stats_of(std::move(mesh_to_reference.signed_mm), mesh_to_reference.vertex_max_mm);
   d.reference_to_mesh = stats_of(std::move(reference_to_mesh.signed_mm), reference_to_mesh.vertex_max_mm);
   d.both = stats_of(std::move(both), vertex_max);
+  d.samples_count = d.both.samples;
   return d;
 }
 
@@ -121,13 +122,6 @@ void check_surface(const surface::TriMesh& mesh, const char* which) {
 }
 
 }  // namespace
-
-void add_deviation(Report& report, const Deviation& d) {
-  add_result(report, d.both, "deviation_");
-  add_result(report, d.mesh_to_reference, "to_reference_");
-  add_result(report, d.reference_to_mesh, "from_reference_");
-  report.add("samples_count", d.both.samples);
-}
 
 std::vector<Vec3> points_on_surface(const surface::TriMesh& mesh, std::size_t count) {
   std::vector<Vec3> points;

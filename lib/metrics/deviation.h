@@ -6,7 +6,6 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
@@ -44,7 +43,16 @@ struct DeviationStats {
 
 struct Deviation {
   DeviationStats mesh_to_reference, reference_to_mesh;
-  DeviationStats both;  ///< of the points of both sides together
+  DeviationStats both;            ///< of the points of both sides together
+  std::size_t samples_count = 0;  ///< of both sides
+  template <class V>
+  static void describe(V& v) {
+    using P = Deviation;
+    v.all_of(&P::both, "deviation_");
+    v.all_of(&P::mesh_to_reference, "to_reference_");
+    v.all_of(&P::reference_to_mesh, "from_reference_");
+    v.integer(&P::samples_count, "samples_count", Range{}, "Points on both surfaces.");
+  }
 };
 
 /// The region in which the truth is known; null: everywhere. Called from several threads.
@@ -64,10 +72,6 @@ Deviation measure_deviation(const surface::TriMesh& mesh, const surface::TriMesh
 Deviation measure_deviation_to_truth(const surface::TriMesh& mesh, const surface::DistanceFunction& truth,
                                      const surface::TriMesh& truth_mesh, const DeviationParams& params = {},
                                      const KnownRegion& within = {}, const Progress& progress = {});
-
-/// Adds deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of
-/// each, and samples_count.
-void add_deviation(Report& report, const Deviation& deviation);
 
 /// The points described above, world; none where `count` is 0.
 std::vector<Vec3> points_on_surface(const surface::TriMesh& mesh, std::size_t count);

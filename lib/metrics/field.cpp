@@ -21,8 +21,8 @@ grid::Mask inside_of(const grid::Field& field, const grid::Lattice& lattice) {
   return mask;
 }
 
-void add_shell(Report& report, const surface::TriMesh& surface, const FieldTruth& truth, int sample_count,
-               const Progress& progress) {
+std::optional<ShellFigures> shell_of(const surface::TriMesh& surface, const FieldTruth& truth, int sample_count,
+                                     const Progress& progress) {
   const std::vector<Vec3> points = points_on_surface(surface, std::size_t(sample_count));
   std::vector<double> distance(points.size());
   std::vector<char> side(points.size(), 2);
@@ -38,39 +38,36 @@ void add_shell(Report& report, const surface::TriMesh& surface, const FieldTruth
   std::size_t count[2] = {0, 0};
   for (std::size_t i = 0; i < points.size(); ++i)
     if (side[i] < 2) sum[int(side[i])] += distance[i], ++count[int(side[i])];
-  if (count[0] == 0 || count[1] == 0) return;
+  if (count[0] == 0 || count[1] == 0) return {};
   const double inner = sum[0] / double(count[0]), outer = sum[1] / double(count[1]);
-  report.add("inner_bias_mm", inner);
-  report.add("outer_bias_mm", outer);
-  report.add("width_bias_mm", inner + outer);
+  return ShellFigures{inner, outer, inner + outer};
 }
 
 }  // namespace
 
-Report measure_field(const grid::Field& field, const FieldTruth& truth, int sample_count, const Progress& progress) {
-  Report report;
+FieldMeasures measure_field(const grid::Field& field, const FieldTruth& truth, int sample_count,
+                            const Progress& progress) {
   const grid::Mask found = inside_of(field, *truth.solid);
   const double volume = volume_mm3(found), reference = volume_mm3(*truth.solid);
   if (!(reference > 0)) throw Error(ExitCode::bad_input, "", "truth", "nothing of it lies in the field's volume");
-  report.add("dice_ratio", dice(found, *truth.solid));
-  report.add("volume_ml", volume / 1000);
-  report.add("reference_volume_ml", reference / 1000);
-  report.add("volume_difference_ratio", volume / reference - 1);
+  FieldMeasures m;
+  m.dice_ratio = dice(found, *truth.solid);
+  m.volume_ml = volume / 1000;
+  m.reference_volume_ml = reference / 1000;
+  m.volume_difference_ratio = volume / reference - 1;
   progress.report(0.1);
 
   meshing::ContourParams all;
   all.min_component_mm3 = 0;
   all.keep_cavities = true;
-  Report ignored;
-  const surface::TriMesh surface = meshing::contour(field, all, ignored, progress.part(0.1, 0.3));
+  const surface::TriMesh surface = meshing::contour(field, all, progress.part(0.1, 0.3)).value;
   DeviationParams samples;
   samples.sample_count = sample_count;
   samples.at_vertices = false;
-  const Deviation d =
+  m.deviation =
       measure_deviation_to_truth(surface, truth.distance, *truth.mesh, samples, truth.within, progress.part(0.3, 0.9));
-  add_deviation(report, d);
-  if (truth.is_inner) add_shell(report, surface, truth, sample_count, progress.part(0.9, 1));
-  return report;
+  if (truth.is_inner) m.shell = shell_of(surface, truth, sample_count, progress.part(0.9, 1));
+  return m;
 }
 
 }  // namespace trephine::metrics

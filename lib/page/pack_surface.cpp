@@ -94,8 +94,7 @@ std::uint64_t contour_triangles(const grid::Field& field) {
 grid::Field coarser(grid::Field field, double factor) {
   grid::ResampleParams params;
   for (int k = 0; k < 3; ++k) params.spacing_mm[k] = field.spacing_mm[k] * factor;
-  Report ignored;
-  return std::get<grid::Field>(grid::resample(grid::HuVolume(std::move(field)), params, ignored));
+  return std::get<grid::Field>(grid::resample(grid::HuVolume(std::move(field)), params).value);
 }
 
 }  // namespace

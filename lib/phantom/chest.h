@@ -8,7 +8,6 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
 #include "base/vec3.h"
 #include "phantom/scan.h"
 
@@ -84,8 +83,8 @@ Scan scan(const ChestParams& chest, const ScanParams& params, std::uint64_t seed
 
 /// Writes truth.json into `folder` (made where missing): the parameters, the sternal notch, and of each side the middle
 /// lines of clavicle, vein and artery; and, of slices that are a lattice, labels.nrrd: 1 soft tissue, 2 clavicle, 3
-/// other bone, 4 vein, 5 artery, 6 lung. Throws 73 and 74 as FileWriter.
-void write_truth(const std::filesystem::path& folder, const ChestParams& chest, const Scan& scan,
-                 const ScanParams& params, bool labels, Report& report);
+/// other bone, 4 vein, 5 artery, 6 lung. Returns how many lines there are. Throws 73 and 74 as FileWriter.
+std::int64_t write_truth(const std::filesystem::path& folder, const ChestParams& chest, const Scan& scan,
+                         const ScanParams& params, bool labels);
 
 }  // namespace trephine::phantom

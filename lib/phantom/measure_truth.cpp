@@ -82,8 +82,10 @@ TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& 
   return {&truth, anatomy, truth_mesh(truth.head, anatomy, truth.scanned, 1.0, progress)};
 }
 
-Report measure_against_truth(const surface::TriMesh& surface, const TruthSurface& known,
-                             const metrics::MeasureParams& params, const Progress& progress) {
+Outcome<std::monostate, metrics::MeasureResult> measure_against_truth(const surface::TriMesh& surface,
+                                                                      const TruthSurface& known,
+                                                                      const metrics::MeasureParams& params,
+                                                                      const Progress& progress) {
   const Truth& truth = *known.truth;
   metrics::TruthReference reference;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
@@ -92,8 +94,8 @@ Report measure_against_truth(const surface::TriMesh& surface, const TruthSurface
   return metrics::measure_surface(surface, reference, params, progress);
 }
 
-Report measure_against_truth(const grid::Field& field, const TruthSurface& known, int sample_count,
-                             const Progress& progress) {
+metrics::FieldMeasures measure_against_truth(const grid::Field& field, const TruthSurface& known, int sample_count,
+                                             const Progress& progress) {
   const Truth& truth = *known.truth;
   grid::Mask labels = truth_labels(truth.head, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
   const bool hard = truth.head.params().level == Level::hard;
@@ -112,12 +114,9 @@ Report measure_against_truth(const grid::Field& field, const TruthSurface& known
       truth.head.implicit_mm(known.anatomy, foot, normal);
       return truth.head.label(foot + normalized(normal)) >= 3;
     };
-  Report report = metrics::measure_field(field, reference, sample_count, progress.part(0.4, 1));
-  if (hard) {
-    report.add("apparatus_ml", apparatus);
-    report.add("vertebrae_ml", vertebrae);
-  }
-  return report;
+  metrics::FieldMeasures m = metrics::measure_field(field, reference, sample_count, progress.part(0.4, 1));
+  if (hard) m.apparatus_ml = apparatus, m.vertebrae_ml = vertebrae;
+  return m;
 }
 
 }  // namespace trephine::phantom

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "base/progress.h"
-#include "base/report.h"
 #include "grid/grid.h"
+#include "metrics/field.h"
 #include "metrics/measure.h"
 #include "phantom/truth.h"
 #include "surface/trimesh.h"
@@ -19,13 +19,15 @@ TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& 
 
 /// A surface against the analytic one, as measure_surface with a TruthReference. Where the scan ends the surface is
 /// capped, and nothing is known of the cap's truth: 3 mm of it are left out.
-Report measure_against_truth(const surface::TriMesh& surface, const TruthSurface& truth,
-                             const metrics::MeasureParams& params, const Progress& progress = {});
+Outcome<std::monostate, metrics::MeasureResult> measure_against_truth(const surface::TriMesh& surface,
+                                                                      const TruthSurface& truth,
+                                                                      const metrics::MeasureParams& params,
+                                                                      const Progress& progress = {});
 
 /// A field against the truth's solid on the field's own voxels, as far as the scan reached: measure_field, of a skull
-/// also how much too thick it is. At level hard the report also says how much apparatus and how much of the cervical
-/// vertebrae the field holds: apparatus_ml, vertebrae_ml.
-Report measure_against_truth(const grid::Field& field, const TruthSurface& truth, int sample_count,
-                             const Progress& progress = {});
+/// also how much too thick it is; at level hard also how much apparatus and how much of the cervical vertebrae it
+/// holds.
+metrics::FieldMeasures measure_against_truth(const grid::Field& field, const TruthSurface& truth, int sample_count,
+                                             const Progress& progress = {});
 
 }  // namespace trephine::phantom

@@ -62,18 +62,18 @@ void check_body(const PhantomParams& params) {
 }
 
 template <class Body>
-Report make_body(const std::filesystem::path& out, const Body& body, const PhantomParams& params,
-                 const Progress& progress) {
+PhantomResult make_body(const std::filesystem::path& out, const Body& body, const PhantomParams& params,
+                        std::optional<std::int64_t> PhantomResult::*counted, const Progress& progress) {
   const Scan scanned = scan(body, params.scan, std::uint64_t(params.head.seed), progress.part(0, 0.8));
-  Report report;
-  report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
+  PhantomResult result;
+  result.slices_count = static_cast<std::int64_t>(scanned.slices.size());
   const std::uint64_t bytes =
       write_series(out / "dicom", scanned, params.scan, params.series, identity_of(params), progress.part(0.8, 0.9));
-  report.add("series_mb", static_cast<double>(bytes) / 1e6);
+  result.series_mb = static_cast<double>(bytes) / 1e6;
   remove_series(out / "dicom", second_series);
-  write_truth(out / "truth", body, scanned, params.scan, params.truth.labels, report);
+  result.*counted = write_truth(out / "truth", body, scanned, params.scan, params.truth.labels);
   progress.report(1);
-  return report;
+  return result;
 }
 
 std::uint64_t write_second_series(const std::filesystem::path& folder, const Head& head, const PhantomParams& params,
@@ -104,33 +104,35 @@ grid::Grid<std::int16_t> volume_of(const Scan& scan) {
   return grid;
 }
 
-Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
+PhantomResult make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
   const ScanParams& s = params.scan;
   if (s.upper_step_mm > 0 && s.slices_count < 2)
     throw Error(ExitCode::usage, "", "upper_step_mm", "needs two slices or more");
   check_body(params);
   check_hard(params);
   make_output_folder(out);
-  if (params.body.body == BodyParams::Body::spine) return make_body(out, params.body.spine, params, progress);
-  if (params.body.body == BodyParams::Body::chest) return make_body(out, params.body.chest, params, progress);
+  if (params.body.body == BodyParams::Body::spine)
+    return make_body(out, params.body.spine, params, &PhantomResult::pedicles_count, progress);
+  if (params.body.body == BodyParams::Body::chest)
+    return make_body(out, params.body.chest, params, &PhantomResult::truth_lines_count, progress);
   const Head head(params.head);
   const double first = params.head.hard.second_kernel_mm > 0 ? 0.4 : 0.7;  // of the progress
   const Scan scanned = scan(head, s, progress.part(0, first - 0.1));
-  Report report;
-  report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
+  PhantomResult result;
+  result.slices_count = static_cast<std::int64_t>(scanned.slices.size());
   const std::uint64_t bytes =
       write_series(out / "dicom", scanned, s, params.series, identity_of(params), progress.part(first - 0.1, first));
-  report.add("series_mb", static_cast<double>(bytes) / 1e6);
+  result.series_mb = static_cast<double>(bytes) / 1e6;
   if (const HardParams& h = params.head.hard; h.second_kernel_mm > 0)
-    report.add("second_series_mb",
-               static_cast<double>(write_second_series(out / "dicom", head, params, progress.part(0.4, 0.7))) / 1e6);
+    result.second_series_mb =
+        static_cast<double>(write_second_series(out / "dicom", head, params, progress.part(0.4, 0.7))) / 1e6;
   else
     remove_series(out / "dicom", second_series);
-  write_truth(out / "truth", head, scanned, s, params.truth, report, progress.part(0.7, 0.9));
+  result.volume_ml = write_truth(out / "truth", head, scanned, s, params.truth, progress.part(0.7, 0.9));
   if (params.second.contrast != SecondScan::none)
     write_second_scan(out / "second", second_scan(head, params.second, progress.part(0.9, 1)));
   progress.report(1);
-  return report;
+  return result;
 }
 
 PhantomParams sample_phantom() {

@@ -8,7 +8,6 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
 #include "base/vec3.h"
 #include "phantom/chest.h"
 #include "phantom/scan.h"
@@ -176,8 +175,9 @@ Scan scan(const SpineParams& spine, const ScanParams& params, std::uint64_t seed
 
 /// Writes truth.json into `folder` (made where missing): the parameters, and of each pedicle that the scan shows whole
 /// its name (pedicle_1_left from below, as `trephine pedicles` counts), entry, target, middle and half-width; and, of
-/// slices that are a lattice, labels.nrrd: 1 soft tissue, 2 bone, 3 canal. Throws 73 and 74 as FileWriter.
-void write_truth(const std::filesystem::path& folder, const SpineParams& spine, const Scan& scan,
-                 const ScanParams& params, bool labels, Report& report);
+/// slices that are a lattice, labels.nrrd: 1 soft tissue, 2 bone, 3 canal. Returns how many such pedicles there are.
+/// Throws 73 and 74 as FileWriter.
+std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams& spine, const Scan& scan,
+                         const ScanParams& params, bool labels);
 
 }  // namespace trephine::phantom

@@ -59,8 +59,8 @@ Scan scan(const SpineParams& of, const ScanParams& params, std::uint64_t seed, c
                    progress);
 }
 
-void write_truth(const std::filesystem::path& folder, const SpineParams& of, const Scan& scan, const ScanParams& params,
-                 bool labels, Report& report) {
+std::int64_t write_truth(const std::filesystem::path& folder, const SpineParams& of, const Scan& scan,
+                         const ScanParams& params, bool labels) {
   make_output_folder(folder);
   const Spine spine = spine_in(of, scan.slices, params);
   Json json;
@@ -84,7 +84,6 @@ void write_truth(const std::filesystem::path& folder, const SpineParams& of, con
          {"middle_mm", to_json(p.middle_mm + offset_mm())},
          {"half_width_mm", p.half_width_mm}});
   }
-  report.add("pedicles_count", json["pedicles"].size());
   if (labels && has_lattice(params)) {
     grid::Mask mask(lattice_of(scan));
     parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
@@ -98,6 +97,7 @@ void write_truth(const std::filesystem::path& folder, const SpineParams& of, con
     grid::write_nrrd(folder / "labels.nrrd", mask);
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
+  return static_cast<std::int64_t>(json["pedicles"].size());
 }
 
 }  // namespace trephine::phantom

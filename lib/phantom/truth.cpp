@@ -121,8 +121,9 @@ grid::Mask truth_things(const Head& head, const grid::Lattice& lattice, const Pr
       head, lattice, [&](Vec3 p) { return static_cast<std::uint8_t>(head.thing(p)); }, progress);
 }
 
-void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
-                 const TruthParams& params, Report& report, const Progress& progress) {
+Named<double> write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan,
+                          const ScanParams& scan_params, const TruthParams& params, const Progress& progress) {
+  Named<double> volumes;
   make_output_folder(folder);
   const ScannedRegion region = scanned_region(scan_params);
   const surface::Bounds& box = region.box_mm;
@@ -162,7 +163,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
                                                progress.part(done, done + 0.2));
       const double volume = surface::volume_mm3(mesh) / 1000;
       json["volumes_in_box_ml"][name_of(a)] = volume;
-      report.add(std::string(name_of(a)) + "_volume_ml", volume);
+      volumes.emplace_back(name_of(a), volume);
       if (params.mesh_step_mm > 0 && !mesh.triangles.empty())
         meshio::write_vtp(folder / (std::string(name_of(a)) + ".vtp"), mesh);
       progress.report(done += 0.2);
@@ -174,6 +175,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
       grid::write_nrrd(folder / "things.nrrd", truth_things(head, lattice_of(scan), progress.part(0.9, 1)));
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
+  return volumes;
 }
 
 Truth read_truth(const std::filesystem::path& file) {

@@ -4,7 +4,6 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
 #include "grid/grid.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
@@ -53,10 +52,11 @@ grid::Mask truth_things(const Head& head, const grid::Lattice& lattice, const Pr
 
 /// Writes into `folder` (made where missing): truth.json (the head's parameters, from which read_truth rebuilds it; the
 /// scan's; landmarks; fiducials' centres; volumes within the scanned region; the lattice), labels.nrrd, at level
-/// hard things.nrrd, and skin.vtp, skull.vtp, brain.vtp and ventricles.vtp. Adds volumes to the report. Throws 73 and
+/// hard things.nrrd, and skin.vtp, skull.vtp, brain.vtp and ventricles.vtp. Returns
+/// those volumes, ml, by the name of the anatomy. Throws 73 and
 /// 74 as FileWriter, Cancelled.
-void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
-                 const TruthParams& params, Report& report, const Progress& progress = {});
+Named<double> write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan,
+                          const ScanParams& scan_params, const TruthParams& params, const Progress& progress = {});
 
 /// The content of truth.json.
 struct Truth {

@@ -75,8 +75,7 @@ Image deviation_picture(const surface::TriMesh& mesh, const surface::TriMesh& re
   if (!(full > 0)) full = 1e-3;
   surface::TriMesh smooth = mesh;
   if (smooth.normals.empty()) {
-    Report ignored;
-    meshing::compute_normals(smooth, meshing::NormalsParams(), ignored);
+    meshing::compute_normals(smooth, meshing::NormalsParams());
   }
   // There is one surface for each shade, because the renderer gives a surface one colour.
   std::vector<surface::TriMesh> parts(shades);

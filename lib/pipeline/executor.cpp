@@ -37,9 +37,9 @@ class Executor {
         order_(graph, [&](int node) { return options.asked.count(node) > 0; }),
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
-    std::optional<RefusalAbout> refused;
+    std::optional<Error> refused;
     int refused_node = -1;
-    // The report of every node is wanted, so a node whose report is not in the cache runs again.
+    // The result of every node is wanted, so a node whose result is not in the cache runs again.
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
       if (const auto made = options_.known.find(graph.nodes[i].key); made != options_.known.end()) {
         results_[i] = made->second;
@@ -47,16 +47,17 @@ class Executor {
                         results_[i].state == NodeResult::State::computed ? results_[i].seconds : 0);
         continue;
       }
-      auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
+      auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key, *graph.nodes[i].type)
+                                  : StageCache::Outcome{};
       if (known.refusal) {
         if (refused && !comes_before(int(i), refused_node)) continue;
         refused = *known.refusal;
-        refused->in_field(graph.nodes[i].name);
+        refused->in_stage(graph.nodes[i].name);
         refused_node = int(i);
         continue;
       }
-      tasks_[i].unknown = !known.report;
-      if (known.report) results_[i].report = std::move(*known.report);
+      tasks_[i].unknown = !known.made;
+      if (known.made) static_cast<stages::StageOutcome&>(results_[i]) = std::move(*known.made);
     }
     if (refused) throw *refused;
     for (const int w : wanted) {
@@ -202,7 +203,7 @@ class Executor {
       std::exception_ptr error;
       try {
         lay_aside();
-        with_field(graph_.nodes[i].name, [&] { bring_back(graph_.nodes[i]); });
+        with_stage(graph_.nodes[i].name, [&] { bring_back(graph_.nodes[i]); });
         run_node(i);
       } catch (...) {
         error = std::current_exception();
@@ -289,13 +290,12 @@ class Executor {
     NodeResult& result = results_[i];
     observer_.started(node.name);
     const auto start = Clock::now();
-    result.report = {};
     try {
-      with_field(node.name, [&] { compute(node, result); });
+      with_stage(node.name, [&] { compute(node, result); });
     } catch (const Error& e) {
       // A wrong use of parameters is a usage error in a single tool, but in a run it is a wrong configuration.
       if (e.code() != ExitCode::usage) throw;
-      throw Error(ExitCode::bad_config, e.file(), e.field(), e.what());
+      throw Error(e).recoded(ExitCode::bad_config);
     }
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
@@ -318,7 +318,8 @@ class Executor {
     if (!options_.cache) return;
     into_cache([&] {
       const bool worth = worth_storing(result.data, result.seconds);
-      options_.cache->store(node.key, node.output, worth ? result.data : stages::StageData{}, result.report,
+      options_.cache->store(node.key, node.output,
+                            {worth ? result.data : stages::StageData{}, result.result, result.warnings},
                             result.seconds);
       result.kept = worth;
     });
@@ -340,7 +341,7 @@ class Executor {
     const NodeResult& result = results_[i];
     if (!options_.keep.empty() && node.output != stages::DataKind::nothing)
       stages::save_data(options_.keep / (node.name + stages::file_extension(node.output)), result.data);
-    observer_.finished(node.name, how, result.seconds, result.report);
+    observer_.finished(node.name, how, result.seconds, result);
   }
 
   void compute(const Node& node, NodeResult& result) {
@@ -353,7 +354,7 @@ class Executor {
       inputs.key_by_port[port] = graph_.nodes[source].key;
     }
     try {
-      result.data = compute_node(node, std::move(inputs), result.report, progress);
+      static_cast<stages::StageOutcome&>(result) = compute_node(node, std::move(inputs), progress);
     } catch (const Error& e) {
       if (e.code() == ExitCode::quality && e.file().empty()) store_refusal(node, e);
       throw;
@@ -386,9 +387,9 @@ class Executor {
 
 stages::StageData NodeResult::loaded() const { return data.index() == 0 && spilled ? spilled->read() : data; }
 
-stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress) {
+stages::StageOutcome compute_node(const Node& node, stages::StageInputs inputs, const Progress& progress) {
   inputs.file_sha256 = node.file_sha256;
-  return node.type->run(node.params, inputs, report, progress);
+  return node.type->run(node.params, inputs, progress);
 }
 
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,

@@ -32,13 +32,12 @@ class RunObserver {
   virtual void started(const std::string& node) = 0;
   virtual void progressed(const std::string& node, double fraction) = 0;
   /// `how`: computed or cached.
-  virtual void finished(const std::string& node, const std::string& how, double seconds, const Report& report) = 0;
+  virtual void finished(const std::string& node, const std::string& how, double seconds, const stages::StageOutcome& made) = 0;
 };
 
-struct NodeResult {
+/// What a node's stage gave, its data only for wanted nodes: that of others is dropped after the last reader.
+struct NodeResult : stages::StageOutcome {
   enum class State { not_needed, computed, cached } state = State::not_needed;
-  stages::StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
-  Report report;
   double seconds = 0;
   std::shared_ptr<const SpilledData> spilled;  ///< holds the data where `data` has none; see ExecuteOptions::spill
   bool kept = false;  ///< computed or cached, and in the cache: the next run need not compute it
@@ -69,10 +68,10 @@ struct ExecuteOptions {
 
 /// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
 /// longer the one for which the graph was made.
-stages::StageData compute_node(const Node& node, stages::StageInputs inputs, Report& report, const Progress& progress);
+stages::StageOutcome compute_node(const Node& node, stages::StageInputs inputs, const Progress& progress);
 
-/// Computes the wanted nodes and what they need that is not in the cache, and any other node of the graph whose report
-/// is not in the cache: the report of every node is part of the results. Who wants a few nodes alone gives a graph of
+/// Computes the wanted nodes and what they need that is not in the cache, and any other node of the graph whose result
+/// is not in the cache: that of every node is wanted. Who wants a few nodes alone gives a graph of
 /// these. Independent nodes run at the same time on up to
 /// thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever

@@ -48,6 +48,26 @@ std::string data_sha256(const std::string& key, const fs::path& data) {
   return Sha256().text("data of").text(key).text(data.extension().string()).text(sha256_of_file(data)).hex();
 }
 
+nlohmann::ordered_json json_of(const Error& refusal) {
+  nlohmann::ordered_json settings = nlohmann::ordered_json::array();
+  for (const Setting& s : refusal.message().settings()) settings.push_back({s.parameter, s.value});
+  return {{"field", refusal.field()},
+          {"what", refusal.message().form()},
+          {"settings", settings},
+          {"cause", static_cast<int>(refusal.cause())},
+          {"about", refusal.about()}};
+}
+
+Error refusal_of(const nlohmann::ordered_json& json) {
+  std::vector<Setting> settings;
+  for (const auto& s : json.at("settings"))
+    settings.push_back({s.at(0).get<std::string>(), s.at(1).get<std::string>()});
+  Error e(ExitCode::quality, "", json.at("field").get<std::string>(),
+          Message(json.at("what").get<std::string>(), std::move(settings)));
+  e.because(static_cast<Cause>(json.at("cause").get<int>()));
+  return e.finds_fault_with(json.at("about").get<std::vector<std::string>>());
+}
+
 // The index as it is stored: its text and the checksum of that. Throws where it is damaged or is that of another key.
 nlohmann::ordered_json parse_index(const std::vector<char>& bytes, const std::string& key) {
   const auto outer = nlohmann::ordered_json::parse(bytes.begin(), bytes.end());
@@ -83,11 +103,9 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
     const auto json = parse_index(read_file(index, 1 << 20), key);
     Index out;
     if (const auto refused = json.find("refusal"); refused != json.end())
-      out.outcome.refusal.emplace(
-          Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>()),
-          refused->value("about", std::vector<std::string>()));
+      out.refusal = refusal_of(*refused);
     else
-      out.outcome.report = stages::parse_report_json(json.at("report").get<std::string>());
+      out.outcome = json.at("outcome").get<std::string>();
     out.sha256 = json.value("sha256", std::string());
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
     return out;
@@ -99,15 +117,22 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
   }
 }
 
-StageCache::Outcome StageCache::load_outcome(const std::string& key) const {
+StageCache::Outcome StageCache::load_outcome(const std::string& key, const stages::StageType& type) const {
   auto index = load_index(key);
   if (!index) return {};
-  return std::move(index->outcome);
+  if (index->refusal) return {{}, std::move(index->refusal)};
+  try {
+    return {stages::parse_outcome_json(index->outcome, type), {}};
+  } catch (const Error&) {  // of another program
+    std::error_code ignored;
+    fs::remove(file(key, index_extension), ignored);
+    return {};
+  }
 }
 
 std::optional<stages::StageData> StageCache::load_data(const std::string& key, stages::DataKind kind) const {
   const auto index = load_index(key);
-  if (!index || !index->outcome.report) return {};
+  if (!index || index->refusal) return {};
   if (kind == stages::DataKind::nothing) return stages::StageData{};
   if (index->sha256.empty()) return {};
   const fs::path data = file(key, stages::file_extension(kind));
@@ -125,16 +150,16 @@ std::optional<stages::StageData> StageCache::load_data(const std::string& key, s
   }
 }
 
-void StageCache::store(const std::string& key, stages::DataKind kind, const stages::StageData& data,
-                       const Report& report, double seconds) const {
+void StageCache::store(const std::string& key, stages::DataKind kind, const stages::StageOutcome& made,
+                       double seconds) const {
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
   json["key"] = key;
-  if (!std::holds_alternative<std::monostate>(data)) {
-    stages::save_data(file(key, stages::file_extension(kind)), data);
+  if (!std::holds_alternative<std::monostate>(made.data)) {
+    stages::save_data(file(key, stages::file_extension(kind)), made.data);
     json["sha256"] = data_sha256(key, file(key, stages::file_extension(kind)));
   }
-  json["report"] = stages::report_json(report);
+  json["outcome"] = stages::outcome_json(made);
   json["seconds"] = seconds;
   write_index(key, json.dump());
 }
@@ -143,8 +168,7 @@ void StageCache::store_refusal(const std::string& key, const Error& refusal) con
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
   json["key"] = key;
-  json["refusal"] = {{"field", refusal.field()}, {"what", refusal.what()}};
-  if (const auto* parts = dynamic_cast<const RefusalAbout*>(&refusal)) json["refusal"]["about"] = parts->about();
+  json["refusal"] = json_of(refusal);
   write_index(key, json.dump());
 }
 
@@ -188,7 +212,7 @@ StageCache::Entry StageCache::look_up(const std::string& key) const {
   try {
     const auto json = parse_index(read_file(index, 1 << 20), key);
     Entry entry;
-    entry.has_report = json.contains("report");
+    entry.has_result = json.contains("outcome");
     entry.has_data = json.contains("sha256");
     if (const auto s = json.find("seconds"); s != json.end() && s->is_number()) entry.seconds = s->get<double>();
     return entry;

@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "base/refusal.h"
+#include "base/error.h"
 #include "stages/stage.h"
 
 namespace trephine::pipeline {
 
 /// Outputs of stages on disk, by key. The cache holds patient data, so its folder is made with mode 0700. An entry is a
-/// JSON file with the key, the stage's report and, where the output was worth its space, the SHA-256 of the key and a
+/// JSON file with the key, the stage's result and warnings and, where the output was worth its space, the SHA-256 of the key and a
 /// data file; it has a SHA-256 of its own and is written last. An entry that is torn, damaged, that of another key, or
 /// written by another user counts as missing. That is no protection against who may act as the user: he can compute
 /// checksums too.
@@ -24,16 +24,15 @@ class StageCache {
 
   /// How a stage ended: at most one of both; neither where the cache knows nothing, or what it had is damaged.
   struct Outcome {
-    std::optional<Report> report;
-    std::optional<RefusalAbout> refusal;  ///< with its field and text; mostly about nothing more
+    std::optional<stages::StageOutcome> made;  ///< without its data
+    std::optional<Error> refusal;
   };
-  Outcome load_outcome(const std::string& key) const;
+  Outcome load_outcome(const std::string& key, const stages::StageType& type) const;
   /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).
   std::optional<stages::StageData> load_data(const std::string& key, stages::DataKind kind) const;
-  /// Stores an output. With empty `data` only the report is kept. `seconds` is the time that the stage took, for later
-  /// estimates.
-  void store(const std::string& key, stages::DataKind kind, const stages::StageData& data, const Report& report,
-             double seconds) const;
+  /// Stores an output. With empty data only result and warnings are kept. `seconds` is the time that the stage took, for
+  /// later estimates.
+  void store(const std::string& key, stages::DataKind kind, const stages::StageOutcome& made, double seconds) const;
 
   /// A refusal (Error 80 without a file) is an outcome too: the same inputs and parameters are refused again.
   void store_refusal(const std::string& key, const Error& refusal) const;
@@ -44,7 +43,7 @@ class StageCache {
   void remember_seconds(const std::map<std::string, double>& newer) const;
 
   struct Entry {
-    bool has_report = false, has_data = false;
+    bool has_result = false, has_data = false;
     std::optional<double> seconds;
   };
   /// What the entry holds; it is not verified and does not count as used.
@@ -55,8 +54,9 @@ class StageCache {
 
  private:
   struct Index {
-    Outcome outcome;
-    std::string sha256;  ///< of the data; empty where there is none
+    std::optional<Error> refusal;
+    std::string outcome;  ///< as JSON; empty after a refusal
+    std::string sha256;   ///< of the data; empty where there is none
   };
   std::optional<Index> load_index(const std::string& key) const;
   void write_index(const std::string& key, const std::string& entry) const;

@@ -381,15 +381,17 @@ HeadPlace place_head(const mask::BitMask& cavity, const mask::BitMask* fluid, co
   return found;
 }
 
-void report_place(const HeadPlace& place, Report& report) {
-  report.add("template_residual_mm", place.residual_mm);
-  report.add("template_matched_ratio", place.matched);
-  report.add("template_scanned_ratio", place.scanned);
-  report.add("head_pitch_deg", std::atan2(place.axes.column[1].z, place.axes.column[1].y) * 180 / pi);
-  if (!place.sure)
-    report.warn(
-        "the cranial cavity found is not of a head's shape, or less than half of it was scanned: ventricles and "
-        "cisterns are told apart by their place in the scan alone, which holds for straight heads");
+PlaceFigures figures_of(const HeadPlace& place) {
+  return {place.residual_mm, place.matched, place.scanned,
+          std::atan2(place.axes.column[1].z, place.axes.column[1].y) * 180 / pi};
+}
+
+Warnings warnings_of(const HeadPlace& place) {
+  if (place.sure) return {};
+  return {{"unsure_place",
+           "the cranial cavity found is not of a head's shape, or less than half of it was scanned: ventricles and "
+           "cisterns are told apart by their place in the scan alone, which holds for straight heads",
+           {}}};
 }
 
 }  // namespace trephine::place

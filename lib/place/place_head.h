@@ -2,7 +2,7 @@
 #pragma once
 // Where the template of a head lies in a scan.
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/warning.h"
 #include "mask/bits.h"
 #include "place/head_template.h"
 
@@ -32,8 +32,20 @@ struct HeadPlace {
 HeadPlace place_head(const mask::BitMask& cavity, const mask::BitMask* fluid, const grid::Lattice& scan,
                      const Progress& progress = {});
 
-/// Adds "template_residual_mm", "template_matched_ratio", "template_scanned_ratio" and "head_pitch_deg" (chin down:
-/// above 0), and warns where the template is not sure.
-void report_place(const HeadPlace& place, Report& report);
+/// What is printed of a place.
+struct PlaceFigures {
+  double template_residual_mm = 0, template_matched_ratio = 0, template_scanned_ratio = 0, head_pitch_deg = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = PlaceFigures;
+    v.number(&P::template_residual_mm, "template_residual_mm", Range{}, "How far the template lies from the cavity.");
+    v.number(&P::template_matched_ratio, "template_matched_ratio", Range{}, "Share of what was scanned that fits.");
+    v.number(&P::template_scanned_ratio, "template_scanned_ratio", Range{}, "Share of the cavity that was scanned.");
+    v.number(&P::head_pitch_deg, "head_pitch_deg", Range{}, "Pitch of the head; chin down: above 0.");
+  }
+};
+PlaceFigures figures_of(const HeadPlace& place);
+/// That the template is not sure, where it is not.
+Warnings warnings_of(const HeadPlace& place);
 
 }  // namespace trephine::place

@@ -17,7 +17,7 @@ constexpr double third_wide_mm = 9;  ///< fluid that goes on beyond this from th
 constexpr double third_near_mm = 3;  ///< and so is what does not come as near to it as this
 constexpr double third_cut_mm = 1;   ///< its border to them is smoothed by this
 constexpr double most_shift_mm = 12, shift_step_mm = 0.5, clearly_more = 2, least_share = 1.0 / 3;
-constexpr double most_lateral = 0.25, told_shift_mm = 5;
+constexpr double most_lateral = 0.25;
 
 /// How much of the template's third ventricle is fluid when the template is moved to the left by so much, of 1.
 class Overlap {
@@ -50,23 +50,17 @@ class Overlap {
 
 }  // namespace
 
-HeadPlace moved_to_third(const grid::Field& fluid_mm, const HeadPlace& place, Report& report) {
+double third_shift_mm(const grid::Field& fluid_mm, const HeadPlace& place) {
   const Overlap overlap(fluid_mm, place);
   const double here = overlap.at(0);
   double most = here, shift_mm = 0;
   for (double mm = shift_step_mm; mm <= most_shift_mm; mm += shift_step_mm)  // of equals, the nearest
     for (const double to : {mm, -mm})
       if (const double share = overlap.at(to); share > most) most = share, shift_mm = to;
-  if (most < clearly_more * here || most < least_share) return place;
+  if (most < clearly_more * here || most < least_share) return 0;
   // Fluid at both sides is that of wide lateral ventricles, and so is what lies where they lie.
-  if (most < clearly_more * overlap.at(-shift_mm) || overlap.at(shift_mm, true) > most_lateral * most) return place;
-  HeadPlace moved = place;
-  moved.centre_mm += place.axes.column[0] * shift_mm;
-  report.add("third_shift_mm", shift_mm);
-  if (std::abs(shift_mm) > told_shift_mm)
-    report.warn(fmt::format("the third ventricle lies {:.0f} mm to the {} of the midline", std::abs(shift_mm),
-                            shift_mm > 0 ? "left" : "right"));
-  return moved;
+  if (most < clearly_more * overlap.at(-shift_mm) || overlap.at(shift_mm, true) > most_lateral * most) return 0;
+  return shift_mm;
 }
 
 void cut_off_lateral(grid::Field& fluid_mm, const HeadPlace& place, const Progress& progress) {

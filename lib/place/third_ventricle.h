@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // What of a head's ventricles is the third one.
-#include "base/report.h"
 #include "grid/grid.h"
 #include "place/place_head.h"
 
@@ -13,7 +12,7 @@ namespace trephine::place {
 /// where it lies already and as on the other side, a third of its volume or more, and for three quarters none of the
 /// template's lateral ventricles. Adds "third_shift_mm" (to the patient's left: above 0) where it is moved, and a
 /// warning above 5 mm.
-HeadPlace moved_to_third(const grid::Field& fluid_mm, const HeadPlace& place, Report& report);
+double third_shift_mm(const grid::Field& fluid_mm, const HeadPlace& place);
 
 /// Keeps of the fluid's distances what is narrow from side to side. The template's border alone lets the third
 /// ventricle bulge into lateral ventricles that are wider than the template's.

@@ -26,7 +26,7 @@ constexpr double air_share = 0.25, near_air_mm = 4;
 constexpr float some_air_hu = -60;
 constexpr double among_cells_mm = 8, between_cells_mm = 3;
 constexpr double air_walls_mm = 3, air_wall_mm = 1;  ///< between bone cells, and between them and the dura
-constexpr double stem_room_mm = 12, told_beyond_ml = 3;
+constexpr double stem_room_mm = 12, told_beyond_ml = 3, told_aside_mm = 5;
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
@@ -124,8 +124,10 @@ HeadPlace place_of(const mask::BitMask& cavity, const ZoneShapes& shapes, bool w
   return place_in_cavity(cavity, with_ventricles ? shapes.ventricles : nullptr, progress);
 }
 
+using Made = Outcome<grid::Field, ZoneResult>;
+
 /// Cuts off the dura what lies beyond the template's cavity and the way of the brainstem out of it.
-void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZoneParams& params, Report& report) {
+void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZoneParams& params, Made& made) {
   if (!place.sure) return;
   std::vector<std::int64_t> cut(std::size_t(wall.size[2]));
   parallel_for(0, wall.size[2], 1, [&](std::int64_t from, std::int64_t to) {
@@ -140,12 +142,12 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
         }
   });
   const double ml = double(std::accumulate(cut.begin(), cut.end(), std::int64_t{0})) * wall.voxel_volume_mm3() / 1000;
-  report.add("beyond_ml", ml);
+  made.result.beyond_ml = ml;
   if (ml > told_beyond_ml)
-    report.warn(
-        fmt::format("{:.0f} ml behind the thin bone of the skull's base were cut off, where the scan shows no "
-                    "bone: the dura's border there is a template's, not the scan's",
-                    ml));
+    made.warnings.push_back({"dura_by_template",
+                             "{beyond_ml:.0f} ml behind the thin bone of the skull's base were cut off, where the scan "
+                             "shows no bone: the dura's border there is a template's, not the scan's",
+                             {{"beyond_ml", ml}}});
 }
 
 /// Of the cells near the wall, at the skull's base: those that hold air, and those that hold some of it, darker than
@@ -194,7 +196,7 @@ AirCells air_at_base(const grid::Field& wall, const grid::HuVolume& volume, cons
 /// lose, less those walls: no dura where it is not above 0. Empty without such air inside the wall. Air above the base
 /// may be inside the dura, as after an operation.
 std::vector<float> off_air_mm(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place,
-                              Report& report, const Progress& progress) {
+                              Made& made, const Progress& progress) {
   if (!place.sure) return {};
   const AirCells cells = air_at_base(wall, volume, place);
   const mask::Components some = mask::components(mask::closed(cells.some, air_walls_mm, progress));
@@ -203,12 +205,13 @@ std::vector<float> off_air_mm(const grid::Field& wall, const grid::HuVolume& vol
   const mask::BitMask inside = mask::positive(wall, wall);
   const double ml = double(mask::both(pieces, inside).count()) * wall.voxel_volume_mm3() / 1000;
   if (ml == 0) return {};
-  report.add("air_ml", ml);
+  made.result.air_ml = ml;
   if (ml > told_beyond_ml)
-    report.warn(fmt::format(
-        "{:.0f} ml of air at the skull's base were left out of it, as of sinuses and bone cells whose walls "
-        "the scan does not show: look there where the head may hold air inside the skull",
-        ml));
+    made.warnings.push_back({"air_at_base",
+                             "{air_ml:.0f} ml of air at the skull's base were left out of it, as of sinuses and bone "
+                             "cells whose walls the scan does not show: look there where the head may hold air inside "
+                             "the skull",
+                             {{"air_ml", ml}}});
   std::vector<float> off = mask::distance_mm(pieces, progress).voxels;
   // What is left between bone cells is no place of the dura's.
   mask::BitMask room = mask::make_mask(wall, [&](int j, int k, std::uint8_t* row) {
@@ -237,7 +240,7 @@ void leave_air(grid::Field& wall, const std::vector<float>& off) {
 }
 
 /// The smallest box around what is positive, with room for the surface.
-grid::Field trimmed(const grid::Field& field, Report& report, const char* what, double least_ml = 0) {
+Made trimmed(const grid::Field& field, Made made, const char* what, double least_ml = 0) {
   grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
   std::size_t count = 0;
   for (int k = 0; k < field.size[2]; ++k)
@@ -258,8 +261,9 @@ grid::Field trimmed(const grid::Field& field, Report& report, const char* what, 
   if (ml <= least_ml)
     throw refusal("", fmt::format("no more than {:.2g} ml of the {} are seen", ml, what),
                   {"take the zone out of the scene's `anatomies`, or take a scan of thinner slices or less noise"});
-  report.add("volume_ml", ml);
-  return grid::crop(field, grid::grown(box, 2, field));
+  made.result.volume_ml = ml;
+  made.value = grid::crop(field, grid::grown(box, 2, field));
+  return made;
 }
 
 const char* name_of(Zone zone) {
@@ -303,9 +307,10 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
   return place_head(cavity, ventricles ? &fluid : nullptr, cavity.lattice(), progress);
 }
 
-grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& said, Report& report,
-                      const Progress& progress) {
+Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes,
+                                           const ZoneParams& said, const Progress& progress) {
   check(cavity.lattice(), shapes, said);
+  Made made;
   ZoneParams params = said;
   params.half_width_mm = slab_mm(cavity.lattice(), said);
   const grid::Box whole = box_around(cavity);
@@ -314,8 +319,8 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
     std::vector<float> off_air;
     if (params.max_beyond_mm > 0) {
       const HeadPlace place = place_of(cavity, shapes, false, progress);
-      keep_near_template(wall, place, params, report);
-      if (shapes.volume) off_air = off_air_mm(wall, *shapes.volume, place, report, progress);
+      keep_near_template(wall, place, params, made);
+      if (shapes.volume) off_air = off_air_mm(wall, *shapes.volume, place, made, progress);
       leave_air(wall, off_air);
     }
     if (params.smooth_mm > 0) {
@@ -328,10 +333,11 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
       for (float& v : wall.voxels) v = v == float(params.inset_mm) ? -1e-6f : v - float(params.inset_mm);
     if (params.thickness_mm > 0)
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
-    return trimmed(wall, report, name_of(params.what));
+    return trimmed(wall, std::move(made), name_of(params.what));
   }
   HeadPlace place = place_of(cavity, shapes, true, progress.part(0, 0.4));
-  report_place(place, report);
+  made.result.place = figures_of(place);
+  made.warnings = warnings_of(place);
   if (!place.sure)
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",
                   {"take the zone out of the scene, or bring it as labels by the stage `labels`"});
@@ -341,7 +347,14 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
   if (params.what == Zone::third_ventricle) {
     constexpr float far = -1e3f;
     seen = mask::signed_distance_mm(grid::fit(*shapes.ventricles, grid::cropped(cavity.lattice(), box), far), progress);
-    place = moved_to_third(seen, place, report);
+    if (const double shift_mm = third_shift_mm(seen, place); shift_mm != 0) {
+      place.centre_mm += place.axes.column[0] * shift_mm;
+      made.result.third_shift_mm = shift_mm;
+      if (std::abs(shift_mm) > told_aside_mm)
+        made.warnings.push_back({"third_ventricle_aside",
+                                 "the third ventricle lies {shift_mm:.0f} mm to the {side} of the midline",
+                                 {{"shift_mm", std::abs(shift_mm)}, {"side", shift_mm > 0 ? "left" : "right"}}});
+    }
     cut_off_lateral(seen, place, progress);
   } else {
     seen = cavity_mm(cavity, box, shapes.skull, params.what == Zone::midline ? params.cell_mm : 0,
@@ -363,7 +376,8 @@ grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, con
         }
     }
   });
-  return trimmed(zone, report, name_of(params.what), params.what == Zone::third_ventricle ? least_third_ml : 0);
+  return trimmed(zone, std::move(made), name_of(params.what),
+                 params.what == Zone::third_ventricle ? least_third_ml : 0);
 }
 
 }  // namespace trephine::place

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
 #include "place/place_head.h"
@@ -66,6 +66,26 @@ struct ZoneShapes {
   std::function<HeadPlace(bool with_ventricles, const Progress& progress)> place;
 };
 
+/// What is printed of a zone; what was not looked for is missing.
+struct ZoneResult {
+  std::optional<double> cranial_cavity_ml;
+  std::optional<double> beyond_ml;  ///< of the dura, cut off beyond the template's cavity
+  std::optional<double> air_ml;     ///< of the dura, left out as air of sinuses and bone cells
+  std::optional<PlaceFigures> place;
+  std::optional<double> third_shift_mm;  ///< how far the third ventricle lies to the left of the midline
+  double volume_ml = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ZoneResult;
+    v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", "Volume of the cranial cavity.");
+    v.number(&P::beyond_ml, "beyond_ml", "What was cut off beyond the template's cavity.");
+    v.number(&P::air_ml, "air_ml", "Air of sinuses and bone cells that was left out.");
+    v.all_of(&P::place);
+    v.number(&P::third_shift_mm, "third_shift_mm", "How far the third ventricle lies to the left of the midline.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume of the zone.");
+  }
+};
+
 /// Where the template lies by the cavity and, where they are given, the ventricles on the cavity's raster.
 HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventricles, const Progress& progress = {});
 
@@ -78,15 +98,15 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
 /// template's. Of the ventricles near the template's third one, what goes on from side to side beyond 9 mm of the
 /// midline is lateral; where a mass or a bleed has moved the third one to the side, it is followed there
-/// (third_ventricle.h: "third_shift_mm"), and less than 0.1 ml of it are none.
+/// (third_ventricle.h), and less than 0.1 ml of it are none.
 ///
-/// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off ("beyond_ml"), with a warning above
+/// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off, with a warning above
 /// 3 ml, and so is the air of sinuses and bone cells at the skull's base, with their walls and what is left between
-/// them ("air_ml": 0.3 ml and more of what is darker than -60 HU, where some of it is below -300 HU).
-/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than two voxels
+/// them (0.3 ml and more of what is darker than -60 HU, where some of it is below -300 HU).
+/// Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
-grid::Field find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
-                      const Progress& progress = {});
+Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const ZoneShapes& shapes,
+                                           const ZoneParams& params, const Progress& progress = {});
 
 }  // namespace trephine::place

@@ -24,7 +24,7 @@
 #include "publish/scan_findings.h"
 #include "publish/scene_limits.h"
 #include "surface/bounds.h"
-#include "surface/results.h"
+#include "voxel/voxelize.h"
 #include "voxel/mismatch.h"
 #include "voxel/shape_field.h"
 
@@ -33,11 +33,20 @@ namespace {
 
 constexpr double removed_tolerance = 0.03;
 
-// The node that says what a person should look at; -1 where there is none.
+// The node whose labels show what a person should look at; -1 where there is none.
 int examination_of(const pipeline::Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
-    if (graph.nodes[i].type->examines) return int(i);
+    if (graph.nodes[i].type->is_check() && graph.nodes[i].output == stages::DataKind::labels) return int(i);
   return -1;
+}
+
+// What each node's result adds to the case. A check that is made early is made again with the whole case.
+std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results) {
+  std::vector<stages::CaseParts> all(graph.nodes.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (graph.nodes[i].type->contribute && !graph.nodes[i].is_early)
+      graph.nodes[i].type->contribute(results[i].result, all[i]);
+  return all;
 }
 
 // Everything that a case is made of, step by step.
@@ -45,26 +54,24 @@ class Builder {
  public:
   Builder(const config::CaseConfig& config, const pipeline::Graph& graph,
           const std::vector<pipeline::NodeResult>& results)
-      : config_(config), graph_(graph), results_(results) {}
+      : config_(config), graph_(graph), results_(results), parts_(parts_of(graph, results)) {}
 
   CaseContent build(const std::string& program_version, const std::string& input_sha256, bool pictures,
                     const Progress& progress) {
     const Progress surfaces = progress.part(0, pictures ? 0.3 : 0.8);
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
-    add_head_content(config_, graph_, results_, manifest());
-    if (examination_ >= 0) manifest().findings = findings_of(at(examination_).report);
-    for (cases::CaseFinding& f :
-         findings_of_scans(config_, graph_, results_, manifest().center_mm))  // behind those that labels number
-      manifest().findings.push_back(std::move(f));
-    doubt_the_class(manifest());
+    manifest().face_policy = config_.face.empty() ? "none" : config_.face;
+    manifest().face_reason = config_.face_reason;
+    add_landmarks(config_, graph_, results_, manifest());
+    add_findings();
     doubt_the_targets(manifest());
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
       surfaces.report(double(i) / double(graph_.anatomies.size()));
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
     }
-    use_published_volumes();
     hold_against_budget();
+    add_evidence(add_figures(config_, parts_, manifest()));
     if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
     for (const int hole : graph_.results(stages::DataKind::cutters)) add_burr_hole(hole);
@@ -74,11 +81,21 @@ class Builder {
   }
 
  private:
-  // The figures of the patient were taken from the fields; of what is published there is one volume, its surface's.
-  void use_published_volumes() {
-    for (const cases::CaseAnatomy& a : manifest().anatomies)
-      for (auto& [name, value] : manifest().figures)
-        if (name == a.name + "_ml") value = a.volume_ml;
+  // Those that labels number first.
+  void add_findings() {
+    auto& all = manifest().findings;
+    for (const stages::CaseParts& p : parts_) all.insert(all.end(), p.findings.begin(), p.findings.end());
+    for (cases::CaseFinding& f : findings_of_scans(config_, graph_, parts_, manifest().center_mm))
+      all.push_back(std::move(f));
+  }
+
+  void add_evidence(bool class_is_uncertain) {
+    for (const stages::CaseParts& p : parts_) {
+      out_.evidence.insert(out_.evidence.end(), p.evidence.begin(), p.evidence.end());
+      out_.remarks.insert(out_.remarks.end(), p.remarks.begin(), p.remarks.end());
+    }
+    if (class_is_uncertain && !config_.roles.class_of.empty())
+      out_.evidence.push_back({config_.roles.class_of, "", ""});
   }
 
   cases::CaseManifest& manifest() { return out_.manifest; }
@@ -89,9 +106,16 @@ class Builder {
   const voxel::HapticVolume& haptic() const {
     return *std::get<std::shared_ptr<const voxel::HapticVolume>>(at(haptic_).data);
   }
-  const Report& report_of(int node) const {
-    static const Report none;
-    return node < 0 ? none : at(node).report;
+  // The typed result of a node that the case has.
+  template <class R>
+  const R& result(int node) const {
+    return result_as<R>(at(node).result);
+  }
+  // What a result says of one of its cutters or shapes.
+  template <class T>
+  static const T& part(const Named<T>& all, const std::string& name) {
+    if (const T* one = find_item(all, name)) return *one;
+    throw Error(ExitCode::internal, "", name, "a stage's result lacks this part");
   }
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
@@ -121,11 +145,9 @@ class Builder {
       if (!scan.same_patient_reason.empty())
         m.parameters.emplace_back("scans." + name + ".same_patient_reason", ParameterValue(scan.same_patient_reason));
     }
-    for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
-      for (const std::string& name :
-           graph_.nodes[i].is_early ? std::vector<std::string>() : graph_.nodes[i].type->provenance)
-        if (const ParameterValue* value = results_[i].report.find(name))
-          m.parameters.emplace_back(graph_.nodes[i].name + "." + name, *value);
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      for (const auto& [name, value] : parts_[i].made_of)
+        m.parameters.emplace_back(graph_.nodes[i].name + "." + name, value);
   }
 
   void add_file(const std::string& stem, const std::string& extension, std::string bytes, std::string& name) {
@@ -141,10 +163,8 @@ class Builder {
       for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
         if (const Parameter* p = step.params.set->find(bound)) {
           out.budget_asked_mm += std::get<double>(step.params.get(*p));
-          const Report& report = report_of(graph_.find(recipe.name + "." + step.type->name));
-          out.budget_used_mm += report.find("displacement_max_mm")
-                                    ? result_of<surface::SmoothingResult>(report).displacement_max_mm
-                                    : result_of<surface::BoundResult>(report).deviation_max_mm;
+          const int node = graph_.find(recipe.name + "." + step.type->name);
+          out.budget_used_mm += parts_.at(std::size_t(node)).moved_mm.value();
         }
   }
 
@@ -152,13 +172,12 @@ class Builder {
     if (node < 0) return;
     result.seconds += at(node).seconds;
     const std::string& stage = graph_.nodes[std::size_t(node)].type->name;
-    for (const auto& f : at(node).report.figures) out.figures.emplace_back(stage + "." + f.first, f.second);
+    for (auto& figure : stages::figures_named(stage + ".", at(node).result)) out.figures.push_back(std::move(figure));
   }
 
   void add_anatomy(const pipeline::Graph::Anatomy& nodes, const config::SceneAnatomy& limit) {
     const config::RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
     const surface::TriMesh& surface = mesh(nodes.surface);
-    const Report& measured = report_of(graph_.find_stage<metrics::MeasureParams>(nodes.name));
 
     cases::GlbParams glb;
     glb.center_mm = manifest().center_mm;
@@ -168,7 +187,12 @@ class Builder {
     std::string bytes = cases::make_glb(surface, glb);
     // The published coordinates are float32 about the case's centre, so validity is checked on these and not on our
     // doubles.
-    with_field(nodes.name, [&] { meshing::require_valid(cases::read_glb(std::string_view(bytes)).mesh); });
+    try {
+      meshing::require_valid(cases::read_glb(std::string_view(bytes)).mesh);
+    } catch (Error& e) {
+      e.in_field(nodes.name).finds_fault_with({nodes.name}).because(Cause::refused_output);
+      throw;
+    }
 
     cases::CaseAnatomy out;
     out.name = nodes.name;
@@ -178,13 +202,15 @@ class Builder {
     out.points = surface.points_mm.size();
     out.volume_ml = surface::volume_mm3(surface) / 1000;
     out.area_cm2 = surface::area_mm2(surface) / 100;
-    const auto deviation = result_of<metrics::DeviationStats>(measured, "deviation_");
+    const metrics::DeviationStats deviation =
+        result<metrics::MeasureResult>(graph_.find_stage<metrics::MeasureParams>(nodes.name)).deviation.value().both;
     out.deviation = {deviation.max_mm, deviation.p99_mm, deviation.rms_mm};
     add_budget(recipe, out);
 
     AnatomyResult result;
     result.name = nodes.name;
-    result.triangles_before = result_of<surface::ContourResult>(at(nodes.first_surface).report).triangles_count;
+    result.triangles_before =
+        static_cast<std::int64_t>(this->result<meshing::ContourResult>(nodes.first_surface).triangles_count);
     result.triangles_after = static_cast<std::int64_t>(out.triangles);
     result.bytes_after = bytes.size();
     // A GLB needs 24 bytes for a vertex (position, normal) and 12 for a triangle; a closed surface has half as many
@@ -196,8 +222,7 @@ class Builder {
     result.volume_ml = out.volume_ml;
     if (recipe.params_of<meshing::DecimateParams>())
       result.stopped_by =
-          result_of<surface::DecimationResult>(report_of(graph_.find_stage<meshing::DecimateParams>(nodes.name)))
-              .stopped_by;
+          this->result<meshing::DecimateResult>(graph_.find_stage<meshing::DecimateParams>(nodes.name)).stopped_by;
     for (const config::RecipeStep& step : recipe.steps)
       add_stage_figures(graph_.find(nodes.name + "." + step.type->name), out, result);
     if (nodes.surface != nodes.finished) add_stage_figures(nodes.surface, out, result);
@@ -222,8 +247,10 @@ class Builder {
   }
 
   void add_haptic() {
-    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report,
-                                             report_of(graph_.find_stage<voxel::MismatchParams>()));
+    static const voxel::MismatchResult none;
+    const int mismatch = graph_.find_stage<voxel::MismatchParams>();
+    HapticContent made = make_haptic_content(config_, haptic(), result<voxel::VoxelizeResult>(haptic_),
+                                             mismatch < 0 ? none : result<voxel::MismatchResult>(mismatch));
     add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
@@ -254,38 +281,34 @@ class Builder {
     hole.position_mm = cutter.position_mm;
     hole.direction = cutter.direction;
     hole.diameter_mm = 2 * cutter.radius_mm;
-    for (const auto& f : at(node).report.figures)
+    for (const auto& f : figures_of(at(node).result))
       if (!std::holds_alternative<std::vector<double>>(f.second)) hole.figures.push_back(f);
     const std::string& bone = config_.roles.burr_holes.bone;
+    std::optional<double> seen_mm3, felt_mm3;
     for (const config::SceneDrill& drilled : config_.drilled) {
       hole.cut.push_back(drilled.anatomy);
       const int cut = graph_.find_stage<boolean::CutSurfaceParams>(drilled.anatomy);
-      if (cut >= 0)
-        add_removed(hole, "mesh.", drilled.anatomy, result_of<surface::RemovedResult>(at(cut).report, name + "."));
+      if (cut >= 0) {
+        const double mm3 = part(result<boolean::CutSurfaceResult>(cut).cutters, name).removed_mm3;
+        hole.figures.emplace_back("mesh." + drilled.anatomy + ".removed_mm3", mm3);
+        if (drilled.anatomy == bone) seen_mm3 = mm3;
+      }
       if (drilled.anatomy == bone) require_free(drilled, cutter, name);
     }
     if (haptic_ >= 0)
-      for (const auto& [shape, drill] : config_.haptic.params.as<stages::VoxelizeStageParams>().drill)
-        add_removed(hole, "haptic.", shape,
-                    result_of<surface::RemovedResult>(at(haptic_).report, name + "." + shape + "."));
-    compare_removed(hole, bone);
+      for (const auto& [shape, drill] : config_.haptic.params.as<stages::VoxelizeStageParams>().drill) {
+        const voxel::CutVolumeResult& removed = part(result<voxel::VoxelizeResult>(haptic_).cutters, name);
+        const double mm3 = part(removed.shapes, shape).removed_mm3;
+        hole.figures.emplace_back("haptic." + shape + ".removed_mm3", mm3);
+        if (shape == bone) felt_mm3 = mm3;
+      }
+    compare_removed(hole, bone, seen_mm3, felt_mm3);
     manifest().burr_holes.push_back(std::move(hole));
   }
 
-  static void add_removed(cases::CaseBurrHole& hole, const std::string& of, const std::string& shape,
-                          const surface::RemovedResult& removed) {
-    hole.figures.emplace_back(of + shape + ".removed_mm3", removed.removed_mm3);
-  }
-
   // Compares the bone that the displayed surface lost with the bone that the haptic volume lost.
-  void compare_removed(cases::CaseBurrHole& hole, const std::string& bone) const {
-    const auto removed_mm3 = [&](const std::string& figure) {
-      for (const auto& [name, value] : hole.figures)
-        if (name == figure) return std::optional<double>(std::get<double>(value));
-      return std::optional<double>();
-    };
-    const auto seen_mm3 = removed_mm3("mesh." + bone + ".removed_mm3"),
-               felt_mm3 = removed_mm3("haptic." + bone + ".removed_mm3");
+  void compare_removed(cases::CaseBurrHole& hole, const std::string& bone, std::optional<double> seen_mm3,
+                       std::optional<double> felt_mm3) const {
     if (seen_mm3 == 0.0 || felt_mm3 == 0.0)
       throw refusal(hole.name, "removes nothing from the " + bone,
                     {"move it by `position_mm`, or aim it by `direction` or `toward`"});
@@ -357,6 +380,7 @@ class Builder {
   const config::CaseConfig& config_;
   const pipeline::Graph& graph_;
   const std::vector<pipeline::NodeResult>& results_;
+  const std::vector<stages::CaseParts> parts_;
   const int haptic_ = graph_.result(stages::DataKind::haptic);
   const int examination_ = examination_of(graph_);
   CaseContent out_;

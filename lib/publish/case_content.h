@@ -22,6 +22,8 @@ struct CaseContent {
   std::vector<File> files;
   std::vector<AnatomyResult> anatomies;
   std::vector<CasePicture> pictures;
+  std::vector<stages::Evidence> evidence;  ///< what speaks against its anatomies
+  std::vector<std::string> remarks;        ///< that its verdict ends with
 };
 
 /// The nodes whose data or report the case needs, and those that its pictures and its page need beside. Only these and

@@ -43,14 +43,10 @@ ScanRaster ScanRaster::on_voxels(const std::array<double, 3>& wanted_mm) const {
   return out;
 }
 
-ScanRaster raster_by_report(const Report& scan) {
+ScanRaster raster_of(const dicom::ImportFigures& scan) {
   ScanRaster out;
-  auto& n = out.voxels_count;
-  const ParameterValue* size = scan.find("size");
-  if (!size || std::sscanf(std::get<std::string>(*size).c_str(), "%lfx%lfx%lf", &n[0], &n[1], &n[2]) != 3) return {};
-  const char* const names[] = {"spacing_x_mm", "spacing_y_mm", "spacing_z_mm"};
-  for (std::size_t a = 0; a < 3; ++a)
-    if (const ParameterValue* mm = scan.find(names[a])) out.spacing_mm[a] = std::get<double>(*mm);
+  for (std::size_t a = 0; a < 3; ++a) out.voxels_count[a] = scan.size[a];
+  out.spacing_mm = {scan.spacing_x_mm, scan.spacing_y_mm, scan.spacing_z_mm};
   return out;
 }
 

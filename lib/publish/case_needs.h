@@ -44,7 +44,7 @@ struct ScanRaster {
   /// On voxels of these sizes; 0 keeps an axis as it is.
   ScanRaster on_voxels(const std::array<double, 3>& spacing_mm) const;
 };
-ScanRaster raster_by_report(const Report& scan);
+ScanRaster raster_of(const dicom::ImportFigures& scan);
 
 /// What memory the case will take, and how much there is; empty for scans of less than a million voxels. `scan` as it
 /// was read, `used` as it goes into the stages.

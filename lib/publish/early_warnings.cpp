@@ -4,17 +4,13 @@
 #include "base/log.h"
 #include "publish/run_case.h"
 #include "publish/series_hashes.h"
+#include "stages/import.h"
 
 namespace trephine::publish {
 
-bool tells_at_once(const std::string& node) {
-  const stages::StageType* type = stages::find_stage(node);
-  return type && type->tells_at_once;
-}
-
 EarlyWarnings::EarlyWarnings(pipeline::RunObserver& observer, std::string token,
                              const std::map<std::string, double>& seconds_before,
-                             std::function<void(const Report&)> scan_is_read)
+                             std::function<void(const dicom::ImportFigures&)> scan_is_read)
     : observer_(observer), token_(std::move(token)), scan_is_read_(std::move(scan_is_read)) {
   if (const auto before = seconds_before.find(publishing_step); before != seconds_before.end())
     publishing_before_s_ = before->second;
@@ -29,11 +25,11 @@ void EarlyWarnings::planned(const std::vector<std::pair<std::string, double>>& e
   observer_.planned(all);
 }
 
-void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds, const Report& report) {
-  if (tells_at_once(node))
-    for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
-  observer_.finished(node, how, seconds, report);
-  if (node == pipeline::import_name()) scan_is_read_(report);
+void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds, const stages::StageOutcome& made) {
+  if (const auto* type = stages::find_stage(node); type && type->warns_at_once())
+    for (const Warning& w : made.warnings) log_warning(token_ + ": " + node + ": " + to_text(w));
+  observer_.finished(node, how, seconds, made);
+  if (node == pipeline::import_name()) scan_is_read_(result_as<stages::ImportStageResult>(made.result).scan);
 }
 
 }  // namespace trephine::publish

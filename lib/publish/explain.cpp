@@ -25,7 +25,7 @@ class Forecast {
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) entries_[i] = cache.look_up(graph.nodes[i].key);
     for (const int w : wanted) demand(w);
     for (std::size_t i = graph.nodes.size(); i-- > 0;)
-      if (!entries_[i].has_report) demand(static_cast<int>(i));
+      if (!entries_[i].has_result) demand(static_cast<int>(i));
   }
 
   Explanation::Stage::State state(std::size_t i) const {
@@ -37,7 +37,7 @@ class Forecast {
 
  private:
   bool is_cached(std::size_t i) const {
-    return entries_[i].has_report && (entries_[i].has_data || graph_.nodes[i].output == stages::DataKind::nothing);
+    return entries_[i].has_result && (entries_[i].has_data || graph_.nodes[i].output == stages::DataKind::nothing);
   }
   void demand(int node) {
     const auto i = static_cast<std::size_t>(node);

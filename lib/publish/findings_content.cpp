@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <sstream>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "findings/findings.h"
 #include "picture/slice.h"
@@ -18,29 +15,6 @@ namespace {
 constexpr int cell_px = 640;
 constexpr std::size_t max_pictures = 9, max_told = 3;
 constexpr double ring_mm = 8, ring_cell_mm = 0.5;
-
-template <class T>
-const T& value_of(const std::map<std::string, ParameterValue>& values, const std::string& name) {
-  const auto found = values.find(name);
-  const T* value = found == values.end() ? nullptr : std::get_if<T>(&found->second);
-  if (!value) throw Error(ExitCode::internal, "", "findings." + name, "is missing in the report");
-  return *value;
-}
-
-cases::CaseFinding finding_of(const std::map<std::string, ParameterValue>& values) {
-  cases::CaseFinding f;
-  f.kind = value_of<std::string>(values, "kind");
-  f.where = value_of<std::string>(values, "where");
-  f.side = value_of<std::string>(values, "side");
-  const auto& at = value_of<std::vector<double>>(values, "position_mm");
-  if (at.size() != 3) throw Error(ExitCode::internal, "", "findings.position_mm", "has not three numbers");
-  f.position_mm = {at[0], at[1], at[2]};
-  f.confidence = value_of<double>(values, "confidence");
-  f.text = value_of<std::string>(values, "text");
-  std::istringstream concerns(value_of<std::string>(values, "concerns"));
-  for (std::string word; concerns >> word;) f.concerns.push_back(word);
-  return f;
-}
 
 std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& all) {
   std::vector<const cases::CaseFinding*> out;
@@ -86,36 +60,11 @@ grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
 
 }  // namespace
 
-std::vector<cases::CaseFinding> findings_of(const Report& report) {
-  std::map<int, std::map<std::string, ParameterValue>> values;
-  std::map<int, std::vector<std::string>> order;
-  for (const auto& [name, value] : report.figures) {
-    const std::size_t dot = name.find('.');
-    if (dot == std::string::npos || dot == 0 || name.find_first_not_of("0123456789") != dot) continue;
-    const int number = std::stoi(name.substr(0, dot));
-    values[number][name.substr(dot + 1)] = value;
-    order[number].push_back(name.substr(dot + 1));
-  }
-  std::vector<cases::CaseFinding> all;
-  for (const auto& [number, of_one] : values) {
-    all.push_back(finding_of(of_one));
-    for (const std::string& name : order[number])
-      if (name != "position_mm" && name != "confidence" && !std::holds_alternative<std::string>(of_one.at(name)))
-        all.back().figures.emplace_back(name, of_one.at(name));
-  }
-  return all;
-}
-
-void doubt_the_class(cases::CaseManifest& manifest) {
-  const ParameterValue* of = find_item(manifest.figures, "class_of");
-  const auto* anatomy = of ? std::get_if<std::string>(of) : nullptr;
-  if (!anatomy) return;
-  const std::vector<const cases::CaseFinding*> all = sure(manifest.findings);
-  if (std::any_of(all.begin(), all.end(), [&](const cases::CaseFinding* f) {
-        return std::find(f->concerns.begin(), f->concerns.end(), *anatomy) != f->concerns.end();
-      }))
-    for (auto& [name, value] : manifest.figures)
-      if (name == "class" && value != ParameterValue(std::string("unknown"))) value = std::string("uncertain");
+bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy) {
+  const auto all = sure(findings);
+  return std::any_of(all.begin(), all.end(), [&](const cases::CaseFinding* f) {
+    return std::find(f->concerns.begin(), f->concerns.end(), anatomy) != f->concerns.end();
+  });
 }
 
 std::string findings_text(const std::vector<cases::CaseFinding>& findings) {

@@ -11,13 +11,8 @@
 
 namespace trephine::publish {
 
-/// What the stage `findings` reported, as a case records it, in the same order. Throws Error 70 where the report is not
-/// of that stage.
-std::vector<cases::CaseFinding> findings_of(const Report& report);
-
-/// The class of a case is uncertain where a sure finding concerns the anatomy that it is classed by: changes the figure
-/// `class` of the manifest, whose figures and findings are known.
-void doubt_the_class(cases::CaseManifest& manifest);
+/// Whether a sure finding concerns the anatomy: what is measured of it is then uncertain.
+bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy);
 
 /// The sure findings in a few words, each with its side, for the verdict; empty where there is none. Of more than three
 /// the rest is counted.

@@ -7,6 +7,7 @@
 #include "cases/case.h"
 #include "config/config.h"
 #include "voxel/haptic_volume.h"
+#include "voxel/mismatch.h"
 
 namespace trephine::publish {
 
@@ -17,8 +18,8 @@ struct HapticContent {
   std::string bytes, hardness_bytes;
 };
 
-/// `made` is the report of voxelize, `mismatch` that of mismatch.
+/// `made` is the result of voxelize, `mismatch` that of mismatch.
 HapticContent make_haptic_content(const config::CaseConfig& config, const voxel::HapticVolume& volume,
-                                  const Report& made, const Report& mismatch);
+                                  const voxel::VoxelizeResult& made, const voxel::MismatchResult& mismatch);
 
 }  // namespace trephine::publish

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "publish/findings_content.h"
 
 namespace trephine::publish {
 namespace {
@@ -45,31 +46,14 @@ void require(const config::SceneLandmark& wanted, const std::vector<cases::CaseL
                  ": [x, y, z]}`, or a `landmarks_file`"});
 }
 
-// Of the patient, of what was checked, and of what changed the scan.
-enum class FiguresOf { patient, checks, changes };
-
-void add_figures(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results, FiguresOf which,
-                 cases::CaseManifest& manifest) {
-  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
-    const stages::StageType& type = *graph.nodes[i].type;
-    if (!type.case_figures || graph.nodes[i].is_early) continue;
-    const FiguresOf of = type.case_figures->empty() ? FiguresOf::patient
-                         : type.is_check()          ? FiguresOf::checks
-                                                    : FiguresOf::changes;
-    if (of != which) continue;
-    for (const auto& [name, value] : results[i].report.figures)
-      manifest.figures.emplace_back(*type.case_figures + name, value);
-  }
-}
-
 }  // namespace
 
 void require_landmarks(const config::CaseConfig& config, const std::vector<cases::CaseLandmark>& known) {
   for (const config::SceneLandmark& wanted : config.scene_landmarks) require(wanted, known);
 }
 
-void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
-                      const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest) {
+void add_landmarks(const config::CaseConfig& config, const pipeline::Graph& graph,
+                   const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest) {
   manifest.landmarks = config.landmarks;
   if (const int found = graph.result(stages::DataKind::landmarks); found >= 0)
     manifest.landmarks =
@@ -78,15 +62,33 @@ void add_head_content(const config::CaseConfig& config, const pipeline::Graph& g
   for (const auto& [landmark, anatomy] : config.roles.targets)
     if (const cases::CaseLandmark* l = config.is_shown(anatomy.name) ? find(manifest.landmarks, landmark) : nullptr)
       manifest.targets.push_back({l->name, l->position_mm, l->confidence, anatomy.name});
-  add_figures(graph, results, FiguresOf::patient, manifest);
-  if (const bool classed = std::any_of(manifest.figures.begin(), manifest.figures.end(),
-                                       [](const auto& f) { return f.first == "class"; });
-      classed && !config.roles.class_of.empty())
-    manifest.figures.emplace_back("class_of", config.roles.class_of);
-  add_figures(graph, results, FiguresOf::checks, manifest);
-  add_figures(graph, results, FiguresOf::changes, manifest);
-  manifest.face_policy = config.face.empty() ? "none" : config.face;
-  manifest.face_reason = config.face_reason;
+}
+
+bool add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
+                 cases::CaseManifest& manifest) {
+  bool is_uncertain = false;
+  const auto add = [&](const Named<ParameterValue>& more) {
+    manifest.figures.insert(manifest.figures.end(), more.begin(), more.end());
+  };
+  for (const stages::CaseParts& p : parts) {
+    if (!p.head) continue;
+    consistency::AnatomyResult of_head = *p.head;
+    head::HeadFigures& f = of_head.head;
+    // They were taken from the fields; of what is published there is one volume, its surface's.
+    for (const auto& [name, ml] : {std::pair{"skin", &f.skin_ml}, {"skull", &f.skull_ml}, {"brain", &f.brain_ml},
+                                   {"ventricles", &f.ventricles_ml}})
+      for (const cases::CaseAnatomy& a : manifest.anatomies)
+        if (a.name == name && ml->has_value()) *ml = a.volume_ml;
+    const std::string& class_of = config.roles.class_of;
+    if (!class_of.empty() && f.head_class != head::HeadClass::unknown && is_in_doubt(manifest.findings, class_of))
+      f.head_class = head::HeadClass::uncertain;
+    add(figures_of(of_head));
+    if (!class_of.empty()) manifest.figures.emplace_back("class_of", class_of);
+    is_uncertain = f.head_class == head::HeadClass::uncertain;
+  }
+  for (const stages::CaseParts& p : parts) add(p.checks);
+  for (const stages::CaseParts& p : parts) add(p.changes);
+  return is_uncertain;
 }
 
 }  // namespace trephine::publish

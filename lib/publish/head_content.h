@@ -9,11 +9,16 @@
 
 namespace trephine::publish {
 
-/// Adds what a case says of the head as a whole: landmarks (found and given), the foramina of Monro as targets, the
-/// figures of the anatomical consistency check, and the face policy. Throws Error 80 where a landmark that the scene
-/// needs was not found or has less confidence than the scene demands, naming how to give it.
-void add_head_content(const config::CaseConfig& config, const pipeline::Graph& graph,
-                      const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest);
+/// Adds landmarks (found and given) and, as targets, those that lie in an anatomy. Throws Error 80 where a landmark that
+/// the scene needs was not found or has less confidence than the scene demands, naming how to give it.
+void add_landmarks(const config::CaseConfig& config, const pipeline::Graph& graph,
+                   const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest);
+
+/// Adds the figures of the patient, of checks and of changes. The volumes of anatomies are those of the manifest's
+/// surfaces. The class is uncertain where a sure finding of the manifest concerns the anatomy that the case is classed
+/// by. Returns whether it is uncertain.
+bool add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
+                 cases::CaseManifest& manifest);
 
 /// That Error 80 alone.
 void require_landmarks(const config::CaseConfig& config, const std::vector<cases::CaseLandmark>& known);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "base/refusal.h"
+#include "base/error.h"
 
 namespace trephine::publish {
 namespace {
@@ -28,31 +28,25 @@ struct Refused {
   std::size_t from_step = 0;
 };
 
-Refused refused_by_check(const CaseConfig& config, const RefusalAbout& e) {
+Refused refused_by_check(const CaseConfig& config, const Error& e) {
   for (const std::string& name : e.about())
     // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
     // others, such as a brain with a piece too many to the ventricles inside.
     if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
-      return {name, a->stand_in.empty() ? 0 : config.find_anatomy(name)->steps.size()};
+      return {name, a->stand_in.empty() && e.cause() != Cause::refused_output
+                        ? 0
+                        : config.find_anatomy(name)->steps.size()};
   return {};
 }
 
 Refused refused_by(const CaseConfig& config, const Error& e) {
-  if (const auto* check = dynamic_cast<const RefusalAbout*>(&e); check && !check->about().empty())
-    return refused_by_check(config, *check);
-  const std::string field = e.field().substr(0, e.field().find(": "));  // "brain.brain: lower_hu" is of brain.brain
-  for (const SceneAnatomy& a : config.scene) {
-    const std::string felt = "haptic." + a.name;  // as a shape: too thin for the voxels, or others take all of it
-    const bool is_shape =
-        field.size() >= felt.size() && field.compare(field.size() - felt.size(), felt.size(), felt) == 0;
-    if (field != a.name && field.rfind(a.name + ".", 0) != 0 && !is_shape) continue;
-    const std::vector<RecipeStep>& steps = config.find_anatomy(a.name)->steps;
-    const auto is_of = [&](const RecipeStep& s) {
-      return (field + ".").rfind(a.name + "." + s.type->name + ".", 0) == 0;
-    };
-    return {a.name, std::size_t(std::find_if(steps.begin(), steps.end(), is_of) - steps.begin())};
-  }
-  return {};
+  if (!e.about().empty()) return refused_by_check(config, e);
+  const std::string anatomy = anatomy_refused(config, e);
+  if (!shown(config, anatomy)) return {};
+  const std::vector<RecipeStep>& steps = config.find_anatomy(anatomy)->steps;
+  const auto step = std::find_if(steps.begin(), steps.end(),
+                                 [&](const RecipeStep& s) { return e.stage() == anatomy + "." + s.type->name; });
+  return {anatomy, std::size_t(step - steps.begin())};
 }
 
 /// Takes what was refused out of a configuration, and what cannot be without it.
@@ -123,6 +117,14 @@ class Conceding {
 };
 
 }  // namespace
+
+std::string anatomy_refused(const CaseConfig& config, const Error& e) {
+  for (const std::string& name : e.about())
+    if (config.find_anatomy(name)) return name;
+  for (const RecipeAnatomy& a : config.anatomies)
+    if (e.stage().rfind(a.name + ".", 0) == 0) return a.name;
+  return "";
+}
 
 bool concede(CaseConfig& config, const Error& e, Concessions& made) {
   if (e.code() != ExitCode::quality) return false;

@@ -18,6 +18,9 @@ struct Concessions {
   std::vector<cases::CaseStandIn> stand_ins;
 };
 
+/// The anatomy that an error finds fault with, or of which the stage was that threw it; "" where it is of none.
+std::string anatomy_refused(const config::CaseConfig& config, const Error& error);
+
 /// Makes `config` one that can do without what the error refuses (80): of the anatomy whose stage, surface or haptic
 /// shape it is, or which the consistency check finds fault with, the stand-in is made (`stand_in`), or it is left out
 /// (`may_be_missing`). Fields that were refused, and those of an anatomy that the check finds wrong, are read by

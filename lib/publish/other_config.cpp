@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/other_config.h"
 
+#include "publish/left_out.h"
+
 #include <algorithm>
 
 namespace trephine::publish {
@@ -48,15 +50,12 @@ std::vector<std::string> configs_without(const fs::path& file, const CaseConfig&
 
 Error with_other_configs(const Error& e, const fs::path& file, const CaseConfig& config) {
   if (e.code() != ExitCode::quality) return e;
-  const std::string anatomy = e.field().substr(0, e.field().find('.'));
-  if (!config.find_anatomy(anatomy)) return e;
+  const std::string anatomy = anatomy_refused(config, e);
+  if (anatomy.empty()) return e;
   std::string names;
   for (const std::string& name : configs_without(file, config, anatomy)) names += (names.empty() ? "" : ", ") + name;
   if (names.empty()) return e;
-  Error told(e.code(), e.file(), e.field(),
-             std::string(e.what()) + "; a case without " + anatomy + " is made by " + names);
-  told.in_case(e.case_token());
-  return told;
+  return Error(e).reworded(e.message() + ("; a case without " + anatomy + " is made by " + names));
 }
 
 }  // namespace trephine::publish

@@ -59,11 +59,10 @@ grid::Grid<T> thinned(const grid::Grid<T>& grid, double cell_mm) {
 
 /// The surface on coarse cells; nothing where the shape falls through them.
 void add_surface(Shape& shape, double cell_mm, const Progress& progress) {
-  Report ignored;
   meshing::ContourParams params;
   params.min_component_mm3 = 0;
   try {
-    shape.own_mesh.push_back(meshing::contour(thinned(*shape.field, cell_mm), params, ignored, progress));
+    shape.own_mesh.push_back(meshing::contour(thinned(*shape.field, cell_mm), params, progress).value);
     shape.mesh = &shape.own_mesh.back();
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
@@ -305,7 +304,7 @@ Preview preview_stage(const PreviewRequest& request, pipeline::RunObserver& obse
   if (without_face) out.report.warn("whether the face is gone was not checked, as a run does before it publishes");
   for (const std::string& w : about_patients) out.report.warn(w);
   for (const pipeline::NodeResult& r : results)
-    for (const std::string& w : r.report.warnings)
+    for (const std::string& w : r.report().warnings)
       out.report.warn(graph.nodes[std::size_t(&r - results.data())].name + ": " + w);
   return out;
 }

@@ -55,9 +55,8 @@ class Made {
     const auto field = field_before(a.first_surface, a.name);
     if (!field) return {};
     try {
-      Report ignored;
       return std::make_shared<const surface::TriMesh>(
-          meshing::contour(for_a_look(*field), meshing::ContourParams(), ignored));
+          meshing::contour(for_a_look(*field), meshing::ContourParams()).value);
     } catch (const Error&) {  // what has no surface has no picture
       return {};
     }

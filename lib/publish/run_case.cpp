@@ -14,8 +14,6 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "grid/resample.h"
-#include "head/head_region.h"
-#include "mask/scan_verdict.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_needs.h"
@@ -113,19 +111,23 @@ struct Made {
 // Logs the warnings of every stage that the case needs, published or not, and returns them. This happens before
 // anything is refused, because they may say why it will be.
 std::vector<std::string> tell_warnings(const std::string& token, const std::vector<std::string>& about_patients,
-                                       const std::map<std::string, Report>& folders, const Made& made) {
+                                       const std::map<std::string, dicom::FolderRest>& folders, const Made& made) {
   std::vector<std::string> all = about_patients;
   for (const auto& [import, folder] : folders)
-    for (const std::string& w : folder.warnings) all.push_back(import + ": " + w);
+    for (const Warning& w : folder.warnings) all.push_back(import + ": " + to_text(w));
   for (const cases::CaseMissing& m : made.without.missing) all.push_back(m.anatomy + ": left out: " + m.why);
   for (const cases::CaseStandIn& s : made.without.stand_ins)
     all.push_back(s.anatomy + ": " + s.by + " stands for it: " + s.why);
+  std::vector<std::string> later = all;
   for (std::size_t i = 0; i < made.results.size(); ++i) {
     if (made.graph.nodes[i].is_early) continue;
-    for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
+    const bool is_known = made.graph.nodes[i].type->warns_at_once();  // EarlyWarnings has logged them
+    for (const Warning& w : made.results[i].warnings) {
+      all.push_back(made.graph.nodes[i].name + ": " + to_text(w));
+      if (!is_known) later.push_back(all.back());
+    }
   }
-  for (const std::string& w : all)  // EarlyWarnings has told the others
-    if (!tells_at_once(w.substr(0, w.find(": ")))) log_warning(token + ": " + w);
+  for (const std::string& w : later) log_warning(token + ": " + w);
   return all;
 }
 
@@ -227,10 +229,6 @@ std::vector<std::string> wanted_anatomies(const config::CaseConfig& config) {
   return all;
 }
 
-const Report* report_of(const Made& made, int node) {
-  return node < 0 ? nullptr : &made.results[static_cast<std::size_t>(node)].report;
-}
-
 // Computes what the case needs and makes its content of it. What is refused and the scene can do without is taken out
 // of `config`, or something stands for it. Where this throws, `made` holds what there is.
 CaseContent compute(const RunRequest& request, config::CaseConfig& config, SeriesHashes& series,
@@ -251,9 +249,8 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;
       content.manifest.figures.emplace_back(
-          "verdict", verdict_of(wanted, content.manifest, report_of(made, made.graph.find_stage<mask::ScanLimits>()),
-                                report_of(made, made.graph.find_stage<head::HeadRegionParams>()),
-                                report_of(made, made.graph.find_stage<grid::ResampleParams>())));
+          "verdict", verdict_text(judge_anatomies(wanted, content.manifest, content.evidence), content.manifest,
+                                  content.evidence, content.remarks));
       return content;
     } catch (const Error& e) {
       if (!concede(config, e, made.without)) throw;
@@ -334,8 +331,8 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     execution.allow_external = request.params.allow_external;
     const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
-    const auto check_needs = [&](const Report& scan) {
-      const ScanRaster raster = raster_by_report(scan);
+    const auto check_needs = [&](const dicom::ImportFigures& scan) {
+      const ScanRaster raster = raster_of(scan);
       give_large_blocks_back(raster);
       const std::size_t anatomies = wanted_anatomies(config).size();
       const int resample = made.graph.find_stage<grid::ResampleParams>();
@@ -362,7 +359,8 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     } catch (const Error& e) {
       std::vector<std::string> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
-      const Error told = with_other_configs(in_settings(e), request.config, config);
+      Error told = with_other_configs(e, request.config, config);
+      if (!e.stage().empty()) told.worded_for(e.stage());
       show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e, told,
                    observer);
       if (told.what() != std::string(e.what())) throw told;
@@ -385,8 +383,8 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     RunResult result = result_of(folder, content);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     add_warnings(overrun(config.trade, seconds));
-    result.json = run_json(made.graph, made.results, series.folders().at(made.graph.nodes[0].name), content.anatomies,
-                           warnings, seconds);
+    result.json = run_json(made.graph, made.results, printed(series.folders().at(made.graph.nodes[0].name)),
+                           content.anatomies, warnings, seconds);
     result.warnings = std::move(warnings);
     write_file(made_in / "run.json", result.json);
     place.appear();

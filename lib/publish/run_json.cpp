@@ -61,7 +61,7 @@ std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::N
     stage["state"] = to_text(results[i].state);
     stage["seconds"] = results[i].seconds;
     if (results[i].state == pipeline::NodeResult::State::computed) stage["kept"] = results[i].kept;
-    stage["report"] = Json::parse(stages::report_json(results[i].report));
+    stage["report"] = Json::parse(stages::report_json(results[i].report()));
   }
   json["warnings"] = warnings;
   return json.dump(2) + "\n";

@@ -79,21 +79,15 @@ std::vector<std::string> require_one_patient(const config::CaseConfig& config, c
 }
 
 void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
-                        const std::function<const Report&(int node)>& report_of) {
+                        const std::vector<pipeline::NodeResult>& results) {
   for (const config::CaseScan& scan : config.scans) {
     const int read = graph.find_stage<stages::ImportStageParams>(scan.name);
     if (read < 0) continue;  // no stage reads it
-    const ParameterValue* said = report_of(read).find("modality");
-    const std::string is = said ? std::get<std::string>(*said) : "";
+    const std::string& is = result_as<stages::ImportStageResult>(results[std::size_t(read)].result).scan.modality;
     if (is != (scan.modality == config::ScanModality::mr ? "MR" : "CT") && is != "any")
       throw Error(ExitCode::bad_input, "", "scans." + scan.name + ".modality",
                   std::string("is ") + config::to_text(scan.modality) + ", and the series is " + is);
   }
-}
-
-void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
-                        const std::vector<pipeline::NodeResult>& results) {
-  require_modalities(config, graph, [&](int node) -> const Report& { return results[std::size_t(node)].report; });
 }
 
 }  // namespace trephine::publish

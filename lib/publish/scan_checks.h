@@ -20,11 +20,8 @@ std::vector<std::string> names_of_scans(const pipeline::Graph& graph);
 std::vector<std::string> require_one_patient(const config::CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);
 
-/// A series that says what it is must be what the configuration says. Asks `report_of` for the report of the import of
-/// every scan that the graph reads. Throws Error 65.
-void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
-                        const std::function<const Report&(int node)>& report_of);
-/// The reports are those of the graph's nodes.
+/// A series that says what it is must be what the configuration says. The results are those of the graph's nodes. Throws
+/// Error 65.
 void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
                         const std::vector<pipeline::NodeResult>& results);
 

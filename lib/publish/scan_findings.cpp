@@ -40,13 +40,11 @@ std::vector<std::string> anatomies_made_of(const config::CaseConfig& config, con
 const char* const other_patient = "other_patient";
 
 std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& config, const pipeline::Graph& graph,
-                                                  const std::vector<pipeline::NodeResult>& results, Vec3 middle_mm) {
+                                                  const std::vector<stages::CaseParts>& parts, Vec3 middle_mm) {
   std::vector<cases::CaseFinding> all;
   for (const auto& [name, node] : graph.scans) {
-    const Report& report = results[std::size_t(node)].report;
-    const ParameterValue* doubted = report.find("another_patient");
-    const ParameterValue* stretch = report.find("scale_ratio");
-    if (!doubted || !stretch || !std::get<bool>(*doubted)) continue;
+    const std::optional<double> stretch = parts[std::size_t(node)].doubted_scale_ratio;
+    if (!stretch) continue;
     cases::CaseFinding f;
     f.kind = other_patient;
     f.where = "the whole scan " + name;
@@ -58,7 +56,7 @@ std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& conf
     std::string of;
     for (const std::string& anatomy : f.concerns) of += (of.empty() ? "" : ", ") + anatomy;
     f.text = fmt::format("the scan {} may be another patient's: it fits the CT best stretched by {:.1f} %{}", name,
-                         100 * std::get<double>(*stretch), of.empty() ? "" : ", and of it are made " + of);
+                         100 * *stretch, of.empty() ? "" : ", and of it are made " + of);
     all.push_back(std::move(f));
   }
   return all;

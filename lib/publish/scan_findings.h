@@ -15,9 +15,9 @@ extern const char* const other_patient;
 /// do, a finding that asks whether it is the same patient. It concerns the anatomies that the scene asks for and that
 /// are made of that scan, whatever else they are made of; its place is `middle_mm`. What such a scan shows may
 /// be another person's brain in this person's skull, so it is sure enough to be told with the verdict and to make the
-/// class `uncertain`. `results` are those of the graph's nodes.
+/// class `uncertain`. `parts` are those of the graph's nodes.
 std::vector<cases::CaseFinding> findings_of_scans(const config::CaseConfig& config, const pipeline::Graph& graph,
-                                                  const std::vector<pipeline::NodeResult>& results, Vec3 middle_mm);
+                                                  const std::vector<stages::CaseParts>& parts, Vec3 middle_mm);
 
 /// Whether the anatomy is made of a scan of which a finding says that it may be another patient's.
 bool may_be_of_another(const cases::CaseManifest& manifest, const std::string& anatomy);

@@ -6,12 +6,10 @@
 #include "base/log.h"
 #include "base/params.h"
 #include "base/refusal.h"
-#include "base/result.h"
 #include "meshing/decimate.h"
 #include "meshing/normals.h"
 #include "meshing/smooth.h"
 #include "publish/head_content.h"
-#include "surface/results.h"
 
 namespace trephine::publish {
 
@@ -23,7 +21,9 @@ void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, c
                   std::to_string(triangles) + " triangles, the scene allows " + std::to_string(limit.max_triangles) +
                       "; decimation stopped by " + stopped_by,
                   {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
-                   "smoother kernel"});
+                   "smoother kernel"})
+        .finds_fault_with({limit.name})
+        .because(Cause::refused_output);
 }
 
 // The decimation of the anatomy where its published surface has the triangles of that: only smoothing and normals
@@ -50,7 +50,7 @@ pipeline::Asked asked_of(const config::CaseConfig& config, const pipeline::Graph
       const auto* mesh = std::get_if<std::shared_ptr<const surface::TriMesh>>(&made.data);
       if (mesh && *mesh)
         hold_triangles(limit, std::int64_t((*mesh)->triangles.size()),
-                       trephine::result_of<surface::DecimationResult>(made.report).stopped_by);
+                       result_as<meshing::DecimateResult>(made.result).stopped_by);
     };
   }
   if (const int node = graph.result(stages::DataKind::landmarks); node >= 0 && !config.scene_landmarks.empty())
@@ -67,7 +67,9 @@ void hold_against_limits(const config::SceneAnatomy& limit, const AnatomyResult&
     throw refusal(limit.name,
                   "deviates by " + to_text(result.deviation_max_mm) +
                       " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm",
-                  {"lower `max_deviation_mm` of `decimate`, or raise `max_deviation_mm` in the scene"});
+                  {"lower `max_deviation_mm` of `decimate`, or raise `max_deviation_mm` in the scene"})
+        .finds_fault_with({limit.name})
+        .because(Cause::refused_output);
 }
 
 // Smoothing comes after decimation and moves the surface too, so that a bound set by hand for decimation alone is not

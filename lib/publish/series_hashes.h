@@ -9,11 +9,6 @@
 
 namespace trephine::publish {
 
-/// An import's error with the flags of `trephine import` that it names as the settings that `run` takes: `--gaps
-/// interpolate` is `--set import.gaps=interpolate`. The import's node is the first name in the error's field; the error
-/// of another node is returned as it is.
-Error in_settings(const Error& error);
-
 /// The content of the series that a case reads. Each is hashed once, though an anatomy that is left out needs another
 /// graph.
 class SeriesHashes {
@@ -25,14 +20,14 @@ class SeriesHashes {
   /// The hash of the case's own series.
   const std::string& input(const config::CaseConfig& config);
   /// What else the folders of series hold, by the node that imports each.
-  const std::map<std::string, Report>& folders() const { return folders_; }
+  const std::map<std::string, dicom::FolderRest>& folders() const { return folders_; }
 
  private:
   const std::string& hash(const std::string& import, const dicom::SeriesChoice& series);
 
   const Progress& cancelled_;
   std::map<std::string, std::string> sha256_;
-  std::map<std::string, Report> folders_;
+  std::map<std::string, dicom::FolderRest> folders_;
 };
 
 }  // namespace trephine::publish

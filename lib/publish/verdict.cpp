@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/verdict.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "publish/findings_content.h"
@@ -11,98 +9,87 @@
 namespace trephine::publish {
 namespace {
 
-std::string text_in(const ParameterValue* value) {
-  const auto* text = value ? std::get_if<std::string>(value) : nullptr;
-  return text ? *text : "";
+bool is_about(const stages::Evidence& e, const std::string& anatomy) {
+  return e.anatomy.empty() || e.anatomy == anatomy;
 }
 
-std::string figure(const cases::CaseManifest& manifest, const std::string& name) {
-  for (const auto& [n, value] : manifest.figures)
-    if (n == name) return text_in(&value);
-  return "";
+AnatomyVerdict judge(const std::string& anatomy, const cases::CaseManifest& m,
+                     const std::vector<stages::Evidence>& evidence) {
+  AnatomyVerdict out{anatomy, AnatomyState::good, "", ""};
+  if (std::any_of(m.missing.begin(), m.missing.end(), [&](const auto& a) { return a.anatomy == anatomy; })) {
+    out.state = AnatomyState::left_out;
+    return out;
+  }
+  if (may_be_of_another(m, anatomy)) out.state = AnatomyState::doubtful;
+  for (const stages::Evidence& e : evidence)
+    if (is_about(e, anatomy)) {
+      if (e.cut.empty())
+        out.state = AnatomyState::doubtful;
+      else
+        out.cut = e.cut;
+    }
+  for (const cases::CaseStandIn& s : m.stand_ins)
+    if (s.anatomy == anatomy) {
+      out.state = AnatomyState::stand_in;
+      out.stand_in = s.by;
+    }
+  return out;
 }
 
-bool is_other_part(const cases::CaseManifest& m) { return figure(m, "body_part.is_expected") == "unknown"; }
-
-bool is_hard_in(const Report* scan, const std::string& anatomy) {
-  const std::string suited = scan ? text_in(scan->find(anatomy)) : "";
-  return suited == "doubtful" || suited == "unsuited";
+// Of an anatomy whose name is said to be of a kind ("simple_brain" for the brain), the kind.
+std::string kind_of(const AnatomyVerdict& v) {
+  const std::string of = "_" + v.anatomy;
+  const bool named =
+      v.stand_in.size() > of.size() && v.stand_in.compare(v.stand_in.size() - of.size(), of.size(), of) == 0;
+  return named ? v.stand_in.substr(0, v.stand_in.size() - of.size()) : v.stand_in + " instead";
 }
 
-// Of an anatomy whose name is said to be of a kind, the kind.
-std::string kind_of(const cases::CaseStandIn& s) {
-  const std::string of = "_" + s.anatomy;
-  const bool named = s.by.size() > of.size() && s.by.compare(s.by.size() - of.size(), of.size(), of) == 0;
-  return named ? s.by.substr(0, s.by.size() - of.size()) : s.by + " instead";
-}
-
-std::string word_for_all(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan) {
-  for (const cases::CaseStandIn& a : m.stand_ins)
-    if (a.anatomy == anatomy) return kind_of(a);
-  if (may_be_of_another(m, anatomy) || is_other_part(m)) return "doubtful";
-  const bool uncertain = figure(m, "class_of") == anatomy && figure(m, "class") == "uncertain";
-  return is_hard_in(scan, anatomy) || uncertain ? "doubtful" : "good";
-}
-
-// The same, and where the scan ends in it.
-std::string word_for(const std::string& anatomy, const cases::CaseManifest& m, const Report* scan,
-                     const Report* region) {
-  for (const cases::CaseMissing& a : m.missing)
-    if (a.anatomy == anatomy) return "left out";
-  const std::string word = word_for_all(anatomy, m, scan), cut = region ? text_in(region->find(anatomy + "_cut")) : "";
-  if (cut.empty()) return word;
-  return (word == "good" ? "" : word + ", ") + "cut off " + cut;
-}
-
-// What of the scan speaks against more.
-std::string reasons(const Report& scan) {
-  const auto number = [&](const char* name) {
-    const ParameterValue* value = scan.find(name);
-    const auto* v = value ? std::get_if<double>(value) : nullptr;
-    return v ? *v : 0.0;
-  };
-  const double motion_mm = number("motion_mm");
-  return fmt::format(" (slices of {:.3g} mm, noise of {:.0f} HU{})", number("slice_step_mm"), number("noise_hu"),
-                     motion_mm > 0 ? fmt::format(", the head moved by {:.1f} mm", motion_mm) : "");
-}
-
-// Deviations are measured from the surface on the voxels that it was made on, and say nothing of what coarser ones
-// lost.
-std::string coarser_voxels(const Report& resample) {
-  const auto number = [&](const char* name) {
-    const ParameterValue* v = resample.find(name);
-    return v ? std::get<double>(*v) : 1.0;
-  };
-  const ParameterValue* spacing = resample.find("spacing_mm");
-  if (!spacing || !(number("coarsest_ratio") > 1 + 1e-6)) return "";
-  const auto& mm = std::get<std::vector<double>>(*spacing);
-  const double percent = 100 * number("voxels_ratio");
-  return fmt::format(
-      "; on voxels of {:.3g} x {:.3g} x {:.3g} mm, {:.{}f} % of the scan's: the deviations leave out what "
-      "that loses (`trade` measures it)",
-      mm.at(0), mm.at(1), mm.at(2), percent, percent < 10 ? 1 : 0);
+std::string words_for(const AnatomyVerdict& v) {
+  const std::string cut = v.cut.empty() ? "" : "cut off " + v.cut;
+  switch (v.state) {
+    case AnatomyState::good:
+      return cut.empty() ? "good" : cut;
+    case AnatomyState::doubtful:
+      return "doubtful" + (cut.empty() ? "" : ", " + cut);
+    case AnatomyState::stand_in:
+      return kind_of(v) + (cut.empty() ? "" : ", " + cut);
+    case AnatomyState::left_out:
+      break;
+  }
+  return "left out";
 }
 
 }  // namespace
 
-std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest, const Report* scan,
-                       const Report* region, const Report* resample) {
-  std::vector<std::pair<std::string, std::string>> parts;  // word, names
-  for (const std::string& anatomy : wanted) {
-    const std::string word = word_for(anatomy, manifest, scan, region);
-    const auto same = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return p.first == word; });
+std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted,
+                                            const cases::CaseManifest& manifest,
+                                            const std::vector<stages::Evidence>& evidence) {
+  std::vector<AnatomyVerdict> all;
+  for (const std::string& anatomy : wanted) all.push_back(judge(anatomy, manifest, evidence));
+  return all;
+}
+
+std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cases::CaseManifest& manifest,
+                         const std::vector<stages::Evidence>& evidence, const std::vector<std::string>& remarks) {
+  Named<std::string> parts;  // names by words
+  for (const AnatomyVerdict& v : anatomies) {
+    const std::string words = words_for(v);
+    const auto same = std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return p.first == words; });
     if (same == parts.end())
-      parts.emplace_back(word, anatomy);
+      parts.emplace_back(words, v.anatomy);
     else
-      same->second += ", " + anatomy;
+      same->second += ", " + v.anatomy;
   }
   std::string text;
-  for (const auto& [word, names] : parts) text += (text.empty() ? "" : "; ") + names + ": " + word;
+  for (const auto& [words, names] : parts) text += (text.empty() ? "" : "; ") + names + ": " + words;
+  std::vector<std::string> reasons;
+  for (const stages::Evidence& e : evidence)
+    if (!e.why.empty() && std::find(reasons.begin(), reasons.end(), e.why) == reasons.end() &&
+        std::any_of(anatomies.begin(), anatomies.end(), [&](const auto& v) { return is_about(e, v.anatomy); }))
+      reasons.push_back(e.why);
+  for (const std::string& why : reasons) text += " (" + why + ")";
+  for (const std::string& remark : remarks) text += "; " + remark;
   const std::string to_look_at = findings_text(manifest.findings);
-  const bool hard = std::any_of(wanted.begin(), wanted.end(), [&](const auto& a) { return is_hard_in(scan, a); });
-  if (hard) text += reasons(*scan);
-  if (is_other_part(manifest)) text += "; it is not sure that the scan shows the part of the body that is made of it";
-  if (resample) text += coarser_voxels(*resample);
   return to_look_at.empty() ? text : text + "; to be looked at: " + to_look_at;
 }
 

@@ -3,22 +3,36 @@
 #include <string>
 #include <vector>
 
-#include "base/report.h"
 #include "cases/case.h"
+#include "stages/case_parts.h"
 
 namespace trephine::publish {
 
-/// What a person reads at the end of a run: of every anatomy that the scene asked for whether it is good, doubtful,
-/// simple (something stands for it), or left out, and what of the scan speaks against more: "skin, skull: good; brain:
-/// simple; ventricles: left out (slices of 5 mm, noise of 31 HU)". Doubtful is what the scan is not suited for (`scan`,
-/// the report of the stage of that name, may be null), the anatomy that the case is classed by where the class is
-/// uncertain, and what is made of a scan that may be another patient's or that shows no head (`body_part`). What ends
-/// at the scan's end or the field's edge, where a head does not, is cut off there and not good (`region`, the report of
-/// the stage head_region, may be null): "skin, skull, brain: cut off above". Where the scan was put on voxels that are
-/// larger along an axis (`resample`, likewise), that is said, for the deviations are those from the surfaces on these
-/// voxels. What the case's findings say a person should look at stands behind it. Good says that it passed every check,
-/// not that a person need not look.
-std::string verdict_of(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest, const Report* scan,
-                       const Report* region, const Report* resample);
+/// What an anatomy that the scene asks for came to.
+enum class AnatomyState {
+  good,      ///< it passed every check, which does not say that a person need not look
+  doubtful,  ///< evidence speaks against it
+  stand_in,  ///< something stands for it
+  left_out,
+};
+
+struct AnatomyVerdict {
+  std::string anatomy;
+  AnatomyState state = AnatomyState::good;
+  std::string stand_in;  ///< what stands for it
+  std::string cut;       ///< where the scan's end or the field's edge cuts it: "above"; empty: nowhere
+};
+
+/// What each of the anatomies came to. What speaks against it is `evidence`, and that a finding of the manifest says of
+/// a scan that it is made of that it may be another patient's.
+std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted,
+                                            const cases::CaseManifest& manifest,
+                                            const std::vector<stages::Evidence>& evidence);
+
+/// What a person reads at the end of a run: "skin, skull: good; brain: simple; ventricles: left out (slices of 5 mm,
+/// noise of 31 HU)", with the reasons of the evidence about these anatomies, the remarks, and what the case's findings
+/// say a person should look at.
+std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cases::CaseManifest& manifest,
+                         const std::vector<stages::Evidence>& evidence, const std::vector<std::string>& remarks);
 
 }  // namespace trephine::publish

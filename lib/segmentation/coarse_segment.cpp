@@ -53,8 +53,8 @@ grid::Field spread(const grid::Field& field, const mask::CoarseRaster& raster) {
 
 }  // namespace
 
-grid::Field segment_coarsely(const grid::HuVolume& volume, const SegmentParams& params, Report& report,
-                             const Progress& progress) {
+Outcome<grid::Field, SegmentResult> segment_coarsely(const grid::HuVolume& volume, const SegmentParams& params,
+                                                     const Progress& progress) {
   const mask::CoarseRaster raster = mask::coarse_raster(grid::lattice_of(volume), params.coarse_mm, true);
   const grid::HuVolume coarse =
       std::visit([&](const auto& grid) { return grid::HuVolume(brightest(grid, raster, progress)); }, volume);
@@ -64,8 +64,9 @@ grid::Field segment_coarsely(const grid::HuVolume& volume, const SegmentParams& 
   double widened_mm = 0;
   for (int a = 0; a < 3; ++a) widened_mm = std::max(widened_mm, (raster.factor[a] - 1) * raster.fine.spacing_mm[a]);
   if (p.open_mm > 0) p.open_mm += widened_mm;
-  const grid::Field field = segment(coarse, {}, p, report, progress.part(0.1, 0.9));
-  return spread(field, raster);
+  auto made = segment(coarse, {}, p, progress.part(0.1, 0.9));
+  made.value = spread(made.value, raster);
+  return made;
 }
 
 }  // namespace trephine::segmentation

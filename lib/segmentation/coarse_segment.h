@@ -6,7 +6,7 @@ namespace trephine::segmentation {
 
 /// segment() without other anatomies, on cells of whole voxels of about params.coarse_mm, each as bright as its
 /// brightest voxel. The field is on the volume's raster, in steps of a cell. Throws what segment() throws.
-grid::Field segment_coarsely(const grid::HuVolume& volume, const SegmentParams& params, Report& report,
-                             const Progress& progress = {});
+Outcome<grid::Field, SegmentResult> segment_coarsely(const grid::HuVolume& volume, const SegmentParams& params,
+                                                     const Progress& progress = {});
 
 }  // namespace trephine::segmentation

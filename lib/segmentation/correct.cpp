@@ -50,13 +50,10 @@ grid::Box box_in(const grid::Lattice& other, const grid::Lattice& lattice) {
   return box;
 }
 
-void add_counts(Report& report, const BitMask& plus, const BitMask& minus) {
+CorrectionCounts counts_of(const BitMask& plus, const BitMask& minus) {
   const double ml = plus.lattice().voxel_volume_mm3() / 1000;
   const std::size_t more = plus.count(), less = minus.count();
-  report.add("added_voxels_count", more);
-  report.add("removed_voxels_count", less);
-  report.add("added_ml", double(more) * ml);
-  report.add("removed_ml", double(less) * ml);
+  return {more, less, double(more) * ml, double(less) * ml};
 }
 
 /// What a correction says of the voxels of another lattice.
@@ -146,8 +143,9 @@ grid::Field grown_to(const grid::Field& field, const grid::Lattice& volume, cons
 
 }  // namespace
 
-grid::LabelFile correction_between(const grid::LabelFile& before, const grid::LabelFile& after,
-                                   const std::string& label, const std::string& painted_label, Report& report) {
+Outcome<grid::LabelFile, CorrectionCounts> correction_between(const grid::LabelFile& before,
+                                                              const grid::LabelFile& after, const std::string& label,
+                                                              const std::string& painted_label) {
   const grid::Mask was = with_field("before", [&] { return grid::pick_label(before, label).mask; });
   const grid::Mask is = with_field("after", [&] { return grid::pick_label(after, painted_label).mask; });
   if (!raster_alignment(is, was))
@@ -160,7 +158,6 @@ grid::LabelFile correction_between(const grid::LabelFile& before, const grid::La
   const BitMask old_bits = on_raster(was, lattice, *raster_alignment(was, lattice)),
                 new_bits = on_raster(is, lattice, *raster_alignment(is, lattice));
   const BitMask plus = mask::without(new_bits, old_bits), minus = mask::without(old_bits, new_bits);
-  add_counts(report, plus, minus);
   grid::Box changed = plus.any() ? plus.bounds() : minus.bounds();
   if (minus.any()) include(changed, minus.bounds());
   if (!plus.any() && !minus.any()) throw Error(ExitCode::bad_input, "", "after", "nothing of the label is different");
@@ -173,7 +170,7 @@ grid::LabelFile correction_between(const grid::LabelFile& before, const grid::La
                                           : minus.get(at[0], at[1], at[2]) ? removed
                                                                            : 0);
       }
-  return correction_of(std::move(change));
+  return {correction_of(std::move(change)), counts_of(plus, minus), {}};
 }
 
 grid::LabelFile correction_of(grid::Mask voxels) {
@@ -190,8 +187,8 @@ grid::LabelFile correction_of(grid::Mask voxels) {
   return out;
 }
 
-grid::Field corrected(const grid::Field& field, const grid::Lattice& volume, const grid::LabelFile& correction,
-                      Report& report, const Progress& progress) {
+Outcome<grid::Field, CorrectedResult> corrected(const grid::Field& field, const grid::Lattice& volume,
+                                                const grid::LabelFile& correction, const Progress& progress) {
   for (const float v : field.voxels)
     if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "field", "holds a voxel that is not finite");
   with_field("field", [&] { grid::place_in(field, volume); });
@@ -214,17 +211,24 @@ grid::Field corrected(const grid::Field& field, const grid::Lattice& volume, con
   mask.remove(minus);
   BitMask changed = really_plus;
   changed |= really_minus;
-  add_counts(report, really_plus, really_minus);
   const double asked = double(plus.count() + minus.count()), already = 1 - double(changed.count()) / asked;
-  report.add("already_ratio", already);
-  report.add("resampled", wanted.resampled);
+  const CorrectedResult result{counts_of(really_plus, really_minus), already, wanted.resampled};
+  Warnings warnings;
   if (wanted.resampled)
-    report.warn("the correction was made on other voxels than these: each takes what the nearest one of it says");
-  if (wanted.beyond > 0) report.warn(std::to_string(wanted.beyond) + " voxels of the correction lie beyond the scan");
+    warnings.push_back(
+        {"correction_resampled",
+         "the correction was made on other voxels than these: each takes what the nearest one of it says",
+         {}});
+  if (wanted.beyond > 0)
+    warnings.push_back({"correction_beyond_scan",
+                        "{voxels_count} voxels of the correction lie beyond the scan",
+                        {{"voxels_count", static_cast<std::int64_t>(wanted.beyond)}}});
   if (already > 0.5)
-    report.warn(to_text(std::round(already * 100)) +
-                " % of the correction held without it: the segmentation has changed since, or it is of another scan");
-  if (!changed.any()) return field;
+    warnings.push_back({"correction_held_already",
+                        "{already_percent} % of the correction held without it: the segmentation has changed since, or "
+                        "it is of another scan",
+                        {{"already_percent", to_text(std::round(already * 100))}}});
+  if (!changed.any()) return {field, result, std::move(warnings)};
   progress.report(0.3);
 
   const BitMask near = mask::dilated(changed, reach_mm, progress.part(0.3, 0.6));
@@ -245,7 +249,7 @@ grid::Field corrected(const grid::Field& field, const grid::Lattice& volume, con
           out.at(i, j, k) = std::abs(v) < 1e-6f * scale ? (mask.get(i, j, k) ? 1e-6f : -1e-6f) * scale : v;
         }
   progress.report(1);
-  return out;
+  return {std::move(out), result, std::move(warnings)};
 }
 
 }  // namespace trephine::segmentation

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "base/result.h"
 #include "base/write_file.h"
 #include "json/declared_json.h"
 #include "segmentation/correct.h"
@@ -17,15 +16,16 @@ namespace {
 
 constexpr std::uint64_t max_list_bytes = 1 << 20;
 
-grid::Field patched(const grid::Field& field, const grid::HuVolume& volume, const PatchEdit& patch,
-                    const fs::path& folder, Report& report, const Progress& progress) {
+Outcome<grid::Field, CorrectedResult> patched(const grid::Field& field, const grid::HuVolume& volume,
+                                              const PatchEdit& patch, const fs::path& folder,
+                                              const Progress& progress) {
   // It is a name and no path: what a list says is all that it can reach.
   if (patch.file.empty() || patch.file.front() == '.' || patch.file.find('/') != std::string::npos)
     throw Error(ExitCode::bad_input, "", "file", "must be the name of a file beside the list");
   const fs::path file = folder / patch.file;
   if (sha256_of_file(file) != patch.sha256)
     throw Error(ExitCode::bad_input, "", "sha256", "is not that of " + patch.file + ": the patch was changed since");
-  return corrected(field, grid::lattice_of(volume), grid::read_labels(file), report, progress);
+  return corrected(field, grid::lattice_of(volume), grid::read_labels(file), progress);
 }
 
 }  // namespace
@@ -61,31 +61,36 @@ EditList read_edit_list(const fs::path& file) {
 
 std::string encode_edit_list(EditList list) { return json::declared_json(parameters_of<EditList>(), &list) + "\n"; }
 
-grid::Field apply_edits(const grid::Field& field, const grid::HuVolume& volume, const EditList& list,
-                        const fs::path& folder, Report& report, const Progress& progress) {
-  grid::Field out = field;
-  double added = 0, removed = 0, already = 0;
+Outcome<grid::Field, EditsResult> apply_edits(const grid::Field& field, const grid::HuVolume& volume,
+                                              const EditList& list, const fs::path& folder, const Progress& progress) {
+  Outcome<grid::Field, EditsResult> out{field, {}, {}};
+  EditsResult& all = out.result;
   for (std::size_t i = 0; i < list.edits.size(); ++i) {
     const auto& [name, params] = list.edits[i];
     const std::string which = "edits[" + std::to_string(i) + "]." + name;
     const Progress part =
         progress.part(double(i) / double(list.edits.size()), double(i + 1) / double(list.edits.size()));
-    Report made;
-    out = with_field(which, [&, &params = params, &name = name] {
-      if (name == "snake") return edited(out, volume, params.as<SnakeEdit>(), made, part);
-      if (name == "cut") return edited(out, volume, params.as<CutEdit>(), made, part);
-      if (name == "smooth") return edited(out, volume, params.as<SmoothEdit>(), made, part);
-      return patched(out, volume, params.as<PatchEdit>(), folder, made, part);
+    auto made = with_field(which, [&, &params = params, &name = name]() -> Outcome<grid::Field, EditedResult> {
+      if (name == "snake") return edited(out.value, volume, params.as<SnakeEdit>(), part);
+      if (name == "cut") return edited(out.value, volume, params.as<CutEdit>(), part);
+      if (name == "smooth") return edited(out.value, volume, params.as<SmoothEdit>(), part);
+      auto patch = patched(out.value, volume, params.as<PatchEdit>(), folder, part);
+      all.already_ratio = std::max(all.already_ratio, patch.result.already_ratio);
+      return {std::move(patch.value),
+              {patch.result.changed.added_ml, patch.result.changed.removed_ml},
+              std::move(patch.warnings)};
     });
-    added += number_of(made, "added_ml");
-    removed += number_of(made, "removed_ml");
-    if (name == "patch") already = std::max(already, number_of(made, "already_ratio"));
-    for (const std::string& w : made.warnings) report.warn("edit " + std::to_string(i + 1) + " (" + name + "): " + w);
+    out.value = std::move(made.value);
+    all.added_ml += made.result.added_ml;
+    all.removed_ml += made.result.removed_ml;
+    for (Warning& w : made.warnings) {
+      w.form = "edit {edit_number} ({edit}): " + w.form;
+      w.values.emplace_back("edit_number", static_cast<std::int64_t>(i + 1));
+      w.values.emplace_back("edit", name);
+      out.warnings.push_back(std::move(w));
+    }
   }
-  report.add("added_ml", added);
-  report.add("removed_ml", removed);
-  report.add("already_ratio", already);
-  report.add("edits_count", list.edits.size());
+  all.edits_count = list.edits.size();
   return out;
 }
 

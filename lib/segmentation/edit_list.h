@@ -6,7 +6,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::segmentation {
@@ -48,10 +48,25 @@ bool is_edit_list(const std::filesystem::path& file);
 EditList read_edit_list(const std::filesystem::path& file);
 std::string encode_edit_list(EditList list);
 
-/// The field after all edits of the list, whose patches lie in `folder`. Report: added_ml and removed_ml of all
-/// together, already_ratio (the largest of a patch), edits_count. Warns as corrected() and edited() do, saying of which
-/// edit by its number from 1. Throws what they throw, naming the edit; Error 65 for a patch of another content.
-grid::Field apply_edits(const grid::Field& field, const grid::HuVolume& volume, const EditList& list,
-                        const std::filesystem::path& folder, Report& report, const Progress& progress = {});
+struct EditsResult {
+  double added_ml = 0, removed_ml = 0;  ///< of all together
+  double already_ratio = 0;             ///< the largest of a patch
+  std::size_t edits_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = EditsResult;
+    v.number(&P::added_ml, "added_ml", Range{}, "Volume that was added.");
+    v.number(&P::removed_ml, "removed_ml", Range{}, "Volume that was removed.");
+    v.number(&P::already_ratio, "already_ratio", Range{}, "Largest share of a patch that held without it.");
+    v.integer(&P::edits_count, "edits_count", Range{}, "Edits.");
+  }
+};
+
+/// The field after all edits of the list, whose patches lie in `folder`. Warns as corrected() and edited() do, saying
+/// of which edit by its number from 1. Throws what they throw, naming the edit; Error 65 for a patch of another
+/// content.
+Outcome<grid::Field, EditsResult> apply_edits(const grid::Field& field, const grid::HuVolume& volume,
+                                              const EditList& list, const std::filesystem::path& folder,
+                                              const Progress& progress = {});
 
 }  // namespace trephine::segmentation

@@ -44,12 +44,14 @@ grid::Field moved(const grid::Field& field, const grid::Lattice& volume, double 
   return out;
 }
 
+using Finished = Outcome<grid::Field, FinishResult>;
+
 /// Checks whether the surface is that of a body. Where that is not asked for, a shape that mostly is not is told of.
-void check_scan_edge(const mask::HuView& hu, const grid::Field& field, const FinishParams& params, Report& report) {
+void check_scan_edge(const mask::HuView& hu, const FinishParams& params, Finished& made) {
   constexpr double told = 0.1, told_unasked = 0.5;
   const bool asked = params.max_scan_edge_ratio < 1;
-  const double ratio = scan_edge_ratio(hu, field);
-  if (asked || ratio > told_unasked) report.add("scan_edge_ratio", ratio);
+  const double ratio = scan_edge_ratio(hu, made.value);
+  if (asked || ratio > told_unasked) made.result.scan_edge_ratio = ratio;
   if (ratio > params.max_scan_edge_ratio)
     throw refusal("max_scan_edge_ratio",
                   fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %", 100 * ratio,
@@ -58,8 +60,10 @@ void check_scan_edge(const mask::HuView& hu, const grid::Field& field, const Fin
                                "that ends at the field will do, set {:.2f} for `max_scan_edge_ratio`",
                                std::min(1.0, std::ceil(100 * ratio + 1) / 100))});
   if (ratio > (asked ? told : told_unasked))
-    report.warn(fmt::format(
-        "{:.0f} % of its rim in the slices are the edge of the scanned field, and no surface of a body", 100 * ratio));
+    made.warnings.push_back(
+        {"rim_is_scan_edge",
+         "{rim_percent:.0f} % of its rim in the slices are the edge of the scanned field, and no surface of a body",
+         {{"rim_percent", 100 * ratio}}});
 }
 
 /// The field cropped to its positive part and two voxels more.
@@ -77,22 +81,23 @@ void check_thresholds(double lower_hu, double upper_hu) {
     throw Error(ExitCode::usage, "", "lower_hu", fmt::format("{} is above upper_hu, {}", lower_hu, upper_hu));
 }
 
-grid::Field found_and_finished(const grid::HuVolume& volume, const FinishParams& params,
-                               const std::function<grid::Field(const mask::HuView&)>& find, Report& report,
-                               const Progress& progress) {
+Outcome<grid::Field, FinishResult> found_and_finished(const grid::HuVolume& volume, const FinishParams& params,
+                                                      const std::function<grid::Field(const mask::HuView&)>& find,
+                                                      const Progress& progress) {
   const grid::Lattice& lattice = grid::lattice_of(volume);
   const mask::HuView hu(volume);
   mask::check_finite(volume);
-  grid::Field field = of_thresholds([&] { return find(hu); });
+  Finished made;
+  grid::Field& field = made.value = of_thresholds([&] { return find(hu); });
   if (params.grow_mm != 0) {
     field = moved(field, lattice, params.grow_mm, progress);
-    report.add("grown_mm", params.grow_mm);
+    made.result.grown_mm = params.grow_mm;
   }
-  of_thresholds([&] { mask::check_mask(mask::positive(field, field), lattice.count(), report); });
+  made.result.size = of_thresholds([&] { return mask::check_mask(mask::positive(field, field), lattice.count()); });
   field = trimmed(std::move(field));
-  check_scan_edge(hu, field, params, report);
+  check_scan_edge(hu, params, made);
   progress.report(1);
-  return field;
+  return made;
 }
 
 }  // namespace trephine::segmentation

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
-#include "base/result.h"
 #include "mask/box_about.h"
 #include "mask/filters.h"
 #include "segmentation/bubbles.h"
@@ -46,20 +45,20 @@ void for_ball(const grid::Lattice& lattice, Vec3 centre, double radius_mm, F&& f
 }
 
 /// Applies what changes as a painted correction is applied. `changes` holds 1 where voxels are added, 2 where removed.
-grid::Field applied(const grid::Field& field, const grid::HuVolume& volume, grid::Mask changes, Report& report,
-                    const Progress& progress) {
+Outcome<grid::Field, EditedResult> applied(const grid::Field& field, const grid::HuVolume& volume, grid::Mask changes,
+                                           const Progress& progress) {
   bool any = false;
   for (const std::uint8_t v : changes.voxels) any = any || v;
-  Report made;
-  grid::Field out =
-      any ? corrected(field, grid::lattice_of(volume), correction_of(std::move(changes)), made, progress) : field;
-  double sum = 0;
-  for (const char* name : {"added_ml", "removed_ml"}) {
-    const double ml = any ? number_of(made, name) : 0;
-    report.add(name, ml);
-    sum += ml;
+  Outcome<grid::Field, EditedResult> out;
+  if (any) {
+    auto made = corrected(field, grid::lattice_of(volume), correction_of(std::move(changes)), progress);
+    out.value = std::move(made.value);
+    out.result = {made.result.changed.added_ml, made.result.changed.removed_ml};
+  } else {
+    out.value = field;
   }
-  if (!(sum > 0)) report.warn("changes nothing: the shape is already so there");
+  if (!(out.result.added_ml + out.result.removed_ml > 0))
+    out.warnings.push_back({"changes_nothing", "changes nothing: the shape is already so there", {}});
   return out;
 }
 
@@ -83,7 +82,6 @@ EditSnake::EditSnake(const grid::HuVolume& volume, const SnakeEdit& edit, const 
   how.lower_hu = edit.lower_hu;
   how.upper_hu = edit.upper_hu;
   how.smoothing_sigma_mm = edit.smoothing_sigma_mm;
-  Report ignored;
   const grid::HuVolume part = std::visit([&](const auto& v) -> grid::HuVolume { return grid::crop(v, seen); }, volume);
   grid::Field ball(grid::cropped(lattice, near), -1.f);
   mask::for_box_about(ball, centre_, 2 * within_mm_, [&](int i, int j, int k, double distance_mm) {
@@ -92,7 +90,7 @@ EditSnake::EditSnake(const grid::HuVolume& volume, const SnakeEdit& edit, const 
   });
   PresegmentMasks masks;
   masks.within = &ball;
-  speed_ = grid::fit(presegment(part, masks, how, ignored, progress), static_cast<const grid::Lattice&>(ball), -1.f);
+  speed_ = grid::fit(presegment(part, masks, how, progress).value, static_cast<const grid::Lattice&>(ball), -1.f);
   const std::vector<Bubble> seed = {{centre_, edit.seed_radius_mm}};
   surface_ = bubble_field(seed, speed_);
   require_start(volume, edit);
@@ -140,8 +138,8 @@ double EditSnake::volume_ml() const {
   return double(n) * surface_.voxel_volume_mm3() / 1000;
 }
 
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const SnakeEdit& edit, Report& report,
-                   const Progress& progress) {
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume, const SnakeEdit& edit,
+                                          const Progress& progress) {
   require_field(field, volume);
   EditSnake snake(volume, edit, progress.part(0, 0.2));
   for (int step = 0; step < edit.steps_count; ++step)
@@ -149,11 +147,11 @@ grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const
   grid::Mask covered = snake.mask();
   if (edit.removes)
     for (std::uint8_t& v : covered.voxels) v = v ? 2 : 0;
-  return applied(field, volume, std::move(covered), report, progress.part(0.8, 1));
+  return applied(field, volume, std::move(covered), progress.part(0.8, 1));
 }
 
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const CutEdit& edit, Report& report,
-                   const Progress& progress) {
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume, const CutEdit& edit,
+                                          const Progress& progress) {
   require_field(field, volume);
   const Vec3 point = vec(edit.point_mm), normal = vec(edit.normal);
   grid::Mask taken(field);
@@ -161,18 +159,18 @@ grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const
     const Vec3 to = field.to_world_mm({double(i), double(j), double(k)}) - point;
     if (field.at(i, j, k) > 0 && dot(to, normal) > 0) taken.at(i, j, k) = 2;
   });
-  return applied(field, volume, std::move(taken), report, progress);
+  return applied(field, volume, std::move(taken), progress);
 }
 
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const SmoothEdit& edit, Report& report,
-                   const Progress& progress) {
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume,
+                                          const SmoothEdit& edit, const Progress& progress) {
   require_field(field, volume);
   const Vec3 point = vec(edit.point_mm);
   // On the volume's voxels, for the shape may grow a little beyond its own; the Gaussian sees what lies beyond the
   // ball.
   const grid::Lattice& lattice = grid::lattice_of(volume);
   const grid::Box box = box_about(lattice, point, edit.within_mm + 4 * edit.sigma_mm);
-  if (box.empty()) return applied(field, volume, grid::Mask(field), report, progress);
+  if (box.empty()) return applied(field, volume, grid::Mask(field), progress);
   const grid::Field shape = grid::fit(field, grid::cropped(lattice, box), -1.f);
   grid::Grid<float> smooth(shape);
   for (std::size_t v = 0; v < smooth.voxels.size(); ++v) smooth.voxels[v] = shape.voxels[v] > 0 ? 1.f : 0.f;
@@ -182,7 +180,7 @@ grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const
     const bool was = shape.at(i, j, k) > 0, is = smooth.at(i, j, k) > 0.5f;
     if (was != is) changes.at(i, j, k) = is ? 1 : 2;
   });
-  return applied(field, volume, std::move(changes), report, progress.part(0.5, 1));
+  return applied(field, volume, std::move(changes), progress.part(0.5, 1));
 }
 
 }  // namespace trephine::segmentation

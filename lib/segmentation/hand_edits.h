@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "segmentation/snake_band.h"
 
@@ -100,14 +100,23 @@ class EditSnake {
   double change_mm_ = 0;
 };
 
+struct EditedResult {
+  double added_ml = 0, removed_ml = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&EditedResult::added_ml, "added_ml", Range{}, "Volume that was added.");
+    v.number(&EditedResult::removed_ml, "removed_ml", Range{}, "Volume that was removed.");
+  }
+};
+
 /// The shape after the edit: the voxels that changed are smoothed as those of a painted correction (corrected()), and
-/// further away every value stays. Report: added_ml and removed_ml. Warns where nothing changes. Throws Error 65 for a
+/// further away every value stays. Warns where nothing changes. Throws Error 65 for a
 /// field that does not lie on the volume's raster or is not finite; for a snake what EditSnake throws; Cancelled.
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const SnakeEdit& edit, Report& report,
-                   const Progress& progress = {});
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const CutEdit& edit, Report& report,
-                   const Progress& progress = {});
-grid::Field edited(const grid::Field& field, const grid::HuVolume& volume, const SmoothEdit& edit, Report& report,
-                   const Progress& progress = {});
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume, const SnakeEdit& edit,
+                                          const Progress& progress = {});
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume, const CutEdit& edit,
+                                          const Progress& progress = {});
+Outcome<grid::Field, EditedResult> edited(const grid::Field& field, const grid::HuVolume& volume,
+                                          const SmoothEdit& edit, const Progress& progress = {});
 
 }  // namespace trephine::segmentation

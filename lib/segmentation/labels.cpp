@@ -77,11 +77,13 @@ std::string hint(const HuView& hu, const grid::Mask& mask, std::size_t voxels, c
              : "";
 }
 
+using Made = Outcome<grid::Field, LabelResult>;
+
 /// Returns the share of the label outside of the volume.
-double check_fit(const HuView& hu, const grid::PickedLabel& label, const LabelParams& params, Report& report) {
+double check_fit(const HuView& hu, const grid::PickedLabel& label, const LabelParams& params, Made& made) {
   const Fit fit = fit_of(hu, label.mask, label.voxels, false);
-  report.add("outside_ratio", fit.outside);
-  report.add("air_ratio", fit.air);
+  made.result.outside_ratio = fit.outside;
+  made.result.air_ratio = fit.air;
   if (fit.outside >= 1 || fit.outside > params.max_outside_ratio) {
     const grid::Lattice& l = hu.lattice();
     const grid::Box box = bits_of(label.mask).bounds();
@@ -102,9 +104,13 @@ double check_fit(const HuView& hu, const grid::PickedLabel& label, const LabelPa
         "label", percent(fit.air) + " of it lie in air, outside of the body?" + hint(hu, label.mask, label.voxels, fit),
         {"where that is right, raise `max_air_ratio`"});
   if (fit.outside > noted_ratio)
-    report.warn(percent(fit.outside) + " of the label lie outside of the volume and are left out");
+    made.warnings.push_back({"label_outside",
+                             "{outside} of the label lie outside of the volume and are left out",
+                             {{"outside", percent(fit.outside)}}});
   if (fit.air > noted_air_ratio)
-    report.warn(percent(fit.air) + " of the label lie in air" + hint(hu, label.mask, label.voxels, fit));
+    made.warnings.push_back({"label_in_air",
+                             "{in_air} of the label lie in air{hint}",
+                             {{"in_air", percent(fit.air)}, {"hint", hint(hu, label.mask, label.voxels, fit)}}});
   return fit.outside;
 }
 
@@ -245,7 +251,7 @@ double balance(const grid::Field& field, double wanted_ml, double& ml) {
 }
 
 /// Warns where the label reaches its own grid's edge inside of the volume.
-void check_cut(const grid::PickedLabel& label, const grid::Lattice& volume, Report& report) {
+void check_cut(const grid::PickedLabel& label, const grid::Lattice& volume, Warnings& warnings) {
   const grid::Box box = bits_of(label.mask).bounds();
   const grid::Mask& m = label.mask;
   for (int a = 0; a < 3; ++a)
@@ -258,8 +264,10 @@ void check_cut(const grid::PickedLabel& label, const grid::Lattice& volume, Repo
       bool in = true;
       for (int b = 0; b < 3; ++b) in = in && q[b] >= 0 && q[b] <= volume.size[b] - 1;
       if (in) {
-        report.warn(
-            "the label ends at the edge of its own grid within the volume: the file may hold only a part of it");
+        warnings.push_back(
+            {"label_cut",
+             "the label ends at the edge of its own grid within the volume: the file may hold only a part of it",
+             {}});
         return;
       }
     }
@@ -267,32 +275,36 @@ void check_cut(const grid::PickedLabel& label, const grid::Lattice& volume, Repo
 
 }  // namespace
 
-grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map, const LabelParams& params,
-                        Report& report, const Progress& progress) {
+Outcome<grid::Field, LabelResult> label_field(const grid::HuVolume& volume, const grid::LabelFile& map,
+                                              const LabelParams& params, const Progress& progress) {
   const HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
   const grid::PickedLabel label = grid::pick_label(map, params.label);
-  report.add("label", label.name);
-  report.add("format", map.format);
-  report.add("label_voxels_count", label.voxels);
+  Made made;
+  made.result.label = label.name;
+  made.result.format = map.format;
+  made.result.label_voxels_count = label.voxels;
   const double label_ml = double(label.voxels) * map.lattice.voxel_volume_mm3() / 1000;
-  report.add("label_ml", label_ml);
-  for (const std::string& w : map.warnings) report.warn(w);
+  made.result.label_ml = label_ml;
+  for (const std::string& w : map.warnings) made.warnings.push_back({"label_file", w, {}});
   for (const grid::LabelSegment& s : map.segments)
     if (s.cropped && (params.label.empty() || s.name == label.name))
-      report.warn("the file says that segment " + s.name + " reaches beyond its voxels: it was cropped when written");
+      made.warnings.push_back(
+          {"segment_cropped",
+           "the file says that segment {segment} reaches beyond its voxels: it was cropped when written",
+           {{"segment", s.name}}});
   if (!label.voxels)
     throw refusal("label", "'" + label.name + "' has not one voxel", {"paint it, or name another `label`"});
-  const double inside_ml = label_ml * (1 - check_fit(hu, label, params, report));
-  check_cut(label, l, report);
+  const double inside_ml = label_ml * (1 - check_fit(hu, label, params, made));
+  check_cut(label, l, made.warnings);
   progress.report(0.1);
 
   const auto aligned = raster_alignment(map.lattice, l);
-  report.add("resampled", !aligned);
-  grid::Field field;
+  made.result.resampled = !aligned;
+  grid::Field& field = made.value;
   double ml = 0;
   if (aligned) {
-    report.add("offset_max_ratio", aligned->off_voxels);
+    made.result.offset_max_ratio = aligned->off_voxels;
     const BitMask mask = on_raster(label.mask, l, *aligned);
     if (!mask.any())
       throw refusal("label", "none of its voxels lies in the volume",
@@ -300,7 +312,7 @@ grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map
     field = smooth_field(mask::crop(mask, grid::grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
   } else {
     field = resampled(label.mask, l, params.smooth_mm, progress);
-    report.add("moved_mm", keep_volume(field, inside_ml, map.lattice, ml));
+    made.result.moved_mm = keep_volume(field, inside_ml, map.lattice, ml);
     const std::size_t count =
         std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
     if (!count)
@@ -316,17 +328,20 @@ grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map
       const double factor = balance(scaled, inside_ml, ml);
       for (float& v : field.voxels)
         if (v > 0) v *= float(factor);
-      report.add("balanced_ratio", factor);
+      made.result.balanced_ratio = factor;
     }
   }
-  report.add("volume_ml", ml);
-  report.add("volume_change_ratio", ml / inside_ml - 1);
+  made.result.volume_ml = ml;
+  made.result.volume_change_ratio = ml / inside_ml - 1;
   if (std::abs(ml / inside_ml - 1) > noted_change_ratio)
-    report.warn("on the volume's voxels the label holds " + to_text(std::round(ml * 100) / 100) + " ml, in its file " +
-                to_text(std::round(inside_ml * 100) / 100) + " ml (" + percent(ml / inside_ml - 1) +
-                "): parts of it are thinner than a voxel");
+    made.warnings.push_back({"label_volume_changed",
+                             "on the volume's voxels the label holds {ml} ml, in its file {file_ml} ml ({change}): "
+                             "parts of it are thinner than a voxel",
+                             {{"ml", to_text(std::round(ml * 100) / 100)},
+                              {"file_ml", to_text(std::round(inside_ml * 100) / 100)},
+                              {"change", percent(ml / inside_ml - 1)}}});
   progress.report(1);
-  return field;
+  return made;
 }
 
 }  // namespace trephine::segmentation

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "grid/labels.h"
 
@@ -33,6 +33,36 @@ struct LabelParams {
   }
 };
 
+struct LabelResult {
+  std::string label;  ///< its name
+  std::string format;
+  std::size_t label_voxels_count = 0;
+  double label_ml = 0;
+  double outside_ratio = 0, air_ratio = 0;  ///< shares of the label outside of the volume, and in air
+  bool resampled = false;
+  std::optional<double> offset_max_ratio;  ///< how far its voxels lie off the volume's, in voxels; not if resampled
+  std::optional<double> moved_mm;          ///< how far the surface was moved outwards, where resampled
+  std::optional<double> balanced_ratio;    ///< the factor of the values inside, where a thin label kept its volume
+  double volume_ml = 0;                    ///< within the surface, between voxels too
+  double volume_change_ratio = 0;          ///< compared with the label's part in the volume
+  template <class V>
+  static void describe(V& v) {
+    using P = LabelResult;
+    v.text(&P::label, "label", "The label's name.");
+    v.text(&P::format, "format", "The format of its file.");
+    v.integer(&P::label_voxels_count, "label_voxels_count", Range{}, "Its voxels.");
+    v.number(&P::label_ml, "label_ml", Range{}, "Their volume.");
+    v.number(&P::outside_ratio, "outside_ratio", Range{}, "Share of it outside of the volume.");
+    v.number(&P::air_ratio, "air_ratio", Range{}, "Share of it in air.");
+    v.flag(&P::resampled, "resampled", "Whether its voxels are not the volume's.");
+    v.number(&P::offset_max_ratio, "offset_max_ratio", "How far its voxels lie off the volume's.");
+    v.number(&P::moved_mm, "moved_mm", "How far its surface was moved outwards.");
+    v.number(&P::balanced_ratio, "balanced_ratio", "Factor of the values inside.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume within the surface.");
+    v.number(&P::volume_change_ratio, "volume_change_ratio", Range{}, "How much that differs from the label's.");
+  }
+};
+
 /// A label as a field on the volume's raster, positive inside, cropped to the label and a margin where the volume has
 /// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may cover a part, or
 /// reach beyond), voxels keep their side and the surface lies within half a voxel of theirs; where smoothing would
@@ -41,18 +71,14 @@ struct LabelParams {
 /// volume's voxels (shape-based interpolation [Raya1990]) and moved by up to half a voxel of the label, so that it
 /// holds as many ml as before. Parts thinner than a voxel of the volume may vanish.
 ///
-/// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (how far the label's
-/// voxels lie off the volume's, as a share of a voxel; not where resampled), outside_ratio (share of the label outside
-/// of the volume), air_ratio, moved_mm (how far the surface was moved outwards, where resampled), balanced_ratio (the
-/// factor of the values inside, where a thin label kept its volume), volume_ml (within the surface, between voxels
-/// too), volume_change_ratio (compared with the label's part in the volume). Warns where that change is beyond 0.02;
-/// where some of the label lies outside, or much of it in air; where the label ends at its own grid's edge within the
-/// volume (cut off there); and of anything suspicious in the file itself.
+/// Warns where the volume changes by more than a share of 0.02; where some of the label lies outside, or much of it in
+/// air; where the label ends at its own grid's edge within the volume (cut off there); and of anything suspicious in
+/// the file itself.
 ///
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
 /// whether it would fit with x and y negated, because RAS was taken for LPS or the reverse), or nothing of it is left;
 /// 65 where the volume's voxels are not finite; Cancelled. The result has the same bits whatever the thread count.
-grid::Field label_field(const grid::HuVolume& volume, const grid::LabelFile& map, const LabelParams& params,
-                        Report& report, const Progress& progress = {});
+Outcome<grid::Field, LabelResult> label_field(const grid::HuVolume& volume, const grid::LabelFile& map,
+                                              const LabelParams& params, const Progress& progress = {});
 
 }  // namespace trephine::segmentation

@@ -8,16 +8,16 @@
 
 namespace trephine::segmentation {
 
-grid::Field segment(const grid::HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params,
-                    Report& report, const Progress& progress) {
+Outcome<grid::Field, SegmentResult> segment(const grid::HuVolume& volume, const SegmentMasks& masks,
+                                            const SegmentParams& params, const Progress& progress) {
   check_thresholds(params.lower_hu, params.upper_hu);
   if (params.coarse_mm > 0) {
     if (masks.within || masks.without) throw Error(ExitCode::usage, "", "coarse_mm", "only without another anatomy");
-    return segment_coarsely(volume, params, report, progress);
+    return segment_coarsely(volume, params, progress);
   }
-  return found_and_finished(
+  return finished<SegmentResult>(
       volume, {params.grow_mm, params.max_scan_edge_ratio},
-      [&](const mask::HuView& hu) { return segment_threshold(hu, masks, params, report, progress); }, report, progress);
+      [&](const mask::HuView& hu) { return segment_threshold(hu, masks, params, progress); }, progress);
 }
 
 }  // namespace trephine::segmentation

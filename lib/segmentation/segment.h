@@ -4,8 +4,9 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
+#include "segmentation/finish.h"
 
 namespace trephine::segmentation {
 
@@ -82,6 +83,25 @@ struct SegmentMasks {
   const grid::Field* without = nullptr;  ///< the anatomy lies outside it
 };
 
+struct SegmentResult {
+  std::optional<double> bright_rim_ml;       ///< that was left out
+  std::optional<std::int64_t> pieces_count;  ///< where pieces are chosen
+  std::optional<double> filled_ml;
+  std::optional<double> filled_by_closing_ml;  ///< of that, what is filled only because outlets were closed
+  std::size_t cut_voxels_count = 0;            ///< where the mask ends inside material
+  FinishResult finished;
+  template <class V>
+  static void describe(V& v) {
+    using P = SegmentResult;
+    v.number(&P::bright_rim_ml, "bright_rim_ml", "The bright rim that was left out.");
+    v.integer(&P::pieces_count, "pieces_count", "Pieces before some were chosen.");
+    v.number(&P::filled_ml, "filled_ml", "What was filled.");
+    v.number(&P::filled_by_closing_ml, "filled_by_closing_ml", "What was filled only because outlets were closed.");
+    v.integer(&P::cut_voxels_count, "cut_voxels_count", Range{}, "Voxels where the mask ends inside material.");
+    v.all_of(&P::finished);
+  }
+};
+
 /// Finds one anatomy in a volume of HU by thresholds. The result is a field, positive inside, whose zero crossing is
 /// the surface, cropped to the shape and a margin of two voxels where the volume has room. The mask that the parameters
 /// decide gives the sign. The values beside the surface are HU relative to the threshold (so that partial volume places
@@ -93,7 +113,7 @@ struct SegmentMasks {
 /// own voxels, provided the shape is everything above lower_hu, and the field has steps of a cell.
 ///
 /// With hysteresis inside another anatomy (bone in the skin), what lies within 2 mm of that one's surface and not
-/// beside a deeper part of the material is left out where it is 2 ml or more (bright_rim_ml): a kernel that enhances
+/// beside a deeper part of the material is left out where it is 2 ml or more: a kernel that enhances
 /// edges makes the skin's rim as bright as bone.
 ///
 /// The result has the same bits whatever the thread count, and the function is safe to call from several threads at a
@@ -101,7 +121,7 @@ struct SegmentMasks {
 /// mask is given, or corners or thresholds are exchanged; 80, with the count of voxels, where the mask is empty, fills
 /// the volume, or lies in a single slice, or where more of its rim than max_scan_edge_ratio is the edge of the scan;
 /// Cancelled.
-grid::Field segment(const grid::HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params,
-                    Report& report, const Progress& progress = {});
+Outcome<grid::Field, SegmentResult> segment(const grid::HuVolume& volume, const SegmentMasks& masks,
+                                            const SegmentParams& params, const Progress& progress = {});
 
 }  // namespace trephine::segmentation

@@ -250,8 +250,8 @@ BandRun evolve_levels(const grid::Grid<float>& speed, grid::Grid<float>& phi, co
 
 }  // namespace
 
-grid::Field evolve_snake(const grid::Field& speed, const grid::Field& start, const SnakeParams& params, Report& report,
-                         const Progress& progress) {
+Outcome<grid::Field, EvolvedResult> evolve_snake(const grid::Field& speed, const grid::Field& start,
+                                                 const SnakeParams& params, const Progress& progress) {
   const bool geodesic = params.method == SnakeMethod::geodesic;
   if (params.propagation == 0 && params.curvature == 0 && (!geodesic || params.advection == 0))
     throw Error(ExitCode::usage, "", "propagation, curvature, advection", "all 0, nothing would move the surface");
@@ -281,35 +281,41 @@ grid::Field evolve_snake(const grid::Field& speed, const grid::Field& start, con
   if (!ended_well(run.end)) refuse_end(run, params);
 
   const Inside done = inside_of(phi, &g);
-  report.add("iterations_count", iterations);
-  report.add("stopped_by", run.end == BandEnd::converged ? "converged" : "iterations");
-  report.add("change_mm", run.change_mm);
-  report.add("time_step", run.time_step);
-  report.add("mean_speed", done.mean_speed);
   const double held_back = double(done.held_back) / double(std::max<std::size_t>(done.voxels, 1));
-  report.add("negative_speed_ratio", held_back);
-  report.add("volume_ml", double(done.voxels) * speed.voxel_volume_mm3() / 1000);
+  EvolvedResult result;
+  result.iterations_count = iterations;
+  result.stopped_by = run.end == BandEnd::converged ? "converged" : "iterations";
+  result.change_mm = run.change_mm;
+  result.time_step = run.time_step;
+  result.mean_speed = done.mean_speed;
+  result.negative_speed_ratio = held_back;
+  result.volume_ml = double(done.voxels) * speed.voxel_volume_mm3() / 1000;
   if (!(done.mean_speed >= params.min_mean_speed))
     throw refusal("min_mean_speed",
                   fmt::format("the mean speed inside is {:.3f}, must be at least {}: it lost its structure",
                               done.mean_speed, trephine::to_text(params.min_mean_speed)),
                   {"begin inside the structure with `bubbles`, narrow what `presegment` finds, or lower "
                    "`min_mean_speed`"});
+  Warnings warnings;
   if (params.max_iterations_count == 0)
-    report.warn("snake: max_iterations_count is 0: what comes out is what it begins with");
+    warnings.push_back(
+        {"snake_does_nothing", "snake: max_iterations_count is 0: what comes out is what it begins with", {}});
   else if (run.end == BandEnd::iterations && params.min_change_mm > 0)
-    report.warn(
-        fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm, iterations));
+    warnings.push_back({"snake_still_moves",
+                        "snake: still moves by {change_mm:.3g} mm an iteration after {iterations_count} of them",
+                        {{"change_mm", run.change_mm}, {"iterations_count", std::int64_t{iterations}}}});
   // A geodesic surface is drawn beyond the place where a speed of both signs ends.
   if (!geodesic && params.propagation > 0 && held_back > max_held_back)
-    report.warn(
-        fmt::format("snake: at {:.0f} % of what it holds the speed is negative: it leaked through noise, or began "
-                    "elsewhere; smooth the presegmentation (smoothing_sigma_mm) or narrow it, give within or "
-                    "max_volume_ml",
-                    100 * held_back));
+    warnings.push_back({"snake_leaked",
+                        "snake: at {negative_percent:.0f} % of what it holds the speed is negative: it leaked through "
+                        "noise, or began elsewhere; smooth the presegmentation (smoothing_sigma_mm) or narrow it, give "
+                        "within or max_volume_ml",
+                        {{"negative_percent", 100 * held_back}}});
   if (begun.edge == 0 && done.edge > 0)
-    report.warn(fmt::format("snake: {} voxels at the edge of the speed image, it may have leaked", done.edge));
-  return grid::crop(phi, grid::grown(done.box, 2, phi));
+    warnings.push_back({"snake_at_edge",
+                        "snake: {edge_voxels_count} voxels at the edge of the speed image, it may have leaked",
+                        {{"edge_voxels_count", static_cast<std::int64_t>(done.edge)}}});
+  return {grid::crop(phi, grid::grown(done.box, 2, phi)), std::move(result), std::move(warnings)};
 }
 
 }  // namespace trephine::segmentation

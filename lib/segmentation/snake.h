@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::segmentation {
@@ -57,6 +57,25 @@ struct SnakeParams {
   }
 };
 
+struct EvolvedResult {
+  std::int64_t iterations_count = 0;  ///< of all levels
+  std::string stopped_by;             ///< "converged" or "iterations"; of the finest level
+  double change_mm = 0, time_step = 0, mean_speed = 0;
+  double negative_speed_ratio = 0;  ///< the share of the voxels inside that have a negative speed
+  double volume_ml = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = EvolvedResult;
+    v.integer(&P::iterations_count, "iterations_count", Range{}, "Iterations.");
+    v.text(&P::stopped_by, "stopped_by", "What it ended by.");
+    v.number(&P::change_mm, "change_mm", Range{}, "How far it moved in the last iteration.");
+    v.number(&P::time_step, "time_step", Range{}, "The time step.");
+    v.number(&P::mean_speed, "mean_speed", Range{}, "Mean speed inside.");
+    v.number(&P::negative_speed_ratio, "negative_speed_ratio", Range{}, "Share of the inside with a negative speed.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
+  }
+};
+
 /// Evolves a surface in 3D over a speed image g in [-1, 1]. In a unit of time it moves outwards along its normal N by
 ///   propagation g - curvature kappa - advection (grad g . N)
 /// where kappa is the sum of both principal curvatures (2 / r of a ball), and the last term applies to geodesic alone
@@ -70,17 +89,41 @@ struct SnakeParams {
 /// to the shape and a margin of two voxels. A surface cannot separate noise to which its speed gives the structure's
 /// sign, and cannot tell that it leaked: bound it (max_volume_ml), or keep it inside another anatomy (snake()).
 ///
-/// Report: iterations_count (all levels), stopped_by (converged or iterations; of the finest level), change_mm,
-/// time_step, mean_speed, negative_speed_ratio (the share of the voxels inside that have a negative speed), volume_ml.
-/// Warns where more than a twentieth is negative (region competition), where the surface still moves, and where it
-/// reached the speed image's edge, because it may have leaked.
+/// Warns where the speed of more than a twentieth inside is negative (region competition), where the surface still
+/// moves, and where it reached the speed image's edge, because it may have leaked.
 ///
 /// Throws Error 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where every
 /// weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain or exceeds
 /// the given bounds; Cancelled. The result has the same bits whatever the thread count. It must not be called from
 /// several threads at a time.
-grid::Field evolve_snake(const grid::Field& speed, const grid::Field& start, const SnakeParams& params, Report& report,
-                         const Progress& progress = {});
+Outcome<grid::Field, EvolvedResult> evolve_snake(const grid::Field& speed, const grid::Field& start,
+                                                 const SnakeParams& params, const Progress& progress = {});
+
+struct BubbleFigures {
+  std::size_t count = 0;
+  std::string bubbles;  ///< in the form in which they can be given
+  double max_radius_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&BubbleFigures::count, "bubbles_count", Range{}, "Balls that it began with.");
+    v.text(&BubbleFigures::bubbles, "bubbles", "Those balls.");
+    v.number(&BubbleFigures::max_radius_mm, "bubble_max_radius_mm", Range{}, "Radius of the largest.");
+  }
+};
+struct SnakeResult {
+  std::optional<BubbleFigures> bubbles;  ///< where it began with balls
+  EvolvedResult evolved;                 ///< the volume is that within the masks
+  double held_by_limits_ratio = 0;       ///< see snake()
+  std::size_t pieces_count = 0;          ///< a bubble in other CSF does not leak and yet is no ventricle
+  template <class V>
+  static void describe(V& v) {
+    using P = SnakeResult;
+    v.all_of(&P::bubbles);
+    v.all_of(&P::evolved);
+    v.number(&P::held_by_limits_ratio, "held_by_limits_ratio", Range{}, "Share of the surface that limits hold.");
+    v.integer(&P::pieces_count, "pieces_count", Range{}, "Pieces.");
+  }
+};
 
 /// Fields on the speed's raster, null where not given.
 struct SnakeMasks {
@@ -90,11 +133,10 @@ struct SnakeMasks {
 };
 
 /// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws Error 64 where
-/// there is nothing to begin with, or more than one start, or `bubbles` cannot be read; 80 as place_bubbles() does. The
-/// report also has bubbles (in the form in which they can be given) and pieces_count, because a bubble in other CSF
-/// does not leak and yet is no ventricle; and held_by_limits_ratio, the share of the surface that a mask holds at a
-/// positive speed (geodesic: also a wall of the speed image). Warns where that is above a tenth.
-grid::Field snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
-                  const Progress& progress = {});
+/// there is nothing to begin with, or more than one start, or `bubbles` cannot be read; 80 as place_bubbles() does.
+/// Warns where a mask holds more than a tenth of the surface at a positive speed (geodesic: also a wall of the speed
+/// image): held_by_limits_ratio.
+Outcome<grid::Field, SnakeResult> snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params,
+                                        const Progress& progress = {});
 
 }  // namespace trephine::segmentation

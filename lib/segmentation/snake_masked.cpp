@@ -43,10 +43,12 @@ void for_allowed(const grid::Field& field, const SnakeMasks& masks, F&& f) {
   each(masks.without, "without", -1);
 }
 
-/// Reports how much of the surface rests on nothing in the image: where the masks end and the speed would move it
+using Snake = Outcome<grid::Field, SnakeResult>;
+
+/// Measures how much of the surface rests on nothing in the image: where the masks end and the speed would move it
 /// further, or, for a geodesic snake, at the wall around a speed image. `forbidden` is on the field's voxels.
-void tell_held(const grid::Field& field, const grid::Field& speed, const SnakeMasks& masks, SnakeMethod method,
-               Report& report) {
+void measure_held(const grid::Field& speed, const SnakeMasks& masks, SnakeMethod method, Snake& made) {
+  const grid::Field& field = made.value;
   std::vector<char> forbidden(field.count(), 0);
   for_allowed(field, masks, [&](std::size_t v, float depth) {
     if (!(depth > 0)) forbidden[v] = 1;
@@ -79,16 +81,16 @@ void tell_held(const grid::Field& field, const grid::Field& speed, const SnakeMa
     rim += held[k];
   }
   const double ratio = whole > 0 ? rim / whole : 0;
-  report.add("held_by_limits_ratio", ratio);
-  report.add("pieces_count", mask::components(mask::positive(field, field)).list.size());
+  made.result.held_by_limits_ratio = ratio;
+  made.result.pieces_count = mask::components(mask::positive(field, field)).list.size();
   if (ratio > max_held)
-    report.warn(
-        fmt::format("snake: {:.0f} % of its surface rest on the limits given and not on the speed image: it may "
-                    "have leaked; narrow the presegmentation, or set max_volume_ml",
-                    100 * ratio));
+    made.warnings.push_back({"snake_rests_on_limits",
+                             "snake: {held_percent:.0f} % of its surface rest on the limits given and not on the speed "
+                             "image: it may have leaked; narrow the presegmentation, or set max_volume_ml",
+                             {{"held_percent", 100 * ratio}}});
 }
 
-grid::Field begin(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& p, Report& report,
+grid::Field begin(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& p, SnakeResult& result,
                   const Progress& progress) {
   const int ways = int(masks.start != nullptr) + int(!p.bubbles.empty()) + int(p.bubbles_count > 0);
   if (ways != 1)
@@ -100,25 +102,27 @@ grid::Field begin(const grid::Field& speed, const SnakeMasks& masks, const Snake
       given ? parse_bubbles(p.bubbles) : place_bubbles(speed, p.bubbles_count, p.bubble_min_radius_mm, progress);
   grid::Field field = bubble_field(bubbles, speed);
   if (given && p.propagation > 0) check_bubbles(bubbles, speed);
-  report.add("bubbles_count", bubbles.size());
-  report.add("bubbles", to_text(bubbles));
-  report.add("bubble_max_radius_mm", [&] {
-    double most = 0;
-    for (const Bubble& b : bubbles) most = std::max(most, b.radius_mm);
-    return most;
-  }());
+  double most = 0;
+  for (const Bubble& b : bubbles) most = std::max(most, b.radius_mm);
+  result.bubbles = BubbleFigures{bubbles.size(), to_text(bubbles), most};
   return field;
 }
 
 }  // namespace
 
-grid::Field snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
-                  const Progress& progress) {
+Outcome<grid::Field, SnakeResult> snake(const grid::Field& speed, const SnakeMasks& masks, const SnakeParams& params,
+                                        const Progress& progress) {
+  Snake made;
+  const auto take = [&](Outcome<grid::Field, EvolvedResult> evolved) {
+    made.value = std::move(evolved.value);
+    made.result.evolved = std::move(evolved.result);
+    made.warnings = std::move(evolved.warnings);
+  };
   if (!masks.within && !masks.without) {
-    grid::Field field = evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
-                                     progress.part(0.1, 1));
-    tell_held(field, speed, masks, params.method, report);
-    return field;
+    const grid::Field start = begin(speed, masks, params, made.result, progress.part(0, 0.1));
+    take(evolve_snake(speed, start, params, progress.part(0.1, 1)));
+    measure_held(speed, masks, params.method, made);
+    return made;
   }
 
   // The surface is held back one layer of voxels beyond the masks, so that at the end the masks cut it between voxels.
@@ -127,23 +131,19 @@ grid::Field snake(const grid::Field& speed, const SnakeMasks& masks, const Snake
   for_allowed(speed, masks, [&](std::size_t v, float depth) {
     if (!(depth > -layer)) held.voxels[v] = std::min(held.voxels[v], -1.f);
   });
-  const grid::Field start = begin(held, masks, params, report, progress.part(0, 0.1));
-  Report evolved;
-  grid::Field field = evolve_snake(held, start, params, evolved, progress.part(0.1, 0.95));
+  const grid::Field start = begin(held, masks, params, made.result, progress.part(0, 0.1));
+  take(evolve_snake(held, start, params, progress.part(0.1, 0.95)));
+  grid::Field& field = made.value;
   for_allowed(field, masks, [&](std::size_t v, float depth) { field.voxels[v] = std::min(field.voxels[v], depth); });
 
   const mask::InsideBox box = mask::inside_box(field);
-  for (auto& [name, value] : evolved.figures) {
-    if (name == "volume_ml") value = double(box.count) * speed.voxel_volume_mm3() / 1000;
-    report.figures.emplace_back(name, value);
-  }
-  for (const std::string& w : evolved.warnings) report.warn(w);
+  made.result.evolved.volume_ml = double(box.count) * speed.voxel_volume_mm3() / 1000;
   if (box.count == 0)
     throw refusal("within, without", "nothing of the surface lies where they allow",
                   {"give a larger `within` or a smaller `without`, or begin elsewhere with `start` or `bubbles`"});
   field = grid::crop(field, grid::grown(box, 2, field));
-  tell_held(field, speed, masks, params.method, report);
-  return field;
+  measure_held(speed, masks, params.method, made);
+  return made;
 }
 
 }  // namespace trephine::segmentation

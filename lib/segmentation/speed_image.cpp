@@ -81,7 +81,7 @@ void regions(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentPar
   });
 }
 
-void edges(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, Report& report,
+void edges(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, PresegmentResult& result,
            const Progress& progress) {
   mask::gaussian(g, p.edge_sigma_mm, progress);
   grid::Grid<float> steepness(static_cast<const grid::Lattice&>(g));
@@ -110,7 +110,7 @@ void edges(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParam
   }
   if (!std::isfinite(kappa))
     throw Error(ExitCode::bad_input, "", "volume", "its HU differ by more than float32 holds: they are no scan's");
-  report.add("edge_kappa_hu_per_mm", kappa);
+  result.edge_kappa_hu_per_mm = kappa;
   const double exponent = p.edge_exponent;
   for_slices(g, progress, [&](std::size_t from, std::size_t to, int) {
     for (std::size_t v = from; v < to; ++v)
@@ -118,7 +118,7 @@ void edges(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParam
   });
 }
 
-void classes(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, Report& report,
+void classes(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentParams& p, PresegmentResult& result,
              const Progress& progress) {
   const Extent e = extent_of(g, counts, progress);
   // One HU a bin; beyond what tissue and metal have, coarser.
@@ -130,12 +130,10 @@ void classes(grid::Grid<float>& g, const grid::Mask& counts, const PresegmentPar
   for (std::size_t v = 0; v < g.count(); ++v)
     if (counts.voxels[v]) ++h.counts[bin(g.voxels[v])];
   const TissueMixture mixture = fit_mixture(h, p.classes_count);
-  for (std::size_t c = 0; c < mixture.classes.size(); ++c) {
-    const std::string name = "class_" + std::to_string(c + 1);
-    report.add(name + "_hu", mixture.classes[c].mean);
-    report.add(name + "_sigma_hu", mixture.classes[c].sigma);
-    report.add(name + "_ratio", mixture.classes[c].weight);
-  }
+  for (std::size_t c = 0; c < mixture.classes.size(); ++c)
+    result.classes.emplace_back(
+        "class_" + std::to_string(c + 1),
+        ClassFigures{mixture.classes[c].mean, mixture.classes[c].sigma, mixture.classes[c].weight});
   std::vector<float> table;
   for (std::size_t b = 0; b < h.counts.size(); ++b)
     table.push_back(float(2 * mixture.share(h.first + double(b) * h.width, p.first_class - 1, p.last_class - 1) - 1));
@@ -162,8 +160,8 @@ void check_params(const PresegmentParams& p) {
 
 }  // namespace
 
-grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& p,
-                       Report& report, const Progress& progress) {
+Outcome<grid::Field, PresegmentResult> presegment(const grid::HuVolume& volume, const PresegmentMasks& masks,
+                                                  const PresegmentParams& p, const Progress& progress) {
   check_params(p);
   const mask::HuView hu(volume);
   grid::Box box = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
@@ -205,22 +203,23 @@ grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& mask
                   {"give a larger `within` or a smaller `without`"});
   progress.report(0.2);
 
+  PresegmentResult result;
   if (p.method != PresegmentMethod::edges) mask::gaussian(g, p.smoothing_sigma_mm, progress);
   switch (p.method) {
     case PresegmentMethod::regions:
       regions(g, counts, p, progress);
       break;
     case PresegmentMethod::edges:
-      edges(g, counts, p, report, progress);
+      edges(g, counts, p, result, progress);
       break;
     case PresegmentMethod::classes:
-      classes(g, counts, p, report, progress);
+      classes(g, counts, p, result, progress);
       break;
   }
   progress.report(0.9);
 
   const Extent e = extent_of(g, counts, progress);
-  report.add("speed_positive_ratio", double(e.positive) / double(e.count));
+  result.speed_positive_ratio = double(e.positive) / double(e.count);
   if (e.positive == 0)
     throw refusal("speed",
                   fmt::format("nowhere above 0 (the largest is {:.3f}): the structure is not in the region, or the "
@@ -234,7 +233,7 @@ grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& mask
   for_slices(g, progress, [&](std::size_t from, std::size_t to, int) {
     for (std::size_t v = from; v < to; ++v) g.voxels[v] = counts.voxels[v] ? std::clamp(g.voxels[v], -1.f, 1.f) : -1.f;
   });
-  return g;
+  return {std::move(g), std::move(result), {}};
 }
 
 }  // namespace trephine::segmentation

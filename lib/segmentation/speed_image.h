@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::segmentation {
@@ -75,6 +75,28 @@ struct PresegmentMasks {
   const grid::Field* without = nullptr;  ///< the same inside it
 };
 
+struct ClassFigures {
+  double mean_hu = 0, sigma_hu = 0, ratio = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&ClassFigures::mean_hu, "hu", Range{}, "Mean.");
+    v.number(&ClassFigures::sigma_hu, "sigma_hu", Range{}, "Sigma.");
+    v.number(&ClassFigures::ratio, "ratio", Range{}, "Its share.");
+  }
+};
+struct PresegmentResult {
+  std::optional<double> edge_kappa_hu_per_mm;  ///< of edges
+  Named<ClassFigures> classes;                 ///< "class_1" and so on, of classes
+  double speed_positive_ratio = 0;             ///< of the voxels that count
+  template <class V>
+  static void describe(V& v) {
+    using P = PresegmentResult;
+    v.number(&P::edge_kappa_hu_per_mm, "edge_kappa_hu_per_mm", "The gradient at which the speed is half.");
+    v.map(&P::classes, "classes", "Each Gaussian.").items_joined("_");
+    v.number(&P::speed_positive_ratio, "speed_positive_ratio", Range{}, "Share of the voxels with a speed above 0.");
+  }
+};
+
 /// The speed image of a volume for evolve_snake(), in [-1, 1], as ITK-SNAP's presegmentation makes it [Yushkevich2006],
 /// on the region of interest, cropped to `within` and four voxels:
 /// - regions: tanh((I - L) k) + tanh((U - I) k) - 1, positive inside the window; one-sided: a single tanh. k is ln((2 -
@@ -83,12 +105,11 @@ struct PresegmentMasks {
 /// - classes: a Gaussian mixture of the values (segmentation/tissue_mixture.h); 2 p - 1, p the probability of the
 ///   classes from first_class to last_class.
 ///
-/// Report: speed_positive_ratio (of the voxels that count), and class_N_hu, class_N_sigma_hu, class_N_ratio or
-/// edge_kappa_hu_per_mm. The same bits whatever the thread count. Throws Error 65 where a voxel is not finite or a mask
+/// The same bits whatever the thread count. Throws Error 65 where a voxel is not finite or a mask
 /// of another raster; 64 where lower_hu is not below upper_hu or the classes contradict each other; 80 where nothing
 /// lies in the region, the image is constant where edges or classes are sought, or the speed is nowhere above 0, or
 /// nowhere below 0 with nothing else to hold a surface; Cancelled.
-grid::Field presegment(const grid::HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& params,
-                       Report& report, const Progress& progress = {});
+Outcome<grid::Field, PresegmentResult> presegment(const grid::HuVolume& volume, const PresegmentMasks& masks,
+                                                  const PresegmentParams& params, const Progress& progress = {});
 
 }  // namespace trephine::segmentation

@@ -272,8 +272,9 @@ void require_in_scan(const HuView& mr, const BitMask& cavity) {
 
 }  // namespace
 
-grid::HuVolume t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct, const BitMask& cavity,
-                           const T1ContrastParams& params, Report& report, const Progress& progress) {
+Outcome<grid::HuVolume, T1ContrastResult> t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct,
+                                                      const BitMask& cavity, const T1ContrastParams& params,
+                                                      const Progress& progress) {
   if (grid::lattice_of(mr) != grid::lattice_of(ct) || cavity.lattice() != grid::lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
   mask::check_finite(mr);
@@ -292,12 +293,13 @@ grid::HuVolume t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct, c
     low = std::min(low, b);
     high = std::max(high, b);
   }
-  report.add("csf_share_ratio", model.weight[csf]);
-  report.add("grey_share_ratio", model.weight[grey]);
-  report.add("white_share_ratio", model.weight[white]);
-  report.add("csf_to_grey_ratio", level[csf] / level[grey]);
-  report.add("grey_to_white_ratio", level[grey] / level[white]);
-  report.add("bias_ratio", std::tanh(0.5 * (high - low)));
+  T1ContrastResult result;
+  result.csf_share_ratio = model.weight[csf];
+  result.grey_share_ratio = model.weight[grey];
+  result.white_share_ratio = model.weight[white];
+  result.csf_to_grey_ratio = level[csf] / level[grey];
+  result.grey_to_white_ratio = level[grey] / level[white];
+  result.bias_ratio = std::tanh(0.5 * (high - low));
   if (!(level[grey] > min_grey_to_csf * level[csf]) || !(level[white] > min_white_to_grey * level[grey]))
     refuse(fmt::format("the contrast is not that of T1: CSF, grey and white matter lie at {:.0f}, {:.0f} and {:.0f}",
                        level[csf], level[grey], level[white]));
@@ -323,7 +325,7 @@ grid::HuVolume t1_contrast(const grid::HuVolume& mr, const grid::HuVolume& ct, c
         }
     }
   });
-  return out;
+  return {std::move(out), std::move(result), {}};
 }
 
 }  // namespace trephine::segmentation

@@ -108,26 +108,28 @@ mask::BitMask opened_pieces(const mask::BitMask& mask, const SegmentParams& p, c
   return kept |= mask::placed(mine, l);
 }
 
+using Made = Outcome<grid::Field, SegmentResult>;
+
 /// The rim of a body that a kernel which enhances edges makes as bright as bone: what lies within rim_mm of the surface
 /// and not beside something of the shape below that, as bone does. Empty where it is little.
-mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, Report& report,
-                         const Progress& progress) {
+mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, Made& made, const Progress& progress) {
   const mask::BitMask deep = mask::both(shape, mask::eroded(body, rim_mm, progress));
   mask::BitMask rim = mask::without(shape, mask::grown_within(deep, shape, rim_mm, progress));
   const double ml = double(rim.count()) * shape.lattice().voxel_volume_mm3() / 1000;
   if (ml < min_rim_ml) return mask::BitMask(shape.lattice());
-  report.add("bright_rim_ml", ml);
-  report.warn(
-      fmt::format("{:.0f} ml within {:.0f} mm of the surface are as bright as bone and lie beside none, as where a "
-                  "kernel enhances edges: they were left out",
-                  ml, rim_mm));
+  made.result.bright_rim_ml = ml;
+  made.warnings.push_back({"bright_rim",
+                           "{rim_ml:.0f} ml within {within_mm:.0f} mm of the surface are as bright as bone and lie "
+                           "beside none, as where a kernel enhances edges: they were left out",
+                           {{"rim_ml", ml}, {"within_mm", rim_mm}}});
   return rim;
 }
 
 }  // namespace
 
-grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
-                              const Progress& progress) {
+Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
+                                                      const SegmentParams& p, const Progress& progress) {
+  Made made;
   const grid::Box roi = mask::region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   const grid::Lattice work = grid::cropped(hu.lattice(), roi);
   const bool smooth = p.smoothing_sigma_mm > 0;
@@ -151,7 +153,7 @@ grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
   if (masks.within) {
     const mask::BitMask within = mask::positive(*masks.within, work);
     shape &= within;
-    if (p.seed_lower_hu > p.lower_hu) shape.remove(bright_rim(shape, within, report, progress));
+    if (p.seed_lower_hu > p.lower_hu) shape.remove(bright_rim(shape, within, made, progress));
   }
   if (masks.without) shape.remove(mask::positive(*masks.without, work));
   progress.report(0.2);
@@ -163,7 +165,7 @@ grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
   progress.report(0.4);
   if (p.components != SegmentComponents::all || p.min_component_ml > 0) {
     const mask::Components pieces = mask::components(shape);
-    report.add("pieces_count", pieces.list.size());
+    made.result.pieces_count = static_cast<std::int64_t>(pieces.list.size());
     shape = mask::select(pieces, chosen(pieces, p));
   }
   if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
@@ -171,15 +173,15 @@ grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
   if (p.fill != SegmentFill::none) {
     const mask::BitMask filled = mask::holes(shape, rule, progress);
     const double voxel_ml = work.voxel_volume_mm3() / 1000;
-    report.add("filled_ml", double(filled.count()) * voxel_ml);
+    made.result.filled_ml = double(filled.count()) * voxel_ml;
     if (p.fill_close_mm > 0) {
       const mask::BitMask enclosed = mask::holes(shape, {0, rule.max_ml, rule.cut_open}, progress);
-      report.add("filled_by_closing_ml", (double(filled.count()) - double(enclosed.count())) * voxel_ml);
+      made.result.filled_by_closing_ml = (double(filled.count()) - double(enclosed.count())) * voxel_ml;
     }
     shape |= filled;
   }
   progress.report(0.6);
-  if (!shape.any()) mask::check_mask(shape, hu.lattice().count(), report);
+  if (!shape.any()) mask::check_mask(shape, hu.lattice().count());
 
   grid::Box box = shape.bounds();  // from the working lattice's indices to the volume's
   for (int axis = 0; axis < 3; ++axis) {
@@ -203,9 +205,9 @@ grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
     for (float& v : field.voxels) v = window(v);
   }
   progress.report(0.8);
-  const std::size_t cut = mask::place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
-  report.add("cut_voxels_count", cut);
-  return field;
+  made.result.cut_voxels_count = mask::place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
+  made.value = std::move(field);
+  return made;
 }
 
 }  // namespace trephine::segmentation

@@ -6,7 +6,7 @@
 namespace trephine::segmentation {
 
 /// The part of segment() that finds the shape. Its field is neither cropped nor checked yet.
-grid::Field segment_threshold(const mask::HuView& hu, const SegmentMasks& masks, const SegmentParams& params,
-                              Report& report, const Progress& progress);
+Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
+                                                      const SegmentParams& params, const Progress& progress);
 
 }  // namespace trephine::segmentation

@@ -39,9 +39,10 @@ mask::BitMask soft_tissue_around(const grid::HuVolume& ct, const mask::BitMask& 
   return tissue;
 }
 
-grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct, const mask::BitMask& whole_cavity,
-                         const grid::Field* within, const grid::Field* without, const VesselsParams& params,
-                         Report& report, const Progress& progress) {
+Outcome<grid::Field, VesselsResult> find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct,
+                                                 const mask::BitMask& whole_cavity, const grid::Field* within,
+                                                 const grid::Field* without, const VesselsParams& params,
+                                                 const Progress& progress) {
   if (grid::lattice_of(angiography) != grid::lattice_of(ct) || whole_cavity.lattice() != grid::lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
   mask::check_finite(angiography);
@@ -62,13 +63,17 @@ grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume
     for (int i = 0; i < l.size[0]; ++i) row[i] = cavity.get(i, j, k) && bright.at(i, j, k) > not_scanned_hu;
   });
   const double outside = 1 - double(seen.count()) / std::max(1.0, double(cavity.count()));
-  report.add("outside_ratio", outside);
+  VesselsResult result;
+  Warnings warnings;
+  result.outside_ratio = outside;
   const char* region = params.region == VesselRegion::cranial_cavity ? "cranial cavity" : "soft tissue";
   if (outside > refused_ratio)
     refuse(fmt::format("{:.0f} % of the {} lies outside of the angiography", 100 * outside, region));
   if (outside > warned_ratio)
-    report.warn(fmt::format("{:.0f} % of the {} lies outside of the angiography: vessels there are unknown",
-                            100 * outside, region));
+    warnings.push_back({"region_not_shown",
+                        "{outside_percent:.0f} % of the {region} lies outside of the angiography: vessels there are "
+                        "unknown",
+                        {{"outside_percent", 100 * outside}, {"region", region}}});
   parallel_for(0, static_cast<std::int64_t>(more.voxels.size()), 1 << 16, [&](std::int64_t from, std::int64_t to) {
     for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n)
       more.voxels[n] = bright.voxels[n] - more.voxels[n];
@@ -89,7 +94,7 @@ grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume
   std::vector<float> values;
   mask::for_each_voxel(mask::components(vessels),
                        [&](int, int i, int j, int k) { values.push_back(more.at(i, j, k)); });
-  report.add("enhancement_median_hu", mask::median(values, 0));
+  result.enhancement_median_hu = mask::median(values, 0);
   // What lies between a vessel and the bone beside it is vessel: a sinus lies on its groove.
   mask::BitMask rim = seen;
   rim.remove(inner);
@@ -107,16 +112,16 @@ grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume
         // In the rim nothing was measured: the mask decides.
         edge.at(i, j, k) = rim.get(i, j, k) ? (vessels.get(i, j, k) ? 50.0f : -50.0f) : v;
       }
-  mask::check_mask(vessels, l.count(), report);
-  report.add("pieces_count", mask::components(vessels, true).list.size());
+  result.size = mask::check_mask(vessels, l.count());
+  result.pieces_count = mask::components(vessels, true).list.size();
   mask::place_surface(edge, vessels, cut_sigma_mm, 2 * params.enhancement_hu, progress.part(0.8, 0.9));
-  if (params.grow_mm == 0) return edge;
+  if (params.grow_mm == 0) return {std::move(edge), std::move(result), std::move(warnings)};
   grid::Field mm = mask::signed_distance_mm(edge, progress.part(0.9, 1));
   for (float& v : mm.voxels) {
     v = std::clamp(v + static_cast<float>(params.grow_mm), -10.0f, 10.0f);
     if (v == 0) v = -1e-6f;
   }
-  return mm;
+  return {std::move(mm), std::move(result), std::move(warnings)};
 }
 
 }  // namespace trephine::segmentation

@@ -2,9 +2,10 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "mask/bits.h"
+#include "mask/hu_view.h"
 
 namespace trephine::segmentation {
 
@@ -39,6 +40,23 @@ struct VesselsParams {
   }
 };
 
+struct VesselsResult {
+  std::optional<double> cranial_cavity_ml;  ///< where they are sought in it
+  double outside_ratio = 0;                 ///< the share of the cavity that the angiography does not show
+  double enhancement_median_hu = 0;
+  mask::MaskSize size;
+  std::size_t pieces_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = VesselsResult;
+    v.number(&P::cranial_cavity_ml, "cranial_cavity_ml", "Volume of the cranial cavity.");
+    v.number(&P::outside_ratio, "outside_ratio", Range{}, "Share of the cavity outside of the angiography.");
+    v.number(&P::enhancement_median_hu, "enhancement_median_hu", Range{}, "How much brighter the vessels are.");
+    v.all_of(&P::size);
+    v.integer(&P::pieces_count, "pieces_count", Range{}, "Pieces.");
+  }
+};
+
 /// Soft tissue of the CT, the region of a trunk's vessels: above -150 HU and no bone.
 mask::BitMask soft_tissue_around(const grid::HuVolume& ct, const mask::BitMask& bone);
 
@@ -48,12 +66,12 @@ mask::BitMask soft_tissue_around(const grid::HuVolume& ct, const mask::BitMask& 
 /// out, with a voxel around it, such as the vein where the artery is sought. Where one of the scans has voxels coarser
 /// than about a millimetre, or another sharpness than the other, edges of bone may be taken for vessels.
 ///
-/// Reports voxels_count, volume_ml, pieces_count, enhancement_median_hu, and outside_ratio, the share of the cavity
-/// that the angiography does not show; warns where that is above 5 %. Throws Error 65 where the volumes or `within` are
-/// on other voxels; 80 where more than half of the cavity lies outside, and where no vessel is found. The same bits
+/// Warns where the angiography does not show more than 5 % of the cavity. Throws Error 65 where the volumes or `within`
+/// are on other voxels; 80 where more than half of the cavity lies outside, and where no vessel is found. The same bits
 /// whatever the thread count.
-grid::Field find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct, const mask::BitMask& cavity,
-                         const grid::Field* within, const grid::Field* without, const VesselsParams& params,
-                         Report& report, const Progress& progress = {});
+Outcome<grid::Field, VesselsResult> find_vessels(const grid::HuVolume& angiography, const grid::HuVolume& ct,
+                                                 const mask::BitMask& cavity, const grid::Field* within,
+                                                 const grid::Field* without, const VesselsParams& params,
+                                                 const Progress& progress = {});
 
 }  // namespace trephine::segmentation

@@ -14,7 +14,6 @@ StageType anatomy_stage() {
   s.typical.per_million_voxels_s = 0.022;
   s.place = StagePlace::scan;
   s.serves = "the consistency check of the anatomies that the scene shows";
-  s.case_figures = "";
   s.min_inputs = 2;
   s.refuses_early_by = {"skin", "skull"};  // a scan's field that cuts them, apparatus that is taken for them
   s.summary = "checks a head's anatomies against each other and measures them";
@@ -42,16 +41,19 @@ StageType anatomy_stage() {
                  .optional()
                  .help("CT volume, for its noise, where its field ends, and a picture of what is wrong")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<consistency::AnatomyGateParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<consistency::AnatomyGateParams, consistency::AnatomyResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    parts.head = result_as<consistency::AnatomyResult>(result);
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const auto* volume = in.get<grid::HuVolume>("volume");
     mask::ScanFigures scan;
     if (volume) scan = scan_figures_of(in, progress);
     const head::HeadFields fields{in.get<grid::Field>("skin"), in.get<grid::Field>("skull"),
                                   in.get<grid::Field>("brain"), in.get<grid::Field>("ventricles"),
                                   volume ? &scan : nullptr};
-    const consistency::AnatomyFindings findings = consistency::examine_anatomy(
-        fields, in.get<head::HeadLandmarks>("landmarks"), params.as<consistency::AnatomyGateParams>(), report, progress,
+    consistency::AnatomyFindings findings = consistency::examine_anatomy(
+        fields, in.get<head::HeadLandmarks>("landmarks"), params.as<consistency::AnatomyGateParams>(), progress,
         [&](const std::string& what, const std::vector<std::string>& of,
             const std::function<consistency::Clearance()>& measure) {
           return *in.once<consistency::Clearance>(
@@ -64,7 +66,7 @@ StageType anatomy_stage() {
       if (volume) e.picture_png = consistency::anatomy_picture(*volume, fields, e.faults().front());
       throw;
     }
-    return {};
+    return StageOutcome{{}, AnyParams::make(std::move(findings.result)), std::move(findings.warnings)};
   };
   return s;
 }

@@ -13,8 +13,6 @@ StageType body_part_stage() {
   s.typical.per_million_voxels_s = 0.012;
   s.place = StagePlace::scan;
   s.serves = "what part of the body the scan shows";
-  s.case_figures = "body_part.";
-  s.tells_at_once = true;
   s.recognises = true;
   s.in_every_recipe = true;
   s.summary = "says whether a scan shows a head, lungs or a spine, before anything is made of it";
@@ -26,10 +24,16 @@ StageType body_part_stage() {
   s.examples = {"trephine body-part scan.nrrd --expected head --report seen.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<look::BodyPartParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    look::judge_body_part(*in.get<grid::HuVolume>("volume"), params.as<look::BodyPartParams>(), report, progress);
-    return {};
+  s.declares<look::BodyPartParams, look::BodyPartResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    parts.checks = figures_named("body_part.", result);
+    if (result_as<look::BodyPartResult>(result).is_expected != look::IsExpected::unknown) return;
+    parts.evidence.push_back({});
+    parts.remarks.push_back("it is not sure that the scan shows the part of the body that is made of it");
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        look::judge_body_part(*in.get<grid::HuVolume>("volume"), params.as<look::BodyPartParams>(), progress));
   };
   return s;
 }

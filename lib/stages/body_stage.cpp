@@ -21,10 +21,9 @@ StageType body_stage() {
   s.examples = {"trephine body head.nrrd --output body.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<body::BodyParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::HuVolume>(
-        body::keep_body(*in.get<grid::HuVolume>("volume"), params.as<body::BodyParams>(), report, progress));
+  s.declares<body::BodyParams, body::BodyResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(body::keep_body(*in.get<grid::HuVolume>("volume"), params.as<body::BodyParams>(), progress));
   };
   return s;
 }

@@ -21,11 +21,10 @@ StageType boolean_stage() {
   s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("closed surface"),
              port("cutters.*", DataKind::cutters).help("what is cut away")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<boolean::CutSurfaceParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const surface::TriMesh>(
-        boolean::cut_surface(*in.get<surface::TriMesh>("surface"), cutters_of(in),
-                             params.as<boolean::CutSurfaceParams>(), report, progress));
+  s.declares<boolean::CutSurfaceParams, boolean::CutSurfaceResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(boolean::cut_surface(*in.get<surface::TriMesh>("surface"), cutters_of(in),
+                                              params.as<boolean::CutSurfaceParams>(), progress));
   };
   return s;
 }

@@ -26,13 +26,13 @@ StageType brain_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<head::BrainParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<head::BrainParams, head::BrainResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const head::BrainMasks masks{in.get<grid::Field>("skull"), in.get<grid::Field>("within"),
                                  in.get<grid::Field>("without"),
                                  [&in](const Progress& rest) { return scan_figures_of(in, rest); }};
-    return std::make_shared<const grid::Field>(
-        head::find_brain(*in.get<grid::HuVolume>("volume"), masks, params.as<head::BrainParams>(), report, progress));
+    return stage_outcome(
+        head::find_brain(*in.get<grid::HuVolume>("volume"), masks, params.as<head::BrainParams>(), progress));
   };
   return s;
 }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "boolean/burr_hole.h"
 #include "boolean/burr_hole_params.h"
 #include "boolean/zone_clearance.h"
 #include "craniometry/plausible.h"
@@ -16,6 +17,22 @@ namespace {
 
 // The thickness of the scalp and an unsteady hand; a position further away is more likely a mistake.
 constexpr double far_position_mm = 15;
+
+struct PlacedHoleResult {
+  boolean::BurrHoleResult hole;
+  std::optional<double> before_suture_mm;  ///< Kocher's point, where the suture is seen
+  Named<double> clear_of_mm;               ///< how far the trajectory keeps from a zone
+  std::optional<double> entry_from_position_mm;
+  template <class V>
+  static void describe(V& v) {
+    using P = PlacedHoleResult;
+    v.all_of(&P::hole);
+    v.number(&P::before_suture_mm, "before_suture_mm", "How far Kocher's point lies before the coronal suture.");
+    v.map(&P::clear_of_mm, "clear_of", "How far the trajectory keeps from a zone.").items_between("clear_of_", "_mm");
+    v.number(&P::entry_from_position_mm, "entry_from_position_mm", "How far the entry lies from the position asked.");
+  }
+};
+using Placed = Outcome<std::vector<boolean::Cutter>, PlacedHoleResult>;
 
 // The landmarks with at least this confidence, by name.
 std::map<std::string, Vec3> sure(const head::HeadLandmarks& known, double min_confidence) {
@@ -51,13 +68,15 @@ const Vec3* seen_bregma(const std::map<std::string, Vec3>& landmarks, const head
 /// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not seen is no
 /// suture.
 void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole& hole,
-                  const std::map<std::string, Vec3>& landmarks, const head::HeadLandmarks* known, Report& report) {
+                  const std::map<std::string, Vec3>& landmarks, const head::HeadLandmarks* known, Placed& placed) {
   const Vec3* bregma = seen_bregma(landmarks, known);
   if (!bregma) {
     if (were_looked_for(known))
-      report.warn(
-          "the coronal suture was not seen: how far before it Kocher's point lies was not checked; give its "
-          "bregma, or look at the pictures");
+      placed.warnings.push_back(
+          {"suture_not_seen",
+           "the coronal suture was not seen: how far before it Kocher's point lies was not checked; give its "
+           "bregma, or look at the pictures",
+           {}});
     return;
   }
   const Vec3 nasion = landmarks.at("nasion");
@@ -67,7 +86,7 @@ void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole
   const Vec3 middle = (nasion + back) * 0.5;
   const Vec3 centre = inion != landmarks.end() ? middle : middle + normalized(middle - *bregma) * 60;
   const double before_mm = craniometry::before_suture_mm(hole.position_mm, *bregma, centre, nasion);
-  report.add("before_suture_mm", before_mm);
+  placed.result.before_suture_mm = before_mm;
   if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
   const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
   throw refusal(
@@ -84,14 +103,14 @@ void check_suture(const boolean::BurrHoleParams& params, const boolean::BurrHole
 
 /// Refuses a trajectory that comes too near to a zone.
 void check_zones(const boolean::BurrHoleParams& params, const boolean::BurrHole& hole, const StageInputs& in,
-                 Report& report) {
+                 Placed& placed) {
   const auto zones = in.all<surface::TriMesh>("zone");
   for (const auto& [name, said] : params.avoid) {
     const auto zone = zones.find(name);
     if (zone == zones.end())
       throw Error(ExitCode::usage, "", "avoid", name + ", no zone of that name is given: --zone " + name + "=FILE");
     const boolean::ZoneClearance found = boolean::clearance_of(hole, hole.request.toward_mm, *zone->second);
-    report.add("clear_of_" + name + "_mm", found.least_mm);
+    placed.result.clear_of_mm.emplace_back(name, found.least_mm);
     if (found.least_mm >= said.clear_mm) continue;
     throw refusal(
         "burr_holes." + hole.cutter.name + ".avoid." + name,
@@ -140,28 +159,31 @@ StageType burrhole_stage() {
                  .help("landmarks, found and given ones"),
              port("zone.*", DataKind::mesh).of(avoided).optional().help("zones that `avoid` names")};
   s.output = DataKind::cutters;
-  s.make_params = [] { return AnyParams::make<boolean::BurrHoleParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {
+  s.declares<boolean::BurrHoleParams, PlacedHoleResult>();
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress&) {
     const auto& params = any.as<boolean::BurrHoleParams>();
     const head::HeadLandmarks* known = in.get<head::HeadLandmarks>("landmarks");
     const auto landmarks = known ? sure(*known, params.min_confidence) : std::map<std::string, Vec3>();
     if (const std::string missing = boolean::missing_landmark(params, landmarks); !missing.empty())
       refuse_missing(missing, known, params.min_confidence);
     const boolean::BurrHoleRequest request = boolean::request_of(params, landmarks, ExitCode::bad_config);
-    const boolean::BurrHole hole = boolean::place_burr_hole(request, landmarks, in.get<surface::TriMesh>("over"),
-                                                            *in.get<surface::TriMesh>("bone"), report);
-    if (request.at == boolean::BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, report);
-    check_zones(params, hole, in, report);
+    const auto made = boolean::place_burr_hole(request, landmarks, in.get<surface::TriMesh>("over"),
+                                               *in.get<surface::TriMesh>("bone"));
+    const boolean::BurrHole& hole = made.value;
+    Placed placed{{hole.cutter}, {made.result, {}, {}, {}}, made.warnings};
+    if (request.at == boolean::BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, placed);
+    check_zones(params, hole, in, placed);
     if (request.at == boolean::BurrHoleRequest::At::position) {
       const double moved_mm = norm(hole.position_mm - request.position_mm);
-      report.add("entry_from_position_mm", moved_mm);
+      placed.result.entry_from_position_mm = moved_mm;
       if (moved_mm > far_position_mm)
-        report.warn("the bone lies " + trephine::to_text(ParameterValue(std::round(moved_mm))) +
-                    " mm from position_mm");
+        placed.warnings.push_back({"bone_far_from_position",
+                                   "the bone lies {moved_mm} mm from position_mm",
+                                   {{"moved_mm", trephine::to_text(ParameterValue(std::round(moved_mm)))}}});
     }
     // Checks that the cutter lies no further from the frame's origin than a surface can lie.
     with_field(params.name, [&] { boolean::check_cutter(hole.cutter, ExitCode::bad_input); });
-    return std::make_shared<const std::vector<boolean::Cutter>>(std::vector<boolean::Cutter>{hole.cutter});
+    return stage_outcome(std::move(placed));
   };
   return s;
 }

@@ -23,11 +23,10 @@ StageType canal_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
              port("bone", DataKind::field).help("the spine's bone, filled")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<trunk::CanalParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::Field>(trunk::find_canal(*in.get<grid::HuVolume>("volume"),
-                                                                 *in.get<grid::Field>("bone"),
-                                                                 params.as<trunk::CanalParams>(), report, progress));
+  s.declares<trunk::CanalParams, trunk::CanalResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(trunk::find_canal(*in.get<grid::HuVolume>("volume"), *in.get<grid::Field>("bone"),
+                                           params.as<trunk::CanalParams>(), progress));
   };
   return s;
 }

@@ -25,13 +25,12 @@ StageType clavicle_stage() {
       port("bone", DataKind::field).help("all bone of the chest, filled"),
       port("without", DataKind::field).optional().help("with part rest: a vein so bright that it was taken for bone")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<trunk::ClavicleParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<trunk::ClavicleParams, trunk::ClaviclesResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     grid::place_in(*in.get<grid::Field>("bone"),
                    grid::lattice_of(*in.get<grid::HuVolume>("volume")));  // refuses a field on another raster
-    return std::make_shared<const grid::Field>(trunk::find_clavicles(*in.get<grid::Field>("bone"),
-                                                                     params.as<trunk::ClavicleParams>(), report,
-                                                                     progress, in.get<grid::Field>("without")));
+    return stage_outcome(trunk::find_clavicles(*in.get<grid::Field>("bone"), params.as<trunk::ClavicleParams>(),
+                                               progress, in.get<grid::Field>("without")));
   };
   return s;
 }

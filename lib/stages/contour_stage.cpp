@@ -20,13 +20,12 @@ StageType contour_stage() {
                 "trephine contour head.nrrd --isovalue-hu 300 --output bone.vtp"};
   s.ports = {port("field", DataKind::field).or_volume().help("field of the segment stage, or a CT volume")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::ContourParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<meshing::ContourParams, meshing::ContourResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const auto& p = params.as<meshing::ContourParams>();
     const grid::Field* field = in.get<grid::Field>("field");
-    return std::make_shared<const surface::TriMesh>(
-        field ? meshing::contour(*field, p, report, progress)
-              : meshing::contour(*in.get<grid::HuVolume>("field"), p, report, progress));
+    return stage_outcome(field ? meshing::contour(*field, p, progress)
+                               : meshing::contour(*in.get<grid::HuVolume>("field"), p, progress));
   };
   return s;
 }

@@ -10,11 +10,8 @@
 
 namespace trephine::stages {
 
-/// A cranial cavity, and what finding it reported.
-struct CranialCavity {
-  mask::BitMask mask;
-  Report report;
-};
+/// A cranial cavity, and what was found of it.
+using CranialCavity = Outcome<mask::BitMask, head::CavityResult>;
 
 /// The cavity of the skull at the port "skull" on the raster of the volume at "volume", found once in a run; without a
 /// skull, bone is what is bright. Throws as head::cranial_cavity and
@@ -24,10 +21,9 @@ inline std::shared_ptr<const CranialCavity> cranial_cavity_of(const StageInputs&
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("volume");
     const grid::Field* skull = in.get<grid::Field>("skull");
     const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
-    const auto found = std::make_shared<CranialCavity>();
-    found->mask = head::cranial_cavity(bone, found->report, progress);
-    place::require_no_lungs(found->mask, mask::HuView(ct));
-    return std::shared_ptr<const CranialCavity>(found);
+    const auto found = std::make_shared<const CranialCavity>(head::cranial_cavity(bone, progress));
+    place::require_no_lungs(found->value, mask::HuView(ct));
+    return found;
   });
 }
 

@@ -8,6 +8,7 @@
 #include "base/write_file.h"
 #include "grid/bounded_read.h"
 #include "itk/volume_write.h"
+#include "json/declared_json.h"
 #include "meshio/vtp.h"
 #include "voxel/haptic_file.h"
 
@@ -20,13 +21,13 @@ Json json_of(const ParameterValue& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
 
-ParameterValue value_of(const Json& j) {
-  if (j.is_boolean()) return j.get<bool>();
-  if (j.is_number_integer()) return j.get<std::int64_t>();
-  if (j.is_number()) return j.get<double>();
-  if (j.is_string()) return j.get<std::string>();
-  return j.get<std::vector<double>>();
-}
+struct WarningList {
+  Warnings list;
+  template <class V>
+  static void describe(V& v) {
+    v.list(&WarningList::list, "list", "What a person should know.");
+  }
+};
 
 constexpr std::uint64_t max_cutters_bytes = 64 << 20;
 
@@ -141,19 +142,22 @@ std::string report_text(const Report& report) {
   return text;
 }
 
-Report parse_report_json(const std::string& json) {
-  Report report;
+std::string outcome_json(const StageOutcome& outcome) {
+  const WarningList warnings{outcome.warnings};
+  return Json{{"result", json::declared_json(outcome.result, -1)}, {"warnings", json::json_of_value(warnings)}}.dump();
+}
+
+StageOutcome parse_outcome_json(const std::string& text, const StageType& type) {
+  StageOutcome out{{}, type.make_result(), {}};
   try {
-    const Json parsed = Json::parse(json);
-    for (const auto& item : parsed.items())
-      if (item.key() == "warnings")
-        report.warnings = item.value().get<std::vector<std::string>>();
-      else
-        report.figures.emplace_back(item.key(), value_of(item.value()));
+    const Json parsed = Json::parse(text);
+    json::read_declared_json(parsed.at("result").get<std::string>(), *out.result.set, out.result.object.get(),
+                             json::of_a_program);
+    out.warnings = json::value_of_json<WarningList>(parsed.at("warnings").get<std::string>()).list;
   } catch (const nlohmann::json::exception&) {
-    throw Error(ExitCode::bad_input, "", "report", "is no report of ours");
+    throw Error(ExitCode::bad_input, "", "outcome", "is none of ours");
   }
-  return report;
+  return out;
 }
 
 }  // namespace trephine::stages

@@ -28,7 +28,10 @@ StageData load_field_or_volume(const std::filesystem::path& file);
 /// person.
 std::string report_json(const Report& report);
 std::string report_text(const Report& report);
-/// Reads the output of report_json back. Throws Error 65.
-Report parse_report_json(const std::string& json);
+
+/// Result and warnings of a stage as JSON, for caches; its data are not in it. Reading throws Error 65 where it is not
+/// that of the stage.
+std::string outcome_json(const StageOutcome& outcome);
+StageOutcome parse_outcome_json(const std::string& json, const StageType& type);
 
 }  // namespace trephine::stages

@@ -19,10 +19,13 @@ StageType decimate_stage() {
                 "trephine decimate skull.vtp --max-deviation-mm 0.2 --output fewer.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::DecimateParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const surface::TriMesh>(meshing::decimate(
-        *in.get<surface::TriMesh>("surface"), params.as<meshing::DecimateParams>(), report, progress));
+  s.declares<meshing::DecimateParams, meshing::DecimateResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    parts.moved_mm = result_as<meshing::DecimateResult>(result).deviation_max_mm;
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        meshing::decimate(*in.get<surface::TriMesh>("surface"), params.as<meshing::DecimateParams>(), progress));
   };
   return s;
 }

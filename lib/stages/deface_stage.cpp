@@ -12,7 +12,7 @@ StageType deface_stage() {
   s.typical.base_s = 3;
   s.place = StagePlace::scan;
   s.removes_face = true;
-  s.case_figures = "face.";
+  s.contribute = [](const AnyParams& result, CaseParts& parts) { parts.changes = figures_named("face.", result); };
   s.summary = "takes the face off a CT volume";
   s.description =
       "In front of the plane through the tragi and below the nasion, everything near the skin of the original scan "
@@ -31,14 +31,13 @@ StageType deface_stage() {
                  .optional()
                  .help("the same landmarks, found without any that a person gave")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<face::DefaceParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<face::DefaceParams, face::DefaceResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const auto& p = params.as<face::DefaceParams>();
     const grid::Field& skin = *in.get<grid::Field>("skin");
     const auto regions =
         face::face_regions(*in.get<head::HeadLandmarks>("landmarks"), in.get<head::HeadLandmarks>("found"), skin, p);
-    return std::make_shared<const grid::HuVolume>(
-        face::deface(*in.get<grid::HuVolume>("volume"), skin, regions, p, report, progress));
+    return stage_outcome(face::deface(*in.get<grid::HuVolume>("volume"), skin, regions, p, progress));
   };
   return s;
 }

@@ -20,11 +20,10 @@ StageType denoise_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
              port("within", DataKind::field).optional().help("an anatomy: only the box about it is filtered")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<itk::DenoiseParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::HuVolume>(itk::denoise(*in.get<grid::HuVolume>("volume"),
-                                                               in.get<grid::Field>("within"),
-                                                               params.as<itk::DenoiseParams>(), report, progress));
+  s.declares<itk::DenoiseParams, itk::DenoiseResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(itk::denoise(*in.get<grid::HuVolume>("volume"), in.get<grid::Field>("within"),
+                                      params.as<itk::DenoiseParams>(), progress));
   };
   return s;
 }

@@ -29,11 +29,16 @@ StageType external_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::labels;
   s.runs_program = true;
-  s.provenance = {"said_version", "program_sha256", "output_sha256"};
-  s.make_params = [] { return AnyParams::make<external::ExternalParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::LabelFile>(external::run_external(
-        *in.get<grid::HuVolume>("volume"), params.as<external::ExternalParams>(), report, progress));
+  s.declares<external::ExternalParams, external::ExternalResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    const auto& r = result_as<external::ExternalResult>(result);
+    parts.made_of = {{"said_version", r.said_version},
+                     {"program_sha256", r.program_sha256},
+                     {"output_sha256", r.output_sha256}};
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(external::run_external(*in.get<grid::HuVolume>("volume"),
+                                                params.as<external::ExternalParams>(), progress));
   };
   return s;
 }

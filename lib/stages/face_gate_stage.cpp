@@ -7,7 +7,7 @@
 namespace trephine::stages {
 namespace {
 
-StageData run_gate(const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) {
+StageOutcome run_gate(const AnyParams& params, const StageInputs& in, const Progress& progress) {
   std::vector<face::FaceSurface> surfaces;
   for (const auto& [name, mesh] : in.all<surface::TriMesh>("surface")) surfaces.push_back({name, mesh});
   std::vector<face::FaceVolume> volumes;
@@ -21,8 +21,7 @@ StageData run_gate(const AnyParams& params, const StageInputs& in, Report& repor
   const auto regions =
       face::face_regions(*in.get<head::HeadLandmarks>("landmarks"), in.get<head::HeadLandmarks>("found"), skin,
                          params.as<face::FaceBeliefParams>());
-  face::check_face_removed(skin, regions, surfaces, volumes, report, progress);
-  return {};
+  return {{}, AnyParams::make(face::check_face_removed(skin, regions, surfaces, volumes, progress)), {}};
 }
 
 }  // namespace
@@ -37,7 +36,7 @@ StageType face_gate_stage() {
   s.place = StagePlace::scene;
   s.case_name = "face";
   s.serves = "the check that no face is published";
-  s.case_figures = "face.";
+  s.contribute = [](const AnyParams& result, CaseParts& parts) { parts.checks = figures_named("face.", result); };
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
@@ -53,7 +52,7 @@ StageType face_gate_stage() {
              port("haptic", DataKind::haptic).optional().help("the haptic volume that is published"),
              port("ct", DataKind::volume).from(From::published_ct).optional().help("the CT that is published")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<face::FaceBeliefParams>(); };
+  s.declares<face::FaceBeliefParams, face::FaceGateResult>();
   s.run = run_gate;
   return s;
 }

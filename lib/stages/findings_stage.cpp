@@ -14,7 +14,6 @@ StageType findings_stage() {
   s.typical.base_s = 0.3;
   s.typical.per_million_voxels_s = 0.038;
   s.place = StagePlace::scan;
-  s.examines = true;
   s.serves = "what of the head a person should look at";
   s.min_inputs = 2;
   s.summary = "says what of a head should be looked at: blood, dark tissue, shift, gaps of the bone, implants";
@@ -38,22 +37,25 @@ StageType findings_stage() {
           .optional()
           .help("landmarks and the midsagittal plane; without them left and right are those of the scan's axes")};
   s.output = DataKind::labels;
-  s.make_params = [] { return AnyParams::make<findings::FindingsParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<findings::FindingsParams, findings::FindingsResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    for (const findings::Finding& f : result_as<findings::FindingsResult>(result).list)
+      parts.findings.push_back({findings::to_text(f.kind), f.where, f.side, f.position_mm, f.confidence, f.concerns,
+                                f.text, {f.figures.begin(), f.figures.end()}});
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     findings::FindingShapes shapes{in.get<grid::Field>("skull"), in.get<grid::Field>("brain"),
                                    in.get<grid::Field>("ventricles"), in.get<head::HeadLandmarks>("landmarks")};
     std::shared_ptr<const CranialCavity> cavity;  // the one of the zones
     try {
       cavity = cranial_cavity_of(in, progress.part(0, 0.1));
-      shapes.cavity = &cavity->mask;
+      shapes.cavity = &cavity->value;
     } catch (const Error& e) {  // an open skull encloses nothing
       if (e.code() != ExitCode::quality) throw;
     }
     shapes.voxel_noise_hu = scan_figures_of(in, progress.part(0.1, 0.15)).noise_hu;
-    return std::make_shared<const grid::LabelFile>(
-        std::move(findings::find_findings(*in.get<grid::HuVolume>("volume"), shapes,
-                                          params.as<findings::FindingsParams>(), report, progress.part(0.15, 1))
-                      .labels));
+    return stage_outcome(findings::find_findings(*in.get<grid::HuVolume>("volume"), shapes,
+                                                 params.as<findings::FindingsParams>(), progress.part(0.15, 1)));
   };
   return s;
 }

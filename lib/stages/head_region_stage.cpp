@@ -20,10 +20,14 @@ StageType head_region_stage() {
   s.examples = {"trephine head-region neck.nrrd --output head.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<head::HeadRegionParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::HuVolume>(
-        head::head_region(*in.get<grid::HuVolume>("volume"), params.as<head::HeadRegionParams>(), report, progress));
+  s.declares<head::HeadRegionParams, head::HeadRegionResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    for (const auto& [anatomy, where] : result_as<head::HeadRegionResult>(result).cut)
+      parts.evidence.push_back({anatomy, where, ""});
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        head::head_region(*in.get<grid::HuVolume>("volume"), params.as<head::HeadRegionParams>(), progress));
   };
   return s;
 }

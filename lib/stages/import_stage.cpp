@@ -15,25 +15,22 @@ StageType import_stage() {
   s.place = StagePlace::scene;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<ImportStageParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<ImportStageParams, ImportStageResult>();
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const auto& params = any.as<ImportStageParams>();
     dicom::ImportResult imported = dicom::import_series(params.input, params, progress.part(0, 0.9));
     // If the series has changed, the new result must not be stored under the key of the old content.
     const auto expected = in.file_sha256.find("input");
     if (expected != in.file_sha256.end() && imported.input_sha256 != expected->second)
       throw Error(ExitCode::bad_input, "scan", "", "the series changed while it was read");
-    report = std::move(imported.report);
-    const auto said = [&](const char* figure) {
-      const ParameterValue* value = report.find(figure);
-      return value ? std::get<std::string>(*value) : std::string();
-    };
-    if (said("modality") == "CT") {
-      const look::ScanLook seen = look::look_at(imported.volume, said("patient_position"), progress.part(0.9, 1));
-      look::tell(seen, report);
-      look::require_orientation(seen, params.orientation_reason);
+    ImportStageResult result{std::move(imported.figures), {}};
+    if (const auto seen = look::look_at_ct(imported.volume, result.scan, progress.part(0.9, 1))) {
+      result.seen = look::figures_of(*seen);
+      for (Warning& w : look::warnings_of(*seen)) imported.warnings.push_back(std::move(w));
+      look::require_orientation(*seen, params.orientation_reason);
     }
-    return std::make_shared<const grid::HuVolume>(std::move(imported.volume));
+    return stage_outcome(Outcome<grid::HuVolume, ImportStageResult>{std::move(imported.volume), std::move(result),
+                                                                    std::move(imported.warnings)});
   };
   return s;
 }

@@ -22,18 +22,16 @@ StageType labels_stage() {
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
              port("map", DataKind::labels).optional().help("Labels that external gave, instead of file")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<segmentation::LabelParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::LabelParams, segmentation::LabelResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const auto& p = params.as<segmentation::LabelParams>();
     if (const auto* map = in.get<grid::LabelFile>("map")) {
       if (!p.file.empty()) throw Error(ExitCode::usage, "", "file", "and map are given, must be one of them");
-      return std::make_shared<const grid::Field>(
-          segmentation::label_field(*in.get<grid::HuVolume>("volume"), *map, p, report, progress));
+      return stage_outcome(segmentation::label_field(*in.get<grid::HuVolume>("volume"), *map, p, progress));
     }
     if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the labels to read");
-    return std::make_shared<const grid::Field>(with_file(p.file, [&] {
-      return segmentation::label_field(*in.get<grid::HuVolume>("volume"), itk::read_label_file(p.file), p, report,
-                                       progress);
+    return stage_outcome(with_file(p.file, [&] {
+      return segmentation::label_field(*in.get<grid::HuVolume>("volume"), itk::read_label_file(p.file), p, progress);
     }));
   };
   return s;

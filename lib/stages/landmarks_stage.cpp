@@ -51,8 +51,8 @@ StageType landmarks_stage() {
               {"monro_left", picture::SlicePlane::axial},    {"monro_right", picture::SlicePlane::axial},
               {"kocher_left", picture::SlicePlane::coronal}, {"kocher_right", picture::SlicePlane::coronal}};
   s.output = DataKind::landmarks;
-  s.make_params = [] { return AnyParams::make<head::LandmarkParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<head::LandmarkParams, head::LandmarksResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     head::LandmarkInputs inputs;
     inputs.as_read = in.get<grid::HuVolume>("as_read");
     inputs.skin = in.get<grid::Field>("skin");
@@ -61,8 +61,8 @@ StageType landmarks_stage() {
     inputs.ventricles = in.get<grid::Field>("ventricles");
     if (const auto* given = in.get<head::HeadLandmarks>("given")) inputs.given = given->landmarks;
     inputs.scan_figures = [&in](const Progress& rest) { return scan_figures_of(in, rest); };
-    return std::make_shared<const head::HeadLandmarks>(head::find_landmarks(
-        *in.get<grid::HuVolume>("volume"), inputs, params.as<head::LandmarkParams>(), report, progress));
+    return stage_outcome(
+        head::find_landmarks(*in.get<grid::HuVolume>("volume"), inputs, params.as<head::LandmarkParams>(), progress));
   };
   return s;
 }

@@ -26,13 +26,12 @@ StageType measure_stage() {
   s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("surface to measure"),
              port("reference", DataKind::mesh).from(From::first_surface).optional().help("surface to compare with")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<metrics::MeasureParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<metrics::MeasureParams, metrics::MeasureResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     metrics::MeasureReference reference;
     if (const surface::TriMesh* mesh = in.get<surface::TriMesh>("reference")) reference = metrics::MeshReference{mesh};
-    report = metrics::measure_surface(*in.get<surface::TriMesh>("surface"), reference,
-                                      params.as<metrics::MeasureParams>(), progress);
-    return {};
+    return stage_outcome(metrics::measure_surface(*in.get<surface::TriMesh>("surface"), reference,
+                                                  params.as<metrics::MeasureParams>(), progress));
   };
   return s;
 }

@@ -22,16 +22,17 @@ StageType mismatch_stage() {
   s.ports = {port("haptic", DataKind::haptic).help("haptic volume"),
              port("surface.*", DataKind::mesh).from(From::felt_surfaces).help("displayed surfaces")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<voxel::MismatchParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<voxel::MismatchParams, voxel::MismatchResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    voxel::MismatchResult result;
     const voxel::HapticVolume& volume = *in.get<voxel::HapticVolume>("haptic");
     for (const auto& [name, mesh] : in.all<surface::TriMesh>("surface")) {
       const voxel::HapticShape* shape = volume.find_shape(name);
       if (!shape) throw Error(ExitCode::usage, "", "surface", name + ", the volume has no such shape");
-      add_result(report, voxel::measure_mismatch(*mesh, volume, *shape, params.as<voxel::MismatchParams>(), progress),
-                 name + ".");
+      result.shapes.emplace_back(
+          name, voxel::measure_mismatch(*mesh, volume, *shape, params.as<voxel::MismatchParams>(), progress));
     }
-    return {};
+    return StageOutcome{{}, AnyParams::make(std::move(result)), {}};
   };
   return s;
 }

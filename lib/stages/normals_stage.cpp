@@ -17,11 +17,11 @@ StageType normals_stage() {
   s.examples = {"trephine normals smooth.vtp --output skull.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::NormalsParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    auto mesh = std::make_shared<surface::TriMesh>(*in.get<surface::TriMesh>("surface"));
-    meshing::compute_normals(*mesh, params.as<meshing::NormalsParams>(), report, progress);
-    return std::shared_ptr<const surface::TriMesh>(mesh);
+  s.declares<meshing::NormalsParams, meshing::NormalsResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    Outcome<surface::TriMesh, meshing::NormalsResult> made{*in.get<surface::TriMesh>("surface"), {}, {}};
+    made.result = meshing::compute_normals(made.value, params.as<meshing::NormalsParams>(), progress);
+    return stage_outcome(std::move(made));
   };
   return s;
 }

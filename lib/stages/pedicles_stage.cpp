@@ -13,13 +13,33 @@
 namespace trephine::stages {
 namespace {
 
+struct PedicleFigures {
+  double half_width_mm = 0, confidence = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&PedicleFigures::half_width_mm, "half_width_mm", Range{}, "From its axis to the wall.");
+    v.number(&PedicleFigures::confidence, "confidence", Range{}, "How sure it is, 0 to 1.");
+  }
+};
+
+/// Of the pedicles that were found, and of all with those that were given.
+struct PediclesResult {
+  trunk::PediclesFound found;
+  Named<PedicleFigures> pedicles;
+  template <class V>
+  static void describe(V& v) {
+    v.all_of(&PediclesResult::found);
+    v.map(&PediclesResult::pedicles, "pedicles", "Each pedicle.").items_joined("_");
+  }
+};
+
 std::string name_of(const trunk::PedicleAxis& p) {
   return fmt::format("pedicle_{}_{}", p.vertebra, p.left ? "left" : "right");
 }
 
 // Points that a person gave take the place of found ones; the half-width is measured anew.
 void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>& given,
-                std::vector<trunk::PedicleAxis>& all, std::map<std::string, bool>& is_given, Report& report) {
+                std::vector<trunk::PedicleAxis>& all, std::map<std::string, bool>& is_given, Warnings& warnings) {
   std::map<std::string, trunk::PedicleAxis> by_name;
   for (const trunk::PedicleAxis& p : all) by_name[name_of(p)] = p;
   std::map<std::string, int> ends;  // bit 0 the entry, bit 1 the target
@@ -29,7 +49,9 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
     const std::int64_t vertebra = words.size() == 4 ? parse_integer(words[1]).value_or(0) : 0;
     if (words[0] != "pedicle" || (!entry && !target) || vertebra < 1 || vertebra > 26 ||
         (words[2] != "left" && words[2] != "right")) {
-      report.warn(printable(l.name) + " is none of the landmarks that are looked for: it is not kept");
+      warnings.push_back({"unknown_landmark",
+                          "{landmark} is none of the landmarks that are looked for: it is not kept",
+                          {{"landmark", printable(l.name)}}});
       continue;
     }
     if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
@@ -52,7 +74,9 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
                   fmt::format("entry and target as given are {:.0f} mm apart, of a pedicle 10 to 100", length));
     p.middle_mm = p.entry_mm + (p.target_mm - p.entry_mm) * 0.4;
     p.half_width_mm = std::max(0.0, trunk::clearance_along(bone, p.entry_mm, p.target_mm));
-    if (p.half_width_mm == 0) report.warn(name + " as given leaves the bone between entry and body");
+    if (p.half_width_mm == 0)
+      warnings.push_back(
+          {"given_leaves_bone", "{pedicle} as given leaves the bone between entry and body", {{"pedicle", name}}});
     // Of a pedicle of which one end alone was given, the other one is as sure as it was found.
     if (which & 1) is_given[name + "_entry"] = true;
     if (which & 2) is_given[name + "_target"] = true;
@@ -97,33 +121,35 @@ StageType pedicles_stage() {
                  .help("landmarks that a person placed; they replace found ones")};
   s.points = {{"pedicle", picture::SlicePlane::axial, true}};
   s.output = DataKind::landmarks;
-  s.make_params = [] { return AnyParams::make<trunk::PediclesParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<trunk::PediclesParams, PediclesResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const grid::Field& bone = *in.get<grid::Field>("bone");
     grid::place_in(bone, grid::lattice_of(*in.get<grid::HuVolume>("volume")));
     const auto* given = in.get<head::HeadLandmarks>("given");
     const bool some_given =
         given && std::any_of(given->landmarks.begin(), given->landmarks.end(),
                              [](const cases::CaseLandmark& l) { return l.name.rfind("pedicle_", 0) == 0; });
-    std::vector<trunk::PedicleAxis> all = trunk::find_pedicles(
-        bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), report, progress, some_given);
+    auto found = trunk::find_pedicles(bone, *in.get<grid::Field>("canal"), params.as<trunk::PediclesParams>(), progress,
+                                      some_given);
+    std::vector<trunk::PedicleAxis>& all = found.value;
+    Outcome<head::HeadLandmarks, PediclesResult> out{{}, {found.result, {}}, std::move(found.warnings)};
     std::map<std::string, bool> is_given;
-    if (given) take_given(bone, given->landmarks, all, is_given, report);
-    head::HeadLandmarks out;
+    if (given) take_given(bone, given->landmarks, all, is_given, out.warnings);
     for (const trunk::PedicleAxis& p : all) {
       const std::string name = name_of(p);
       const auto add = [&](const std::string& end, Vec3 at) {
         const bool given = is_given[end];
-        out.landmarks.push_back({end, at, given ? 1.0 : p.confidence, given ? "given" : "found"});
+        out.value.landmarks.push_back({end, at, given ? 1.0 : p.confidence, given ? "given" : "found"});
       };
       add(name + "_entry", p.entry_mm);
       add(name + "_target", p.target_mm);
-      report.add(name + "_half_width_mm", p.half_width_mm);
-      report.add(name + "_confidence", p.confidence);
+      out.result.pedicles.emplace_back(name, PedicleFigures{p.half_width_mm, p.confidence});
       if (p.confidence < 0.5)
-        report.warn(fmt::format("{} is doubtful (confidence {:.2f}): {}", name, p.confidence, p.doubt));
+        out.warnings.push_back({"pedicle_doubtful",
+                                "{pedicle} is doubtful (confidence {confidence:.2f}): {reason}",
+                                {{"pedicle", name}, {"confidence", p.confidence}, {"reason", p.doubt}}});
     }
-    return std::make_shared<const head::HeadLandmarks>(std::move(out));
+    return stage_outcome(std::move(out));
   };
   return s;
 }

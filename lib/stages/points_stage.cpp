@@ -6,6 +6,18 @@
 
 namespace trephine::stages {
 
+namespace {
+
+struct PointsResult {
+  std::size_t landmarks_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&PointsResult::landmarks_count, "landmarks_count", Range{}, "Landmarks.");
+  }
+};
+
+}  // namespace
+
 StageType points_stage() {
   StageType s;
   s.name = "points";
@@ -20,15 +32,15 @@ StageType points_stage() {
       "trephine points --landmarks nasion:position_mm=0,-95,10 --landmarks inion:position_mm=0,98,0 --output "
       "given.json"};
   s.output = DataKind::landmarks;
-  s.make_params = [] { return AnyParams::make<PointsParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs&, Report& report, const Progress&) -> StageData {
+  s.declares<PointsParams, PointsResult>();
+  s.run = [](const AnyParams& params, const StageInputs&, const Progress&) {
     head::HeadLandmarks all;
     if (params.as<PointsParams>().landmarks.empty())
       throw Error(ExitCode::usage, "", "landmarks", "none is given: say NAME:position_mm=X,Y,Z");
     for (const auto& [name, p] : params.as<PointsParams>().landmarks)
       all.landmarks.push_back({name, {p.position_mm[0], p.position_mm[1], p.position_mm[2]}, p.confidence, p.source});
-    report.add("landmarks_count", all.landmarks.size());
-    return std::make_shared<const head::HeadLandmarks>(std::move(all));
+    const PointsResult result{all.landmarks.size()};
+    return stage_outcome(Outcome<head::HeadLandmarks, PointsResult>{std::move(all), result, {}});
   };
   return s;
 }

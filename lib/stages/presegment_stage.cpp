@@ -25,11 +25,11 @@ StageType presegment_stage() {
              port("within", DataKind::field).optional().help("an anatomy to look inside of; the speed is -1 outside"),
              port("without", DataKind::field).optional().help("an anatomy to look outside of; the speed is -1 inside")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<segmentation::PresegmentParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::PresegmentParams, segmentation::PresegmentResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const segmentation::PresegmentMasks masks{in.get<grid::Field>("within"), in.get<grid::Field>("without")};
-    return std::make_shared<const grid::Field>(segmentation::presegment(
-        *in.get<grid::HuVolume>("volume"), masks, params.as<segmentation::PresegmentParams>(), report, progress));
+    return stage_outcome(segmentation::presegment(*in.get<grid::HuVolume>("volume"), masks,
+                                                  params.as<segmentation::PresegmentParams>(), progress));
   };
   return s;
 }

@@ -16,8 +16,6 @@ StageType register_stage() {
   s.version = 6;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
   s.typical.base_s = 12;
-  s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
-                  "overlap_ratio", "margin_ratio", "scale_ratio", "bone_ratio"};
   s.summary = "lays a second scan of the patient (MR, angiography, another CT) on the CT";
   s.description =
       "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
@@ -32,61 +30,75 @@ StageType register_stage() {
       port("moving", DataKind::volume).from(From::further_scan).help("the second scan"),
       port("within", DataKind::field).optional().help("an anatomy of the CT; places outside of it are not compared")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<itk::RegistrationParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<itk::RegistrationParams, itk::RegistrationFigures>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    const auto& r = result_as<itk::RegistrationFigures>(result);
+    parts.made_of = {{"transform", r.transform}, {"turn_deg", r.turn_deg}};
+    for (const auto& [name, value] : {std::pair{"spread_mm", r.spread_mm}, {"inverse_mm", r.inverse_mm},
+                                      {"overlap_ratio", r.overlap_ratio}, {"margin_ratio", r.margin_ratio},
+                                      {"scale_ratio", r.scale_ratio}, {"bone_ratio", r.bone_ratio}})
+      if (value) parts.made_of.emplace_back(name, *value);
+    if (r.another_patient.value_or(false)) parts.doubted_scale_ratio = r.scale_ratio;
+  };
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const auto& params = any.as<itk::RegistrationParams>();
     std::optional<itk::LinearMap> initial;
     if (!params.initial.empty()) initial = itk::read_transform(params.initial);
     const grid::HuVolume &fixed = *in.get<grid::HuVolume>("volume"), &moving = *in.get<grid::HuVolume>("moving");
-    const itk::Registration r =
+    itk::Registration r =
         params.given.empty()
-            ? itk::register_scans(fixed, moving, in.get<grid::Field>("within"), initial, params, report,
-                                  progress.part(0, 0.9))
-            : itk::given_registration(fixed, moving, itk::read_transform(params.given), params, report);
+            ? itk::register_scans(fixed, moving, in.get<grid::Field>("within"), initial, params, progress.part(0, 0.9))
+            : itk::given_registration(fixed, moving, itk::read_transform(params.given), params);
+    const auto refuse = [&r](const std::string& field, const std::string& what, const Remedy& remedy) {
+      throw itk::DoubtfulRegistration(refusal(field, what, remedy), r.map);
+    };
     // A given transform that moves nothing says that both are reconstructions of one scan: that can be checked.
     if (!params.given.empty() && itk::is_identity(r.map) && params.moving == itk::MovingValues::hu) {
       const double bone = itk::bone_ratio(fixed, moving, progress.part(0, 0.9));
-      report.add("bone_ratio", bone);
+      r.figures.bone_ratio = bone;
       if (!(bone >= itk::min_bone_ratio))
-        throw refusal(
-            "given",
-            fmt::format("moves nothing, and the bones of the two scans lie upon each other by {:.2f}, at least "
-                        "{} of two reconstructions of one scan",
-                        bone, itk::min_bone_ratio),
-            {"leave `given` out, and they are registered"});
+        refuse("given",
+               fmt::format("moves nothing, and the bones of the two scans lie upon each other by {:.2f}, at least {} "
+                           "of two reconstructions of one scan",
+                           bone, itk::min_bone_ratio),
+               {"leave `given` out, and they are registered"});
     }
     const bool by_bones = itk::is_identity(r.map) && params.moving == itk::MovingValues::hu;
     if (!params.given.empty() && r.doubts.empty() && !by_bones) {
       // The images are registered all the same, and say how far the given transform lies from their own.
-      Report of_own;
-      const itk::Registration own = itk::register_scans(fixed, moving, in.get<grid::Field>("within"), r.map, params,
-                                                        of_own, progress.part(0, 0.9));
+      itk::Registration own =
+          itk::register_scans(fixed, moving, in.get<grid::Field>("within"), r.map, params, progress.part(0, 0.9));
       if (own.doubts.empty()) {
-        for (const char* figure : {"scale_ratio", "another_patient"})
-          if (const ParameterValue* value = of_own.find(figure)) report.figures.emplace_back(figure, *value);
-        for (const std::string& w : of_own.warnings) report.warn(w);
+        r.figures.scale_ratio = own.figures.scale_ratio;
+        r.figures.another_patient = own.figures.another_patient;
+        r.warnings = std::move(own.warnings);
         const double apart = itk::apart_mm(fixed, r.map, own.map);
-        report.add("given_apart_mm", apart);
+        r.figures.given_apart_mm = apart;
         if (!(apart <= params.largest_given_mm))
-          throw refusal("given",
-                        fmt::format("the transform leads up to {:.2f} mm away from where the images lie best upon each "
-                                    "other, at most {} (largest_given_mm)",
-                                    apart, params.largest_given_mm),
-                        {"leave `given` out, and they are registered; or, where the picture shows that it is right, "
-                         "raise `largest_given_mm`"});
-        report.warn(fmt::format("the transform was given; the images agree with it within {:.2f} mm", apart));
+          refuse("given",
+                 fmt::format("the transform leads up to {:.2f} mm away from where the images lie best upon each other, "
+                             "at most {} (largest_given_mm)",
+                             apart, params.largest_given_mm),
+                 {"leave `given` out, and they are registered; or, where the picture shows that it is right, raise "
+                  "`largest_given_mm`"});
+        r.warnings.push_back({"given_transform_agrees",
+                              "the transform was given; the images agree with it within {apart_mm:.2f} mm",
+                              {{"apart_mm", apart}}});
       } else {
-        report.warn("the transform was given, and the images cannot say whether it is right, so look at its picture: " +
-                    own.doubts);
+        r.warnings.push_back({"given_transform_unchecked",
+                              "the transform was given, and the images cannot say whether it is right, so look at its "
+                              "picture: {why}",
+                              {{"why", own.doubts}}});
       }
     }
     if (!r.doubts.empty())
-      throw refusal("", "the registration is doubtful: " + r.doubts,
-                    {"look at its picture; give an `initial` transform from another program to begin with, or `within` "
-                     "an anatomy that both scans show"});
+      refuse("", "the registration is doubtful: " + r.doubts,
+             {"look at its picture; give an `initial` transform from another program to begin with, or `within` an "
+              "anatomy that both scans show"});
     const float outside = params.moving == itk::MovingValues::hu ? -1000.0f : 0.0f;
-    return std::make_shared<const grid::HuVolume>(
-        itk::resample_onto(moving, grid::lattice_of(fixed), r.map, outside, progress.part(0.9, 1)));
+    return stage_outcome(Outcome<grid::HuVolume, itk::RegistrationFigures>{
+        itk::resample_onto(moving, grid::lattice_of(fixed), r.map, outside, progress.part(0.9, 1)),
+        std::move(r.figures), std::move(r.warnings)});
   };
   return s;
 }

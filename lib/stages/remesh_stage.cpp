@@ -17,10 +17,13 @@ StageType remesh_stage() {
   s.examples = {"trephine remesh skull.vtp --edge-mm 1.5 --output even.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::RemeshParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const surface::TriMesh>(
-        meshing::remesh(*in.get<surface::TriMesh>("surface"), params.as<meshing::RemeshParams>(), report, progress));
+  s.declares<meshing::RemeshParams, meshing::RemeshResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    parts.moved_mm = result_as<meshing::RemeshResult>(result).deviation_max_mm;
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        meshing::remesh(*in.get<surface::TriMesh>("surface"), params.as<meshing::RemeshParams>(), progress));
   };
   return s;
 }

@@ -20,10 +20,10 @@ StageType repair_stage() {
                 "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
   s.ports = {port("surface", DataKind::mesh).help("surface of triangles of any kind, also of a broken one")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::RepairParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const surface::TriMesh>(
-        meshing::repair(*in.get<surface::TriMesh>("surface"), params.as<meshing::RepairParams>(), report, progress));
+  s.declares<meshing::RepairParams, meshing::RepairResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        meshing::repair(*in.get<surface::TriMesh>("surface"), params.as<meshing::RepairParams>(), progress));
   };
   return s;
 }

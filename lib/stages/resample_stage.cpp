@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "grid/resample.h"
 
+#include <fmt/format.h>
+
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -19,10 +21,21 @@ StageType resample_stage() {
   s.examples = {"trephine resample head.nrrd --spacing-mm 1 1 1 --output coarse.nrrd"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<grid::ResampleParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::HuVolume>(
-        grid::resample(*in.get<grid::HuVolume>("volume"), params.as<grid::ResampleParams>(), report, progress));
+  s.declares<grid::ResampleParams, grid::ResampleResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    // Deviations are measured from the surface on the voxels that it was made on, and say nothing of what coarser ones
+    // lost.
+    const auto& r = result_as<grid::ResampleResult>(result);
+    if (!(r.coarsest_ratio > 1 + 1e-6)) return;
+    const double percent = 100 * r.voxels_ratio;
+    parts.remarks.push_back(
+        fmt::format("on voxels of {:.3g} x {:.3g} x {:.3g} mm, {:.{}f} % of the scan's: the deviations leave out what "
+                    "that loses (`trade` measures it)",
+                    r.spacing_mm[0], r.spacing_mm[1], r.spacing_mm[2], percent, percent < 10 ? 1 : 0));
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        grid::resample(*in.get<grid::HuVolume>("volume"), params.as<grid::ResampleParams>(), progress));
   };
   return s;
 }

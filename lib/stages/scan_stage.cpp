@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "mask/scan_verdict.h"
 #include "stages/stage.h"
 
@@ -12,8 +16,6 @@ StageType scan_stage() {
   s.typical.per_million_voxels_s = 0.006;
   s.place = StagePlace::scan;
   s.serves = "what the scan is suited for";
-  s.case_figures = "scan.";
-  s.tells_at_once = true;
   s.summary = "measures noise, kernel and artefacts of a head's scan and says what it is suited for";
   s.description =
       "Noise is the standard deviation of a voxel and of the mean over a cube of 2 mm, in tiles of even soft tissue "
@@ -23,10 +25,21 @@ StageType scan_stage() {
   s.examples = {"trephine scan head.nrrd --report scan.json"};
   s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<mask::ScanLimits>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    mask::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<mask::ScanLimits>(), report, progress);
-    return {};
+  s.declares<mask::ScanLimits, mask::ScanResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    const auto& scan = result_as<mask::ScanResult>(result);
+    parts.checks = figures_named("scan.", result);
+    const std::string why =
+        fmt::format("slices of {:.3g} mm, noise of {:.0f} HU{}", scan.figures.slice_step_mm, scan.figures.noise_hu,
+                    scan.motion_mm ? fmt::format(", the head moved by {:.1f} mm", *scan.motion_mm) : "");
+    for (const auto& [anatomy, is] :
+         {std::pair{"brain", scan.suited.brain}, {"ventricles", scan.suited.ventricles}, {"skull", scan.suited.skull},
+          {"skin", scan.suited.skin}})
+      if (is == mask::Suitability::doubtful || is == mask::Suitability::unsuited)
+        parts.evidence.push_back({anatomy, "", why});
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(mask::judge_scan(*in.get<grid::HuVolume>("volume"), params.as<mask::ScanLimits>(), progress));
   };
   return s;
 }

@@ -24,11 +24,11 @@ StageType segment_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<segmentation::SegmentParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::SegmentParams, segmentation::SegmentResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const segmentation::SegmentMasks masks{in.get<grid::Field>("within"), in.get<grid::Field>("without")};
-    return std::make_shared<const grid::Field>(segmentation::segment(
-        *in.get<grid::HuVolume>("volume"), masks, params.as<segmentation::SegmentParams>(), report, progress));
+    return stage_outcome(segmentation::segment(*in.get<grid::HuVolume>("volume"), masks,
+                                               params.as<segmentation::SegmentParams>(), progress));
   };
   return s;
 }

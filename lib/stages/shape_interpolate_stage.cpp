@@ -21,10 +21,10 @@ StageType shape_interpolate_stage() {
   s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
   s.changes_raster = true;
-  s.make_params = [] { return AnyParams::make<mask::ShapeInterpolateParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return mask::shape_interpolate(std::get<std::shared_ptr<const grid::Field>>(in.by_port.at("field")),
-                                   params.as<mask::ShapeInterpolateParams>(), report, progress);
+  s.declares<mask::ShapeInterpolateParams, mask::ShapeInterpolateResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(mask::shape_interpolate(std::get<std::shared_ptr<const grid::Field>>(in.by_port.at("field")),
+                                                 params.as<mask::ShapeInterpolateParams>(), progress));
   };
   return s;
 }

@@ -20,10 +20,10 @@ StageType simplify_stage() {
   s.examples = {"trephine simplify skull.nrrd --close-handles-mm 2 --output display.nrrd"};
   s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<mask::SimplifyParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::Field>(
-        mask::simplify_topology(*in.get<grid::Field>("field"), params.as<mask::SimplifyParams>(), report, progress));
+  s.declares<mask::SimplifyParams, mask::SimplifyResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(
+        mask::simplify_topology(*in.get<grid::Field>("field"), params.as<mask::SimplifyParams>(), progress));
   };
   return s;
 }

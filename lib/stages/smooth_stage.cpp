@@ -21,11 +21,13 @@ StageType smooth_stage() {
                  .optional()
                  .help("the surface to which the total deviation is kept and measured")};
   s.output = DataKind::mesh;
-  s.make_params = [] { return AnyParams::make<meshing::SmoothParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const surface::TriMesh>(meshing::smooth(*in.get<surface::TriMesh>("surface"),
-                                                                    params.as<meshing::SmoothParams>(), report,
-                                                                    progress, in.get<surface::TriMesh>("reference")));
+  s.declares<meshing::SmoothParams, meshing::SmoothResult>();
+  s.contribute = [](const AnyParams& result, CaseParts& parts) {
+    parts.moved_mm = result_as<meshing::SmoothResult>(result).displacement_max_mm;
+  };
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(meshing::smooth(*in.get<surface::TriMesh>("surface"), params.as<meshing::SmoothParams>(),
+                                         progress, in.get<surface::TriMesh>("reference")));
   };
   return s;
 }

@@ -29,12 +29,12 @@ StageType snake_stage() {
              port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<segmentation::SnakeParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::SnakeParams, segmentation::SnakeResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const segmentation::SnakeMasks masks{in.get<grid::Field>("start"), in.get<grid::Field>("within"),
                                          in.get<grid::Field>("without")};
-    return std::make_shared<const grid::Field>(segmentation::snake(
-        *in.get<grid::Field>("speed"), masks, params.as<segmentation::SnakeParams>(), report, progress));
+    return stage_outcome(
+        segmentation::snake(*in.get<grid::Field>("speed"), masks, params.as<segmentation::SnakeParams>(), progress));
   };
   return s;
 }

@@ -39,6 +39,16 @@ PortDeclaration::PortDeclaration(std::string name, DataKind kind) {
                                              : From::recipe;
 }
 
+Named<ParameterValue> figures_named(const std::string& before, const AnyParams& result) {
+  Named<ParameterValue> figures = figures_of(result);
+  for (auto& figure : figures) figure.first.insert(0, before);
+  return figures;
+}
+
+bool StageType::warns_at_once() const {
+  return is_check() && std::all_of(ports.begin(), ports.end(), [](const Port& p) { return p.from == From::import; });
+}
+
 bool StageType::reads(From from) const {
   return std::any_of(ports.begin(), ports.end(), [&](const Port& p) { return p.from == from; });
 }

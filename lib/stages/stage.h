@@ -12,12 +12,13 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "boolean/cutter.h"
 #include "grid/grid.h"
 #include "grid/labels.h"
 #include "head/head_landmarks.h"
 #include "picture/slice.h"
+#include "stages/case_parts.h"
 #include "stages/shared_work.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
@@ -142,6 +143,31 @@ class PortDeclaration {
 };
 inline PortDeclaration port(std::string name, DataKind kind) { return {std::move(name), kind}; }
 
+/// What a stage gives: what it hands on, its result as the declared struct that StageType::make_result makes, and what
+/// a person should know of it.
+struct StageOutcome {
+  StageData data;
+  AnyParams result;
+  Warnings warnings;
+  /// Result and warnings as they are printed; nothing where there is no result.
+  Report report() const { return result.set ? printed(result, warnings) : Report(); }
+};
+
+/// Of a function that made nothing to hand on, or whose value is handed on as it is.
+template <class T, class R>
+StageOutcome stage_outcome(Outcome<T, R> made) {
+  return {std::make_shared<const T>(std::move(made.value)), AnyParams::make<R>(std::move(made.result)),
+          std::move(made.warnings)};
+}
+template <class T, class R>
+StageOutcome stage_outcome(Outcome<std::shared_ptr<const T>, R> made) {
+  return {std::move(made.value), AnyParams::make<R>(std::move(made.result)), std::move(made.warnings)};
+}
+template <class R>
+StageOutcome stage_outcome(Outcome<std::monostate, R> made) {
+  return {{}, AnyParams::make<R>(std::move(made.result)), std::move(made.warnings)};
+}
+
 struct StageInputs {
   std::map<std::string, StageData> by_port;
   /// The hash that the content of a file parameter must have; no entry where it is not known beforehand.
@@ -193,18 +219,14 @@ struct StageType {
   std::string case_name;
   /// Of a check: what a case has of it ("what the scan is suited for"; of an anatomy, its name follows).
   std::string serves;
-  /// With this before their names, a case records the report's figures; nothing: it does not.
-  std::optional<std::string> case_figures;
   int min_inputs = 0;  ///< of a check: with fewer anatomies shown it is left out
   /// Of a check: the inputs by which alone it may refuse. A case is held against these first, before what its other
   /// inputs are made of is made.
   std::vector<std::string> refuses_early_by;
   /// Refuses a scan of another part of the body. What it needs is made first, as what a check needs is.
   bool recognises = false;
-  bool examines = false;         ///< a check although it hands something on: what a person should look at, as labels
   bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
   bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
-  bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
   bool draws_removal = false;    ///< takes something off the scan, on the same voxels: a picture shows what
   bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
   TypicalTime typical;
@@ -214,15 +236,29 @@ struct StageType {
   std::vector<StagePoint> points;  ///< the landmarks that it finds
   DataKind output = DataKind::mesh;
   bool runs_program = false;  ///< somebody else's, so the user must allow it
-  /// Figures of the report that a case records beside the stage's parameters, as what it is made of.
-  std::vector<std::string> provenance;
   std::function<AnyParams()> make_params;
-  /// Runs the stage and fills the report, also with what it could not do. Throws Error (the field says what went wrong
-  /// in the stage) and Cancelled.
-  std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
+  std::function<AnyParams()> make_result;
+  /// Adds what the result says to a case; empty: nothing.
+  std::function<void(const AnyParams& result, CaseParts& parts)> contribute;
+  /// Runs the stage. Throws Error (the field says what went wrong in the stage) and Cancelled.
+  std::function<StageOutcome(const AnyParams&, const StageInputs&, const Progress&)> run;
+
+  /// The structs of its parameters and its result.
+  template <class Params, class Result>
+  void declares() {
+    make_params = [] { return AnyParams::make<Params>(); };
+    make_result = [] { return AnyParams::make<Result>(); };
+  }
 
   const Port* find_port(const std::string& port) const;
-  bool is_check() const { return place != StagePlace::anatomy && (output == DataKind::nothing || examines); }
+  /// Labels of a whole scan show what a person should look at: no stage reads them.
+  bool is_check() const {
+    return place != StagePlace::anatomy &&
+           (output == DataKind::nothing || (place == StagePlace::scan && output == DataKind::labels));
+  }
+  /// A check of nothing but the scan as it was read: its warnings are given when it has run, for a later refusal may be
+  /// because of what it says.
+  bool warns_at_once() const;
   bool reads(From from) const;
   /// Whether it reads the scan before its face is taken away, or what was made of it.
   bool sees_face() const { return reads(From::original_scan) || reads(From::original_landmarks); }

@@ -24,15 +24,17 @@ StageType t1_contrast_stage() {
                  .optional()
                  .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU")};
   s.output = DataKind::volume;
-  s.make_params = [] { return AnyParams::make<segmentation::T1ContrastParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::T1ContrastParams, segmentation::T1ContrastResult>();
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
     const grid::Field* skull = in.get<grid::Field>("skull");
     const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
-    const mask::BitMask cavity = head::cranial_cavity(bone, report, progress.part(0, 0.4));
-    return std::make_shared<const grid::HuVolume>(
-        segmentation::t1_contrast(*in.get<grid::HuVolume>("volume"), ct, cavity,
-                                  any.as<segmentation::T1ContrastParams>(), report, progress.part(0.4, 1)));
+    const auto cavity = head::cranial_cavity(bone, progress.part(0, 0.4));
+    auto made = segmentation::t1_contrast(*in.get<grid::HuVolume>("volume"), ct, cavity.value,
+                                          any.as<segmentation::T1ContrastParams>(), progress.part(0.4, 1));
+    made.result.cranial_cavity_ml = cavity.result.cranial_cavity_ml;
+    made.warnings.insert(made.warnings.begin(), cavity.warnings.begin(), cavity.warnings.end());
+    return stage_outcome(std::move(made));
   };
   return s;
 }

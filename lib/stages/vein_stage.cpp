@@ -25,11 +25,10 @@ StageType vein_stage() {
       port("bone", DataKind::field).help("all bone of the chest, filled"),
       port("lung", DataKind::field).optional().help("the lungs: a side that shows less than 20 ml is warned of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<trunk::VeinParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const grid::Field>(
-        trunk::find_vein(*in.get<grid::HuVolume>("volume"), *in.get<grid::Field>("bone"),
-                         params.as<trunk::VeinParams>(), report, progress, in.get<grid::Field>("lung")));
+  s.declares<trunk::VeinParams, trunk::VeinResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
+    return stage_outcome(trunk::find_vein(*in.get<grid::HuVolume>("volume"), *in.get<grid::Field>("bone"),
+                                          params.as<trunk::VeinParams>(), progress, in.get<grid::Field>("lung")));
   };
   return s;
 }

@@ -22,11 +22,11 @@ StageType ventricles_stage() {
              port("brain", DataKind::field).help("the brain that holds the ventricles"),
              port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<head::VentriclesParams>(); };
-  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<head::VentriclesParams, head::VentriclesResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     const head::VentriclesMasks masks{in.get<grid::Field>("brain"), in.get<grid::Field>("without")};
-    return std::make_shared<const grid::Field>(head::find_ventricles(
-        *in.get<grid::HuVolume>("volume"), masks, params.as<head::VentriclesParams>(), report, progress));
+    return stage_outcome(
+        head::find_ventricles(*in.get<grid::HuVolume>("volume"), masks, params.as<head::VentriclesParams>(), progress));
   };
   return s;
 }

@@ -32,18 +32,28 @@ StageType vessels_stage() {
           .optional()
           .help("an anatomy to leave out, such as the vein where arteries are sought")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<segmentation::VesselsParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<segmentation::VesselsParams, segmentation::VesselsResult>();
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
     const grid::Field* skull = in.get<grid::Field>("skull");
     const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
     const auto& params = any.as<segmentation::VesselsParams>();
-    const mask::BitMask region = params.region == segmentation::VesselRegion::soft_tissue
-                                     ? segmentation::soft_tissue_around(ct, bone)
-                                     : head::cranial_cavity(bone, report, progress.part(0, 0.4));
-    return std::make_shared<const grid::Field>(
-        segmentation::find_vessels(*in.get<grid::HuVolume>("volume"), ct, region, in.get<grid::Field>("within"),
-                                   in.get<grid::Field>("without"), params, report, progress.part(0.4, 1)));
+    mask::BitMask region;
+    std::optional<double> cavity_ml;
+    Warnings warnings;
+    if (params.region == segmentation::VesselRegion::soft_tissue) {
+      region = segmentation::soft_tissue_around(ct, bone);
+    } else {
+      auto cavity = head::cranial_cavity(bone, progress.part(0, 0.4));
+      region = std::move(cavity.value);
+      cavity_ml = cavity.result.cranial_cavity_ml;
+      warnings = std::move(cavity.warnings);
+    }
+    auto made = segmentation::find_vessels(*in.get<grid::HuVolume>("volume"), ct, region, in.get<grid::Field>("within"),
+                                           in.get<grid::Field>("without"), params, progress.part(0.4, 1));
+    made.result.cranial_cavity_ml = cavity_ml;
+    made.warnings.insert(made.warnings.begin(), warnings.begin(), warnings.end());
+    return stage_outcome(std::move(made));
   };
   return s;
 }

@@ -57,13 +57,15 @@ grid::Lattice lattice_of_region(const VoxelizeStageParams& params, const StageIn
   return voxel::haptic_lattice(region, scan.direction, scan.origin_mm, params);
 }
 
-voxel::HapticVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& lattice, const StageInputs& in,
-                                Report& report, const Progress& progress) {
+using MadeVolume = Outcome<voxel::HapticVolume, voxel::VoxelizeResult>;
+
+MadeVolume make_volume(const VoxelizeStageParams& params, const grid::Lattice& lattice, const StageInputs& in,
+                       const Progress& progress) {
   if (params.encoding == voxel::HapticEncoding::hu) {
     std::vector<voxel::HuWindow> windows;
     for (const auto& [name, s] : params.shapes)
       windows.push_back({name, static_cast<std::int16_t>(s.window_hu[0]), static_cast<std::int16_t>(s.window_hu[1])});
-    return voxel::voxelize_hu(*in.get<grid::HuVolume>("volume"), lattice, windows, report, progress);
+    return voxel::voxelize_hu(*in.get<grid::HuVolume>("volume"), lattice, windows, progress);
   }
   std::vector<voxel::VoxelizeShape> shapes;
   for (const auto& [name, s] : params.shapes) {
@@ -79,22 +81,27 @@ voxel::HapticVolume make_volume(const VoxelizeStageParams& params, const grid::L
     }
     shapes.push_back(shape);
   }
-  return voxel::voxelize(lattice, shapes, report, progress);
+  return voxel::voxelize(lattice, shapes, progress);
 }
 
-void cut(voxel::HapticVolume& volume, const VoxelizeStageParams& params, const std::vector<boolean::Cutter>& cutters,
-         Report& report, const Progress& progress) {
-  for (const boolean::Cutter& cutter : cutters)
+void cut(MadeVolume& made, const VoxelizeStageParams& params, const std::vector<boolean::Cutter>& cutters,
+         const Progress& progress) {
+  voxel::HapticVolume& volume = made.value;
+  for (const boolean::Cutter& cutter : cutters) {
+    voxel::CutVolumeResult removed;
     for (const auto& [name, shape] : params.shapes) {
       const DrillParams* drill = find_item(params.drill, name);
       if (!drill) continue;
       const boolean::Cutter own = boolean::widened(cutter, drill->widen_mm);
-      Report one;
-      voxel::cut_volume(volume, boolean::distance_to(own), boolean::bounds_of(own), {volume.find_shape(name)->number},
-                        one, progress);
-      boolean::add_of_cutter(report, cutter, one);
-      boolean::warn_of_thin(report, own, volume.voxels.spacing_mm);
+      const auto one = voxel::cut_volume(volume, boolean::distance_to(own), boolean::bounds_of(own),
+                                         {volume.find_shape(name)->number}, progress);
+      removed.shapes.insert(removed.shapes.end(), one.result.shapes.begin(), one.result.shapes.end());
+      removed.voxels_count += one.result.voxels_count;
+      for (Warning& w : boolean::warnings_of(cutter, one.warnings)) made.warnings.push_back(std::move(w));
+      if (auto thin = boolean::thin_cutter(own, volume.voxels.spacing_mm)) made.warnings.push_back(std::move(*thin));
     }
+    if (!removed.shapes.empty()) made.result.cutters.emplace_back(cutter.name, std::move(removed));
+  }
 }
 
 void check_shapes(const VoxelizeStageParams& params) {
@@ -178,26 +185,27 @@ StageType voxelize_stage() {
           .help("surface whose box is the region, where region_of names no shape"),
       port("cutters.*", DataKind::cutters).where(is_drilled).optional().help("what is cut away, such as burr holes")};
   s.output = DataKind::haptic;
-  s.make_params = [] { return AnyParams::make<VoxelizeStageParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<VoxelizeStageParams, voxel::VoxelizeResult>();
+  s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const auto& params = any.as<VoxelizeStageParams>();
     check_shapes(params);
     const grid::Lattice lattice = lattice_of_region(params, in);
-    voxel::HapticVolume volume = make_volume(params, lattice, in, report, progress.part(0, 0.9));
+    MadeVolume made = make_volume(params, lattice, in, progress.part(0, 0.9));
+    voxel::HapticVolume& volume = made.value;
     if (params.hardness_high_hu > params.hardness_low_hu)
       volume.hardness = voxel::haptic_hardness(*in.get<grid::HuVolume>("volume"), lattice, params.hardness_low_hu,
                                                params.hardness_high_hu, progress.part(0.9, 0.93));
-    cut(volume, params, cutters_of(in), report, progress.part(0.93, 1));
+    cut(made, params, cutters_of(in), progress.part(0.93, 1));
     // The reported volume is the volume after the cuts.
     for (const auto& [shape, drill] : params.drill) {
       const double left_ml = voxel::shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
       if (!(left_ml > 0))
         throw refusal("drill." + shape, "the cutters leave nothing of it",
                       {"leave it out of `drill`, or make the hole smaller (`diameter_mm`)"});
-      for (auto& [name, value] : report.figures)
-        if (name == shape + ".volume_ml") value = left_ml;
+      for (auto& [name, voxels] : made.result.shapes)
+        if (name == shape) voxels.volume_ml = left_ml;
     }
-    return std::make_shared<const voxel::HapticVolume>(std::move(volume));
+    return stage_outcome(std::move(made));
   };
   return s;
 }

@@ -31,25 +31,25 @@ StageType zone_stage() {
                      [](const AnyParams& p) { return p.as<place::ZoneParams>().what == place::Zone::third_ventricle; })
                  .help("the ventricles: by them the template lies better")};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<place::ZoneParams>(); };
-  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.declares<place::ZoneParams, place::ZoneResult>();
+  s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     place::ZoneShapes shapes;
     shapes.skull = in.get<grid::Field>("skull");
     shapes.ventricles = in.get<grid::Field>("ventricles");
     shapes.volume = in.get<grid::HuVolume>("volume");
     const auto cavity = cranial_cavity_of(in, progress.part(0, 0.3));
-    for (const auto& figure : cavity->report.figures) report.figures.push_back(figure);
-    for (const std::string& warning : cavity->report.warnings) report.warn(warning);
     shapes.place = [&](bool with_ventricles, const Progress& rest) {
       const grid::Field* ventricles = with_ventricles ? shapes.ventricles : nullptr;
       std::vector<std::string> of{"volume", "skull"};
       if (ventricles) of.push_back("ventricles");
       return *in.once<place::HeadPlace>("place in the cranial cavity", of, rest, [&] {
-        return std::make_shared<const place::HeadPlace>(place::place_in_cavity(cavity->mask, ventricles, rest));
+        return std::make_shared<const place::HeadPlace>(place::place_in_cavity(cavity->value, ventricles, rest));
       });
     };
-    return std::make_shared<const grid::Field>(
-        place::find_zone(cavity->mask, shapes, any.as<place::ZoneParams>(), report, progress.part(0.3, 1)));
+    auto made = place::find_zone(cavity->value, shapes, params.as<place::ZoneParams>(), progress.part(0.3, 1));
+    made.result.cranial_cavity_ml = cavity->result.cranial_cavity_ml;
+    made.warnings.insert(made.warnings.begin(), cavity->warnings.begin(), cavity->warnings.end());
+    return stage_outcome(std::move(made));
   };
   return s;
 }

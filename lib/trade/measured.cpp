@@ -44,7 +44,7 @@ double peak_mb() {
 
 std::string to_json(const Measurement& m) {
   Json json;
-  json["report"] = stages::report_json(m.report);
+  json["values"] = m.values;
   json["seconds"] = m.seconds;
   json["peak_memory_mb"] = m.peak_memory_mb;
   json["refused"] = m.refused;
@@ -82,7 +82,7 @@ const Measurement* MeasurementStore::find(const std::string& key) {
     const std::vector<char> bytes = read_file(file, 1 << 24);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     Measurement m;
-    m.report = stages::parse_report_json(json.at("report").get<std::string>());
+    m.values = json.at("values").get<std::string>();
     m.seconds = json.at("seconds").get<std::vector<double>>();
     m.peak_memory_mb = json.at("peak_memory_mb").get<double>();
     m.refused = json.at("refused").get<std::string>();
@@ -118,17 +118,16 @@ bool Repeats::suffice(const Measurement& m) const {
   return m.seconds.size() >= static_cast<std::size_t>(std::max(1, count)) || (!m.seconds.empty() && total_s >= max_s);
 }
 
-Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work) {
+Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work) {
   Measurement m;
   try {
     for (int i = 0; !repeats.suffice(m); ++i) {
-      Report report;
       const bool known = reset_peak();
       const auto start = Clock::now();
-      work(report, i == 0);
+      std::string values = work();
       m.seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
       if (known) m.peak_memory_mb = std::max(m.peak_memory_mb, peak_mb());
-      if (i == 0) m.report = std::move(report);
+      if (i == 0) m.values = std::move(values);
     }
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
@@ -160,8 +159,7 @@ stages::StageData TimedStages::data(const pipeline::Graph& graph, int node) {
   if (options_.cache)
     if (auto cached = options_.cache->load_data(n.key, n.output)) data = std::move(*cached);
   if (std::holds_alternative<std::monostate>(data) && n.output != stages::DataKind::nothing) {
-    Report ignored;
-    data = pipeline::compute_node(n, inputs(graph, node), ignored, progress_of(n.name));
+    data = pipeline::compute_node(n, inputs(graph, node), progress_of(n.name)).data;
   }
   return held_[n.key] = std::move(data);
 }
@@ -182,15 +180,16 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const pipeline::Graph& 
     const stages::StageInputs in = inputs(graph, static_cast<int>(i));
     for (auto held = held_.begin(); held != held_.end();)
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
-    stages::StageData made;
+    stages::StageOutcome made;
     ++measured_;
-    const Measurement measured = measure_work(options_.repeats, [&](Report& report, bool) {
+    const Measurement measured = measure_work(options_.repeats, [&] {
       made = {};
-      made = pipeline::compute_node(node, in, report, progress_of(node.name));
+      made = pipeline::compute_node(node, in, progress_of(node.name));
+      return stages::outcome_json(made);
     });
     if (measured.refused.empty() && options_.cache && node.output != stages::DataKind::nothing)
-      options_.cache->store(node.key, node.output, made, measured.report, measured.median_s());
-    held_[node.key] = std::move(made);
+      options_.cache->store(node.key, node.output, made, measured.median_s());
+    held_[node.key] = std::move(made.data);
     const Measurement& kept = store_.keep(node.key, measured);
     if (!kept.refused.empty()) return Refusal{node.name, kept.refused};
   }

@@ -17,7 +17,7 @@ namespace trephine::trade {
 
 /// What one piece of work gave, and what each of its repeats took.
 struct Measurement {
-  Report report;
+  std::string values;           ///< JSON: of a stage its outcome (stages/data_files.h), else a declared struct
   std::vector<double> seconds;  ///< of each repeat, in their order; empty where it was refused
   double peak_memory_mb = 0;    ///< of the process while it ran with its inputs and nothing else; 0: not known
   std::string refused;          ///< the reason of the quality gate (80) that it did not pass; empty: it passed
@@ -50,9 +50,9 @@ struct Repeats {
   bool suffice(const Measurement& m) const;
 };
 
-/// Does the work that often, with nothing else running, and measures it. An Error 80 is kept as `refused`; any other is
+/// Does the work that often, with nothing else running, and measures it; its values are those of the first time. An Error 80 is kept as `refused`; any other is
 /// thrown.
-Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work);
+Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work);
 
 /// The stages of a sweep. Each is computed once for all the points that share it, timed alone, repeated, and kept with
 /// its output in a stage cache.

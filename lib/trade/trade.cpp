@@ -19,6 +19,7 @@
 #include "publish/run_case.h"
 #include "publish/scan_checks.h"
 #include "trade/measured.h"
+#include "json/declared_json.h"
 #include "voxel/mismatch.h"
 
 namespace trephine::trade {
@@ -26,19 +27,52 @@ namespace fs = std::filesystem;
 namespace {
 
 // Raised when the comparison gives other figures for the same surfaces.
-constexpr int comparison_version = 1;
+constexpr int comparison_version = 2;
 
-TradeDeviation deviation_in(const Report& report) {
+TradeDeviation told(const metrics::Deviation& of) {
   TradeDeviation d;
-  d.rms_mm = number_of(report, "deviation_rms_mm");
-  d.p99_mm = number_of(report, "deviation_p99_mm");
-  d.max_mm = number_of(report, "deviation_max_mm");
-  d.to_reference_max_mm = number_of(report, "to_reference_max_mm");
-  d.from_reference_max_mm = number_of(report, "from_reference_max_mm");
-  d.to_reference_rms_mm = number_of(report, "to_reference_rms_mm");
-  d.from_reference_rms_mm = number_of(report, "from_reference_rms_mm");
+  d.rms_mm = of.both.rms_mm;
+  d.p99_mm = of.both.p99_mm;
+  d.max_mm = of.both.max_mm;
+  d.to_reference_max_mm = of.mesh_to_reference.max_mm;
+  d.from_reference_max_mm = of.reference_to_mesh.max_mm;
+  d.to_reference_rms_mm = of.mesh_to_reference.rms_mm;
+  d.from_reference_rms_mm = of.reference_to_mesh.rms_mm;
   return d;
 }
+
+struct PublishedAnatomy {
+  std::int64_t triangles = 0, bytes = 0;
+  double volume_ml = 0, deviation_max_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = PublishedAnatomy;
+    v.integer(&P::triangles, "triangles", Range{}, "Triangles.");
+    v.integer(&P::bytes, "bytes", Range{}, "Size of the file.");
+    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
+    v.number(&P::deviation_max_mm, "deviation_max_mm", Range{}, "Largest distance to the unreduced surface.");
+  }
+};
+
+struct Published {
+  std::size_t bytes = 0;
+  std::vector<PublishedAnatomy> anatomies;  ///< in the order of the graph's
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&Published::bytes, "bytes", Range{}, "Size of all files.");
+    v.list(&Published::anatomies, "anatomies", "The surfaces.");
+  }
+};
+
+/// How far both felt surfaces of a shape lie from the displayed one.
+struct Felt {
+  voxel::Mismatch sub_voxel, nearest;
+  template <class V>
+  static void describe(V& v) {
+    v.all_of(&Felt::sub_voxel, "sub_voxel_");
+    v.all_of(&Felt::nearest, "nearest_");
+  }
+};
 
 // A point as it is run: without the scene's limits.
 struct Prepared {
@@ -175,8 +209,7 @@ class Sweep {
       out.total.refused = refusal->node + ": " + refusal->why;
       return out;
     }
-    publish::require_modalities(p.config, p.graph,
-                                [&](int node) -> const Report& { return store_.find(key_of(p, node))->report; });
+    publish::require_modalities(p.config, p.graph, outcomes(p));
     for (const pipeline::Node& node : p.graph.nodes) add_stage(out, node.name, *store_.find(node.key));
     const Measurement& published = publish(p);
     if (!published.refused.empty()) {
@@ -184,8 +217,9 @@ class Sweep {
       return out;
     }
     add_stage(out, "publish", published);
-    out.total.bytes = static_cast<std::int64_t>(number_of(published.report, "bytes"));
-    for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, published.report, out);
+    const auto sizes = json::value_of_json<Published>(published.values);
+    out.total.bytes = static_cast<std::int64_t>(sizes.bytes);
+    for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, sizes.anatomies.at(i), out);
     if (p.config.haptic.wanted)
       for (const config::SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
     return out;
@@ -195,6 +229,15 @@ class Sweep {
     out.stages.push_back({name, m.median_s(), m.spread_s(), m.peak_memory_mb});
     out.total.seconds += m.median_s();
     out.total.peak_memory_mb = std::max(out.total.peak_memory_mb, m.peak_memory_mb);
+  }
+
+  // Of every node, without data.
+  std::vector<pipeline::NodeResult> outcomes(const Prepared& p) {
+    std::vector<pipeline::NodeResult> results(p.graph.nodes.size());
+    for (std::size_t i = 0; i < results.size(); ++i)
+      static_cast<stages::StageOutcome&>(results[i]) =
+          stages::parse_outcome_json(store_.find(p.graph.nodes[i].key)->values, *p.graph.nodes[i].type);
+    return results;
   }
 
   // Makes and checks the case's files without writing them.
@@ -207,38 +250,38 @@ class Sweep {
     if (const Measurement* known = store_.find(key); known && repeats_.suffice(*known)) return *known;
     tell("publish", 0);
     ++measured_;
-    std::vector<pipeline::NodeResult> results(p.graph.nodes.size());
-    for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
+    std::vector<pipeline::NodeResult> results = outcomes(p);
     for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node);
-    return store_.keep(key, measure_work(repeats_, [&](Report& report, bool) {
+    return store_.keep(key, measure_work(repeats_, [&] {
                          const publish::CaseContent content = publish::make_case_content(
                              p.config, p.graph, results, "trephine " + request_.program_version, p.input_sha256, false,
                              Progress([this](double done) { tell("publish", done); }, &cancel_requested()));
-                         std::size_t bytes = 0;
-                         for (const publish::CaseContent::File& f : content.files) bytes += f.bytes.size();
-                         report.add("bytes", bytes);
-                         for (const publish::AnatomyResult& a : content.anatomies) {
-                           report.add(a.name + ".triangles", a.triangles_after);
-                           report.add(a.name + ".bytes", static_cast<std::int64_t>(a.bytes_after));
-                           report.add(a.name + ".volume_ml", a.volume_ml);
-                           report.add(a.name + ".deviation_max_mm", a.deviation_max_mm);
-                         }
+                         Published out;
+                         for (const publish::CaseContent::File& f : content.files) out.bytes += f.bytes.size();
+                         for (const publish::AnatomyResult& a : content.anatomies)
+                           out.anatomies.push_back({a.triangles_after, static_cast<std::int64_t>(a.bytes_after),
+                                                    a.volume_ml, a.deviation_max_mm});
+                         return json::json_of_value(out);
                        }));
   }
 
   // A comparison that is made once for all the points that share its two sides.
-  const Report& compared(const std::string& what, const std::vector<std::string>& keys,
-                         const std::function<void(Report&)>& compare) {
+  template <class Compare>
+  auto compared(const std::string& what, const std::vector<std::string>& keys, const Compare& compare) {
+    using R = decltype(compare());
     Sha256 hash;
     hash.text("trade " + what).integer(comparison_version).integer(request_.params.sample_count);
     for (const std::string& k : keys) hash.text(k);
     const std::string key = hash.hex();
-    if (const Measurement* known = store_.find(key); known && known->refused.empty()) return known->report;
+    if (const Measurement* known = store_.find(key); known && known->refused.empty())
+      return json::value_of_json<R>(known->values);
     tell(what, 0);
     ++measured_;
+    const R result = compare();
     Measurement m;
-    compare(m.report);
-    return store_.keep(key, std::move(m)).report;
+    m.values = json::json_of_value(result);
+    store_.keep(key, std::move(m));
+    return result;
   }
 
   surface::TriMesh mesh(const Prepared& p, int node) {
@@ -246,27 +289,27 @@ class Sweep {
   }
   static const std::string& key_of(const Prepared& p, int node) { return p.graph.nodes[std::size_t(node)].key; }
 
-  void add_anatomy(const Prepared& p, std::size_t index, const Report& published, PointTrade& out) {
+  void add_anatomy(const Prepared& p, std::size_t index, const PublishedAnatomy& published, PointTrade& out) {
     const pipeline::Graph::Anatomy& nodes = p.graph.anatomies[index];
     const Prepared& finest = prepared_[0];
     const int reference = finest.graph.anatomies[index].surface;
     AnatomyTrade a;
     a.name = nodes.name;
-    a.triangles_count = static_cast<std::int64_t>(number_of(published, a.name + ".triangles"));
-    a.bytes = static_cast<std::int64_t>(number_of(published, a.name + ".bytes"));
-    a.volume_ml = number_of(published, a.name + ".volume_ml");
+    a.triangles_count = published.triangles;
+    a.bytes = published.bytes;
+    a.volume_ml = published.volume_ml;
     metrics::DeviationParams params;
     params.sample_count = request_.params.sample_count;
     if (key_of(p, nodes.surface) != key_of(finest, reference))
-      a.to_finest = deviation_in(
-          compared("deviation", {key_of(p, nodes.surface), key_of(finest, reference)}, [&](Report& report) {
-            metrics::add_deviation(report,
-                                   metrics::measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
-          }));
+      a.to_finest = told(compared("deviation", {key_of(p, nodes.surface), key_of(finest, reference)}, [&] {
+        return metrics::measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params);
+      }));
     if (truth_) add_truth(p, nodes, a);
     if (const int mismatch = p.graph.find_stage<voxel::MismatchParams>(); mismatch >= 0) {
-      const Report& report = store_.find(key_of(p, mismatch))->report;
-      if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_of(report, a.name + ".mismatch_rms_mm");
+      const auto measured = stages::parse_outcome_json(store_.find(key_of(p, mismatch))->values,
+                                                       *p.graph.nodes[std::size_t(mismatch)].type);
+      if (const auto* m = find_item(result_as<voxel::MismatchResult>(measured.result).shapes, a.name))
+        a.mismatch_rms_mm = m->rms_mm;
     }
     out.total.triangles_count += a.triangles_count;
     out.total.deviation_max_mm = std::max(out.total.deviation_max_mm, a.to_finest.max_mm);
@@ -276,7 +319,7 @@ class Sweep {
     if (out.beyond_scene.empty() && limit.max_triangles > 0 && a.triangles_count > limit.max_triangles)
       out.beyond_scene = a.name + ": " + std::to_string(a.triangles_count) + " triangles, the scene allows " +
                          std::to_string(limit.max_triangles);
-    if (const double moved_mm = number_of(published, a.name + ".deviation_max_mm");
+    if (const double moved_mm = published.deviation_max_mm;
         out.beyond_scene.empty() && limit.max_deviation_mm > 0 && moved_mm > limit.max_deviation_mm)
       out.beyond_scene = a.name + ": " + to_text(ParameterValue(moved_mm)) +
                          " mm from the unreduced surface, the scene allows " +
@@ -300,21 +343,18 @@ class Sweep {
     metrics::MeasureParams params;
     params.sample_count = request_.params.sample_count;
     params.validity = false;
-    out.to_truth =
-        deviation_in(compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&](Report& report) {
-          report = phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params);
-        }));
+    out.to_truth = told(*compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&] {
+                           return phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params)
+                               .result;
+                         }).deviation);
     const pipeline::Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
     const int field = contour.sources.begin()->second;
     if (p.graph.nodes[std::size_t(field)].output != stages::DataKind::field) return;
-    out.dice_ratio =
-        number_of(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
-                           [&](Report& report) {
-                             report = phantom::measure_against_truth(
-                                 *std::get<std::shared_ptr<const grid::Field>>(stages_.data(p.graph, field)),
-                                 *truth_of(out.name), params.sample_count);
-                           }),
-                  "dice_ratio");
+    out.dice_ratio = compared("Dice " + out.name, {key_of(p, field), truth_sha256_}, [&] {
+                       return phantom::measure_against_truth(
+                           *std::get<std::shared_ptr<const grid::Field>>(stages_.data(p.graph, field)),
+                           *truth_of(out.name), params.sample_count);
+                     }).dice_ratio;
   }
 
   void add_shape(const Prepared& p, const std::string& name, PointTrade& out) {
@@ -323,24 +363,20 @@ class Sweep {
     const auto& sources = finest.graph.nodes[std::size_t(finest.graph.result(stages::DataKind::haptic))].sources;
     const auto contour = sources.find("shape." + name);
     if (contour == sources.end()) return;  // the volume holds raw HU
-    const Report& report =
-        compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
+    const Felt felt =
+        compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&] {
           const auto felt_in = std::get<std::shared_ptr<const voxel::HapticVolume>>(stages_.data(p.graph, haptic));
           const surface::TriMesh surface = mesh(finest, contour->second);
-          for (const voxel::FeltSurface felt : {voxel::FeltSurface::sub_voxel, voxel::FeltSurface::nearest}) {
+          const auto mismatch = [&](voxel::FeltSurface which) {
             voxel::MismatchParams params;
             params.sample_count = request_.params.sample_count;
-            params.felt = felt;
-            const voxel::Mismatch m = voxel::measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
-            const std::string prefix = felt == voxel::FeltSurface::nearest ? "nearest_" : "sub_voxel_";
-            r.add(prefix + "rms_mm", m.rms_mm);
-            r.add(prefix + "p99_mm", m.p99_mm);
-            r.add(prefix + "missed_ratio", m.missed_ratio);
-          }
+            params.felt = which;
+            return voxel::measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
+          };
+          return Felt{mismatch(voxel::FeltSurface::sub_voxel), mismatch(voxel::FeltSurface::nearest)};
         });
-    out.shapes.push_back({name, number_of(report, "sub_voxel_rms_mm"), number_of(report, "sub_voxel_p99_mm"),
-                          number_of(report, "nearest_rms_mm"), number_of(report, "nearest_p99_mm"),
-                          number_of(report, "sub_voxel_missed_ratio")});
+    out.shapes.push_back({name, felt.sub_voxel.rms_mm, felt.sub_voxel.p99_mm, felt.nearest.rms_mm,
+                          felt.nearest.p99_mm, felt.sub_voxel.missed_ratio});
   }
 
   static void compare_volumes(const PointTrade& finest, PointTrade& p) {

@@ -56,8 +56,9 @@ grid::Field inside_wall(const CanalCourse& course, const CanalWall& wall, const 
   return field;
 }
 
-void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::Field& field, const CanalCourse& course,
-                    const CanalWall& wall, Report& report) {
+void measure(const mask::HuView& hu, const grid::Box& place, const CanalCourse& course, const CanalWall& wall,
+             Outcome<grid::Field, CanalResult>& made) {
+  const grid::Field& field = made.value;
   const std::size_t slices = course.points.size();
   std::vector<float> areas, content;
   double least = 0, min_z = 0, walled = 0;
@@ -76,13 +77,15 @@ void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::
       for (int i = 0; i < field.size[0]; ++i)
         if (field.at(i, j, k) > 2) content.push_back(hu(i + at.begin[0], j + at.begin[1], k + at.begin[2]));
   const double middle = mask::median(areas, 0), tissue = mask::median(content, 0);
-  report.add("area_median_mm2", middle);
-  report.add("area_least_mm2", least);
-  report.add("area_least_z_mm", min_z);
-  report.add("walled_ratio", walled);
-  report.add("tissue_hu", tissue);
+  made.result.area_median_mm2 = middle;
+  made.result.area_least_mm2 = least;
+  made.result.area_least_z_mm = min_z;
+  made.result.walled_ratio = walled;
+  made.result.tissue_hu = tissue;
   if (middle < 80 || middle > 700)
-    report.warn(fmt::format("its cross-section, {:.0f} mm^2, is not of the size of an adult's spinal canal", middle));
+    made.warnings.push_back({"unusual_canal",
+                             "its cross-section, {area_mm2:.0f} mm^2, is not of the size of an adult's spinal canal",
+                             {{"area_mm2", middle}}});
   if (tissue < -500)
     throw refusal(
         "canal",
@@ -92,13 +95,15 @@ void report_figures(const mask::HuView& hu, const grid::Box& place, const grid::
         {"take a series of a spine, or one that shows more of it (`import --list` shows all), or bring the canal as "
          "labels by the stage `labels`"});
   if (tissue < -60 || tissue > 100)
-    report.warn(fmt::format("it holds {:.0f} HU, which is no cord, root or liquor without contrast", tissue));
+    made.warnings.push_back({"unusual_content",
+                             "it holds {content_hu:.0f} HU, which is no cord, root or liquor without contrast",
+                             {{"content_hu", tissue}}});
 }
 
 }  // namespace
 
-grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, const CanalParams& params, Report& report,
-                       const Progress& progress) {
+Outcome<grid::Field, CanalResult> find_canal(const grid::HuVolume& volume, const grid::Field& bone,
+                                             const CanalParams& params, const Progress& progress) {
   const mask::HuView hu(volume);
   const grid::Lattice& l = bone;
   if (std::abs(l.direction.column[2].z) < 0.7)
@@ -133,7 +138,8 @@ grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, co
   progress.report(0.7);
 
   const grid::Box box = box_of(course, wall, l);
-  grid::Field field = inside_wall(course, wall, l, box);
+  Outcome<grid::Field, CanalResult> made;
+  grid::Field& field = made.value = inside_wall(course, wall, l, box);
   const grid::Field inside_bone = mask::signed_distance_mm(grid::crop(bone, box), progress);
   for (std::size_t v = 0; v < field.count(); ++v) {
     float& f = field.voxels[v];
@@ -145,11 +151,12 @@ grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, co
     for (int j = 0; j < field.size[1]; ++j)
       for (int i = 0; i < field.size[0]; ++i)
         if (whole.get(i, j, k) && !kept.get(i, j, k)) field.at(i, j, k) = -1e-3f;
-  report.add("length_mm", length_mm);
-  mask::check_mask(kept, hu.lattice().count(), report);
-  report_figures(hu, place, field, course, wall, report);
+  made.result.length_mm = length_mm;
+  made.result.size = mask::check_mask(kept, hu.lattice().count());
+  measure(hu, place, course, wall, made);
   progress.report(1);
-  return grid::crop(field, grid::grown(kept.bounds(), 2, field));
+  field = grid::crop(field, grid::grown(kept.bounds(), 2, field));
+  return made;
 }
 
 }  // namespace trephine::trunk

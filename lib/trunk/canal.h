@@ -2,8 +2,9 @@
 #pragma once
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
+#include "mask/hu_view.h"
 
 namespace trephine::trunk {
 
@@ -30,6 +31,26 @@ struct CanalParams {
   }
 };
 
+struct CanalResult {
+  double length_mm = 0;
+  mask::MaskSize size;
+  double area_median_mm2 = 0;
+  double area_least_mm2 = 0, area_least_z_mm = 0;  ///< over slices in which half of the wall is bone; 0: there are none
+  double walled_ratio = 0;
+  double tissue_hu = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = CanalResult;
+    v.number(&P::length_mm, "length_mm", Range{}, "Length.");
+    v.all_of(&P::size);
+    v.number(&P::area_median_mm2, "area_median_mm2", Range{}, "Median area of its cross-sections.");
+    v.number(&P::area_least_mm2, "area_least_mm2", Range{}, "The least area.");
+    v.number(&P::area_least_z_mm, "area_least_z_mm", Range{}, "Where that is.");
+    v.number(&P::walled_ratio, "walled_ratio", Range{}, "Share of its wall that is bone.");
+    v.number(&P::tissue_hu, "tissue_hu", Range{}, "What it holds.");
+  }
+};
+
 /// The spinal canal: the space that the arches of the vertebrae enclose. The spine must be in axial slices, and its
 /// canal must lean by less than about 55 degrees from their normal. `bone` is the filled bone (positive inside) on the
 /// volume's raster or a part of it. Returns a field in mm, positive inside, on a part of that raster, as segment()
@@ -46,12 +67,11 @@ struct CanalParams {
 /// because discs are not bone. Cross-sections must be star-shaped about their centre. The longest such tube is taken:
 /// one canal in each scan.
 ///
-/// Report: length_mm, volume_ml, area_median_mm2, area_least_mm2 and its position area_least_z_mm (over slices in which
-/// half of the wall is bone; 0 where there are none), walled_ratio, tissue_hu. Warns where area or content are not
+/// Warns where area or content are not
 /// those of a canal. The result has the same bits whatever the thread count. Throws Error 65 where a raster differs; 80
 /// where the bone is empty, no such space is found, it is shorter or less walled than required, or holds air;
 /// Cancelled.
-grid::Field find_canal(const grid::HuVolume& volume, const grid::Field& bone, const CanalParams& params, Report& report,
-                       const Progress& progress = {});
+Outcome<grid::Field, CanalResult> find_canal(const grid::HuVolume& volume, const grid::Field& bone,
+                                             const CanalParams& params, const Progress& progress = {});
 
 }  // namespace trephine::trunk

@@ -171,8 +171,10 @@ std::vector<ClavicleCourse> clavicle_courses(const grid::Field& bone, const Clav
   return courses;
 }
 
-grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params, Report& report,
-                           const Progress& progress, const grid::Field* without) {
+Outcome<grid::Field, ClaviclesResult> find_clavicles(const grid::Field& bone, const ClavicleParams& params,
+                                                     const Progress& progress, const grid::Field* without) {
+  ClaviclesResult result;
+  Warnings warnings;
   const mask::BitMask whole = bone_mask(bone);
   const auto chains = chains_of(whole, params, progress);
   progress.report(0.3);
@@ -184,24 +186,24 @@ grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params
     const std::string name = name_of(chain.side);
     const double ml = double(one.mask.count()) * bone.voxel_volume_mm3() / 1000;
     found[chain.side == BodySide::left] = ml;
-    report.add(name + "_length_mm",
-               norm(bone.to_world_mm(chain.blobs.front().middle) - bone.to_world_mm(chain.blobs.back().middle)));
-    report.add(name + "_ml", ml);
-    report.add(name + "_joint_mm2", one.joint_mm2);
+    const double length_mm =
+        norm(bone.to_world_mm(chain.blobs.front().middle) - bone.to_world_mm(chain.blobs.back().middle));
+    result.sides.emplace_back(name, ClavicleFigures{length_mm, ml, one.joint_mm2});
     if (params.part == ClaviclePart::clavicle && one.joint_mm2 > params.max_joint_mm2)
-      report.warn(
-          fmt::format("the {} clavicle hangs on other bone over {:.0f} mm^2: it is cut from it where the bone is "
-                      "narrow, which may not be its joint",
-                      name, one.joint_mm2));
+      warnings.push_back({"clavicle_hangs_on_bone",
+                          "the {side} clavicle hangs on other bone over {joint_mm2:.0f} mm^2: it is cut from it where "
+                          "the bone is narrow, which may not be its joint",
+                          {{"side", name}, {"joint_mm2", one.joint_mm2}}});
     if (ml < 8 || ml > 80)
-      report.warn(
-          fmt::format("the {} clavicle has {:.0f} ml, which is not of the size of a whole adult one", name, ml));
+      warnings.push_back({"unusual_clavicle",
+                          "the {side} clavicle has {clavicle_ml:.0f} ml, which is not of the size of a whole adult one",
+                          {{"side", name}, {"clavicle_ml", ml}}});
     all |= one.mask;
   }
   for (const BodySide side : {BodySide::right, BodySide::left})
     if (found[side == BodySide::left] == 0 && wanted(params.side, side)) {
       if (params.side == BodySide::both && all.any()) {
-        report.warn(fmt::format("no {} clavicle is found", name_of(side)));
+        warnings.push_back({"no_clavicle", "no {side} clavicle is found", {{"side", name_of(side)}}});
       } else if (params.side != BodySide::both || side == BodySide::left) {
         throw refusal(
             "clavicle",
@@ -217,13 +219,12 @@ grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params
     all = rest.remove(all);
     if (without) all.remove(mask::positive(*without, whole.lattice()));
   }
-  mask::check_mask(all, whole.lattice().count(), report);
+  result.size = mask::check_mask(all, whole.lattice().count());
   const grid::Box box = grid::grown(all.bounds(), 2, bone);
   grid::Field field = trephine::grid::crop(bone, box);
-  report.add("cut_voxels_count",
-             mask::place_surface(field, mask::crop(all, box), cut_sigma_mm, cut_scale_hu, progress));
+  result.cut_voxels_count = mask::place_surface(field, mask::crop(all, box), cut_sigma_mm, cut_scale_hu, progress);
   progress.report(1);
-  return field;
+  return {std::move(field), std::move(result), std::move(warnings)};
 }
 
 }  // namespace trephine::trunk

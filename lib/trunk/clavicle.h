@@ -4,8 +4,9 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
+#include "mask/hu_view.h"
 
 namespace trephine::trunk {
 
@@ -46,6 +47,30 @@ struct ClavicleCourse {
 std::vector<ClavicleCourse> clavicle_courses(const grid::Field& bone, const ClavicleParams& params,
                                              const Progress& progress = {});
 
+struct ClavicleFigures {
+  double length_mm = 0, volume_ml = 0;
+  double joint_mm2 = 0;  ///< area cut through bone
+  template <class V>
+  static void describe(V& v) {
+    using P = ClavicleFigures;
+    v.number(&P::length_mm, "length_mm", Range{}, "From end to end.");
+    v.number(&P::volume_ml, "ml", Range{}, "Volume.");
+    v.number(&P::joint_mm2, "joint_mm2", Range{}, "Area cut through bone at its joints.");
+  }
+};
+struct ClaviclesResult {
+  Named<ClavicleFigures> sides;  ///< "right" and "left", as far as found
+  mask::MaskSize size;
+  std::size_t cut_voxels_count = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = ClaviclesResult;
+    v.map(&P::sides, "sides", "Each clavicle.").items_joined("_");
+    v.all_of(&P::size);
+    v.integer(&P::cut_voxels_count, "cut_voxels_count", Range{}, "Voxels where the shape is cut from other bone.");
+  }
+};
+
 /// Separates the clavicles from the other bone of a chest or shoulders. `bone` is a filled field, positive inside, that
 /// holds them among ribs, sternum and scapulae. In sagittal planes a clavicle is a round piece in front of all other
 /// bone, in one plane after the other over at least min_length_mm. At its joints it is separated from other bone at the
@@ -53,14 +78,14 @@ std::vector<ClavicleCourse> clavicle_courses(const grid::Field& bone, const Clav
 /// the patient may be tilted by at most about 30 degrees. A clavicle that the scan cuts is found as far as it goes.
 ///
 /// Returns a field in bone's unit, positive inside, cropped as segment() does; with part rest, all other bone, and
-/// nothing inside `without` (a vein so bright that it was taken for bone). Report: right_length_mm, right_ml,
-/// right_joint_mm2 (area cut through bone) and the same for left, as far as found; volume_ml. Warns where a side was
+/// nothing inside `without` (a vein so bright that it was taken for bone). Warns where a side was
 /// not found, and where a clavicle is connected with other bone over more than max_joint_mm2: there no joint separates
 /// it, and its end is merely where the bone is narrow.
 ///
 /// The result has the same bits whatever the thread count. Throws Error 80 where the bone is empty, or no clavicle of
 /// the requested side is found; Cancelled.
-grid::Field find_clavicles(const grid::Field& bone, const ClavicleParams& params, Report& report,
-                           const Progress& progress = {}, const grid::Field* without = nullptr);
+Outcome<grid::Field, ClaviclesResult> find_clavicles(const grid::Field& bone, const ClavicleParams& params,
+                                                     const Progress& progress = {},
+                                                     const grid::Field* without = nullptr);
 
 }  // namespace trephine::trunk

@@ -216,8 +216,9 @@ void pair_up(std::vector<Found>& all) {
 
 }  // namespace
 
-std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
-                                       Report& report, const Progress& progress, bool some_given) {
+Outcome<std::vector<PedicleAxis>, PediclesFound> find_pedicles(const grid::Field& bone, const grid::Field& canal,
+                                                               const PediclesParams& params, const Progress& progress,
+                                                               bool some_given) {
   grid::place_in(canal, bone);  // the same raster
   const std::vector<PediclePlace> places = pedicle_places(bone, canal, params);
   if (!some_given) require_low_enough(places);
@@ -240,12 +241,14 @@ std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Fiel
   judge_rises(found);
   std::vector<PedicleAxis> kept;
   for (const Found& f : found) kept.push_back(f.axis);
+  Warnings warnings;
   if (const std::size_t cut = places.size() - found.size(); cut > 0)
-    report.warn(fmt::format("{} at the ends of the scan are cut off and left out", cut));
-  report.add("vertebrae_count", kept.back().vertebra);
-  report.add("pedicles_count", kept.size());
+    warnings.push_back({"pedicles_cut_off",
+                        "{cut_count} at the ends of the scan are cut off and left out",
+                        {{"cut_count", static_cast<std::int64_t>(cut)}}});
+  const PediclesFound counts{kept.back().vertebra, static_cast<std::int64_t>(kept.size())};
   progress.report(1);
-  return kept;
+  return {std::move(kept), counts, std::move(warnings)};
 }
 
 double clearance_along(const grid::Field& bone, Vec3 entry, Vec3 target) {

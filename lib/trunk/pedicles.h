@@ -5,7 +5,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 
 namespace trephine::trunk {
@@ -38,6 +38,16 @@ struct PedicleAxis {
   std::string doubt;
 };
 
+/// None where none was found and a person gives some.
+struct PediclesFound {
+  std::optional<std::int64_t> vertebrae_count, pedicles_count;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&PediclesFound::vertebrae_count, "vertebrae_count", "Vertebrae with a pedicle.");
+    v.integer(&PediclesFound::pedicles_count, "pedicles_count", "Pedicles that were found.");
+  }
+};
+
 /// The pedicles of the vertebrae beside a canal: `bone` is the filled bone, `canal` what find_canal gives, both
 /// positive inside, on one raster in axial slices.
 ///
@@ -55,12 +65,13 @@ struct PedicleAxis {
 /// is, whether the axis leans as a pedicle's does (docs/lessons.md), its length, how well left and right mirror each
 /// other, also in width, and whether it rises as the others do.
 ///
-/// Report: vertebrae_count and pedicles_count; a warning for each doubtful one. The same bits whatever the thread
+/// The same bits whatever the thread
 /// count. Throws Error 65 where the rasters differ; 80 where no pedicle is found and, before any axis is looked
 /// for, where all bone beside the canal is so high that each confidence would be 0, but not with `some_given`, for a
 /// person may give what is not found; Cancelled.
-std::vector<PedicleAxis> find_pedicles(const grid::Field& bone, const grid::Field& canal, const PediclesParams& params,
-                                       Report& report, const Progress& progress = {}, bool some_given = false);
+Outcome<std::vector<PedicleAxis>, PediclesFound> find_pedicles(const grid::Field& bone, const grid::Field& canal,
+                                                               const PediclesParams& params,
+                                                               const Progress& progress = {}, bool some_given = false);
 
 /// How much bone is about the line from entry to target in its narrowest place within the middle half: the half-width
 /// of an axis that a person gave. Negative where the line leaves the bone there.

@@ -41,7 +41,7 @@ struct Vein {
 };
 
 Vein vein_of(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid::Field& all_bone, const VeinParams& p,
-             Report& report, const Progress& progress) {
+             Outcome<grid::Field, VeinResult>& made, const Progress& progress) {
   const std::string name = clavicle.side == BodySide::right ? "right" : "left";
   const grid::Field bone =
       p.source == VeinSource::automatic ? without_dense_vein(all_bone, clavicle, p, progress) : all_bone;
@@ -62,22 +62,20 @@ Vein vein_of(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid:
     vein.field = tube(course, hu, bone, box, p.radius_mm, progress);
   }
   vein.box = grid::place_in(vein.field, hu.lattice());
-  report.add(name + "_source", enhanced.found ? "contrast" : "estimated");
-  report.add(name + "_contrast_hu", enhanced.contrast_hu);
-  report.add(name + "_length_mm", enhanced.length_mm);
-  report.add(name + "_radius_mm", enhanced.radius_mm);
-  report.add(name + "_ml",
-             double(mask::positive(vein.field, vein.field).count()) * hu.lattice().voxel_volume_mm3() / 1000);
-  report.add(name + "_clearance_mm", course.clearance_mm);
+  const double ml = double(mask::positive(vein.field, vein.field).count()) * hu.lattice().voxel_volume_mm3() / 1000;
+  made.result.sides.emplace_back(name, VeinFigures{enhanced.found ? "contrast" : "estimated", enhanced.contrast_hu,
+                                                   enhanced.length_mm, enhanced.radius_mm, ml, course.clearance_mm});
   if (!enhanced.found) {
-    report.warn(
-        fmt::format("the {} vein is estimated, not found: {}; a tube of {} mm radius where a vein usually runs "
-                    "below the clavicle",
-                    name, p.source == VeinSource::estimated ? "as asked" : "nothing along it is enhanced like a vessel",
-                    p.radius_mm));
+    const char* why = p.source == VeinSource::estimated ? "as asked" : "nothing along it is enhanced like a vessel";
+    made.warnings.push_back({"vein_estimated",
+                             "the {side} vein is estimated, not found: {reason}; a tube of {radius_mm} mm radius where "
+                             "a vein usually runs below the clavicle",
+                             {{"side", name}, {"reason", why}, {"radius_mm", p.radius_mm}}});
     if (course.clearance_mm < p.radius_mm)
-      report.warn(fmt::format("bone or lung leave {:.1f} mm around the {} vein's middle, less than its radius",
-                              course.clearance_mm, name));
+      made.warnings.push_back(
+          {"vein_in_bone_or_lung",
+           "bone or lung leave {clearance_mm:.1f} mm around the {side} vein's middle, less than its radius",
+           {{"clearance_mm", course.clearance_mm}, {"side", name}}});
   }
   return vein;
 }
@@ -85,7 +83,8 @@ Vein vein_of(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid:
 constexpr double min_lung_ml = 20;
 
 // How much lung lies on each clavicle's side of the body's middle.
-void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const grid::Field& lung, Report& report) {
+void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const grid::Field& lung,
+                  Outcome<grid::Field, VeinResult>& made) {
   for (const ClavicleCourse& c : clavicles) {
     const bool right = c.side == BodySide::right;
     const double medial_x = c.points_mm.front().x;
@@ -99,19 +98,20 @@ void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const grid::Fiel
           }
     const std::string name = right ? "right" : "left";
     const double ml = count * lung.voxel_volume_mm3() / 1000;
-    report.add(name + "_lung_ml", ml);
+    made.result.lung_ml.emplace_back(name, ml);
     if (ml < min_lung_ml)
-      report.warn(
-          fmt::format("the scan shows {:.0f} ml of the {} lung, less than {:.0f}: a needle to the {} vein is not "
-                      "judged for lung and pleura",
-                      ml, name, min_lung_ml, name));
+      made.warnings.push_back({"little_lung",
+                               "the scan shows {lung_ml:.0f} ml of the {side} lung, less than {least_ml:.0f}: a needle "
+                               "to the {side} vein is not judged for lung and pleura",
+                               {{"lung_ml", ml}, {"side", name}, {"least_ml", min_lung_ml}}});
   }
 }
 
 }  // namespace
 
-grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, const VeinParams& params, Report& report,
-                      const Progress& progress, const grid::Field* lung) {
+Outcome<grid::Field, VeinResult> find_vein(const grid::HuVolume& volume, const grid::Field& bone,
+                                           const VeinParams& params, const Progress& progress,
+                                           const grid::Field* lung) {
   const mask::HuView hu(volume);
   const grid::Box place = grid::place_in(bone, hu.lattice());
   for (int a = 0; a < 3; ++a)
@@ -123,14 +123,15 @@ grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, con
   if (clavicles.empty())
     throw refusal("vein", "no clavicle of that side is found that tells where it runs",
                   {"choose the other `side`, or take a series that holds the shoulders"});
+  Outcome<grid::Field, VeinResult> made;
   if (lung) {
     grid::place_in(*lung, hu.lattice());
-    look_at_lung(clavicles, *lung, report);
+    look_at_lung(clavicles, *lung, made);
   }
   progress.report(0.3);
   std::vector<Vein> veins;
   for (const ClavicleCourse& c : clavicles) {
-    veins.push_back(vein_of(c, hu, bone, params, report, progress));
+    veins.push_back(vein_of(c, hu, bone, params, made, progress));
     progress.report(0.3 + 0.6 * double(veins.size()) / double(clavicles.size()));
   }
   grid::Box all = veins[0].box;
@@ -146,9 +147,10 @@ grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, con
     for (std::size_t n = 0; n < field.count(); ++n) field.voxels[n] = std::max(field.voxels[n], placed.voxels[n]);
   }
   const mask::BitMask mask = mask::positive(field, field);
-  mask::check_mask(mask, hu.lattice().count(), report);
+  made.result.size = mask::check_mask(mask, hu.lattice().count());
   progress.report(1);
-  return grid::crop(field, grid::grown(mask.bounds(), 2, field));
+  made.value = grid::crop(field, grid::grown(mask.bounds(), 2, field));
+  return made;
 }
 
 }  // namespace trephine::trunk

@@ -35,6 +35,36 @@ struct VeinParams {
   }
 };
 
+struct VeinFigures {
+  std::string source;  ///< "contrast" or "estimated"
+  double contrast_hu = 0, length_mm = 0;
+  double radius_mm = 0;  ///< mean
+  double volume_ml = 0;
+  double clearance_mm = 0;  ///< the least distance of the estimated middle line to bone and air
+  template <class V>
+  static void describe(V& v) {
+    using P = VeinFigures;
+    v.text(&P::source, "source", "What it is from.");
+    v.number(&P::contrast_hu, "contrast_hu", Range{}, "How much brighter it is than the tissue about it.");
+    v.number(&P::length_mm, "length_mm", Range{}, "Length.");
+    v.number(&P::radius_mm, "radius_mm", Range{}, "Mean radius.");
+    v.number(&P::volume_ml, "ml", Range{}, "Volume.");
+    v.number(&P::clearance_mm, "clearance_mm", Range{}, "Least distance of the estimate to bone and air.");
+  }
+};
+struct VeinResult {
+  Named<double> lung_ml;     ///< that the scan shows on each side, where the lungs are given
+  Named<VeinFigures> sides;  ///< "right" and "left", as far as found
+  mask::MaskSize size;
+  template <class V>
+  static void describe(V& v) {
+    using P = VeinResult;
+    v.map(&P::lung_ml, "lung", "Lung of a side.").items_between("", "_lung_ml");
+    v.map(&P::sides, "sides", "The vein of each side.").items_joined("_");
+    v.all_of(&P::size);
+  }
+};
+
 /// The subclavian vein and the beginning of the brachiocephalic vein behind and below each clavicle.
 ///
 /// Its course is first estimated from the clavicle: the vein lies behind and below the clavicle's medial third
@@ -48,14 +78,13 @@ struct VeinParams {
 /// measured here.
 ///
 /// Returns a field in about mm, positive inside, on a part of the volume's raster, as segment() does. `bone` is as for
-/// find_clavicles. Report for each side found ("right_", "left_"): source (contrast, estimated), contrast_hu,
-/// length_mm, radius_mm (mean), ml, clearance_mm (the least distance of the estimated middle line to bone and air).
-/// Warns of every estimated vein. The result has the same bits whatever the thread count. Throws Error 65 where a
-/// raster differs; 80 where the bone is empty or no clavicle of the requested side is found; Cancelled.
+/// find_clavicles. Warns of every estimated vein. The result has the same bits whatever the thread count. Throws Error
+/// 65 where a raster differs; 80 where the bone is empty or no clavicle of the requested side is found; Cancelled.
 ///
-/// With the lungs (positive inside), the report has lung_ml of each side too, and warns where there is less than 20 ml:
-/// a needle that goes to that vein meets neither lung nor pleura, and a lesson cannot judge whether it did.
-grid::Field find_vein(const grid::HuVolume& volume, const grid::Field& bone, const VeinParams& params, Report& report,
-                      const Progress& progress = {}, const grid::Field* lung = nullptr);
+/// With the lungs (positive inside), warns where a side has less than 20 ml of them: a needle that goes to that vein
+/// meets neither lung nor pleura, and a lesson cannot judge whether it did.
+Outcome<grid::Field, VeinResult> find_vein(const grid::HuVolume& volume, const grid::Field& bone,
+                                           const VeinParams& params, const Progress& progress = {},
+                                           const grid::Field* lung = nullptr);
 
 }  // namespace trephine::trunk

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "surface/results.h"
 #include "voxel/cut_solid.h"
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
@@ -180,8 +179,9 @@ double shape_volume_mm3(const HapticVolume& volume, int number) {
   return double(filled[std::size_t(number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
 }
 
-void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
-                const std::vector<int>& shape_numbers, Report& report, const Progress& progress) {
+Outcome<std::monostate, CutVolumeResult> cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid,
+                                                    const surface::Bounds& solid_bounds_mm,
+                                                    const std::vector<int>& shape_numbers, const Progress& progress) {
   const auto cut = cut_shapes(volume, shape_numbers);
   Vec3 margin;
   for (int a = 0; a < 3; ++a)
@@ -205,6 +205,7 @@ void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, co
     for (std::size_t n = 1; n < had.size(); ++n) removed[n] = had[n] - has[n];
     for (std::size_t i = 0; i < after.voxels.size(); ++i) changed += after.voxels[i] != before.voxels[i];
   }
+  Outcome<std::monostate, CutVolumeResult> out;
   bool any = false;
   std::string names;
   for (const HapticShape& s : volume.shapes) {
@@ -212,11 +213,14 @@ void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, co
     any = any || removed[std::size_t(s.number)] != 0;
     names += (names.empty() ? "" : ", ") + s.name;
     const double removed_mm3 = double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
-    add_result(report, surface::RemovedResult{removed_mm3}, s.name + ".");
+    out.result.shapes.emplace_back(s.name, Removed{removed_mm3});
   }
-  report.add("voxels_count", changed);
-  if (!any) report.warn("removes nothing of " + (names.empty() ? "the haptic volume" : names));
+  out.result.voxels_count = changed;
+  if (!any)
+    out.warnings.push_back({"removes_nothing", "removes nothing of {shapes}",
+                            {{"shapes", names.empty() ? "the haptic volume" : names}}});
   progress.report(1);
+  return out;
 }
 
 }  // namespace trephine::voxel

@@ -1,14 +1,35 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+#include <variant>
 #include <vector>
 
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine::voxel {
+
+/// What was removed of a shape (by shape_volume_mm3).
+struct Removed {
+  double removed_mm3 = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&Removed::removed_mm3, "removed_mm3", Range{}, "Volume removed.");
+  }
+};
+
+struct CutVolumeResult {
+  Named<Removed> shapes;         ///< that are cut
+  std::size_t voxels_count = 0;  ///< that changed
+  template <class V>
+  static void describe(V& v) {
+    v.map(&CutVolumeResult::shapes, "shapes", "By shape.").items_alone();
+    v.integer(&CutVolumeResult::voxels_count, "voxels_count", Range{}, "Voxels that changed.");
+  }
+};
 
 /// Cuts a solid, given by its signed distance (positive outside) and bounds, out of the shapes with these numbers (of
 /// all shapes where empty). Their occupancy is lowered to what the solid leaves, with the same sub-voxel surface as in
@@ -25,21 +46,32 @@ namespace trephine::voxel {
 ///
 /// A servo may read and drill the same voxels meanwhile: each is replaced only as it was read, so none rises.
 ///
-/// The report: "<name>.removed_mm3" (by shape_volume_mm3) of the shapes that are cut, and the voxels_count that
-/// changed; a warning where nothing is removed from any of them.
-void cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
-                const std::vector<int>& shape_numbers, Report& report, const Progress& progress = {});
+/// A warning where nothing is removed from any of the shapes.
+Outcome<std::monostate, CutVolumeResult> cut_volume(HapticVolume& volume, const surface::DistanceFunction& solid,
+                                                    const surface::Bounds& solid_bounds_mm,
+                                                    const std::vector<int>& shape_numbers,
+                                                    const Progress& progress = {});
 
 /// The volume that a shape fills, with its shares of voxels of two shapes. A voxel with occupancy o counts as clamp(1/2
 /// + 2 (o - 1/2), 0, 1), because the ramp of occupancy is twice as wide as a voxel's share of a plane; otherwise a ball
 /// of radius R voxels would be measured (ramp / R)^2 too large. Encoding `hu`: the voxels in its window.
 double shape_volume_mm3(const HapticVolume& volume, int number);
 
+struct CutFieldResult {
+  std::size_t voxels_count = 0;  ///< that changed
+  std::optional<double> unit_per_mm;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&CutFieldResult::voxels_count, "voxels_count", Range{}, "Voxels that changed.");
+    v.number(&CutFieldResult::unit_per_mm, "unit_per_mm", "The field's unit near its surface.");
+  }
+};
+
 /// Cuts a solid out of a field (positive inside): the field becomes the smaller of itself and the cutter's distance, in
 /// the field's own unit near its surface (the median length of its gradient there), up to three voxels from the solid.
-/// The result is positive inside the rest and finite everywhere. The report: the voxels_count that changed,
-/// unit_per_mm; a warning where no voxel inside is lowered.
-void cut_field(grid::Field& field, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
-               Report& report, const Progress& progress = {});
+/// The result is positive inside the rest and finite everywhere. A warning where no voxel inside is lowered.
+Outcome<std::monostate, CutFieldResult> cut_field(grid::Field& field, const surface::DistanceFunction& solid,
+                                                  const surface::Bounds& solid_bounds_mm,
+                                                  const Progress& progress = {});
 
 }  // namespace trephine::voxel

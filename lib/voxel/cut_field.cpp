@@ -11,7 +11,7 @@ namespace trephine::voxel {
 namespace {
 
 constexpr double margin_voxels = 3;
-constexpr const char* nothing = "removes nothing of the field";
+const Warning nothing{"removes_nothing", "removes nothing of the field", {}};
 
 // Length of the field's gradient, per mm, at the voxels of the box that the surface passes; by central differences.
 std::vector<double> slopes_at_surface(const grid::Field& field, const grid::Box& box) {
@@ -50,13 +50,11 @@ double unit_per_mm(const grid::Field& field, const grid::Box& box) {
 
 }  // namespace
 
-void cut_field(grid::Field& field, const surface::DistanceFunction& solid, const surface::Bounds& solid_bounds_mm,
-               Report& report, const Progress& progress) {
+Outcome<std::monostate, CutFieldResult> cut_field(grid::Field& field, const surface::DistanceFunction& solid,
+                                                  const surface::Bounds& solid_bounds_mm, const Progress& progress) {
   const grid::Box box = detail::box_of(field, solid_bounds_mm, {margin_voxels, margin_voxels, margin_voxels});
   if (box.empty()) {
-    report.add("voxels_count", 0);
-    report.warn(nothing);
-    return;
+    return {{}, {}, {nothing}};
   }
   const double unit = unit_per_mm(field, box);
   // Voxels lowered, and those of them that were inside.
@@ -77,10 +75,8 @@ void cut_field(grid::Field& field, const surface::DistanceFunction& solid, const
   const auto sum = [](const std::vector<std::size_t>& v) {
     return std::accumulate(v.begin(), v.end(), std::size_t{0});
   };
-  report.add("voxels_count", sum(changed));
-  report.add("unit_per_mm", unit);
-  if (sum(inside) == 0) report.warn(nothing);
   progress.report(1);
+  return {{}, {sum(changed), unit}, sum(inside) == 0 ? Warnings{nothing} : Warnings{}};
 }
 
 }  // namespace trephine::voxel

@@ -46,6 +46,15 @@ struct Mismatch {
   }
 };
 
+/// The stage's result, by shape.
+struct MismatchResult {
+  Named<Mismatch> shapes;
+  template <class V>
+  static void describe(V& v) {
+    v.map(&MismatchResult::shapes, "shapes", "By shape.").items_alone();
+  }
+};
+
 /// Takes points spread evenly over the displayed surface (closed or not; the same whatever the thread count), and looks
 /// along the triangle's normal for the place nearest to the point, within reach_mm, where one leaves the shape as
 /// `felt` defines it. Only a crossing outwards counts, so the far side of a thin wall, or the boundary to a shape

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/refusal.h"
-#include "surface/results.h"
 #include "voxel/cut.h"
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
@@ -191,13 +190,15 @@ bool is_half(int share) { return 2 * share >= haptic_full; }
   else if (largest > 0)
     why = "fills no voxel of the region to one half: it is too thin for the voxels, or lies at the region's edge";
   throw refusal("haptic." + shape.name, why,
-                {"leave it out of `shapes`, set a smaller `spacing_mm`, or change the order of the `shapes`"});
+                {"leave it out of `shapes`, set a smaller `spacing_mm`, or change the order of the `shapes`"})
+      .finds_fault_with({shape.name})
+      .because(Cause::refused_output);
 }
 
 }  // namespace
 
-HapticVolume voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
-                      const Progress& progress) {
+Outcome<HapticVolume, VoxelizeResult> voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes,
+                                               const Progress& progress) {
   check_shapes(lattice, shapes);
   HapticVolume volume;
   const double ml = lattice.voxel_volume_mm3() / 1000;
@@ -224,15 +225,15 @@ HapticVolume voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeSh
     ++voxels[std::size_t(v.number)];
     half[std::size_t(v.number)] += is_half(v.share);
   }
+  VoxelizeResult result;
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
-    add_result(report, surface::ShapeVolumeResult{shape_volume_mm3(volume, int(n + 1)) / 1000}, name + ".");
-    report.add(name + ".voxels_count", voxels[n + 1]);
-    report.add(name + ".overlap_ml", overlap_ml[n]);
+    result.shapes.emplace_back(
+        name, ShapeVoxels{shape_volume_mm3(volume, int(n + 1)) / 1000, voxels[n + 1], overlap_ml[n]});
   }
   progress.report(1);
-  return volume;
+  return {std::move(volume), std::move(result), {}};
 }
 
 }  // namespace trephine::voxel

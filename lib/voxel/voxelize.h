@@ -1,17 +1,45 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/params.h"
 #include "base/progress.h"
-#include "base/report.h"
+#include "base/result.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
+#include "voxel/cut.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine::voxel {
+
+/// A shape of a haptic volume.
+struct ShapeVoxels {
+  double volume_ml = 0;  ///< what is left of it
+  std::size_t voxels_count = 0;
+  std::optional<double> overlap_ml;  ///< what went to earlier shapes
+  template <class V>
+  static void describe(V& v) {
+    v.number(&ShapeVoxels::volume_ml, "volume_ml", Range{}, "Volume that is left of the shape.");
+    v.integer(&ShapeVoxels::voxels_count, "voxels_count", Range{}, "Voxels of the shape.");
+    v.number(&ShapeVoxels::overlap_ml, "overlap_ml", "What went to shapes of precedence.");
+  }
+};
+
+struct VoxelizeResult {
+  Named<ShapeVoxels> shapes;
+  std::optional<std::int64_t> clamped_voxels_count;  ///< of raw HU: those beyond int16
+  Named<CutVolumeResult> cutters;                    ///< where the volume was cut
+  template <class V>
+  static void describe(V& v) {
+    using P = VoxelizeResult;
+    v.map(&P::shapes, "shapes", "By shape.").items_alone();
+    v.integer(&P::clamped_voxels_count, "clamped_voxels_count", "Voxels whose HU were clamped.");
+    v.map(&P::cutters, "cutters", "What each cutter removed.").items_alone();
+  }
+};
 
 /// One shape of the volume to be made. Earlier shapes of a list have precedence: a part that one fills does not belong
 /// to later ones.
@@ -66,12 +94,12 @@ grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direc
 /// the rest to that shape and this is nearer to the truth than EMPTY. A gap of less than a quarter of a voxel between
 /// two shapes closes. So no voxel reads as more than half of a shape that is not there.
 ///
-/// The report: for each shape volume_ml, voxels_count, and the overlap_ml that went to earlier shapes. The result has
+/// The result has
 /// the same bytes whatever the thread count. Throws Error 65 where a surface is not closed; 80 where a shape has at
 /// least half of no voxel of the region (it could not be felt), because it is too thin, or because earlier shapes or
 /// its clearance took it; Cancelled.
-HapticVolume voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
-                      const Progress& progress = {});
+Outcome<HapticVolume, VoxelizeResult> voxelize(const grid::Lattice& lattice, const std::vector<VoxelizeShape>& shapes,
+                                               const Progress& progress = {});
 
 /// A shape as a window of HU, both ends included.
 struct HuWindow {
@@ -79,10 +107,10 @@ struct HuWindow {
   std::int16_t low_hu = 0, high_hu = 0;
 };
 /// Makes a haptic volume of a raw CT: the HU resampled onto the lattice (trilinear; -1024 outside of the scan), rounded
-/// and clamped to int16 (the report counts these). Throws Error 78 where windows overlap, are empty or begin at -1024
+/// and clamped to int16 (these are counted). Throws Error 78 where windows overlap, are empty or begin at -1024
 /// or below.
-HapticVolume voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
-                         const std::vector<HuWindow>& windows, Report& report, const Progress& progress = {});
+Outcome<HapticVolume, VoxelizeResult> voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
+                                                  const std::vector<HuWindow>& windows, const Progress& progress = {});
 
 /// The hardness volume from the HU at each voxel: 0 at low_hu and below, 255 at high_hu and above (cancellous to
 /// cortical bone).

@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "surface/results.h"
 #include "voxel/cut_solid.h"
 #include "voxel/voxelize.h"
 
@@ -103,8 +102,8 @@ grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direc
   return lattice;
 }
 
-HapticVolume voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
-                         const std::vector<HuWindow>& windows, Report& report, const Progress& progress) {
+Outcome<HapticVolume, VoxelizeResult> voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& lattice,
+                                                  const std::vector<HuWindow>& windows, const Progress& progress) {
   if (windows.empty() || windows.size() > std::size_t(haptic_max_shapes))
     throw Error(ExitCode::bad_config, "", "haptic.windows",
                 std::to_string(windows.size()) + ", must be 1 to " + std::to_string(haptic_max_shapes));
@@ -134,15 +133,15 @@ HapticVolume voxelize_hu(const grid::HuVolume& volume, const grid::Lattice& latt
       counts[std::size_t(k)][n] += value >= out.shapes[n].window_low && value <= out.shapes[n].window_high;
   });
   check_haptic_volume(out);
+  VoxelizeResult result;
   for (std::size_t n = 0; n < out.shapes.size(); ++n) {
     std::size_t count = 0;
     for (const auto& c : counts) count += c[n];
-    add_result(report, surface::ShapeVolumeResult{double(count) * lattice.voxel_volume_mm3() / 1000},
-               out.shapes[n].name + ".");
-    report.add(out.shapes[n].name + ".voxels_count", count);
+    result.shapes.emplace_back(out.shapes[n].name,
+                               ShapeVoxels{double(count) * lattice.voxel_volume_mm3() / 1000, count, {}});
   }
-  report.add("clamped_voxels_count", std::accumulate(clamped.begin(), clamped.end(), std::size_t{0}));
-  return out;
+  result.clamped_voxels_count = std::accumulate(clamped.begin(), clamped.end(), std::int64_t{0});
+  return {std::move(out), std::move(result), {}};
 }
 
 grid::Mask haptic_hardness(const grid::HuVolume& volume, const grid::Lattice& lattice, double low_hu, double high_hu,

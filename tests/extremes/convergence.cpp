@@ -13,6 +13,7 @@
 #include "scenes.h"
 #include "voxel/cut.h"
 #include "voxel/voxelize.h"
+#include "../report_of.h"
 
 namespace trephine::extremes {
 namespace {
@@ -23,7 +24,7 @@ surface::TriMesh contoured(const grid::Field& field) {
   Report r;
   meshing::ContourParams p;
   p.min_component_mm3 = 0;
-  return meshing::contour(field, p, r);
+  return value_of(r, meshing::contour(field, p));
 }
 
 surface::TriMesh ball(const grid::Lattice& l, double radius_mm, Vec3 centre = {}) {
@@ -107,7 +108,7 @@ std::string over_deviation() {
     meshing::DecimateParams p;
     p.max_deviation_mm = mm;
     Report r;
-    const surface::TriMesh out = meshing::decimate(in, p, r);
+    const surface::TriMesh out = value_of(r, meshing::decimate(in, p));
     if (std::get<double>(*r.find("deviation_max_mm")) > mm)
       return "FAULT: the bound of " + rounded(mm) + " mm is passed";
     s.at.push_back(mm);
@@ -138,7 +139,7 @@ std::string over_iterations() {
     p.pass_band_ratio = 0.1;
     p.max_displacement_mm = 1;
     Report r;
-    const surface::TriMesh out = meshing::smooth(in, p, r);
+    const surface::TriMesh out = value_of(r, meshing::smooth(in, p));
     s.at.push_back(n);
     s.values.push_back(off_sphere_mm(out, radius_mm));
     if (n > 0 && !(std::get<double>(*r.find("displacement_max_mm")) <= p.max_displacement_mm + 1e-9))
@@ -170,7 +171,7 @@ std::string over_radius() {
   for (const double r : {0.05, 0.3, 1.0, 5.0, 20.0, 29.0}) {
     const boolean::Cutter c = drill({0, 0, 0}, r, 100);
     Report report;
-    const double removed = surface::volume_mm3(in) - surface::volume_mm3(boolean::cut_surface(in, {c}, {}, report));
+    const double removed = surface::volume_mm3(in) - surface::volume_mm3(value_of(report, boolean::cut_surface(in, {c}, {})));
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - ball_mm3(std::sqrt(R * R - r * r))) - 1));
   }
@@ -182,7 +183,7 @@ std::string over_radius() {
 std::string wider_than_the_body() {
   Report report;
   const surface::TriMesh left =
-      boolean::cut_surface(ball(cube({64, 64, 64}, {1, 1, 1}), 30), {drill({0, 0, 0}, 40, 100)}, {}, report);
+      value_of(report, boolean::cut_surface(ball(cube({64, 64, 64}, {1, 1, 1}), 30), {drill({0, 0, 0}, 40, 100)}, {}));
   return "FAULT: " + std::to_string(left.triangles.size()) + " triangles are left of nothing";
 }
 
@@ -192,8 +193,7 @@ voxel::HapticVolume felt(const surface::TriMesh& in, double mm) {
   surface::Bounds b = surface::bounds_of(in);
   for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
   Report r;
-  return voxel::voxelize(voxel::haptic_lattice(b, grid::Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}},
-                         r);
+  return value_of(r, voxel::voxelize(voxel::haptic_lattice(b, grid::Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}));
 }
 
 std::string over_haptic_radius() {
@@ -205,14 +205,13 @@ std::string over_haptic_radius() {
     voxel::HapticVolume volume = whole;
     const boolean::Cutter c = drill({0, 0, 0}, r, 100);
     Report report;
-    voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), {number}, report);
+    value_of(report, voxel::cut_volume(volume, boolean::distance_to(c), boolean::bounds_of(c), {number}));
     const double removed = voxel::shape_volume_mm3(whole, number) - voxel::shape_volume_mm3(volume, number);
     const double left_mm3 = r < R ? ball_mm3(std::sqrt(R * R - r * r)) : 0;
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - left_mm3) - 1));
     // Less than a voxel's radius: not held, and said.
-    boolean::warn_of_thin(report, c, volume.voxels.spacing_mm);
-    if (report.warnings.empty() != (r >= 0.5)) return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
+    if (boolean::thin_cutter(c, volume.voxels.spacing_mm).has_value() != (r < 0.5)) return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
     if (r >= 0.5 && std::fabs(s.values.back()) > 3) return "FAULT: not the truth: " + s.text();
     if (removed < 0) return "FAULT: grows: " + s.text();
   }

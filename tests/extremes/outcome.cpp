@@ -226,9 +226,8 @@ std::string outcome_of(const std::string& name, const std::function<std::string(
 
 std::string outcome_of_stage(const stages::StageType& stage, const AnyParams& params,
                              const stages::StageInputs& inputs) {
-  Report report;
-  const stages::StageData data = stage.run(params, inputs, report, {});
-  return describe(data, report);
+  const stages::StageOutcome made = stage.run(params, inputs, {});
+  return describe(made.data, made.report());
 }
 
 }  // namespace trephine::extremes

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "meshing/contour.h"
 #include "stages/voxelize.h"
+#include "../report_of.h"
 
 namespace trephine::extremes {
 
@@ -15,7 +16,7 @@ surface::TriMesh surface_of(const grid::Field& field) {
   meshing::ContourParams p;
   p.min_component_mm3 = 0;
   Report r;
-  return meshing::contour(field, p, r);
+  return value_of(r, meshing::contour(field, p));
 }
 
 }  // namespace
@@ -181,8 +182,7 @@ bool fill(stages::StageInputs& inputs, const stages::StageType& stage, const Sce
       for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * spacing[a], b.max_mm[a] += 3 * spacing[a];
       Report r;
       data = std::make_shared<const voxel::HapticVolume>(
-          voxel::voxelize(voxel::haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p),
-                          {{"outer", &mesh->second, nullptr, 0}}, r));
+          value_of(r, voxel::voxelize(voxel::haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p), {{"outer", &mesh->second, nullptr, 0}})));
     }
   }
   return true;
