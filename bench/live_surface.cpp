@@ -170,7 +170,7 @@ void run(const voxel::HapticVolume& whole, int number, const drill::DrillShapes&
       const double way = 0.02 * (n < 1000 ? n : 2000 - n);
       pose.tip_mm = start + along * way - out * (0.001 * n) - pose.frame.column[2] * cutter.radius_mm;
       const double before = cpu_us();
-      drill.cut(pose, 0.001);
+      drill.cut_way(pose, pose.tip_mm, 0, 0.001);
       ticks.push_back(cpu_us() - before);
       if (n % 17 != 0) continue;
       marked.clear();

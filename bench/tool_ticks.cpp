@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CPU time of a haptic tick of every tool in holes of 3, 5 and 8 mm, voxels of 0.4 mm: pushed in, moved and turned
 // about at random against the walls, drawn out. The clock's own reading is taken off.
-//   bench_tool_ticks [SESSIONS [fourth] [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default,
-//   all tools; fourth: by that law, not by the fifth)
+//   bench_tool_ticks [SESSIONS [TOOL...]]     (of each tool in each hole, of about 500 ticks; 20 by default, all tools)
 // Each session is run three times, and the shortest time of a tick counts: equal inputs give equal work, and what else
 // the machine does only adds to it.
 #include <time.h>
@@ -75,9 +74,7 @@ struct Times {
   double at(double share) const { return us[std::min(us.size() - 1, std::size_t(share * double(us.size())))]; }
 };
 
-Times times_of(const char* kind, double hole_mm, int sessions, haptics::ForceParams::Law law) {
-  haptics::ForceParams force;
-  force.force_law = law;
+Times times_of(const char* kind, double hole_mm, int sessions) {
   voxel::HapticVolume volume = block(hole_mm);
   const contact::ContactVolume contact(volume);
   const double length = haptics::tool_kind(kind).length_mm;
@@ -89,7 +86,7 @@ Times times_of(const char* kind, double hole_mm, int sessions, haptics::ForcePar
     const std::vector<haptics::HapticInput> inputs = session_of(rng);
     std::vector<double> least(inputs.size(), 1e9);
     for (int round = 0; round < rounds; ++round) {
-      haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {}, tool);
+      haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), {}, {}, tool);
       for (std::size_t i = 0; i < inputs.size(); ++i) {
         const double begin = cpu_us();
         proxy.update(inputs[i]);
@@ -106,19 +103,13 @@ Times times_of(const char* kind, double hole_mm, int sessions, haptics::ForcePar
 
 int main(int count, char** words) {
   const int sessions = count > 1 ? std::max(1, std::atoi(words[1])) : 20;
-  int first = 2;
-  haptics::ForceParams::Law law = haptics::ForceParams().force_law;
-  if (count > 2 && std::string(words[2]) == "fourth") {
-    law = haptics::ForceParams::Law::fourth;
-    ++first;
-  }
   std::printf(
       "| tool | points | hole, mm | ticks | p50 | p99 | p99.9 | most, us |\n|---|---|---|---|---|---|---|---|\n");
   for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     if (!(kind.length_mm > 0) || kind.from_file) continue;
-    if (count > first && std::find(words + first, words + count, std::string(kind.name)) == words + count) continue;
+    if (count > 2 && std::find(words + 2, words + count, std::string(kind.name)) == words + count) continue;
     for (const double hole_mm : {3.0, 5.0, 8.0}) {
-      const Times t = times_of(kind.name, hole_mm, sessions, law);
+      const Times t = times_of(kind.name, hole_mm, sessions);
       const std::size_t points =
           haptics::make_tool(params_of(kind.name, 0.8 * hole_mm, kind.length_mm)).points_mm.size();
       std::printf("| `%s` | %zu | %.0f | %zu | %.0f | %.0f | %.0f | %.0f |\n", kind.name, points, hole_mm, t.us.size(),

@@ -14,7 +14,7 @@ namespace {
 using case_samples::MemoryCase;
 using Json = nlohmann::ordered_json;
 
-const std::string head = "{\n \"format\": \"trephine-case 1.2\",";
+const std::string head = "{\n \"format\": \"trephine-case 2.0\",";
 
 Json body_of(const MemoryCase& c) {
   Json j = Json::parse(c.files.at("case.json"));

@@ -21,7 +21,7 @@ TEST(ContactLiveSurface, TheDisplayedSurfaceIsTheFeltOne) {
   for (int tick = 0; tick < 3000; ++tick) {
     if (tick % 150 == 0) to = v.voxels.to_world_mm({uniform(rng, 5, 55), uniform(rng, 5, 55), uniform(rng, 20, 40)});
     at += (to - at) * 0.02;
-    const drill::Removal& r = drill.cut(centred(at, 1.6), 0.001);
+    const drill::Removal& r = cut(drill, centred(at, 1.6), 0.001);
     if (!r.changed.empty()) contact.loosen(r.changed);
   }
   marks.take(marked);

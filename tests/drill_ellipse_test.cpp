@@ -39,7 +39,7 @@ Width width_of(double semi_a_mm, double semi_b_mm, double voxel_mm) {
     const Vec3 middle_mm =
         middle(volume) + Vec3{uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5)};
     pose.tip_mm = middle_mm - pose.frame.column[2] * 3;
-    for (int tick = 0; tick < 60; ++tick) d.cut_way(pose, pose.tip_mm, 0, 0.001);
+    for (int tick = 0; tick < 60; ++tick) cut(d, pose, 0.001);
     const voxel::HapticDecoder decoder(volume);
     double width = 0;
     constexpr double step = 0.02;

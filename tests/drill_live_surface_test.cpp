@@ -172,7 +172,7 @@ TEST(LiveSurface, FollowsADrillExactly) {
   for (int tick = 0; tick < 4000; ++tick) {
     if (tick % 150 == 0) to = v.voxels.to_world_mm({uniform(rng, -1, 61), uniform(rng, -1, 61), uniform(rng, 20, 40)});
     at += (to - at) * 0.02;
-    drill.cut(centred(at, 1.6), 0.001);
+    cut(drill, centred(at, 1.6), 0.001);
     if (tick == 2000) drill.incise(v.voxels.to_world_mm({30, 30, 45}), 6);
     if (drill.incising()) drill.go_on();
     if (tick % 17 != 0) continue;
@@ -210,7 +210,7 @@ TEST(LiveSurface, BesideADrillingThreadNoCrackOpens) {
     for (int tick = 0; !stop; ++tick) {
       if (tick % 100 == 0) to = v.voxels.to_world_mm({uniform(rng, 4, 44), uniform(rng, 4, 44), uniform(rng, 16, 32)});
       at += (to - at) * 0.03;
-      drill.cut(centred(at, 2), 0.001);
+      cut(drill, centred(at, 2), 0.001);
     }
   });
   std::vector<std::size_t> marked;
@@ -250,7 +250,7 @@ TEST(LiveSurface, TimesOfAStroke) {
                                             0.5 * v.voxels.size[1] + 10 / spacing * std::sin(a),
                                             0.62 * v.voxels.size[2] + 0.4 * radius / spacing});
       const double before = cpu_us();
-      units += double(drill.cut(centred(at, radius), 0.001).units[2]);
+      units += double(cut(drill, centred(at, radius), 0.001).units[2]);
       ticks.push_back(cpu_us() - before);
       if (n % 17 != 0) continue;
       marked.clear();
@@ -263,9 +263,9 @@ TEST(LiveSurface, TimesOfAStroke) {
       std::sort(t.begin(), t.end());
       return t[std::size_t(share * double(t.size() - 1))];
     };
-    std::printf("  %4.1f mm at %.1f mm: tick p50 %.1f, p99 %.1f us; frame p50 %.0f, p99 %.0f us; %.0f mm3, m %d\n",
+    std::printf("  %4.1f mm at %.1f mm: tick p50 %.1f, p99 %.1f us; frame p50 %.0f, p99 %.0f us; %.0f mm3\n",
                 2 * radius, spacing, p(ticks, 0.5), p(ticks, 0.99), p(frames, 0.5), p(frames, 0.99),
-                mm3(v, std::int64_t(units)), drill.slices());
+                mm3(v, std::int64_t(units)));
     EXPECT_GT(units, 0);
     EXPECT_LT(p(ticks, 0.5), spacing > 0.5 ? 1000 : 2000);
     EXPECT_LT(p(frames, 0.5), radius > 3.5 ? 25000 : 10000);
@@ -287,7 +287,7 @@ TEST(LongLiveSurface, AMinuteAlongATemporalBonePath) {
     const double t = 0.001 * tick;
     const Vec3 at = v.voxels.to_world_mm({50 + (10 + 0.4 * t) * std::cos(2.3 * t),
                                           50 + (10 + 0.4 * t) * std::sin(2.1 * t), 66 - 0.5 * t + 2 * std::sin(5 * t)});
-    units += double(drill.cut(centred(at, 1), 0.001).units[2]);
+    units += double(cut(drill, centred(at, 1), 0.001).units[2]);
     if (tick % 17 == 0) {
       marked.clear();
       marks.take(marked);

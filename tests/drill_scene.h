@@ -85,6 +85,11 @@ inline drill::ToolPose centred(Vec3 centre_mm, double radius_mm) {
   return p;
 }
 
+/// The tool runs, and came to this pose.
+inline const drill::Removal& cut(drill::Drill& drill, const drill::ToolPose& pose, double dt_s, double power = 1) {
+  return drill.cut_way(pose, pose.tip_mm, 0, dt_s, power);
+}
+
 inline double mm3(const voxel::HapticVolume& v, std::int64_t units) {
   return double(units) / voxel::haptic_full * v.voxels.voxel_volume_mm3();
 }

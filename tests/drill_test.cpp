@@ -23,7 +23,8 @@ double stroked_mm3(double rate_hz, double radius) {
   drill::Drill drill(v, only(1, 0.1), ball(radius), params);
   std::int64_t units = 0;
   const int ticks = int(2 * rate_hz);
-  for (int n = 0; n <= ticks; ++n) units += drill.cut(centred(on_stroke(m, n / rate_hz), radius), 1 / rate_hz).units[1];
+  for (int n = 0; n <= ticks; ++n)
+    units += cut(drill, centred(on_stroke(m, n / rate_hz), radius), 1 / rate_hz).units[1];
   return mm3(v, units);
 }
 
@@ -51,7 +52,7 @@ TEST(Drill, APowerIsARate) {
     std::int64_t units = 0;
     double energy_j = 0;
     for (int n = 0; n <= 1000; ++n) {
-      const drill::Removal& r = drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0.3, 0.2}, 2.5), 0.001);
+      const drill::Removal& r = cut(drill, centred(m + Vec3{-10 + 0.02 * n, 0.3, 0.2}, 2.5), 0.001);
       units += r.units[1];
       energy_j += r.energy_j;
     }
@@ -63,8 +64,8 @@ TEST(Drill, APowerIsARate) {
   const Vec3 m = middle(v);
   drill::Drill drill(v, only(1, 0.1), ball(2.5), {});
   std::int64_t half = 0, none = 0;
-  for (int n = 0; n <= 500; ++n) half += drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0, 0}, 2.5), 0.001, 0.5).units[1];
-  for (int n = 0; n <= 100; ++n) none += drill.cut(centred(m + Vec3{0.02 * n, 0, 0}, 2.5), 0.001, 0).units[1];
+  for (int n = 0; n <= 500; ++n) half += cut(drill, centred(m + Vec3{-10 + 0.02 * n, 0, 0}, 2.5), 0.001, 0.5).units[1];
+  for (int n = 0; n <= 100; ++n) none += cut(drill, centred(m + Vec3{0.02 * n, 0, 0}, 2.5), 0.001, 0).units[1];
   EXPECT_NEAR(mm3(v, half), 50, 0.8);
   EXPECT_EQ(none, 0);
 }
@@ -81,66 +82,10 @@ TEST(Drill, HardMaterialTakesMore) {
     params.power_w = 1;
     drill::Drill drill(v, only(1, 0.1), ball(2), params);
     std::int64_t units = 0;
-    for (int n = 0; n <= 2000; ++n) units += drill.cut(centred(m + Vec3{-5 + 0.005 * n, 0, 0}, 2), 0.001).units[1];
+    for (int n = 0; n <= 2000; ++n) units += cut(drill, centred(m + Vec3{-5 + 0.005 * n, 0, 0}, 2), 0.001).units[1];
     removed[hardness == 0 ? 0 : 1] = mm3(v, units);
   }
   EXPECT_NEAR(removed[0] / removed[1], 4, 0.1);
-}
-
-// 3: the ellipse of Table VIII, PF1 + PF2 <= 2a and 0 <= z <= h, at a million points.
-TEST(Drill, TheEllipseOfTheCraniotome) {
-  drill::Cutter c;
-  c.kind = drill::Cutter::Kind::cylinder;
-  c.semi_a_mm = 2.1;
-  c.semi_b_mm = 1.3;
-  c.height_mm = 7;
-  std::mt19937_64 rng(1);
-  drill::ToolPose pose;
-  pose.frame.column[2] = normalized(Vec3{0.3, -0.5, 0.8});
-  pose.frame.column[0] = normalized(cross(pose.frame.column[2], Vec3{0, 0, 1}));
-  pose.frame.column[1] = cross(pose.frame.column[2], pose.frame.column[0]);
-  pose.tip_mm = {3, -2, 1};
-  const drill::CutterSweep rests(c, pose, pose.tip_mm);
-  const double f = std::sqrt(c.semi_a_mm * c.semi_a_mm - c.semi_b_mm * c.semi_b_mm);
-  int wrong = 0, inside = 0;
-  for (int n = 0; n < 1000000; ++n) {
-    const Vec3 p{uniform(rng, -2.6, 2.6), uniform(rng, -1.8, 1.8), uniform(rng, -1, 8)};
-    const double foci = std::hypot(p.x - f, p.y) + std::hypot(p.x + f, p.y);
-    const bool in = foci <= 2 * c.semi_a_mm && p.z >= 0 && p.z <= c.height_mm;
-    if (std::abs(foci - 2 * c.semi_a_mm) < 1e-9) continue;
-    wrong += (rests.dose(pose.tip_mm + pose.frame * p) > 0) != in;
-    inside += in;
-  }
-  EXPECT_EQ(wrong, 0);
-  EXPECT_GT(inside, 100000);
-}
-
-// The closed form against a sum of 20,000 places on the way, for both cutters.
-TEST(Drill, TheSweepIsTheIntegral) {
-  std::mt19937_64 rng(2);
-  for (int n = 0; n < 400; ++n) {
-    drill::Cutter c;
-    c.kind = n % 2 ? drill::Cutter::Kind::cylinder : drill::Cutter::Kind::ball;
-    c.radius_mm = uniform(rng, 0.5, 4);
-    c.semi_a_mm = uniform(rng, 1, 3);
-    c.semi_b_mm = uniform(rng, 0.5, 1);
-    c.height_mm = uniform(rng, 1, 8);
-    drill::ToolPose pose;
-    const Vec3 to{uniform(rng, -6, 6), uniform(rng, -6, 6), n % 3 ? uniform(rng, -6, 6) : 0};
-    const drill::CutterSweep sweep(c, pose, to);
-    const Vec3 p{uniform(rng, -6, 6), uniform(rng, -6, 6), uniform(rng, -3, 10)};
-    double sum = 0;
-    constexpr int parts = 20000;
-    for (int m = 0; m < parts; ++m) {
-      drill::ToolPose at = pose;
-      at.tip_mm = to * ((m + 0.5) / parts);
-      sum += drill::CutterSweep(c, at, at.tip_mm).dose(p) / parts;
-    }
-    EXPECT_NEAR(sweep.dose(p), sum, 1e-4);
-    if (sum > 1e-4) {
-      EXPECT_LE(norm(p - sweep.middle_mm()), sweep.reach_mm());
-    }
-  }
 }
 
 namespace {
@@ -171,8 +116,8 @@ void random_cuts(int count) {
       changed = changed.empty() ? changed : grid::whole_box(v.voxels);
     } else {
       drill->rest();
-      drill->cut(centred(at, drill->cutter().radius_mm), 0.001);
-      const drill::Removal& r = drill->cut(centred(at + Vec3{0.1, 0, 0.1}, drill->cutter().radius_mm), 0.02);
+      const drill::ToolPose pose = centred(at, drill->cutter().radius_mm);
+      const drill::Removal& r = drill->cut_way(pose, pose.tip_mm + Vec3{0.1, 0, 0.1}, 0, 0.02);
       changed = r.changed;
       EXPECT_EQ(r.units[1], 0) << "a drill cuts no skin";
       EXPECT_EQ(r.units[3], 0) << "nor brain";

@@ -25,7 +25,7 @@ void stroke(drill::Drill& d, const grid::Lattice& l, int n) {
   drill::ToolPose pose;
   for (int tick = 0; tick <= 120; ++tick) {
     pose.tip_mm = from + (to - from) * (tick / 120.0);
-    d.cut(pose, 0.001);
+    cut(d, pose, 0.001);
   }
   d.rest();
 }

@@ -16,8 +16,7 @@ struct Swept {
 };
 
 // A groove of 20 mm along a face of the block, half a ball deep, then the tool is lifted.
-Swept sweep(double radius_mm, double voxel_mm, double m_per_s, double dt_s, bool along_way, double power_w = 1e5,
-            int standing = 0) {
+Swept sweep(double radius_mm, double voxel_mm, double m_per_s, double dt_s, double power_w = 1e5) {
   const int n = int(44 / voxel_mm);
   voxel::HapticVolume volume = full(n, voxel_mm);
   drill::DrillParams law;
@@ -35,12 +34,8 @@ Swept sweep(double radius_mm, double voxel_mm, double m_per_s, double dt_s, bool
   for (int tick = 0;; ++tick) {
     const double at = std::min(20.0, step_mm * tick);
     const drill::ToolPose pose = centred(from + x * at, radius_mm);
-    count(along_way ? d.cut_way(pose, pose.tip_mm, 0, dt_s) : d.cut_to(pose, pose.tip_mm, 0, dt_s));
+    count(cut(d, pose, dt_s));
     if (at >= 20) break;
-  }
-  for (int tick = 0; tick < standing; ++tick) {
-    const drill::ToolPose pose = centred(from + x * 20.0, radius_mm);
-    count(along_way ? d.cut_way(pose, pose.tip_mm, 0, dt_s) : d.cut_to(pose, pose.tip_mm, 0, dt_s));
   }
   d.rest();
   for (; d.late() && out.ticks_after < 10000; ++out.ticks_after) count(d.cut_late(dt_s));
@@ -56,29 +51,23 @@ double capsule_mm3(double radius_mm) {
 TEST(DrillWay, HoweverFastTheToolGoes) {
   for (const double voxel_mm : {0.4, 0.8})
     for (const double radius_mm : {2.0, 7.0}) {
-      const Swept slow = sweep(radius_mm, voxel_mm, 0.02, 0.001, true);
+      const Swept slow = sweep(radius_mm, voxel_mm, 0.02, 0.001);
       // The ramp of a voxel to each side of a round surface holds a little more outside than inside.
       EXPECT_NEAR(slow.removed_mm3 / capsule_mm3(radius_mm), 1, 0.08);
       for (const double m_per_s : {0.05, 0.5, 1.5, 3.0})
         for (const double dt_s : {0.001, 0.004, 0.021}) {
           SCOPED_TRACE(testing::Message()
                        << radius_mm << " mm, voxels " << voxel_mm << ", " << m_per_s << " m/s, " << dt_s << " s");
-          const Swept is = sweep(radius_mm, voxel_mm, m_per_s, dt_s, true);
+          const Swept is = sweep(radius_mm, voxel_mm, m_per_s, dt_s);
           EXPECT_NEAR(is.removed_mm3 / slow.removed_mm3, 1, 0.015);
           EXPECT_LE(is.max_a_call, std::int64_t(17000) * 255) << "a call is bounded";
         }
     }
 }
 
-// What the issue was filed for: with a limit on the way of a tick, and no look at what lies between two poses.
-TEST(DrillWay, WithoutTheWayFastCutsAreLost) {
-  const Swept slow = sweep(7, 0.4, 0.05, 0.001, false), fast = sweep(7, 0.4, 3, 0.004, false);
-  EXPECT_LT(fast.removed_mm3, 0.6 * slow.removed_mm3);
-}
-
 // A large cutter in fine voxels: what a fast tool leaves is removed behind it, and counted.
 TEST(DrillWay, WhatIsLateIsCounted) {
-  const Swept slow = sweep(7, 0.4, 0.01, 0.001, true), fast = sweep(7, 0.4, 3, 0.001, true);
+  const Swept slow = sweep(7, 0.4, 0.01, 0.001), fast = sweep(7, 0.4, 3, 0.001);
   std::printf("  10 mm/s: %.1f of %.0f mm3 late; 3 m/s: %.1f of %.0f, for %d ticks after\n", slow.late_mm3,
               slow.removed_mm3, fast.late_mm3, fast.removed_mm3, fast.ticks_after);
   EXPECT_LT(slow.late_mm3, 0.05 * slow.removed_mm3);
@@ -91,7 +80,7 @@ TEST(DrillWay, WhatIsLateIsCounted) {
 TEST(DrillWay, UsesNoMorePowerThanItsTicksHad) {
   for (const double m_per_s : {0.05, 1.5}) {
     const double dt_s = 0.001, seconds = 0.02 / m_per_s + dt_s;
-    const Swept is = sweep(7, 0.4, m_per_s, dt_s, true, 300);
+    const Swept is = sweep(7, 0.4, m_per_s, dt_s, 300);
     EXPECT_LE(0.1 * is.removed_mm3, 300 * (seconds + dt_s) * 1.02) << m_per_s;
     EXPECT_GE(0.1 * is.removed_mm3, 0.7 * std::min(300 * seconds, 0.1 * capsule_mm3(7))) << m_per_s;
   }
@@ -110,7 +99,7 @@ TEST(DrillWay, LateWaysOfSeveralCuttersKeepTheirOwn) {
   const Vec3 x = volume.voxels.direction.column[0], y = volume.voxels.direction.column[1], from = middle(volume);
   const auto go = [&](Vec3 at, double radius_mm) {
     const drill::ToolPose pose = centred(at, radius_mm);
-    d.cut_way(pose, pose.tip_mm, 0, 0.001);
+    cut(d, pose, 0.001);
   };
   for (int n = 0; n < 400; ++n) go(from - y * 8 + x * (n % 2 == 0 ? -4.0 : 4.0), 7);  // to and fro: no ways are joined
   const Vec3 thin = from + y * 13;
@@ -148,7 +137,7 @@ TEST(DrillWay, ACutterChangedWithEachWayLosesNone) {
   for (int n = 0; n < 100; ++n) {
     d.hold(n % 2);
     const drill::ToolPose pose = centred(place(n), n % 2 == 0 ? 6 : 5);
-    d.cut_way(pose, pose.tip_mm, 0, 0.001);
+    cut(d, pose, 0.001);
   }
   for (int n = 0; d.late() && n < 100000; ++n) d.cut_late(0.001);
   ASSERT_FALSE(d.late());

@@ -46,8 +46,7 @@ struct Scene {
     for (const haptics::BeltToolParams& t : tools) burrs.push_back({haptics::cutter_of(params, t), 8});
     drilling = std::make_unique<haptics::Drilling>(volume, *contact, shapes, params, drill::DrillParams{}, burrs);
     belt = std::make_unique<haptics::ToolBelt>(*contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)),
-                                               haptics::ForceParams{}, haptics::ShaftParams{}, tools, drilling.get(),
-                                               true);
+                                               haptics::ForceParams{}, haptics::ShaftParams{}, tools, drilling.get());
   }
   /// How wide the block is open at that place of its surface, and 3 mm deep, along y.
   double width_mm(double x) const {

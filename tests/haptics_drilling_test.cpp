@@ -264,9 +264,8 @@ TEST(HapticsDrilling, ATickWithABurrOf7Mm) {
     drill::DirtyBricks marks(volume.voxels);
     haptics::Drilling drilling(volume, contact, shapes, params, {}, haptics::cutter_of(params, haptics::own_tool(tool)),
                                &marks);
-    haptics::Proxy proxy(
-        contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), plain(), {},
-        haptics::make_tool(haptics::felt_tool(params, haptics::own_tool(tool), volume.voxels.spacing_mm)));
+    haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), plain(), {},
+                         haptics::make_tool(tool));
     std::vector<double> us;
     int touching = 0;
     for (int tick = 0; tick < 4000; ++tick) {

@@ -14,7 +14,6 @@ struct FeedRun {
   double rate_hz = 1000;
   haptics::DrillingParams drilling;
   drill::DrillParams law;
-  haptics::ForceParams::Law force_law = haptics::ForceParams().force_law;
 };
 
 struct Feed {
@@ -56,10 +55,9 @@ inline Feed feed_of(FeedRun run, Drilled* left = nullptr) {
   haptics::ForceParams limits;  // of a device that can do more
   limits.max_force_n = 20;
   limits.ramp_s = 0;
-  limits.force_law = run.force_law;
   limits.max_force_rate_n_per_s = 1e5;
   haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3, 0, 0.0003), face(1, 0.35, 0.3, 0, 0.0003)), limits, {},
-                       haptics::make_tool(haptics::felt_tool(params, tool, volume.voxels.spacing_mm)));
+                       haptics::make_tool(tool));
 
   // The hand's way goes in at a tilt, and its tool lies along its way.
   const double tilt = run.tilt_deg * M_PI / 180;

@@ -19,14 +19,6 @@ double lawful_mm_per_s(const FeedRun& run, double energy_j_per_mm3) {
   return power_w / energy_j_per_mm3 / (M_PI * radius * radius);
 }
 
-FeedRun as_in_older_recordings(FeedRun run) {
-  run.drilling.cut_at = haptics::DrillingParams::At::device;
-  run.drilling.clearance_voxels = 1.75;
-  run.drilling.stall_force_n = 3;
-  run.force_law = haptics::ForceParams::Law::first;
-  return run;
-}
-
 }  // namespace
 
 TEST(HapticsFeed, GrowsWithTheForce) {
@@ -55,20 +47,6 @@ TEST(HapticsFeed, GrowsWithTheForce) {
     }
 }
 
-// The two faults of the law before, which this bench must be able to show: a light hand stops, and so does a hard one,
-// although no stall is reported.
-TEST(HapticsFeed, TheLawOfOlderRecordingsStopsWithoutACause) {
-  for (const double force_n : {0.1, 2.0}) {
-    FeedRun run;
-    run.diameter_mm = 3;
-    run.force_n = force_n;
-    const Feed is = feed_of(as_in_older_recordings(run));
-    EXPECT_LT(is.depth_mm, 3) << force_n;
-    EXPECT_LT(is.late_mm, 0.1) << force_n;
-    EXPECT_LT(is.stalled_s, 0.1) << force_n;
-  }
-}
-
 TEST(HapticsFeed, AStallIsReported) {
   FeedRun run;
   run.drilling.stall_force_n = 2;
@@ -80,7 +58,7 @@ TEST(HapticsFeed, AStallIsReported) {
 }
 
 // docs/haptics.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller force is left:
-// 0.8 at least; of a matchstick in voxels of 1 mm 0.76 was measured once, and by the fourth law 0.75.
+// 0.8 at least; of a matchstick in voxels of 1 mm 0.76 was measured once.
 TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
   struct Row {
     const char* kind;

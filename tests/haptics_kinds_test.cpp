@@ -100,7 +100,6 @@ TEST(HapticsKinds, ToolsHaveAShape) {
 TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
   haptics::DrillingParams params;
   params.drill = true;
-  params.clearance_voxels = 1.75;
   int cutting = 0;
   for (const haptics::ToolKind& kind : haptics::all_tool_kinds()) {
     SCOPED_TRACE(kind.name);
@@ -108,8 +107,6 @@ TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
     haptics::ToolParams tool;
     tool.tool = kind.name;
     tool = haptics::own_tool(tool);
-    const double felt_mm = haptics::felt_tool(params, tool, {0.5, 0.5, 0.5}).tool_diameter_mm;
-    EXPECT_EQ(felt_mm < tool.tool_diameter_mm, kind.rotates()) << "what rotates is felt narrower than it cuts";
     const Error refused = error_of([&] {
       const drill::Cutter cutter = haptics::cutter_of(params, tool);
       ++cutting;

@@ -26,7 +26,6 @@ struct Session {
   const char* kind;
   double hole_radius_mm, tool_diameter_mm, speed;
   std::uint64_t seed;
-  haptics::ForceParams::Law law = haptics::ForceParams::Law::fourth;
   haptics::ToolParams::Lock lock = haptics::ToolParams::Lock::turn;
 };
 
@@ -43,9 +42,7 @@ Left leave(const Session& session, const contact::ContactVolume& contact) {
   std::mt19937_64 rng(session.seed);
   haptics::ToolParams tool = params_of(session.kind, session.tool_diameter_mm, 24, 1);
   tool.lock = session.lock;
-  haptics::ForceParams force = plain();
-  force.force_law = session.law;
-  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), plain(), {},
                        haptics::make_tool(tool));
   Left left;
   Vec3 tip{0, 0, top_mm + 6}, axis{0, 0, 1}, locked_at;
@@ -84,10 +81,9 @@ struct Outcome {
   double locked_percent = 0, off_line_mm = 0, mean_step_n = 0;
 };
 
-using Law = haptics::ForceParams::Law;
 using Lock = haptics::ToolParams::Lock;
 
-Outcome sessions(int count, Law law, std::uint64_t seed, Lock lock = Lock::turn) {
+Outcome sessions(int count, std::uint64_t seed, Lock lock = Lock::turn) {
   Outcome out;
   double ticks = 0, locked_ticks = 0;
   for (const double hole_radius_mm : {1.5, 2.5, 4.0}) {
@@ -97,7 +93,7 @@ Outcome sessions(int count, Law law, std::uint64_t seed, Lock lock = Lock::turn)
     for (int n = 0; n < count / 3; ++n) {
       const char* kind = all_kinds[rng() % std::size(all_kinds)];
       const Session session{
-          kind, hole_radius_mm, uniform(rng, 0.5, 0.95) * 2 * hole_radius_mm, uniform(rng, 0.5, 8), rng(), law, lock};
+          kind, hole_radius_mm, uniform(rng, 0.5, 0.95) * 2 * hole_radius_mm, uniform(rng, 0.5, 8), rng(), lock};
       const Left left = leave(session, contact);
       out.locked += left.was_locked;
       out.mean_step_n += left.step_n;
@@ -106,10 +102,9 @@ Outcome sessions(int count, Law law, std::uint64_t seed, Lock lock = Lock::turn)
       locked_ticks += left.locked_ticks;
       if (!(left.behind_mm > 0.5) && !(left.force_n > 0.5)) continue;
       ++out.caught;
-      if (law != Law::first)
-        std::printf("  caught: %s of %.2f mm in a hole of %.1f mm radius, seed %llu, %.1f mm behind, %.1f N\n", kind,
-                    session.tool_diameter_mm, hole_radius_mm, static_cast<unsigned long long>(session.seed),
-                    left.behind_mm, left.force_n);
+      std::printf("  caught: %s of %.2f mm in a hole of %.1f mm radius, seed %llu, %.1f mm behind, %.1f N\n", kind,
+                  session.tool_diameter_mm, hole_radius_mm, static_cast<unsigned long long>(session.seed),
+                  left.behind_mm, left.force_n);
     }
   }
   out.locked_percent = 100 * locked_ticks / ticks;
@@ -124,35 +119,21 @@ Outcome sessions(int count, Law law, std::uint64_t seed, Lock lock = Lock::turn)
 }  // namespace
 
 TEST(HapticsLeave, AlongTheAxisAToolComesOut) {
-  for (const Law law : {Law::fourth, Law::fifth}) {
-    const Outcome is = sessions(300, law, 1);
-    EXPECT_GT(is.locked, 20) << "else nothing was tried";
-    EXPECT_EQ(is.caught, 0);
-    EXPECT_GT(is.off_line_mm, 0.2) << "a locked tool moves on, but for its turn";
-  }
+  const Outcome is = sessions(300, 1);
+  EXPECT_GT(is.locked, 20) << "else nothing was tried";
+  EXPECT_EQ(is.caught, 0);
+  EXPECT_GT(is.off_line_mm, 0.2) << "a locked tool moves on, but for its turn";
 }
 
 // The line lock [Rizzi, 5.5.1], for the same sessions.
 TEST(HapticsLeave, AToolLockedOnALineStaysOnItAndComesOut) {
-  const Outcome is = sessions(300, Law::fourth, 1, Lock::line);
+  const Outcome is = sessions(300, 1, Lock::line);
   EXPECT_GT(is.locked, 20) << "else nothing was tried";
   EXPECT_EQ(is.caught, 0);
   EXPECT_LT(is.off_line_mm, 1e-6);
 }
 
-// As before, for recordings: the lock could hold a tool for good, and one that was drawn out could jam between two
-// rims, which these sessions must be able to show.
-TEST(HapticsLeave, TheLawsBeforeCatchSome) {
-  EXPECT_GT(sessions(300, Law::first, 1).caught, 0);
-  EXPECT_GT(sessions(600, Law::third, 1).caught, 0);
-}
-
-TEST(LongHapticsLeave, OfTenThousandSessionsByTheFifthLawNoneIsCaught) {
-  EXPECT_EQ(sessions(10002, Law::fifth, 7).caught, 0);
-  EXPECT_EQ(sessions(10002, Law::fifth, 7, Lock::line).caught, 0);
-}
-
 TEST(LongHapticsLeave, OfTenThousandSessionsNoneIsCaught) {
-  EXPECT_EQ(sessions(10002, Law::fourth, 7).caught, 0);
-  EXPECT_EQ(sessions(10002, Law::fourth, 7, Lock::line).caught, 0);
+  EXPECT_EQ(sessions(10002, 7).caught, 0);
+  EXPECT_EQ(sessions(10002, 7, Lock::line).caught, 0);
 }

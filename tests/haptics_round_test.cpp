@@ -80,7 +80,7 @@ TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
   for (const char* tool : {"rod", "round_burr", "matchstick"}) {
     const std::vector<haptics::RoundPart> parts = haptics::make_tool(params_of(tool, 3)).round;
     ASSERT_FALSE(parts.empty()) << tool;
-    haptics::RoundBody moved(contact, parts, true);
+    haptics::RoundBody moved(contact, parts);
     Vec3 at{0, 0, 9}, axis{0, 0, 1};
     int hits = 0;
     for (int n = 0; n < 400; ++n) {
@@ -90,7 +90,7 @@ TEST(HapticsRound, WhatIsRememberedIsWhatIsThere) {
       if (norm(at) < 8.5 || norm(at) > 11) at = normalized(at) * 9.5;
       axis = normalized(axis + Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)} * 0.05);
       moved.begin_frame();
-      haptics::RoundBody fresh(contact, parts, true);
+      haptics::RoundBody fresh(contact, parts);
       fresh.begin_frame();
       const int inside = contact.shape_at(at);
       const haptics::RoundBody::Touch a = moved.deepest(at, axis, inside, faces),

@@ -69,7 +69,7 @@ Off off_of_a_point(const contact::ContactVolume& contact, const std::vector<Tria
 Off off_of_the_ball(const contact::ContactVolume& contact, const std::vector<Triangle>& all, const Drilled& d,
                     double burr_mm, double depth_mm, double voxel_mm) {
   const double radius_mm = 0.8 * burr_mm;
-  haptics::RoundBody body(contact, {{radius_mm, radius_mm, radius_mm}}, true);
+  haptics::RoundBody body(contact, {{radius_mm, radius_mm, radius_mm}});
   std::mt19937_64 rng(5);
   Off out;
   for (int n = 0; n < 200; ++n) {

@@ -48,7 +48,7 @@ struct Drilled {
   bool breached = false;
 };
 
-Drilled through(haptics::ForceParams::Law law) {
+Drilled through() {
   voxel::HapticVolume volume = floor_of_bone();
   contact::ContactVolume contact(volume);
   haptics::Feels feels = untouchable();
@@ -62,9 +62,7 @@ Drilled through(haptics::ForceParams::Law law) {
   drill::DrillParams law_of_removal;
   law_of_removal.power_w = 5;
   haptics::Drilling drilling(volume, contact, shapes, params, law_of_removal, haptics::cutter_of(params, tool));
-  haptics::ForceParams force;
-  force.force_law = law;
-  haptics::Proxy proxy(contact, feels, force, {}, haptics::make_tool(tool));
+  haptics::Proxy proxy(contact, feels, {}, {}, haptics::make_tool(tool));
   Drilled out;
   std::vector<haptics::ServoFrame> frames;
   for (int n = 0; n < 9000; ++n) {
@@ -124,18 +122,14 @@ TEST(HapticsSlew, OnlyADrillIsHeldBack) {
 
 // Through an uneven floor onto a dura: no jump but in the one event, and both are felt where both are touched.
 TEST(HapticsSlew, AFloorThatGivesWay) {
-  const Drilled second = through(haptics::ForceParams::Law::second), third = through(haptics::ForceParams::Law::third);
-  for (const auto& [name, is] : {std::pair{"second", &second}, std::pair{"third", &third}})
-    std::printf("  %s: of %llu ticks %llu above 0.05, %llu above 0.1 N/ms, at most %.3f; %llu turns\n", name,
-                static_cast<unsigned long long>(is->changes.ticks),
-                static_cast<unsigned long long>(is->changes.above[1]),
-                static_cast<unsigned long long>(is->changes.above[2]), is->changes.max_n_per_ms,
-                static_cast<unsigned long long>(is->changes.turns));
-  ASSERT_TRUE(third.breached);
-  EXPECT_EQ(third.breaches, 1);
-  EXPECT_EQ(second.breaches, 0) << "as it was recorded";
-  EXPECT_EQ(third.changes.above[2], third.changes.named) << "a change above 0.1 N/ms without a name";
-  EXPECT_GT(second.changes.turns, third.changes.turns);
+  const Drilled is = through();
+  std::printf("  of %llu ticks %llu above 0.05, %llu above 0.1 N/ms, at most %.3f; %llu turns\n",
+              static_cast<unsigned long long>(is.changes.ticks), static_cast<unsigned long long>(is.changes.above[1]),
+              static_cast<unsigned long long>(is.changes.above[2]), is.changes.max_n_per_ms,
+              static_cast<unsigned long long>(is.changes.turns));
+  ASSERT_TRUE(is.breached);
+  EXPECT_EQ(is.breaches, 1);
+  EXPECT_EQ(is.changes.above[2], is.changes.named) << "a change above 0.1 N/ms without a name";
 }
 
 namespace {
@@ -147,8 +141,7 @@ struct Move {
 };
 
 // How many breaches each move tells of a ball of 4 mm at a plate of 3 mm, 18 mm wide; the drill has been through first.
-std::vector<int> breaches_of(haptics::ForceParams::Law law, haptics::DrillingParams::WayEnds way_ends,
-                             const std::vector<Move>& moves, bool& breached) {
+std::vector<int> breaches_of(const std::vector<Move>& moves, bool& breached) {
   voxel::HapticVolume volume = empty(44, {0.5, 0.5, 0.5});
   fill_wide(volume, 1, [](Vec3 p) { return std::min(1.5 - std::abs(p.z), 9 - std::abs(p.y)); });
   contact::ContactVolume contact(volume);
@@ -156,13 +149,9 @@ std::vector<int> breaches_of(haptics::ForceParams::Law law, haptics::DrillingPar
   shapes[1] = {true, 0.02};
   haptics::DrillingParams params;
   params.drill = true;
-  params.way_ends = way_ends;
   const haptics::ToolParams tool = haptics::own_tool(params_of("ball", 4));
   haptics::Drilling drilling(volume, contact, shapes, params, {}, haptics::cutter_of(params, tool));
-  haptics::ForceParams force;
-  force.force_law = law;
-  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), force, {},
-                       haptics::make_tool(tool));
+  haptics::Proxy proxy(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), {}, {}, haptics::make_tool(tool));
   std::vector<int> breaches;
   Vec3 tip{-4, 0, 3};
   for (const Move& move : moves) {
@@ -187,27 +176,19 @@ constexpr std::uint32_t up = 0, down = haptics::Drilling::pedal;
 
 }  // namespace
 
-// Two holes through a plate are two breaches, and the way through the first hole again is none. Sessions of before told
-// the first alone, and their recordings still do.
+// Two holes through a plate are two breaches, and the way through the first hole again is none.
 TEST(HapticsSlew, EachPassThroughBoneIsABreach) {
   std::vector<Move> moves;
   for (const double x : {-4.0, -4.0, 4.0})
     for (const Move& m : {Move{{x, 0, 3}, 100, up}, {{x, 0, -4}, 700, down}, {{x, 0, 3}, 100, up}}) moves.push_back(m);
-  for (const auto& [law, expected] :
-       {std::pair{haptics::ForceParams::Law::fifth, 2}, std::pair{haptics::ForceParams::Law::fourth, 2},
-        std::pair{haptics::ForceParams::Law::third, 1}}) {
-    bool breached = false;
-    EXPECT_EQ(breaches_of(law, haptics::DrillingParams::WayEnds::outside, moves, breached),
-              (std::vector<int>{0, 1, 0, 0, 0, 0, 0, expected - 1, 0}));
-    EXPECT_TRUE(breached);
-  }
+  bool breached = false;
+  EXPECT_EQ(breaches_of(moves, breached), (std::vector<int>{0, 1, 0, 0, 0, 0, 0, 1, 0}));
+  EXPECT_TRUE(breached);
 }
 
 // A pit that is left with the pedal up is no way through: neither where the drill then runs beside the bone, nor where
-// it goes through the hole that it made before. Recordings of before version 8 told both, and still do.
+// it goes through the hole that it made before.
 TEST(HapticsSlew, APitThatWasLeftIsNoBreachElsewhere) {
-  using Ends = haptics::DrillingParams::WayEnds;
-  const auto fourth = haptics::ForceParams::Law::fourth;
   const std::vector<Move> pit = {{{-4, 0, 3}, 100, up}, {{-4, 0, 0.2}, 400, down}, {{-4, 0, 4}, 100, up}},
                           beside = {{{-4, 12.5, 4}, 100, up},
                                     {{-4, 12.5, -1}, 100, up},
@@ -218,10 +199,10 @@ TEST(HapticsSlew, APitThatWasLeftIsNoBreachElsewhere) {
                                    {{4, 0, 0.5}, 100, up},
                                    {{4, 0, -4}, 100, down},
                                    {{4, 0, 4}, 100, up}};
-  const auto told = [&](Ends ends, std::initializer_list<const std::vector<Move>*> parts, bool& breached) {
+  const auto told = [&](std::initializer_list<const std::vector<Move>*> parts, bool& breached) {
     std::vector<Move> moves;
     for (const std::vector<Move>* part : parts) moves.insert(moves.end(), part->begin(), part->end());
-    const std::vector<int> each = breaches_of(fourth, ends, moves, breached);
+    const std::vector<int> each = breaches_of(moves, breached);
     std::vector<int> sums;
     auto from = each.begin();
     for (const std::vector<Move>* part : parts) {
@@ -234,14 +215,9 @@ TEST(HapticsSlew, APitThatWasLeftIsNoBreachElsewhere) {
   const std::vector<Move> second_go = {
       {{-4, 0, 4}, 100, up}, {{-4, 0, 0.4}, 100, up}, {{-4, 0, -4}, 700, down}, {{-4, 0, 4}, 100, up}};
   bool breached = false;
-  for (const Ends ends : {Ends::outside, Ends::running}) {
-    EXPECT_EQ(told(ends, {&pit, &second_go}, breached), (std::vector<int>{0, 1}));
-    EXPECT_TRUE(breached);
-  }
-  EXPECT_EQ(told(Ends::outside, {&pit, &beside}, breached), (std::vector<int>{0, 0}));
-  EXPECT_FALSE(breached);
-  EXPECT_EQ(told(Ends::running, {&pit, &beside}, breached), (std::vector<int>{0, 1}));
+  EXPECT_EQ(told({&pit, &second_go}, breached), (std::vector<int>{0, 1}));
   EXPECT_TRUE(breached);
-  EXPECT_EQ(told(Ends::outside, {&hole, &pit, &again}, breached), (std::vector<int>{1, 0, 0}));
-  EXPECT_EQ(told(Ends::running, {&hole, &pit, &again}, breached), (std::vector<int>{1, 0, 1}));
+  EXPECT_EQ(told({&pit, &beside}, breached), (std::vector<int>{0, 0}));
+  EXPECT_FALSE(breached);
+  EXPECT_EQ(told({&hole, &pit, &again}, breached), (std::vector<int>{1, 0, 0}));
 }

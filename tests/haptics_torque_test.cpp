@@ -179,47 +179,58 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   haptics::Proxy again = new_proxy();
   const std::vector<haptics::ServoFrame> replayed = haptics::replay_frames(read.frames, 1000, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(haptics::same_frame(replayed[n], frames[n])) << n;
-  EXPECT_EQ(read_file(file)[8], 9) << "its version";
-  header.force.force_law = haptics::ForceParams::Law::first;
-  write(frames);
-  EXPECT_EQ(read_file(file)[8], 4) << "as before, for the law of before";
   header.knows_across = false;
   EXPECT_EQ(write(frames).frames[100].across[0], 0);
-  EXPECT_EQ(read_file(file)[8], 2) << "as before, for who does not know the turn";
 }
 
-// A header without the parameters that are newer than it is read; without an older one it is not.
-TEST(HapticsTorque, EarlierRecordingsAreRead) {
+// Another version is refused with both named, and so is a header without one of its keys.
+TEST(HapticsTorque, OnlyItsOwnVersionIsRead) {
   const ScratchFolder folder;
   const auto file = folder.path() / "a.servo";
-  haptics::RecordingHeader header;
-  header.drilling.drill = true;
-  header.drilling.cut_at = haptics::DrillingParams::At::device;  // of version 2
-  header.drilling.undo_steps = 0;
-  header.drilling.way_ends = haptics::DrillingParams::WayEnds::running;
-  header.force.force_law = haptics::ForceParams::Law::first;
-  haptics::RecordingWriter writer(file, header);
+  haptics::RecordingWriter writer(file, {});
   writer.add({haptics::ServoFrame()});
   writer.finish();
-  EXPECT_EQ(haptics::read_recording(file).header.drilling.clearance_voxels, haptics::DrillingParams().clearance_voxels);
-  const std::vector<char> bytes = read_file(file);
-  std::string text(bytes.begin(), bytes.end());
-  const auto blank = [&](const std::string& key) {
-    const std::size_t at = text.find('"' + key + '"');
-    ASSERT_NE(at, std::string::npos) << key;
-    const std::size_t comma = text.rfind(',', at), end = text.find_first_of(",}", at);
-    text.replace(comma, end - comma, end - comma, ' ');
-    write_file(file, text);
+  const std::vector<char> written = read_file(file);
+  const auto refused = [&](const std::string& bytes) -> std::string {
+    write_file(file, bytes);
+    try {
+      haptics::read_recording(file);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      return e.field() + ": " + e.what();
+    }
+    return "read";
   };
-  blank("max_torque_n_mm");
-  blank("turn_stiffness_n_mm_per_rad");
-  EXPECT_EQ(haptics::read_recording(file).header.force.max_torque_n_mm, haptics::ForceParams().max_torque_n_mm);
-  blank("max_step_s");
-  EXPECT_EQ(haptics::read_recording(file).header.force.max_step_s, 1);
-  blank("clearance_voxels");
-  EXPECT_EQ(haptics::read_recording(file).header.drilling.clearance_voxels, 0) << "tools were felt as wide as they cut";
-  blank("ramp_s");
-  EXPECT_THROW(haptics::read_recording(file), Error);
+  const std::string text(written.begin(), written.end());
+  ASSERT_EQ(refused(text), "read");
+  for (const int version : {1, 9, 11}) {
+    std::string other = text;
+    other[8] = char(version);
+    EXPECT_EQ(refused(other), "version: " + std::to_string(version) + ", this program reads version " +
+                                  std::to_string(haptics::recording_version) + ": record it anew");
+  }
+  std::string without = text;
+  without.replace(without.find("\"max_step_s\""), 12, "\"max_step_x\"");
+  EXPECT_EQ(refused(without).rfind("force.max_step_s: ", 0), 0u) << refused(without);
+}
+
+// The digest by which a recording knows its case's materials: of all that is felt, and of nothing that is only seen.
+TEST(HapticsTorque, ARecordingKnowsTheMaterials) {
+  const haptics::Feels feels = one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2));
+  const std::string recorded = haptics::feel_digest(feels);
+  EXPECT_EQ(haptics::feel_digest(feels), recorded);
+  haptics::Feels seen = feels;
+  seen[1].colour_rgb = {0, 0, 0};
+  EXPECT_EQ(haptics::feel_digest(seen), recorded) << "what is only seen is not felt";
+  for (double cases::MaterialParams::*value :
+       {&cases::MaterialParams::drag_n_s_per_mm, &cases::MaterialParams::shaft_friction_n_per_mm}) {
+    haptics::Feels other = feels;
+    other[2].*value += 0.001;
+    EXPECT_NE(haptics::feel_digest(other), recorded);
+  }
+  haptics::Feels other = feels;
+  other[1].back.touchable = !other[1].back.touchable;
+  EXPECT_NE(haptics::feel_digest(other), recorded);
 }
 
 // A time that is not finite is neither written nor read: a playback would never come to its end.

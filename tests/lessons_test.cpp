@@ -79,21 +79,6 @@ TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
   whole().score(read);
   EXPECT_EQ(json_of(d), json_of(read));
 
-  // A recording of before tools had a force at which they enter is scored alike.
-  std::ifstream file(folder.path() / "one.lesson", std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  const std::string later = ",\n\"pierce_n\": 0.0";
-  int erased = 0;
-  for (std::size_t at; (at = bytes.find(later)) != std::string::npos; ++erased)
-    bytes.replace(at, later.size(), later.size(), ' ');
-  EXPECT_EQ(erased, int(d.recording.header.tools.size()));
-  bytes[8] = d.recording.header.knows_across ? 4 : 3;  // the version of then
-  std::ofstream(folder.path() / "old.lesson", std::ios::binary) << bytes;
-  Head::Done old;
-  old.recording = haptics::read_recording(folder.path() / "old.lesson");
-  whole().score(old);
-  EXPECT_EQ(json_of(d), json_of(old));
-
   // Forces keep to the device's limits over every change of the tool.
   const double max_step = d.recording.header.force.max_force_rate_n_per_s / d.recording.header.rate_hz;
   std::set<int> tools;

@@ -95,7 +95,7 @@ TEST_F(RenderCompute, FollowsADrillAsTheProcessorDoes) {
       if (tick % 150 == 0)
         to = v.voxels.to_world_mm({uniform(rng, -1, 53), uniform(rng, -1, 53), uniform(rng, 17, 35)});
       at += (to - at) * 0.02;
-      drill.cut(centred(at, 1.6), 0.001);
+      cut(drill, centred(at, 1.6), 0.001);
       if (tick % 17 != 0 && tick != 1499) continue;
       marked.clear();
       marks.take(marked);
@@ -122,7 +122,7 @@ TEST_F(RenderCompute, BricksComeAndGo) {
   bool had = false;
   for (int n = 0; n < 4000; ++n) {
     const double turn = 0.02 * n;
-    drill.cut(centred(v.voxels.to_world_mm({19.5 + 4 * std::cos(turn), 19.5 + 4 * std::sin(turn), 19.5}), 3), 0.002);
+    cut(drill, centred(v.voxels.to_world_mm({19.5 + 4 * std::cos(turn), 19.5 + 4 * std::sin(turn), 19.5}), 3), 0.002);
     if (n % 100 != 0) continue;
     std::vector<std::size_t> marked;
     marks.take(marked);

@@ -171,7 +171,6 @@ TEST_F(RenderStage, EarlierRecordingsAreRunAsTheyWereFelt) {
   o.tool.tool = "burr";
   o.tool.tool_diameter_mm = 5;
   o.contact.surface = contact::ContactParams::Surface::nearest;
-  o.drilling.clearance_voxels = 0;
   o.drilling.stall_force_n = 0.8;  // what is cut depends on the force
   o.seconds = 6;
   const std::atomic<bool> stop{false};

@@ -55,7 +55,6 @@ haptics::ServoFrame frame(std::uint32_t buttons, int touched = 0) {
 // A lesson's belt of a thin burr and a wide one.
 haptics::RecordingHeader belt() {
   haptics::RecordingHeader h = header(40);
-  h.in_open = true;
   for (const double mm : {3.0, 7.0}) {
     haptics::BeltToolParams t;
     t.tool = t.name = "ball";

@@ -47,14 +47,12 @@ TEST(SessionHand, HoldsWhatTheBeltHolds) {
     shapes[1] = {true, 0.02};
     haptics::RecordingHeader h;
     h.drilling.drill = true;
-    h.in_open = true;
     h.tools = {belt_tool("ball", 4, true), belt_tool("ball", 6, true), belt_tool("marker", 0, false)};
     std::vector<haptics::Burr> burrs;
     for (const haptics::BeltToolParams& t : h.tools)
       if (t.cuts) burrs.push_back({haptics::cutter_of(h.drilling, t), 8});
     haptics::Drilling drilling(volume, contact, shapes, h.drilling, drill::DrillParams{}, burrs);
-    haptics::ToolBelt belt(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), {}, {}, h.tools, &drilling,
-                           true);
+    haptics::ToolBelt belt(contact, one_shape(1, face(1, 0.35, 0.3), face(1, 0.35, 0.3)), {}, {}, h.tools, &drilling);
     session::HandWatch watch(h, [&](Vec3 p) { return contact.shape_at(p); });
     std::mt19937_64 rng(seed);
     Vec3 tip{0, 0, 6}, goal = tip;
@@ -98,7 +96,6 @@ TEST(SessionHand, HoldsWhatTheBeltHolds) {
 TEST(SessionHand, AnIncisionIsWhereTheMarkerInHandWas) {
   haptics::RecordingHeader h;
   h.drilling.drill = true;
-  h.in_open = true;
   h.tools = {belt_tool("ball", 4, true), belt_tool("marker", 0, false)};
   const auto marks = [&](int touched_when_asked) {
     session::IncisionWatch watch(h);
@@ -123,7 +120,6 @@ TEST(SessionHand, AnIncisionIsWhereTheMarkerInHandWas) {
 // recording name what was in the hand.
 TEST(SessionHand, ExportsNameTheToolInHand) {
   haptics::Recording r;
-  r.header.in_open = true;
   r.header.tools = {belt_tool("ball", 4, true), belt_tool("ball", 6, true)};
   const int touched[] = {0, 1, 1, 0, 0, 0}, asked[] = {0, 0, 1, 1, 1, 1};
   const char* in_hand[] = {"ball4", "ball4", "ball4", "ball4", "ball6", "ball6"};
@@ -172,7 +168,6 @@ TEST(SessionHand, ExportsNameTheToolInHand) {
 TEST(SessionHand, WaitsWhereTheVolumeSaysSo) {
   haptics::RecordingHeader h;
   h.drilling.drill = true;
-  h.in_open = true;
   h.tools = {belt_tool("marker", 0, false)};
   const auto marks = [&](const session::HandWatch::ShapeAt& shape_at) {
     session::IncisionWatch watch(h, shape_at);

@@ -5,7 +5,6 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "haptics/recording.h"
 #include "haptics_only_sleep.h"
@@ -146,32 +145,8 @@ TEST(HapticsUndo, TheLastStrokeAndAllOfThem) {
   EXPECT_EQ(same.volumes, r.volumes);
   Scene none(0);
   const Went kept = run(none, hands_way());
-  EXPECT_EQ(kept.volumes[6], kept.volumes[4]) << "as in recordings of before, the command says nothing";
+  EXPECT_EQ(kept.volumes[6], kept.volumes[4]) << "the command says nothing";
   EXPECT_EQ(kept.outcome.undone, 0);
-}
-
-// A recording says that steps can be taken back, in a version that older programs refuse.
-TEST(HapticsUndo, ARecordingKnowsOfIt) {
-  haptics::RecordingHeader h;
-  h.drilling.drill = true;
-  h.drilling.cut_at = haptics::DrillingParams::At::tool;
-  h.drilling.way_ends = haptics::DrillingParams::WayEnds::running;
-  h.force.force_law = haptics::ForceParams::Law::second;
-  const auto file = std::filesystem::temp_directory_path() / ("undo-" + std::to_string(getpid()) + ".servo");
-  for (const std::int64_t steps : {std::int64_t(0), std::int64_t(7)}) {
-    h.drilling.undo_steps = steps;
-    haptics::RecordingWriter writer(file, h);
-    haptics::ServoFrame f;
-    f.time_s = f.dt_s = 0.001;
-    writer.add({f});
-    writer.finish();
-    std::ifstream in(file, std::ios::binary);
-    char bytes[12];
-    in.read(bytes, 12);
-    EXPECT_EQ(int(bytes[8]), steps > 0 ? 6 : 5);
-    EXPECT_EQ(haptics::read_recording(file).header.drilling.undo_steps, steps);
-  }
-  std::filesystem::remove(file);
 }
 
 // In a lesson nothing is felt after an undo until the pose was outside, as after a pause; a tool that was in the hole
@@ -182,7 +157,7 @@ TEST(HapticsUndo, ABeltWaitsForAPoseOutside) {
   static_cast<haptics::ToolParams&>(burr) = s.tool;
   burr.name = "burr";
   burr.cuts = true;
-  haptics::ToolBelt belt(s.contact, s.feels, s.force, {}, {burr}, s.drilling.get(), true);
+  haptics::ToolBelt belt(s.contact, s.feels, s.force, {}, {burr}, s.drilling.get());
   s.shapes[2] = {};
   std::vector<haptics::ServoFrame> frames;
   const auto go = [&](double from_z, double to_z, int ticks, std::uint32_t buttons) {

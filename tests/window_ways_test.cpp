@@ -9,7 +9,6 @@ using namespace trephine;
 // It is the last tool's in the hand, and where that was asked for while the other one touched it is still the other's.
 TEST(Ways, AGhostGoesTheWayOfTheToolInHand) {
   haptics::Recording r;
-  r.header.in_open = true;
   r.header.tools.resize(2);
   const auto add = [&](std::uint32_t tool, double x_mm, int touched) {
     haptics::ServoFrame f;

@@ -41,7 +41,7 @@ std::string keys_table(const std::string& prefix, const AnyParams& defaults) {
   return rows;
 }
 
-// Of a file that the program writes: no defaults, but what may be missing, and since when there is such a key.
+// Of a file that the program writes: no defaults, but what may be missing.
 std::string written_table(const ParameterSet& set, const std::string& prefix) {
   std::string rows;
   for (const Parameter& p : set.parameters) {
@@ -49,32 +49,27 @@ std::string written_table(const ParameterSet& set, const std::string& prefix) {
     const std::shared_ptr<void> defaults = set.make();
     const std::string value = describe_parameter(p, defaults.get());
     rows += "| `" + path + "` | " + value.substr(0, std::min(value.find(", default"), value.find(", required"))) +
-            (p.left_out ? ", may be missing" : "") + (p.since ? "; since 1." + std::to_string(p.since) : "") + " | " +
-            p.help + " |\n";
+            (p.left_out ? ", may be missing" : "") + " | " + p.help + " |\n";
     if (p.item_set && !p.item_set().only_value())
       rows += written_table(p.item_set(), path + (p.kind == ParameterKind::list ? "[]." : "."));
   }
   return rows;
 }
 
-std::string case_version() {
-  return std::to_string(cases::case_version_major) + "." + std::to_string(cases::case_version_minor());
-}
-
 std::string case_page() {
-  return "# case.json\n\nEvery key of `case.json` in format " + case_version() +
+  return "# case.json\n\nEvery key of `case.json` in format " + cases::case_version() +
          ", from the declarations in the program (`trephine reference --out docs/reference`). `[]` stands for each "
          "item "
          "of a list. [The case package](../case-package.md) says how the file is read and what the other files of a "
          "case hold.\n\n| Key | Value | Meaning |\n|---|---|---|\n"
          "| `format` | text | `trephine-case " +
-         case_version() + "`, the first key of the file. |\n" +
+         cases::case_version() + "`, the first key of the file. |\n" +
          written_table(parameters_of<cases::CaseManifest>(), "") +
          "| `checksum` | text | SHA-256 of all bytes before its comma, the last key of the file. |\n";
 }
 
 Json case_schema() {
-  Json body = Json::parse(cli::json_schema_of_written(parameters_of<cases::CaseManifest>(), cases::case_version_major));
+  Json body = Json::parse(cli::json_schema_of_written(parameters_of<cases::CaseManifest>()));
   body["properties"]["format"] = {
       {"type", "string"}, {"pattern", "^trephine-case " + std::to_string(cases::case_version_major) + "\\.[0-9]+$"}};
   body["properties"]["checksum"] = {{"type", "string"}, {"pattern", cases::case_form::sha256.pattern}};
@@ -126,7 +121,7 @@ std::vector<std::pair<std::string, std::string>> file_schemas() {
   return {
       {"files.md", keys_page()},
       {"case.md", case_page()},
-      {"case.schema.json", page("case.json of a Trephine case, version " + case_version(), case_schema())},
+      {"case.schema.json", page("case.json of a Trephine case, version " + cases::case_version(), case_schema())},
       {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", schema_of<config::RecipeFileParams>())},
       {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<config::SceneFileParams>())},
       {"configuration.schema.json",

@@ -18,7 +18,7 @@ import sys
 
 import numpy as np
 
-MAJOR = 1
+MAJOR = 2
 MOST_JSON_BYTES = 4 << 20
 
 

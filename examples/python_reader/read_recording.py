@@ -11,6 +11,7 @@ import math
 import struct
 import sys
 
+VERSION = 10
 THREE = ("tip_{}_mm", "axis_{}", "proxy_{}_mm", "normal_{}", "force_{}_n")
 NAMES = (["tick", "time_s", "dt_s"] + [n.format(a) for n in THREE for a in "xyz"] +
          ["buttons", "touched", "face", "inside", "held_by", "events", "faults", "late_us"])
@@ -24,10 +25,12 @@ def names(bits, known):
 
 def of_recording(data):
     version, length = struct.unpack_from("<II", data, 8)
-    if not 1 <= version <= 9 or 16 + length > len(data):
-        raise ValueError(f"version {version}, or a header that is cut short")
+    if version != VERSION:
+        raise ValueError(f"version {version}, this program reads version {VERSION}")
+    if 16 + length > len(data):
+        raise ValueError("the header is cut short")
     header = json.loads(data[16:16 + length])
-    each = header.get("frame_bytes", 176)
+    each = header["frame_bytes"]
     rest = len(data) - 16 - length
     if each not in (176, 200) or rest % each or header.get("frames", rest // each) != rest // each:
         raise ValueError("the frames are cut short")

@@ -76,7 +76,6 @@ struct Parameter {
   bool bare_items = false;           ///< for list and map: printed figures of its items go without its name
   const char *item_beginning = "", *item_ending = "";  ///< for map: what stands there about the name of a plain item
   const char* item_separator = ".";  ///< between the name of an item and those of its members there
-  int since = 0;                     ///< version of the file's format that had it first; an older file lacks it
   const TextForm* form = nullptr;    ///< for text
   std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
   /// For numbers, integers, flags, choices and texts.
@@ -107,7 +106,6 @@ struct Parameter {
     return item_beginning = beginning, item_ending = ending, items_alone();
   }
   Parameter& items_joined(const char* separator) { return item_separator = separator, items_alone(); }
-  Parameter& is_since(int version) { return since = version, *this; }
   Parameter& of_form(const TextForm& f) { return form = &f, *this; }
   /// A group that is there only where this says so of the struct that holds it.
   Parameter& only_where(std::function<bool(const void* holder)> there);

@@ -19,12 +19,13 @@ namespace trephine::cases {
 
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm. What these structs declare is what case.json holds, in this order: its reader,
-/// writer, checks, schema and reference page come from here. A new member says with is_since() which minor version has
-/// it first, and case.json then has that version.
+/// writer, checks, schema and reference page come from here.
 
-constexpr int case_version_major = 1, newest_version = -1;
-/// The newest minor version that a declaration names.
-int case_version_minor();
+/// A member that comes raises the minor version where a case may lack it (not_always()), else the major one, and so
+/// does what takes a member away or changes what it means. Cases of another major version are refused.
+constexpr int case_version_major = 2, case_version_minor = 0;
+/// That version as text: "2.0".
+std::string case_version();
 
 struct CaseDeviation {
   double max_mm = 0, p99_mm = 0, rms_mm = 0;
@@ -115,10 +116,8 @@ struct CaseBurrHole {
     v.numbers(&P::position_mm, "position_mm", case_range::finite, "The middle of the hole on the bone's surface.");
     v.numbers(&P::direction, "direction", Range{-1.000001, 1.000001}, "Its axis, of length 1, into the head.");
     v.number(&P::diameter_mm, "diameter_mm", case_range::above_zero, "Its width.");
-    v.list(&P::cut, "cut", "The anatomies from whose surface and haptic shape it was cut.").is_since(1);
-    v.map(&P::figures, "figures", "What was measured: the bone's thickness, the volumes removed, ...")
-        .not_always()
-        .is_since(1);
+    v.list(&P::cut, "cut", "The anatomies from whose surface and haptic shape it was cut.");
+    v.map(&P::figures, "figures", "What was measured: the bone's thickness, the volumes removed, ...").not_always();
   }
   std::string fault() const;
 };
@@ -259,7 +258,7 @@ struct CaseFile {
 };
 
 struct CaseManifest {
-  int version_major = case_version_major, version_minor = newest_version;
+  int version_major = case_version_major, version_minor = case_version_minor;
   std::string case_token;
   Vec3 center_mm;
   std::vector<CaseAnatomy> anatomies;
@@ -288,15 +287,13 @@ struct CaseManifest {
               "The point that the vertices of the GLB files are about.");
     v.list(&P::anatomies, "anatomies", "The anatomies.");
     v.list(&P::missing, "missing", "Anatomies that the scene asked for and could do without (`may_be_missing`).")
-        .not_always()
-        .is_since(4);
+        .not_always();
     v.list(&P::stand_ins, "stand_ins",
            "Anatomies for which another of the recipe stands (`stand_in`): they show less than their names promise.")
-        .not_always()
-        .is_since(5);
-    v.only_where(v.group(&P::haptic, "haptic", "The haptic volume and its shapes.").is_since(1),
+        .not_always();
+    v.only_where(v.group(&P::haptic, "haptic", "The haptic volume and its shapes."),
                  [](const P& m) { return !m.haptic.file.empty(); });
-    v.only_where(v.group(&P::ct, "ct", "The CT, where the scene asks for it (`ct:`).").is_since(3),
+    v.only_where(v.group(&P::ct, "ct", "The CT, where the scene asks for it (`ct:`)."),
                  [](const P& m) { return !m.ct.file.empty(); });
     v.list(&P::landmarks, "landmarks", "Landmarks of the patient.");
     v.list(&P::targets, "targets", "What a procedure aims at.");
@@ -304,15 +301,13 @@ struct CaseManifest {
     v.list(&P::findings, "findings",
            "What a person should look at before the case is used: measured, not diagnosed. A case without findings is "
            "not healthy because of that.")
-        .not_always()
-        .is_since(6);
+        .not_always();
     v.map(&P::figures, "figures",
           "What was measured on the patient, by name; `class` is `normal`, `hydrocephalic`, `shifted`, `small`, "
           "`uncertain` (the ventricles cannot be whole, or a sure finding concerns them: the warnings in `run.json` "
           "say why) or `unknown`; "
           "`evans_index_ratio` is absent where a frontal horn is missing or a thread.")
-        .not_always()
-        .is_since(2);
+        .not_always();
     v.section("face", "What was done about the patient's face.", [](auto& in) {
       in.word(&P::face_policy, "policy", {"none", "keep", "crop", "deface"},
               "What was done; `none` where the scene says nothing.");
@@ -349,7 +344,7 @@ std::string to_json(const CaseManifest& manifest);
 CaseManifest parse_case_json(std::string_view json);
 
 /// Reads case.json and checks size and SHA-256 of every file that it names, without parsing them. Throws Error naming
-/// the file: 66 where one is missing, 65 where one is damaged or the version is newer (both versions are named).
+/// the file: 66 where one is missing, 65 where one is damaged or the major version is another (both are named).
 CaseManifest read_case(const std::filesystem::path& case_folder);
 
 /// The bytes of one of the case's files, checked again, so that the parsed bytes are the checked ones.

@@ -32,29 +32,18 @@ void read_version(std::string_view json, CaseManifest& m) {
   if (!major || !minor || *major < 1 || *minor < 0 || *major > 9999 || *minor > 9999)
     refuse("format", "the version is damaged");
   if (*major != case_version_major)
-    refuse("format", "version " + std::string(version) + ", this program reads version " +
-                         std::to_string(case_version_major) + "." + std::to_string(case_version_minor()));
+    refuse("format", "version " + std::string(version) + ", this program reads version " + case_version() +
+                         (*major < case_version_major ? ": make the case again with `trephine run`" : ""));
   m.version_major = static_cast<int>(*major);
   m.version_minor = static_cast<int>(*minor);
 }
 
-int newest_in(const ParameterSet& set) {
-  int newest = 0;
-  for (const Parameter& p : set.parameters)
-    newest = std::max({newest, p.since, p.item_set ? newest_in(p.item_set()) : 0});
-  return newest;
-}
-
 }  // namespace
 
-int case_version_minor() {
-  static const int newest = newest_in(parameters_of<CaseManifest>());
-  return newest;
-}
+std::string case_version() { return std::to_string(case_version_major) + "." + std::to_string(case_version_minor); }
 
 std::string to_json(const CaseManifest& manifest) {
   CaseManifest m = manifest;
-  if (m.version_minor == newest_version) m.version_minor = case_version_minor();
   std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
   detail::check_manifest(m);
   const std::string body = json::declared_json(parameters_of<CaseManifest>(), &m);
@@ -73,7 +62,7 @@ CaseManifest parse_case_json(std::string_view json) {
   if (std::string(json.substr(covered.size())) != tail_begin + sha256_of_bytes(covered) + tail_end)
     refuse("checksum", "is not that of the file: it is damaged or was edited");
   json::JsonRules rules;
-  rules.version = m.version_minor;
+  rules.by_program = true;
   rules.max_bytes = detail::max_manifest_bytes;
   json::read_declared_json(json, parameters_of<CaseManifest>(), &m, rules);
   try {

@@ -88,9 +88,8 @@ void compare_volumes(const voxel::HapticVolume& volume, const CaseHaptic& manife
                    "shapes." + s.name + ".volume_ml");
 }
 
-// Since 1.4 the figures of the patient are those of the surfaces.
+// The figures of the patient are those of the surfaces.
 void compare_figures(const CaseManifest& m) {
-  if (m.version_minor < 4) return;
   for (const auto& [name, value] : m.figures)
     for (const CaseAnatomy& a : m.anatomies)
       if (const auto* ml = std::get_if<double>(&value); ml && !a.file.empty() && name == a.name + "_ml")

@@ -11,9 +11,8 @@ namespace trephine::cases {
 
 /// What the materials of a haptic volume are made of, each value declared once: here. From these lines come
 /// configs/materials.yaml and its schema, case.json, its schema and its reference page, what `trephine diff` and
-/// `trephine-sim check` say, and the digest by which a recording knows its case's materials. A new value says with
-/// is_since() which minor version of the case package has it first, and stands in `not_felt` where it is none that the
-/// hand feels.
+/// `trephine-sim check` say, and the digest by which a recording knows its case's materials. A value that no hand feels
+/// also stands in `not_felt`.
 
 /// How one side of a shape's surface acts on the tool. A front face is met from outside, a back face from inside.
 struct CaseFace {
@@ -35,8 +34,7 @@ struct CaseFace {
     v.number(&P::pop_through_n, "pop_through_n", Range{0, 100}, "Force above which the tool enters; 0: never.");
     v.number(&P::across_grain_ratio, "across_grain_ratio", Range{0.1, 10},
              "Friction across the material's grain, as a share of that along it, which the two ratios say.")
-        .not_always()
-        .is_since(7);
+        .not_always();
   }
   /// No face may have more dynamic than static friction, one that is felt must have a stiffness, and one that gives way
   /// must do so within 30 mm of the surface. A face that is not felt need not set more.
@@ -63,8 +61,7 @@ struct MaterialParams {
              "Energy that a drill spends on a mm^3; 0: it cannot be drilled.");
     v.numbers(&P::grain_direction, "grain_direction", Range{-1, 1},
               "Along which its fibres run, in the patient (LPS); only the direction counts. [0, 0, 0]: none.")
-        .not_always()
-        .is_since(7);
+        .not_always();
   }
   /// A face whose friction depends on the direction needs one, of a length of 0.1 or more.
   std::string fault() const;

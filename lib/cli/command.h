@@ -147,9 +147,9 @@ std::vector<std::pair<std::string, std::string>> man_pages(const Program& progra
 
 /// The JSON schema (draft 2020-12) of an object with these parameters as keys, as text with the given indent.
 std::string json_schema_of(const AnyParams& defaults, int indent = 2);
-/// The same of a file that programs write, whose format has that major version: all keys are there but those that are
-/// left out at their default or came with a minor version (Parameter::since), and more may be.
-std::string json_schema_of_written(const ParameterSet& set, int major);
+/// The same of a file that programs write: all keys are there but those that are left out at their default, and more
+/// may be.
+std::string json_schema_of_written(const ParameterSet& set);
 
 /// A script for bash's programmable completion of the program.
 std::string bash_completion(const Program& program);

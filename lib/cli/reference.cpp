@@ -24,15 +24,8 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
-// Whether a program writes the file, and the major version that its format has then: a person may leave keys out and
-// write values in more ways than one, a program does not.
-struct Written {
-  int major = 0;
-  bool by_program() const { return major > 0; }
-  std::string since(const Parameter& p) const {
-    return p.since ? " Since version " + std::to_string(major) + "." + std::to_string(p.since) + "." : "";
-  }
-};
+// Who writes a file: a person may leave keys out and write values in more ways than one, a program does not.
+enum class By { person, program };
 
 std::string code(const std::string& text) { return "`" + text + "`"; }
 
@@ -82,18 +75,18 @@ void add_range(Json& schema, const Range& range, bool integer) {
   if (range.max <= limit) schema["maximum"] = bound(range.max);
 }
 
-void add_properties(Json& properties, const ParameterSet& set, const void* defaults, Written written = {});
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults, By by = By::person);
 
 // The schema of an object with the set's keys, or of the value for which the struct stands.
-Json schema_of(const ParameterSet& set, Written written = {}) {
+Json schema_of(const ParameterSet& set, By by = By::person) {
   const std::shared_ptr<void> defaults = set.make();
   Json properties = Json::object(), required = Json::array();
-  add_properties(properties, set, defaults.get(), written);
+  add_properties(properties, set, defaults.get(), by);
   if (set.only_value()) return properties[""];
   for (const Parameter& p : set.parameters)
-    if (written.by_program() ? !p.left_out && p.since == 0 : p.required) required.push_back(p.name);
+    if (by == By::program ? !p.left_out : p.required) required.push_back(p.name);
   Json schema = {{"type", "object"}, {"properties", properties}};
-  if (!written.by_program()) schema["additionalProperties"] = false;
+  if (by == By::person) schema["additionalProperties"] = false;
   if (!required.empty()) schema["required"] = required;
   return schema;
 }
@@ -117,9 +110,9 @@ Json step_schema(const StepChoice& step) {
 }
 
 // Of a file that a program wrote, and a newer one may have written more.
-Json written_schema(const Parameter& p, Written written) {
+Json written_schema(const Parameter& p) {
   Json s = Json::object();
-  if (!p.help.empty()) s["description"] = p.help + written.since(p);
+  if (!p.help.empty()) s["description"] = p.help;
   if (p.kind == ParameterKind::text) {
     s["type"] = "string";
     if (p.form) s["pattern"] = p.form->pattern;
@@ -130,20 +123,20 @@ Json written_schema(const Parameter& p, Written written) {
                   {{"type", "array"}, {"items", {{"type", "number"}}}}};
   } else if (p.kind == ParameterKind::list) {
     s["type"] = "array";
-    s["items"] = schema_of(p.item_set(), written);
+    s["items"] = schema_of(p.item_set(), By::program);
   } else if (p.kind == ParameterKind::map) {
     s["type"] = "object";
-    s["additionalProperties"] = schema_of(p.item_set(), written);
+    s["additionalProperties"] = schema_of(p.item_set(), By::program);
   } else if (p.kind == ParameterKind::group) {
-    s.update(schema_of(p.item_set(), written));
+    s.update(schema_of(p.item_set(), By::program));
   }
   return s;
 }
 
-Json parameter_schema(const Parameter& p, const void* object, Written written) {
-  Json s = written.by_program() ? written_schema(p, written) : Json::object();
+Json parameter_schema(const Parameter& p, const void* object, By by) {
+  Json s = by == By::program ? written_schema(p) : Json::object();
   if (s.contains("type") || s.contains("anyOf")) return s;
-  if (!written.by_program() && !p.help.empty()) s["description"] = p.help;
+  if (by == By::person && !p.help.empty()) s["description"] = p.help;
   switch (p.kind) {
     case ParameterKind::number:
       s["type"] = "number";
@@ -208,7 +201,7 @@ Json parameter_schema(const Parameter& p, const void* object, Written written) {
       return s;
     }
   }
-  if (written.by_program()) return s;
+  if (by == By::program) return s;
   if (p.zero_is_none) s["minimum"] = 0;
   const ParameterValue value = p.get(object);
   const bool none = p.kind == ParameterKind::choice && std::get<std::string>(value).empty();
@@ -216,8 +209,8 @@ Json parameter_schema(const Parameter& p, const void* object, Written written) {
   return s;
 }
 
-void add_properties(Json& properties, const ParameterSet& set, const void* defaults, Written written) {
-  for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults, written);
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults, By by) {
+  for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults, by);
 }
 
 // The schema of every command's parameters, each as an object under $defs.
@@ -242,7 +235,7 @@ std::string schema_page(const Program& program) {
 
 std::string json_schema_of(const AnyParams& defaults, int indent) { return schema_of(*defaults.set).dump(indent); }
 
-std::string json_schema_of_written(const ParameterSet& set, int major) { return schema_of(set, {major}).dump(); }
+std::string json_schema_of_written(const ParameterSet& set) { return schema_of(set, By::program).dump(); }
 
 std::vector<std::pair<std::string, std::string>> reference_pages(const Program& program) {
   check_declarations(program);

@@ -81,12 +81,12 @@ class Reader {
   void read_struct(const Json& v, const std::string& where, const ParameterSet& set, void* object) const {
     if (const Parameter* only = set.only_value()) return read_parameter(v, where, *only, object);
     if (!v.is_object()) refuse(where, "is not an object");
-    if (!rules_.version) refuse_unknown(v, where, set);
+    if (!rules_.by_program) refuse_unknown(v, where, set);
     for (const Parameter& p : set.parameters) {
       const auto item = v.find(p.name);
       if (item != v.end())
         read_parameter(*item, below(where, p.name), p, object);
-      else if (rules_.version ? !p.left_out && p.since <= *rules_.version : p.required)
+      else if (rules_.by_program ? !p.left_out : p.required)
         refuse(below(where, p.name), "is missing: " + p.help);
     }
     if (!set.fault) return;
@@ -157,7 +157,7 @@ class Reader {
 
   // What a program's file calls an item of a list.
   std::string name_in(const Json& item) const {
-    const bool named = rules_.version && item.is_object() && item.contains("name") && item["name"].is_string();
+    const bool named = rules_.by_program && item.is_object() && item.contains("name") && item["name"].is_string();
     return named ? item["name"].get<std::string>() : "";
   }
 
@@ -225,7 +225,7 @@ void read_declared_json(std::string_view text, const ParameterSet& set, void* ob
   try {
     json = Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::exception&) {
-    refuse("json", rules.version ? "is damaged" : no_json);
+    refuse("json", rules.by_program ? "is damaged" : no_json);
   }
   if (!twice.empty()) refuse(twice, "is given twice");
   Reader(rules).read_struct(json, "", set, object);

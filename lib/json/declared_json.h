@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,11 +11,10 @@ namespace trephine::json {
 
 /// How strictly JSON is read, and how much of it: text of unknown origin is bounded before it is parsed.
 struct JsonRules {
-  /// Of a file that a program wrote: its version in its format. Every declared key must be there, but for those that
-  /// came with a later version and those that may be left out; other keys are ignored, for a newer program may have
-  /// written them. Without a version a person wrote the file: a key may be missing unless it is required, and one that
-  /// is not declared is refused.
-  std::optional<int> version;
+  /// A program wrote the file: every declared key must be there, but for those that may be left out; other keys are
+  /// ignored, for a newer program may have written them. In a file that a person wrote a key may be missing unless it
+  /// is required, and one that is not declared is refused.
+  bool by_program = false;
   std::size_t max_bytes = 1 << 20;
   JsonBounds bounds;
 };

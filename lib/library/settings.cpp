@@ -81,6 +81,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   }
   out.values["pictures"] = pictures ? "true" : "false";
   out.values["program"] = program_version;
+  out.values["case_format"] = cases::case_version();  // a case of another one is refused, and must be made again
   out.sha256 = sha256_of_bytes(settings_json(out));
   return out;
 }

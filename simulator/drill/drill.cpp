@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "drill/cutter_body.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::drill {
@@ -50,8 +51,9 @@ void Drill::add_cutter(const Cutter& cutter) {
   make_room(cutter);
 }
 
-// The box of the cutter on a way of a tick, and the one around an incision's share.
+// The box of the cutter on a short way, and the one around an incision's share.
 void Drill::make_room(const Cutter& cutter) {
+  constexpr double max_way_mm = 10;
   const grid::Lattice& l = volume_.voxels;
   double grown = 1;
   for (int a = 0; a < 3; ++a) grown *= (std::sqrt(2.0) * size_of(cutter) + max_way_mm) / l.spacing_mm[a] + 4;
@@ -66,10 +68,6 @@ void Drill::hold(int number) {
   if (ways_count_ == max_ways) join_any();
   held_ = number;
   cutter_ = cutters_[std::size_t(number)];
-  const grid::Lattice& l = volume_.voxels;
-  double voxels = 1;
-  for (int a = 0; a < 3; ++a) voxels *= size_of(cutter_) / l.spacing_mm[a] + 2;
-  slices_ = std::clamp(int(std::ceil(voxels / max_voxels)), 1, max_slices);
   rest();
 }
 
@@ -89,49 +87,6 @@ double Drill::energy_of(int shape, std::uint32_t at) const {
   const double energy = shapes_[std::size_t(shape)].energy_j_per_mm3;
   if (volume_.hardness.voxels.empty()) return energy;
   return energy * (params_.soft_energy_ratio + (1 - params_.soft_energy_ratio) * volume_.hardness.voxels[at] / 255.0);
-}
-
-const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio) {
-  out_ = {};
-  // A ring of the poses of the last m calls: past_[calls_ % (m + 1)] is this one.
-  const std::uint64_t ring = std::uint64_t(slices_) + 1;
-  past_[calls_ % ring] = {pose, dt_s};
-  const std::uint64_t back = std::min<std::uint64_t>(calls_, std::uint64_t(slices_));
-  const int slice = int(calls_ % std::uint64_t(slices_));
-  ++calls_;
-  if (back == 0) return out_;
-  double time_s = 0;
-  for (std::uint64_t n = 0; n < back; ++n) time_s += past_[(calls_ - 1 - n) % ring].dt_s;
-  const ToolPose& from = past_[(calls_ - 1 - back) % ring].pose;
-  const Vec3 way = pose.tip_mm - from.tip_mm;
-  if (!(norm(way) <= max_way_mm) || !(time_s > 0)) return out_;
-  // A cylinder turns in steps of 0.02 rad at most; the turn of a ball has no effect.
-  int steps = 1;
-  if (cutter_.kind == Cutter::Kind::cylinder) {
-    const double angle =
-        norm(pose.frame.column[2] - from.frame.column[2]) + norm(pose.frame.column[0] - from.frame.column[0]);
-    steps = std::clamp(int(std::ceil(angle / 0.02)), 1, 32);
-  }
-  for (int n = 0; n < steps; ++n) {
-    ToolPose part = from;
-    part.tip_mm = from.tip_mm + way * (double(n) / steps);
-    const double t = (n + 0.5) / steps;
-    for (std::size_t a = 0; a < 3 && steps > 1; ++a)
-      part.frame.column[a] = normalized(from.frame.column[a] * (1 - t) + pose.frame.column[a] * t);
-    if (cutter_.kind == Cutter::Kind::ball) part.frame = pose.frame;
-    Vec3 to = from.tip_mm + way * (double(n + 1) / steps);
-    if (cutter_.kind == Cutter::Kind::ball) {  // of a ball only the centre matters
-      const Vec3 shift = (from.frame.column[2] - pose.frame.column[2]) * cutter_.radius_mm;
-      part.tip_mm += shift;
-    }
-    entries_.clear();
-    collect(CutterSweep(cutter_, part, to), time_s / steps, slice, slices_);
-    const double budget_j = params_.power_w * std::clamp(power_ratio, 0.0, 1.0) * time_s / (slices_ * steps);
-    const double rate = rate_for(budget_j);
-    apply(rate * voxel::haptic_full * fine, false);
-  }
-  out_.power_w = out_.energy_j / dt_s;
-  return out_;
 }
 
 // The rate K at which the entries use up the budget. What a voxel that empties within the tick leaves over goes to the
@@ -161,30 +116,37 @@ double Drill::rate_for(double budget_j) {
   return rate;
 }
 
-// The voxels of every m-th slice that the cutter passes and that something may be removed of, with their doses in s.
-void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slices) {
+// The voxels of every m-th slice of which more is there than may stay, with their doses in s.
+void Drill::collect(const CutterBody& body, double time_s, int slice, int slices) {
   const grid::Lattice& l = volume_.voxels;
-  const grid::Box box = box_around(sweep.middle_mm(), sweep.reach_mm());
-  reach(box);
-  const Vec3 m = l.to_index(sweep.middle_mm()), s = l.spacing_mm;
-  const double reach = sweep.reach_mm() * sweep.reach_mm();
-  const Vec3 step = l.direction.column[0] * s.x;
+  const Vec3 m = body.middle_mm(), s = l.spacing_mm;
+  grid::Box box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double middle = m[int(a)] / s[int(a)], reach = body.reach_mm() / s[int(a)];
+    box.begin[a] = int(std::clamp(std::ceil(middle - reach), 0.0, double(l.size[a])));
+    box.end[a] = int(std::clamp(std::floor(middle + reach) + 1, 0.0, double(l.size[a])));
+  }
+  this->reach(box);
+  const double reach = body.reach_mm() * body.reach_mm();
   for (int k = box.begin[2] + (slice - box.begin[2] % slices + slices) % slices; k < box.end[2]; k += slices)
     for (int j = box.begin[1]; j < box.end[1]; ++j) {
-      const double y = (j - m.y) * s.y, z = (k - m.z) * s.z, left = reach - y * y - z * z;
+      const double y = j * s.y - m.y, z = k * s.z - m.z, left = reach - y * y - z * z;
       if (!(left > 0)) continue;
-      const double half = std::sqrt(left) / s.x;
-      const int first = std::max(box.begin[0], int(std::ceil(m.x - half)));
-      const int last = std::min(box.end[0] - 1, int(std::floor(m.x + half)));
+      const double half = std::sqrt(left);
+      const int first = std::max(box.begin[0], int(std::ceil((m.x - half) / s.x)));
+      const int last = std::min(box.end[0] - 1, int(std::floor((m.x + half) / s.x)));
       const std::int16_t* row = volume_.voxels.voxels.data() + l.index(0, j, k);
-      const Vec3 begin = l.to_world_mm({0, double(j), double(k)});
       for (int i = first; i <= last; ++i) {
-        const std::uint8_t kind = kind_[std::uint16_t(voxel::detail::load_voxel(row[i]))];
-        if ((kind & (drilled | shared)) == 0) continue;
-        const double dose = sweep.dose(begin + step * i) * time_s;
-        if (!(dose > 0) || entries_.size() == entries_.capacity()) continue;
+        const std::int16_t raw = voxel::detail::load_voxel(row[i]);
+        if ((kind_[std::uint16_t(raw)] & (drilled | shared)) == 0) continue;
+        const CutterBody::At at = body.at({i * s.x, j * s.y, k * s.z});
+        if (!(at.stays < 1) || !(at.weight > 0)) continue;
+        const voxel::detail::RawVoxel v = voxel::detail::split(raw);
+        const int share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
+        const int stays = int(std::ceil(at.stays * voxel::haptic_full));
+        if (share <= stays || entries_.size() == entries_.capacity()) continue;
         entries_.push_back({std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0,
-                            float(dose), 0, 0, 0});
+                            float(at.weight * time_s), 0, 0, std::int16_t(stays)});
       }
     }
 }

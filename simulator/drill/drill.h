@@ -50,9 +50,6 @@ struct Removal {
 /// allows: power / sum of energy * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in
 /// steps of 1/65280, so the removed volume does not depend on the tick's length.
 ///
-/// As the law has no rate, a cutter of more than 8,000 voxels cuts every m-th slice of voxels in a tick, each for the
-/// time since it was last cut.
-///
 /// Only cuttable shapes are removed. Voxels only fall: the occupancy of no shape rises anywhere, and a voxel beside a
 /// cut becomes bare where its rest would go to another shape than before (cut_volume()). A voxel of two shapes that is
 /// cut keeps one of them: that which may not be removed, at its share, else the larger.
@@ -67,18 +64,15 @@ class Drill {
   Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
         DirtyBricks* marks = nullptr);
 
-  /// The tool runs, and came to this pose in dt_s. The first call after the start or after rest() only notes the pose.
-  /// A way of more than 10 mm in a tick is not followed. `power_ratio`: the share of the power that is left, 0 to 1.
-  const Removal& cut(const ToolPose& pose, double dt_s, double power_ratio = 1);
-  /// Removal to a fraction of a voxel: the tool stands at `pose` and cuts what lies within the cutter, grown by
-  /// `wider_mm`, there and on the way to `to_tip_mm`, at most 10 mm. A voxel keeps what lies outside, as a ramp of a
-  /// voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the cutter's.
-  /// What the power or the rate leaves is removed by the next calls, as long as the tool stands there.
-  const Removal& cut_to(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
-  /// The same along the whole way from where the last call ended, however fast the tool goes, without a limit of 10 mm.
+  /// The tool runs: it cuts what lies within the cutter, grown by `wider_mm`, at `pose`, on the way to `to_tip_mm`, and
+  /// along the whole way from where the last call ended, however fast it goes. A voxel keeps what lies outside, as a
+  /// ramp of a voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the
+  /// cutter's. What the power or the rate leaves is removed by the next calls, as long as the tool stands there. The
+  /// first call after rest() begins at `pose`. `power_ratio`: the share of the power that is left, 0 to 1.
+  ///
   /// A call looks at some 8,000 voxels; where a way has more, the next calls go on with it, and what the tool goes on
   /// meanwhile is added up, as long as it goes straight to a quarter of a voxel (or 32 ways wait). So nothing is left
-  /// out; Removal says what is late. The first call after rest() begins at `pose`.
+  /// out; Removal says what is late.
   const Removal& cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
   /// Goes on with that while the tool does not run.
   const Removal& cut_late(double dt_s);
@@ -90,10 +84,7 @@ class Drill {
   void hold(int number);
 
   /// The tool does not run.
-  void rest() {
-    calls_ = 0;
-    runs_ = false;
-  }
+  void rest() { runs_ = false; }
 
   /// Begins to remove what cannot be drilled (energy 0) within the radius, at most 30 mm, of the point: the scalp of a
   /// flap. Each call of go_on() takes 4,000 voxels at most, and does nothing where there is nothing left to do.
@@ -117,7 +108,6 @@ class Drill {
   const Removal& put_back();
 
   const Cutter& cutter() const { return cutter_; }
-  int slices() const { return slices_; }  ///< m
 
  private:
   struct Entry {
@@ -134,17 +124,12 @@ class Drill {
     std::uint32_t at;
     std::int16_t i, j, k, other;
   };
-  struct Past {
-    ToolPose pose;
-    double dt_s;
-  };
   enum class Back { none, step, all };
   void reach(const grid::Box& box);
   void change_back(std::uint32_t at, std::int16_t raw, std::uint8_t fraction);
   void mark_changes();
   grid::Box box_around(Vec3 middle_mm, double reach_mm) const;
-  void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
-  void collect_to(const CutterBody& body, double time_s, int slice, int slices);
+  void collect(const CutterBody& body, double time_s, int slice, int slices);
   /// A straight piece of the tool's way, which is cut in so many passes.
   struct Way {
     ToolPose from;
@@ -192,11 +177,8 @@ class Drill {
 
   static constexpr int fine = 256;  ///< steps of a unit of occupancy
   static constexpr std::uint8_t drilled = 1, incised = 2, shared = 4;
-  static constexpr double max_way_mm = 10, largest_mm = 40;
-  int slices_ = 1;
-  static constexpr int max_slices = 16, max_voxels = 8000, incision_voxels = 4000;
-  std::array<Past, max_slices + 1> past_{};
-  std::uint64_t calls_ = 0;
+  static constexpr double largest_mm = 40;
+  static constexpr int max_voxels = 8000, incision_voxels = 4000;
   static constexpr int max_ways = 32, max_passes = 4096;
   std::array<Way, max_ways> ways_{};  // a ring, oldest first
   int first_way_ = 0, ways_count_ = 0;

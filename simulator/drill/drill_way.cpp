@@ -133,8 +133,8 @@ void Drill::cut_pass() {
   w.passes = passes_of(w);
   const std::int64_t before = units_of(out_);
   entries_.clear();
-  collect_to(CutterBody(cutters_[std::size_t(w.cutter)], w.from, w.to_tip_mm, w.wider_mm, volume_.voxels), w.time_s,
-             w.pass, w.passes);
+  collect(CutterBody(cutters_[std::size_t(w.cutter)], w.from, w.to_tip_mm, w.wider_mm, volume_.voxels), w.time_s,
+          w.pass, w.passes);
   const double rate = rate_for(w.energy_j / w.passes);
   apply(rate * voxel::haptic_full * fine, false);
   if (!runs_ || norm(w.to_tip_mm - end_.tip_mm) > gone_on) out_.late_units += units_of(out_) - before;

@@ -41,7 +41,8 @@ constexpr bool takes_back(int command) { return command == undo || command == re
 /// shape: the rules of ToolBelt, for the belt itself and for what follows it by its frames.
 class BeltRules {
  public:
-  BeltRules(std::size_t tools, bool in_open) : tools_(int(tools)), in_open_(in_open), waiting_(in_open) {}
+  /// `tools`: 0 in a session with one tool, which has no belt and waits for nothing.
+  explicit BeltRules(std::size_t tools) : tools_(int(tools)), waiting_(tools > 0) {}
 
   /// Begins a tick; true where the tool in hand has changed. `free`: nothing was touched, and the tool was in nothing,
   /// after the tick before. `still_waits()`: whether a hand that waits goes on waiting; `in_shape()`: whether the pose
@@ -52,7 +53,7 @@ class BeltRules {
     if (command == belt_command::resume) paused_ = false;
     if (command == belt_command::pause && free) paused_ = true;
     // A hand that begins, or comes again, does so outside of every shape: no tissue would have held it on its way in.
-    if (in_open_ && (paused_ || (buttons & haptic_button::lifted)))
+    if (paused_ || (buttons & haptic_button::lifted))
       waiting_ = true;
     else if (waiting_)
       waiting_ = still_waits();
@@ -60,14 +61,14 @@ class BeltRules {
     const int asked = belt_button::tool(buttons), to = asked < tools_ ? asked : std::max(0, in_hand_);
     if (to == in_hand_) return false;
     const bool anywhere = idle() || in_hand_ < 0;  // nothing is felt, and the tool may be anywhere
-    if (in_open_ && !anywhere && (!free || in_shape())) return false;
+    if (!anywhere && (!free || in_shape())) return false;
     in_hand_ = to;
     return true;
   }
   /// Ends it. `works`: no fault holds; `can_cut`: there is a drill, whose cuts can be taken back.
   void end(std::uint32_t buttons, bool works, bool can_cut) {
     const bool back = belt_command::takes_back(new_command(buttons)) && !(buttons & belt_button::pedal);
-    if (back && works && !idle() && can_cut) waiting_ = in_open_;
+    if (back && works && !idle() && can_cut) waiting_ = true;
     buttons_ = buttons;
   }
 
@@ -79,7 +80,7 @@ class BeltRules {
 
  private:
   int tools_, in_hand_ = -1;
-  bool in_open_, waiting_, paused_ = false;
+  bool waiting_, paused_ = false;
   std::uint32_t buttons_ = 0;
 };
 

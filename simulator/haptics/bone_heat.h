@@ -10,12 +10,10 @@ struct HeatParams {
   static void describe(V& v) {
     using P = HeatParams;
     v.number(&P::irrigation_ml_per_min, "irrigation_ml_per_min", Range{0, 1000},
-             "Saline that flows over the cutter while it runs; 0: it drills dry.")
-        .is_since(6);
-    v.number(&P::irrigation_c, "irrigation_c", Range{0, 45}, "Its temperature, in degrees Celsius.").is_since(6);
+             "Saline that flows over the cutter while it runs; 0: it drills dry.");
+    v.number(&P::irrigation_c, "irrigation_c", Range{0, 45}, "Its temperature, in degrees Celsius.");
     v.number(&P::heat_into_bone_ratio, "heat_into_bone_ratio", Range{0, 1},
-             "Share of the drill's power that stays in the bone as heat; chips carry the rest away.")
-        .is_since(6);
+             "Share of the drill's power that stays in the bone as heat; chips carry the rest away.");
   }
 };
 

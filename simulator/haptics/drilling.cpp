@@ -18,8 +18,7 @@ constexpr double min_depth_mm = 1;      // of a way through bone that counts as 
 // that share of its power, and how much slower it becomes narrower again.
 constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
                  idle_ratio = 0.6;
-constexpr double usual_height_mm = 8;   // of a cylinder, where the tool's kind says nothing
-constexpr double min_felt_ratio = 0.3;  // of the diameter
+constexpr double usual_height_mm = 8;  // of a cylinder, where the tool's kind says nothing
 
 // "a, b or c".
 std::string kinds_that_cut() {
@@ -54,14 +53,6 @@ std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic) {
   return bits;
 }
 
-ToolParams felt_tool(const DrillingParams& params, const ToolParams& tool, Vec3 spacing_mm) {
-  ToolParams felt = tool;
-  if (!params.drill || !tool_kind(tool.tool).rotates()) return felt;
-  const double clearance_mm = params.clearance_voxels * std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
-  felt.tool_diameter_mm = std::max(tool.tool_diameter_mm - clearance_mm, min_felt_ratio * tool.tool_diameter_mm);
-  return felt;
-}
-
 drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   drill::Cutter c;
   const ToolKind& kind = tool_kind(tool.tool);
@@ -72,9 +63,6 @@ drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   if (!kind.cuts())
     throw Error(ExitCode::usage, "", "--drill", "needs --tool " + kinds_that_cut() + ", not " + tool.tool);
   const bool rounded = params.cutter == DrillingParams::Cutter::own && kind.cut == ToolKind::Cut::rounded;
-  if (rounded && params.cut_at == DrillingParams::At::device)
-    throw Error(ExitCode::usage, "", "--cut-at",
-                "must be way or tool for --tool " + tool.tool + ", whose end is round");
   const bool ball = params.cutter == DrillingParams::Cutter::own ? kind.cut == ToolKind::Cut::ball
                                                                  : params.cutter == DrillingParams::Cutter::ball;
   c.kind = ball ? drill::Cutter::Kind::ball : drill::Cutter::Kind::cylinder;
@@ -163,15 +151,6 @@ void Drilling::cut_late(double dt_s) {
   if (drill_.late()) count(drill_.cut_late(dt_s));
 }
 
-// The cutter at the device, ahead of what the hand feels. Returns the power in W.
-double Drilling::cut_ahead(const HapticInput& in, double force) {
-  const double left = std::clamp(2 - 2 * force / params_.stall_force_n, 0.0, 1.0);
-  const drill::Removal& r = drill_.cut(turned_pose(in.tip_mm, in.axis, in.across), in.dt_s, left);
-  if (left == 0) outcome_.stalled_s += in.dt_s;
-  count(r);
-  return r.power_w;
-}
-
 // The cutter where the tool is shown. It bites as far as the tool is pressed, at most half a voxel, and takes the power
 // that the pressure allows: the force along the feed is reaction_ratio times power by the speed of the rim. What holds
 // the tool is always cut: where a pressed tool finds nothing to remove, because discs and voxels are coarser than its
@@ -183,18 +162,15 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   const double pressure = pressed ? norm(state.force_n - force_) : 0;
   if (pressure >= params_.stall_force_n) {
     outcome_.stalled_s += in.dt_s;
-    if (params_.cut_at == DrillingParams::At::way) cut_late(in.dt_s);  // it does not cut on this way
+    cut_late(in.dt_s);  // it does not cut on this way
     return 0;
   }
   double max_w = power_w_;
   if (pressed && params_.reaction_ratio > 0) max_w = std::min(max_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
   Vec3 bite = in.tip_mm - state.proxy_mm;
   if (const double length = norm(bite), most = max_bite_voxels * voxel_mm; length > most) bite = bite * (most / length);
-  const drill::ToolPose at = turned_pose(state.proxy_mm, state.axis, state.across);
-  const drill::Removal& r =
-      params_.cut_at == DrillingParams::At::way
-          ? drill_.cut_way(at, state.proxy_mm + bite, wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_)
-          : drill_.cut_to(at, state.proxy_mm + bite, wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
+  const drill::Removal& r = drill_.cut_way(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
+                                           wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
   const bool idle = pressed && r.power_w < idle_ratio * max_w;
   wider_voxels_ =
       std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, max_wider_voxels);
@@ -206,7 +182,6 @@ void Drilling::prepare(HapticInput& in) const {
   in.extra_n = in.extra_n == Vec3{} ? force_ : in.extra_n + force_;
   in.drilling = in.buttons & pedal;
   in.breached = came_through_;
-  in.breached_first = came_through_ && first_;
   in.away = putting_back();
 }
 
@@ -219,10 +194,9 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
     return;
   }
   if (drill_.putting_back()) return put_back(in.buttons);
-  const double force = norm(state.force_n);
   if (state.touched != 0) {
     double& most = outcome_.most_force_n[std::size_t(state.touched)];
-    most = std::max(most, force);
+    most = std::max(most, norm(state.force_n));
   }
   const bool lifted = in.buttons & haptic_button::lifted;  // the tool is not where the pose is, and cuts nothing
   if (!begun_ || lifted) last_mm_ = in.tip_mm;
@@ -235,7 +209,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   const double stalled_s = outcome_.stalled_s;
   if ((in.buttons & pedal) && !(buttons_ & pedal)) begin_step();
   if ((in.buttons & pedal) && !lifted) {
-    used_w = params_.cut_at != DrillingParams::At::device ? cut(in, state) : cut_ahead(in, force);
+    used_w = cut(in, state);
     outcome_.drilled_s += in.dt_s;
   } else {
     cut_late(in.dt_s);
@@ -252,7 +226,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   // A tool that has come through rests on what lies behind the bone, at its very border: half a voxel ahead tells.
   const Vec3 spacing = before_.voxels.spacing_mm;
   const double ahead_mm = std::min({spacing.x, spacing.y, spacing.z}) / 2;
-  watch_breach(in, params_.cut_at != DrillingParams::At::device ? state.proxy_mm - in.axis * ahead_mm : in.tip_mm);
+  watch_breach(in, state.proxy_mm - in.axis * ahead_mm);
 
   const bool runs = (in.buttons & pedal) && !lifted;
   feel_heat(runs, in.dt_s);
@@ -283,18 +257,16 @@ bool Drilling::was_bone(Vec3 at) const {
 // hole that is drilled in two goes is one breach.
 void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   came_through_ = false;
-  const bool runs = in.buttons & pedal, outside = params_.way_ends == DrillingParams::WayEnds::outside;
-  if (!runs && !outside) return;
-  const bool lifted = outside && (in.buttons & haptic_button::lifted);
+  const bool runs = in.buttons & pedal, lifted = in.buttons & haptic_button::lifted;
   const bool is = !lifted && was_bone(tip);
   if (is && !in_bone_) {
     entry_mm_ = tip;
     pass_units_ = 0;
   }
   if (runs && !lifted && !is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
-    first_ = !outcome_.breached;
-    came_through_ = first_ || double(pass_units_) > least_pass_units_;
-    if (first_) {
+    const bool first = !outcome_.breached;
+    came_through_ = first || double(pass_units_) > least_pass_units_;
+    if (first) {
       outcome_.breached = true;
       outcome_.breach_time_s = time_s_;
       outcome_.breach_mm = tip;

@@ -19,17 +19,12 @@ namespace trephine::haptics {
 /// middle of an incision.
 struct DrillingParams : HeatParams {
   enum class Cutter { own, ball, cylinder };
-  enum class At { way, tool, device };
-  enum class WayEnds { outside, running };
   bool drill = false;
-  At cut_at = At::way;
-  WayEnds way_ends = WayEnds::outside;
   Cutter cutter = Cutter::own;
   double cutter_height_mm = 0, cutter_width_ratio = 1, cutter_turn_deg = 0;
   double spindle_rpm = 60000, stall_force_n = 8, reaction_ratio = 0.5;
   double vibration_n = 0.05, vibration_hz = 200;
   double incision_radius_mm = 15;
-  double clearance_voxels = 0;
   std::int64_t undo_steps = 20;
   template <class V>
   static void describe(V& v) {
@@ -37,12 +32,6 @@ struct DrillingParams : HeatParams {
     v.flag(&P::drill, "drill", "The tool cuts: while button 1 is down it drills, and button 2 marks an incision.");
     v.choice(&P::cutter, "cutter", {{"own", Cutter::own}, {"ball", Cutter::ball}, {"cylinder", Cutter::cylinder}},
              "What cuts; own: what the tool's kind says, such as a ball for a burr.");
-    v.choice(
-         &P::cut_at, "cut_at", {{"way", At::way}, {"tool", At::tool}, {"device", At::device}},
-         "Where the cutter is. way: where the tool is shown and felt and on its whole way since the last tick, and a "
-         "little way on towards the device, by as much as the tool is pressed. tool: not on its way, as in "
-         "recordings of version 5. device: ahead of the tool, as before version 5.")
-        .is_since(5);
     v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0, 40},
              "Length of a cylinder, from the tip; 0: that of the tool's kind.");
     v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
@@ -50,25 +39,14 @@ struct DrillingParams : HeatParams {
     v.number(&P::cutter_turn_deg, "cutter_turn_deg", Range{-180, 180},
              "Turn of a cylinder's larger axis about the tool's.");
     v.number(&P::spindle_rpm, "spindle_rpm", Range{100, 500000}, "Speed of the spindle, for the force of cutting.");
-    v.number(&P::stall_force_n, "stall_force_n", Range{0.01, 100},
-             "Force of the feed at which the drill stalls. With --cut-at device its power falls from half of it on.");
+    v.number(&P::stall_force_n, "stall_force_n", Range{0.01, 100}, "Force of the feed at which the drill stalls.");
     v.number(&P::reaction_ratio, "reaction_ratio", Range{0, 10},
              "Reaction along the feed, as a share of the force at the cutter's rim.");
     v.number(&P::vibration_n, "vibration_n", Range{0, 5}, "Amplitude of the vibration at full power, across the tool.");
     v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
-    v.number(&P::clearance_voxels, "clearance_voxels", Range{0, 10},
-             "How much narrower than it cuts the tool is felt, in diameter and voxels. With --cut-at device 1.75 lets "
-             "it fit into its own hole; with --cut-at tool it needs none.")
-        .is_since(5);
     v.integer(&P::undo_steps, "undo_steps", Range{0, 1000},
-              "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.")
-        .is_since(6);
-    v.choice(&P::way_ends, "way_ends", {{"outside", WayEnds::outside}, {"running", WayEnds::running}},
-             "When a way of the tip through bone ends, whose end on the other side is a breach. outside: where the tip "
-             "is outside of bone. running: only while the drill runs there, as in recordings before version 8, so a "
-             "pit that was left with the pedal up could be called a breach elsewhere.")
-        .is_since(8);
+              "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.");
     v.template all_of<HeatParams>();
   }
 };
@@ -91,14 +69,11 @@ struct DrillingOutcome {
 drill::DrillShapes drill_shapes_of(const cases::CaseHaptic& haptic);
 /// The shapes that a drill removes, bit n for shape n.
 std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic);
-/// The tool as it is felt while it cuts: narrower by the clearance in voxels of that spacing, but no less than 0.3 of
-/// its diameter wide, with its foremost point where it is. Whatever does not rotate stays as it is.
-ToolParams felt_tool(const DrillingParams& params, const ToolParams& own_tool, Vec3 spacing_mm);
 /// The tool's cutter. Throws Error 64 where the tool cuts nothing.
 drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
 
-/// Removal within the tick of the servo loop, after the proxy: the cutter stands where the tool is shown (`cut_at`),
-/// and its force is felt in the next tick. Only the constructor allocates; nothing locks or makes a system call; equal
+/// Removal within the tick of the servo loop, after the proxy: the cutter stands where the tool is shown, and its force
+/// is felt in the next tick. Only the constructor allocates; nothing locks or makes a system call; equal
 /// ticks give equal bits.
 class Drilling {
  public:
@@ -135,7 +110,6 @@ class Drilling {
   const DrillingOutcome& outcome() const { return outcome_; }
   /// What was removed of the shape, of 1/255 voxel; another thread may ask.
   std::int64_t removed_units(int shape) const { return removed_[std::size_t(shape)].load(std::memory_order_relaxed); }
-  int slices() const { return drill_.slices(); }
   /// What is heard of it; another thread may ask.
   struct Heard {
     bool runs, stalled;
@@ -152,7 +126,6 @@ class Drilling {
   void cut_late(double dt_s);
   void feel_heat(bool runs, double dt_s);
   double cut(const HapticInput& in, const HapticState& state);
-  double cut_ahead(const HapticInput& in, double force_n);
   drill::ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
   void watch_breach(const HapticInput& in, Vec3 tip_mm);
   bool was_bone(Vec3 at_mm) const;
@@ -190,9 +163,9 @@ class Drilling {
   Stand back_to_;
   std::atomic<bool> putting_back_{false};
   bool begun_ = false, in_bone_ = false;
-  bool came_through_ = false, first_ = false;  ///< in this tick; that was the session's first time
-  std::int64_t pass_units_ = 0;                ///< of what a drill removes, since the tip is in bone
-  double least_pass_units_ = 0;                ///< of a way through bone that is a breach
+  bool came_through_ = false;    ///< in this tick
+  std::int64_t pass_units_ = 0;  ///< of what a drill removes, since the tip is in bone
+  double least_pass_units_ = 0;  ///< of a way through bone that is a breach
   Vec3 entry_mm_;
   DrillingOutcome outcome_;
   std::array<std::atomic<std::int64_t>, voxel::haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads

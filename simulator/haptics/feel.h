@@ -31,13 +31,11 @@ inline contact::TouchableFaces touchable_of(const Feels& feels) {
 
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
-  enum class Law { fifth, fourth, third, second, first };
   enum class Shape { cosine, line, snap };
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
-  Law force_law = Law::fifth;
   double release_s = 0.02, event_s = 0.01;
   Shape event_shape = Shape::cosine;
   template <class V>
@@ -50,38 +48,17 @@ struct ForceParams {
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
              "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
     v.number(&P::max_torque_n_mm, "max_torque_n_mm", Range{0, 1e5},
-             "Largest torque that a device with torques is asked for; 0: none.")
-        .is_since(5);
+             "Largest torque that a device with torques is asked for; 0: none.");
     v.number(&P::turn_stiffness_n_mm_per_rad, "turn_stiffness_n_mm_per_rad", Range{0, 1e5},
-             "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.")
-        .is_since(5);
-    v.choice(
-         &P::force_law, "force_law",
-         {{"fifth", Law::fifth},
-          {"fourth", Law::fourth},
-          {"third", Law::third},
-          {"second", Law::second},
-          {"first", Law::first}},
-         "How contacts give way. fifth: as fourth, a round tool is pressed by an edge, a rim or a corner as its faces "
-         "say. "
-         "fourth: as third, a tool that is jammed where it is drawn out is worked loose, and each breach of bone is an "
-         "event, not a session's first alone. third: as second, and the force of a running "
-         "drill changes by less than 0.1 N in a "
-         "millisecond, but where a membrane pops or bone is breached. second: forces change smoothly where a membrane "
-         "or bone gives way, and a tool that is drawn out of a hole is never locked. first: as before version 5.")
-        .is_since(5);
+             "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.");
     v.number(&P::release_s, "release_s", Range{0, 0.1},
-             "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.")
-        .is_since(5);
+             "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.");
     v.number(&P::event_s, "event_s", Range{0.005, 0.02},
-             "Time that the pop of a membrane or the breach of bone takes under a drill, by the third law.")
-        .is_since(6);
+             "Time that the pop of a membrane or the breach of bone takes under a drill.");
     v.choice(&P::event_shape, "event_shape", {{"cosine", Shape::cosine}, {"line", Shape::line}, {"snap", Shape::snap}},
-             "How the force changes in that time; snap: at once most, then slowly.")
-        .is_since(6);
+             "How the force changes in that time; snap: at once most, then slowly.");
     v.number(&P::max_step_s, "max_step_s", Range{0.001, 3600},
-             "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.")
-        .is_since(5);
+             "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.");
   }
 };
 

@@ -31,7 +31,7 @@ Proxy::Proxy(const contact::ContactVolume& contact, const Feels& feels, const Fo
       shaft_(shaft.shaft_length_mm > 0 ? shaft.shaft_length_mm : tool.length_mm),
       tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
-  if (!tool.round.empty()) round_.emplace(contact, tool.round, third_law(), fifth_law());
+  if (!tool.round.empty()) round_.emplace(contact, tool.round);
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == contact::ContactParams::Surface::nearest;
@@ -111,20 +111,15 @@ const HapticState& Proxy::update(const HapticInput& given) {
     }
   }
 
-  if (second_law()) hold_corner(pressed_mm);
+  hold_corner(pressed_mm);
   Vec3 force = surface_force(pressed_mm);
   if (round_) state_.proxy_mm = centre_mm_ - state_.axis * round_->centre_mm();
-  if (second_law())
-    force =
-        ease_.ease(force + inside_force(in), 2 * stiffest_n_per_mm_ * moved_mm, in.dt_s, force_.release_s) + in.extra_n;
-  else
-    force += inside_force(in) + in.extra_n;
+  const double explained_n = 2 * stiffest_n_per_mm_ * moved_mm;
+  force = ease_.ease(force + inside_force(in), explained_n, in.dt_s, force_.release_s) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
-  if (third_law()) {
-    if (fourth_law() ? in.breached : in.breached_first) state_.events |= haptic_event::breach;
-    const bool event = state_.events & (haptic_event::breach | haptic_event::popped);
-    force = slew_.follow(force, in.drilling, event, 2 * stiffest_n_per_mm_ * moved_mm, in.dt_s);
-  }
+  if (in.breached) state_.events |= haptic_event::breach;
+  const bool event = state_.events & (haptic_event::breach | haptic_event::popped);
+  force = slew_.follow(force, in.drilling, event, explained_n, in.dt_s);
   const double size = norm(force);
   if (!(size <= force_.max_force_n)) {
     if (!std::isfinite(size)) {
@@ -282,8 +277,7 @@ void Proxy::hold_corner(Vec3 device) {
 }
 
 Vec3 Proxy::surface_force(Vec3 device) {
-  const HeldSurfaces::Felt felt =
-      surfaces_.felt(state_.proxy_mm, device, velocity_, second_law() ? state_.touched : -1);
+  const HeldSurfaces::Felt felt = surfaces_.felt(state_.proxy_mm, device, velocity_, state_.touched);
   state_.touched = felt.shape;
   state_.face = felt.face;
   state_.held_by = felt.count;

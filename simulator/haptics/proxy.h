@@ -28,10 +28,9 @@ struct HapticInput {
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
   bool drilling = false;  ///< the tool runs and may cut
-  /// In the last tick the drill came through (Drilling); that was the session's first time.
-  bool breached = false, breached_first = false;
-  bool away = false;    ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
-  double dt_s = 0.001;  ///< since the previous frame
+  bool breached = false;  ///< in the last tick the drill came through (Drilling)
+  bool away = false;      ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
+  double dt_s = 0.001;    ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 
@@ -131,10 +130,6 @@ class Proxy {
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
-  bool second_law() const { return force_.force_law != ForceParams::Law::first; }
-  bool third_law() const { return second_law() && force_.force_law != ForceParams::Law::second; }
-  bool fourth_law() const { return third_law() && force_.force_law != ForceParams::Law::third; }
-  bool fifth_law() const { return force_.force_law == ForceParams::Law::fifth; }
   void hold_corner(Vec3 device_mm);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);

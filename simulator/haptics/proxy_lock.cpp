@@ -34,7 +34,7 @@ bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   if (!any_collided_ || m.from_tip < from_tip_.point) from_tip_ = collided(m.from_tip);
   if (!any_collided_ || m.from_tail > from_tail_.point) from_tail_ = collided(m.from_tail);
   any_collided_ = true;
-  if (second_law() && draws_out()) return false;
+  if (draws_out()) return false;
   if (norm(turn) < 1e-9 || !(norm(from_tip_.at_mm - from_tail_.at_mm) > tool_.lock_distance_mm)) return false;
   const Collided* into = dot(from_tip_.normal, turn) < 0    ? &from_tip_
                          : dot(from_tail_.normal, turn) < 0 ? &from_tail_
@@ -72,7 +72,7 @@ void Proxy::slide_out(Vec3 device) {
     const Vec3 normal = contact_.normal_of(b.met(m.nearest), b.way(m.nearest));
     approach_tool(m);
     if (b.sweep(b.tip_mm() + normal * step_mm_, b.frame(), closed_faces()).hit) {
-      if (fourth_law()) work_loose();
+      work_loose();
       return;
     }
     b.arrive();
@@ -191,7 +191,7 @@ void Proxy::try_unlock(Vec3 axis, Vec3 device) {
     if (!b.sweep(b.tip_mm(), turned(b.frame(), axis, max_turn_rad), closed_faces()).hit) return false;
     return tool_.lock == ToolParams::Lock::turn || b.sweep(device, b.frame(), closed_faces()).hit;
   };
-  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) && !(second_law() && draws_out()) &&
+  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) && !draws_out() &&
       (++locked_for_ % unlock_frames != 0 || barred()))
     return;
   state_.locked = false;

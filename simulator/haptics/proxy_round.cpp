@@ -20,7 +20,7 @@ std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0
 }  // namespace
 
 // Whether the next frames go on with what is left to do in this one; never while the tool is drawn out.
-bool Proxy::round_is_busy(double share) const { return fourth_law() && !draws_out() && round_->busy(share); }
+bool Proxy::round_is_busy(double share) const { return !draws_out() && round_->busy(share); }
 
 // Whether the tool may begin there: it touches nothing, and no middle line lies in a shape that nothing enters.
 bool Proxy::round_is_free(Vec3 centre, Vec3 axis) {
@@ -71,8 +71,8 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
     if (through.hit) return {};  // its centre never passes a surface
     const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
     if (touch.hit) {
-      RoundBody::Touch close = second_law() ? close_to(next, touch) : touch;
-      if (fifth_law() && !draws_out()) round_->set_on_edge(close, state_.axis);
+      RoundBody::Touch close = close_to(next, touch);
+      if (!draws_out()) round_->set_on_edge(close, state_.axis);
       return close;
     }
     centre_mm_ = next;
@@ -141,7 +141,7 @@ void Proxy::follow_round(const HapticInput& in) {
     const RoundBody::Touch touch = move_round(goal);
     if (!touch.hit || !meet_round(touch, device, goal)) break;
   }
-  if (fourth_law() && !round_->is_ball()) {
+  if (!round_->is_ball()) {
     if (draws_out()) slide_out_round(device);
     note_drawn(in.tip_mm + state_.axis * round_->centre_mm() - centre_mm_);
   }

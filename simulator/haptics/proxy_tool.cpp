@@ -63,7 +63,7 @@ void Proxy::follow_tool(const HapticInput& in) {
     }
     if (!meet_tool(m, in.tip_mm, goal, aim, pass)) break;
   }
-  if (second_law() && draws_out()) slide_out(in.tip_mm);
+  if (draws_out()) slide_out(in.tip_mm);
   state_.proxy_mm = b.tip_mm();
   state_.axis = b.frame().column[2];
   state_.inside = b.shape(0);

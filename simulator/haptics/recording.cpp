@@ -23,25 +23,6 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
-bool locks_a_line(const RecordingHeader& h) {
-  bool line = h.tool.lock == ToolParams::Lock::line;
-  for (const BeltToolParams& tool : h.tools) line = line || tool.lock == ToolParams::Lock::line;
-  return line;
-}
-
-int version_of(const RecordingHeader& h) {
-  if (h.force.force_law == ForceParams::Law::fifth) return recording_version;
-  if (h.drilling.drill && h.drilling.way_ends == DrillingParams::WayEnds::outside) return outside_way_version;
-  if (h.force.force_law == ForceParams::Law::fourth || locks_a_line(h)) return fourth_law_version;
-  if (h.force.force_law == ForceParams::Law::third) return third_law_version;
-  if (h.drilling.drill && (h.drilling.undo_steps > 0 || h.drilling.cut_at == DrillingParams::At::way))
-    return third_law_version;
-  if (h.force.force_law == ForceParams::Law::second ||
-      (h.drilling.drill && h.drilling.cut_at == DrillingParams::At::tool))
-    return second_law_version;
-  return h.knows_across ? across_version : h.tools.empty() ? single_tool_version : several_tools_version;
-}
-
 /// The header as it stands in the file.
 struct HeaderFile : RecordingHeader {
   std::uint64_t frame_bytes = 0;
@@ -71,19 +52,12 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
   return text + "\n";
 }
 
-HeaderFile read_header(std::string_view text, int version) {
+HeaderFile read_header(std::string_view text) {
   HeaderFile h;
-  // As recordings without these were felt.
-  h.drilling.clearance_voxels = 0;
-  h.drilling.undo_steps = 0;
-  h.drilling.cut_at = DrillingParams::At::device;
-  h.drilling.way_ends = DrillingParams::WayEnds::running;
-  h.force.force_law = ForceParams::Law::first;
   json::JsonRules rules;
-  rules.version = version;
+  rules.by_program = true;
   json::read_declared_json(text, parameters_of<HeaderFile>(), &h, rules);
-  if (!h.drilling.drill) h.drilling = {};
-  h.knows_across = version == across_version || (version > across_version && h.frame_bytes == sizeof(ServoFrame));
+  h.knows_across = h.frame_bytes == sizeof(ServoFrame);
   return h;
 }
 
@@ -98,10 +72,10 @@ std::uint32_t get_u32(const char* in) {
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
-std::string fixed_text(const RecordingHeader& header) {
+std::string fixed_text() {
   char fixed[fixed_bytes];
   std::memcpy(fixed, magic, 8);
-  put_u32(std::uint32_t(version_of(header)), fixed + 8);
+  put_u32(recording_version, fixed + 8);
   put_u32(header_bytes, fixed + 12);
   return {fixed, sizeof fixed};
 }
@@ -128,7 +102,7 @@ struct RecordingWriter::Impl {
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
     : impl_(new Impl{FileWriter(file), header}) {
-  impl_->out.write(fixed_text(header));
+  impl_->out.write(fixed_text());
   impl_->out.write(header_text(header));
 }
 RecordingWriter::~RecordingWriter() = default;
@@ -146,7 +120,7 @@ void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
 }
 void RecordingWriter::finish(const std::optional<RecordingHeader::Outcome>& outcome) {
   impl_->header.outcome = outcome;
-  const std::string fixed = fixed_text(impl_->header);
+  const std::string fixed = fixed_text();
   std::string text = header_text(impl_->header, impl_->frames);
   const std::string seal = impl_->seal.bytes(fixed.data(), fixed.size()).bytes(text.data(), text.size()).hex();
   text.replace(text.rfind(unsealed), unsealed.size(), seal);
@@ -162,13 +136,13 @@ Recording read_recording(const std::filesystem::path& file) {
     };
     if (bytes.size() < fixed_bytes || std::memcmp(bytes.data(), magic, 8) != 0) refuse("", "is no recording");
     const std::uint32_t version = get_u32(bytes.data() + 8), length = get_u32(bytes.data() + 12);
-    if (version < oldest_recording_version || version > recording_version)
-      refuse("version", std::to_string(version) + ", this program reads " + std::to_string(oldest_recording_version) +
-                            " to " + std::to_string(recording_version));
+    if (version != recording_version)
+      refuse("version", std::to_string(version) + ", this program reads version " + std::to_string(recording_version) +
+                            ": record it anew");
     if (length > bytes.size() - fixed_bytes || length > (1u << 20)) refuse("header", "is cut short");
-    const HeaderFile header = read_header({bytes.data() + fixed_bytes, length}, int(version));
+    const HeaderFile header = read_header({bytes.data() + fixed_bytes, length});
     if (!(header.rate_hz > 0)) refuse("rate_hz", to_text(header.rate_hz) + ", must be above 0");
-    if (header.frame_bytes != frame_bytes(header)) refuse("frame_bytes", "are not this version's");
+    if (header.frame_bytes != frame_bytes(header)) refuse("frame_bytes", "are not those of a frame");
     Recording r;
     r.header = header;
     const std::string_view all(bytes.data(), bytes.size());
@@ -213,12 +187,10 @@ std::uint64_t missing_frames(const std::vector<ServoFrame>& frames) {
 std::string feel_digest(const Feels& feels) {
   std::string text;
   for (const ShapeFeel& f : feels) {
-    const AnyParams params = AnyParams::make(f), defaults = AnyParams::make(ShapeFeel());
-    const std::vector<ParameterLeaf> leaves = leaves_of(params), fresh = leaves_of(defaults);
-    for (std::size_t n = 0; n < leaves.size(); ++n) {
-      const ParameterValue v = leaves[n].value();
-      if (std::count(std::begin(ShapeFeel::not_felt), std::end(ShapeFeel::not_felt), leaves[n].path)) continue;
-      if (leaves[n].parameter->since > 0 && v == fresh[n].value()) continue;  // as before there was such a value
+    const AnyParams params = AnyParams::make(f);
+    for (const ParameterLeaf& leaf : leaves_of(params)) {
+      const ParameterValue v = leaf.value();
+      if (std::count(std::begin(ShapeFeel::not_felt), std::end(ShapeFeel::not_felt), leaf.path)) continue;
       const bool* flag = std::get_if<bool>(&v);
       text += (flag ? to_text(double(*flag)) : to_text(v)) + " ";
     }

@@ -16,38 +16,29 @@
 
 namespace trephine::haptics {
 
-/// Version 9 is written where ForceParams::Law::fifth holds; version 8 where a drill's way through bone ends as
-/// DrillingParams::WayEnds::outside says; version 7 where ForceParams::Law::fourth holds, or a lock is a line; version
-/// 6 where what was cut can be taken back, or a drill cuts along its whole way. Version 5 is written where a law holds
-/// that older programs do not know: ForceParams::Law::second, or a drill that cuts at the tool. Its frames are those of
-/// version 4 where the device knows `across`, else of 2. Version 4 is written where the device knows how the tool is
-/// turned about its axis, else 3 where a session has several tools, else 2: a program that knows only 2 can replay all
-/// that it can read. A member that comes to the header, or to a struct in it, is declared with is_since() and the
-/// version after this one: recordings of the versions so far may be without it.
-constexpr int recording_version = 9, outside_way_version = 8, fourth_law_version = 7, third_law_version = 6,
-              second_law_version = 5, across_version = 4, several_tools_version = 3, single_tool_version = 2,
-              oldest_recording_version = 1;
+/// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
+/// what it replaces.
+constexpr int recording_version = 10;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
   std::string case_token, haptic_sha256;  ///< of the case, and of its haptic volume's file
-  std::string feel_sha256;                ///< feel_digest(); empty in recordings made before the field existed
+  std::string feel_sha256;                ///< feel_digest()
   std::string device;
   double rate_hz = 1000;
-  bool knows_across = false;  ///< Device::knows_across(); before version 4 no recording has it
+  bool knows_across = false;  ///< Device::knows_across(); frames then hold it, and are longer
   std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
   contact::ContactParams contact;
   ForceParams force;
-  PortParams port = PortParams::none();  ///< as recordings without it were felt
+  PortParams port = PortParams::none();
   FreeParams free;
   ShaftParams shaft;
-  ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
-  DrillingParams drilling;  ///< since version 2; before, no tool cut
+  ToolParams tool;  ///< as own_tool() gives it
+  DrillingParams drilling;
   drill::DrillParams law;
-  std::vector<BeltToolParams> tools;  ///< since version 3: of a lesson; empty: `tool` alone
+  std::vector<BeltToolParams> tools;  ///< of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
-  bool in_open = false;               ///< tools are changed in the open alone (ToolBelt); older recordings did not
-  std::string task;                   ///< what was asked for in the lesson; empty in older recordings
+  std::string task;                   ///< what was asked for in the lesson
   /// Of the voxels at its begin, where an earlier session had cut some; else empty.
   std::string begins_sha256;
   /// What was cut, where the tool cut; not in a recording that was not finished.
@@ -80,16 +71,16 @@ struct RecordingHeader {
     using P = RecordingHeader;
     v.text(&P::case_token, "case", "The case.");
     v.text(&P::haptic_sha256, "haptic_sha256", "SHA-256 of the file of its haptic volume.");
-    v.text(&P::feel_sha256, "feel_sha256", "Digest of its materials.").not_always();
+    v.text(&P::feel_sha256, "feel_sha256", "Digest of its materials.");
     v.text(&P::device, "device", "Who held the tool.");
     v.number(&P::rate_hz, "rate_hz", Range{}, "Ticks in each second, as they were asked for.");
     v.text(&P::felt_shape, "felt_shape", "The only shape that could be touched; empty: all.");
     v.group(&P::contact, "contact", "How contact is found.");
     v.group(&P::force, "force", "The limits on forces.");
-    v.group(&P::port, "port", "What lies between device and tool.").is_since(6);
+    v.group(&P::port, "port", "What lies between device and tool.");
     v.only_where(v.group(&P::free, "free", "What is felt everywhere."), [](const P& h) { return h.free.any(); });
     v.group(&P::shaft, "shaft", "The shaft behind the tip.");
-    v.group(&P::tool, "tool", "The tool.").is_since(2);
+    v.group(&P::tool, "tool", "The tool.");
     const auto drills = [](const P& h) { return h.drilling.drill; };
     v.only_where(v.group(&P::drilling, "drilling", "How the session cuts."), drills);
     v.only_where(v.group(&P::law, "law", "How material is removed."), drills);
@@ -97,8 +88,7 @@ struct RecordingHeader {
                            [](auto& in) {
                              in.text(&P::lesson, "module", "Its module.");
                              in.text(&P::participant, "participant", "An anonymous token.");
-                             in.text(&P::task, "task", "What was asked for.").not_always();
-                             in.flag(&P::in_open, "in_open", "Tools are changed in the open alone.").not_always();
+                             in.text(&P::task, "task", "What was asked for.");
                              in.list(&P::tools, "tools", "Its tools.");
                            }),
                  [](const P& h) { return !h.tools.empty(); });
@@ -138,9 +128,9 @@ struct Recording {
 /// Throws Error 80 where the seal is broken.
 void require_seal(const Recording& recording, const std::filesystem::path& file);
 
-/// Throws Error 66; 65 naming the field: not a recording, another version, a damaged header, a part of a frame at the
-/// end, more or fewer frames than the header says (older recordings and those made into a pipe do not say), ticks or
-/// times that do not ascend, a time that is not finite. Frames may be missing where the disk was too slow:
+/// Throws Error 66; 65 naming the field: not a recording, another version (both are named), a damaged header, a part of
+/// a frame at the end, more or fewer frames than the header says (those made into a pipe do not say), ticks or times
+/// that do not ascend, a time that is not finite. Frames may be missing where the disk was too slow:
 /// missing_frames().
 Recording read_recording(const std::filesystem::path& file);
 std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);

@@ -65,9 +65,12 @@ double largest_radius(const std::vector<RoundPart>& parts) {
 
 }  // namespace
 
-RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both, bool edges)
-    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm), normals_(contact), both_(both) {
-  if (edges) edge_.emplace(contact, largest_radius(parts_));
+RoundBody::RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts)
+    : contact_(contact),
+      parts_(std::move(parts)),
+      centre_mm_(parts_[0].from_mm),
+      normals_(contact),
+      edge_(contact, largest_radius(parts_)) {
   const Vec3 s = contact.volume().voxels.spacing_mm;
   disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
   margin_mm_ = 0.5 * contact.smallest_side_mm();
@@ -99,7 +102,7 @@ void RoundBody::begin_frame() {
   const std::uint32_t now = contact_.loosened();
   // What an edge remembers changes what is felt, so it depends on nothing that a replay would not do in the same frame.
   if (now != seen_ || ++edge_frames_ >= frames_known) {
-    if (edge_) edge_->forget();
+    edge_.forget();
     edge_frames_ = 0;
   }
   if (now != seen_ || ++frames_ >= frames_known) samples_.known = false;
@@ -215,17 +218,15 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       const bool rod = p.to_mm > p.from_mm;
       double at = rod ? std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm) : p.from_mm;
       Vec3 middle = centre_mm + axis * at, r = middle - s.point_mm;
-      const double room = both_ ? beside : rod ? together : 0;
-      const double shallowest = room > 0 ? t.depth_mm - room * 2 * margin_mm_ : t.depth_mm;
-      const double far = p.radius_mm - std::max(0.0, shallowest) + disc_mm_;
+      // Less deep places than these are of no use below.
+      const double useless = std::max(0.0, t.depth_mm - beside * 2 * margin_mm_);
+      const double far = p.radius_mm - useless + disc_mm_;
       if (dot(r, r) > far * far) continue;
       if (s.normal == Vec3{}) {
         s.normal = normal_of(s);
         if (s.normal == Vec3{}) s.normal = normalized(r);
       }
-      // No place of the line that is near enough to the disc's middle is near enough to its plane. (Less deep places
-      // than these are of no use below.)
-      const double useless = std::max(0.0, t.depth_mm - (both_ ? beside : together) * 2 * margin_mm_);
+      // No place of the line that is near enough to the disc's middle is near enough to its plane.
       const double off = std::abs(dot(r, s.normal)) - (p.radius_mm - useless) - certain, lean = dot(axis, s.normal);
       const double widest = p.radius_mm + disc_mm_ + certain;
       if (off > 0 && (!rod || lean * lean * (widest * widest - dot(r, r)) <= off * off)) continue;
@@ -263,7 +264,7 @@ RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const
       t.contact.shape = front ? into : from;
     }
   }
-  if (t.hit && both_) {
+  if (t.hit) {
     find_beside(t);
     smooth_normal(t);
   }
@@ -305,11 +306,11 @@ void RoundBody::smooth_normal(Touch& t) const {
 // The depth stays that of the discs: they keep the tool outside, and only the way in which it is pressed changes.
 void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
   constexpr double alike = 0.6;
-  if (!edge_ || double(spent_) > most_spent) return;  // a frame that took long already goes on without
+  if (double(spent_) > most_spent) return;  // a frame that took long already goes on without
   const contact::Contact& c = t.contact;
   int computed = 0;
-  const bool edge = edge_->find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
-  spent_ += edge_->looked_at() + computed * spent_by_normal;
+  const bool edge = edge_.find(c.point_mm, c.normal, t.radius_mm, c.from, c.into, normals_, computed);
+  spent_ += edge_.looked_at() + computed * spent_by_normal;
   if (!edge) return;
   const double gap = t.radius_mm - t.depth_mm;
   const Vec3 middle = c.point_mm + c.normal * gap;
@@ -322,13 +323,13 @@ void RoundBody::set_on_edge(Touch& t, Vec3 axis) {
   double at = 0;
   Vec3 on_edge;
   for (int n = 0; n < 4; ++n) {
-    if (!edge_->nearest(middle + axis * at, on_edge)) return;
+    if (!edge_.nearest(middle + axis * at, on_edge)) return;
     if (!(hi > lo)) break;
     at = std::clamp(dot(on_edge - middle, axis), lo, hi);
   }
   const Vec3 way = middle + axis * at - on_edge;
   const double distance = norm(way);
-  if (std::abs(distance - gap) > edge_->cut_off_mm() || dot(way, c.normal) < alike * distance) return;
+  if (std::abs(distance - gap) > edge_.cut_off_mm() || dot(way, c.normal) < alike * distance) return;
   t.contact.normal = way / distance;
   t.contact.point_mm = middle + axis * at - t.contact.normal * gap;
   t.along_mm += at;

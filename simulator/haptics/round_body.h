@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "contact/contact.h"
@@ -23,10 +22,7 @@ namespace trephine::haptics {
 class RoundBody {
  public:
   /// `parts`: at least one.
-  /// `both`: Touch also says which other shape is touched beside the deepest, and its normal is the mean of the discs
-  /// that are touched about as deep and face about the same way (ForceParams::Law::third).
-  /// `edges`: set_on_edge() does something.
-  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts, bool both = false, bool edges = false);
+  RoundBody(const contact::ContactVolume& contact, std::vector<RoundPart> parts);
   /// From the tip to the centre.
   double centre_mm() const { return centre_mm_; }
   /// A ball alone: it may turn as it likes.
@@ -45,7 +41,8 @@ class RoundBody {
   }
 
   /// The disc into which a part reaches deepest, of those whose crossing stops it; for a ball alone, of those that are
-  /// crossed from `inside`. The contact's point lies on the disc, and its normal points from there to the middle line.
+  /// crossed from `inside`. The contact's point lies on the disc, and its normal points from there to the middle line;
+  /// where several discs are touched about as deep and face about the same way, it is their mean.
   struct Touch {
     bool hit = false;
     double depth_mm = 0;
@@ -61,7 +58,7 @@ class RoundBody {
   };
   Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const contact::TouchableFaces& faces);
   /// Where that is at an edge, a rim or a corner, its normal becomes what the faces there say, and its point and its
-  /// places along the line those where the line passes the edge (ForceParams::Law::fifth).
+  /// places along the line those where the line passes the edge.
   void set_on_edge(Touch& touch, Vec3 axis);
   /// Whether it reaches any surface of one of these shapes (bit n: shape n).
   bool reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes);
@@ -108,11 +105,10 @@ class RoundBody {
   static constexpr int least_calls = 6, spent_by_look = 500, spent_by_normal = 20;
   static constexpr double most_spent = 2000;
   contact::KnownNormals normals_;
-  std::optional<contact::RoundEdge> edge_;  // only where it is asked for: it holds some hundred kB of samples
+  contact::RoundEdge edge_;
   int calls_ = 0;
   std::int64_t spent_ = 0;
   int frames_ = 0, edge_frames_ = 0;
-  const bool both_;
 };
 
 }  // namespace trephine::haptics

@@ -49,8 +49,7 @@ struct ToolParams {
     v.number(&P::lock_distance_mm, "lock_distance_mm", Range{0, 400},
              "A tool that is turned while points further apart than this collide is locked; 0: never.");
     v.choice(&P::lock, "lock", {{"turn", Lock::turn}, {"line", Lock::line}},
-             "What a lock holds. turn: the tool keeps its orientation. line: it also moves along its own axis alone.")
-        .is_since(7);
+             "What a lock holds. turn: the tool keeps its orientation. line: it also moves along its own axis alone.");
     v.text(&P::tool_points, "tool_points",
            "File with the points of --tool points: x y z in mm on each line, the tip at 0, the tail towards +z.")
         .not_always()

@@ -28,8 +28,8 @@ Feels felt_by(const BeltToolParams& tool, Feels feels) {
 }  // namespace
 
 ToolBelt::ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
-                   const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open)
-    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), rules_(tools_.size(), in_open) {
+                   const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling)
+    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), rules_(tools_.size()) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
   int burrs = 0;

@@ -15,7 +15,7 @@ namespace trephine::haptics {
 struct BeltToolParams : ToolParams {
   std::string name;
   bool blunt = false, marks = false, cuts = false;
-  double pierce_n = 0, cuts_wider_mm = 0;
+  double pierce_n = 0;
   template <class V>
   static void describe(V& v) {
     using P = BeltToolParams;
@@ -25,28 +25,18 @@ struct BeltToolParams : ToolParams {
     v.flag(&P::marks, "marks", "While the pedal is down it draws on what it touches, and its last point is kept.");
     v.flag(&P::cuts, "cuts", "While the pedal is down it drills.");
     v.number(&P::pierce_n, "pierce_n", Range{0, 100},
-             "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.")
-        .is_since(5);
-    v.number(&P::cuts_wider_mm, "cuts_wider_mm", Range{0, 5},
-             "How much wider than the tool is felt its drill cuts, in diameter, so that it fits into what it cut.");
+             "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.");
   }
 };
-
-/// The tool as wide as it cuts, which is how it is drawn.
-inline ToolParams whole_tool(const BeltToolParams& tool) {
-  ToolParams whole = own_tool(tool);
-  whole.tool_diameter_mm += tool.cuts_wider_mm;
-  return whole;
-}
 
 /// The tools of a session, of which the hand holds one at a time: a proxy for each, the drill, and what commands do in
 /// the tick. Changing the tool takes no time; the new one begins where the device is, and its force rises from zero.
 /// The force of the tool that was put down falls within the limit on the force's rate.
 ///
 /// - The command `incise` cuts the skin around the last point that a marking tool touched with its pedal down.
-/// - Where tools are changed in the open alone (`in_open`, as every lesson has it since it is recorded), a tool is
-///   changed only while nothing is touched and the pose lies in no shape; a session that begins inside a shape, or goes
-///   on there after a pause or after the hand took the tool away, feels nothing until the pose was outside.
+/// - A tool is changed in the open alone: while nothing is touched and the pose lies in no shape. A session that begins
+///   inside a shape, or goes on there after a pause or after the hand took the tool away, feels nothing until the pose
+///   was outside.
 /// - `undo` takes back the last stroke or incision, `reset` all that was cut in the session, while the pedal is up; as
 ///   after a pause nothing is felt until the pose is outside of every shape.
 /// - `pause` is taken while the tool is in the open; until `resume` nothing is felt, cut or marked.
@@ -57,7 +47,7 @@ class ToolBelt {
  public:
   /// `contact` and `drilling` (may be null) must outlive it. Throws as make_tool does; 64 for no tool, or more than 16.
   ToolBelt(const contact::ContactVolume& contact, const Feels& feels, const ForceParams& force,
-           const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open);
+           const ShaftParams& shaft, std::vector<BeltToolParams> tools, Drilling* drilling);
   ~ToolBelt();
 
   const HapticState& update(const HapticInput& given);

@@ -111,7 +111,7 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
   c.emplace_back("task", "what was asked for; empty: nothing");
   c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
   c.emplace_back("critical_errors", "those that happened, by name, with + between them");
-  c.emplace_back("seal", "sealed, not sealed (older recordings), or broken seal, where the recording was trusted");
+  c.emplace_back("seal", "sealed, not sealed (written into a pipe), or broken seal, where the recording was trusted");
   c.emplace_back("signature", "signed by the teacher whose key was given, not signed; empty: no key was given");
   return c;
 }

@@ -166,7 +166,7 @@ DustWatch::DustWatch(std::shared_ptr<BoneDust> dust, const haptics::RecordingHea
   const auto add = [&](const haptics::ToolParams& whole, bool cuts) {
     burrs_.push_back({cuts && haptics::tool_kind(whole.tool).rotates(), 0.5 * whole.tool_diameter_mm});
   };
-  for (const haptics::BeltToolParams& t : h.tools) add(haptics::whole_tool(t), t.cuts);
+  for (const haptics::BeltToolParams& t : h.tools) add(haptics::own_tool(t), t.cuts);
   if (h.tools.empty()) add(haptics::own_tool(h.tool), true);
 }
 

@@ -29,7 +29,7 @@ std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::Recordin
   if (!header.drilling.drill) return nullptr;
   std::vector<haptics::ToolParams> tools;
   for (const haptics::BeltToolParams& t : header.tools)
-    if (t.cuts) tools.push_back(haptics::whole_tool(t));
+    if (t.cuts) tools.push_back(t);
   if (tools.empty()) tools.push_back(header.tool);
   drill::DrillShapes shapes = haptics::drill_shapes_of(loaded.manifest.haptic);
   if (haptics::tool_kind(tools.front().tool).cut == haptics::ToolKind::Cut::incision)
@@ -39,10 +39,6 @@ std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::Recordin
     burrs.push_back({haptics::cutter_of(header.drilling, haptics::own_tool(t)), haptics::tool_kind(t.tool).flutes});
   return std::make_unique<haptics::Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
                                              std::move(burrs), marks);
-}
-
-haptics::ToolParams FeltCase::felt_tool_of(const haptics::RecordingHeader& header) const {
-  return haptics::felt_tool(header.drilling, header.tool, loaded.haptic.voxels.spacing_mm);
 }
 
 haptics::RecordingHeader FeltCase::header() const {
@@ -61,28 +57,19 @@ void set_lesson(haptics::RecordingHeader& h, const std::vector<haptics::BeltTool
   bool cuts = false;
   for (const haptics::BeltToolParams& t : tools) cuts = cuts || t.cuts;
   h.drilling.drill = cuts && haptics::drilled_shapes(haptic) != 0;
-  for (haptics::BeltToolParams& t : h.tools) {
-    if (!t.cuts) continue;
-    const haptics::ToolParams whole = haptics::whole_tool(t);
-    t.tool_diameter_mm = haptics::felt_tool(h.drilling, whole, haptic.spacing_mm).tool_diameter_mm;
-    t.cuts_wider_mm = whole.tool_diameter_mm - t.tool_diameter_mm;
-  }
   h.tool = h.tools.front();
   h.lesson = module;
   h.participant = participant;
-  h.in_open = true;
 }
 
 Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string& file,
              const haptics::RecordingHeader& h, drill::DirtyBricks* marks)
     : rate_hz_(h.rate_hz), port_(h.port, h.force, h.free), drilling_(felt.drilling_of(h, contact, marks)) {
   if (h.tools.empty())
-    proxy_ =
-        std::make_unique<haptics::Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, felt.felt_tool_of(h)));
+    proxy_ = std::make_unique<haptics::Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, h.tool));
   else
     belt_ = with_file(file, [&] {
-      return std::make_unique<haptics::ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get(),
-                                                 h.in_open);
+      return std::make_unique<haptics::ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get());
     });
 }
 
@@ -103,8 +90,7 @@ FeltCase felt_again(const std::filesystem::path& folder, const std::string& file
     const haptics::RecordingHeader now = felt.header();
     if (now.haptic_sha256 != h.haptic_sha256)
       refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");
-    if (!h.feel_sha256.empty() && now.feel_sha256 != h.feel_sha256)
-      refuse("feel_sha256", "the case's materials are not those of the recording");
+    if (now.feel_sha256 != h.feel_sha256) refuse("feel_sha256", "the case's materials are not those of the recording");
     return felt;
   } catch (const Error& e) {
     if (e.code() == ExitCode::usage) refuse("felt_shape", h.felt_shape + ", which the case does not have");

@@ -23,14 +23,11 @@ struct FeltCase {
   /// The drill of the recording's tool; null where that tool cuts nothing. Throws as Drilling and cutter_of do.
   std::unique_ptr<haptics::Drilling> drilling_of(const haptics::RecordingHeader& header,
                                                  contact::ContactVolume& contact, drill::DirtyBricks* marks = nullptr);
-  /// The tool of a session with one, as it is felt.
-  haptics::ToolParams felt_tool_of(const haptics::RecordingHeader& header) const;
   /// The case and shape of a recording.
   haptics::RecordingHeader header() const;
 };
 
-/// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled,
-/// and is felt narrower than it cuts by the clearance of `header.drilling`.
+/// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled.
 void set_lesson(haptics::RecordingHeader& header, const std::vector<haptics::BeltToolParams>& tools,
                 const std::string& module, const std::string& participant, const cases::CaseHaptic& haptic);
 

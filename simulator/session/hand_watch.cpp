@@ -6,10 +6,7 @@
 namespace trephine::session {
 
 HandWatch::HandWatch(const haptics::RecordingHeader& h, ShapeAt shape_at)
-    : tools_(h.tools.size()),
-      drills_(h.drilling.drill),
-      shape_at_(std::move(shape_at)),
-      rules_(h.tools.size(), h.in_open) {}
+    : tools_(h.tools.size()), drills_(h.drilling.drill), shape_at_(std::move(shape_at)), rules_(h.tools.size()) {}
 
 void HandWatch::look(const haptics::ServoFrame& f) {
   command_ = haptics::belt_command::new_of(f.buttons, buttons_);

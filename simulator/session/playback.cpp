@@ -61,7 +61,7 @@ void IncisionWatch::follow_steps(const haptics::ServoFrame& f, std::uint32_t bef
 
 haptics::ToolParams Playback::tool() const {
   const haptics::RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : haptics::whole_tool(h.tools[tool_in_hand()]);
+  return h.tools.empty() ? h.tool : haptics::own_tool(h.tools[tool_in_hand()]);
 }
 
 std::string Playback::tool_name() const {

@@ -72,11 +72,11 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
   const haptics::Feels& feels = patient_->felt.feels;
   if (header_.tools.empty()) {
     proxy_ = std::make_unique<haptics::Proxy>(patient_->contact, feels, options.force, options.shaft,
-                                              haptics::make_tool(patient_->felt.felt_tool_of(header_)));
+                                              haptics::make_tool(header_.tool));
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
     belt_ = std::make_unique<haptics::ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
-                                                drilling_.get(), header_.in_open);
+                                                drilling_.get());
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
   servo_->set_port(&port_);

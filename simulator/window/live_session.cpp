@@ -91,7 +91,7 @@ void LiveSession::begin() {
     board_->buttons.store(0, std::memory_order_relaxed);
     o.board = board_;
   }
-  view_.stage().set_tool(lesson_ ? haptics::whole_tool(lesson_->tool()) : haptics::own_tool(o.tool));
+  view_.stage().set_tool(lesson_ ? haptics::own_tool(lesson_->tool()) : haptics::own_tool(o.tool));
   hand.hold_by(nullptr);
   const bool own = o.device.name.empty();
   if (own) {
@@ -189,7 +189,7 @@ texts::Answer LiveSession::take(const haptics::ToolParams& next) {
 }
 
 haptics::ToolParams LiveSession::held() const {
-  return lesson_ ? haptics::whole_tool(lesson_->tool()) : haptics::own_tool(options_.tool);
+  return lesson_ ? haptics::own_tool(lesson_->tool()) : haptics::own_tool(options_.tool);
 }
 
 bool LiveSession::holds_burr() const { return haptics::tool_kind(held().tool).rotates(); }
@@ -201,7 +201,7 @@ texts::Answer LiveSession::change_burr(const std::string& asked) {
   if (lesson_)
     for (const haptics::BeltToolParams& t : lesson_->tools()) {
       if (!t.cuts) continue;
-      burrs.push_back(haptics::whole_tool(t));
+      burrs.push_back(haptics::own_tool(t));
       names.push_back(t.name);
     }
   else
@@ -339,7 +339,7 @@ void show_tool_of(const LessonController& lesson, CaseView& view) {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   std::optional<std::array<float, 3>> colour;
   if (const int verdict = lesson.verdict(); verdict != 0) colour = verdict > 0 ? green : red;
-  view.stage().set_tool(haptics::whole_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
+  view.stage().set_tool(haptics::own_tool(lesson.tool()), colour, lesson.fluid() == lessons::LessonFluid::blood);
 }
 
 void show_field_of(const LessonController& lesson, CaseView& view) {
@@ -350,7 +350,7 @@ void show_field_of(const LessonController& lesson, CaseView& view) {
   state.theatre = scene::TheatreField{field.centre_mm, field.open_mm, field.lamp_mm};
   state.drops.clear();
   if (lesson.fluid() != lessons::LessonFluid::csf) return;
-  const haptics::ToolParams tool = haptics::whole_tool(lesson.tool());
+  const haptics::ToolParams tool = haptics::own_tool(lesson.tool());
   const haptics::ServoFrame& f = view.frame();
   state.drops = scene::csf_drops(vec(f.proxy_mm), normalized(vec(f.axis)), field.down, 0.5 * tool.tool_diameter_mm,
                                  scene::tail_mm(tool), f.time_s);

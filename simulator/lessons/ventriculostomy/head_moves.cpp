@@ -86,7 +86,7 @@ class HeadPlan : public MovePlan {
     p.layer_mm = s.layer_mm;
     p.past_mm = s.past_mm;
     p.approach_mm = above_mm;
-    const double radius = 0.5 * haptics::whole_tool(scene_.tools[std::size_t(tool_)]).tool_diameter_mm;
+    const double radius = 0.5 * haptics::own_tool(scene_.tools[std::size_t(tool_)]).tool_diameter_mm;
     const device::HandPath path = device::drill_path(scene_.contact, scene_.drilled, {{p.site, site}}, radius, p);
     go(path.points_mm.front(), path.axis);
     HandMove m = move();

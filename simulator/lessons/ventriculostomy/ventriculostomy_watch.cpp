@@ -161,7 +161,7 @@ void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBel
   const std::int64_t removed = belt.removed_units(shapes_.bone);
   if (pedal && removed > removed_units_)
     facts_.burr_mm =
-        std::max(facts_.burr_mm, haptics::whole_tool(belt.tools()[std::size_t(belt.in_hand())]).tool_diameter_mm);
+        std::max(facts_.burr_mm, haptics::own_tool(belt.tools()[std::size_t(belt.in_hand())]).tool_diameter_mm);
   if (removed == 0) facts_.burr_mm = 0;  // all was taken back
   removed_units_ = removed;
   const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
