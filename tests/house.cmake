@@ -11,6 +11,7 @@ add_test(NAME house.sizes COMMAND bash ${house}/sizes.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.sh)
 add_test(NAME house.sizes_table
          COMMAND python3 ${PROJECT_SOURCE_DIR}/bench/sizes.py ${PROJECT_SOURCE_DIR} --check ${PROJECT_SOURCE_DIR}/docs/architecture.md)
+add_test(NAME house.tidy_selftest COMMAND bash ${house}/tidy_selftest.sh ${house}/tidy.sh)
 add_test(NAME house.anatomies COMMAND bash ${house}/anatomies.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.anatomies_selftest COMMAND bash ${house}/anatomies_selftest.sh ${house}/anatomies.sh)
 add_test(NAME house.tools COMMAND bash ${house}/tools.sh ${PROJECT_SOURCE_DIR})

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# tidy.sh [--all] [FILE...]: clang-tidy (.clang-tidy) on the sources of lib, tools and simulator that changed since the last
-# tag, 60 at most, with the headers that they include; a header that changed is read through a source that includes it.
-# --all: all sources. Without a tag none is checked unless --all or FILEs say so. Prints how many, and all that was found;
-# ends with 1 where that holds an error (as .clang-tidy defines it), else 0.
+# tidy.sh [--all] [FILE...]: clang-tidy (.clang-tidy) on the sources of lib, tools and simulator that changed since the last tag, or
+# without a tag in the last 30 commits, with the headers that they include; a header that changed is read through a source that
+# includes it. Of more than 60, and of all where none changed or there is no history, 60 are read: which follows from the number of
+# commits (without history from the day), so that commits in a row read all of them. --all: all sources. Prints how many, and all
+# that was found; ends with 1 where that holds an error (as .clang-tidy defines it) or nothing was read, else 0.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 most=60
@@ -13,13 +14,17 @@ mapfile -t headers < <(find lib tools simulator -name '*.h' | sort)
 files=()
 if [[ ${1:-} == --all ]]; then
   files=("${sources[@]}")
-  most=${#sources[@]}
 elif (($#)); then
   files=("$@")
-elif tag=$(git describe --tags --abbrev=0 2>/dev/null); then
+else
+  turn=$(git rev-list --count HEAD 2>/dev/null) || turn=$(($(date +%s) / 86400))
+  since=$({ git describe --tags --abbrev=0 || git rev-parse -q --verify HEAD~30 || git rev-list --max-parents=0 HEAD; } 2>/dev/null |
+    head -1 || true)
   # Sources that changed, and for every header that changed and that none of them includes, the first that does.
   declare -A changed=()
-  while read -r f; do [[ ! -f $f ]] || changed[$f]=1; done < <(git diff --name-only "$tag" -- lib tools simulator)
+  if [[ -n $since ]]; then
+    while read -r f; do [[ ! -f $f ]] || changed[$f]=1; done < <(git diff --name-only "$since" -- lib tools simulator)
+  fi
   for f in "${sources[@]}"; do [[ -z ${changed[$f]:-} ]] || files+=("$f"); done
   for h in "${headers[@]}"; do
     [[ -n ${changed[$h]:-} ]] || continue
@@ -28,18 +33,17 @@ elif tag=$(git describe --tags --abbrev=0 2>/dev/null); then
     first=$(grep -lF -e "#include \"$name\"" -e "#include \"${h##*/}\"" -- "${sources[@]}" | head -1 || true)
     [[ -z $first ]] || files+=("$first")
   done
-  echo "since $tag: ${#files[@]} of ${#sources[@]} sources"
-else
-  echo "no tag: none of ${#sources[@]} sources with ${#headers[@]} headers is checked (./check --long: all)"
-  exit 0
+  echo "since ${since:-the beginning}: ${#files[@]} of ${#sources[@]} sources changed"
+  ((${#files[@]})) || files=("${sources[@]}")
+  if ((${#files[@]} > most)); then
+    from=$((turn * most % ${#files[@]}))
+    echo "of ${#files[@]} sources $most are read, from number $from on (./check --long: all)"
+    files=("${files[@]:from}" "${files[@]:0:from}")
+    files=("${files[@]:0:most}")
+  fi
 fi
-((${#files[@]})) || exit 0
-if ((${#files[@]} > most)); then
-  echo "$((${#files[@]} - most)) sources beyond the first $most are left out (./check --long: all)"
-  files=("${files[@]:0:most}")
-fi
-tool=$(command -v clang-tidy-14 || command -v clang-tidy) ||
-  { echo "skipped: no clang-tidy"; [[ ${TREPHINE_CHECK:-} != 1 ]] || exit 1; exit 77; }
+((${#files[@]})) || { echo "no sources: nothing was read"; exit 1; }
+tool=$(command -v clang-tidy-14 || command -v clang-tidy) || { echo "no clang-tidy: nothing was read"; exit 1; }
 
 # A configuration of its own, which is never built: each file by itself, and none of gcc's precompiled headers.
 cmake --preset release -B build/tidy -DTREPHINE_UNITY=OFF -DTREPHINE_TESTS=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null

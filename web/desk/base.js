@@ -1,4 +1,4 @@
-// Part 2: elements, requests, and what every page has: who works, the language, the size of letters.
+// Elements, requests, and what every page has: who works, the language, the size of letters.
 const $ = id => document.getElementById(id)
 
 // make('button', { class: 'main', text: 'Save', click: f, disabled: true }, child, ...)
@@ -19,9 +19,12 @@ const make = (tag, given = {}, ...children) => {
 
 const desk = { language: 'en', cases: [], plan: new Map(), page: null, stats: {} }
 const t = key => TEXTS[desk.language][key] || '?' + key
-const digits = (v, n) => typeof v === 'number' && isFinite(v) ? v.toLocaleString(desk.language, { minimumFractionDigits: n, maximumFractionDigits: n }) : ''
+const digits = (v, n) =>
+  typeof v === 'number' && isFinite(v)
+    ? v.toLocaleString(desk.language, { minimumFractionDigits: n, maximumFractionDigits: n })
+    : ''
 // Whole numbers stay whole.
-const figure = v => typeof v !== 'number' ? String(v) : digits(v, Number.isInteger(v) ? 0 : 2)
+const figure = v => (typeof v !== 'number' ? String(v) : digits(v, Number.isInteger(v) ? 0 : 2))
 const label = name => name.replace(/[_.]/g, ' ')
 
 // ---- requests
@@ -32,44 +35,71 @@ async function answered(request) {
   try {
     reply = await request
   } catch (e) {
-    throw new Refused('The desk does not answer: is `trephine desk` still running? What was painted is kept where it was saved last.')
+    throw new Refused(
+      'The desk does not answer: is `trephine desk` still running? What was painted is kept where it was saved last.'
+    )
   }
   if (reply.ok) return reply
   const text = await reply.text()
   let said
-  try { said = JSON.parse(text).error } catch (e) { said = `${reply.status} ${text}` }
+  try {
+    said = JSON.parse(text).error
+  } catch (e) {
+    said = `${reply.status} ${text}`
+  }
   throw new Refused(said)
 }
 const ask = (path, query = {}) => answered(fetch('api/' + path + '?' + new URLSearchParams(query)))
 const askJson = async (path, query) => (await ask(path, query)).json()
 const askBytes = async (path, query) => (await ask(path, query)).arrayBuffer()
-const tell = async (path, body) => (await answered(fetch('api/' + path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) }))).json()
-const tellForBytes = async (path, query, body) => (await answered(fetch('api/' + path + '?' + new URLSearchParams(query), { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body }))).arrayBuffer()
+const tell = async (path, body) =>
+  (
+    await answered(
+      fetch('api/' + path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) })
+    )
+  ).json()
+const tellForBytes = async (path, query, body) =>
+  (
+    await answered(
+      fetch('api/' + path + '?' + new URLSearchParams(query), {
+        method: 'POST',
+        headers: { 'Content-Type': 'application/octet-stream' },
+        body
+      })
+    )
+  ).arrayBuffer()
 const tellBytes = async (path, query, body) => JSON.parse(new TextDecoder().decode(await tellForBytes(path, query, body)))
 
 // ---- what went wrong, and what went well
-const problem = text => { $('problem').hidden = !text, $('problem-text').textContent = text || '' }
+const problem = text => {
+  $('problem').hidden = !text
+  $('problem-text').textContent = text || ''
+}
 let hinted = 0
 const hint = text => {
   $('hint').textContent = text
   $('hint').hidden = false
   clearTimeout(hinted)
-  hinted = setTimeout(() => { $('hint').hidden = true }, 3500)
+  hinted = setTimeout(() => {
+    $('hint').hidden = true
+  }, 3500)
 }
-// Runs what a button does; it cannot be pressed twice meanwhile, and what it throws is told. What is told stays until a person does
-// something again: a page that asks by itself how far a build is takes nothing away.
-const doing = (f, ...given) => async event => {
-  const button = event && event.currentTarget
-  if (button && 'disabled' in button) button.disabled = true
-  try {
-    if (event) problem('')
-    await f(event, ...given)
-  } catch (e) {
-    problem(e instanceof Refused ? e.message : String(e && e.stack || e))
-  } finally {
-    if (button && 'disabled' in button) button.disabled = false
+// Runs what a button does; it cannot be pressed twice meanwhile, and what it throws is told. What is told stays until a person
+// does something again: a page that asks by itself how far a build is takes nothing away.
+const doing =
+  (f, ...given) =>
+  async event => {
+    const button = event && event.currentTarget
+    if (button && 'disabled' in button) button.disabled = true
+    try {
+      if (event) problem('')
+      await f(event, ...given)
+    } catch (e) {
+      problem(e instanceof Refused ? e.message : String((e && e.stack) || e))
+    } finally {
+      if (button && 'disabled' in button) button.disabled = false
+    }
   }
-}
 const button = (key, f, given = {}) => make('button', { text: t(key), click: doing(f), ...given })
 
 const who = () => {
@@ -82,8 +112,18 @@ const who = () => {
 }
 
 // ---- what a browser keeps of the desk; a browser that keeps nothing works all the same
-const keep = (key, value) => { try { localStorage.setItem('trephine-' + key, value) } catch (e) {} }
-const kept = key => { try { return localStorage.getItem('trephine-' + key) || '' } catch (e) { return '' } }
+const keep = (key, value) => {
+  try {
+    localStorage.setItem('trephine-' + key, value)
+  } catch (e) {}
+}
+const kept = key => {
+  try {
+    return localStorage.getItem('trephine-' + key) || ''
+  } catch (e) {
+    return ''
+  }
+}
 
 const words = () => {
   document.documentElement.lang = desk.language
@@ -92,5 +132,21 @@ const words = () => {
   $('theme').textContent = t(document.documentElement.classList.contains('light') ? 'dark' : 'light')
 }
 
+// What panels are made of.
+const heading = key => make('h2', { text: t(key) })
+const para = (kind, text) => make('p', { class: kind, text })
+const faint = text => make('span', { class: 'faint', text })
+const inRow = (...children) => make('div', { class: 'row' }, ...children)
+const tick = (text, given) => make('label', {}, make('input', { type: 'checkbox', ...given }), make('span', { text }))
 const field = (key, ...controls) => make('label', {}, make('span', { text: t(key) }), ...controls)
-const table = (heads, rows) => make('table', {}, make('tr', {}, heads.map(h => make('th', { text: h[0], class: h[1] ? 'number' : '' }))), rows)
+const table = (heads, rows) =>
+  make(
+    'table',
+    {},
+    make(
+      'tr',
+      {},
+      heads.map(h => make('th', { text: h[0], class: h[1] ? 'number' : '' }))
+    ),
+    rows
+  )

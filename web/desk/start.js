@@ -1,7 +1,7 @@
-// Part 14: which page is shown follows the address, so that a reload and a link lead to the same place.
+// Which page is shown follows the address, so that a reload and a link lead to the same place.
 addEventListener('DOMContentLoaded', () => {
   const root = document.documentElement
-  desk.language = kept('language') === 'de' || !kept('language') && navigator.language.startsWith('de') ? 'de' : 'en'
+  desk.language = kept('language') === 'de' || (!kept('language') && navigator.language.startsWith('de')) ? 'de' : 'en'
   root.classList.toggle('light', kept('theme') === 'light')
   root.classList.toggle('large', kept('letters') === 'large')
   $('who').value = kept('who')
@@ -15,8 +15,13 @@ addEventListener('DOMContentLoaded', () => {
     await doing(desk.page.show)()
     root.dataset.ready = desk.page.name
   }
-  addEventListener('hashchange', () => { delete root.dataset.ready; show() })
-  $('home').addEventListener('click', () => { location.hash = 'library' })
+  addEventListener('hashchange', () => {
+    delete root.dataset.ready
+    show()
+  })
+  $('home').addEventListener('click', () => {
+    location.hash = 'library'
+  })
   $('problem-close').addEventListener('click', () => problem(''))
   $('language').addEventListener('click', () => {
     desk.language = desk.language === 'en' ? 'de' : 'en'
