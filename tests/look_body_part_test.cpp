@@ -117,7 +117,7 @@ TEST(BodyPart, LungsAreNoHeadAndTheRecipeThatFitsIsNamed) {
   EXPECT_EQ(refused(chest, BodyPart::chest), "");
   EXPECT_EQ(refused(chest, BodyPart::spine), "");
   // The remedy makes it all the same, and does not call it good.
-  EXPECT_TRUE(has(why, "--set body_part.refuse=false")) << why;
+  EXPECT_TRUE(has(why, "--no-refuse")) << why;
   Report report;
   value_of(report, look::judge_body_part(chest, {BodyPart::head, false}));
   EXPECT_EQ(said(report), "unknown");

@@ -65,7 +65,7 @@ TEST(Look, TurnedAndMirroredHeadsAreSeenAndTheRemediesWork) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
       what = e.what();
     }
-    for (const char* key : {"import.axes=", "orientation_reason"}) EXPECT_NE(what.find(key), std::string::npos) << what;
+    for (const char* key : {"--axes ", "--orientation-reason "}) EXPECT_NE(what.find(key), std::string::npos) << what;
     EXPECT_NO_THROW(look::require_orientation(seen, "looked at"));
     for (const std::string& axes : {seen.axes_if_mirrored, seen.axes_if_turned})
       EXPECT_EQ(look::look_at(grid::with_axes(stored, axes), "").head, Seen::as_said) << axes;

@@ -98,7 +98,7 @@ TEST(Certify, GivesUpWhereTooManyPiecesAreNeeded) {
       FAIL() << threads;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::internal);
-      EXPECT_NE(std::string(e.what()).find("20,000 pieces: give a larger --certify-tolerance-mm"), std::string::npos);
+      EXPECT_NE(std::string(e.what()).find("20,000 pieces; set --certify-tolerance-mm"), std::string::npos);
     }
     p.certify_max_pieces_count = 1000000000;
     EXPECT_LE(metrics::certify_deviation(a, b, p).upper_mm() - metrics::certify_deviation(a, b, p).lower_mm(),

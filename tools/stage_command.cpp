@@ -102,11 +102,12 @@ auto naming_landmarks_file(const stages::StageType& stage, const cli::ParsedComm
   try {
     return f();
   } catch (Error& e) {
-    if (named_positions("--landmark", parsed.all(landmark_flag)).count(e.field()) == 0)
+    const auto given = named_positions("--landmark", parsed.all(landmark_flag));
+    for (const std::string& name : e.about())
       for (const stages::Port& port : stage.ports)
-        if (port.kind == stages::DataKind::landmarks && parsed.has(port.name))
+        if (port.kind == stages::DataKind::landmarks && parsed.has(port.name) && given.count(name) == 0)
           for (const cases::CaseLandmark& l : head::read_landmark_file(parsed.path(port.name)))
-            if (l.name == e.field()) e.in_file(parsed.path(port.name).string());
+            if (l.name == name) e.in_file(parsed.path(port.name).string());
     throw;
   }
 }

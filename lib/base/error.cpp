@@ -16,13 +16,14 @@ std::string Message::text(const std::string& stage) const {
       continue;
     }
     const Setting& s = settings_[next++];
-    if (!stage.empty()) {
-      out += "--set " + stage + "." + s.parameter + "=" + s.value;
+    const std::string& of = s.stage.empty() ? stage : s.stage;
+    if (!of.empty()) {
+      out += "--set " + of + "." + s.parameter + "=" + s.value;
       continue;
     }
     std::string flag = s.parameter;
     std::replace(flag.begin(), flag.end(), '_', '-');
-    out += "--" + flag + " " + s.value;
+    out += s.value == "true" ? "--" + flag : s.value == "false" ? "--no-" + flag : "--" + flag + " " + s.value;
   }
   return out;
 }

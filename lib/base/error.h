@@ -12,6 +12,7 @@ namespace trephine {
 /// A value of a parameter that answers a refusal. The parameter is one of the stage that refuses: "gaps".
 struct Setting {
   std::string parameter, value;
+  std::string stage = "";  ///< of another stage than the one that refuses: it is worded as a run's wherever it is shown
 };
 
 /// What is wrong, in words. Settings have places in them, which are worded where the message is shown: a command's

@@ -51,7 +51,7 @@ void check_mesh_cutter(const Cutter& c, ExitCode code) {
   try {
     meshing::require_valid(*c.mesh);
   } catch (const Error& e) {
-    if (e.field() == "mesh") throw;
+    if (e.code() == ExitCode::internal) throw;
     refuse(code, "mesh", (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }
 }

@@ -183,7 +183,7 @@ class Loader {
       out_.haptic = voxel::decode_haptic({bytes.data(), bytes.size()}, {hardness.data(), hardness.size()});
       compare_haptic(out_.haptic, h);
     } catch (Error& e) {
-      e.in_file(prefix_ + (e.field().rfind("hardness", 0) == 0 ? h.hardness_file : h.file));
+      e.in_file(prefix_ + (e.about().empty() ? h.file : h.hardness_file));
       throw;
     }
   }

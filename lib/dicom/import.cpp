@@ -105,9 +105,9 @@ void require_stored_bits(const FileHeader& h, const HuCounts& counts) {
     throw Error(
         ExitCode::bad_input, h.name, tag_name(t_stored),
         fmt::format("{} here and another number in other slices of the series, and {} pixels have more bits: they "
-                    "cannot be read alike; take the file out, and where that leaves a gap, read it with --gaps "
-                    "interpolate",
-                    h.bits_stored, counts.more_bits));
+                    "cannot be read alike; take the file out, and where that leaves a gap, read it with ",
+                    h.bits_stored, counts.more_bits) +
+            Setting{"gaps", "interpolate"});
 }
 
 /// Reads the levels of a slab in ascending order and hands them over as HU; duplicates are compared and dropped.

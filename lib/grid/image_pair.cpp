@@ -64,8 +64,9 @@ class Header {
 std::array<std::pair<std::size_t, float>, 3> sides_of(const std::string& axes) {
   if (axes.empty())
     throw Error(ExitCode::usage, "", "analyze_axes",
-                "must be given: Analyze does not say which side is left. `trephine convert HEAD.hdr --analyze-axes LAS "
-                "--output head.nii.gz` writes one that does; ask who made it for the three letters");
+                "must be given: Analyze does not say which side is left. "
+                "`trephine convert HEAD.hdr --analyze-axes LAS --output head.nii.gz` writes one that does; "
+                "ask who made it for the three letters");
   constexpr std::string_view letters = "RLAPSI";
   std::array<std::pair<std::size_t, float>, 3> sides;
   std::array<bool, 3> taken{};

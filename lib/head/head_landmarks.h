@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/vec3.h"
 #include "cases/case.h"
 
@@ -31,6 +32,10 @@ constexpr double seen_bregma_confidence = 0.35;
 
 /// The names of the landmarks that are searched for in a head; a user may give others.
 const std::vector<std::string>& findable_landmarks();
+
+/// The error of a landmark that is not where it can be (65), which is about this name, so that a caller can tell who
+/// gave it.
+Error landmark_fault(const std::string& name, const std::string& what);
 
 /// Our own JSON format, which keeps every value. parse throws Error 65 naming the field.
 std::string landmarks_json(const HeadLandmarks& landmarks);

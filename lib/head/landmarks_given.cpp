@@ -69,13 +69,17 @@ std::string meant(const std::string& name) {
 
 }  // namespace
 
+Error landmark_fault(const std::string& name, const std::string& what) {
+  return Error(ExitCode::bad_input, "", name, what).finds_fault_with({name});
+}
+
 Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin,
                      const grid::Field* ventricles) {
   Warnings warnings;
   std::set<std::string> names;
   for (const cases::CaseLandmark& l : given) {
-    if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
-    if (!names.insert(l.name).second) throw Error(ExitCode::bad_input, "", l.name, "is given twice");
+    if (!is_finite(l.position_mm)) throw landmark_fault(l.name, "is not finite");
+    if (!names.insert(l.name).second) throw landmark_fault(l.name, "is given twice");
     if (!is_near(skin, l.position_mm, max_outside_mm)) {
       double mm = 1e300;
       for_voxels(skin, l.position_mm, 1e9, [&](double d, bool inside) {
@@ -83,7 +87,7 @@ Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::
         return false;
       });
       const Vec3 p = l.position_mm;
-      throw Error(ExitCode::bad_input, "", l.name,
+      throw landmark_fault(l.name,
                   fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
                               p.y, p.z, mm, max_outside_mm,
                               is_near(skin, {-p.x, -p.y, p.z}, max_outside_mm)
@@ -120,7 +124,7 @@ void check_sides(const std::vector<cases::CaseLandmark>& given, const Midsagitta
     if (!is_known(l.name) || begins_with(l.name, "monro") || (side != "left" && side != "right")) continue;
     const double left_mm = dot(l.position_mm - plane.point_mm, plane.normal);
     if ((side == "left" ? -left_mm : left_mm) > max_across_mm)
-      throw Error(ExitCode::bad_input, "", l.name,
+      throw landmark_fault(l.name,
                   fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
                               "left and right exchanged?",
                               std::abs(left_mm), left_mm > 0 ? "left" : "right"));

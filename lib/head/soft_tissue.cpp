@@ -150,13 +150,13 @@ void check_cube_noise(double hu, double smoothed_mm) {
   const Remedy series{"take a series of a smoother kernel or of thicker slices (`import --list` shows all)"};
   const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * max_hu);
   if (!(s <= max_smoothing_mm)) throw refusal("volume", what, series);
+  const std::string sigma_mm = fixed(s, 1);
   throw refusal("volume", what,
                 {series.text +
-                 fmt::format(", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to {0:.1f} (--set "
-                             "brain.brain.smoothing_sigma_mm={0:.1f} --set "
-                             "ventricles.ventricles.smoothing_sigma_mm={0:.1f}): narrow horns blur, and the class will "
-                             "be uncertain",
-                             s)});
+                 (", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to " + sigma_mm + " (" +
+                  Setting{"smoothing_sigma_mm", sigma_mm, "brain.brain"} + " " +
+                  Setting{"smoothing_sigma_mm", sigma_mm, "ventricles.ventricles"} +
+                  "): narrow horns blur, and the class will be uncertain")});
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ std::string declared_json(const AnyParams& params, int indent = 1);
 void read_declared_json(std::string_view json, const ParameterSet& set, void* object, const JsonRules& rules = {});
 
 /// Of what this program wrote for itself and reads back, such as a cache.
-inline const JsonRules of_a_program{1, 1 << 24, {}};
+inline const JsonRules of_a_program{true, 1 << 24, {}};
 template <class R>
 std::string json_of_value(R value) {
   return declared_json(parameters_of<R>(), &value, -1);

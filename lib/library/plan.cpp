@@ -120,9 +120,14 @@ class Planner {
     for (const PlannedCase& c : plan_.cases) ++users[c.entry.config];
     // Further scans are remembered as the first ones are, so that a plan reads no series that did not change.
     const auto hash_of_scan = [&](const std::string&, const dicom::SeriesChoice& scan) {
-      return memory_
-          .content_of(scan.folder_or_file, scan.params, options_.rehash, Progress([](double) {}, &cancel_requested()))
-          .sha256;
+      try {
+        return memory_
+            .content_of(scan.folder_or_file, scan.params, options_.rehash, Progress([](double) {}, &cancel_requested()))
+            .sha256;
+      } catch (Error& e) {
+        e.refiled("");  // the folder may be named after the patient
+        throw;
+      }
     };
     for (PlannedCase& c : plan_.cases) {
       progress_.check();
@@ -137,8 +142,7 @@ class Planner {
         // A fault that all cases share is reported once and unchanged, with every line.
         const bool own = !c.entry.landmarks.empty() || users[c.entry.config] < static_cast<int>(plan_.cases.size());
         if (!own || plan_.cases.size() == 1) throw;
-        // A second scan's folder may be named after the patient.
-        c.fault = e.field().rfind("scans.", 0) == 0 ? Error(e.code(), "", e.field(), e.what()) : e;
+        c.fault = e;
       }
     }
   }

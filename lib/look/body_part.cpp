@@ -135,6 +135,8 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
 namespace {
 
 // Whether a head is seen, or at least a skull that is small, open or cut.
+const Message made_all_the_same = Setting{"refuse", "false"} + " makes it, told as doubtful";
+
 bool shows_head(const BodyPartSeen& seen) {
   if (seen.head) return true;
   if (seen.enclosed_air_ratio > lung_ratio && seen.enclosed_inner_air_ml > lung_ml && seen.tissue_ml > lung_tissue_ml &&
@@ -144,8 +146,8 @@ bool shows_head(const BodyPartSeen& seen) {
                               "head at most {:.0f} %",
                               100 * seen.enclosed_air_ratio, seen.enclosed_ml, 100 * lung_ratio),
                   {"take a series of a head; of this one configs/ct_chest.yaml makes a chest, "
-                   "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, "
-                   "--set body_part.refuse=false makes it, told as doubtful"});
+                   "configs/ct_chest_bone.yaml skin and bone alone; or where it is a head all the same, " +
+                   made_all_the_same});
   const double canal_mm = *seen.canal_mm, canal_hu = *seen.canal_hu, bone_ratio = *seen.bone_about_canal_ratio;
   if (seen.enclosed_ml == 0 && canal_mm > spine_mm && canal_hu > spine_low_hu && canal_hu < spine_high_hu &&
       bone_ratio > spine_bone_ratio)
@@ -154,7 +156,8 @@ bool shows_head(const BodyPartSeen& seen) {
                               "long, and {:.0f} % of all bone lie about it, of a head less than {:.0f} %",
                               canal_mm, 100 * bone_ratio, 100 * spine_bone_ratio),
                   {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
-                   "head all the same, --set body_part.refuse=false makes it, told as doubtful"});
+                   "head all the same, " +
+                   made_all_the_same});
   return seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
          seen.walled_ratio > cavity_walled_ratio;
 }
@@ -168,8 +171,9 @@ void judge_trunk(const BodyPartSeen& seen, bool spine) {
                   "needs at least {:.0f} mm",
                   seen.enclosed_ml, seen.below_mm, spine ? "a vertebra with pedicles" : "a clavicle", least_mm),
       {fmt::format("take a series of a {}; of this one configs/ct_head.yaml makes a head; or where it is "
-                   "right all the same, --set body_part.refuse=false makes it, told as doubtful",
-                   spine ? "spine" : "chest with its shoulders")});
+                   "right all the same, ",
+                   spine ? "spine" : "chest with its shoulders") +
+       made_all_the_same});
 }
 
 }  // namespace

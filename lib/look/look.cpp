@@ -202,15 +202,15 @@ ScanLook look_at(const grid::HuVolume& volume, const std::string& position, cons
 namespace {
 
 /// What is wrong with the head's directions, and what can be done.
-std::string contradiction_of(const ScanLook& look) {
-  std::string text = "the head lies otherwise than the scan says: " + look.what_is_seen + "; take the original series";
+Message contradiction_of(const ScanLook& look) {
+  Message text = "the head lies otherwise than the scan says: " + look.what_is_seen + "; take the original series";
   if (!look.axes_if_mirrored.empty())
-    text += fmt::format(
-        "; or say to which side of the patient columns, rows and slices rise, where the images are mirrored by --set "
-        "import.axes={}, where they are turned by --set import.axes={} (which of the two it is, and so which side is "
-        "left, no picture tells)",
-        look.axes_if_mirrored, look.axes_if_turned);
-  return text + "; or where it is right as it is, say why by --set import.orientation_reason=WHY";
+    text = text +
+           ("; or say to which side of the patient columns, rows and slices rise, where the images are mirrored by " +
+            Setting{"axes", look.axes_if_mirrored} + ", where they are turned by " +
+            Setting{"axes", look.axes_if_turned} +
+            " (which of the two it is, and so which side is left, no picture tells)");
+  return text + ("; or where it is right as it is, say why by " + Setting{"orientation_reason", "WHY"});
 }
 
 }  // namespace
@@ -229,7 +229,7 @@ LookFigures figures_of(const ScanLook& look) {
 
 Warnings warnings_of(const ScanLook& look) {
   Warnings all;
-  if (look.head == Seen::otherwise) all.push_back({"head_lies_otherwise", contradiction_of(look), {}});
+  if (look.head == Seen::otherwise) all.push_back({"head_lies_otherwise", contradiction_of(look).text("import"), {}});
   for (const std::string& s : look.sayings) all.push_back({"seen", s, {}});
   return all;
 }

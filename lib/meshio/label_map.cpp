@@ -135,7 +135,7 @@ const std::vector<LabelFormat>& all_label_formats() {
       {"seg.nrrd",
        "a segmentation for 3D Slicer, made of fields (of segment) on one "
        "raster, in one layer: where shapes overlap the "
-       "later one of --labels wins.",
+       "later one wins.",
        write_label_map},
       {"nii.gz",
        "the same labels as NIfTI, for ITK-SNAP and others; it holds no names, "

@@ -47,10 +47,10 @@ class OneWay {
         const auto& v = from_.triangles[t];
         pieces_ += std::int64_t(examine(corners_[v[0]], corners_[v[1]], corners_[v[2]], best));
         if (pieces_ > max_pieces_)  // what all triangles need does not depend on the threads
-          throw Error(ExitCode::internal, "", "--certify",
-                      "the surface would be cut into more than " + grouped_text(max_pieces_) +
-                          " pieces: give a larger --certify-tolerance-mm than " + to_text(tolerance_) +
-                          ", or --certify-max-pieces-count");
+          throw Error(ExitCode::internal, "", "certify",
+                      "the surface would be cut into more than " + grouped_text(max_pieces_) + " pieces; set " +
+                          Setting{"certify_tolerance_mm", to_text(10 * tolerance_)} + " or " +
+                          Setting{"certify_max_pieces_count", std::to_string(10 * max_pieces_)});
       }
     });
     CertifiedDistance all;

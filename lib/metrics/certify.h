@@ -17,11 +17,11 @@ struct CertifyParams {
   template <class V>
   static void describe(V& v) {
     using P = CertifyParams;
-    v.flag(&P::certify, "certify", "With --reference: prove the largest two-sided distance, also between samples.");
+    v.flag(&P::certify, "certify", "Against a reference: prove the largest two-sided distance, also between samples.");
     v.number(&P::certify_tolerance_mm, "certify_tolerance_mm", Range{1e-6, 10},
-             "With --certify: how far the proven bound may lie above a distance that was found.");
+             "Where it certifies: how far the proven bound may lie above a distance that was found.");
     v.integer(&P::certify_max_pieces_count, "certify_max_pieces_count", Range{1000, 1e12},
-              "With --certify: gives up where a surface would have to be cut into more pieces than this; a million "
+              "Where it certifies: gives up where a surface would have to be cut into more pieces than this; a million "
               "take a second or two.");
   }
 };

@@ -28,7 +28,7 @@ void check_hard(const PhantomParams& params) {
   const HardParams fresh;
   for (const Parameter& p : parameters_of<HardParams>().parameters)
     if (params.head.level != Level::hard && p.get(&params.head.hard) != p.get(&fresh))
-      throw Error(ExitCode::usage, "", p.name, "has no effect at this level; add --level hard");
+      throw Error(ExitCode::usage, "", p.name, "has no effect at this level; add " + Setting{"level", "hard"});
   const HardParams& hard = params.head.hard;
   const bool supine =
       params.scan.position == Position::head_first_supine || params.scan.position == Position::feet_first_supine;
@@ -39,19 +39,19 @@ void check_hard(const PhantomParams& params) {
 const SeriesNames second_series{2, "sharp"};
 
 template <class P>
-void check_default(const P& params, const char* why) {
+void check_default(const P& params, const Message& why) {
   const P fresh;
   for (const Parameter& p : parameters_of<P>().parameters)
     if (p.name != "seed" && p.get(&params) != p.get(&fresh))
-      throw Error(ExitCode::usage, "", p.name, std::string("has no effect ") + why);
+      throw Error(ExitCode::usage, "", p.name, "has no effect " + why);
 }
 
 // What is of the other body would be ignored.
 void check_body(const PhantomParams& params) {
   using Body = BodyParams::Body;
   const Body body = params.body.body;
-  if (body != Body::spine) check_default(params.body.spine, "but on a spine: --body spine");
-  if (body != Body::chest) check_default(params.body.chest, "but on a chest: --body chest");
+  if (body != Body::spine) check_default(params.body.spine, "but on a spine: " + Setting{"body", "spine"});
+  if (body != Body::chest) check_default(params.body.chest, "but on a chest: " + Setting{"body", "chest"});
   if (body == Body::head) return;
   const char* why = "but on a head";
   check_default(params.head, why);

@@ -363,8 +363,8 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       if (!e.stage().empty()) told.worded_for(e.stage());
       show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e, told,
                    observer);
-      if (told.what() != std::string(e.what())) throw told;
-      throw;
+      if (e.stage().empty()) throw;
+      throw told;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
     const auto add_warnings = [&](const std::vector<std::string>& lines) {

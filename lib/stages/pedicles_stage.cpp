@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "head/head_landmarks.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -54,7 +55,7 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
                           {{"landmark", printable(l.name)}}});
       continue;
     }
-    if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
+    if (!is_finite(l.position_mm)) throw head::landmark_fault(l.name, "is not finite");
     const std::string name = l.name.substr(0, l.name.rfind('_'));
     trunk::PedicleAxis& p = by_name[name];
     p.vertebra = int(vertebra);

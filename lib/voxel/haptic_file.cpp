@@ -111,12 +111,15 @@ HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness) {
   grid::Nrrd nrrd = grid::decode_nrrd(bytes);
   HapticVolume volume = unchecked(std::move(nrrd.grid), nrrd.keys);
   if (!hardness.empty())
-    with_field("hardness", [&] {
+    try {
       grid::Nrrd h = grid::decode_nrrd(hardness);
       auto* mask = std::get_if<grid::Mask>(&h.grid);
       if (!mask) refuse("type", "hardness is uint8");
       volume.hardness = std::move(*mask);
-    });
+    } catch (Error& e) {
+      e.in_field("hardness").finds_fault_with({hardness_part});
+      throw;
+    }
   check_haptic_volume(volume);
   return volume;
 }

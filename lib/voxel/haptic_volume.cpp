@@ -118,7 +118,8 @@ void check_haptic_volume(const HapticVolume& volume) {
   if (!volume.hardness.voxels.empty() || volume.hardness.count() > 0) {
     const grid::Lattice &hard = volume.hardness, &soft = volume.voxels;
     if (hard != soft || volume.hardness.voxels.size() != volume.voxels.voxels.size())
-      refuse("hardness", "does not lie on the lattice of the volume");
+      throw Error(ExitCode::bad_input, "", "hardness", "does not lie on the lattice of the volume")
+          .finds_fault_with({hardness_part});
   }
   if (volume.encoding == HapticEncoding::occupancy) check_voxels(volume);
 }

@@ -39,6 +39,8 @@ struct HapticShape {
   std::int16_t window_low = 1001, window_high = 1555;  ///< raw values that are its own, both ends included
 };
 
+inline constexpr char hardness_part[] = "hardness";
+
 struct HapticVolume {
   HapticEncoding encoding = HapticEncoding::occupancy;
   grid::Grid<std::int16_t> voxels;
@@ -55,7 +57,8 @@ HapticVolume copy_without_hardness(const HapticVolume& volume);
 HapticShape occupancy_shape(const std::string& name, int number);
 
 /// Throws Error 65 naming the field unless numbers, names and windows are as said above, every voxel of encoding
-/// `occupancy` is EMPTY or has a value of a declared shape, spacing is positive and finite, and hardness fits.
+/// `occupancy` is EMPTY or has a value of a declared shape, spacing is positive and finite, and hardness fits. An error
+/// of the hardness is about hardness_part.
 void check_haptic_volume(const HapticVolume& volume);
 
 }  // namespace trephine::voxel
