@@ -7,8 +7,8 @@ add_test(NAME house.include_directions_selftest
 add_test(NAME house.one_definition COMMAND bash ${house}/one_definition.sh ${PROJECT_SOURCE_DIR} ${CMAKE_CXX_COMPILER})
 add_test(NAME house.one_definition_selftest
          COMMAND bash ${house}/one_definition_selftest.sh ${house}/one_definition.sh ${CMAKE_CXX_COMPILER})
-add_test(NAME house.sizes COMMAND bash ${house}/sizes.sh ${PROJECT_SOURCE_DIR})
-add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.sh)
+add_test(NAME house.sizes COMMAND python3 ${house}/sizes.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.py)
 add_test(NAME house.sizes_table
          COMMAND python3 ${PROJECT_SOURCE_DIR}/bench/sizes.py ${PROJECT_SOURCE_DIR} --check ${PROJECT_SOURCE_DIR}/docs/architecture.md)
 add_test(NAME house.tidy_selftest COMMAND bash ${house}/tidy_selftest.sh ${house}/tidy.sh)

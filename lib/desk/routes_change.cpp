@@ -9,7 +9,7 @@
 #include "base/write_file.h"
 #include "config/corrected_field.h"
 #include "config/yaml_document.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/hand_work.h"
 #include "desk/patches.h"
 #include "desk/scenes.h"
@@ -187,22 +187,20 @@ config::YamlChange value_line(const std::string& path, const nlohmann::json& val
   return {{"set", path}, is_list || parse_number(text) ? text : config::yaml_scalar(text)};
 }
 
-}  // namespace
-
-Reply Desk::case_info(const Request& request) {
+Reply case_info(DeskState& desk, const Request& request) {
   const std::string token = request.value("case");
   Json out = {{"case", token}};
-  const fs::path folder = library_.options().library / token;
+  const fs::path folder = desk.library.options().library / token;
   std::error_code ignored;
   if (fs::exists(folder / "case.json", ignored)) {
-    const library::CaseRow row = library::read_library_case(library_.options().library, token);
+    const library::CaseRow row = library::read_library_case(desk.library.options().library, token);
     out["fault"] = row.fault;
     out["warnings"] = row.warnings;
     out["text"] = row.fault.empty() ? library::case_text(row) : "";
     if (row.fault.empty()) out["built"] = json_of(row.manifest);
   }
-  if (library_.options().config.empty()) return json_reply(out);
-  const DeskCase one = library_.find(token);
+  if (desk.library.options().config.empty()) return json_reply(out);
+  const DeskCase one = desk.library.find(token);
   out["config"] = one.config.filename().string();
   out["shared"] = !one.copied_from.empty();
   out["fixed"] = one.fixed;
@@ -212,15 +210,15 @@ Reply Desk::case_info(const Request& request) {
   out["yaml"] = std::string(text.begin(), text.end());
   out["journal"] = Json::array();
   for (const HandEntry& e : read_journal(one)) out["journal"].push_back(json_of(e));
-  out["now"] = json_of(config::read_case_config(one.text_file(), library_.overrides_of(one)));
+  out["now"] = json_of(config::read_case_config(one.text_file(), desk.library.overrides_of(one)));
   const config::YamlNode file = config::read_yaml(one.text_file());
   const config::YamlNode* said = file.find("burr_holes");
-  out["now"]["scenes"] = scenes_of(library_, one);
+  out["now"]["scenes"] = scenes_of(desk.library, one);
   out["now"]["said_holes"] = said ? json_of(*said) : Json::array();
   return json_reply(out);
 }
 
-Reply Desk::landmark(const Request& request) {
+Reply landmark(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string name = json.at("name");
   HandChange change = change_of(json);
@@ -244,11 +242,11 @@ Reply Desk::landmark(const Request& request) {
                     "has no effect: a file of landmarks that the case names says otherwise");
     };
   }
-  save(library_, json.at("case"), change);
+  save(desk.library, json.at("case"), change);
   return json_reply({{"done", change.what}});
 }
 
-Reply Desk::holes(const Request& request) {
+Reply holes(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   HandChange change = change_of(json);
   change.kind = "burr_holes";
@@ -256,18 +254,18 @@ Reply Desk::holes(const Request& request) {
   change.changes = {holes_line(holes)};
   change.what = in_words(holes);
   change.check = [count = holes.size()](const config::CaseConfig& now) { check_holes_count(now, count); };
-  save(library_, json.at("case"), change);
+  save(desk.library, json.at("case"), change);
   return json_reply({{"done", change.what}});
 }
 
-Reply Desk::value(const Request& request) {
+Reply value(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case");
   HandChange change = change_of(json);
   change.kind = "value";
   const nlohmann::json all = values_of(json);
-  const DeskCase one = library_.find(token);
-  const config::CaseConfig before = config::read_case_config(one.text_file(), library_.overrides_of(one));
+  const DeskCase one = desk.library.find(token);
+  const config::CaseConfig before = config::read_case_config(one.text_file(), desk.library.overrides_of(one));
   struct Wanted {
     std::string path, was, text;
   };
@@ -289,15 +287,15 @@ Reply Desk::value(const Request& request) {
         throw Error(ExitCode::usage, "", w.path,
                     "has no effect: what LIBRARY.yaml or the scene says of it is stronger");
   };
-  save(library_, token, change);
+  save(desk.library, token, change);
   return json_reply({{"done", change.what}});
 }
 
 // What would come of a value or of burr holes, before they are saved. One at a time: a newer one ends the one before.
-Reply Desk::try_change(const Request& request) {
+Reply try_change(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case");
-  const std::shared_ptr<OpenCase> looked_at = looked_at_case(token);
+  const std::shared_ptr<OpenCase> looked_at = desk.cases.looked_at(token);
   TrialWish wish;
   if (json.contains("holes")) {
     wish.changes.push_back(holes_line(json.at("holes")));
@@ -308,21 +306,12 @@ Reply Desk::try_change(const Request& request) {
     for (const auto& item : values_of(json)) wish.changes.push_back(value_line(item.at("path"), item.at("value")));
     wish.anatomy = json.at("anatomy");
   }
-  std::shared_ptr<Trial> gone;  // ends its thread after the lock is released
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    gone = std::move(trial_);
-  }
-  gone.reset();
-  auto made = std::make_shared<Trial>(library_, library_.find(token), looked_at, std::move(wish));
-  const std::lock_guard<std::mutex> lock(mutex_);
-  trial_ = std::move(made);
-  trial_of_ = token;
+  desk.trials.start(desk.library, token, looked_at, std::move(wish));
   return json_reply({{"started", true}});
 }
 
-Reply Desk::tried(const Request& request) {
-  const std::shared_ptr<Trial> trial = trial_of(request.value("case"));
+Reply tried(DeskState& desk, const Request& request) {
+  const std::shared_ptr<Trial> trial = desk.trials.of(request.value("case"));
   const Trial::Now now = trial->now();
   Json out = {{"running", now.running}, {"doing", now.doing},         {"fraction", now.fraction},
               {"fault", now.fault},     {"has_field", now.has_field}, {"reports", Json::array()}};
@@ -336,8 +325,8 @@ Reply Desk::tried(const Request& request) {
   return json_reply(out);
 }
 
-Reply Desk::patch(const Request& request) {
-  const auto one = looked_at(request);
+Reply patch(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   Painted painted;
   painted.anatomy = request.value("anatomy");
   const auto config = one->config();
@@ -345,31 +334,31 @@ Reply Desk::patch(const Request& request) {
     throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
   const grid::Lattice& scan = grid::lattice_of(*one->scan());
   painted.voxels = decode_painted(request.body, scan);
-  const DeskCase in_library = library_.find(request.value("case"));
+  const DeskCase in_library = desk.library.find(request.value("case"));
   const auto field = one->field(painted.anatomy);
   std::size_t dropped = 0;
   // Where the field is not that of now, all that was painted counts: what is so already does no harm.
   if (field && one->is_current(painted.anatomy,
-                               config::read_case_config(in_library.text_file(), library_.overrides_of(in_library))))
+                               config::read_case_config(in_library.text_file(), desk.library.overrides_of(in_library))))
     dropped = drop_what_is_so(painted.voxels, *field, scan);
   const auto& voxels = painted.voxels.voxels;
   if (std::all_of(voxels.begin(), voxels.end(), [](std::uint8_t v) { return v == 0; }))
     throw Error(
         ExitCode::usage, "", painted.anatomy,
         "what was painted is so already: all that is to be added lies inside, all that is to be removed outside");
-  const std::string what = save_patch(library_, request.value("case"), painted,
+  const std::string what = save_patch(desk.library, request.value("case"), painted,
                                       {request.value("by"), request.value("why"), request.value("base")});
   return json_reply({{"done", what}, {"was_so_ml", double(dropped) * painted.voxels.voxel_volume_mm3() / 1000}});
 }
 
-Reply Desk::switch_patch_route(const Request& request) {
+Reply switch_correction(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
-  switch_patch(library_, json.at("case"), json.at("id").get<int>(), json.at("on").get<bool>(), said_of(json));
+  switch_patch(desk.library, json.at("case"), json.at("id").get<int>(), json.at("on").get<bool>(), said_of(json));
   return json_reply({{"done", true}});
 }
 
-Reply Desk::draft(const Request& request) {
-  const fs::path file = draft_file(library_, request);
+Reply draft(DeskState& desk, const Request& request) {
+  const fs::path file = draft_file(desk.library, request);
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return bytes_reply("");
   const std::vector<char> bytes = read_file(file, max_draft_bytes);
@@ -378,9 +367,9 @@ Reply Desk::draft(const Request& request) {
 
 // What a person has not saved yet: it outlives a reload and a desk that ends. It is kept as it came, and read by pages
 // alone.
-Reply Desk::keep_draft(const Request& request) {
-  const fs::path file = draft_file(library_, request);
-  library_.find(request.value("case"));
+Reply keep_draft(DeskState& desk, const Request& request) {
+  const fs::path file = draft_file(desk.library, request);
+  desk.library.find(request.value("case"));
   make_output_folder(file.parent_path());
   ::chmod(file.parent_path().c_str(), 0700);
   if (request.body.empty()) {
@@ -390,6 +379,17 @@ Reply Desk::keep_draft(const Request& request) {
     write_file(file, request.body);
   }
   return json_reply({{"done", true}});
+}
+
+}  // namespace
+
+Routes change_routes() {
+  return {
+      {"api/case", {"GET", case_info}},   {"api/landmark", {"POST", landmark}},        {"api/holes", {"POST", holes}},
+      {"api/value", {"POST", value}},     {"api/try", {"POST", try_change}},           {"api/tried", {"GET", tried}},
+      {"api/patch", {"POST", patch}},     {"api/switch", {"POST", switch_correction}}, {"api/draft", {"GET", draft}},
+      {"api/keep", {"POST", keep_draft}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -7,7 +7,7 @@
 #include "base/write_file.h"
 #include "cases/load_case.h"
 #include "compare/compare_cases.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/json_reply.h"
 #include "surface/plane_cut.h"
 
@@ -19,11 +19,59 @@ fs::path before_folder(const DeskLibrary& library, const std::string& token) {
   return library.options().library / ".library" / "desk" / (token + ".before");
 }
 
-void put_surfaces(const cases::LoadedCase& loaded, std::map<std::string, surface::TriMesh>& to) {
-  for (std::size_t i = 0; i < loaded.surfaces.size(); ++i) to[loaded.manifest.anatomies[i].name] = loaded.surfaces[i];
+Reply compare(DeskState& desk, const Request& request) {
+  const std::string token = request.value("case");
+  const fs::path before = before_folder(desk.library, token);
+  std::error_code ignored;
+  if (token.empty() || !fs::exists(before / "case.json", ignored))
+    throw Error(ExitCode::no_input, "", "case",
+                "has no earlier version here: the desk keeps what a case was when it builds the case again");
+  const Progress progress([](double) {}, &cancel_requested());
+  const cases::LoadedCase was = cases::load_case(before), is = cases::load_case(desk.library.options().library / token);
+  const compare::CaseComparison made = compare::compare_cases(was, is, {}, progress);
+  auto surfaces = std::make_shared<ComparedSurfaces>();
+  surfaces->token = token;
+  put_surfaces(was, surfaces->was);
+  put_surfaces(is, surfaces->is);
+  desk.comparisons.keep(std::move(surfaces));
+  Json out = Json::parse(compare::comparison_json(made));
+  out["text"] = compare::comparison_text(made);
+  return json_reply(out);
+}
+
+// Where a surface of the comparison, or of the case as it is built, meets a plane of the scan's voxels: four float32 a
+// line, its ends in voxels, the lower of the plane's axes first.
+Reply cut(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
+  const std::string which = request.value("which");
+  const auto of =
+      which == "built" ? desk.comparisons.built(desk.library, request.value("case")) : desk.comparisons.last();
+  if (!of || of->token != request.value("case")) throw Error(ExitCode::no_input, "", "case", "was not compared");
+  const auto& surfaces = which == "was" ? of->was : of->is;
+  const auto found = surfaces.find(request.value("name"));
+  const grid::Lattice& lattice = grid::lattice_of(*one->scan());
+  const int axis = number_of(request, "axis"), index = number_of(request, "index");
+  if (axis < 0 || axis > 2) throw Error(ExitCode::usage, "", "axis", "must be 0, 1 or 2");
+  if (found == surfaces.end()) return bytes_reply("");
+  Vec3 at;
+  at[axis] = index;
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  std::string bytes;
+  for (const auto& ends :
+       surface::plane_cut(found->second, lattice.to_world_mm(at), lattice.direction.column[std::size_t(axis)]))
+    for (const Vec3& end : ends) {
+      const Vec3 place = lattice.to_index(end);
+      for (const float value : {float(place[u]), float(place[v])})
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+  return bytes_reply(std::move(bytes));
 }
 
 }  // namespace
+
+void put_surfaces(const cases::LoadedCase& loaded, std::map<std::string, surface::TriMesh>& to) {
+  for (std::size_t i = 0; i < loaded.surfaces.size(); ++i) to[loaded.manifest.anatomies[i].name] = loaded.surfaces[i];
+}
 
 // The files of a case are named by their content and never written again, so links to them are a copy. Where a file
 // system has no links, there is no comparison, and the rebuild goes on.
@@ -48,74 +96,11 @@ void keep_before(const DeskLibrary& library, const std::string& token) {
   }
 }
 
-Reply Desk::compare(const Request& request) {
-  const std::string token = request.value("case");
-  const fs::path before = before_folder(library_, token);
-  std::error_code ignored;
-  if (token.empty() || !fs::exists(before / "case.json", ignored))
-    throw Error(ExitCode::no_input, "", "case",
-                "has no earlier version here: the desk keeps what a case was when it builds the case again");
-  const Progress progress([](double) {}, &cancel_requested());
-  const cases::LoadedCase was = cases::load_case(before), is = cases::load_case(library_.options().library / token);
-  const compare::CaseComparison made = compare::compare_cases(was, is, {}, progress);
-  auto surfaces = std::make_shared<Compared>();
-  surfaces->token = token;
-  put_surfaces(was, surfaces->was);
-  put_surfaces(is, surfaces->is);
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    compared_ = std::move(surfaces);
-  }
-  Json out = Json::parse(compare::comparison_json(made));
-  out["text"] = compare::comparison_text(made);
-  return json_reply(out);
-}
-
-// The surfaces that the case holds now, read once for each state of it.
-std::shared_ptr<const Desk::Compared> Desk::built_surfaces(const std::string& token) {
-  const fs::path folder = library_.options().library / token;
-  const std::string state = sha256_of_file(folder / "case.json");
-  const std::lock_guard<std::mutex> lock(built_mutex_);  // several planes ask at once, and one of them reads
-  if (built_ && built_->token == token && built_->state == state) return built_;
-  auto made = std::make_shared<Compared>();
-  made->token = token;
-  made->state = state;
-  put_surfaces(cases::load_case(folder), made->is);
-  built_ = std::move(made);
-  return built_;
-}
-
-// Where a surface of the comparison, or of the case as it is built, meets a plane of the scan's voxels: four float32 a
-// line, its ends in voxels, the lower of the plane's axes first.
-Reply Desk::cut(const Request& request) {
-  const auto one = looked_at(request);
-  const std::string which = request.value("which");
-  std::shared_ptr<const Compared> of;
-  if (which == "built") {
-    of = built_surfaces(request.value("case"));
-  } else {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    of = compared_;
-  }
-  if (!of || of->token != request.value("case")) throw Error(ExitCode::no_input, "", "case", "was not compared");
-  const auto& surfaces = which == "was" ? of->was : of->is;
-  const auto found = surfaces.find(request.value("name"));
-  const grid::Lattice& lattice = grid::lattice_of(*one->scan());
-  const int axis = number_of(request, "axis"), index = number_of(request, "index");
-  if (axis < 0 || axis > 2) throw Error(ExitCode::usage, "", "axis", "must be 0, 1 or 2");
-  if (found == surfaces.end()) return bytes_reply("");
-  Vec3 at;
-  at[axis] = index;
-  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-  std::string bytes;
-  for (const auto& ends :
-       surface::plane_cut(found->second, lattice.to_world_mm(at), lattice.direction.column[std::size_t(axis)]))
-    for (const Vec3& end : ends) {
-      const Vec3 place = lattice.to_index(end);
-      for (const float value : {float(place[u]), float(place[v])})
-        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-    }
-  return bytes_reply(std::move(bytes));
+Routes compare_routes() {
+  return {
+      {"api/compare", {"GET", compare}},
+      {"api/cut", {"GET", cut}},
+  };
 }
 
 }  // namespace trephine::desk

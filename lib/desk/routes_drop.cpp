@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "config/config_root.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/json_reply.h"
 
 namespace trephine::desk {
@@ -55,11 +55,9 @@ void remove_abandoned(const fs::path& folder) {
   }
 }
 
-}  // namespace
-
 // A piece of a file, after all that came of it before.
-Reply Desk::drop(const Request& request) {
-  const fs::path incoming = incoming_of(library_, request.value("drop"));
+Reply drop_piece(DeskState& desk, const Request& request) {
+  const fs::path incoming = incoming_of(desk.library, request.value("drop"));
   const int number = number_of(request, "file");
   const auto offset = parse_integer(request.value("offset"));
   if (number < 0 || number >= max_files)
@@ -86,9 +84,9 @@ Reply Desk::drop(const Request& request) {
 }
 
 // All pieces are there: the whole gets a name by its content, so that the same scan is there once.
-Reply Desk::dropped(const Request& request) {
+Reply dropped(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
-  const fs::path incoming = incoming_of(library_, json.at("drop"));
+  const fs::path incoming = incoming_of(desk.library, json.at("drop"));
   const int count = json.at("files").get<int>();
   const bool archive = json.at("archive").get<bool>();
   if (count < 1 || count > max_files || (archive && count != 1))
@@ -109,8 +107,17 @@ Reply Desk::dropped(const Request& request) {
   }
   fs::remove_all(incoming, error);
   const fs::path below =
-      config::absolute_path(target).lexically_relative(config::absolute_path(library_.roots().at(0)));
+      config::absolute_path(target).lexically_relative(config::absolute_path(desk.library.roots().at(0)));
   return json_reply({{"path", "0/" + below.string()}, {"archive", archive}});
+}
+
+}  // namespace
+
+Routes drop_routes() {
+  return {
+      {"api/drop", {"POST", drop_piece}},
+      {"api/dropped", {"POST", dropped}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Edits of a shape that are no painting: snakes that are watched while they grow, cuts, smoothing.
 #include "config/corrected_field.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/json_reply.h"
 #include "desk/patches.h"
 #include "json/declared_json.h"
@@ -19,27 +19,25 @@ segmentation::EditList edits_of(const nlohmann::json& edit) {
   return list;
 }
 
-}  // namespace
-
-Reply Desk::snake(const Request& request) {
+Reply snake(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   if (json.contains("forget")) {
-    live_.forget();
+    desk.live.forget();
     return json_reply({{"done", true}});
   }
   const std::string token = json.at("case");
-  const auto one = looked_at_case(token);
+  const auto one = desk.cases.looked_at(token);
   const segmentation::EditList list = edits_of({{"snake", json.at("snake")}});
   const LiveEdit::Now now =
-      live_.snake(token, *one, list.edits[0].second.as<segmentation::SnakeEdit>(), json.at("steps").get<int>());
+      desk.live.snake(token, *one, list.edits[0].second.as<segmentation::SnakeEdit>(), json.at("steps").get<int>());
   return json_reply({{"steps", now.steps}, {"change_mm", now.change_mm}, {"volume_ml", now.volume_ml}});
 }
 
-Reply Desk::try_edit(const Request& request) {
+Reply try_edit(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case");
-  const auto one = looked_at_case(token);
-  const auto made = live_.preview(token, *one, json.at("anatomy"), edits_of(json.at("edit")));
+  const auto one = desk.cases.looked_at(token);
+  const auto made = desk.live.preview(token, *one, json.at("anatomy"), edits_of(json.at("edit")));
   Json out = {{"warnings", Json::array()}};
   for (const Warning& w : made.warnings) out["warnings"].push_back(to_text(w));
   for (const auto& [name, value] : figures_of(made.result))
@@ -47,16 +45,26 @@ Reply Desk::try_edit(const Request& request) {
   return json_reply(out);
 }
 
-Reply Desk::edit(const Request& request) {
+Reply edit(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case"), anatomy = json.at("anatomy");
-  const auto config = looked_at_case(token)->config();
+  const auto config = desk.cases.looked_at(token)->config();
   if (!config || config::corrected_field(*config, anatomy).empty())
     throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
-  save_edit(library_, token, anatomy, edits_of(json.at("edit")),
+  save_edit(desk.library, token, anatomy, edits_of(json.at("edit")),
             {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()});
-  live_.forget();
+  desk.live.forget();
   return json_reply({{"done", anatomy}});
+}
+
+}  // namespace
+
+Routes edit_routes() {
+  return {
+      {"api/snake", {"POST", snake}},
+      {"api/try_edit", {"POST", try_edit}},
+      {"api/edit", {"POST", edit}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -12,7 +12,7 @@
 #include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/hand_work.h"
 #include "desk/json_reply.h"
 #include "desk/web_files.h"
@@ -66,9 +66,7 @@ std::string type_of(const std::string& name) {
   return end == ".png" ? "image/png" : end == ".html" ? "text/html" : end == ".json" ? "application/json" : "";
 }
 
-}  // namespace
-
-Reply Desk::page(const Request&) {
+Reply desk_page(DeskState&, const Request&) {
   static const std::string html = page::html_page(web::desk_html, web::desk_css, web::desk_js, "{}", {});
   Reply reply = bytes_reply(html, "text/html; charset=utf-8");
   reply.policy = "default-src 'none'; script-src '" + policy_hash(web::desk_js) + "'; style-src '" +
@@ -79,7 +77,7 @@ Reply Desk::page(const Request&) {
 }
 
 // A skull with a burr hole, from above.
-Reply Desk::icon(const Request&) {
+Reply icon(DeskState&, const Request&) {
   constexpr int side = 32;
   picture::Image image(side, side, {0.08, 0.09, 0.11});
   for (int y = 0; y < side; ++y)
@@ -93,28 +91,10 @@ Reply Desk::icon(const Request&) {
   return bytes_reply(picture::encode_png(image), "image/png");
 }
 
-// case/TOKEN/report/NAME: pictures and the page of a case, and nothing else of the library's folder. The page may be a
-// stranger's: it gets an origin of its own, which can ask the desk for nothing.
-Reply Desk::report_file(const Request& request) {
-  const std::vector<std::string> parts = split_at(request.path, '/');
-  const std::string type = parts.size() == 4 ? type_of(parts[3]) : "";
-  if (type.empty() || parts[2] != "report") throw Error(ExitCode::no_input, "", "", "the desk has no such file");
-  cases::validate_case_token(parts[1], ExitCode::no_input);
-  const FileDescriptor fd(open_beneath(library_.options().library, fs::path(parts[1]) / "report" / parts[3]));
-  if (!fd.valid()) throw Error(ExitCode::no_input, "", "", "the case has no such file");
-  const std::vector<char> bytes = read_file("/proc/self/fd/" + std::to_string(fd.get()), max_file_bytes);
-  Reply reply = bytes_reply({bytes.begin(), bytes.end()}, type.c_str());
-  if (type == "text/html")
-    reply.policy =
-        "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
-  return reply;
-}
-
-Reply Desk::library_cases(const Request&) {
-  const fs::path& folder = library_.options().library;
+Reply library_cases(DeskState& desk, const Request&) {
+  const fs::path& folder = desk.library.options().library;
   Json out = {{"name", folder.filename().string()},
-              {"config", library_.options().config.filename().string()},
+              {"config", desk.library.options().config.filename().string()},
               {"cases", Json::array()}};
   std::error_code ignored;
   if (fs::exists(folder, ignored))
@@ -122,9 +102,9 @@ Reply Desk::library_cases(const Request&) {
   return json_reply(out);
 }
 
-Reply Desk::plan(const Request&) {
+Reply plan(DeskState& desk, const Request&) {
   Json out = Json::array();
-  for (const DeskCase& c : library_.plan())
+  for (const DeskCase& c : desk.library.plan())
     out.push_back({{"case", c.token},
                    {"reasons", c.reasons},
                    {"fault", c.fault},
@@ -135,30 +115,30 @@ Reply Desk::plan(const Request&) {
   return json_reply({{"cases", out}});
 }
 
-Reply Desk::build(const Request& request) {
+Reply build(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const auto only = json.value("only", std::vector<std::string>());
-  for (const std::string& token : only) library_.find(token);
-  if (only.size() == 1 && !builder_.status().running) keep_before(library_, only[0]);
-  builder_.start(only);
+  for (const std::string& token : only) desk.library.find(token);
+  if (only.size() == 1 && !desk.builder.status().running) keep_before(desk.library, only[0]);
+  desk.builder.start(only);
   return json_reply({{"started", true}});
 }
 
-Reply Desk::stop_build(const Request&) {
-  builder_.stop();
+Reply stop_build(DeskState& desk, const Request&) {
+  desk.builder.stop();
   return json_reply({{"stopped", true}});
 }
 
-Reply Desk::build_status(const Request&) {
-  const BuildRunner::Status s = builder_.status();
+Reply build_status(DeskState& desk, const Request&) {
+  const BuildRunner::Status s = desk.builder.status();
   Json out = {{"running", s.running}, {"ever", s.ever}, {"stopping", s.stopping}, {"code", s.code},
               {"seconds", s.seconds}, {"only", s.only}, {"lines", s.lines},       {"at_work", Json::array()}};
   for (const auto& [name, stage] : s.at_work) out["at_work"].push_back({{"case", name}, {"stage", stage}});
   return json_reply(out);
 }
 
-Reply Desk::log(const Request& request) {
-  const library::LibraryState state(library_.options().library);
+Reply build_log(DeskState& desk, const Request& request) {
+  const library::LibraryState state(desk.library.options().library);
   const fs::path file = state.log_file("case." + request.value("case"));
   std::error_code ignored;
   if (request.value("case").empty() || !fs::exists(file, ignored)) return json_reply({{"log", ""}});
@@ -168,9 +148,9 @@ Reply Desk::log(const Request& request) {
 }
 
 // For which lessons the case serves is the simulator's to say; it lies beside this program, or in PATH.
-Reply Desk::lessons(const Request& request) {
+Reply lessons(DeskState& desk, const Request& request) {
   const std::string token = request.value("case");
-  const fs::path folder = library_.options().library / token;
+  const fs::path folder = desk.library.options().library / token;
   std::error_code ignored;
   if (token.empty() || !fs::exists(folder / "case.json", ignored))
     throw Error(ExitCode::no_input, "", "case", "has not been built yet");
@@ -195,18 +175,18 @@ Reply Desk::lessons(const Request& request) {
   return json_reply({{"lessons", all.at("lessons")}});
 }
 
-Reply Desk::approve(const Request& request) {
+Reply approve(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case"), by = json.at("by");
   cases::validate_case_token(token, ExitCode::usage);
-  const fs::path folder = library_.options().library / token;
+  const fs::path folder = desk.library.options().library / token;
   const bool withdraw = json.value("withdraw", false);
   const int level = json.value("difficulty_level", 3);
   if (level < 1 || level > 5) throw Error(ExitCode::usage, "", "difficulty_level", "must be 1 to 5");
   const std::string done = withdraw ? library::withdraw_approval(folder, by) : library::approve_case(folder, by, level);
-  if (!library_.options().config.empty()) {
-    const DeskLock lock(library_);
-    const DeskCase one = library_.find(token);
+  if (!desk.library.options().config.empty()) {
+    const DeskLock lock(desk.library);
+    const DeskCase one = desk.library.find(token);
     std::vector<HandEntry> journal = read_journal(one);
     HandEntry entry;
     entry.by = by;
@@ -218,6 +198,41 @@ Reply Desk::approve(const Request& request) {
     write_journal(one, journal);
   }
   return json_reply({{"done", done}});
+}
+
+}  // namespace
+
+// case/TOKEN/report/NAME: pictures and the page of a case, and nothing else of the library's folder. The page may be a
+// stranger's: it gets an origin of its own, which can ask the desk for nothing.
+Reply report_file(const DeskLibrary& library, const Request& request) {
+  const std::vector<std::string> parts = split_at(request.path, '/');
+  const std::string type = parts.size() == 4 ? type_of(parts[3]) : "";
+  if (type.empty() || parts[2] != "report") throw Error(ExitCode::no_input, "", "", "the desk has no such file");
+  cases::validate_case_token(parts[1], ExitCode::no_input);
+  const FileDescriptor fd(open_beneath(library.options().library, fs::path(parts[1]) / "report" / parts[3]));
+  if (!fd.valid()) throw Error(ExitCode::no_input, "", "", "the case has no such file");
+  const std::vector<char> bytes = read_file("/proc/self/fd/" + std::to_string(fd.get()), max_file_bytes);
+  Reply reply = bytes_reply({bytes.begin(), bytes.end()}, type.c_str());
+  if (type == "text/html")
+    reply.policy =
+        "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+        "img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+  return reply;
+}
+
+Routes library_routes() {
+  return {
+      {"", {"GET", desk_page}},
+      {"icon", {"GET", icon}},
+      {"api/library", {"GET", library_cases}},
+      {"api/plan", {"GET", plan}},
+      {"api/build", {"POST", build}},
+      {"api/stop", {"POST", stop_build}},
+      {"api/status", {"GET", build_status}},
+      {"api/log", {"GET", build_log}},
+      {"api/lessons", {"GET", lessons}},
+      {"api/approve", {"POST", approve}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Looking: the voxels of an opened case.
 #include "base/progress.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/json_reply.h"
 #include "desk/patches.h"
 #include "mask/between_slices.h"
@@ -26,13 +26,11 @@ Vec3 vector_of(const Request& request, const std::string& name) {
   return {real_of(request, name + "_x"), real_of(request, name + "_y"), real_of(request, name + "_z")};
 }
 
-}  // namespace
-
-Reply Desk::open(const Request& request) {
+Reply open_case(DeskState& desk, const Request& request) {
   const std::string again = request.value("again");
-  const auto one = opened(request.value("case"), again == "1"        ? Opening::anew
-                                                 : again == "behind" ? Opening::behind
-                                                                     : Opening::as_it_is);
+  const auto one = desk.cases.open(request.value("case"), again == "1"        ? OpenCases::How::anew
+                                                          : again == "behind" ? OpenCases::How::behind
+                                                                              : OpenCases::How::as_it_is);
   const OpenCase::Now now = one->now();
   Json out = {{"state", now.state == OpenCase::State::opening ? "opening"
                         : now.state == OpenCase::State::ready ? "ready"
@@ -52,16 +50,16 @@ Reply Desk::open(const Request& request) {
   return json_reply(out);
 }
 
-Reply Desk::slice(const Request& request) {
-  const auto one = looked_at(request);
+Reply slice(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   return bytes_reply(slice_bytes(*one->scan(), number_of(request, "axis"), number_of(request, "index")));
 }
 
-Reply Desk::field(const Request& request) {
-  const auto one = looked_at(request);
+Reply field(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   const std::string name = request.value("name");
-  const auto field = name == "~tried"  ? trial_of(request.value("case"))->field()
-                     : name == "~edit" ? live_.field(request.value("case"))
+  const auto field = name == "~tried"  ? desk.trials.of(request.value("case"))->field()
+                     : name == "~edit" ? desk.live.field(request.value("case"))
                                        : one->field(name);
   // A page that has just let go of an edit may still ask for it.
   if (!field && name == "~edit") return bytes_reply(std::string(4 * sizeof(std::int32_t), '\0'));
@@ -69,14 +67,14 @@ Reply Desk::field(const Request& request) {
   return bytes_reply(slice_bytes(*field, number_of(request, "axis"), number_of(request, "index")));
 }
 
-Reply Desk::plane(const Request& request) {
-  const auto one = looked_at(request);
+Reply plane(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   return bytes_reply(plane_bytes(*one->scan(), vector_of(request, "corner"), vector_of(request, "right"),
                                  vector_of(request, "down"), number_of(request, "side")));
 }
 
-Reply Desk::grow(const Request& request) {
-  const auto one = looked_at(request);
+Reply grow(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   segmentation::GrowRequest how;
   how.seed = {number_of(request, "i"), number_of(request, "j"), number_of(request, "k")};
   how.radius_mm = real_of(request, "radius_mm");
@@ -87,13 +85,22 @@ Reply Desk::grow(const Request& request) {
 }
 
 // The slices between those that were painted.
-Reply Desk::between(const Request& request) {
-  const auto one = looked_at(request);
+Reply between(DeskState& desk, const Request& request) {
+  const auto one = desk.cases.looked_at(request.value("case"));
   const Progress progress({}, &cancel_requested());
   grid::Mask voxels = decode_painted(request.body, grid::lattice_of(*one->scan()));
   const auto value = static_cast<std::uint8_t>(number_of(request, "value") == removed_byte ? removed_byte : added_byte);
   voxels = mask::between_slices(voxels, value, number_of(request, "axis"), progress);
   return bytes_reply(encode_painted(voxels, grid::lattice_of(*one->scan())));
+}
+
+}  // namespace
+
+Routes look_routes() {
+  return {
+      {"api/open", {"GET", open_case}}, {"api/slice", {"GET", slice}}, {"api/field", {"GET", field}},
+      {"api/plane", {"GET", plane}},    {"api/grow", {"GET", grow}},   {"api/between", {"POST", between}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -10,7 +10,7 @@
 #include "config/config_root.h"
 #include "config/yaml_document.h"
 #include "config/yaml_edit.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/draft.h"
 #include "desk/hand_work.h"
 #include "desk/scenes.h"
@@ -60,17 +60,15 @@ void require_usable(const DeskLibrary& library, const fs::path& recipe, const fs
           "is not said: it needs a further scan; write the folder of it into a copy of the recipe, and choose that");
 }
 
-}  // namespace
-
-Reply Desk::folders(const Request& request) {
+Reply folders(DeskState& desk, const Request& request) {
   Json out = {{"path", request.value("path")}, {"folders", Json::array()}, {"archives", Json::array()}, {"files", 0}};
   if (request.value("path").empty()) {
-    const std::vector<fs::path> roots = library_.roots();
+    const std::vector<fs::path> roots = desk.library.roots();
     for (std::size_t i = 0; i < roots.size(); ++i)
       out["folders"].push_back({{"path", std::to_string(i)}, {"name", roots[i].filename().string()}});
     return json_reply(out);
   }
-  const fs::path folder = chosen_path(library_, request.value("path"));
+  const fs::path folder = chosen_path(desk.library, request.value("path"));
   out["name"] = folder.filename().string();
   std::vector<std::string> folders, archives;
   int files = 0;
@@ -96,13 +94,13 @@ Reply Desk::folders(const Request& request) {
   return json_reply(out);
 }
 
-Reply Desk::series(const Request& request) {
+Reply series(DeskState& desk, const Request& request) {
   const Progress progress([](double) {}, &cancel_requested());
-  const dicom::SeriesList list = dicom::list_series(chosen_path(library_, request.value("path")), {}, progress);
+  const dicom::SeriesList list = dicom::list_series(chosen_path(desk.library, request.value("path")), {}, progress);
   Json out = Json::parse(dicom::list_json(list));
   Json recipes = Json::array();
   std::error_code error;
-  const fs::path folder = fs::absolute(library_.options().config).parent_path();
+  const fs::path folder = fs::absolute(desk.library.options().config).parent_path();
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (it->path().extension() != ".yaml" || it->path().filename().string().front() == '.') continue;
     try {
@@ -119,17 +117,17 @@ Reply Desk::series(const Request& request) {
   std::sort(recipes.begin(), recipes.end(), [](const Json& a, const Json& b) { return a["file"] < b["file"]; });
   out["recipes"] = recipes;
   // What LIBRARY.yaml makes of its cases where they say nothing else.
-  const config::YamlNode library = config::read_yaml(library_.options().config);
+  const config::YamlNode library = config::read_yaml(desk.library.options().config);
   const config::YamlNode* usual = library.find("config");
   out["recipe"] = usual ? usual->text : "";
   return json_reply(out);
 }
 
 // The middle slices of a series, as one picture. They show the face: it is looked at here and goes nowhere.
-Reply Desk::series_picture(const Request& request) {
+Reply series_picture(DeskState& desk, const Request& request) {
   const Progress progress([](double) {}, &cancel_requested());
-  const dicom::ImportResult read =
-      dicom::import_series(chosen_path(library_, request.value("path")), import_of(request.value("series")), progress);
+  const dicom::ImportResult read = dicom::import_series(chosen_path(desk.library, request.value("path")),
+                                                        import_of(request.value("series")), progress);
   std::vector<picture::Image> cells;
   for (const picture::SlicePlane plane :
        {picture::SlicePlane::axial, picture::SlicePlane::coronal, picture::SlicePlane::sagittal}) {
@@ -144,16 +142,16 @@ Reply Desk::series_picture(const Request& request) {
   return bytes_reply(picture::encode_png(picture::contact_sheet(cells, 3, {0, 0, 0})), "image/png");
 }
 
-Reply Desk::new_case(const Request& request) {
+Reply new_case(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case"), recipe = json.at("recipe"), series = json.value("series", "");
   cases::validate_case_token(token, ExitCode::usage);
-  if (library_.options().config.empty()) throw Error(ExitCode::usage, "", "--config", "is needed: LIBRARY.yaml");
-  const fs::path file = fs::absolute(library_.options().config).lexically_normal(), folder = file.parent_path();
-  const fs::path scan = chosen_path(library_, json.at("path"));
+  if (desk.library.options().config.empty()) throw Error(ExitCode::usage, "", "--config", "is needed: LIBRARY.yaml");
+  const fs::path file = fs::absolute(desk.library.options().config).lexically_normal(), folder = file.parent_path();
+  const fs::path scan = chosen_path(desk.library, json.at("path"));
   if (recipe.find('/') != std::string::npos || recipe.empty() || recipe.front() == '.')
     throw Error(ExitCode::usage, "", "recipe", "must be a configuration beside LIBRARY.yaml");
-  const DeskLock lock(library_);
+  const DeskLock lock(desk.library);
   const std::vector<char> bytes = read_file(file, 1 << 20);
   Json entry = {{"case", token}, {"series", scan.lexically_relative(folder).string()}, {"config", recipe}};
   if (!series.empty()) entry["set"] = {{"import.series", series}};
@@ -162,13 +160,24 @@ Reply Desk::new_case(const Request& request) {
   {
     const Draft draft(file, text);
     draft.judged([&](const fs::path& f) {
-      return library::read_library_config(f, {{}, {}, library_.options().roots});
+      return library::read_library_config(f, {{}, {}, desk.library.options().roots});
     });
   }
-  require_usable(library_, folder / recipe, scan, series);
+  require_usable(desk.library, folder / recipe, scan, series);
   write_file(file, text);
-  library_.plan();
+  desk.library.plan();
   return json_reply({{"done", token}});
+}
+
+}  // namespace
+
+Routes new_case_routes() {
+  return {
+      {"api/folders", {"GET", folders}},
+      {"api/series", {"GET", series}},
+      {"api/picture", {"GET", series_picture}},
+      {"api/new", {"POST", new_case}},
+  };
 }
 
 }  // namespace trephine::desk

@@ -6,12 +6,36 @@
 #include "base/text.h"
 #include "config/config_root.h"
 #include "config/yaml_document.h"
-#include "desk/desk.h"
+#include "desk/desk_state.h"
 #include "desk/hand_work.h"
 #include "desk/scenes.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
+namespace {
+
+Reply scene(DeskState& desk, const Request& request) {
+  const auto json = desk::json_of(request);
+  const std::string token = json.at("case"), wanted = json.at("scene");
+  const DeskLock lock(desk.library);
+  const DeskCase one = desk.library.find(token);
+  const Json scenes = scenes_of(desk.library, one);
+  const auto found = std::find_if(scenes.begin(), scenes.end(), [&](const Json& s) { return s["file"] == wanted; });
+  if (found == scenes.end())
+    throw Error(ExitCode::usage, "", "scene", printable(wanted) + ", must be a scene beside the one that the case has");
+  HandChange change = change_of(json);
+  change.kind = "scene";
+  change.what = "scene: " + wanted;
+  change.changes = {{{"scene"}, config::yaml_scalar(wanted)}};
+  // A scene that cuts holes asks which; that there is none yet must be said.
+  if ((*found)["cuts_holes"].get<bool>() && !config::read_yaml(one.text_file()).find("burr_holes"))
+    change.changes.push_back({{"burr_holes"}, "[]"});
+  std::vector<HandEntry> journal = read_journal(one);
+  save_change(desk.library, one, change, journal);
+  return json_reply({{"done", change.what}});
+}
+
+}  // namespace
 
 std::string first_comment(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -54,25 +78,10 @@ Json scenes_of(const DeskLibrary& library, const DeskCase& one) {
   return out;
 }
 
-Reply Desk::scene(const Request& request) {
-  const auto json = desk::json_of(request);
-  const std::string token = json.at("case"), wanted = json.at("scene");
-  const DeskLock lock(library_);
-  const DeskCase one = library_.find(token);
-  const Json scenes = scenes_of(library_, one);
-  const auto found = std::find_if(scenes.begin(), scenes.end(), [&](const Json& s) { return s["file"] == wanted; });
-  if (found == scenes.end())
-    throw Error(ExitCode::usage, "", "scene", printable(wanted) + ", must be a scene beside the one that the case has");
-  HandChange change = change_of(json);
-  change.kind = "scene";
-  change.what = "scene: " + wanted;
-  change.changes = {{{"scene"}, config::yaml_scalar(wanted)}};
-  // A scene that cuts holes asks which; that there is none yet must be said.
-  if ((*found)["cuts_holes"].get<bool>() && !config::read_yaml(one.text_file()).find("burr_holes"))
-    change.changes.push_back({{"burr_holes"}, "[]"});
-  std::vector<HandEntry> journal = read_journal(one);
-  save_change(library_, one, change, journal);
-  return json_reply({{"done", change.what}});
+Routes scene_routes() {
+  return {
+      {"api/scene", {"POST", scene}},
+  };
 }
 
 }  // namespace trephine::desk

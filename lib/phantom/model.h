@@ -90,10 +90,6 @@ struct Model {
   template <class S>
   S teeth(const Point<S>& m) const;
   template <class S>
-  S orbit(const Base<S>& b) const;
-  template <class S>
-  S nasal(const Base<S>& b) const;
-  template <class S>
   S skin(const Base<S>& b) const;
   template <class S>
   S skull(const Base<S>& b) const;
@@ -101,8 +97,6 @@ struct Model {
   S brain(const Base<S>& b) const;  ///< with the cord, unclipped
   template <class S>
   S brain_clipped(const Base<S>& b) const;
-  template <class S>
-  S cisterns(const Base<S>& b) const;
   template <class S>
   S sulci(const Base<S>& b) const;
   template <class S>
@@ -135,5 +129,10 @@ struct Model {
   template <class S>
   S solid(Anatomy anatomy, const Point<S>& p) const;
 };
+
+template <class S>
+S orbit(const Model::Base<S>& b);
+template <class S>
+S nasal(const Model::Base<S>& b);
 
 }  // namespace trephine::phantom

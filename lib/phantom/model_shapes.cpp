@@ -15,6 +15,18 @@ S joined(const S& a, double k, const Point<S>& p, const Vec3& centre, double rad
   return smooth_union(a, shapes(), k);
 }
 
+template <class S>
+S cisterns(const Model::Base<S>& b) {
+  // Basal, from the sella's region down to the dura and around the brainstem to the back; magna; quadrigeminal.
+  S f = ellipsoid(b.m, {0, -14, 18}, {16, 9, 9});
+  f = smooth_union(f, capsule(b.m, {0, -14, 14}, {0, -13, 0}, 10, 11), 4);
+  f = smooth_union(f, capsule(b.m, {13, -8, 14}, {17, 8, 20}, 2.6, 2.2), 3);
+  f = smooth_union(f, capsule(b.m, {17, 8, 20}, {13, 28, 30}, 2.2, 2.4), 2);
+  f = smooth_union(f, capsule(b.m, {13, 28, 30}, {0, 33, 33}, 2.4, 3.8), 2);
+  f = smooth_union(f, ellipsoid(b.m, {0, 50, -11}, {13, 8, 11}), 3);
+  return f;
+}
+
 }  // namespace
 
 template <class S>
@@ -95,14 +107,14 @@ typename Model::Base<S> Model::base(const Point<S>& world, bool with_hull) const
 }
 
 template <class S>
-S Model::orbit(const Base<S>& b) const {
+S orbit(const Model::Base<S>& b) {
   const S cone = capsule(b.m, {32, -84, 17}, {16, -42, 17}, 17.5, 6);
   // The orbit's roof: the orbit stays 3 mm away from the cavity of the brain.
   return smooth_intersection(cone, S(3.2) - b.vault, 3.0);
 }
 
 template <class S>
-S Model::nasal(const Base<S>& b) const {
+S nasal(const Model::Base<S>& b) {
   S f = slab(b.m, {6.6, -70, -6}, 4.9, 26, 18);
   f = smooth_union(f, capsule(b.m, {4.5, -46, -12}, {0, -26, -24}, 5.0, 7.0), 4);
   f = smooth_union(f, capsule(b.m, {0, -26, -24}, {0, -21, -42}, 7.0, 6.0), 4);
@@ -146,18 +158,6 @@ S Model::skin(const Base<S>& b) const {
     return smooth_union(g, ellipsoid(m, {72, -3, 0}, {5.5, 5, 7}), 4);
   });
   return hard.on ? hard_skin(b, f) : f;
-}
-
-template <class S>
-S Model::cisterns(const Base<S>& b) const {
-  // Basal, from the sella's region down to the dura and around the brainstem to the back; magna; quadrigeminal.
-  S f = ellipsoid(b.m, {0, -14, 18}, {16, 9, 9});
-  f = smooth_union(f, capsule(b.m, {0, -14, 14}, {0, -13, 0}, 10, 11), 4);
-  f = smooth_union(f, capsule(b.m, {13, -8, 14}, {17, 8, 20}, 2.6, 2.2), 3);
-  f = smooth_union(f, capsule(b.m, {17, 8, 20}, {13, 28, 30}, 2.2, 2.4), 2);
-  f = smooth_union(f, capsule(b.m, {13, 28, 30}, {0, 33, 33}, 2.4, 3.8), 2);
-  f = smooth_union(f, ellipsoid(b.m, {0, 50, -11}, {13, 8, 11}), 3);
-  return f;
 }
 
 template <class S>
@@ -246,8 +246,8 @@ S Model::solid(Anatomy anatomy, const Point<S>& p) const {
 #define TREPHINE_INSTANTIATE(S)                                     \
   template struct Model::Base<S>;                                   \
   template Model::Base<S> Model::base(const Point<S>&, bool) const; \
-  template S Model::orbit(const Model::Base<S>&) const;             \
-  template S Model::nasal(const Model::Base<S>&) const;             \
+  template S orbit(const Model::Base<S>&);                          \
+  template S nasal(const Model::Base<S>&);                          \
   template S Model::skin(const Model::Base<S>&) const;              \
   template S Model::skull(const Model::Base<S>&) const;             \
   template S Model::teeth(const Point<S>&) const;                   \

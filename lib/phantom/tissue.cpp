@@ -35,7 +35,7 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
   f = std::min(f, capsule(m, {60, -44, -10}, {52, -32, -62}, 7, 8));  // masseter
   f = std::max(f, skin + 2.6);
   b.paint(muscle, f);
-  const double orbit = model.orbit(base);
+  const double orbit = phantom::orbit(base);
   if (orbit < under_bone_mm + 3) {
     b.paint(fat, std::max(orbit - under_bone_mm, skin + 3.0));
     b.paint(muscle, std::min({capsule(m, {31, -68, 29}, {17, -44, 20}, 1.8, 1.6),
@@ -49,7 +49,7 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
   } else {
     b.clearance = std::min(b.clearance, orbit - under_bone_mm);
   }
-  const double nasal = model.nasal(base);
+  const double nasal = phantom::nasal(base);
   b.paint(mucosa, std::max(nasal - under_bone_mm, skin + 3.0));
   b.paint(air, std::max(nasal + 1.3, skin + 4.2));
 }

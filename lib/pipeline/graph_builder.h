@@ -47,12 +47,12 @@ class GraphBuilder {
                                                       const GraphPlace& place);
   int source_of(const stages::Port& port, const Node& node, const GraphPlace& place);
   int named(const stages::Port& port, const Node& node, const GraphPlace& place);
-  bool is_shown(const std::string& role) const;
+  bool is_shown(const std::string& role) const { return role.empty() || config_.is_shown(config_.in_role(role)); }
   int scan_named(const std::string& name, const std::string& reader);
   int step_node(const config::RecipeAnatomy& anatomy, std::size_t index, bool original = false);
   int node_named(const std::string& path, bool original = false);
   int first_surface_of(const config::RecipeAnatomy& recipe);
-  int first_surface_of(const std::string& name);
+  int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
   bool is_made(const std::string& source) const;
   int given_landmarks();
   int landmarks_node(const std::string& name, bool required_only, bool without_given);

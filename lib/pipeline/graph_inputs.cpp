@@ -107,10 +107,6 @@ int GraphBuilder::named(const Port& port, const Node& node, const GraphPlace& pl
   return node_named(source, place.original);
 }
 
-bool GraphBuilder::is_shown(const std::string& role) const {
-  return role.empty() || config_.is_shown(config_.in_role(role));
-}
-
 // The scan that a recipe's step reads, laid on the CT's voxels before the face is taken off: what is made of it is
 // checked for the face like all else.
 int GraphBuilder::scan_named(const std::string& name, const std::string& reader) {
@@ -164,7 +160,6 @@ int GraphBuilder::first_surface_of(const config::RecipeAnatomy& recipe) {
     if (recipe.steps[i].type->output == DataKind::mesh) return step_node(recipe, i);
   return -1;  // unreachable: a recipe ends in a surface
 }
-int GraphBuilder::first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
 
 // Whether the scene computes the source anyway, or a wanted landmark is found by it.
 bool GraphBuilder::is_made(const std::string& source) const {
