@@ -7,13 +7,13 @@
 #include <cstring>
 #include <map>
 
+#include "../tests/report_of.h"
 #include "cases/load_case.h"
 #include "contact/contact.h"
 #include "meshing/contour.h"
 #include "surface/bounds.h"
 #include "voxel/cut.h"
 #include "voxel/shape_field.h"
-#include "../tests/report_of.h"
 
 namespace trephine {
 namespace {

@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "../tests/report_of.h"
 #include "base/child.h"
 #include "base/error.h"
 #include "base/splitmix64.h"
@@ -25,7 +26,6 @@
 #include "meshio/vtp.h"
 #include "metrics/deviation.h"
 #include "voxel/cut.h"
-#include "../tests/report_of.h"
 
 using namespace trephine;
 

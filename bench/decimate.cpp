@@ -32,6 +32,7 @@
 #include <string>
 #include <vector>
 
+#include "../tests/report_of.h"
 #include "base/error.h"
 #include "base/spawn.h"
 #include "grid/nrrd.h"
@@ -41,7 +42,6 @@
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
 #include "scratch_folder.h"
-#include "../tests/report_of.h"
 
 using namespace trephine;
 

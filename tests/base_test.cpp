@@ -8,9 +8,9 @@
 #include "base/hash.h"
 #include "base/params.h"
 #include "base/result.h"
-#include "base/warning.h"
 #include "base/text.h"
 #include "base/text_table.h"
+#include "base/warning.h"
 
 namespace trephine {
 namespace {
@@ -274,9 +274,10 @@ TEST(Results, ArePrintedByTheirDeclaration) {
   found.whole = Lengths{8, 9};
   found.concerns = {"brain", "skull"};
   found.doubted = false;
-  EXPECT_EQ(text_of(figures_of(found)),
-            "size=5x6x7 skin.length_mm=1 skull.length_mm=2 skull.width_mm=3 left_length_mm=0 1.length_mm=4 2.length_mm=5 "
-            "2.width_mm=6 clear_of_sinus_mm=7 length_mm=8 width_mm=9 concerns=brain skull doubted=false ");
+  EXPECT_EQ(
+      text_of(figures_of(found)),
+      "size=5x6x7 skin.length_mm=1 skull.length_mm=2 skull.width_mm=3 left_length_mm=0 1.length_mm=4 2.length_mm=5 "
+      "2.width_mm=6 clear_of_sinus_mm=7 length_mm=8 width_mm=9 concerns=brain skull doubted=false ");
 }
 
 TEST(Results, AreKnownByTheirStruct) {
@@ -293,7 +294,9 @@ TEST(Results, AreKnownByTheirStruct) {
 
 TEST(Warnings, AreWordedWithTheirValues) {
   EXPECT_EQ(to_text(Warning{"plain", "nothing {to} fill", {}}), "nothing {to} fill");
-  EXPECT_EQ(to_text(Warning{"shift", "{mm:.1f} mm to the {side}, {count} times", {{"mm", 2.26}, {"side", "left"}, {"count", std::int64_t{3}}}}),
+  EXPECT_EQ(to_text(Warning{"shift",
+                            "{mm:.1f} mm to the {side}, {count} times",
+                            {{"mm", 2.26}, {"side", "left"}, {"count", std::int64_t{3}}}}),
             "2.3 mm to the left, 3 times");
   EXPECT_THROW(to_text(Warning{"lacks", "{missing}", {{"mm", 1.0}}}), Error);
 }

@@ -134,7 +134,8 @@ TEST(HeadFigures, WideHornsAreHydrocephalic) {
   EXPECT_EQ(f.head_class, head::HeadClass::hydrocephalic);
   head::HeadClassParams strict;
   strict.hydrocephalic_evans_ratio = 0.4;
-  EXPECT_EQ(result_of(report, head::measure_head(s.fields(), &s.landmarks, strict)).head_class, head::HeadClass::normal);
+  EXPECT_EQ(result_of(report, head::measure_head(s.fields(), &s.landmarks, strict)).head_class,
+            head::HeadClass::normal);
 }
 
 TEST(HeadFigures, WhatIsMissingIsNotMeasured) {

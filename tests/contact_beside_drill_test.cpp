@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "contact_walls.h"
+#include "report_of.h"
 #include "voxel/cut.h"
 #include "voxel/raw_voxel.h"
-#include "report_of.h"
 
 using namespace trephine;
 using walls::uniform;
@@ -153,7 +153,8 @@ TEST(ContactBesideDrill, ACutBesideADrillRaisesNothing) {
     for (; !stop; ++cuts) {
       const Vec3 centre = volume.voxels.to_world_mm({uniform(rng, 5, 35), uniform(rng, 5, 35), uniform(rng, 5, 35)});
       Report report;
-      value_of(report, voxel::cut_volume(volume, [=](Vec3 p) { return norm(p - centre) - 1.5; }, {centre - Vec3{1.5, 1.5, 1.5}, centre + Vec3{1.5, 1.5, 1.5}}, {1, 3}));
+      value_of(report, voxel::cut_volume(volume, [=](Vec3 p) { return norm(p - centre) - 1.5; },
+                                         {centre - Vec3{1.5, 1.5, 1.5}, centre + Vec3{1.5, 1.5, 1.5}}, {1, 3}));
     }
   });
   for (int n = 0; n < 20000; ++n) driller.tick(6);

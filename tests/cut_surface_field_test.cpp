@@ -10,8 +10,8 @@
 #include "meshing/contour.h"
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
-#include "voxel/cut.h"
 #include "report_of.h"
+#include "voxel/cut.h"
 
 namespace trephine {
 namespace {
@@ -40,7 +40,8 @@ void compare(const grid::Field& field, const std::vector<boolean::Cutter>& cutte
   Report cut_report;
   const surface::TriMesh of_mesh = value_of(cut_report, boolean::cut_surface(whole, cutters, {}));
   grid::Field cut = field;
-  for (const boolean::Cutter& c : cutters) value_of(r, voxel::cut_field(cut, boolean::distance_to(c), boolean::bounds_of(c)));
+  for (const boolean::Cutter& c : cutters)
+    value_of(r, voxel::cut_field(cut, boolean::distance_to(c), boolean::bounds_of(c)));
   const surface::TriMesh of_field = value_of(r, meshing::contour(cut, {}));
   for (const surface::TriMesh* m : {&of_mesh, &of_field}) {
     const meshing::Validity v = meshing::check_validity(*m);

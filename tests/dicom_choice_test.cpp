@@ -60,7 +60,8 @@ TEST(DicomChoice, WhatTheListRefusesIsNoChoice) {
   EXPECT_EQ(dicom::hash_of_series_input(folder.path(), {}), r.input_sha256);
   ASSERT_EQ(printed(r.folder).warnings.size(), 1u);
   EXPECT_NE(printed(r.folder).warnings[0].find("not used: s1"), std::string::npos) << printed(r.folder).warnings[0];
-  EXPECT_NE(printed(r.folder).warnings[0].find("a slice is missing"), std::string::npos) << printed(r.folder).warnings[0];
+  EXPECT_NE(printed(r.folder).warnings[0].find("a slice is missing"), std::string::npos)
+      << printed(r.folder).warnings[0];
 }
 
 TEST(DicomChoice, WhereTheListRefusesAllImportSaysWhy) {

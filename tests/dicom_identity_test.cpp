@@ -153,8 +153,8 @@ TEST(DicomIdentity, AnotherPatientsSeriesInTheFolderIsToldOf) {
   two.write(folder, [](int k) { return "z" + std::to_string(k); });
   dicom::ImportParams params;
   params.series = "s1";
-  EXPECT_TRUE(
-      warns(printed(dicom::import_series(folder.path(), params).folder), "1 other series of the folder is of another patient"));
+  EXPECT_TRUE(warns(printed(dicom::import_series(folder.path(), params).folder),
+                    "1 other series of the folder is of another patient"));
 }
 
 }  // namespace

@@ -83,8 +83,8 @@ TEST(DicomMixtures, WhatIsNotOneSeriesIsParted) {
     const ScratchFolder folder;
     own.write(folder);
     EXPECT_TRUE(warns(dicom::import_series(folder.path(), {}).report(), t == patient_tag
-                                                                          ? "PatientID is another one in most slices"
-                                                                          : "changes within the series, 12 values"));
+                                                                            ? "PatientID is another one in most slices"
+                                                                            : "changes within the series, 12 values"));
   }
 }
 

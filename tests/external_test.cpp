@@ -16,8 +16,8 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "external/confined.h"
-#include "scratch_folder.h"
 #include "report_of.h"
+#include "scratch_folder.h"
 
 namespace trephine {
 namespace {

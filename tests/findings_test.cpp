@@ -89,7 +89,8 @@ TEST(Findings, WhereThereIsContrastMediumBloodIsDoubtful) {
     for (int n = 0; n < 3; ++n) scene.brighten(scene.blood_mm + Vec3{0, -24.0 - 10 * n, 10}, {25, 3, 3}, 170);
   });
   EXPECT_GT(s.result.contrast_ml, 0.65);
-  EXPECT_TRUE(std::any_of(s.warnings.begin(), s.warnings.end(), [](const Warning& w) { return w.id == "contrast_medium"; }));
+  EXPECT_TRUE(
+      std::any_of(s.warnings.begin(), s.warnings.end(), [](const Warning& w) { return w.id == "contrast_medium"; }));
   ASSERT_FALSE(s.of(FindingKind::dense).empty());
   for (const Finding& f : s.of(FindingKind::dense)) EXPECT_LT(f.confidence, 0.5) << f.text;
 }

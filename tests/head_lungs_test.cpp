@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "head/brain.h"
-#include "head/cranium.h"
 #include "mask/hu_view.h"
+#include "place/cranium.h"
 #include "place/lungs.h"
 #include "report_of.h"
 
@@ -33,7 +33,7 @@ std::string refused(double air_from_mm) {
   const mask::HuView hu(scan);
   Report report;
   try {
-    place::require_no_lungs(value_of(report, head::cranial_cavity(head::bone_of(hu), {})), hu);
+    place::require_no_lungs(value_of(report, place::cranial_cavity(place::bone_of(hu), {})), hu);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     return e.what();

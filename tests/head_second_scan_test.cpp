@@ -10,12 +10,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "head/brain.h"
-#include "head/cranium.h"
 #include "head/ventricles.h"
 #include "itk/registration.h"
 #include "mask/filters.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
+#include "place/cranium.h"
 #include "place/zones.h"
 #include "report_of.h"
 #include "segmentation/t1_contrast.h"
@@ -67,7 +67,7 @@ struct Ct {
 Ct ct_of(const Head& head, double voxel_mm) {
   Ct ct{laid(head, phantom::SecondScan::ct, voxel_mm, box(voxel_mm), 0.01), {}};
   Report report;
-  ct.cavity = value_of(report, head::cranial_cavity(head::bone_of(mask::HuView(ct.volume)), {}));
+  ct.cavity = value_of(report, place::cranial_cavity(place::bone_of(mask::HuView(ct.volume)), {}));
   return ct;
 }
 

@@ -46,8 +46,8 @@ struct Registered {
   int doubtful = 0;
 };
 
-Registered over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from,
-                     int to, itk::RegistrationParams params) {
+Registered over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places,
+                        int from, int to, itk::RegistrationParams params) {
   Registered all;
   for (int n = from; n < to; ++n) {
     const phantom::Second second = moved(rest, random_offset(static_cast<std::uint64_t>(n), 30, 20));
@@ -58,10 +58,8 @@ Registered over_offsets(const grid::HuVolume& ct, const phantom::Second& rest, c
     const double error = target_error_mm(r.map, second.truth, places);
     std::printf(
         "offset %2d: %.3f mm, turn %.1f, spread %.3f, inverse %.3f, overlap %.2f, margin %.2f, scale %.4f, %.1f s %s\n",
-        n, error, r.figures.turn_deg, *r.figures.spread_mm,
-        *r.figures.inverse_mm, *r.figures.overlap_ratio,
-        *r.figures.margin_ratio, *r.figures.scale_ratio, s,
-        r.doubts.c_str());
+        n, error, r.figures.turn_deg, *r.figures.spread_mm, *r.figures.inverse_mm, *r.figures.overlap_ratio,
+        *r.figures.margin_ratio, *r.figures.scale_ratio, s, r.doubts.c_str());
     all.mean += error / (to - from);
     all.worst = std::max(all.worst, error);
     if (r.doubts.empty())

@@ -10,8 +10,8 @@
 #include "base/parallel.h"
 #include "mask/shape_interpolate.h"
 #include "meshing_shapes.h"
-#include "surface/trimesh.h"
 #include "report_of.h"
+#include "surface/trimesh.h"
 
 namespace trephine {
 namespace {

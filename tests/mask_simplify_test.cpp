@@ -11,8 +11,8 @@
 #include "base/parallel.h"
 #include "mask/simplify_topology.h"
 #include "meshing_shapes.h"
-#include "surface/trimesh.h"
 #include "report_of.h"
+#include "surface/trimesh.h"
 
 namespace trephine {
 namespace {

@@ -14,8 +14,8 @@
 #include "meshing/contour.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
-#include "surface/triangle_tree.h"
 #include "report_of.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

@@ -14,8 +14,8 @@
 #include "meshing/smooth.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
-#include "surface/incidence.h"
 #include "report_of.h"
+#include "surface/incidence.h"
 
 namespace trephine {
 namespace {

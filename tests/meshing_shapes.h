@@ -10,8 +10,8 @@
 #include "grid/grid.h"
 #include "meshing/contour.h"
 #include "random.h"
-#include "sampled_grid.h"
 #include "report_of.h"
+#include "sampled_grid.h"
 
 namespace trephine::shapes {
 

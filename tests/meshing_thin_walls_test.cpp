@@ -13,8 +13,8 @@
 #include "meshing/smooth.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
-#include "surface/triangle_tree.h"
 #include "report_of.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

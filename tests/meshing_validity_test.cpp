@@ -48,7 +48,7 @@ void expect_near(const std::vector<Vec3>& places, Vec3 at, double tolerance = 1e
 }
 
 std::size_t kinds(const meshing::Validity& v) {
-  const meshing::FaultPlaces& p = v.places;
+  const surface::FaultPlaces& p = v.places;
   std::size_t n = 0;
   for (const auto* l : {&p.open_edges, &p.nonmanifold_edges, &p.nonmanifold_points, &p.misoriented_edges,
                         &p.duplicate_triangles, &p.degenerate, &p.slivers, &p.self_intersections})
@@ -188,7 +188,7 @@ TEST_P(Faults, Crossing) {  // a spike of one box through the face of another
   EXPECT_EQ(v.topology.components, 2);
   ASSERT_FALSE(v.places.self_intersections.empty());
   EXPECT_EQ(v.places.self_intersections.size(),
-            std::min<std::size_t>(v.self_intersections, meshing::FaultPlaces::limit));
+            std::min<std::size_t>(v.self_intersections, surface::FaultPlaces::limit));
   for (const Vec3 p : v.places.self_intersections) {  // on the face, at the spike's outline
     const Vec3 q = (p - offset()) / scale();
     EXPECT_NEAR(q.z, 8, 1e-6);
@@ -291,7 +291,7 @@ TEST(Validity, ManyFaultsAreCountedAndTwentyOfThemPlaced) {
   const meshing::Validity eight = meshing::check_validity(m);
   set_thread_count(threads);
   EXPECT_GT(one.topology.boundary_edges, 100u);
-  EXPECT_EQ(one.places.open_edges.size(), meshing::FaultPlaces::limit);
+  EXPECT_EQ(one.places.open_edges.size(), surface::FaultPlaces::limit);
   EXPECT_EQ(one.places.open_edges, eight.places.open_edges);
   EXPECT_EQ(one.text(), eight.text());
 }

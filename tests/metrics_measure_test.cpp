@@ -80,7 +80,8 @@ TEST(Measure, AgainstLabels) {
 
 TEST(Measure, AgainstTheTruth) {
   const surface::TriMesh m = shapes::sphere(5, 20.2), truth = shapes::sphere(6, 20);
-  const Report r = printed(metrics::measure_surface(m, metrics::TruthReference{[](Vec3 p) { return norm(p) - 20; }, &truth}));
+  const Report r =
+      printed(metrics::measure_surface(m, metrics::TruthReference{[](Vec3 p) { return norm(p) - 20; }, &truth}));
   EXPECT_NEAR(number(r, "to_reference_rms_mm"), 0.2, 0.01);
   EXPECT_NEAR(number(r, "from_reference_rms_mm"), 0.2, 0.01);
   EXPECT_NEAR(number(r, "deviation_bias_mm"), 0.2, 0.01);
@@ -106,12 +107,12 @@ TEST(Measure, SaysWhatIsWrong) {
   EXPECT_GT(number(c, "self_intersections_count"), 10);
   EXPECT_EQ(number(c, "valid"), 0);
   EXPECT_FALSE(metrics::measure_surface(crossed, {},
-                                     [] {
-                                       metrics::MeasureParams p;
-                                       p.validity = false;
-                                       return p;
-                                     }())
-                .result.validity.has_value());
+                                        [] {
+                                          metrics::MeasureParams p;
+                                          p.validity = false;
+                                          return p;
+                                        }())
+                   .result.validity.has_value());
   EXPECT_THROW(metrics::measure_surface(surface::TriMesh{}, {}), Error);
 }
 

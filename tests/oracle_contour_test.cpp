@@ -19,8 +19,8 @@
 #include "base/splitmix64.h"
 #include "mask/filters.h"
 #include "meshing/contour.h"
-#include "surface/trimesh.h"
 #include "report_of.h"
+#include "surface/trimesh.h"
 
 using namespace trephine;
 using namespace trephine::mask;

@@ -6,11 +6,11 @@
 #include <functional>
 
 #include "base/error.h"
-#include "head/cranium.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
+#include "place/cranium.h"
 #include "place/zones.h"
 #include "report_of.h"
 
@@ -43,7 +43,7 @@ struct Leaking {
     how.noise_hu = noise_hu;
     volume = phantom::volume_of(phantom::scan(head, how));
     Report ignored;
-    cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), {}).value;
+    cavity = place::cranial_cavity(place::bone_of(mask::HuView(volume)), {}).value;
     const grid::Lattice& l = cavity.lattice();
     box = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) {
@@ -102,7 +102,7 @@ struct FoundThird {
     const phantom::Head head(who);
     const grid::HuVolume volume = phantom::volume_of(phantom::scan(head, scan_in(90, 2)));
     Report ignored;
-    const mask::BitMask cavity = head::cranial_cavity(head::bone_of(mask::HuView(volume)), {}).value;
+    const mask::BitMask cavity = place::cranial_cavity(place::bone_of(mask::HuView(volume)), {}).value;
     grid::Field ventricles(cavity.lattice());
     const auto each = [](const grid::Lattice& l, const auto& visit) {
       for (int k = 0; k < l.size[2]; ++k)

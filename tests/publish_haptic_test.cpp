@@ -6,11 +6,11 @@
 #include "config/config.h"
 #include "pipeline/graph.h"
 #include "publish/haptic_content.h"
+#include "report_of.h"
 #include "scratch_folder.h"
 #include "voxel/cut.h"
 #include "voxel/shape_field.h"
 #include "voxel/voxelize.h"
-#include "report_of.h"
 
 using namespace trephine;
 

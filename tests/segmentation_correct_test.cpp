@@ -245,7 +245,7 @@ TEST(Correct, AnotherOrderOfAxesIsTheSameRaster) {
   const auto one = segmentation::correction_between(before, after, "3", "3");
   const auto two = segmentation::correction_between(before, other, "3", "3");
   EXPECT_EQ(std::get<grid::Mask>(one.value.samples), std::get<grid::Mask>(two.value.samples));
-  EXPECT_GT(two.result.added_voxels_count, 0);
+  EXPECT_GT(two.result.added_voxels_count, 0u);
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
 #include "grid/labels.h"
-#include "report_of.h"
 #include "segmentation/correct.h"
 #include "segmentation/edit_list.h"
 #include "segmentation/hand_edits.h"
@@ -80,18 +79,18 @@ bool inside(const grid::Field& f, Vec3 at) {
 TEST(HandEdits, ASnakeAddsWhatHasItsHuWithinItsBall) {
   const grid::HuVolume volume = scan();
   const grid::Field before = found();
-  Report report;
-  const grid::Field after = value_of(report, edited(before, volume, snake()));
+  const auto grown = edited(before, volume, snake());
+  const grid::Field& after = grown.value;
   EXPECT_FALSE(inside(before, {21.5, -5, 20}));
   EXPECT_TRUE(inside(after, {21.5, -5, 20})) << "the second ball is filled";
   EXPECT_FALSE(inside(after, {24.5, -5, 20})) << "and nothing of the brain beside it";
   const double ball = 4.0 / 3 * M_PI * 64 / 1000;
-  EXPECT_GT(std::get<double>(*report.find("added_ml")), 0.6 * ball);
-  EXPECT_LT(std::get<double>(*report.find("added_ml")), 1.05 * ball);
-  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_GT(grown.result.added_ml, 0.6 * ball);
+  EXPECT_LT(grown.result.added_ml, 1.05 * ball);
+  EXPECT_TRUE(grown.warnings.empty());
   SnakeEdit back = snake();
   back.removes = true;
-  const grid::Field without = value_of(report, edited(after, volume, back));
+  const grid::Field without = edited(after, volume, back).value;
   EXPECT_FALSE(inside(without, {21.5, -5, 20}));
   EXPECT_TRUE(inside(without, {6, -5, 20}));
 }
@@ -162,22 +161,22 @@ TEST(HandEdits, ACutTakesOneSideWithinItsBall) {
   CutEdit edit;
   edit.point_mm = {13, -5, 20};
   edit.normal = {1, 0, 0};
-  Report report;
-  const grid::Field after = value_of(report, edited(before, scan(), edit));
+  const auto cut = edited(before, scan(), edit);
+  const grid::Field& after = cut.value;
   EXPECT_FALSE(inside(after, {14.6, -5, 20}));
   EXPECT_TRUE(inside(after, {11.4, -5, 20}));
   const double h = 3, cap = M_PI * h * h * (18 - h) / 3 / 1000;
-  EXPECT_NEAR(std::get<double>(*report.find("removed_ml")), cap, 0.2 * cap);
-  EXPECT_EQ(std::get<double>(*report.find("added_ml")), 0);
+  EXPECT_NEAR(cut.result.removed_ml, cap, 0.2 * cap);
+  EXPECT_EQ(cut.result.added_ml, 0);
   edit.normal = {-1, 0, 0};
   edit.within_mm = 4;
-  const grid::Field other = value_of(report, edited(before, scan(), edit));
+  const grid::Field other = edited(before, scan(), edit).value;
   EXPECT_TRUE(inside(other, {14.6, -5, 20})) << "the other side";
   EXPECT_FALSE(inside(other, {11, -5, 20}));
   EXPECT_TRUE(inside(other, {5.5, -5, 20})) << "beyond the ball nothing goes";
   edit.point_mm = {-10, -5, 20};
-  Report none;
-  EXPECT_EQ(value_of(none, edited(before, scan(), edit)).voxels, before.voxels);
+  const auto none = edited(before, scan(), edit);
+  EXPECT_EQ(none.value.voxels, before.voxels);
   EXPECT_EQ(none.warnings.size(), 1u) << "and it is told";
 }
 
@@ -229,11 +228,11 @@ TEST_F(EditLists, KeepTheOrderAndTheirValues) {
   EXPECT_TRUE(is_edit_list(file));
   const EditList read = read_edit_list(file);
   EXPECT_EQ(encode_edit_list(read), encode_edit_list(list()));
-  Report report;
-  const grid::Field both = value_of(report, apply_edits(found(), scan(), read, folder_.path()));
+  const auto made = apply_edits(found(), scan(), read, folder_.path());
+  const grid::Field& both = made.value;
   EXPECT_FALSE(inside(both, {6, -5, 20})) << "cut";
   EXPECT_TRUE(inside(both, {21.5, -5, 20})) << "added before";
-  EXPECT_EQ(std::get<std::int64_t>(*report.find("edits_count")), 2);
+  EXPECT_EQ(made.result.edits_count, 2u);
   EditList turned = read;
   std::swap(turned.edits[0], turned.edits[1]);
   EXPECT_NE(encode_edit_list(turned), encode_edit_list(read));
@@ -249,16 +248,16 @@ TEST_F(EditLists, APatchIsThatOfTheListOrRefused) {
   PatchEdit patch{"a.nrrd", sha256_of_bytes(bytes)};
   EditList one;
   one.edits.emplace_back("patch", AnyParams::make(patch));
-  Report report;
-  const grid::Field by_list = value_of(report, apply_edits(found(), scan(), one, folder_.path()));
-  EXPECT_EQ(by_list.voxels, corrected(found(), raster(), grid::read_labels(folder_.path() / "a.nrrd")).value.voxels);
-  EXPECT_GT(std::get<double>(*report.find("added_ml")), 0);
+  const auto by_list = apply_edits(found(), scan(), one, folder_.path());
+  EXPECT_EQ(by_list.value.voxels,
+            corrected(found(), raster(), grid::read_labels(folder_.path() / "a.nrrd")).value.voxels);
+  EXPECT_GT(by_list.result.added_ml, 0);
   for (const PatchEdit& bad : {PatchEdit{"a.nrrd", std::string(64, '0')}, PatchEdit{"../a.nrrd", patch.sha256},
                                PatchEdit{".a", patch.sha256}}) {
     EditList wrong;
     wrong.edits.emplace_back("patch", AnyParams::make(bad));
     try {
-      value_of(report, apply_edits(found(), scan(), wrong, folder_.path()));
+      apply_edits(found(), scan(), wrong, folder_.path());
       ADD_FAILURE() << bad.file;
     } catch (const Error& e) {
       EXPECT_EQ(int(e.code()), 65) << bad.file;

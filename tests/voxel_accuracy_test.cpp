@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "report_of.h"
 #include "voxel/cut.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -72,7 +72,9 @@ TEST(Accuracy, ThinSheetsAreFelt) {
         const Vec3 centre{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
         const Solid solid = shapes::block({9, 9, thick / 2}, centre, pose, 3, 400, rng, 2);
         Report report;
-        const voxel::HapticVolume volume = value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}));
+        const voxel::HapticVolume volume = value_of(
+            report,
+            voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}));
         const voxel::HapticDecoder decoder(volume);
         for (const auto& s : solid.points) {
           const Vec3 inner = s.point_mm - s.normal * (thick / 2);

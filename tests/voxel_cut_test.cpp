@@ -6,11 +6,11 @@
 
 #include "base/error.h"
 #include "meshing/contour.h"
+#include "report_of.h"
 #include "surface/point_to_mesh.h"
 #include "voxel/cut.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -78,7 +78,8 @@ TEST(CutVolume, RemovesTheExactVolume) {
       voxel::check_haptic_volume(w);
       const Solid block = shapes::block({9, 9, 9}, {}, pose, 0, 0, rng);
       voxel::HapticVolume b =
-          value_of(made, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)), {{"bone", &block.mesh}}));
+          value_of(made, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
+                                         {{"bone", &block.mesh}}));
       const Tool ball = ball_tool({uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1)}, 7);
       report = printed(voxel::cut_volume(b, ball.distance, ball.bounds, {1}));
       const double of_ball = 4.0 / 3 * M_PI * 343;
@@ -92,7 +93,8 @@ TEST(CutVolume, TheNewSurfaceIsTheTools) {
     const Solid block = shapes::block({12, 12, 12}, {}, shapes::turned(rng), 0, 0, rng);
     Report report;
     voxel::HapticVolume v =
-        value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)), {{"bone", &block.mesh}}));
+        value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(block.mesh), h, shapes::turned(rng)),
+                                         {{"bone", &block.mesh}}));
     const Tool ball = ball_tool({1, 2, 0}, 7);
     value_of(report, voxel::cut_volume(v, ball.distance, ball.bounds, {}));
     const voxel::HapticDecoder d(v);
@@ -118,7 +120,11 @@ voxel::HapticVolume phantom(Vec3 h, std::mt19937_64& rng) {
   const Solid e = shapes::ellipsoid({11, 13, 12}, {}, pose, 0, rng);
   const Solid f = shapes::block({5, 9, 9}, pose * Vec3{12, 0, 0}, pose, 0, 0, rng);
   Report report;
-  return value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(e.mesh), h, shapes::turned(rng)), {{"ventricles", &a.mesh}, {"brain", &b.mesh}, {"skull", &c.mesh}, {"skin", &e.mesh}, {"block", &f.mesh}}));
+  return value_of(
+      report,
+      voxel::voxelize(
+          shapes::lattice_around(surface::bounds_of(e.mesh), h, shapes::turned(rng)),
+          {{"ventricles", &a.mesh}, {"brain", &b.mesh}, {"skull", &c.mesh}, {"skin", &e.mesh}, {"block", &f.mesh}}));
 }
 
 void expect_that_nobody_gains(int rounds, unsigned seed) {
@@ -243,7 +249,8 @@ TEST(CutVolume, OfWindowsOfHu) {
         ct.at(i, j, k) = float(-1000 + 1040 * step(r - 12) + 960 * step(r - 6));
       }
   Report report;
-  const voxel::HapticVolume before = value_of(report, voxel::voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}));
+  const voxel::HapticVolume before =
+      value_of(report, voxel::voxelize_hu(ct, l, {{"skin", -300, 299}, {"bone", 300, 3071}}));
   for (int n = 0; n < 12; ++n) {
     voxel::HapticVolume after = before;
     const Tool t = n % 2 ? ball_tool(uniform(rng, 0, 10) * shapes::unit_vector(rng), uniform(rng, 2, 5))

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "base/error.h"
+#include "report_of.h"
 #include "voxel/decode.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -119,8 +119,10 @@ TEST(Decode, GradientPointsIntoTheShape) {
   std::mt19937_64 rng(2);
   const auto solid = shapes::ball(9, {}, 500, rng);
   Report report;
-  const voxel::HapticVolume v =
-      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)), {{"a", &solid.mesh}}));
+  const voxel::HapticVolume v = value_of(
+      report,
+      voxel::voxelize(shapes::lattice_around(surface::bounds_of(solid.mesh), {0.4, 0.4, 0.95}, shapes::turned(rng)),
+                      {{"a", &solid.mesh}}));
   const voxel::HapticDecoder d(v);
   double worst = 1;
   for (const auto& s : solid.points) worst = std::min(worst, dot(normalized(d.gradient(1, s.point_mm)), -s.normal));
@@ -151,7 +153,8 @@ TEST(DecodeHu, SaturatesAtAirAndIsNearestWhereWindowsMeet) {
   const SyntheticCt ct;
   Report report;
   // On the CT's own raster: tissue of -300 to 169, bone of 170 on.
-  const voxel::HapticVolume v = value_of(report, voxel::voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}));
+  const voxel::HapticVolume v =
+      value_of(report, voxel::voxelize_hu(ct.hu, ct.hu, {{"skin", -300, 169}, {"bone", 170, 3071}}));
   EXPECT_EQ(std::get<std::int64_t>(*report.find("clamped_voxels_count")), 0);
   const voxel::HapticDecoder d(v);
   std::mt19937_64 rng(3);

@@ -7,10 +7,10 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
+#include "report_of.h"
 #include "scratch_folder.h"
 #include "voxel/haptic_file.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -19,8 +19,9 @@ voxel::HapticVolume sample_volume() {
   std::mt19937_64 rng(1);
   const auto a = shapes::ball(3, {1, 0, 0}, 0, rng, 3), b = shapes::ball(4.5, {}, 0, rng, 3);
   Report report;
-  voxel::HapticVolume v =
-      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(b.mesh), {0.8, 0.9, 1}, shapes::turned(rng)), {{"ventricles", &a.mesh}, {"brain", &b.mesh}}));
+  voxel::HapticVolume v = value_of(
+      report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(b.mesh), {0.8, 0.9, 1}, shapes::turned(rng)),
+                              {{"ventricles", &a.mesh}, {"brain", &b.mesh}}));
   v.hardness = grid::Mask(v.voxels, 9);
   return v;
 }

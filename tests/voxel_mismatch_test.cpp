@@ -4,9 +4,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "report_of.h"
 #include "voxel/mismatch.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {

@@ -7,13 +7,13 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "report_of.h"
 #include "surface/inside.h"
 #include "surface/point_triangle.h"
 #include "voxel/cut.h"
 #include "voxel/decode.h"
 #include "voxel/shape_occupancy.h"
 #include "voxel_shapes.h"
-#include "report_of.h"
 
 namespace trephine {
 namespace {
@@ -99,8 +99,9 @@ TEST(Voxelize, ClearOnlyAsFarAsTheWall) {
   shell.points_mm.insert(shell.points_mm.end(), hole.points_mm.begin(), hole.points_mm.end());
   for (const auto& t : hole.triangles) shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
   Report report;
-  const voxel::HapticVolume volume =
-      value_of(report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}), {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}));
+  const voxel::HapticVolume volume = value_of(
+      report, voxel::voxelize(shapes::lattice_around(surface::bounds_of(skin.mesh), {0.7, 0.7, 0.7}),
+                              {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}));
   const voxel::HapticDecoder decoder(volume);
   std::vector<shapes::SurfacePoint> outer;
   for (int n = 0; n < 2000; ++n) {
@@ -149,7 +150,10 @@ TEST(Voxelize, RefusesWhatItCannotFill) {
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 200);
   Report r;
   EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}})); }), ExitCode::quality);
-  EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}})); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] {
+              value_of(r, voxel::voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}}));
+            }),
+            ExitCode::quality);
   EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {{"open", &open}})); }), ExitCode::bad_input);
   EXPECT_EQ(code_of([&] { value_of(r, voxel::voxelize(l, {})); }), ExitCode::bad_config);
   const surface::TriMesh none;

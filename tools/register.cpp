@@ -114,8 +114,7 @@ cli::Command register_command() {
         const grid::HuVolume &ct = *inputs.get<grid::HuVolume>("volume"),
                              &moving = *inputs.get<grid::HuVolume>("moving");
         const bool is_hu = params.moving == itk::MovingValues::hu;
-        const grid::HuVolume second =
-            itk::resample_onto(moving, grid::lattice_of(ct), map, is_hu ? -1000.0f : 0.0f);
+        const grid::HuVolume second = itk::resample_onto(moving, grid::lattice_of(ct), map, is_hu ? -1000.0f : 0.0f);
         write_file(parsed.path("picture"), picture::encode_png(overlay_picture(ct, second, is_hu)));
       };
       try {

@@ -296,7 +296,8 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
     }
     if (n == 0) open = false;
     progress.check();
-    if (!ended && Clock::now() > deadline) throw limit_reached(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
+    if (!ended && Clock::now() > deadline)
+      throw limit_reached(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
   }
   if (messages.parts.size() == child_error_parts) throw_child_error(worker, messages.parts);
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ && file_size_limit(limits.memory_bytes))

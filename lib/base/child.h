@@ -63,9 +63,10 @@ struct ChildProgram {
 };
 
 /// Runs the worker and waits. An Error that the worker throws arrives as the same Error (code, cause, file, field,
-/// what). Throws Error 70 where the child dies (Cause::child_died, unless it was killed from outside) or exceeds a limit
-/// (Cause::child_limit); the text says which: "killed by signal 6", "memory limit 512 MiB", "wall clock limit 60 s". Throws Cancelled where `progress` says so. No child outlives the call or a parent
-/// that was killed (PR_SET_PDEATHSIG).
+/// what). Throws Error 70 where the child dies (Cause::child_died, unless it was killed from outside) or exceeds a
+/// limit (Cause::child_limit); the text says which: "killed by signal 6", "memory limit 512 MiB", "wall clock limit 60
+/// s". Throws Cancelled where `progress` says so. No child outlives the call or a parent that was killed
+/// (PR_SET_PDEATHSIG).
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress = {}, const ChildProgram& program = {});
 

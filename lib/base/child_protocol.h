@@ -29,8 +29,8 @@ struct ChildMessage {
 };
 constexpr std::uint32_t child_message_limit = 1 << 20;
 
-/// Packs the parts of an error (code, case, file, field, what, cause), each with its length before it. Unpacking returns
-/// an empty list where the bytes are not so many parts.
+/// Packs the parts of an error (code, case, file, field, what, cause), each with its length before it. Unpacking
+/// returns an empty list where the bytes are not so many parts.
 constexpr std::size_t child_error_parts = 6;
 std::string pack_child_error(const std::vector<std::string>& parts);
 std::vector<std::string> unpack_child_error(std::string_view bytes);

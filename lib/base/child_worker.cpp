@@ -135,8 +135,9 @@ void confine(std::uint64_t memory_bytes, rlim_t cpu_s, pid_t parent) {
 }
 
 void send_error(const Error& e) {
-  std::vector<std::string> parts = {std::to_string(static_cast<int>(e.code())), e.case_token(), e.file(), e.field(),
-                                    e.what(), std::to_string(static_cast<int>(e.cause()))};
+  std::vector<std::string> parts = {
+      std::to_string(static_cast<int>(e.code())), e.case_token(), e.file(), e.field(), e.what(),
+      std::to_string(static_cast<int>(e.cause()))};
   for (auto& p : parts) p.resize(std::min<std::size_t>(p.size(), child_message_limit / 8));
   send(ChildMessage::error, pack_child_error(parts));
 }

@@ -67,6 +67,12 @@ Parameter parameter_of_holder(Parameter p, const std::function<void*(void*)>& he
   return p;
 }
 
+bool is_absent(const Parameter& p, const ParameterSet& set, void* object) {
+  if (p.there) return !p.there(object);
+  if (!p.left_out) return false;
+  return p.is_value() ? p.get(object) == p.get(set.make().get()) : p.items(object).empty();
+}
+
 namespace detail {
 
 Parameter& Declarer::add(const char* name, const char* help, ParameterKind kind) {
@@ -86,37 +92,19 @@ Parameter& Declarer::number_at(std::size_t at, const char* name, Range range, co
 }
 
 template <class T>
-void make_optional(Parameter& p, std::size_t at) {
+Parameter& Declarer::optional_value_at(std::size_t at, const char* name, const char* help, ParameterKind kind) {
   using Value = std::optional<T>;
+  Parameter& p = add(name, help, kind);
   p.left_out = true;
   p.get = [at](const void* q) { return ParameterValue(member_of<Value>(q, at).value_or(T())); };
   p.set = [at](void* q, const ParameterValue& v) { member_at<Value>(q, at) = std::get<T>(v); };
   p.there = [at](const void* q) { return member_of<Value>(q, at).has_value(); };
-}
-
-Parameter& Declarer::optional_number_at(std::size_t at, const char* name, const char* help) {
-  Parameter& p = add(name, help, ParameterKind::number);
-  make_optional<double>(p, at);
   return p;
 }
-
-Parameter& Declarer::optional_integer_at(std::size_t at, const char* name, const char* help) {
-  Parameter& p = add(name, help, ParameterKind::integer);
-  make_optional<std::int64_t>(p, at);
-  return p;
-}
-
-Parameter& Declarer::optional_text_at(std::size_t at, const char* name, const char* help) {
-  Parameter& p = add(name, help, ParameterKind::text);
-  make_optional<std::string>(p, at);
-  return p;
-}
-
-Parameter& Declarer::optional_flag_at(std::size_t at, const char* name, const char* help) {
-  Parameter& p = add(name, help, ParameterKind::flag);
-  make_optional<bool>(p, at);
-  return p;
-}
+template Parameter& Declarer::optional_value_at<double>(std::size_t, const char*, const char*, ParameterKind);
+template Parameter& Declarer::optional_value_at<std::int64_t>(std::size_t, const char*, const char*, ParameterKind);
+template Parameter& Declarer::optional_value_at<std::string>(std::size_t, const char*, const char*, ParameterKind);
+template Parameter& Declarer::optional_value_at<bool>(std::size_t, const char*, const char*, ParameterKind);
 
 Parameter& Declarer::extent_at(std::size_t at, const char* name, const char* help) {
   using Value = std::array<int, 3>;

@@ -20,8 +20,8 @@ struct Setting {
 class Message {
  public:
   Message() = default;
-  Message(std::string text) : form_(std::move(text)) {}  // NOLINT: a text is a message
-  Message(const char* text) : form_(text) {}             // NOLINT
+  Message(std::string text) : form_(std::move(text)) {}                     // NOLINT: a text is a message
+  Message(const char* text) : form_(text) {}                                // NOLINT
   Message(const Setting& setting) : form_(1, place), settings_{setting} {}  // NOLINT
   Message(std::string form, std::vector<Setting> settings) : form_(std::move(form)), settings_(std::move(settings)) {}
   friend Message operator+(Message before, const Message& behind) {
@@ -78,16 +78,16 @@ class Error : public std::exception {
   const Message& message() const { return message_; }
   const char* what() const noexcept override { return what_.c_str(); }
 
-  Error& because(Cause cause);                        ///< sets the cause if none is known
-  Error& in_case(const std::string& token);           ///< sets the case token if none is known
-  Error& in_file(const std::string& file);            ///< sets the file if none is known
-  Error& in_field(const std::string& field);          ///< sets the field, or prefixes "field: " where one is known
-  Error& in_stage(const std::string& stage);          ///< sets the stage, and the field as above
+  Error& because(Cause cause);                ///< sets the cause if none is known
+  Error& in_case(const std::string& token);   ///< sets the case token if none is known
+  Error& in_file(const std::string& file);    ///< sets the file if none is known
+  Error& in_field(const std::string& field);  ///< sets the field, or prefixes "field: " where one is known
+  Error& in_stage(const std::string& stage);  ///< sets the stage, and the field as above
   Error& finds_fault_with(std::vector<std::string> parts);  ///< sets about()
   Error& recoded(ExitCode code);
-  Error& refiled(std::string file);     ///< sets the file, whatever it was
+  Error& refiled(std::string file);  ///< sets the file, whatever it was
   Error& reworded(const Message& what);
-  Error& worded_for(const std::string& stage);        ///< words the settings as those of a run, of that stage
+  Error& worded_for(const std::string& stage);  ///< words the settings as those of a run, of that stage
 
   /// The line without a newline; control characters are replaced, so that a hostile file cannot forge a second line.
   std::string line(const std::string& program_and_tool) const;

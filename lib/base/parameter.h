@@ -75,8 +75,8 @@ struct Parameter {
   bool left_out = false;             ///< a file that a program writes has no such key where the value is the default
   bool bare_items = false;           ///< for list and map: printed figures of its items go without its name
   const char *item_beginning = "", *item_ending = "";  ///< for map: what stands there about the name of a plain item
-  const char* item_separator = ".";  ///< between the name of an item and those of its members there
-  const TextForm* form = nullptr;    ///< for text
+  const char* item_separator = ".";                    ///< between the name of an item and those of its members there
+  const TextForm* form = nullptr;                      ///< for text
   std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
   /// For numbers, integers, flags, choices and texts.
   std::function<ParameterValue(const void* params)> get;

@@ -254,12 +254,6 @@ std::string item_in_path(const std::string& name, std::size_t number) {
              : "[" + std::to_string(number) + "]";
 }
 
-bool is_absent(const Parameter& p, const ParameterSet& set, void* object) {
-  if (p.there) return !p.there(object);
-  if (!p.left_out) return false;
-  return p.is_value() ? p.get(object) == p.get(set.make().get()) : p.items(object).empty();
-}
-
 std::string fault_of(const ParameterSet& set, void* object) {
   for (const Parameter& p : set.parameters) {
     if (p.is_value()) {

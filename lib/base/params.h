@@ -63,10 +63,8 @@ class Declarer {
   explicit Declarer(ParameterSet& set) : out(set) {}
 
   Parameter& number_at(std::size_t at, const char* name, Range range, const char* help);
-  Parameter& optional_number_at(std::size_t at, const char* name, const char* help);
-  Parameter& optional_integer_at(std::size_t at, const char* name, const char* help);
-  Parameter& optional_text_at(std::size_t at, const char* name, const char* help);
-  Parameter& optional_flag_at(std::size_t at, const char* name, const char* help);
+  template <class T>
+  Parameter& optional_value_at(std::size_t at, const char* name, const char* help, ParameterKind kind);
   Parameter& number_list_at(std::size_t at, const char* name, const char* help);
   Parameter& extent_at(std::size_t at, const char* name, const char* help);
   Parameter& words_at(std::size_t at, const char* name, const char* help);
@@ -175,19 +173,19 @@ class Collector : Declarer {
   }
   /// A number that may be missing, of a result.
   Parameter& number(std::optional<double> P::*m, const char* name, const char* help) {
-    return optional_number_at(place(m), name, help);
+    return optional_value_at<double>(place(m), name, help, ParameterKind::number);
   }
   /// A whole number that may be missing, of a result.
   Parameter& integer(std::optional<std::int64_t> P::*m, const char* name, const char* help) {
-    return optional_integer_at(place(m), name, help);
+    return optional_value_at<std::int64_t>(place(m), name, help, ParameterKind::integer);
   }
   /// A text that may be missing, of a result.
   Parameter& text(std::optional<std::string> P::*m, const char* name, const char* help) {
-    return optional_text_at(place(m), name, help);
+    return optional_value_at<std::string>(place(m), name, help, ParameterKind::text);
   }
   /// A flag that may be missing, of a result.
   Parameter& flag(std::optional<bool> P::*m, const char* name, const char* help) {
-    return optional_flag_at(place(m), name, help);
+    return optional_value_at<bool>(place(m), name, help, ParameterKind::flag);
   }
   /// Voxels along three axes, kept and printed as one text: "512x512x108".
   Parameter& extent(std::array<int, 3> P::*m, const char* name, const char* help) {

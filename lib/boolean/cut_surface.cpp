@@ -283,8 +283,7 @@ Outcome<surface::TriMesh, CutSurfaceResult> cut_surface(const surface::TriMesh& 
     const auto removed = with_field(
         name_of(i), [&] { return cutting.cut(cutters[i], progress.part(0.1 + 0.9 * i / n, 0.1 + 0.9 * (i + 1) / n)); });
     result.cutters.emplace_back(name_of(i), RemovedBySurface{removed.mm3, removed.expected_mm3});
-    if (removed.mm3 == 0)
-      warnings.push_back({"removes_nothing", "{cutter} removes nothing", {{"cutter", name_of(i)}}});
+    if (removed.mm3 == 0) warnings.push_back({"removes_nothing", "{cutter} removes nothing", {{"cutter", name_of(i)}}});
     result.removed_mm3 += removed.mm3;
   }
   surface::TriMesh out = cutting.changed ? std::move(cutting.mesh) : surface;

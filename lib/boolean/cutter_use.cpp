@@ -56,12 +56,13 @@ std::optional<Warning> thin_cutter(const Cutter& c, Vec3 spacing_mm) {
   }
   const double voxel_mm = std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
   if (!(least_mm < voxel_mm)) return {};
-  return Warning{"thin_cutter",
-                 "{cutter}: its radius, {radius_mm} mm, is less than a voxel, {voxel_mm} mm: the voxels cannot hold it, "
-                 "more may be removed",
-                 {{"cutter", c.name.empty() ? "cutter" : c.name},
-                  {"radius_mm", to_text(ParameterValue(least_mm))},
-                  {"voxel_mm", to_text(ParameterValue(voxel_mm))}}};
+  return Warning{
+      "thin_cutter",
+      "{cutter}: its radius, {radius_mm} mm, is less than a voxel, {voxel_mm} mm: the voxels cannot hold it, "
+      "more may be removed",
+      {{"cutter", c.name.empty() ? "cutter" : c.name},
+       {"radius_mm", to_text(ParameterValue(least_mm))},
+       {"voxel_mm", to_text(ParameterValue(voxel_mm))}}};
 }
 
 }  // namespace trephine::boolean

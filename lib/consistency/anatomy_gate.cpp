@@ -10,9 +10,9 @@
 #include "base/refusal.h"
 #include "base/text.h"
 #include "consistency/anatomy_gate_gap.h"
-#include "head/cranium.h"
 #include "mask/coarse.h"
 #include "mask/field_edge.h"
+#include "place/cranium.h"
 
 namespace trephine::consistency {
 namespace {
@@ -201,7 +201,7 @@ struct Gate {
     const BitMask bone = coarse_bone(*fields.skull);
     BitMask cavity;
     try {
-      auto found = head::cranial_cavity(bone, progress);
+      auto found = place::cranial_cavity(bone, progress);
       out.result.cranial_cavity_ml = found.result.cranial_cavity_ml;
       out.warnings.insert(out.warnings.end(), found.warnings.begin(), found.warnings.end());
       cavity = std::move(found.value);
@@ -286,8 +286,8 @@ AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
 }
 
 AnatomyFindings examine_anatomy(const head::HeadFields& fields, const head::HeadLandmarks* landmarks,
-                                const AnatomyGateParams& params, const Progress& progress,
-                                const MeasuredOnce& once, const grid::HuVolume* volume) {
+                                const AnatomyGateParams& params, const Progress& progress, const MeasuredOnce& once,
+                                const grid::HuVolume* volume) {
   using R = AnatomyResult;
   AnatomyFindings out;
   auto head = head::measure_head(fields, landmarks, params, progress.part(0, 0.2));

@@ -93,7 +93,8 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
   s.summary.slice_thickness_mm = f.thickness_mm.value_or(0);
 
   if (!s.is_ct && modality == ModalityPolicy::ct)
-    refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
+    refuse(s, h.name, "Modality (0008,0060)",
+           s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
   for (const FrameRef& r : s.slices)
     if (r.header->syntax != h.syntax &&
         (r.header->syntax->encoding == Encoding::native) != (h.syntax->encoding == Encoding::native))
@@ -281,7 +282,8 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
       const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end());
       fill_summary(h, s);
       s.summary.size[2] = static_cast<int>(group.faulty.size());
-      refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
+      refuse(s, h.name, "Modality (0008,0060)",
+             s.summary.modality + ", only CT is read, unless " + Setting{"modality", "any"});
       c.series.push_back(std::move(s));
       continue;
     }

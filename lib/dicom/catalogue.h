@@ -35,12 +35,12 @@ struct Series {
   SeriesSummary summary;
   std::string sort_uid;  ///< decides between equal series; never shown
   bool is_ct = false;
-  std::vector<OddSlice> odd;                         ///< ascending along the normal
+  std::vector<OddSlice> odd;  ///< ascending along the normal
   std::string refusal_file, refusal_field;
-  Message refusal;                                   ///< why it is not usable; empty: it is usable
-  std::string part_of;                               ///< the token of the series of which it scans a part again
-  std::string rectified_for;                         ///< by judge: what import would correct by resampling
-  std::exception_ptr refused;                        ///< by judge: what import would throw
+  Message refusal;             ///< why it is not usable; empty: it is usable
+  std::string part_of;         ///< the token of the series of which it scans a part again
+  std::string rectified_for;   ///< by judge: what import would correct by resampling
+  std::exception_ptr refused;  ///< by judge: what import would throw
 };
 
 /// The files of a folder or an archive, grouped. Not copyable: series point into `headers`.

@@ -162,11 +162,10 @@ const Series& choose(Catalogue& c, const ImportParams& params, const Progress& p
   const auto left = usable();
   if (const Series* best = proposed(c)) {
     if (left == 1 || params.series_rule == SeriesRule::best) return *best;
-    throw Error(
-        ExitCode::usage, "", "series",
-        fmt::format("{} usable series, choose one by its token: {}; proposed is {}, ", left, listing(c),
-                    best->summary.token) +
-            Setting{"series_rule", "best"} + " takes it; " + first_series + " chooses the first");
+    throw Error(ExitCode::usage, "", "series",
+                fmt::format("{} usable series, choose one by its token: {}; proposed is {}, ", left, listing(c),
+                            best->summary.token) +
+                    Setting{"series_rule", "best"} + " takes it; " + first_series + " chooses the first");
   }
   // Nothing is usable. The reason given is that of the largest CT series, or else of whatever was nearest to being one.
   if (!c.series.empty()) refuse(c.series.front());

@@ -78,7 +78,7 @@ std::string stream_of_frame(const FrameRef& ref) {
 void check_frame_stream(const FrameRef& ref) {
   const FileHeader& h = *ref.header;
   const std::string what =
-      check_codestream(h.syntax->encoding, stream_of_frame(ref), h.columns, h.rows, h.bits_allocated);
+      codecs::check_codestream(h.syntax->encoding, stream_of_frame(ref), h.columns, h.rows, h.bits_allocated);
   if (!what.empty())
     throw Error(ExitCode::bad_input, h.name, tag_name(h.pixels.tag), std::string(h.syntax->name) + ": " + what);
 }

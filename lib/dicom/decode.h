@@ -29,11 +29,6 @@ void read_frames(const std::vector<FrameRef>& frames, const FrameSink& sink, con
 /// read_frames for compressed frames.
 void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress);
 
-/// What is wrong with a compressed frame's own header or end, or "": the size and number of components compared with
-/// the file's, the end marker (the codec would fill up a truncated stream), RLE segments compared with the existing
-/// bytes.
-std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated);
-
 /// Throws Error 65: two slices at one position have different pixels.
 [[noreturn]] void different_duplicates(const FileHeader& header);
 

@@ -94,7 +94,7 @@ std::vector<char> decode(Job& j) {
   const std::string stream = read_stream(j);
   const TransferSyntax& syntax = *find_transfer_syntax(j.syntax);
   if (stream.size() > 0xfffffffe) bad_stream(j, "larger than 4 GiB");
-  const std::string fault = check_codestream(syntax.encoding, stream, j.columns, j.rows, j.bits_allocated);
+  const std::string fault = codecs::check_codestream(syntax.encoding, stream, j.columns, j.rows, j.bits_allocated);
   if (!fault.empty()) bad_stream(j, fault);
 
   std::vector<char> out;

@@ -213,7 +213,9 @@ struct ImportResult {
   ImportFigures figures;  ///< of the series alone, as the warnings: equal series give equal ones
   Warnings warnings;
   FolderRest folder;
-  Report report() const { return printed(figures_of(figures), warnings); }  ///< figures and warnings as they are printed
+  Report report() const {
+    return printed(figures_of(figures), warnings);
+  }                          ///< figures and warnings as they are printed
   std::string input_sha256;  ///< hash_of_series_input of what was read
 };
 

@@ -90,7 +90,8 @@ std::string list_text(const SeriesList& list) {
   for (const SeriesSummary& s : list.series)
     for (const auto& [name, value] : s.seen.figures)
       out += fmt::format("{}: {}: {}\n", s.token, name, trephine::to_text(value));
-  for (const auto& [name, value] : figures_of(list.folder.result)) out += fmt::format("{}: {}\n", name, trephine::to_text(value));
+  for (const auto& [name, value] : figures_of(list.folder.result))
+    out += fmt::format("{}: {}\n", name, trephine::to_text(value));
   return out;
 }
 
@@ -129,5 +130,17 @@ std::string list_json(const SeriesList& list) {
     if (const auto* count = std::get_if<std::int64_t>(&value)) rest[name] = *count;
   return all.dump(2) + "\n";
 }
+
+std::string SeriesSummary::line() const {
+  std::string out =
+      fmt::format("{}: {}, {:.4g} x {:.4g} x {:.4g} mm", token, modality, spacing_mm.x, spacing_mm.y, spacing_mm.z);
+  if (!kernel.empty()) out += ", kernel " + kernel;
+  if (slice_thickness_mm > 0) out += fmt::format(", slice thickness {:.4g} mm", slice_thickness_mm);
+  if (!image_type.empty()) out += ", " + image_type;
+  out += contrast == "yes" ? ", contrast" : contrast == "no" ? ", no contrast" : ", contrast not told";
+  return out;
+}
+
+const char* SeriesSummary::contrast_text() const { return contrast.empty() ? "not told" : contrast.c_str(); }
 
 }  // namespace trephine::dicom

@@ -111,7 +111,8 @@ FolderRest describe_rest(const Catalogue& c, const Series* chosen) {
   f.skipped_hidden_count = c.hidden;
   if (c.links > 0) {
     f.skipped_links_count = c.links;
-    r.warn("links", "{count} symbolic link{were} not read: what is read must lie in the folder or archive that was named",
+    r.warn("links",
+           "{count} symbolic link{were} not read: what is read must lie in the folder or archive that was named",
            {{"count", c.links}, {"were", c.links == 1 ? " was" : "s were"}});
   }
   r.add_broken(c);

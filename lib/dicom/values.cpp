@@ -26,31 +26,6 @@ bool contains(const List& list, std::string_view word) {
   return std::find(std::begin(list), std::end(list), word) != std::end(list);
 }
 
-constexpr TransferSyntax syntaxes[] = {
-    {"1.2.840.10008.1.2", "implicit VR little endian", Encoding::native, false},
-    {"1.2.840.10008.1.2.1", "explicit VR little endian", Encoding::native},
-    {"1.2.840.10008.1.2.1.99", "deflated explicit VR little endian", Encoding::unsupported},
-    {"1.2.840.10008.1.2.2", "explicit VR big endian", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.50", "JPEG baseline", Encoding::jpeg, true, true},
-    {"1.2.840.10008.1.2.4.51", "JPEG extended", Encoding::jpeg, true, true},
-    {"1.2.840.10008.1.2.4.57", "JPEG lossless", Encoding::jpeg},
-    {"1.2.840.10008.1.2.4.70", "JPEG lossless first order", Encoding::jpeg},
-    {"1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Encoding::jpeg_ls},
-    {"1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Encoding::jpeg_ls, true, true},
-    {"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Encoding::jpeg_2000},
-    {"1.2.840.10008.1.2.4.91", "JPEG 2000", Encoding::jpeg_2000, true, true},
-    {"1.2.840.10008.1.2.4.92", "JPEG 2000 part 2 lossless", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.93", "JPEG 2000 part 2", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.94", "JPIP referenced", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.95", "JPIP referenced deflate", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.100", "MPEG-2", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.102", "MPEG-4", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.201", "high-throughput JPEG 2000 lossless", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.202", "high-throughput JPEG 2000 RPCL lossless", Encoding::unsupported},
-    {"1.2.840.10008.1.2.4.203", "high-throughput JPEG 2000", Encoding::unsupported},
-    {"1.2.840.10008.1.2.5", "RLE lossless", Encoding::rle},
-};
-
 constexpr SopClass sop_classes[] = {
     {"1.2.840.10008.5.1.4.1.1.2", "CT Image Storage", true, false},
     {"1.2.840.10008.5.1.4.1.1.2.1", "Enhanced CT Image Storage", true, true},
@@ -211,15 +186,6 @@ std::string known_patient_position(std::string_view text) {
   if (text.empty()) return "";
   return contains(words, text) ? std::string(text) : "unknown";
 }
-
-const TransferSyntax* find_transfer_syntax(std::string_view uid) {
-  for (const auto& s : syntaxes)
-    if (trimmed(uid) == s.uid) return &s;
-  return nullptr;
-}
-
-const TransferSyntax& implicit_little_endian() { return syntaxes[0]; }
-const TransferSyntax& explicit_little_endian() { return syntaxes[1]; }
 
 const SopClass* find_sop_class(std::string_view uid) {
   for (const auto& s : sop_classes)

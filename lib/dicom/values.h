@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "codecs/transfer_syntax.h"
+
 namespace trephine::dicom {
 
 /// Reads decimal strings ("1.5\\-2\\+004.785156E-01 "), whatever the locale. Padding by blanks and NULs, a leading plus
@@ -37,18 +39,8 @@ std::string known_contrast(std::string_view text);
 /// for everybody: ANONYMOUS, UNKNOWN, 0, XXXX and the like, whatever their case and punctuation.
 bool is_shared_patient_id(std::string_view id);
 
-enum class Encoding { native, jpeg, jpeg_ls, jpeg_2000, rle, unsupported };
-struct TransferSyntax {
-  const char* uid;
-  const char* name;  ///< for messages
-  Encoding encoding;
-  bool explicit_vr = true;
-  bool lossy = false;
-};
-/// Null where DICOM's list, as far as we know it, has no such UID.
-const TransferSyntax* find_transfer_syntax(std::string_view uid);
-const TransferSyntax& implicit_little_endian();
-const TransferSyntax& explicit_little_endian();
+using codecs::Encoding, codecs::TransferSyntax, codecs::find_transfer_syntax, codecs::implicit_little_endian,
+    codecs::explicit_little_endian;
 
 /// A short name of an image storage class that we know, else null.
 struct SopClass {

@@ -89,7 +89,8 @@ struct ExternalResult {
 /// patient but the voxels. What it wrote is not trusted: no link out of the folder is followed, and the map is checked
 /// as decode_labels does.
 ///
-/// The map has one layer of uint8 or int16 with the declared names. Warns where the program was not confined, and of what the file's reader warns.
+/// The map has one layer of uint8 or int16 with the declared names. Warns where the program was not confined, and of
+/// what the file's reader warns.
 ///
 /// Throws Error: 64 for parameters that make no sense, and where the program says another version; 66 where there is no
 /// such program; 70 where it exceeds a limit, is killed, or ends with another code than 0 (with the last line that it

@@ -116,7 +116,8 @@ struct DefaceResult {
 /// through it is smooth, and is covered by soft tissue. Everything else keeps its values to the last bit: cranium,
 /// brain, ears, and the field of an operation from `above_mm` over the nasion upwards.
 ///
-/// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. Warns where the volume holds no face.
+/// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. Warns where
+/// the volume holds no face.
 ///
 /// The shape of the bones underneath stays, except where `crop` removes them, and so do ears, forehead and the back of
 /// the head. The result has the same bits whatever the thread count. Throws Error 65 where the skin is on another

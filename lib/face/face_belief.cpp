@@ -134,8 +134,7 @@ Outcome<grid::HuVolume, DefaceResult> deface(const grid::HuVolume& volume, const
     out.result.removed_ml = std::max(out.result.removed_ml, more.removed_ml);
     out.result.removed_voxels_count = std::max(out.result.removed_voxels_count, more.removed_voxels_count);
     if (more.depth_mm >= 0)
-      out.result.depth_mm =
-          out.result.depth_mm < 0 ? more.depth_mm : std::min(out.result.depth_mm, more.depth_mm);
+      out.result.depth_mm = out.result.depth_mm < 0 ? more.depth_mm : std::min(out.result.depth_mm, more.depth_mm);
   }
   out.result.regions_count = static_cast<std::int64_t>(regions.size());
   return out;

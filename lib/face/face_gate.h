@@ -50,7 +50,8 @@ struct FaceGateResult {
   double face_distance_mm = 0;  ///< the least distance of all, at most face_search_mm
   template <class V>
   static void describe(V& v) {
-    v.number(&FaceGateResult::face_distance_mm, "face_distance_mm", Range{}, "How near what is shown comes to the face.");
+    v.number(&FaceGateResult::face_distance_mm, "face_distance_mm", Range{},
+             "How near what is shown comes to the face.");
   }
 };
 

@@ -175,7 +175,8 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
     list.push_back(s.finding);
     const int value = int(list.size());
     if (s.finding.confidence >= sure_confidence)
-      out.warnings.push_back({to_text(s.finding.kind), "to be looked at: {finding}",
+      out.warnings.push_back({to_text(s.finding.kind),
+                              "to be looked at: {finding}",
                               {{"finding", text_with_place(s.finding)}, {"number", std::int64_t{value}}}});
     if (s.cells.lattice().count() == 0) continue;
     for (int k = 0; k < labels.size[2]; ++k)

@@ -58,10 +58,10 @@ std::string with_side(const std::string& text, const std::string& kind, const st
 /// One thing to look at.
 struct Finding {
   FindingKind kind = FindingKind::dense;
-  std::string where;      ///< "in the ventricles", "in the brain", "beside the brain", "in the vault", ...
-  std::string side;       ///< left, right or middle; of the patient
-  Vec3 position_mm;       ///< its middle, LPS
-  double confidence = 0;  ///< 0 to 1; sure from sure_confidence on
+  std::string where;                  ///< "in the ventricles", "in the brain", "beside the brain", "in the vault", ...
+  std::string side;                   ///< left, right or middle; of the patient
+  Vec3 position_mm;                   ///< its middle, LPS
+  double confidence = 0;              ///< 0 to 1; sure from sure_confidence on
   std::vector<std::string> concerns;  ///< brain, ventricles, skull: what may be wrong because of it
   std::string text;                   ///< a whole sentence
   Named<ParameterValue> figures;      ///< volume_ml, longest_mm, mean_hu, area_cm2, shift_mm, ...
@@ -136,8 +136,9 @@ using Findings = Outcome<grid::LabelFile, FindingsResult>;
 ///   densest bone (1.3 times; 1.7 times at the petrous bones) are one doubtful finding of their own.
 /// - tube: straight, thin and long, in the brain; doubtful where it keeps to a few slices, as streaks of metal do.
 ///
-/// Warns of each that is sure, and of how many of each kind are doubtful. The same bits whatever the thread count. Throws Error 64 without skull or brain, 65
-/// where a field is on another raster, 80 where the brain is empty; Cancelled.
+/// Warns of each that is sure, and of how many of each kind are doubtful. The same bits whatever the thread count.
+/// Throws Error 64 without skull or brain, 65 where a field is on another raster, 80 where the brain is empty;
+/// Cancelled.
 Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes, const FindingsParams& params,
                        const Progress& progress = {});
 

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "findings/findings_parts.h"
-#include "head/cranium.h"
 #include "head/soft_tissue.h"
 #include "mask/filters.h"
+#include "place/cranium.h"
 
 namespace trephine::findings {
 namespace {
@@ -25,7 +25,7 @@ const char* const remedy = "take a series that shows the brain, or give another 
 
 mask::BitMask cavity_of(const mask::BitMask& bone, const Progress& progress) {
   try {
-    return head::cranial_cavity(bone, progress).value;
+    return place::cranial_cavity(bone, progress).value;
   } catch (const Error& e) {  // an open skull encloses nothing: the brain's envelope is all there is
     if (e.code() != ExitCode::quality) throw;
     return mask::BitMask(bone.lattice());

@@ -37,8 +37,8 @@ struct ResampleResult {
 /// axis as many voxels as fill the old extent best (at least one). A value is the mean of the old voxels that the new
 /// one overlaps, weighted by their shares (partial volume, as a scanner with such voxels would measure it); where the
 /// new voxel is smaller than the old one it is the linear interpolation. Beyond the ends the outermost voxel continues.
-/// Integer volumes are rounded (half away from 0). Throws Error 64 where the spacing is negative or not finite, 65 where
-/// a voxel is not finite, 80 where the new volume would have more than 4e9 voxels.
+/// Integer volumes are rounded (half away from 0). Throws Error 64 where the spacing is negative or not finite, 65
+/// where a voxel is not finite, 80 where the new volume would have more than 4e9 voxels.
 Outcome<HuVolume, ResampleResult> resample(const HuVolume& volume, const ResampleParams& params,
                                            const Progress& progress = {});
 

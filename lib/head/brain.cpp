@@ -7,12 +7,12 @@
 #include "base/parallel.h"
 #include "head/brain_dark.h"
 #include "head/brain_pits.h"
-#include "head/cranium.h"
 #include "head/deep_csf.h"
 #include "mask/along_sheets.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
+#include "place/cranium.h"
 #include "place/lungs.h"
 
 namespace trephine::head {
@@ -141,13 +141,13 @@ grid::Field kept_within(grid::Field field, const mask::BitMask& allowed) {
 Outcome<grid::Field, BrainResult> brain_in(const mask::HuView& hu, const BrainMasks& masks, const BrainParams& p,
                                            const Progress& progress) {
   BrainResult result;
-  mask::BitMask bone = masks.skull ? mask::positive(*masks.skull, hu.lattice()) : bone_of(hu);
+  mask::BitMask bone = masks.skull ? mask::positive(*masks.skull, hu.lattice()) : place::bone_of(hu);
   // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are not brain either.
   const mask::Components bright = mask::components(mask::make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
   }));
   bone |= mask::select(bright, mask::touching(bright, bone));
-  auto found = cranial_cavity(bone, progress);
+  auto found = place::cranial_cavity(bone, progress);
   Warnings warnings = std::move(found.warnings);
   result.cranial_cavity_ml = found.result.cranial_cavity_ml;
   mask::BitMask cavity = std::move(found.value);

@@ -82,16 +82,17 @@ VentricleDoubts ventricle_doubts(const grid::Field& ventricles, const VentricleA
   const auto outside = [&](const char* id, const std::string& what, const std::optional<double>& v, double low,
                            double high, const std::string& digits) {
     if (!v || (*v >= low && *v <= high)) return;
-    out.doubts.push_back({id,
-                          what + " is {value:." + digits + "f}, {low:." + digits + "f} to {high:." + digits +
-                              "f} are plausible",
-                          {{"value", *v}, {"low", low}, {"high", high}}});
+    out.doubts.push_back(
+        {id,
+         what + " is {value:." + digits + "f}, {low:." + digits + "f} to {high:." + digits + "f} are plausible",
+         {{"value", *v}, {"low", low}, {"high", high}}});
   };
   out.pieces_count = pieces_of(ventricles);
   if (out.pieces_count > params.most_pieces_count)
-    out.doubts.push_back({"many_pieces",
-                          "the ventricles are in {pieces_count} pieces, at most {most_count:.0f} are plausible",
-                          {{"pieces_count", std::int64_t{out.pieces_count}}, {"most_count", params.most_pieces_count}}});
+    out.doubts.push_back(
+        {"many_pieces",
+         "the ventricles are in {pieces_count} pieces, at most {most_count:.0f} are plausible",
+         {{"pieces_count", std::int64_t{out.pieces_count}}, {"most_count", params.most_pieces_count}}});
   const Sides sides = sides_of(ventricles, axes);
   const double larger = std::max(sides.ml[0], sides.ml[1]), smaller = std::min(sides.ml[0], sides.ml[1]);
   const auto name_of = [](int side) { return side == 0 ? "left" : "right"; };
@@ -129,8 +130,7 @@ VentricleDoubts ventricle_doubts(const grid::Field& ventricles, const VentricleA
       seen = seen || (l.name.rfind("monro", 0) == 0 && l.confidence >= 0.5);
     }
   if (looked_for && !seen)
-    out.doubts.push_back(
-        {"no_foramen", "no foramen of Monro was found: the third ventricle may be missing", {}});
+    out.doubts.push_back({"no_foramen", "no foramen of Monro was found: the third ventricle may be missing", {}});
   outside("ventricles_volume", "the ventricles' volume (ml)", figures.ventricles_ml, params.least_ventricles_ml,
           params.most_ventricles_ml, "1");
   outside("evans_index", "Evans' index", figures.evans_index_ratio, params.least_evans_ratio, params.most_evans_ratio,
@@ -167,8 +167,8 @@ std::optional<Warning> close_call(const HeadFigures& f, const mask::ScanFigures&
   if (verdict.ventricles == mask::Suitability::unsuited)
     return Warning{"unsuited_scan", "the scan is {why}", {{"why", why}}};
   const auto near = [&](const char* id, const char* form, double value, double limit) {
-    return Warning{id, std::string(form) + ", and the scan is {why}",
-                   {{"value", value}, {"limit", limit}, {"why", why}}};
+    return Warning{
+        id, std::string(form) + ", and the scan is {why}", {{"value", value}, {"limit", limit}, {"why", why}}};
   };
   if (f.midline_shift_mm && std::abs(std::abs(*f.midline_shift_mm) - p.shifted_mm) < p.doubtful_shift_mm)
     return near("shift_near_limit", "a midline shift of {value:.1f} mm is near to the limit of {limit:.1f}",

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "head/cranium.h"
 #include "mask/bits.h"
 #include "mask/coarse.h"
 #include "mask/field_edge.h"
 #include "mask/hu_view.h"
+#include "place/cranium.h"
 
 namespace trephine::head {
 namespace {
@@ -32,7 +32,7 @@ struct UpAxis {
   bool ascends = true;
 };
 UpAxis up_axis(const grid::Lattice& l) {
-  const int axis = vertical_axis(l);
+  const int axis = place::vertical_axis(l);
   return {axis, l.direction.column[axis].z > 0};
 }
 
@@ -159,7 +159,7 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   Warnings warnings;
   mask::BitMask cavity;
   try {
-    auto found = cranial_cavity(bone, progress);
+    auto found = place::cranial_cavity(bone, progress);
     cavity = std::move(found.value);
     result.cranial_cavity_ml = found.result.cranial_cavity_ml;
     warnings = std::move(found.warnings);
@@ -249,8 +249,7 @@ Outcome<grid::HuVolume, HeadRegionResult> head_region(const grid::HuVolume& volu
   if (lowest > 0)
     (up.ascends ? fine.begin : fine.end)[up.axis] =
         up.ascends ? lowest * raster.factor[up.axis] : std::min(l.size[up.axis], (n - lowest) * raster.factor[up.axis]);
-  grid::HuVolume out =
-      std::visit([&](const auto& grid) { return grid::HuVolume(grid::crop(grid, fine)); }, volume);
+  grid::HuVolume out = std::visit([&](const auto& grid) { return grid::HuVolume(grid::crop(grid, fine)); }, volume);
   result.region_ml = grid::lattice_of(out).count() * l.voxel_volume_mm3() / 1000;
   result.neck_cut = lowest > 0;
   return {std::move(out), std::move(result), std::move(warnings)};

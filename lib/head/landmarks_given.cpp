@@ -87,8 +87,8 @@ Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::
         return false;
       });
       const Vec3 p = l.position_mm;
-      throw landmark_fault(l.name,
-                  fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
+      throw landmark_fault(
+          l.name, fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
                               p.y, p.z, mm, max_outside_mm,
                               is_near(skin, {-p.x, -p.y, p.z}, max_outside_mm)
                                   ? ": with x and y negated it would not, RAS was taken for LPS or the reverse"
@@ -124,8 +124,8 @@ void check_sides(const std::vector<cases::CaseLandmark>& given, const Midsagitta
     if (!is_known(l.name) || begins_with(l.name, "monro") || (side != "left" && side != "right")) continue;
     const double left_mm = dot(l.position_mm - plane.point_mm, plane.normal);
     if ((side == "left" ? -left_mm : left_mm) > max_across_mm)
-      throw landmark_fault(l.name,
-                  fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
+      throw landmark_fault(
+          l.name, fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
                               "left and right exchanged?",
                               std::abs(left_mm), left_mm > 0 ? "left" : "right"));
   }

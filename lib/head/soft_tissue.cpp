@@ -152,11 +152,10 @@ void check_cube_noise(double hu, double smoothed_mm) {
   if (!(s <= max_smoothing_mm)) throw refusal("volume", what, series);
   const std::string sigma_mm = fixed(s, 1);
   throw refusal("volume", what,
-                {series.text +
-                 (", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to " + sigma_mm + " (" +
-                  Setting{"smoothing_sigma_mm", sigma_mm, "brain.brain"} + " " +
-                  Setting{"smoothing_sigma_mm", sigma_mm, "ventricles.ventricles"} +
-                  "): narrow horns blur, and the class will be uncertain")});
+                {series.text + (", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to " + sigma_mm +
+                                " (" + Setting{"smoothing_sigma_mm", sigma_mm, "brain.brain"} + " " +
+                                Setting{"smoothing_sigma_mm", sigma_mm, "ventricles.ventricles"} +
+                                "): narrow horns blur, and the class will be uncertain")});
 }
 
 }  // namespace

@@ -119,8 +119,8 @@ class DoubtfulRegistration : public Error {
 /// every number of threads.
 ///
 /// The result checks itself: three starts 8 mm and 8 degrees off, the other direction, overlap, the metric's margin,
-/// and what an affine registration would still stretch. Where a limit of params is not kept, `doubts` says which; the caller decides (register exits with 80).
-/// Warns where another_patient holds.
+/// and what an affine registration would still stretch. Where a limit of params is not kept, `doubts` says which; the
+/// caller decides (register exits with 80). Warns where another_patient holds.
 ///
 /// Throws Error 64 where lower_hu is not below upper_hu; 65 where a scan is empty of contrast, has a voxel that is not
 /// finite, or is smaller than 32 mm along an axis; as itk_child::run.

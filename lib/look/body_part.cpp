@@ -9,10 +9,10 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
-#include "head/cranium.h"
 #include "look/orientation.h"
 #include "mask/coarse.h"
 #include "mask/hu_view.h"
+#include "place/cranium.h"
 #include "trunk/canal_parts.h"
 
 namespace trephine::look {
@@ -46,7 +46,7 @@ mask::BitMask between(const mask::HuView& hu, double low, double high) {
 // How far the lattice reaches below the mask, along the patient's length.
 double below_mm(const mask::BitMask& m) {
   const grid::Lattice& l = m.lattice();
-  const int axis = head::vertical_axis(l);
+  const int axis = place::vertical_axis(l);
   const grid::Box box = m.bounds();
   const bool up = l.direction.column[std::size_t(axis)].z > 0;
   const int cells = up ? box.begin[std::size_t(axis)] : l.size[std::size_t(axis)] - box.end[std::size_t(axis)];
@@ -112,7 +112,7 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
   }
   progress.report(0.4);
   try {
-    const mask::BitMask space = head::cranial_cavity(bone, progress).value;
+    const mask::BitMask space = place::cranial_cavity(bone, progress).value;
     seen.enclosed_ml = ml(space);
     mask::BitMask air = space;
     air.remove(mask::above(cells, air_hu));

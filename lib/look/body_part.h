@@ -72,7 +72,8 @@ struct BodyPartResult {
 /// Takes well below a second of CPU time. The result is the same whatever the thread count. Throws Cancelled.
 BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress = {});
 
-/// Throws Error 80, or where params.refuse is false warns and says IsExpected::unknown, where it is surely another part of the body than the expected one:
+/// Throws Error 80, or where params.refuse is false warns and says IsExpected::unknown, where it is surely another part
+/// of the body than the expected one:
 /// - for a head: lungs, or a spine alone; where only no cranial cavity is seen, it warns;
 /// - for spine or chest: a head, and a scan that ends before a vertebra of which pedicles can be told, or a clavicle.
 /// It is an early word: what it lets pass, the stages that look for the part may still refuse.

@@ -205,11 +205,11 @@ namespace {
 Message contradiction_of(const ScanLook& look) {
   Message text = "the head lies otherwise than the scan says: " + look.what_is_seen + "; take the original series";
   if (!look.axes_if_mirrored.empty())
-    text = text +
-           ("; or say to which side of the patient columns, rows and slices rise, where the images are mirrored by " +
-            Setting{"axes", look.axes_if_mirrored} + ", where they are turned by " +
-            Setting{"axes", look.axes_if_turned} +
-            " (which of the two it is, and so which side is left, no picture tells)");
+    text =
+        text +
+        ("; or say to which side of the patient columns, rows and slices rise, where the images are mirrored by " +
+         Setting{"axes", look.axes_if_mirrored} + ", where they are turned by " + Setting{"axes", look.axes_if_turned} +
+         " (which of the two it is, and so which side is left, no picture tells)");
   return text + ("; or where it is right as it is, say why by " + Setting{"orientation_reason", "WHY"});
 }
 

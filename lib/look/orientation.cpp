@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "head/cranium.h"
+#include "place/cranium.h"
 
 namespace trephine::look {
 namespace {
@@ -64,7 +64,7 @@ HeadSigns head_signs(const mask::BitMask& bone, const mask::BitMask& air, const 
   HeadSigns signs;
   mask::BitMask cavity;
   try {
-    cavity = head::cranial_cavity(bone, progress).value;
+    cavity = place::cranial_cavity(bone, progress).value;
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
     return signs;

@@ -31,7 +31,8 @@ void blame(const Motion& m, ScanVerdict& verdict) {
       {Suitability::doubtful,
        {"skin", "skull", "brain"},
        {"head_moved",
-        "the head moved while it was scanned, by {motion_mm:.1f} mm (above z = {above_mm:.0f} mm it lies {aside_mm:.1f} "
+        "the head moved while it was scanned, by {motion_mm:.1f} mm (above z = {above_mm:.0f} mm it lies "
+        "{aside_mm:.1f} "
         "mm farther to the {side} and {along_mm:.1f} mm farther to the {end}): every surface has a step there",
         {{"motion_mm", norm(m.by_mm)},
          {"above_mm", m.at_mm.z},
@@ -110,13 +111,13 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
     for (Suitability* of : {&out.brain, &out.ventricles, &out.skull}) worsen(*of, s);
     give_reason(s, {"brain", "ventricles", "skull"},
                 {"slices_far_apart", "slices {step_mm:.1f} mm apart", {{"step_mm", f.slice_step_mm}}},
-        "choose the series with slices of 1 mm (import --list shows all), or scan with such");
+                "choose the series with slices of 1 mm (import --list shows all), or scan with such");
   }
   if (f.edge_mm > limits.doubtful_edge_mm) {
     worsen(out.skull, Suitability::doubtful);
     give_reason(Suitability::doubtful, {"skull"},
                 {"edges_blurred", "edges are blurred over {edge_mm:.1f} mm", {{"edge_mm", f.edge_mm}}},
-        "choose a series of a sharper kernel for bone");
+                "choose a series of a sharper kernel for bone");
   }
   if (!f.known()) {
     out.kernel = "unknown";
@@ -151,35 +152,37 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
       s != Suitability::suited) {
     worsen(out.skull, s);
     give_reason(s, {"skull"}, {"noise_in_bone", "noise of {noise_hu:.0f} HU a voxel", {{"noise_hu", f.noise_hu}}},
-        "choose a series of a smoother kernel or thicker slices");
+                "choose a series of a smoother kernel or thicker slices");
   }
   if (f.noise_hu > limits.doubtful_skin_noise_hu) {
     out.skin = Suitability::doubtful;
     give_reason(out.skin, {"skin"},
-                {"noise_in_skin", "noise of {noise_hu:.0f} HU a voxel tears it where fat lies below",
+                {"noise_in_skin",
+                 "noise of {noise_hu:.0f} HU a voxel tears it where fat lies below",
                  {{"noise_hu", f.noise_hu}}},
-        "choose a series of a smoother kernel or thicker slices");
+                "choose a series of a smoother kernel or thicker slices");
   }
   if (waxy) {
     worsen(out.ventricles, Suitability::doubtful);
     give_reason(Suitability::doubtful, {"ventricles"},
-        smeared ? Warning{"denoised",
-                          "noise of only {noise_hu:.1f} HU that hangs together over {kernel_mm:.1f} mm: strongly "
-                          "denoised",
-                          {{"noise_hu", f.noise_hu}, {"kernel_mm", f.kernel_mm}}}
-                : Warning{"denoised",
-                          "noise of only {cube_noise_hu:.1f} HU in a cube of 2 mm: strongly denoised",
-                          {{"cube_noise_hu", f.cube_noise_hu}}},
-        "choose the series without iterative reconstruction or with less of it");
+                smeared
+                    ? Warning{"denoised",
+                              "noise of only {noise_hu:.1f} HU that hangs together over {kernel_mm:.1f} mm: strongly "
+                              "denoised",
+                              {{"noise_hu", f.noise_hu}, {"kernel_mm", f.kernel_mm}}}
+                    : Warning{"denoised",
+                              "noise of only {cube_noise_hu:.1f} HU in a cube of 2 mm: strongly denoised",
+                              {{"cube_noise_hu", f.cube_noise_hu}}},
+                "choose the series without iterative reconstruction or with less of it");
   }
   if (f.artefact_ratio > limits.doubtful_artefact_ratio) {
     worsen(out.brain, Suitability::doubtful);
     worsen(out.ventricles, Suitability::doubtful);
     give_reason(Suitability::doubtful, {"brain", "ventricles"},
-        {"artefacts",
-         "{artefacts_percent:.0f} % of the soft tissue is far more uneven than noise (streaks, blood, motion)",
-         {{"artefacts_percent", 100 * f.artefact_ratio}}},
-        "choose a series with metal artefact reduction, and look at the pictures");
+                {"artefacts",
+                 "{artefacts_percent:.0f} % of the soft tissue is far more uneven than noise (streaks, blood, motion)",
+                 {{"artefacts_percent", 100 * f.artefact_ratio}}},
+                "choose a series with metal artefact reduction, and look at the pictures");
   }
   return out;
 }

@@ -58,7 +58,8 @@ struct ShapeInterpolateResult {
 ///
 /// What it cannot do: it draws no detail that lies between slices, and a surface seen in a single slice is a guess.
 ///
-/// Where no slices are thick, the field itself is given, not a copy. Throws Error 65 where a value is not finite; Cancelled.
+/// Where no slices are thick, the field itself is given, not a copy. Throws Error 65 where a value is not finite;
+/// Cancelled.
 Outcome<std::shared_ptr<const grid::Field>, ShapeInterpolateResult> shape_interpolate(
     const std::shared_ptr<const grid::Field>& field, const ShapeInterpolateParams& params,
     const Progress& progress = {});

@@ -291,8 +291,7 @@ Outcome<grid::Field, SimplifyResult> simplify_topology(const grid::Field& field,
   grid::Field out = field;
   const BitMask shape = positive(field, field);
   Warnings warnings;
-  if (!shape.any())
-    warnings.push_back({"nothing_inside", "nothing is inside: there is nothing to simplify", {}});
+  if (!shape.any()) warnings.push_back({"nothing_inside", "nothing is inside: there is nothing to simplify", {}});
   const Cavities before(shape);
   const Topology3 was = topology3_of(shape, before);
   progress.report(0.2);

@@ -36,7 +36,8 @@ struct SimplifyResult {
   template <class V>
   static void describe(V& v) {
     using P = SimplifyResult;
-    v.integer(&P::euler_characteristic_before, "euler_characteristic_before", Range{}, "Euler characteristic of the surface before.");
+    v.integer(&P::euler_characteristic_before, "euler_characteristic_before", Range{},
+              "Euler characteristic of the surface before.");
     v.integer(&P::euler_characteristic_after, "euler_characteristic_after", Range{}, "The same after.");
     v.integer(&P::handles_before_count, "handles_before_count", Range{}, "Handles before.");
     v.integer(&P::handles_after_count, "handles_after_count", Range{}, "Handles after.");

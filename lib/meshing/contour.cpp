@@ -107,8 +107,8 @@ Validity make_valid(surface::TriMesh& mesh, const grid::Lattice& lattice, std::s
 }
 
 template <class T>
-Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid, double isovalue, const ContourParams& params,
-                              const Progress& progress) {
+Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid, double isovalue,
+                                                      const ContourParams& params, const Progress& progress) {
   const InsideVoxels inside = find_inside(grid, isovalue);
   require_surface(grid, inside);
   surface::TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
@@ -137,12 +137,12 @@ Outcome<surface::TriMesh, ContourResult> contour_grid(const grid::Grid<T>& grid,
 }  // namespace
 
 Outcome<surface::TriMesh, ContourResult> contour(const grid::Field& field, const ContourParams& params,
-                         const Progress& progress) {
+                                                 const Progress& progress) {
   return contour_grid(field, 0.0, params, progress);
 }
 
 Outcome<surface::TriMesh, ContourResult> contour(const grid::HuVolume& volume, const ContourParams& params,
-                         const Progress& progress) {
+                                                 const Progress& progress) {
   return std::visit(
       [&](const auto& grid) {
         double isovalue = params.isovalue_hu;

@@ -46,9 +46,11 @@ struct ContourResult {
     v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
     v.integer(&P::components_count, "components_count", Range{}, "Connected components.");
     v.integer(&P::genus_count, "genus_count", Range{}, "Genus.");
-    v.integer(&P::small_components_dropped_count, "small_components_dropped_count", Range{}, "Small components that were dropped.");
+    v.integer(&P::small_components_dropped_count, "small_components_dropped_count", Range{},
+              "Small components that were dropped.");
     v.integer(&P::cavities_dropped_count, "cavities_dropped_count", Range{}, "Cavities that were dropped.");
-    v.integer(&P::points_drawn_in_count, "points_drawn_in_count", Range{}, "Points that were drawn in, so that the surface is valid.");
+    v.integer(&P::points_drawn_in_count, "points_drawn_in_count", Range{},
+              "Points that were drawn in, so that the surface is valid.");
   }
 };
 
@@ -67,9 +69,9 @@ struct ContourResult {
 /// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
 /// inside; 65 where a sample is not finite; 80 where no valid surface can be made.
 Outcome<surface::TriMesh, ContourResult> contour(const grid::Field& field, const ContourParams& params,
-                         const Progress& progress = {});
+                                                 const Progress& progress = {});
 Outcome<surface::TriMesh, ContourResult> contour(const grid::HuVolume& volume, const ContourParams& params,
-                         const Progress& progress = {});
+                                                 const Progress& progress = {});
 /// The surface of a field to be looked at: the same but for a few points, with all pieces and cavities, and not looked
 /// through for self-intersections, which takes as long as all the rest. Throws as contour() does where there is no
 /// surface.

@@ -82,11 +82,11 @@ class Sides {
   std::vector<std::uint32_t> turned(const surface::TriMesh& plain, const std::vector<std::uint32_t>& triangle_of) {
     std::vector<int> piece_of;
     const int pieces = surface::label_fan_components(plain, piece_of);  // collapses keep one fan a point
-    const std::vector<double> volume = piece_volumes(plain, piece_of, pieces);
+    const std::vector<double> volume = surface::piece_volumes(plain, piece_of, pieces);
     if (pieces == 1 && volume[0] > 0) return {};  // the input, which is valid, looks outwards
     if (input_piece_of_.empty()) {
       const int n = surface::label_components(input_, input_piece_of_);
-      input_volume_ = piece_volumes(input_, input_piece_of_, n);
+      input_volume_ = surface::piece_volumes(input_, input_piece_of_, n);
     }
     std::vector<std::uint32_t> found;
     for (std::uint32_t t = 0; t < piece_of.size(); ++t)
@@ -170,7 +170,7 @@ Collapsed collapse_all(const surface::TriMesh& input, std::size_t target, double
 }  // namespace
 
 Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
-                          const Progress& progress) {
+                                                   const Progress& progress) {
   surface::check_mesh(mesh);
   surface::TriMesh copy;
   if (!fit(mesh)) {

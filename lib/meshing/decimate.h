@@ -51,7 +51,8 @@ struct DecimateResult {
     v.number(&P::deviation_proven_mm, "deviation_proven_mm", "Bound that was proven.");
     v.number(&P::volume_change_percent, "volume_change_percent", Range{}, "Change of volume.");
     v.integer(&P::collapses_undone_count, "collapses_undone_count", Range{}, "Collapses that were undone.");
-    v.integer(&P::collapses_undone_for_validity_count, "collapses_undone_for_validity_count", Range{}, "Those of them that would have made the surface invalid.");
+    v.integer(&P::collapses_undone_for_validity_count, "collapses_undone_for_validity_count", Range{},
+              "Those of them that would have made the surface invalid.");
   }
 };
 
@@ -76,6 +77,6 @@ struct DecimateResult {
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.
 Outcome<surface::TriMesh, DecimateResult> decimate(const surface::TriMesh& mesh, const DecimateParams& params,
-                          const Progress& progress = {});
+                                                   const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -27,7 +27,8 @@ struct NormalsResult {
   static void describe(V& v) {
     using P = NormalsResult;
     v.integer(&P::normals_count, "normals_count", Range{}, "Normals.");
-    v.integer(&P::normals_replaced_count, "normals_replaced_count", Range{}, "Normals that were taken of the largest triangle.");
+    v.integer(&P::normals_replaced_count, "normals_replaced_count", Range{},
+              "Normals that were taken of the largest triangle.");
   }
 };
 
@@ -35,7 +36,6 @@ struct NormalsResult {
 /// (outwards for a closed surface). Points and triangles stay as they are (no vertex is split at an edge), so a closed
 /// mesh stays closed; an open mesh is accepted too. Where the mean vanishes, the normal of the largest triangle there
 /// is used and counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
-NormalsResult compute_normals(surface::TriMesh& mesh, const NormalsParams& params,
-                     const Progress& progress = {});
+NormalsResult compute_normals(surface::TriMesh& mesh, const NormalsParams& params, const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -76,7 +76,7 @@ double mean_least_angle_deg(const surface::TriMesh& mesh) {
 }  // namespace
 
 Outcome<surface::TriMesh, RemeshResult> remesh(const surface::TriMesh& input, const RemeshParams& params,
-                        const Progress& progress) {
+                                               const Progress& progress) {
   surface::check_mesh(input);
   surface::TriMesh original = input;
   original.normals.clear();
@@ -107,9 +107,14 @@ Outcome<surface::TriMesh, RemeshResult> remesh(const surface::TriMesh& input, co
       continue;
     }
     const Edges edges(mesh);
-    const RemeshResult result{mesh.triangles.size(),      edge,        n,
-                              deviation,                  edges.least, edges.mean,
-                              edges.most,                 mean_least_angle_deg(mesh),
+    const RemeshResult result{mesh.triangles.size(),
+                              edge,
+                              n,
+                              deviation,
+                              edges.least,
+                              edges.mean,
+                              edges.most,
+                              mean_least_angle_deg(mesh),
                               100 * (v.volume_mm3 / volume - 1)};
     progress.report(1);
     return {std::move(mesh), result, {}};

@@ -71,6 +71,6 @@ struct RemeshResult {
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not valid, or no try
 /// was good enough; 70 where the child dies or runs longer than time_limit_s; Cancelled.
 Outcome<surface::TriMesh, RemeshResult> remesh(const surface::TriMesh& mesh, const RemeshParams& params,
-                        const Progress& progress = {});
+                                               const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -112,7 +112,7 @@ bool mend_in_place(const surface::TriMesh& input, const RepairParams& params, Re
 }
 
 Outcome<surface::TriMesh, RepairResult> repair_now(const surface::TriMesh& input, const RepairParams& params,
-                            const Progress& progress) {
+                                                   const Progress& progress) {
   surface::check_mesh(input);
   if (input.triangles.empty()) throw Error(ExitCode::bad_input, "", "repair", "the mesh has no triangles");
   Repaired r;
@@ -173,7 +173,7 @@ Outcome<surface::TriMesh, RepairResult> repair_now(const surface::TriMesh& input
 }  // namespace
 
 Outcome<surface::TriMesh, RepairResult> repair(const surface::TriMesh& input, const RepairParams& params,
-                        const Progress& progress) {
+                                               const Progress& progress) {
   return within_time(params.total_limit_s, progress,
                      [&](const TimeLimit& limit) { return repair_now(input, params, limit.progress()); });
 }

@@ -59,7 +59,8 @@ struct RepairResult {
     v.text(&P::method, "method", "How it was repaired.");
     v.integer(&P::triangles_count, "triangles_count", Range{}, "Triangles.");
     v.integer(&P::points_merged_count, "points_merged_count", Range{}, "Points merged.");
-    v.integer(&P::triangles_dropped_count, "triangles_dropped_count", Range{}, "Triangles without area that were dropped.");
+    v.integer(&P::triangles_dropped_count, "triangles_dropped_count", Range{},
+              "Triangles without area that were dropped.");
     v.integer(&P::duplicates_dropped_count, "duplicates_dropped_count", Range{}, "Duplicates dropped.");
     v.integer(&P::fins_dropped_count, "fins_dropped_count", Range{}, "Fins dropped.");
     v.integer(&P::sheets_dropped_count, "sheets_dropped_count", Range{}, "Sheets dropped.");
@@ -67,7 +68,8 @@ struct RepairResult {
     v.integer(&P::points_split_count, "points_split_count", Range{}, "Points split.");
     v.integer(&P::holes_filled_count, "holes_filled_count", Range{}, "Holes filled.");
     v.integer(&P::degenerate_removed_count, "degenerate_removed_count", Range{}, "Degenerate triangles removed.");
-    v.integer(&P::self_intersections_found_count, "self_intersections_found_count", Range{}, "Self-intersections found.");
+    v.integer(&P::self_intersections_found_count, "self_intersections_found_count", Range{},
+              "Self-intersections found.");
     v.integer(&P::united_count, "united_count", Range{}, "Pieces united.");
     v.integer(&P::components_dropped_count, "components_dropped_count", Range{}, "Components dropped.");
     v.number(&P::voxel_mm, "voxel_mm", Range{}, "Voxel of the repair by volume; 0: none.");
@@ -104,6 +106,6 @@ struct RepairResult {
 /// of it takes longer than total_limit_s; Cancelled.
 /// The result has the same bytes whatever the thread count.
 Outcome<surface::TriMesh, RepairResult> repair(const surface::TriMesh& mesh, const RepairParams& params,
-                        const Progress& progress = {});
+                                               const Progress& progress = {});
 
 }  // namespace trephine::meshing

@@ -163,7 +163,8 @@ std::vector<std::uint32_t> faulty_triangles(const surface::TriMesh& mesh, const 
 std::vector<std::uint32_t> turned_triangles(const surface::TriMesh& mesh, const surface::TriMesh& original) {
   std::vector<int> piece_of;
   const int pieces = surface::label_components(mesh, piece_of);
-  const auto before = piece_volumes(original, piece_of, pieces), now = piece_volumes(mesh, piece_of, pieces);
+  const auto before = surface::piece_volumes(original, piece_of, pieces),
+             now = surface::piece_volumes(mesh, piece_of, pieces);
   std::vector<std::uint32_t> found;
   for (std::uint32_t t = 0; t < piece_of.size(); ++t)
     if (!(before[piece_of[t]] * now[piece_of[t]] > 0)) found.push_back(t);
@@ -173,7 +174,7 @@ std::vector<std::uint32_t> turned_triangles(const surface::TriMesh& mesh, const 
 }  // namespace
 
 Outcome<surface::TriMesh, SmoothResult> smooth(const surface::TriMesh& input, const SmoothParams& params,
-                        const Progress& progress, const surface::TriMesh* reference) {
+                                               const Progress& progress, const surface::TriMesh* reference) {
   surface::check_mesh(input);
   const double bound_mm = params.total_deviation_mm;
   if (bound_mm > 0 && !reference)

@@ -64,8 +64,10 @@ struct SmoothResult {
     v.number(&P::strength_ratio, "strength_ratio", Range{}, "Share of the movement that was taken.");
     v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
     v.number(&P::volume_change_percent, "volume_change_percent", Range{}, "Change of volume.");
-    v.number(&P::reference_distance_max_mm, "reference_distance_max_mm", "Largest distance to the reference, at points of the surfaces.");
-    v.number(&P::total_deviation_proven_mm, "total_deviation_proven_mm", "Bound of the distance to the reference that was proven.");
+    v.number(&P::reference_distance_max_mm, "reference_distance_max_mm",
+             "Largest distance to the reference, at points of the surfaces.");
+    v.number(&P::total_deviation_proven_mm, "total_deviation_proven_mm",
+             "Bound of the distance to the reference that was proven.");
     v.integer(&P::points_held_back_count, "points_held_back_count", Range{}, "Points that were held back.");
   }
 };
@@ -88,6 +90,7 @@ struct SmoothResult {
 /// are out of range; 80 where it is not closed and 2-manifold, intersects itself already, or lies further from the
 /// reference than total_deviation_mm before it is smoothed.
 Outcome<surface::TriMesh, SmoothResult> smooth(const surface::TriMesh& mesh, const SmoothParams& params,
-                        const Progress& progress = {}, const surface::TriMesh* reference = nullptr);
+                                               const Progress& progress = {},
+                                               const surface::TriMesh* reference = nullptr);
 
 }  // namespace trephine::meshing

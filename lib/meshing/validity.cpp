@@ -70,7 +70,7 @@ void look_at_each(const surface::TriMesh& mesh, Validity& v) {
     const bool flat = on_a_line(a, b, c);
     (flat ? v.degenerate : v.slivers)++;
     auto& places = flat ? v.places.degenerate : v.places.slivers;
-    if (places.size() < FaultPlaces::limit) places.push_back(mesh.origin_mm + (a + b + c) / 3);
+    if (places.size() < surface::FaultPlaces::limit) places.push_back(mesh.origin_mm + (a + b + c) / 3);
   }
 }
 
@@ -117,12 +117,13 @@ Validity check_validity(const surface::TriMesh& mesh, const Progress& progress) 
   parallel_do({[&] { pairs = self_intersections(mesh, incidence, progress.part(0.1, 0.9)); },
                [&] {
                  v.topology = surface::topology_of(mesh, incidence);
-                 if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(mesh, incidence, v.places);
+                 if (!v.topology.closed() || !v.topology.manifold())
+                   surface::locate_topology_faults(mesh, incidence, v.places);
                },
                [&] { look_at_each(mesh, v); }});
   v.self_intersections = pairs.size();
-  for (std::size_t i = 0; i < std::min(pairs.size(), FaultPlaces::limit); ++i)
-    v.places.self_intersections.push_back(place_of_intersection_mm(mesh, pairs[i][0], pairs[i][1]));
+  for (std::size_t i = 0; i < std::min(pairs.size(), surface::FaultPlaces::limit); ++i)
+    v.places.self_intersections.push_back(surface::place_of_intersection_mm(mesh, pairs[i][0], pairs[i][1]));
   if (v.valid()) ProofOfValidity::give(mesh);
   progress.report(1);
   return v;

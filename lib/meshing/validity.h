@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "meshing/fault_places.h"
+#include "surface/fault_places.h"
 #include "surface/trimesh.h"
 
 namespace trephine::meshing {
@@ -18,8 +18,8 @@ struct Validity {
   std::size_t degenerate = 0;          ///< triangles whose three points lie exactly on a line, or coincide
   std::size_t slivers = 0;             ///< smallest height below 1e-3 of the longest side; allowed, only counted
   double volume_mm3 = 0;
-  FaultPlaces places;    ///< the first 20 of each kind, world, LPS, mm
-  bool float32 = false;  ///< every coordinate of points_mm is one that float32 holds
+  surface::FaultPlaces places;  ///< the first 20 of each kind, world, LPS, mm
+  bool float32 = false;         ///< every coordinate of points_mm is one that float32 holds
   bool valid() const {
     return topology.triangles > 0 && topology.closed() && topology.manifold() && self_intersections == 0 &&
            degenerate == 0 && volume_mm3 > 0;

@@ -3,8 +3,8 @@
 #include <functional>
 #include <optional>
 
-#include "base/progress.h"
 #include "base/params.h"
+#include "base/progress.h"
 #include "grid/grid.h"
 #include "metrics/deviation.h"
 #include "surface/distance_function.h"

@@ -117,8 +117,9 @@ struct MeasureResult {
   }
 };
 
-/// Measures it. Against labels the distances are to the surface of the label halfway between its voxels' centres and the others',
-/// which lies up to about half a voxel off the shape that was labelled; Dice and volume are of the voxels themselves.
+/// Measures it. Against labels the distances are to the surface of the label halfway between its voxels' centres and
+/// the others', which lies up to about half a voxel off the shape that was labelled; Dice and volume are of the voxels
+/// themselves.
 ///
 /// Throws 65 as check_mesh does, where the surface or the reference has no triangles, or the label no voxels.
 Outcome<std::monostate, MeasureResult> measure_surface(const surface::TriMesh& mesh, const MeasureReference& reference,

@@ -51,8 +51,7 @@ class Executor {
                                   : StageCache::Outcome{};
       if (known.refusal) {
         if (refused && !comes_before(int(i), refused_node)) continue;
-        refused = *known.refusal;
-        refused->in_stage(graph.nodes[i].name);
+        refused = Error(*known.refusal).in_stage(graph.nodes[i].name);
         refused_node = int(i);
         continue;
       }

@@ -32,7 +32,8 @@ class RunObserver {
   virtual void started(const std::string& node) = 0;
   virtual void progressed(const std::string& node, double fraction) = 0;
   /// `how`: computed or cached.
-  virtual void finished(const std::string& node, const std::string& how, double seconds, const stages::StageOutcome& made) = 0;
+  virtual void finished(const std::string& node, const std::string& how, double seconds,
+                        const stages::StageOutcome& made) = 0;
 };
 
 /// What a node's stage gave, its data only for wanted nodes: that of others is dropped after the last reader.

@@ -12,10 +12,10 @@
 namespace trephine::pipeline {
 
 /// Outputs of stages on disk, by key. The cache holds patient data, so its folder is made with mode 0700. An entry is a
-/// JSON file with the key, the stage's result and warnings and, where the output was worth its space, the SHA-256 of the key and a
-/// data file; it has a SHA-256 of its own and is written last. An entry that is torn, damaged, that of another key, or
-/// written by another user counts as missing. That is no protection against who may act as the user: he can compute
-/// checksums too.
+/// JSON file with the key, the stage's result and warnings and, where the output was worth its space, the SHA-256 of
+/// the key and a data file; it has a SHA-256 of its own and is written last. An entry that is torn, damaged, that of
+/// another key, or written by another user counts as missing. That is no protection against who may act as the user: he
+/// can compute checksums too.
 class StageCache {
  public:
   /// An empty folder name means no cache: nothing is found and nothing is stored. Throws Error 73 where the folder
@@ -30,8 +30,8 @@ class StageCache {
   Outcome load_outcome(const std::string& key, const stages::StageType& type) const;
   /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).
   std::optional<stages::StageData> load_data(const std::string& key, stages::DataKind kind) const;
-  /// Stores an output. With empty data only result and warnings are kept. `seconds` is the time that the stage took, for
-  /// later estimates.
+  /// Stores an output. With empty data only result and warnings are kept. `seconds` is the time that the stage took,
+  /// for later estimates.
   void store(const std::string& key, stages::DataKind kind, const stages::StageOutcome& made, double seconds) const;
 
   /// A refusal (Error 80 without a file) is an outcome too: the same inputs and parameters are refused again.

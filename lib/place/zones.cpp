@@ -195,8 +195,8 @@ AirCells air_at_base(const grid::Field& wall, const grid::HuVolume& volume, cons
 /// How far each cell lies from the air of sinuses and of bone cells at the skull's base, whose thin walls thick slices
 /// lose, less those walls: no dura where it is not above 0. Empty without such air inside the wall. Air above the base
 /// may be inside the dura, as after an operation.
-std::vector<float> off_air_mm(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place,
-                              Made& made, const Progress& progress) {
+std::vector<float> off_air_mm(const grid::Field& wall, const grid::HuVolume& volume, const HeadPlace& place, Made& made,
+                              const Progress& progress) {
   if (!place.sure) return {};
   const AirCells cells = air_at_base(wall, volume, place);
   const mask::Components some = mask::components(mask::closed(cells.some, air_walls_mm, progress));

@@ -24,9 +24,9 @@
 #include "publish/scan_findings.h"
 #include "publish/scene_limits.h"
 #include "surface/bounds.h"
-#include "voxel/voxelize.h"
 #include "voxel/mismatch.h"
 #include "voxel/shape_field.h"
+#include "voxel/voxelize.h"
 
 namespace trephine::publish {
 namespace {
@@ -38,15 +38,6 @@ int examination_of(const pipeline::Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
     if (graph.nodes[i].type->is_check() && graph.nodes[i].output == stages::DataKind::labels) return int(i);
   return -1;
-}
-
-// What each node's result adds to the case. A check that is made early is made again with the whole case.
-std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results) {
-  std::vector<stages::CaseParts> all(graph.nodes.size());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (graph.nodes[i].type->contribute && !graph.nodes[i].is_early)
-      graph.nodes[i].type->contribute(results[i].result, all[i]);
-  return all;
 }
 
 // Everything that a case is made of, step by step.

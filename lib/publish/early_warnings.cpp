@@ -25,7 +25,8 @@ void EarlyWarnings::planned(const std::vector<std::pair<std::string, double>>& e
   observer_.planned(all);
 }
 
-void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds, const stages::StageOutcome& made) {
+void EarlyWarnings::finished(const std::string& node, const std::string& how, double seconds,
+                             const stages::StageOutcome& made) {
   if (const auto* type = stages::find_stage(node); type && type->warns_at_once())
     for (const Warning& w : made.warnings) log_warning(token_ + ": " + node + ": " + to_text(w));
   observer_.finished(node, how, seconds, made);

@@ -60,6 +60,15 @@ grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
 
 }  // namespace
 
+std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph,
+                                        const std::vector<pipeline::NodeResult>& results) {
+  std::vector<stages::CaseParts> all(graph.nodes.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (graph.nodes[i].type->contribute && !graph.nodes[i].is_early)
+      graph.nodes[i].type->contribute(results[i].result, all[i]);
+  return all;
+}
+
 bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy) {
   const auto all = sure(findings);
   return std::any_of(all.begin(), all.end(), [&](const cases::CaseFinding* f) {

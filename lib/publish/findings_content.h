@@ -4,12 +4,17 @@
 #include <string>
 #include <vector>
 
-#include "base/report.h"
 #include "cases/case.h"
 #include "grid/labels.h"
+#include "pipeline/executor.h"
 #include "publish/case_pictures.h"
+#include "stages/case_parts.h"
 
 namespace trephine::publish {
+
+/// What each node's result adds to the case, in the order of the nodes. A check that is made early is made again with
+/// the whole case.
+std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results);
 
 /// Whether a sure finding concerns the anatomy: what is measured of it is then uncertain.
 bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy);

@@ -9,8 +9,8 @@
 
 namespace trephine::publish {
 
-/// Adds landmarks (found and given) and, as targets, those that lie in an anatomy. Throws Error 80 where a landmark that
-/// the scene needs was not found or has less confidence than the scene demands, naming how to give it.
+/// Adds landmarks (found and given) and, as targets, those that lie in an anatomy. Throws Error 80 where a landmark
+/// that the scene needs was not found or has less confidence than the scene demands, naming how to give it.
 void add_landmarks(const config::CaseConfig& config, const pipeline::Graph& graph,
                    const std::vector<pipeline::NodeResult>& results, cases::CaseManifest& manifest);
 

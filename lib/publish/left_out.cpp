@@ -33,9 +33,8 @@ Refused refused_by_check(const CaseConfig& config, const Error& e) {
     // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
     // others, such as a brain with a piece too many to the ventricles inside.
     if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
-      return {name, a->stand_in.empty() && e.cause() != Cause::refused_output
-                        ? 0
-                        : config.find_anatomy(name)->steps.size()};
+      return {name,
+              a->stand_in.empty() && e.cause() != Cause::refused_output ? 0 : config.find_anatomy(name)->steps.size()};
   return {};
 }
 

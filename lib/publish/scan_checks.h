@@ -20,8 +20,8 @@ std::vector<std::string> names_of_scans(const pipeline::Graph& graph);
 std::vector<std::string> require_one_patient(const config::CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);
 
-/// A series that says what it is must be what the configuration says. The results are those of the graph's nodes. Throws
-/// Error 65.
+/// A series that says what it is must be what the configuration says. The results are those of the graph's nodes.
+/// Throws Error 65.
 void require_modalities(const config::CaseConfig& config, const pipeline::Graph& graph,
                         const std::vector<pipeline::NodeResult>& results);
 

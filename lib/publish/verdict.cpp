@@ -61,8 +61,7 @@ std::string words_for(const AnatomyVerdict& v) {
 
 }  // namespace
 
-std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted,
-                                            const cases::CaseManifest& manifest,
+std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
                                             const std::vector<stages::Evidence>& evidence) {
   std::vector<AnatomyVerdict> all;
   for (const std::string& anatomy : wanted) all.push_back(judge(anatomy, manifest, evidence));

@@ -25,8 +25,7 @@ struct AnatomyVerdict {
 
 /// What each of the anatomies came to. What speaks against it is `evidence`, and that a finding of the manifest says of
 /// a scan that it is made of that it may be another patient's.
-std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted,
-                                            const cases::CaseManifest& manifest,
+std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
                                             const std::vector<stages::Evidence>& evidence);
 
 /// What a person reads at the end of a run: "skin, skull: good; brain: simple; ventricles: left out (slices of 5 mm,

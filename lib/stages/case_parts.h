@@ -20,12 +20,12 @@ struct Evidence {
 /// What the result of a stage adds to a case, beside what the stage hands on (StageType::contribute). Who makes a case
 /// of these parts knows no stage by its name.
 struct CaseParts {
-  Named<ParameterValue> checks;   ///< figures of the case: what was checked
-  Named<ParameterValue> changes;  ///< figures of the case: how the scan was changed
-  Named<ParameterValue> made_of;  ///< recorded beside the stage's parameters; names without the node's
+  Named<ParameterValue> checks;                    ///< figures of the case: what was checked
+  Named<ParameterValue> changes;                   ///< figures of the case: how the scan was changed
+  Named<ParameterValue> made_of;                   ///< recorded beside the stage's parameters; names without the node's
   std::optional<consistency::AnatomyResult> head;  ///< figures of the patient
   std::vector<cases::CaseFinding> findings;
-  std::optional<double> moved_mm;                  ///< how far the stage moved a surface, of the bound that it was given
+  std::optional<double> moved_mm;             ///< how far the stage moved a surface, of the bound that it was given
   std::optional<double> doubted_scale_ratio;  ///< of a scan that may be another patient's: how it stretches
   std::vector<Evidence> evidence;
   std::vector<std::string> remarks;  ///< that the verdict ends with

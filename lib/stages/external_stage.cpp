@@ -32,13 +32,12 @@ StageType external_stage() {
   s.declares<external::ExternalParams, external::ExternalResult>();
   s.contribute = [](const AnyParams& result, CaseParts& parts) {
     const auto& r = result_as<external::ExternalResult>(result);
-    parts.made_of = {{"said_version", r.said_version},
-                     {"program_sha256", r.program_sha256},
-                     {"output_sha256", r.output_sha256}};
+    parts.made_of = {
+        {"said_version", r.said_version}, {"program_sha256", r.program_sha256}, {"output_sha256", r.output_sha256}};
   };
   s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
-    return stage_outcome(external::run_external(*in.get<grid::HuVolume>("volume"),
-                                                params.as<external::ExternalParams>(), progress));
+    return stage_outcome(
+        external::run_external(*in.get<grid::HuVolume>("volume"), params.as<external::ExternalParams>(), progress));
   };
   return s;
 }

@@ -40,8 +40,14 @@ StageType findings_stage() {
   s.declares<findings::FindingsParams, findings::FindingsResult>();
   s.contribute = [](const AnyParams& result, CaseParts& parts) {
     for (const findings::Finding& f : result_as<findings::FindingsResult>(result).list)
-      parts.findings.push_back({findings::to_text(f.kind), f.where, f.side, f.position_mm, f.confidence, f.concerns,
-                                f.text, {f.figures.begin(), f.figures.end()}});
+      parts.findings.push_back({findings::to_text(f.kind),
+                                f.where,
+                                f.side,
+                                f.position_mm,
+                                f.confidence,
+                                f.concerns,
+                                f.text,
+                                {f.figures.begin(), f.figures.end()}});
   };
   s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {
     findings::FindingShapes shapes{in.get<grid::Field>("skull"), in.get<grid::Field>("brain"),

@@ -34,9 +34,12 @@ StageType register_stage() {
   s.contribute = [](const AnyParams& result, CaseParts& parts) {
     const auto& r = result_as<itk::RegistrationFigures>(result);
     parts.made_of = {{"transform", r.transform}, {"turn_deg", r.turn_deg}};
-    for (const auto& [name, value] : {std::pair{"spread_mm", r.spread_mm}, {"inverse_mm", r.inverse_mm},
-                                      {"overlap_ratio", r.overlap_ratio}, {"margin_ratio", r.margin_ratio},
-                                      {"scale_ratio", r.scale_ratio}, {"bone_ratio", r.bone_ratio}})
+    for (const auto& [name, value] : {std::pair{"spread_mm", r.spread_mm},
+                                      {"inverse_mm", r.inverse_mm},
+                                      {"overlap_ratio", r.overlap_ratio},
+                                      {"margin_ratio", r.margin_ratio},
+                                      {"scale_ratio", r.scale_ratio},
+                                      {"bone_ratio", r.bone_ratio}})
       if (value) parts.made_of.emplace_back(name, *value);
     if (r.another_patient.value_or(false)) parts.doubted_scale_ratio = r.scale_ratio;
   };

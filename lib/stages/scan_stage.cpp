@@ -32,9 +32,10 @@ StageType scan_stage() {
     const std::string why =
         fmt::format("slices of {:.3g} mm, noise of {:.0f} HU{}", scan.figures.slice_step_mm, scan.figures.noise_hu,
                     scan.motion_mm ? fmt::format(", the head moved by {:.1f} mm", *scan.motion_mm) : "");
-    for (const auto& [anatomy, is] :
-         {std::pair{"brain", scan.suited.brain}, {"ventricles", scan.suited.ventricles}, {"skull", scan.suited.skull},
-          {"skin", scan.suited.skin}})
+    for (const auto& [anatomy, is] : {std::pair{"brain", scan.suited.brain},
+                                      {"ventricles", scan.suited.ventricles},
+                                      {"skull", scan.suited.skull},
+                                      {"skin", scan.suited.skin}})
       if (is == mask::Suitability::doubtful || is == mask::Suitability::unsuited)
         parts.evidence.push_back({anatomy, "", why});
   };

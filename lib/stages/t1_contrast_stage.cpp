@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segmentation/t1_contrast.h"
 
-#include "head/cranium.h"
+#include "place/cranium.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -28,8 +28,8 @@ StageType t1_contrast_stage() {
   s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
     const grid::Field* skull = in.get<grid::Field>("skull");
-    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
-    const auto cavity = head::cranial_cavity(bone, progress.part(0, 0.4));
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : place::bone_of(mask::HuView(ct));
+    const auto cavity = place::cranial_cavity(bone, progress.part(0, 0.4));
     auto made = segmentation::t1_contrast(*in.get<grid::HuVolume>("volume"), ct, cavity.value,
                                           any.as<segmentation::T1ContrastParams>(), progress.part(0.4, 1));
     made.result.cranial_cavity_ml = cavity.result.cranial_cavity_ml;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segmentation/vessels.h"
 
-#include "head/cranium.h"
+#include "place/cranium.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -36,7 +36,7 @@ StageType vessels_stage() {
   s.run = [](const AnyParams& any, const StageInputs& in, const Progress& progress) {
     const grid::HuVolume& ct = *in.get<grid::HuVolume>("ct");
     const grid::Field* skull = in.get<grid::Field>("skull");
-    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : head::bone_of(mask::HuView(ct));
+    const mask::BitMask bone = skull ? mask::positive(*skull, grid::lattice_of(ct)) : place::bone_of(mask::HuView(ct));
     const auto& params = any.as<segmentation::VesselsParams>();
     mask::BitMask region;
     std::optional<double> cavity_ml;
@@ -44,7 +44,7 @@ StageType vessels_stage() {
     if (params.region == segmentation::VesselRegion::soft_tissue) {
       region = segmentation::soft_tissue_around(ct, bone);
     } else {
-      auto cavity = head::cranial_cavity(bone, progress.part(0, 0.4));
+      auto cavity = place::cranial_cavity(bone, progress.part(0, 0.4));
       region = std::move(cavity.value);
       cavity_ml = cavity.result.cranial_cavity_ml;
       warnings = std::move(cavity.warnings);

@@ -50,8 +50,8 @@ struct Repeats {
   bool suffice(const Measurement& m) const;
 };
 
-/// Does the work that often, with nothing else running, and measures it; its values are those of the first time. An Error 80 is kept as `refused`; any other is
-/// thrown.
+/// Does the work that often, with nothing else running, and measures it; its values are those of the first time. An
+/// Error 80 is kept as `refused`; any other is thrown.
 Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work);
 
 /// The stages of a sweep. Each is computed once for all the points that share it, timed alone, repeated, and kept with

@@ -13,13 +13,14 @@
 #include "base/result.h"
 #include "base/write_file.h"
 #include "cases/case.h"
+#include "json/declared_json.h"
 #include "metrics/deviation.h"
 #include "phantom/measure_truth.h"
 #include "publish/case_content.h"
 #include "publish/run_case.h"
 #include "publish/scan_checks.h"
+#include "trade/compared.h"
 #include "trade/measured.h"
-#include "json/declared_json.h"
 #include "voxel/mismatch.h"
 
 namespace trephine::trade {
@@ -40,39 +41,6 @@ TradeDeviation told(const metrics::Deviation& of) {
   d.from_reference_rms_mm = of.reference_to_mesh.rms_mm;
   return d;
 }
-
-struct PublishedAnatomy {
-  std::int64_t triangles = 0, bytes = 0;
-  double volume_ml = 0, deviation_max_mm = 0;
-  template <class V>
-  static void describe(V& v) {
-    using P = PublishedAnatomy;
-    v.integer(&P::triangles, "triangles", Range{}, "Triangles.");
-    v.integer(&P::bytes, "bytes", Range{}, "Size of the file.");
-    v.number(&P::volume_ml, "volume_ml", Range{}, "Volume.");
-    v.number(&P::deviation_max_mm, "deviation_max_mm", Range{}, "Largest distance to the unreduced surface.");
-  }
-};
-
-struct Published {
-  std::size_t bytes = 0;
-  std::vector<PublishedAnatomy> anatomies;  ///< in the order of the graph's
-  template <class V>
-  static void describe(V& v) {
-    v.integer(&Published::bytes, "bytes", Range{}, "Size of all files.");
-    v.list(&Published::anatomies, "anatomies", "The surfaces.");
-  }
-};
-
-/// How far both felt surfaces of a shape lie from the displayed one.
-struct Felt {
-  voxel::Mismatch sub_voxel, nearest;
-  template <class V>
-  static void describe(V& v) {
-    v.all_of(&Felt::sub_voxel, "sub_voxel_");
-    v.all_of(&Felt::nearest, "nearest_");
-  }
-};
 
 // A point as it is run: without the scene's limits.
 struct Prepared {
@@ -343,10 +311,10 @@ class Sweep {
     metrics::MeasureParams params;
     params.sample_count = request_.params.sample_count;
     params.validity = false;
-    out.to_truth = told(*compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&] {
-                           return phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params)
-                               .result;
-                         }).deviation);
+    out.to_truth =
+        told(*compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&] {
+                return phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params).result;
+              }).deviation);
     const pipeline::Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
     const int field = contour.sources.begin()->second;
     if (p.graph.nodes[std::size_t(field)].output != stages::DataKind::field) return;
@@ -363,20 +331,19 @@ class Sweep {
     const auto& sources = finest.graph.nodes[std::size_t(finest.graph.result(stages::DataKind::haptic))].sources;
     const auto contour = sources.find("shape." + name);
     if (contour == sources.end()) return;  // the volume holds raw HU
-    const Felt felt =
-        compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&] {
-          const auto felt_in = std::get<std::shared_ptr<const voxel::HapticVolume>>(stages_.data(p.graph, haptic));
-          const surface::TriMesh surface = mesh(finest, contour->second);
-          const auto mismatch = [&](voxel::FeltSurface which) {
-            voxel::MismatchParams params;
-            params.sample_count = request_.params.sample_count;
-            params.felt = which;
-            return voxel::measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
-          };
-          return Felt{mismatch(voxel::FeltSurface::sub_voxel), mismatch(voxel::FeltSurface::nearest)};
-        });
-    out.shapes.push_back({name, felt.sub_voxel.rms_mm, felt.sub_voxel.p99_mm, felt.nearest.rms_mm,
-                          felt.nearest.p99_mm, felt.sub_voxel.missed_ratio});
+    const Felt felt = compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&] {
+      const auto felt_in = std::get<std::shared_ptr<const voxel::HapticVolume>>(stages_.data(p.graph, haptic));
+      const surface::TriMesh surface = mesh(finest, contour->second);
+      const auto mismatch = [&](voxel::FeltSurface which) {
+        voxel::MismatchParams params;
+        params.sample_count = request_.params.sample_count;
+        params.felt = which;
+        return voxel::measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
+      };
+      return Felt{mismatch(voxel::FeltSurface::sub_voxel), mismatch(voxel::FeltSurface::nearest)};
+    });
+    out.shapes.push_back({name, felt.sub_voxel.rms_mm, felt.sub_voxel.p99_mm, felt.nearest.rms_mm, felt.nearest.p99_mm,
+                          felt.sub_voxel.missed_ratio});
   }
 
   static void compare_volumes(const PointTrade& finest, PointTrade& p) {

@@ -217,8 +217,8 @@ Outcome<std::monostate, CutVolumeResult> cut_volume(HapticVolume& volume, const 
   }
   out.result.voxels_count = changed;
   if (!any)
-    out.warnings.push_back({"removes_nothing", "removes nothing of {shapes}",
-                            {{"shapes", names.empty() ? "the haptic volume" : names}}});
+    out.warnings.push_back(
+        {"removes_nothing", "removes nothing of {shapes}", {{"shapes", names.empty() ? "the haptic volume" : names}}});
   progress.report(1);
   return out;
 }

@@ -110,8 +110,7 @@ HapticVolume haptic_of(grid::AnyGrid voxels, const grid::NrrdKeys& keys) {
 HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness) {
   grid::Nrrd nrrd = grid::decode_nrrd(bytes);
   HapticVolume volume = unchecked(std::move(nrrd.grid), nrrd.keys);
-  if (!hardness.empty())
-    try {
+  if (!hardness.empty()) try {
       grid::Nrrd h = grid::decode_nrrd(hardness);
       auto* mask = std::get_if<grid::Mask>(&h.grid);
       if (!mask) refuse("type", "hardness is uint8");

@@ -229,8 +229,8 @@ Outcome<HapticVolume, VoxelizeResult> voxelize(const grid::Lattice& lattice, con
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
-    result.shapes.emplace_back(
-        name, ShapeVoxels{shape_volume_mm3(volume, int(n + 1)) / 1000, voxels[n + 1], overlap_ml[n]});
+    result.shapes.emplace_back(name,
+                               ShapeVoxels{shape_volume_mm3(volume, int(n + 1)) / 1000, voxels[n + 1], overlap_ml[n]});
   }
   progress.report(1);
   return {std::move(volume), std::move(result), {}};

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../report_of.h"
 #include "boolean/cut_surface.h"
 #include "boolean/cutter_use.h"
 #include "meshing/contour.h"
@@ -13,7 +14,6 @@
 #include "scenes.h"
 #include "voxel/cut.h"
 #include "voxel/voxelize.h"
-#include "../report_of.h"
 
 namespace trephine::extremes {
 namespace {
@@ -171,7 +171,8 @@ std::string over_radius() {
   for (const double r : {0.05, 0.3, 1.0, 5.0, 20.0, 29.0}) {
     const boolean::Cutter c = drill({0, 0, 0}, r, 100);
     Report report;
-    const double removed = surface::volume_mm3(in) - surface::volume_mm3(value_of(report, boolean::cut_surface(in, {c}, {})));
+    const double removed =
+        surface::volume_mm3(in) - surface::volume_mm3(value_of(report, boolean::cut_surface(in, {c}, {})));
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - ball_mm3(std::sqrt(R * R - r * r))) - 1));
   }
@@ -193,7 +194,8 @@ voxel::HapticVolume felt(const surface::TriMesh& in, double mm) {
   surface::Bounds b = surface::bounds_of(in);
   for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
   Report r;
-  return value_of(r, voxel::voxelize(voxel::haptic_lattice(b, grid::Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}));
+  return value_of(r, voxel::voxelize(voxel::haptic_lattice(b, grid::Lattice().direction, b.min_mm, p),
+                                     {{"ball", &in, nullptr, 0}}));
 }
 
 std::string over_haptic_radius() {
@@ -211,7 +213,8 @@ std::string over_haptic_radius() {
     s.at.push_back(r);
     s.values.push_back(100 * (removed / (ball_mm3(R) - left_mm3) - 1));
     // Less than a voxel's radius: not held, and said.
-    if (boolean::thin_cutter(c, volume.voxels.spacing_mm).has_value() != (r < 0.5)) return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
+    if (boolean::thin_cutter(c, volume.voxels.spacing_mm).has_value() != (r < 0.5))
+      return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
     if (r >= 0.5 && std::fabs(s.values.back()) > 3) return "FAULT: not the truth: " + s.text();
     if (removed < 0) return "FAULT: grows: " + s.text();
   }

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "../report_of.h"
 #include "base/error.h"
 #include "meshing/contour.h"
 #include "stages/voxelize.h"
-#include "../report_of.h"
 
 namespace trephine::extremes {
 
@@ -182,7 +182,8 @@ bool fill(stages::StageInputs& inputs, const stages::StageType& stage, const Sce
       for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * spacing[a], b.max_mm[a] += 3 * spacing[a];
       Report r;
       data = std::make_shared<const voxel::HapticVolume>(
-          value_of(r, voxel::voxelize(voxel::haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p), {{"outer", &mesh->second, nullptr, 0}})));
+          value_of(r, voxel::voxelize(voxel::haptic_lattice(b, scene.fields.at("").direction, b.min_mm, p),
+                                      {{"outer", &mesh->second, nullptr, 0}})));
     }
   }
   return true;

@@ -1,10 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "codecs/transfer_syntax.h"
+
 #include <fmt/format.h>
 
-#include "dicom/decode.h"
+#include <cstdint>
 
-namespace trephine::dicom {
+namespace trephine::codecs {
 namespace {
+
+constexpr TransferSyntax syntaxes[] = {
+    {"1.2.840.10008.1.2", "implicit VR little endian", Encoding::native, false},
+    {"1.2.840.10008.1.2.1", "explicit VR little endian", Encoding::native},
+    {"1.2.840.10008.1.2.1.99", "deflated explicit VR little endian", Encoding::unsupported},
+    {"1.2.840.10008.1.2.2", "explicit VR big endian", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.50", "JPEG baseline", Encoding::jpeg, true, true},
+    {"1.2.840.10008.1.2.4.51", "JPEG extended", Encoding::jpeg, true, true},
+    {"1.2.840.10008.1.2.4.57", "JPEG lossless", Encoding::jpeg},
+    {"1.2.840.10008.1.2.4.70", "JPEG lossless first order", Encoding::jpeg},
+    {"1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Encoding::jpeg_ls},
+    {"1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Encoding::jpeg_ls, true, true},
+    {"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Encoding::jpeg_2000},
+    {"1.2.840.10008.1.2.4.91", "JPEG 2000", Encoding::jpeg_2000, true, true},
+    {"1.2.840.10008.1.2.4.92", "JPEG 2000 part 2 lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.93", "JPEG 2000 part 2", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.94", "JPIP referenced", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.95", "JPIP referenced deflate", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.100", "MPEG-2", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.102", "MPEG-4", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.201", "high-throughput JPEG 2000 lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.202", "high-throughput JPEG 2000 RPCL lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.203", "high-throughput JPEG 2000", Encoding::unsupported},
+    {"1.2.840.10008.1.2.5", "RLE lossless", Encoding::rle},
+};
 
 const std::uint8_t* bytes_of(std::string_view s) { return reinterpret_cast<const std::uint8_t*>(s.data()); }
 unsigned be16(const std::uint8_t* p) { return (unsigned{p[0]} << 8) | p[1]; }
@@ -94,6 +121,15 @@ std::string check_rle(std::string_view s, int columns, int rows, int bits_alloca
 
 }  // namespace
 
+const TransferSyntax* find_transfer_syntax(std::string_view uid) {
+  for (const auto& s : syntaxes)
+    if (trimmed(uid) == s.uid) return &s;
+  return nullptr;
+}
+
+const TransferSyntax& implicit_little_endian() { return syntaxes[0]; }
+const TransferSyntax& explicit_little_endian() { return syntaxes[1]; }
+
 std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated) {
   switch (encoding) {
     case Encoding::jpeg:
@@ -108,4 +144,4 @@ std::string check_codestream(Encoding encoding, std::string_view stream, int col
   }
 }
 
-}  // namespace trephine::dicom
+}  // namespace trephine::codecs

@@ -3,7 +3,7 @@
 #include "base/result.h"
 #include "mask/hu_view.h"
 
-namespace trephine::head {
+namespace trephine::place {
 
 /// The lattice's axis that is nearest to the patient's superior direction (LPS z), up or down.
 int vertical_axis(const grid::Lattice& lattice);
@@ -23,4 +23,4 @@ struct CavityResult {
 /// an adult one. Throws Error 80 where no space enclosed by bone is found.
 Outcome<mask::BitMask, CavityResult> cranial_cavity(const mask::BitMask& bone, const Progress& progress);
 
-}  // namespace trephine::head
+}  // namespace trephine::place

@@ -6,12 +6,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/refusal.h"
-#include "head/cranium.h"
 #include "mask/coarse.h"
 #include "mask/coarse_share.h"
 #include "mask/filters.h"
+#include "place/cranium.h"
 
-namespace trephine::head {
+namespace trephine::place {
 namespace {
 
 constexpr double coarse_mm = 2;
@@ -148,4 +148,4 @@ Outcome<mask::BitMask, CavityResult> cranial_cavity(const mask::BitMask& bone, c
   return {std::move(cavity), {ml}, std::move(warnings)};
 }
 
-}  // namespace trephine::head
+}  // namespace trephine::place

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "meshing/fault_places.h"
+#include "surface/fault_places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "surface/triangle_tree.h"
 
-namespace trephine::meshing {
+namespace trephine::surface {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -16,7 +16,7 @@ void note(std::vector<Vec3>& list, Vec3 at) {
   if (list.size() < FaultPlaces::limit) list.push_back(at);
 }
 
-Vec3 middle_of(const surface::TriMesh& m, std::uint32_t t) {
+Vec3 middle_of(const TriMesh& m, std::uint32_t t) {
   const auto& v = m.triangles[t];
   return m.origin_mm + (m.points_mm[v[0]] + m.points_mm[v[1]] + m.points_mm[v[2]]) / 3;
 }
@@ -57,15 +57,15 @@ void add_crossings(const Corners& a, const Corners& b, Contacts& found) {
     const double dp = dot(p - b[0], normal), dq = dot(q - b[0], normal);
     if ((dp > 0) == (dq > 0) || dp == dq) continue;
     const Vec3 on = p + (q - p) * (dp / (dp - dq));
-    const Vec3 gap = on - surface::closest_on_triangle(on, b[0], b[1], b[2]);
+    const Vec3 gap = on - closest_on_triangle(on, b[0], b[1], b[2]);
     found.add(on, dot(gap, gap));
   }
 }
 
 }  // namespace
 
-void locate_topology_faults(const surface::TriMesh& mesh, const surface::Incidence& incidence, FaultPlaces& places) {
-  surface::for_each_edge(mesh, incidence, [&](std::uint32_t low, auto from, auto to) {
+void locate_topology_faults(const TriMesh& mesh, const Incidence& incidence, FaultPlaces& places) {
+  for_each_edge(mesh, incidence, [&](std::uint32_t low, auto from, auto to) {
     const Vec3 middle = mesh.origin_mm + (mesh.points_mm[low] + mesh.points_mm[from->other]) / 2;
     if (to - from == 1) note(places.open_edges, middle);
     if (to - from > 2) note(places.nonmanifold_edges, middle);
@@ -73,7 +73,7 @@ void locate_topology_faults(const surface::TriMesh& mesh, const surface::Inciden
   });
   std::vector<std::pair<std::array<std::uint32_t, 3>, std::uint32_t>> around;
   for (std::uint32_t p = 0; p < mesh.points_mm.size(); ++p) {
-    if (surface::count_fans(mesh, incidence, p) > 1) note(places.nonmanifold_points, mesh.world_mm(p));
+    if (count_fans(mesh, incidence, p) > 1) note(places.nonmanifold_points, mesh.world_mm(p));
     around.clear();
     for (std::uint32_t n = incidence.begin[p]; n < incidence.begin[p + 1]; ++n) {
       auto t = mesh.triangles[incidence.triangle[n]];
@@ -86,7 +86,7 @@ void locate_topology_faults(const surface::TriMesh& mesh, const surface::Inciden
   }
 }
 
-std::vector<double> piece_volumes(const surface::TriMesh& mesh, const std::vector<int>& piece_of, int pieces) {
+std::vector<double> piece_volumes(const TriMesh& mesh, const std::vector<int>& piece_of, int pieces) {
   std::vector<double> volume(pieces);
   std::vector<std::uint32_t> about(pieces, 0xffffffffu);
   for (std::size_t t = 0; t < piece_of.size(); ++t) {
@@ -99,7 +99,7 @@ std::vector<double> piece_volumes(const surface::TriMesh& mesh, const std::vecto
   return volume;
 }
 
-Vec3 place_of_intersection_mm(const surface::TriMesh& mesh, std::uint32_t s, std::uint32_t t) {
+Vec3 place_of_intersection_mm(const TriMesh& mesh, std::uint32_t s, std::uint32_t t) {
   const auto &is = mesh.triangles[s], &it = mesh.triangles[t];
   Corners a, b;
   std::vector<Vec3> shared;
@@ -134,8 +134,8 @@ Vec3 place_of_intersection_mm(const surface::TriMesh& mesh, std::uint32_t s, std
   for (const Vec3 p : crossings.at) consider(p, crossings.nearest2);
   if (found.at.empty() || found.nearest2 > found.tolerance2) {  // in one plane, or touching
     for (int i = 0; i < 3; ++i) {
-      const Vec3 ga = a[i] - surface::closest_on_triangle(a[i], b[0], b[1], b[2]),
-                 gb = b[i] - surface::closest_on_triangle(b[i], a[0], a[1], a[2]);
+      const Vec3 ga = a[i] - closest_on_triangle(a[i], b[0], b[1], b[2]),
+                 gb = b[i] - closest_on_triangle(b[i], a[0], a[1], a[2]);
       consider(a[i], dot(ga, ga));
       consider(b[i], dot(gb, gb));
       for (int j = 0; j < 3; ++j) {
@@ -152,4 +152,4 @@ Vec3 place_of_intersection_mm(const surface::TriMesh& mesh, std::uint32_t s, std
   return mesh.origin_mm + sum / double(found.at.size());
 }
 
-}  // namespace trephine::meshing
+}  // namespace trephine::surface

@@ -7,7 +7,7 @@
 #include "surface/incidence.h"
 #include "surface/trimesh.h"
 
-namespace trephine::meshing {
+namespace trephine::surface {
 
 /// Where the faults of a surface are: for each kind the first `limit`, in the mesh's own order (edges and points by
 /// their lowest point, triangles by their index, pairs by the lower triangle). World, LPS, mm.
@@ -25,14 +25,14 @@ struct FaultPlaces {
 
 /// Appends the faults that follow from the triangles alone: open, non-manifold and misoriented edges, points,
 /// duplicates. It walks over the whole mesh and is meant for meshes that are known to have faults.
-void locate_topology_faults(const surface::TriMesh& mesh, const surface::Incidence& incidence, FaultPlaces& places);
+void locate_topology_faults(const TriMesh& mesh, const Incidence& incidence, FaultPlaces& places);
 
 /// Six times the signed volume of each piece (label_components), about a point of the piece. A change of its sign means
 /// that the piece was turned inside out, which no other check finds, because its triangles need not meet.
-std::vector<double> piece_volumes(const surface::TriMesh& mesh, const std::vector<int>& piece_of, int pieces);
+std::vector<double> piece_volumes(const TriMesh& mesh, const std::vector<int>& piece_of, int pieces);
 
 /// A point where two intersecting triangles (self_intersections) meet, beyond the point or edge that they share: the
 /// midpoint of their common part where they cross, one of its corners where they overlap in a plane.
-Vec3 place_of_intersection_mm(const surface::TriMesh& mesh, std::uint32_t s, std::uint32_t t);
+Vec3 place_of_intersection_mm(const TriMesh& mesh, std::uint32_t s, std::uint32_t t);
 
-}  // namespace trephine::meshing
+}  // namespace trephine::surface
