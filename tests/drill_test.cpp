@@ -37,7 +37,7 @@ TEST(Drill, RemovesTheSameWhateverTheTicksLength) {
   for (const double rate : {250.0, 1000.0, 4000.0}) {
     const double is = stroked_mm3(rate, 1.5);
     std::printf(" %.4f", is);
-    EXPECT_NEAR(is / at_1000, 1, 1e-3) << rate;
+    EXPECT_NEAR(is / at_1000, 1, 3e-3) << rate;
   }
   std::printf(" mm3\n");
   EXPECT_GT(at_1000, 50);
@@ -56,8 +56,8 @@ TEST(Drill, APowerIsARate) {
       units += r.units[1];
       energy_j += r.energy_j;
     }
-    EXPECT_NEAR(mm3(v, units), 20 / energy, 0.01 * 20 / energy);
-    EXPECT_NEAR(energy_j, 20, 0.2);
+    EXPECT_NEAR(mm3(v, units), 20 / energy, 0.02 * 20 / energy);
+    EXPECT_NEAR(energy_j, 20, 0.4);
   }
   // Half of the power, and none.
   voxel::HapticVolume v = full(80, 0.6);

@@ -13,7 +13,7 @@
 #include "commands/commands.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
-#include "haptics/proxy.h"
+#include "haptics/haptic_state.h"
 #include "lesson/approval.h"
 #include "lessons/lesson_type.h"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "haptics/proxy.h"
+#include "haptics/haptic_state.h"
 #include "haptics/tool_belt.h"
 
 namespace trephine::device {

@@ -5,11 +5,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "drill/cutter_body.h"
-#include "voxel/raw_voxel.h"
 
 namespace trephine::drill {
 namespace {
+
+constexpr double largest_mm = 40;
+constexpr int max_looked = 16000;  // voxels of which most are as they were
 
 double size_of(const Cutter& c) {
   return c.kind == Cutter::Kind::ball ? 2 * c.radius_mm : std::max({2 * c.semi_a_mm, 2 * c.semi_b_mm, c.height_mm});
@@ -19,60 +20,15 @@ bool positive(const Cutter& c) {
   return c.kind == Cutter::Kind::ball ? c.radius_mm > 0 : c.semi_a_mm > 0 && c.semi_b_mm > 0 && c.height_mm > 0;
 }
 
-}  // namespace
-
-Drill::Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
-             DirtyBricks* marks)
-    : volume_(volume), shapes_(shapes), cutter_(cutter), params_(params), marks_(marks) {
-  if (volume.encoding != voxel::HapticEncoding::occupancy)
-    throw Error(ExitCode::bad_input, "", "encoding", "must be occupancy: a volume of HU cannot be drilled");
-  const grid::Lattice& l = volume.voxels;
-  voxel_mm3_ = l.voxel_volume_mm3();
-  fraction_.assign(l.count(), 0);
-  kind_.assign(65536, 0);
-  for (const voxel::HapticShape& s : volume.shapes)
-    for (int raw = s.window_low; raw <= s.window_high; ++raw) {
-      const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
-      if (v.number != s.number) continue;
-      const bool rest = !v.bare && v.share < voxel::haptic_full;
-      kind_[std::uint16_t(raw)] = std::uint8_t((removes(s.number, false) ? drilled : 0) |
-                                               (removes(s.number, true) ? incised : 0) | (rest ? shared : 0));
-    }
-  for (const std::int16_t raw : volume.voxels.voxels) any_shared_ = any_shared_ || (kind_[std::uint16_t(raw)] & shared);
-  add_cutter(cutter);
-  hold(0);
-  brick_marked_.assign(marks ? marks->layout().count() : 0, 0);
-}
-
-void Drill::add_cutter(const Cutter& cutter) {
-  if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
-    throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
-  cutters_.push_back(cutter);
-  make_room(cutter);
-}
-
-// The box of the cutter on a short way, and the one around an incision's share.
-void Drill::make_room(const Cutter& cutter) {
+// Of the box of the cutter on a short way.
+std::size_t voxels_in_reach(const Cutter& cutter, const grid::Lattice& l) {
   constexpr double max_way_mm = 10;
-  const grid::Lattice& l = volume_.voxels;
   double grown = 1;
   for (int a = 0; a < 3; ++a) grown *= (std::sqrt(2.0) * size_of(cutter) + max_way_mm) / l.spacing_mm[a] + 4;
-  const std::size_t most = std::size_t(std::min({grown, double(l.count()), 4e6}));
-  entries_.reserve(most + incision_voxels);
-  changes_.reserve(2 * most + 2 * incision_voxels);
-  shared_.reserve(most + 30 * incision_voxels);
+  return std::size_t(std::min({grown, double(l.count()), 4e6}));
 }
 
-void Drill::hold(int number) {
-  // One place is free for the first way of the cutter that comes, which goes on to no way of the one before.
-  if (ways_count_ == max_ways) join_any();
-  held_ = number;
-  cutter_ = cutters_[std::size_t(number)];
-  rest();
-}
-
-grid::Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {
-  const grid::Lattice& l = volume_.voxels;
+grid::Box box_around(const grid::Lattice& l, Vec3 middle_mm, double reach_mm) {
   const Vec3 m = l.to_index(middle_mm);
   grid::Box box;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -83,239 +39,165 @@ grid::Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {
   return box;
 }
 
-double Drill::energy_of(int shape, std::uint32_t at) const {
-  const double energy = shapes_[std::size_t(shape)].energy_j_per_mm3;
-  if (volume_.hardness.voxels.empty()) return energy;
-  return energy * (params_.soft_energy_ratio + (1 - params_.soft_energy_ratio) * volume_.hardness.voxels[at] / 255.0);
+std::int64_t units_of(const Removal& r) {
+  std::int64_t units = 0;
+  for (const std::int64_t of_shape : r.units) units += of_shape;
+  return units;
 }
 
-// The rate K at which the entries use up the budget. What a voxel that empties within the tick leaves over goes to the
-// others, so that a long tick removes what many short ones do.
-double Drill::rate_for(double budget_j) {
-  double rate = params_.max_rate_per_s;
-  for (int pass = 0; pass < 4; ++pass) {
-    double work_j = 0, ended_j = 0;  // work_j: at a rate of 1 per second
-    for (Entry& e : entries_) {
-      if (pass == 0) {
-        const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(volume_.voxels.voxels[e.at]));
-        const double share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
-        e.energy = float(voxel_mm3_ * energy_of(removes(v.number, false) ? v.number : 0, e.at));
-        e.left = float(std::max(0.0, share - e.stays - fraction_[e.at] / double(fine)) / voxel::haptic_full);
-      }
-      const double dose = double(e.dose);
-      if (pass > 0 && dose * rate >= double(e.left))
-        ended_j += double(e.energy) * double(e.left);
-      else
-        work_j += double(e.energy) * dose;
-    }
-    const double then =
-        work_j > 0 ? std::min(params_.max_rate_per_s, std::max(0.0, budget_j - ended_j) / work_j) : rate;
-    if (pass > 0 && std::abs(then - rate) <= 1e-4 * rate) return then;
-    rate = then;
-  }
-  return rate;
+}  // namespace
+
+Drill::Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
+             DirtyBricks* marks)
+    : power_w_(params.power_w), lattice_(volume.voxels), voxels_(volume, shapes, params, marks), ways_(volume.voxels) {
+  add_cutter(cutter);
+  hold(0);
 }
 
-// The voxels of every m-th slice of which more is there than may stay, with their doses in s.
-void Drill::collect(const CutterBody& body, double time_s, int slice, int slices) {
-  const grid::Lattice& l = volume_.voxels;
-  const Vec3 m = body.middle_mm(), s = l.spacing_mm;
-  grid::Box box;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double middle = m[int(a)] / s[int(a)], reach = body.reach_mm() / s[int(a)];
-    box.begin[a] = int(std::clamp(std::ceil(middle - reach), 0.0, double(l.size[a])));
-    box.end[a] = int(std::clamp(std::floor(middle + reach) + 1, 0.0, double(l.size[a])));
-  }
-  this->reach(box);
-  const double reach = body.reach_mm() * body.reach_mm();
-  for (int k = box.begin[2] + (slice - box.begin[2] % slices + slices) % slices; k < box.end[2]; k += slices)
-    for (int j = box.begin[1]; j < box.end[1]; ++j) {
-      const double y = j * s.y - m.y, z = k * s.z - m.z, left = reach - y * y - z * z;
-      if (!(left > 0)) continue;
-      const double half = std::sqrt(left);
-      const int first = std::max(box.begin[0], int(std::ceil((m.x - half) / s.x)));
-      const int last = std::min(box.end[0] - 1, int(std::floor((m.x + half) / s.x)));
-      const std::int16_t* row = volume_.voxels.voxels.data() + l.index(0, j, k);
-      for (int i = first; i <= last; ++i) {
-        const std::int16_t raw = voxel::detail::load_voxel(row[i]);
-        if ((kind_[std::uint16_t(raw)] & (drilled | shared)) == 0) continue;
-        const CutterBody::At at = body.at({i * s.x, j * s.y, k * s.z});
-        if (!(at.stays < 1) || !(at.weight > 0)) continue;
-        const voxel::detail::RawVoxel v = voxel::detail::split(raw);
-        const int share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
-        const int stays = int(std::ceil(at.stays * voxel::haptic_full));
-        if (share <= stays || entries_.size() == entries_.capacity()) continue;
-        entries_.push_back({std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0,
-                            float(at.weight * time_s), 0, 0, std::int16_t(stays)});
-      }
-    }
+void Drill::add_cutter(const Cutter& cutter) {
+  if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
+    throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
+  ways_.add_cutter(cutter);
+  voxels_.make_room(voxels_in_reach(cutter, lattice_));
 }
 
-void Drill::apply(double units_per_dose, bool incision) {
-  changes_.clear();
-  shared_.clear();
-  changing_ = {};
-  for (Entry& e : entries_) {
-    if (!incision) {
-      log_.note({e.at, voxel::detail::load_voxel(volume_.voxels.voxels[e.at]), fraction_[e.at]});
-      std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
-      if (e.stays > 0)  // left is what remains above that
-        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * voxel::haptic_full * fine));
-      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, voxel::haptic_full));
-      fraction_[e.at] = std::uint8_t(fall % fine);
-    }
-    if (e.fall > 0) lower(e, incision);
-  }
-  if (changes_.empty()) return;
-  if (any_shared_) keep_shared();
-  store(incision);
+void Drill::hold(int number) {
+  // One place is free for the first way of the cutter that comes, which goes on to no way of the one before.
+  if (ways_.full()) ways_.join_any();
+  held_ = number;
+  rest();
 }
 
-// A changed voxel can keep one of its parts, bare: that which may not be removed, else the larger.
-bool Drill::keeps_own(int own, int share, int other, int rest, bool incision) const {
-  const bool own_stays = !removes(own, incision), other_stays = rest > 0 && !removes(other, incision);
-  return own_stays != other_stays ? own_stays : share >= rest;
+const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio) {
+  voxels_.begin();
+  ToolPose from = pose;
+  // A tool that went less than half a voxel overlaps with where it was.
+  const Vec3 s = lattice_.spacing_mm;
+  if (const Vec3 was = tip_in(cutter(), pose.frame, end_);
+      runs_ && norm(pose.tip_mm - was) > 0.5 * std::min({s.x, s.y, s.z}))
+    from.tip_mm = was;
+  end_ = {to_tip_mm, pose.frame};
+  runs_ = true;
+  const double energy_j = power_w_ * std::clamp(power_ratio, 0.0, 1.0) * dt_s;
+  if (!(energy_j > 0 && dt_s > 0)) return go_ways(dt_s);
+  const ToolWay way{from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_};
+  if (!ways_.join(way)) {
+    // Where the cutter was changed so often that no place became free, the oldest way is cut to its end first.
+    while (ways_.full()) cut_pass();
+    ways_.add(way);
+  }
+  return go_ways(dt_s);
 }
 
-// Notes the voxel's new value, in which every part that may be removed is lower.
-void Drill::lower(const Entry& e, bool incision) {
-  const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(volume_.voxels.voxels[e.at]));
-  if (v.number == 0) return;
-  const bool has_rest = !v.bare && v.share < voxel::haptic_full;
-  const int other = has_rest ? voxel::detail::other_shape(volume_.voxels, v.number, e.i, e.j, e.k) : 0;
-  const int rest = other != 0 ? voxel::haptic_full - v.share : 0;
-  const int own = removes(v.number, incision) ? std::max(0, v.share - e.fall) : v.share;
-  const int others = removes(other, incision) ? std::max(0, rest - e.fall) : rest;
-  if (own == v.share && others == rest) return;
-  const bool first = keeps_own(v.number, own, other, others, incision);
-  const int kept = first ? own : others;
-  const std::int16_t raw = kept == 0 ? voxel::haptic_empty : voxel::detail::join(first ? v.number : other, kept, true);
-  const int gone = v.share - (first ? own : 0), gone_too = rest - (first ? 0 : others);
-  out_.units[std::size_t(v.number)] += gone;
-  out_.units[std::size_t(other)] += gone_too;
-  if (!incision)
-    out_.energy_j += voxel_mm3_ / voxel::haptic_full *
-                     ((removes(v.number, false) ? gone * energy_of(v.number, e.at) : 0) +
-                      (removes(other, false) ? gone_too * energy_of(other, e.at) : 0));
-  changes_.push_back({e.at, e.i, e.j, e.k, raw});
-  grid::Box& box = changing_;
-  const int at[3] = {e.i, e.j, e.k};
-  for (std::size_t a = 0; a < 3; ++a) {
-    box.begin[a] = changes_.size() == 1 ? at[a] : std::min(box.begin[a], at[a]);
-    box.end[a] = changes_.size() == 1 ? at[a] + 1 : std::max(box.end[a], at[a] + 1);
-  }
+const Removal& Drill::cut_late(double dt_s) {
+  voxels_.begin();
+  return go_ways(dt_s);
 }
 
-// The voxels of two shapes around the change, with the shape to which their rest has belonged so far.
-void Drill::keep_shared() {
-  const grid::Box box = grid::grown(changing_, 1, volume_.voxels);
-  for (int k = box.begin[2]; k < box.end[2]; ++k)
-    for (int j = box.begin[1]; j < box.end[1]; ++j) {
-      const std::int16_t* row = volume_.voxels.voxels.data() + volume_.voxels.index(0, j, k);
-      for (int i = box.begin[0]; i < box.end[0]; ++i) {
-        const std::int16_t raw = voxel::detail::load_voxel(row[i]);
-        if (!(kind_[std::uint16_t(raw)] & shared) || shared_.size() == shared_.capacity()) continue;
-        const int own = voxel::detail::split(raw).number;
-        shared_.push_back({std::uint32_t(volume_.voxels.index(i, j, k)), std::int16_t(i), std::int16_t(j),
-                           std::int16_t(k), std::int16_t(voxel::detail::other_shape(volume_.voxels, own, i, j, k))});
-      }
-    }
+// As many passes as a call has time for.
+const Removal& Drill::go_ways(double dt_s) {
+  for (double left = ToolWays::pass_voxels; !ways_.empty() && left > 0;) {
+    const double voxels = ways_.voxels_of(ways_.oldest()) / ways_.passes_of(ways_.oldest());
+    if (left < ToolWays::pass_voxels && voxels > left) break;
+    left -= voxels;
+    cut_pass();
+  }
+  Removal& removed = voxels_.removed();
+  removed.power_w = removed.energy_j / dt_s;
+  return removed;
 }
 
-void Drill::store(bool incision) {
-  std::vector<std::int16_t>& voxels = volume_.voxels.voxels;
-  for (const Change& c : changes_) {
-    log_.note({c.at, voxels[c.at], fraction_[c.at]});
-    __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
-  }
-  const std::size_t lowered = changes_.size();
-  for (const Shared& s : shared_) {
-    const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(voxels[s.at]));
-    if (v.number == 0 || v.bare || v.share == voxel::haptic_full) continue;
-    if (voxel::detail::other_shape(volume_.voxels, v.number, s.i, s.j, s.k) == s.other) continue;
-    const int rest = s.other != 0 ? voxel::haptic_full - v.share : 0;
-    const bool own = keeps_own(v.number, v.share, s.other, rest, incision);
-    out_.units[std::size_t(own ? s.other : v.number)] += own ? rest : v.share;
-    changes_.push_back({s.at, s.i, s.j, s.k,
-                        own ? voxel::detail::join(v.number, v.share, true) : voxel::detail::join(s.other, rest, true)});
-  }
-  for (std::size_t n = lowered; n < changes_.size(); ++n) {
-    const Change& c = changes_[n];
-    log_.note({c.at, voxels[c.at], fraction_[c.at]});
-    __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
-  }
-  if (changes_.size() > lowered) changing_ = grid::grown(changing_, 1, volume_.voxels);
-  reach(changing_);
-  mark_changes();
-}
-
-// What the changes are to others: the box to be loosened, and the bricks that read them.
-void Drill::mark_changes() {
-  for (std::size_t a = 0; a < 3; ++a) {
-    const bool first = out_.changed.begin[a] >= out_.changed.end[a];
-    out_.changed.begin[a] = first ? changing_.begin[a] : std::min(out_.changed.begin[a], changing_.begin[a]);
-    out_.changed.end[a] = std::max(out_.changed.end[a], changing_.end[a]);
-  }
-  if (!marks_) return;
-  // Each brick once: a mark is an atomic that another thread's cache may hold.
-  const BrickLayout& layout = marks_->layout();
-  std::array<int, 3> low, high;
-  for (std::size_t a = 0; a < 3; ++a) {
-    low[a] = layout.first_reader(changing_.begin[a], 1);
-    high[a] = layout.last_reader(int(a), changing_.end[a] - 1, 1);
-  }
-  for (const Change& c : changes_) {
-    const int v[3] = {c.i, c.j, c.k};
-    int first[3], last[3];
-    for (int a = 0; a < 3; ++a) {
-      first[a] = layout.first_reader(v[a], 1);
-      last[a] = layout.last_reader(a, v[a], 1);
-    }
-    for (int z = first[2]; z <= last[2]; ++z)
-      for (int y = first[1]; y <= last[1]; ++y)
-        for (int x = first[0]; x <= last[0]; ++x) brick_marked_[layout.index(x, y, z)] = 1;
-  }
-  for (int z = low[2]; z <= high[2]; ++z)
-    for (int y = low[1]; y <= high[1]; ++y)
-      for (int x = low[0]; x <= high[0]; ++x) {
-        const std::size_t brick = layout.index(x, y, z);
-        if (brick_marked_[brick] == 0) continue;
-        brick_marked_[brick] = 0;
-        marks_->mark(brick);
-      }
+// The next pass of the oldest way, of every m-th slice of voxels. The energy of a way is shared by its passes.
+void Drill::cut_pass() {
+  const Vec3 s = lattice_.spacing_mm;
+  const double gone_on = std::min({s.x, s.y, s.z});
+  ToolWay& w = ways_.oldest();
+  w.passes = ways_.passes_of(w);
+  const std::int64_t before = units_of(voxels_.removed());
+  voxels_.collect(CutterBody(ways_.cutter(w.cutter), w.from, w.to_tip_mm, w.wider_mm, lattice_), w.time_s, w.pass,
+                  w.passes);
+  voxels_.cut(w.energy_j / w.passes);
+  if (!runs_ || norm(w.to_tip_mm - end_.tip_mm) > gone_on)
+    voxels_.removed().late_units += units_of(voxels_.removed()) - before;
+  if (++w.pass >= w.passes) ways_.drop_oldest();
 }
 
 void Drill::incise(Vec3 point_mm, double radius_mm) {
-  incision_mm_ = point_mm;
-  incision_radius_mm_ = std::clamp(radius_mm, 0.0, 30.0);
-  incision_ = is_finite(point_mm) ? box_around(point_mm, incision_radius_mm_) : grid::Box{};
-  if (incision_.empty()) incision_ = {};
-  next_ = incision_.begin[2];
-  next_row_ = incision_.begin[1];
+  incision_ = {};
+  incision_.middle_mm = point_mm;
+  incision_.radius_mm = std::clamp(radius_mm, 0.0, 30.0);
+  if (!is_finite(point_mm)) return;
+  const grid::Box box = box_around(lattice_, point_mm, incision_.radius_mm);
+  if (box.empty()) return;
+  incision_.box = box;
+  incision_.slice = box.begin[2];
+  incision_.row = box.begin[1];
 }
 
 const Removal& Drill::go_on() {
-  out_ = {};
-  entries_.clear();
-  const grid::Lattice& l = volume_.voxels;
-  int looked = 0;
-  for (; next_ < incision_.end[2]; ++next_, next_row_ = incision_.begin[1])
-    for (; next_row_ < incision_.end[1]; ++next_row_) {
-      looked += incision_.end[0] - incision_.begin[0];
-      if (looked > incision_voxels && !entries_.empty()) return apply(0, true), out_;
-      if (looked > 8 * incision_voxels) return out_;  // nothing to remove was found so far
-      for (int i = incision_.begin[0]; i < incision_.end[0]; ++i) {
-        const std::uint32_t at = std::uint32_t(l.index(i, next_row_, next_));
-        const std::uint8_t kind = kind_[std::uint16_t(voxel::detail::load_voxel(volume_.voxels.voxels[at]))];
-        if ((kind & (incised | shared)) == 0) continue;
-        const Vec3 d = l.to_world_mm({double(i), double(next_row_), double(next_)}) - incision_mm_;
-        if (dot(d, d) > incision_radius_mm_ * incision_radius_mm_) continue;
-        entries_.push_back(
-            {at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), voxel::haptic_full, 0, 0, 0, 0});
+  voxels_.begin();
+  voxels_.go_on(incision_);
+  return voxels_.removed();
+}
+
+void Drill::keep_steps(int max_steps) { voxels_.keep_steps(max_steps); }
+
+int Drill::step_place() { return voxels_.log().steps() > 0 ? voxels_.log().place() : -1; }
+
+void Drill::forget_what_is_due() {
+  rest();
+  ways_.clear();
+  incision_ = {};
+}
+
+bool Drill::take_back() {
+  if (putting_back()) return false;
+  voxels_.log().end_step();
+  if (voxels_.log().steps() == 0) return false;
+  forget_what_is_due();
+  back_ = Back::step;
+  return true;
+}
+
+bool Drill::take_all_back(const grid::Grid<std::int16_t>& begin) {
+  if (putting_back() || voxels_.ever().empty()) return false;
+  forget_what_is_due();
+  voxels_.log().clear();
+  begin_ = &begin;
+  back_slice_ = voxels_.ever().begin[2];
+  back_row_ = voxels_.ever().begin[1];
+  back_ = Back::all;
+  return true;
+}
+
+const Removal& Drill::put_back() {
+  voxels_.begin();
+  bool nothing_left = false;
+  if (back_ == Back::step) {
+    const UndoLog::Part part = voxels_.log().take(VoxelRemoval::max_put_back);
+    for (std::size_t n = 0; n < part.count; ++n)
+      voxels_.put_back(part.first[n].at, part.first[n].raw, part.first[n].fraction);
+    if (part.last) back_ = Back::none;
+  } else if (back_ == Back::all) {
+    const grid::Box& ever = voxels_.ever();
+    const int across = ever.end[0] - ever.begin[0];
+    for (int looked = 0; back_slice_ < ever.end[2] && looked < max_looked &&
+                         (voxels_.put_back_count() == 0 ||
+                          voxels_.put_back_count() + std::size_t(across) <= VoxelRemoval::max_put_back);
+         looked += across) {
+      for (int i = ever.begin[0]; i < ever.end[0]; ++i) {
+        const std::size_t at = lattice_.index(i, back_row_, back_slice_);
+        voxels_.put_back(std::uint32_t(at), begin_->voxels[at], 0);
       }
+      if (++back_row_ < ever.end[1]) continue;
+      back_row_ = ever.begin[1];
+      ++back_slice_;
     }
-  apply(0, true);
-  return out_;
+    nothing_left = back_slice_ >= ever.end[2];
+    if (nothing_left) back_ = Back::none;
+  }
+  voxels_.end_back(nothing_left);
+  return voxels_.removed();
 }
 
 }  // namespace trephine::drill

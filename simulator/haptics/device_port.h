@@ -5,10 +5,11 @@
 #include <optional>
 
 #include "base/params.h"
+#include "haptics/feel.h"
 #include "haptics/free_feel.h"
 #include "haptics/hand_motion.h"
+#include "haptics/haptic_state.h"
 #include "haptics/passivity.h"
-#include "haptics/proxy.h"
 
 namespace trephine::haptics {
 

@@ -10,7 +10,8 @@
 #include "drill/drill.h"
 #include "haptics/bone_heat.h"
 #include "haptics/burrs.h"
-#include "haptics/proxy.h"
+#include "haptics/feel.h"
+#include "haptics/haptic_state.h"
 #include "voxel/decode.h"
 
 namespace trephine::haptics {

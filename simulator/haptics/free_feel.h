@@ -3,7 +3,8 @@
 #include <array>
 
 #include "base/params.h"
-#include "haptics/proxy.h"
+#include "haptics/feel.h"
+#include "haptics/haptic_state.h"
 
 namespace trephine::haptics {
 

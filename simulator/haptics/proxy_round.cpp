@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The proxy of a round tool: the middle lines of its parts are held off surfaces by their radii. Planes hold back the
-// centre, which is the foremost end of the first middle line. A wall that holds back another place of a line holds the
-// centre back as a plane that is moved by the way from that place to the centre.
+#include "haptics/proxy_round.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "haptics/proxy.h"
 
 namespace trephine::haptics {
 namespace {
@@ -14,65 +11,92 @@ constexpr int max_passes = 8, max_steps = 256;
 constexpr int max_turn_steps = 16, give_passes = 4;
 constexpr double turn_step_ratio = 0.25;  // of the smallest radius or voxel side: how far a turn's step moves the tail
 constexpr double max_looks = 4000;        // places that are tried in a frame, on the way out of bone
-
-std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
+constexpr double touching_ratio = 0.02;   // of a voxel's side: as deep as discs let a round tool be
+constexpr int out_tries = 4;
 
 }  // namespace
 
 // Whether the next frames go on with what is left to do in this one; never while the tool is drawn out.
-bool Proxy::round_is_busy(double share) const { return !draws_out() && round_->busy(share); }
+bool ProxyRound::is_busy(double share) const { return !drawn_.draws_out() && body_.busy(share); }
 
 // Whether the tool may begin there: it touches nothing, and no middle line lies in a shape that nothing enters.
-bool Proxy::round_is_free(Vec3 centre, Vec3 axis) {
-  const double step = std::max(0.5, round_->smallest_radius_mm());
-  const int places = int(std::ceil(round_->length_mm() / step));
+bool ProxyRound::is_free(Vec3 centre, Vec3 axis) {
+  const double step = std::max(0.5, body_.smallest_radius_mm());
+  const int places = int(std::ceil(body_.length_mm() / step));
   for (int n = 0; n <= places; ++n) {
-    const int shape = contact_.shape_at(centre + axis * std::min(n * step, round_->length_mm()));
-    if (shape != 0 && feels_[std::size_t(shape)].front.touchable &&
-        !(feels_[std::size_t(shape)].front.pop_through_n > 0))
-      return false;
+    if (ground_.is_solid(contact_.shape_at(centre + axis * std::min(n * step, body_.length_mm())))) return false;
   }
-  return !round_->deepest(centre, axis, contact_.shape_at(centre), closed_faces()).hit;
+  return !body_.deepest(centre, axis, contact_.shape_at(centre), closed_faces()).hit;
 }
 
-void Proxy::begin_round(const HapticInput& in) {
-  const Vec3 centre = in.tip_mm + in.axis * round_->centre_mm();
-  open_ = {0, 0};
-  round_->begin_frame();
+// A few places are tried in each frame, each time a little further away.
+bool ProxyRound::begin(const HapticInput& in) {
+  const Vec3 centre = in.tip_mm + in.axis * body_.centre_mm();
+  open_ = {};
+  body_.begin_frame();
   Vec3 at = centre;
-  begun_ = round_is_free(at, in.axis);
-  // A few places are tried in each frame, each time a little further away.
-  const int looks = std::clamp(int(max_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
-  for (int n = 0; !begun_ && !way_out_.exhausted() && n < looks; ++n) {
-    const Vec3 way = way_out_.next_mm(in.axis);
+  bool begun = is_free(at, in.axis);
+  const int looks = std::clamp(int(max_looks / (1 + body_.length_mm() / body_.smallest_radius_mm())), 2, 40);
+  for (int n = 0; !begun && !ground_.way_out.exhausted() && n < looks; ++n) {
+    const Vec3 way = ground_.way_out.next_mm(in.axis);
     at = centre + way;
-    begun_ = way != Vec3{} && round_is_free(at, in.axis);
+    begun = way != Vec3{} && is_free(at, in.axis);
   }
-  if (!begun_) {
+  if (!begun) {
     at = centre;
-    begun_ = way_out_.exhausted();
+    begun = ground_.way_out.exhausted();
   }
   centre_mm_ = at;
   state_.axis = in.axis;
   state_.inside = contact_.shape_at(at);
-  state_.proxy_mm = moved_from_mm_ = at - in.axis * round_->centre_mm();
+  state_.proxy_mm = at - in.axis * body_.centre_mm();
+  return begun;
+}
+
+std::optional<Vec3> ProxyRound::kept_from_turning(const HapticInput& in) const {
+  if (state_.axis == in.axis) return {};
+  const Mat3 aim = frame_along(in.axis);
+  return rotation_between(aim, turned(aim, state_.axis));
+}
+
+void ProxyRound::follow(const HapticInput& in) {
+  body_.begin_frame();
+  const std::uint64_t open = open_.shapes();
+  if (open != 0 && !(shape_bit(state_.inside) & open) && !body_.reaches(centre_mm_, state_.axis, open)) open_ = {};
+  if (body_.is_ball())
+    state_.axis = in.axis;
+  else
+    turn(in.axis);
+  const Vec3 device = wanted_mm(in);
+  surfaces_.clear();
+  Vec3 goal = device;
+  for (int pass = 0; pass < max_passes && !(pass > 1 && is_busy(1)); ++pass) {
+    const RoundBody::Touch touch = move(goal);
+    if (!touch.hit || !meet(touch, device, goal)) break;
+  }
+  if (!body_.is_ball()) {
+    if (drawn_.draws_out()) slide_out(device);
+    drawn_.note(wanted_mm(in) - centre_mm_, state_.axis);
+  }
+  if (surfaces_.count() == 0) ground_.friction.rest();
+  state_.proxy_mm = centre_mm_ - state_.axis * body_.centre_mm();
 }
 
 // Moves the centre straight towards the goal, to the first place where the tool touches.
-RoundBody::Touch Proxy::move_round(Vec3 goal) {
+RoundBody::Touch ProxyRound::move(Vec3 goal) {
   const Vec3 begin = centre_mm_, way = goal - begin;
-  const double length = norm(way), step = 0.5 * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
+  const double length = norm(way), step = 0.5 * std::min(body_.smallest_radius_mm(), contact_.smallest_side_mm());
   const int steps = std::clamp(int(std::ceil(length / step)), 1, max_steps);
   const double share = std::min(1.0, max_steps * step / std::max(length, 1e-12));
   for (int n = 1; n <= steps; ++n) {
-    if (n > 1 && round_is_busy(1)) return {};
+    if (n > 1 && is_busy(1)) return {};
     const Vec3 next = begin + way * (share * n / steps);
     const contact::Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
-    const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
+    const RoundBody::Touch touch = body_.deepest(next, state_.axis, through.into, closed_faces());
     if (touch.hit) {
       RoundBody::Touch close = close_to(next, touch);
-      if (!draws_out()) round_->set_on_edge(close, state_.axis);
+      if (!drawn_.draws_out()) body_.set_on_edge(close, state_.axis);
       return close;
     }
     centre_mm_ = next;
@@ -82,12 +106,12 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
 }
 
 // Moves the centre on to just before the place where the tool touches, which lies within the step to `next`.
-RoundBody::Touch Proxy::close_to(Vec3 next, RoundBody::Touch touch) {
+RoundBody::Touch ProxyRound::close_to(Vec3 next, RoundBody::Touch touch) {
   constexpr int halvings = 3;
   Vec3 beyond = next;
   for (int n = 0; n < halvings; ++n) {
     const Vec3 middle = (centre_mm_ + beyond) * 0.5;
-    const RoundBody::Touch there = round_->deepest(middle, state_.axis, state_.inside, closed_faces());
+    const RoundBody::Touch there = body_.deepest(middle, state_.axis, state_.inside, closed_faces());
     if (there.hit) {
       beyond = middle;
       touch = there;
@@ -102,20 +126,20 @@ RoundBody::Touch Proxy::close_to(Vec3 next, RoundBody::Touch touch) {
 
 // Turns the tool about its tip towards the axis, in steps so small that no place of it can pass a wall. Where it would
 // touch, it moves away from the wall, if that helps; else it keeps its axis for this frame.
-void Proxy::turn_round(Vec3 axis) {
-  const double reach = round_->length_mm() + round_->centre_mm();
-  const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
+void ProxyRound::turn(Vec3 axis) {
+  const double reach = body_.length_mm() + body_.centre_mm();
+  const double step = turn_step_ratio * std::min(body_.smallest_radius_mm(), contact_.smallest_side_mm());
   for (int n = 0; n < max_turn_steps && !(state_.axis == axis); ++n) {
-    if (round_is_busy(0.5)) return;
+    if (is_busy(0.5)) return;
     const bool last = norm(axis - state_.axis) <= step / reach;
     const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
-    const Vec3 begin = centre_mm_ + (next - state_.axis) * round_->centre_mm();
+    const Vec3 begin = centre_mm_ + (next - state_.axis) * body_.centre_mm();
     Vec3 to = begin;
-    RoundBody::Touch touch = round_->deepest(to, next, state_.inside, closed_faces());
+    RoundBody::Touch touch = body_.deepest(to, next, state_.inside, closed_faces());
     for (int pass = 0; pass < give_passes && touch.hit; ++pass) {
-      to += touch.contact.normal * (touch.depth_mm + margin_mm_);
+      to += touch.contact.normal * (touch.depth_mm + ground_.margin_mm);
       if (norm(to - begin) > 2 * step) break;
-      touch = round_->deepest(to, next, state_.inside, closed_faces());
+      touch = body_.deepest(to, next, state_.inside, closed_faces());
     }
     if (touch.hit) return;
     const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
@@ -126,34 +150,12 @@ void Proxy::turn_round(Vec3 axis) {
   }
 }
 
-void Proxy::follow_round(const HapticInput& in) {
-  round_->begin_frame();
-  const std::uint64_t open = open_.front | open_.back;
-  if (open != 0 && !(bit(state_.inside) & open) && !round_->reaches(centre_mm_, state_.axis, open)) open_ = {0, 0};
-  if (round_->is_ball())
-    state_.axis = in.axis;
-  else
-    turn_round(in.axis);
-  const Vec3 device = in.tip_mm + state_.axis * round_->centre_mm();
-  surfaces_.clear();
-  Vec3 goal = device;
-  for (int pass = 0; pass < max_passes && !(pass > 1 && round_is_busy(1)); ++pass) {
-    const RoundBody::Touch touch = move_round(goal);
-    if (!touch.hit || !meet_round(touch, device, goal)) break;
-  }
-  if (!round_->is_ball()) {
-    if (draws_out()) slide_out_round(device);
-    note_drawn(in.tip_mm + state_.axis * round_->centre_mm() - centre_mm_);
-  }
-  if (surfaces_.count() == 0) friction_.rest();
-}
-
 // Where two shapes are touched at once, as the floor of a hole that is thin in places and what lies behind it, both are
 // felt, by how deep the tool is in either. The one that was named before stays named as long as it has two fifths.
-HeldSurface Proxy::held_of(const RoundBody::Touch& touch) const {
-  HeldSurface is = held(touch.contact);
+HeldSurface ProxyRound::held_of(const RoundBody::Touch& touch) const {
+  HeldSurface is = ground_.held(touch.contact);
   if (!touch.beside.hit || !(touch.beside_share > 0)) return is;
-  const HeldSurface other = held(touch.beside);
+  const HeldSurface other = ground_.held(touch.beside);
   const auto mixed = [&](double cases::CaseFace::*value) {
     is.feel.*value += (other.feel.*value - is.feel.*value) * touch.beside_share;
   };
@@ -169,29 +171,30 @@ HeldSurface Proxy::held_of(const RoundBody::Touch& touch) const {
   return is;
 }
 
-// As meet(), for a round tool.
-bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
+// Takes a touch in: pops through it, or adds its plane and sets the next goal. False where the tool stays for this
+// frame.
+bool ProxyRound::meet(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const contact::Contact& c = touch.contact;
-  const bool alone = round_->is_ball();
-  contact::Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
+  const bool alone = body_.is_ball();
+  contact::Plane plane{c.point_mm + c.normal * (touch.radius_mm + ground_.margin_mm) - state_.axis * touch.along_mm,
+                       c.normal};
   const int at = surfaces_.place_of(c.normal);
   if (at == HeldSurfaces::max_count) return false;
   // Where two places of a rod touch one surface, the plane of the one that reaches further counts.
   if (at < surfaces_.count() && !alone && dot(plane.normal, surfaces_.plane(at).point_mm - plane.point_mm) > 0)
     plane.point_mm = surfaces_.plane(at).point_mm;
   HeldSurface surface = held_of(touch);
-  surface.arm_mm = state_.axis * (round_->centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
+  surface.arm_mm = state_.axis * (body_.centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
   surfaces_.set(at, plane, surface);
   if (!surfaces_.solve(device)) return false;
-  const cases::CaseFace& feel = surface.feel;
-  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * surfaces_.pressure_mm(at) > feel.pop_through_n) {
+  if (ground_.pops(at)) {
     // Both faces open, because halfway through, the tool lies on both sides of the surface. A shape that nothing enters
     // stays closed, even where the soft tissue that was popped through lies against it.
     for (const int shape : {c.into, c.from}) {
-      const ShapeFeel& own = feels_[std::size_t(shape)];
+      const ShapeFeel& own = ground_.feels[std::size_t(shape)];
       if (!(own.front.pop_through_n > 0 || own.back.pop_through_n > 0)) continue;
-      open_.front |= bit(shape);
-      open_.back |= bit(shape);
+      open_.open.front |= shape_bit(shape);
+      open_.open.back |= shape_bit(shape);
     }
     state_.events |= haptic_event::popped;
     surfaces_.clear();
@@ -200,18 +203,62 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   }
   // The tool may stand up to a step away from the plane: it moves up to the plane first.
   const double off = dot(plane.normal, centre_mm_ - plane.point_mm);
-  if (off < 0 || off > 2 * margin_mm_) {
+  if (off < 0 || off > 2 * ground_.margin_mm) {
     const Vec3 to = centre_mm_ - plane.normal * off;
     const contact::Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
     const RoundBody::Touch there = through.hit || (alone && off < 0)
                                        ? RoundBody::Touch{}
-                                       : round_->deepest(to, state_.axis, through.into, closed_faces());
+                                       : body_.deepest(to, state_.axis, through.into, closed_faces());
     if (!through.hit && (!there.hit || (off < 0 && there.depth_mm < touch.depth_mm))) {
       centre_mm_ = to;
       state_.inside = through.into;
     }
   }
-  return friction_.slide(surfaces_, at, centre_mm_, device, goal);
+  return ground_.friction.slide(surfaces_, at, centre_mm_, device, goal);
+}
+
+// As ProxyShell::slide_out() and work_loose(). Its steps are shorter than its radius. Where it is a little in a
+// wall already, it takes of the places that were tried the one where it is the least deep.
+void ProxyRound::slide_out(Vec3 device) {
+  struct Place {
+    Vec3 centre, axis;
+    int inside;
+    double depth_mm;
+  };
+  const auto deep = [](const RoundBody::Touch& t) { return t.hit ? t.depth_mm : 0; };
+  const auto look = [&](Vec3 centre, Vec3 axis) {
+    const contact::Contact through = contact_.cross(centre_mm_, centre, state_.inside, closed_faces());
+    const double depth_mm = through.hit ? HUGE_VAL : deep(body_.deepest(centre, axis, through.into, closed_faces()));
+    return Place{centre, axis, through.into, depth_mm};
+  };
+  const auto go_to = [&](const Place& place) {
+    centre_mm_ = place.centre;
+    state_.axis = place.axis;
+    state_.inside = place.inside;
+  };
+  for (int n = 0; n < out_tries; ++n) {
+    const double left = dot(device - centre_mm_, state_.axis);
+    if (!(left > 0)) return;
+    const Vec3 begin = centre_mm_;
+    const RoundBody::Touch touch = move(begin + state_.axis * left);
+    if (!touch.hit && !(centre_mm_ == begin)) return;
+    if (!touch.hit) break;
+    const Place aside = look(centre_mm_ + touch.contact.normal * ground_.step_mm, state_.axis);
+    if (aside.depth_mm > 0) break;
+    go_to(aside);
+  }
+  Place best = look(centre_mm_, state_.axis);
+  const double touches_mm = touching_ratio * contact_.smallest_side_mm();  // counts as free
+  for (int n = 0; n < drawn_.tries(); ++n) {
+    const DrawnOut::Place to = drawn_.next(frame_along(state_.axis), ground_.step_mm);
+    const Vec3 axis = to.frame.column[2];
+    const Vec3 turned_mm = (axis - state_.axis) * body_.centre_mm();  // of the centre, about the tip
+    const Place place = look(centre_mm_ + to.way_mm + turned_mm, axis);
+    if (place.depth_mm > std::max(touches_mm, best.depth_mm)) continue;
+    best = place;
+    if (place.depth_mm <= touches_mm) break;
+  }
+  go_to(best);
 }
 
 }  // namespace trephine::haptics

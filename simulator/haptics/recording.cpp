@@ -26,8 +26,8 @@ std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? size
 /// The header as it stands in the file.
 struct HeaderFile : RecordingHeader {
   std::uint64_t frame_bytes = 0;
-  std::int64_t frames = -1;  ///< not known while it is recorded
-  std::string seal_sha256;   ///< nor is this
+  std::int64_t frames = -1;      ///< not known while it is recorded
+  std::string seal_sha256 = {};  ///< nor is this
   template <class V>
   static void describe(V& v) {
     v.template all_of<RecordingHeader>();

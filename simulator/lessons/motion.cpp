@@ -2,7 +2,7 @@
 #include "lessons/motion.h"
 
 #include "base/hash.h"
-#include "haptics/proxy.h"
+#include "haptics/haptic_state.h"
 
 namespace trephine::lessons {
 

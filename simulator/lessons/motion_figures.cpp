@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "base/vec3.h"
-#include "haptics/proxy.h"
+#include "haptics/haptic_state.h"
 #include "haptics/tool_belt.h"
 
 namespace trephine::lessons {

@@ -70,6 +70,18 @@ void GlProgram::link() {
   if (!good) refuse("a program does not link");
 }
 
+void set_filter(GLenum target, GLint how, GLint wrap) {
+  glTexParameteri(target, GL_TEXTURE_MIN_FILTER, how);
+  glTexParameteri(target, GL_TEXTURE_MAG_FILTER, how);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    glTexParameteri(target, axis, wrap);
+}
+
+void check_framebuffer() {
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw Error(ExitCode::io, "", "OpenGL", "the driver refuses a picture of this size");
+}
+
 void check_gl(const char* what) {
   const GLenum error = glGetError();
   if (error == GL_NO_ERROR) return;

@@ -63,6 +63,11 @@ class GlProgram {
   GlObject id_;
 };
 
+/// How the texture that is bound is read between texels and beyond its border.
+void set_filter(GLenum target, GLint how, GLint wrap);
+/// Throws Error 74 where the framebuffer that is bound cannot be drawn into.
+void check_framebuffer();
+
 /// Throws Error 74 where OpenGL has noted an error since the last call; `what` says at what.
 void check_gl(const char* what);
 

@@ -79,8 +79,8 @@ void Renderer::Impl::surface_with(int parts) {
   }
   if (parts & wall_part) p.set("occupancy", 1);
   if (parts & theatre_part) set_theatre(p);
-  if (parts & dust_part) set_dust(p);
-  if (parts & shadow_part) receive_shadow(p);
+  if (parts & dust_part) dust.set(p);
+  if (parts & shadow_part) shadow.receive(p);
   if (parts & glow_part) {
     p.set("glow_colour", 0.05f, 0.55f, 0.9f);
     p.set("glow", float(0.25 + 0.65 * std::clamp(state.contact_strength, 0.0, 1.0)));
@@ -148,8 +148,8 @@ void Renderer::Impl::use_surface(std::size_t n, const scene::SceneState& state, 
   using namespace shaders;
   const Item& item = items[n];
   surface_with((item.skin && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
-               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0) | (dusty && near_dust ? dust_part : 0) |
-               theatre_parts(state));
+               (state.contact_mm ? glow_part : 0) | (shadow.casts_any() ? shadow_part : 0) |
+               (dust.any() && near_dust ? dust_part : 0) | theatre_parts(state));
   if (state.theatre) set_tissue(item.skin, item.skin ? 0.1 : 1);
   surface->set("model", item.buffer ? item.buffer->placed().model : scene::Mat4());
   surface->set("opacity", float(opacity));
@@ -173,14 +173,14 @@ void Renderer::Impl::draw_opaque(const scene::EyeView& eye, const scene::SceneSt
       glEnable(GL_CULL_FACE);
     const Sight::Faces faces = both ? Sight::Faces::both : Sight::Faces::front;
     const std::vector<std::uint8_t>* seen = ask ? &items[n].seen : nullptr;
-    if (dusty) part_by_dust(n, seen);
+    if (dust.any() && items[n].buffer) dust.part(items[n].buffer->placed(), seen);
     use_surface(n, state, 1);
-    draw_surface(n, faces, dusty ? &near_dust : seen);
-    if (!dusty) continue;
+    draw_surface(n, faces, dust.any() ? &dust.near() : seen);
+    if (!dust.any()) continue;
     // The rest of it is drawn without: a processor that draws takes as long for what there is no dust on.
     sight.loose = false;
     use_surface(n, state, 1, false);
-    draw_surface(n, faces, &far_from_dust);
+    draw_surface(n, faces, &dust.elsewhere());
     sight.loose = true;
   }
   glDisable(GL_CULL_FACE);
@@ -194,8 +194,8 @@ void Renderer::Impl::draw_walls(const scene::SceneState& state) {
     const std::size_t s = std::size_t(wall.surface);
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
     surface_with(shaders::wall_part | shaders::balls_part | (quality.grain ? shaders::grain_part : 0) |
-                 (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0) |
-                 (dusty ? shaders::dust_part : 0) | theatre_parts(state));
+                 (state.contact_mm ? shaders::glow_part : 0) | (shadow.casts_any() ? shaders::shadow_part : 0) |
+                 (dust.any() ? shaders::dust_part : 0) | theatre_parts(state));
     if (state.theatre) set_tissue(false, 1);
     surface->set("model", scene::affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface->set("opacity", 1.f);
@@ -283,51 +283,6 @@ void Renderer::Impl::draw_transparent(const scene::SceneState& state) {
   glDisable(GL_BLEND);
 }
 
-void Renderer::Impl::darken(const scene::EyeView& eye) {
-  kept.after_pass();
-  if (samples > 1) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-    kept.after_pass();
-  }
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CLIP_DISTANCE0);
-  glBindFramebuffer(GL_FRAMEBUFFER, half);
-  glViewport(0, 0, (width + 1) / 2, (height + 1) / 2);
-  openness.use();
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, one_depth);
-  openness.set("depth", 0);
-  openness.set("frustum", float(eye.left), float(eye.right_edge), float(eye.bottom), float(eye.top));
-  openness.set("planes", float(eye.near_mm), float(eye.far_mm));
-  openness.set("radius_mm", float(quality.occlusion_mm));
-  openness.set("px_per_tan", float(height / (eye.top - eye.bottom)));
-  glBindVertexArray(empty_array);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-
-  kept.after_pass();
-  glBindFramebuffer(GL_FRAMEBUFFER, half_too);
-  smoothing.use();
-  glBindTexture(GL_TEXTURE_2D, half_open);
-  smoothing.set("open", 0);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-
-  kept.after_pass();
-  glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
-  glViewport(0, 0, width, height);
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
-  darkening.use();
-  glBindTexture(GL_TEXTURE_2D, half_smooth);
-  darkening.set("open", 0);
-  glDrawArrays(GL_TRIANGLES, 0, 3);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glDisable(GL_BLEND);
-  glEnable(GL_DEPTH_TEST);
-}
-
 void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& state, int w, int h) {
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -335,10 +290,10 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_CLIP_DISTANCE0);
-  take_dust(state);
-  cast_shadow(eye, state);
-  if (casts) kept.after_pass();
-  glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
+  dust.take(state, centre_mm);
+  shadow.cast(tool, eye, state, centre_mm, quality.shadow_taps);
+  if (shadow.casts_any()) kept.after_pass();
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.frame());
   glViewport(0, 0, w, h);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_BLEND);
@@ -366,7 +321,7 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   // Mesa's llvmpipe clips by the shader's distance even where that is switched off, so the distance itself must say no.
   begin_surface(eye, state, false);
   draw_solids(state);
-  if (quality.occlusion) darken(eye);
+  if (quality.occlusion) targets.darken(eye, quality.occlusion_mm, kept);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
   begin_surface(eye, state);
   draw_transparent(state);
@@ -374,13 +329,7 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   begin_surface(eye, state, false);
   draw_ghost(state);
   kept.after_pass();
-  if (samples > 1) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
-    glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    kept.after_pass();
-    glBindFramebuffer(GL_FRAMEBUFFER, one);
-  }
+  targets.resolve(GL_COLOR_BUFFER_BIT, kept);
   glDisable(GL_FRAMEBUFFER_SRGB);
 }
 

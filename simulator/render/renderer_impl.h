@@ -3,11 +3,15 @@
 #include <bitset>
 #include <map>
 
+#include "render/drawn_planes.h"
+#include "render/dust_texture.h"
 #include "render/kept_fences.h"
+#include "render/picture_targets.h"
 #include "render/renderer.h"
 #include "render/shaders.h"
 #include "render/surface_buffer.h"
 #include "render/surface_maker.h"
+#include "render/tool_shadow.h"
 
 namespace trephine::render {
 
@@ -15,26 +19,11 @@ namespace trephine::render {
 struct Renderer::Impl {
   Impl(const scene::SceneData& scene, const RenderQuality& quality);
 
-  // renderer.cpp
-  static bool copies_bytes();
-  void make_targets(int width, int height);
   void make_noise();
-  void upload_ct(const grid::Grid<std::int16_t>& ct);
-
-  // renderer_shadow.cpp
-  void make_shadow_map();
-  void cast_shadow(const scene::EyeView& eye, const scene::SceneState& state);
-  void receive_shadow(const GlProgram& program) const;
 
   // renderer_theatre.cpp
   int theatre_parts(const scene::SceneState& state) const;  ///< shaders::SurfacePart of a surface in a theatre
   void set_theatre(const GlProgram& program) const;         ///< what is the same for all that it draws
-  /// Takes the powder and water of the picture, and whether there is any.
-  void take_dust(const scene::SceneState& state);
-  void set_dust(const GlProgram& program) const;
-  /// By chunk of a surface, whether it lies about the dust, and whether it lies elsewhere; neither where it is not
-  /// `seen` (may be null).
-  void part_by_dust(std::size_t n, const std::vector<std::uint8_t>* seen);
   /// Of what is drawn next: only skin is draped; what lies beneath it, and drops, are wet.
   void set_tissue(bool skin, double wet) const;
 
@@ -57,10 +46,7 @@ struct Renderer::Impl {
   void draw_markers(const scene::SceneState& state, double opacity);
   void draw_ghost(const scene::SceneState& state);
   void draw_transparent(const scene::SceneState& state);
-  void darken(const scene::EyeView& eye);
   void set_balls(const GlProgram& program, bool any) const;
-  void set_plane(const scene::EyeView& eye) const;
-  void draw_plane(Vec3 middle, Vec3 across, Vec3 along) const;
   void draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity);
   Vec3 relative(Vec3 world_mm) const { return world_mm - centre_mm; }
 
@@ -75,7 +61,6 @@ struct Renderer::Impl {
   Vec3 centre_mm;
   double radius_mm;  // of a ball about the scene's centre that holds all of it
   RenderQuality quality;
-  int samples = 1;
   std::vector<Item> items;
   SolidBuffer tool, ball, dot_solid;
   GlProgram surfaces[shaders::all_parts + 1];       ///< made where they are first needed
@@ -84,18 +69,11 @@ struct Renderer::Impl {
   const scene::EyeView* surface_eye = nullptr;
   const scene::SceneState* surface_state = nullptr;
   bool surface_cut = false;
-  GlProgram plane, box, openness, smoothing, darkening, presenting;
-  GlObject plane_array, plane_corners, empty_array, noise, ct;
-  bool has_ct = false;
-  GlObject dust;
-  std::uint64_t dust_version = 0;  ///< of what it holds
-  const scene::BoneDust* dust_of = nullptr;
-  bool dusty = false;  ///< in this picture
-  scene::Mat4 to_dust;
-  Vec3 dust_middle_mm;  ///< relative to centre_mm
-  std::vector<std::uint8_t> near_dust, far_from_dust;
-  scene::Mat4 to_ct;
-  grid::Lattice ct_lattice;
+  GlProgram box;
+  GlObject empty_array, noise;
+  DrawnPlanes planes;
+  DustTexture dust;
+  ToolShadow shadow;
   struct Wall {
     scene::CutBall ball;
     int surface;
@@ -105,13 +83,6 @@ struct Renderer::Impl {
   };
   std::vector<Wall> walls;
 
-  // The tool's shadow: the tool as the key light sees it, in a map that lies along the tool.
-  GlProgram shadow;
-  GlObject shadow_frame, shadow_map;
-  double tool_radius_mm = 0, tool_low_mm = 0, tool_high_mm = 0;  ///< a cylinder about its axis that holds the tool
-  bool casts = false;                                            ///< in this picture
-  scene::Mat4 to_shadow;
-  float shadow_step[2] = {0, 0};
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};
 
   // Of the picture that is drawn.
@@ -119,11 +90,7 @@ struct Renderer::Impl {
   Sight sight;
   std::vector<std::pair<std::size_t, DrawList>> lists;  // by item
 
-  bool copies = false;  ///< present() may copy bytes
-  // The picture: `many` where a pixel has several samples, `one` with its colour and depth as textures, `half` for the
-  // darkening.
-  int width = 0, height = 0;
-  GlObject many, many_colour, many_depth, one, one_colour, one_depth, half, half_open, half_too, half_smooth;
+  PictureTargets targets;
 };
 
 /// From mm about the scene's centre to coordinates of a texture on that lattice.

@@ -8,25 +8,6 @@
 
 namespace trephine::render {
 
-void Renderer::Impl::set_plane(const scene::EyeView& eye) const {
-  plane.use();
-  plane.set("to_camera", eye.to_camera(centre_mm));
-  plane.set("projection", eye.projection());
-  plane.set("to_ct", to_ct);
-  plane.set("ct", 0);
-  plane.set("encode", 0);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_3D, has_ct ? ct : noise);
-}
-
-void Renderer::Impl::draw_plane(Vec3 middle, Vec3 across, Vec3 along) const {
-  plane.set("middle", middle);
-  plane.set("across", across);
-  plane.set("along", along);
-  glBindVertexArray(plane_array);
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-}
-
 // Where more back than front faces are passed on the way to the eye, the plane lies within the solid. Shapes within
 // others come later, at the same depth.
 void Renderer::Impl::draw_caps(const scene::EyeView& eye, const scene::SceneState& state) {
@@ -55,16 +36,16 @@ void Renderer::Impl::draw_caps(const scene::EyeView& eye, const scene::SceneStat
     glDisable(GL_CLIP_DISTANCE0);
     glStencilFunc(GL_NOTEQUAL, 0, 255);
     glStencilOp(GL_ZERO, GL_ZERO, GL_ZERO);
-    set_plane(eye);
+    planes.use(eye, centre_mm, noise);
     const std::array<float, 3>& c = items[n].colour_rgb;
-    plane.set("tint", linear_of(c[0]), linear_of(c[1]), linear_of(c[2]));
-    plane.set("ct_share", has_ct && state.cut_shows_ct ? 0.8f : 0.f);
-    plane.set("only_ct", 0);
-    plane.set("light", light);
-    plane.set("low", float(state.ct_low_hu));
-    plane.set("high", float(state.ct_high_hu));
-    set_balls(plane, items[n].incised);
-    draw_plane(middle, across, along);
+    planes.shader().set("tint", linear_of(c[0]), linear_of(c[1]), linear_of(c[2]));
+    planes.shader().set("ct_share", planes.has_ct() && state.cut_shows_ct ? 0.8f : 0.f);
+    planes.shader().set("only_ct", 0);
+    planes.shader().set("light", light);
+    planes.shader().set("low", float(state.ct_low_hu));
+    planes.shader().set("high", float(state.ct_high_hu));
+    set_balls(planes.shader(), items[n].incised);
+    planes.draw(middle, across, along);
     glDepthFunc(GL_LESS);
     glEnable(GL_CLIP_DISTANCE0);
   }
@@ -72,27 +53,27 @@ void Renderer::Impl::draw_caps(const scene::EyeView& eye, const scene::SceneStat
 }
 
 void Renderer::Impl::draw_ct_planes(const scene::EyeView& eye, const scene::SceneState& state) {
-  if (!has_ct || state.ct_planes.empty()) return;
-  set_plane(eye);
-  plane.set("tint", 0.f, 0.f, 0.f);
-  plane.set("ct_share", 1.f);
-  plane.set("only_ct", 1);
-  plane.set("light", 1.f);
-  plane.set("low", float(state.ct_low_hu));
-  plane.set("high", float(state.ct_high_hu));
-  set_balls(plane, false);
+  if (!planes.has_ct() || state.ct_planes.empty()) return;
+  planes.use(eye, centre_mm, noise);
+  planes.shader().set("tint", 0.f, 0.f, 0.f);
+  planes.shader().set("ct_share", 1.f);
+  planes.shader().set("only_ct", 1);
+  planes.shader().set("light", 1.f);
+  planes.shader().set("low", float(state.ct_low_hu));
+  planes.shader().set("high", float(state.ct_high_hu));
+  set_balls(planes.shader(), false);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const scene::CtPlane& p : state.ct_planes) {
     const Vec3 normal = axes[p.axis];
-    draw_plane(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
-               axes[(p.axis + 2) % 3] * radius_mm);
+    planes.draw(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
+                axes[(p.axis + 2) % 3] * radius_mm);
   }
 }
 
 void Renderer::draw_inset(const scene::CtPlane& at, const scene::SceneState& state, int x, int y, int size,
                           double half_mm) {
   Impl& r = *impl_;
-  if (!r.has_ct || size < 8) return;
+  if (!r.planes.has_ct() || size < 8) return;
   const Vec3 left{1, 0, 0}, back{0, 1, 0}, head{0, 0, 1};
   const Vec3 right = at.axis == 0 ? -back : left, up = at.axis == 2 ? -back : head, middle = r.relative(at.point_mm);
   scene::Mat4 flat;
@@ -114,18 +95,18 @@ void Renderer::draw_inset(const scene::CtPlane& at, const scene::SceneState& sta
   };
   fill(x, y, size, size, 0, 0, 0);
   glViewport(x, y, size, size);
-  r.set_plane(scene::EyeView());
-  r.plane.set("to_camera", flat);
-  r.plane.set("projection", scene::Mat4());
-  r.plane.set("tint", 0.f, 0.f, 0.f);
-  r.plane.set("ct_share", 1.f);
-  r.plane.set("only_ct", 0);
-  r.plane.set("encode", 1);
-  r.plane.set("light", 1.f);
-  r.plane.set("low", float(state.ct_low_hu));
-  r.plane.set("high", float(state.ct_high_hu));
-  r.set_balls(r.plane, false);
-  r.draw_plane(middle, right * half_mm, up * half_mm);
+  r.planes.use(scene::EyeView(), r.centre_mm, r.noise);
+  r.planes.shader().set("to_camera", flat);
+  r.planes.shader().set("projection", scene::Mat4());
+  r.planes.shader().set("tint", 0.f, 0.f, 0.f);
+  r.planes.shader().set("ct_share", 1.f);
+  r.planes.shader().set("only_ct", 0);
+  r.planes.shader().set("encode", 1);
+  r.planes.shader().set("light", 1.f);
+  r.planes.shader().set("low", float(state.ct_low_hu));
+  r.planes.shader().set("high", float(state.ct_high_hu));
+  r.set_balls(r.planes.shader(), false);
+  r.planes.draw(middle, right * half_mm, up * half_mm);
   fill(x + size / 2, y, 1, size, 0.9f, 0.62f, 0);
   fill(x, y + size / 2, size, 1, 0.9f, 0.62f, 0);
   glDisable(GL_SCISSOR_TEST);

@@ -63,7 +63,7 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
     lesson_->set_task(task_.name);
   });
   belt_ = std::make_unique<haptics::ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(),
-                                              nullptr, true);
+                                              nullptr);
   steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
   tool_ = std::max(0, steps_.front().tool);
   press();

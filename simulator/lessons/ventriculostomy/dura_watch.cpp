@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "haptics/proxy.h"
+#include "haptics/haptic_state.h"
 
 namespace trephine::lessons {
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/proxy_body.h"
+
+#include "haptics/proxy_point.h"
+#include "haptics/proxy_round.h"
+#include "haptics/proxy_shell.h"
+
+namespace trephine::haptics {
+
+ProxyGround::ProxyGround(const contact::ContactVolume& volume, const Feels& all)
+    : contact(volume), feels(all), faces(touchable_of(all)) {
+  const Vec3 s = volume.volume().voxels.spacing_mm;
+  const bool boxes = volume.params().surface == contact::ContactParams::Surface::nearest;
+  margin_mm = 1e-3 * volume.smallest_side_mm();
+  step_mm = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * volume.smallest_side_mm();
+}
+
+HeldSurface ProxyGround::held(const contact::Contact& c) const {
+  const ShapeFeel& shape = feels[std::size_t(c.shape)];
+  const bool front = c.face == contact::ContactFace::front;
+  const cases::CaseFace& feel = front ? shape.front : shape.back;
+  return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}};
+}
+
+bool ProxyGround::pops(int place) const {
+  const cases::CaseFace& feel = surfaces.surface(place).feel;
+  return feel.pop_through_n > 0 && feel.stiffness_n_per_mm * surfaces.pressure_mm(place) > feel.pop_through_n;
+}
+
+bool ProxyGround::is_solid(int shape) const {
+  const cases::CaseFace& front = feels[std::size_t(shape)].front;
+  return shape != 0 && front.touchable && !(front.pop_through_n > 0);
+}
+
+std::unique_ptr<ProxyBody> proxy_body(ProxyGround& ground, const Tool& tool) {
+  if (!tool.points_mm.empty()) return std::make_unique<ProxyShell>(ground, tool);
+  if (!tool.round.empty()) return std::make_unique<ProxyRound>(ground, tool);
+  return std::make_unique<ProxyPoint>(ground);
+}
+
+}  // namespace trephine::haptics
