@@ -18,6 +18,7 @@
 #include "../tests/report_of.h"
 #include "base/child.h"
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/splitmix64.h"
 #include "boolean/cut_surface.h"
 #include "grid/nrrd.h"
@@ -67,8 +68,7 @@ boolean::Cutter hole_at(const surface::TriMesh& m, std::uint64_t number, double 
   const surface::Bounds b = surface::bounds_of(m);
   const Vec3 middle = (b.min_mm + b.max_mm) / 2;
   for (std::uint64_t k = 0;; ++k) {
-    const double z = 2 * random_of(number * 1000 + 2 * k) - 1,
-                 a = 6.283185307179586 * random_of(number * 1000 + 2 * k + 1);
+    const double z = 2 * random_of(number * 1000 + 2 * k) - 1, a = 2 * pi * random_of(number * 1000 + 2 * k + 1);
     const Vec3 out{std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z};
     const Vec3 start = middle + out * 500;
     const double d = first_hit(m, start, -out, 0);
@@ -87,7 +87,7 @@ boolean::Cutter hole_at(const surface::TriMesh& m, std::uint64_t number, double 
 std::vector<boolean::Cutter> many(boolean::Cutter c, std::uint64_t number) {
   const auto u = [&](int n) { return random_of(number * 977 + 31 * n + 500000000); };
   c.radius_mm *= 0.3 + 1.1 * u(0);
-  const double z = 2 * u(1) - 1, a = 6.283185307179586 * u(2), s = std::sqrt(1 - z * z);
+  const double z = 2 * u(1) - 1, a = 2 * pi * u(2), s = std::sqrt(1 - z * z);
   const Vec3 aside = Vec3{s * std::cos(a), s * std::sin(a), z};
   c.direction = normalized(c.direction + aside * (0.55 * u(3)));
   boolean::Cutter e;

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "head/head_region.h"
 #include "head_recipe.h"
 #include "mask/field_edge.h"
@@ -250,7 +251,7 @@ TEST(Body, ABoardThatATiltedGantryCutsAslantGoes) {
     Volume v;
     v.size = {130, 150, 40};
     v.spacing_mm = {2, 2, 5};
-    const double c = std::cos(deg * 3.14159265 / 180), s = std::sin(deg * 3.14159265 / 180);
+    const double c = std::cos(deg * pi / 180), s = std::sin(deg * pi / 180);
     v.direction.column[1] = {0, c, s};
     v.direction.column[2] = {0, -s, c};
     v.origin_mm = v.direction * Vec3{-130, -150, -100};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/pi.h"
 #include "boolean/burr_hole.h"
 #include "dicom/import.h"
 #include "head_recipe.h"
@@ -57,7 +58,7 @@ void expect_kocher(const phantom::PhantomParams& params, const grid::HuVolume& v
     const boolean::BurrHole upright = boolean::place_burr_hole(r, marks, &s.skin, s.skull).value;
     Vec3 normal;
     head.implicit_mm(phantom::Anatomy::skull, head.project_mm(phantom::Anatomy::skull, upright.position_mm), normal);
-    const double tilt = std::acos(std::min(1.0, -dot(normalized(normal), upright.direction))) * 180 / std::acos(-1.0);
+    const double tilt = std::acos(std::min(1.0, -dot(normalized(normal), upright.direction))) * 180 / pi;
     EXPECT_LT(tilt, 3) << what;  // of the analytic normal at a point, not the mean over the hole
     std::printf("%s %s: %.3f mm from the truth, %.2f deg off the normal at its middle, skull %.3f mm, bone %.2f mm\n",
                 what, name, off, tilt, beside_skull, upright.bone_thickness_mm);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "boolean/burr_hole.h"
 #include "boolean/cut_faces.h"
 #include "boolean/outer_curve.h"
@@ -19,7 +20,6 @@ namespace {
 using At = boolean::BurrHoleRequest::At;
 using Side = boolean::BurrHoleRequest::Side;
 using Marks = std::map<std::string, Vec3>;
-const double pi = std::acos(-1.0);
 
 double degrees_between(Vec3 a, Vec3 b) {
   return std::acos(std::min(1.0, std::max(-1.0, dot(normalized(a), normalized(b))))) * 180 / pi;

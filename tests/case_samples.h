@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "cases/case.h"
 #include "cases/glb.h"
 #include "cases/load_case.h"
@@ -68,7 +69,6 @@ inline double bump(Vec3 unit) { return 1 + 0.04 * unit.x * unit.y + 0.03 * unit.
 
 /// About 4 rings^2 triangles.
 inline surface::TriMesh ball(double radius_mm, int rings) {
-  const double pi = 3.14159265358979323846;
   const int segments = 2 * rings;
   surface::TriMesh m;
   const auto add = [&](double theta, double phi) {

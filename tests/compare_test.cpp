@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/pi.h"
 #include "case_samples.h"
 #include "scratch_folder.h"
 
@@ -14,7 +15,6 @@ namespace trephine {
 namespace {
 
 using case_samples::MemoryCase;
-constexpr double pi = 3.14159265358979323846;
 
 /// A sphere whose vertices lie on the radius: its facets lie up to radius * (1 - cos(pi / (2 * rings))) within.
 surface::TriMesh sphere(double radius_mm, Vec3 middle_mm, int rings) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "consistency/anatomy_gate.h"
 #include "consistency_samples.h"
 #include "report_of.h"
@@ -68,7 +69,7 @@ TEST(HeadFigures, WidthsOfSimpleShapes) {
     EXPECT_NEAR(*f.midline_shift_mm, 0, 0.1) << turn;
     EXPECT_EQ(f.midline_of, "septum");
     EXPECT_EQ(f.head_class, head::HeadClass::normal);
-    EXPECT_NEAR(*f.brain_ml, 4.0 / 3 * 3.14159265 * 67 * 85 * 62 / 1000, 8);
+    EXPECT_NEAR(*f.brain_ml, 4.0 / 3 * pi * 67 * 85 * 62 / 1000, 8);
   }
 }
 

@@ -3,6 +3,7 @@
 // Phantoms with the fields that pipelines/ventriculostomy.yaml makes of them.
 #include <cmath>
 
+#include "base/pi.h"
 #include "head/brain.h"
 #include "head/landmarks.h"
 #include "head/ventricles.h"
@@ -40,7 +41,7 @@ inline LandmarkScene make_scene(const phantom::HeadParams& who, const phantom::S
 
 /// A turn about x, then y, then z, degrees.
 inline Mat3 turn_deg(double x, double y, double z) {
-  const double k = std::acos(-1.0) / 180;
+  const double k = pi / 180;
   Mat3 m;
   for (Vec3& c : m.column) {
     c = {c.x, c.y * std::cos(x * k) - c.z * std::sin(x * k), c.y * std::sin(x * k) + c.z * std::cos(x * k)};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/pi.h"
 #include "base/report.h"
 #include "boolean/cutter.h"
 #include "meshing/validity.h"
@@ -11,8 +12,6 @@
 #include "surface_shapes.h"
 
 namespace trephine::shapes {
-
-inline constexpr double pi = 3.14159265358979323846;
 
 inline double figure(const Report& r, const std::string& name) {
   const ParameterValue* v = r.find(name);

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "face/deface_distance.h"
 #include "face/face_gate.h"
 
 namespace trephine {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double degree = pi / 180;
 
 head::HeadLandmarks upright() {
   head::HeadLandmarks l;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/pi.h"
 #include "lessons/motion_figures.h"
 
 namespace {
@@ -37,7 +38,7 @@ TEST(GroupMotion, TheSpectralArcLengthIsItsAuthors) {
   for (int n = 0; n < 200; ++n) speed.push_back(std::exp(-5 * std::pow(-1 + 0.01 * n, 2)));
   EXPECT_NEAR(lessons::spectral_arc_length(speed, 100), -1.41403, 0.000006);
   std::vector<double> stops = speed;
-  for (int n = 0; n < 200; ++n) stops[std::size_t(n)] *= 1 + 0.5 * std::sin(2 * 3.14159265358979 * 4 * 0.01 * n);
+  for (int n = 0; n < 200; ++n) stops[std::size_t(n)] *= 1 + 0.5 * std::sin(2 * pi * 4 * 0.01 * n);
   EXPECT_LT(lessons::spectral_arc_length(stops, 100), -1.6);
 }
 
@@ -61,7 +62,7 @@ TEST(GroupMotion, ADetourCostsEconomyAndAStopIsIdle) {
 
 TEST(GroupMotion, TremorIsItsRootMeanSquare) {
   const auto wave = [](double hz) {
-    return figures_of(frames_of(5, [hz](double t) { return 0.2 * std::sin(2 * 3.14159265358979 * hz * t); }));
+    return figures_of(frames_of(5, [hz](double t) { return 0.2 * std::sin(2 * pi * hz * t); }));
   };
   // Means of 10 ms take a little off.
   EXPECT_NEAR(wave(10).at("tremor_um"), 200 / std::sqrt(2.0), 6);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "head/brain.h"
 #include "head/brain_dark.h"
 #include "head/brain_pits.h"
@@ -16,8 +17,6 @@
 
 namespace trephine::segmentation {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 grid::Lattice lattice_about(Vec3 centre, Vec3 half_mm, double spacing_mm) {
   grid::Lattice l;

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "head/ventricle_parts.h"
 #include "mask/streaks.h"
 
 namespace trephine::segmentation {
 namespace {
 
-constexpr double turn = 20 * 3.14159265358979323846 / 180;
+constexpr double turn = 20 * pi / 180;
 
 /// Across the streaks, and along them.
 double across(Vec3 p) { return p.y * std::cos(turn) - p.x * std::sin(turn); }

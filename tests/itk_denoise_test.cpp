@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "itk/denoise.h"
 #include "itk/non_local_means.h"
 #include "phantom/random.h"
@@ -44,7 +45,7 @@ double radius_of(const grid::Grid<float>& g) {
     if (norm(g.to_world_mm({double(i), double(j), double(k)})) < radius_mm + edge_mm)
       volume += (37 - g.voxels[n]) / 29 * g.voxel_volume_mm3();
   }
-  return std::cbrt(volume * 3 / (4 * 3.141592653589793));
+  return std::cbrt(volume * 3 / (4 * pi));
 }
 
 double noise_within(const grid::Grid<float>& g) {

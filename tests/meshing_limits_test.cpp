@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/time_limit.h"
 #include "meshing/decimate.h"
 #include "meshing/repair.h"
@@ -50,7 +51,7 @@ TEST(Limits, AFanOfThousandsIsCountedSoon) {
   constexpr std::uint32_t n = 100000;
   for (const double z : {1.0, -1.0})
     for (std::uint32_t i = 0; i < n; ++i) {
-      const double a = 2 * 3.14159265358979 * i / n;
+      const double a = 2 * pi * i / n;
       m.points_mm.push_back({10 * std::cos(a), 10 * std::sin(a), z});
     }
   for (std::uint32_t d = 0; d < 2; ++d)

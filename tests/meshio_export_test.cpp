@@ -14,6 +14,7 @@
 #include <clocale>
 #include <filesystem>
 
+#include "base/pi.h"
 #include "base/write_file.h"
 #include "meshing/validity.h"
 #include "meshio/export_format.h"
@@ -280,7 +281,7 @@ TEST(Texture, SeamAndPoles) {
       low = std::min(low, p.u);
       high = std::max(high, p.u);
       const Vec3 d = mesh.points_mm[p.point];
-      const double turn = 2 * std::acos(-1.0) * p.u;
+      const double turn = 2 * pi * p.u;
       if (std::hypot(d.x, d.y) > 10) {  // about the centroid, which lies near the ball's middle
         EXPECT_NEAR(-std::sin(turn), d.x / std::hypot(d.x, d.y), 0.06);
         EXPECT_NEAR(std::cos(turn), d.y / std::hypot(d.x, d.y), 0.06);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
@@ -12,7 +13,6 @@ namespace trephine {
 inline surface::TriMesh bumpy_ball(int around, int rows, Vec3 centre_mm, double radius_mm = 80, bool normals = true) {
   surface::TriMesh m;
   m.origin_mm = centre_mm;
-  const double pi = std::acos(-1.0);
   const auto raster = [](double v) { return std::nearbyint(v * 16384) / 16384; };
   for (int j = 0; j <= rows; ++j)
     for (int i = 0; i < (j == 0 || j == rows ? 1 : around); ++i) {

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/pi.h"
 #include "base/write_file.h"
 #include "meshio/vtp.h"
 #include "scratch_folder.h"
@@ -37,7 +38,6 @@ class Vtp : public testing::Test {
 surface::TriMesh wavy_sphere(int nu, int nv, Vec3 origin, bool with_normals) {
   surface::TriMesh m;
   m.origin_mm = origin;
-  const double pi = std::acos(-1.0);
   for (int j = 0; j <= nv; ++j)
     for (int i = 0; i < (j == 0 || j == nv ? 1 : nu); ++i) {
       const double a = 2 * pi * i / nu, b = pi * j / nv, r = 80 + 3 * std::sin(9 * a) * std::sin(11 * b);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "metrics/overlap.h"
 #include "surface/inside.h"
 #include "surface_shapes.h"
@@ -85,7 +86,7 @@ TEST(Voxelize, SphereVoxelByVoxel) {
       }
   EXPECT_EQ(wrong, 0u);
   EXPECT_GT(known, l.count() - 500);
-  EXPECT_NEAR(metrics::volume_mm3(inside) / (4 * std::acos(-1.0) / 3 * radius * radius * radius), 1, 0.005);
+  EXPECT_NEAR(metrics::volume_mm3(inside) / (4 * pi / 3 * radius * radius * radius), 1, 0.005);
 }
 
 TEST(Voxelize, FacesThroughLatticePoints) {

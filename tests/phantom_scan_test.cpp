@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
 
@@ -135,7 +136,7 @@ TEST(PhantomScan, TiltShearsAndUnevenStepsShow) {
   auto s = phantom::slice_poses(p);
   const Vec3 normal = cross(s[0].row, s[0].column), step = s[1].origin_mm - s[0].origin_mm;
   EXPECT_NEAR(norm(step), 1.0, 1e-12);
-  EXPECT_NEAR(dot(step, normal), std::cos(13.5 * 3.141592653589793 / 180), 1e-12);
+  EXPECT_NEAR(dot(step, normal), std::cos(13.5 * pi / 180), 1e-12);
   EXPECT_FALSE(phantom::has_lattice(p));
   p.tilt_deg = 0;
   p.upper_step_mm = 5;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/pi.h"
 #include "random.h"
 
 namespace trephine {
@@ -13,7 +14,7 @@ namespace {
 
 using picture::detail::SurfaceBuffer;
 
-constexpr double full_turn = 6.283185307179586;
+constexpr double full_turn = 2 * pi;
 
 // What the neighbours along the pixel's spiral hide of it, before it is averaged over its tile.
 float hidden_at(const SurfaceBuffer& b, int x, int y, double radius_mm, double px_per_mm) {

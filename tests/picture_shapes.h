@@ -3,12 +3,11 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/pi.h"
 #include "surface/trimesh.h"
 
 // Surfaces whose pictures are known.
 namespace trephine::picture_test {
-
-constexpr double pi = 3.14159265358979323846;
 
 inline surface::TriMesh sphere(double radius, Vec3 center, int rings = 64) {
   surface::TriMesh m;

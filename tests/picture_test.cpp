@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "picture/render.h"
 #include "picture_shapes.h"
 
@@ -248,15 +249,15 @@ TEST(Png, RoundTripAndDamage) {
 TEST(Png, ARowAtATimeGivesTheSameBytes) {
   picture::Image whole(37, 23, {0.2, 0.4, 0.6});
   for (std::size_t k = 0; k < whole.rgb.size(); ++k) whole.rgb[k] = static_cast<std::uint8_t>(k * 7 + k / 111);
-  picture::PngRows rows(37, 23);
+  PngRows rows(37, 23, 3);
   const std::size_t cut = std::size_t{37} * 3 * 5;
   picture::Image top(37, 5), rest(37, 18);
   std::copy(whole.rgb.begin(), whole.rgb.begin() + static_cast<std::ptrdiff_t>(cut), top.rgb.begin());
   std::copy(whole.rgb.begin() + static_cast<std::ptrdiff_t>(cut), whole.rgb.end(), rest.rgb.begin());
-  rows.add(top);
-  EXPECT_THROW(rows.add(whole), Error);  // more rows than there are
-  EXPECT_THROW(picture::PngRows(37, 23).take(), Error);
-  rows.add(rest);
+  rows.add(top.rgb);
+  EXPECT_THROW(rows.add(whole.rgb), Error);  // more rows than there are
+  EXPECT_THROW(PngRows(37, 23, 3).take(), Error);
+  rows.add(rest.rgb);
   EXPECT_EQ(rows.take(), picture::encode_png(whole));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/pi.h"
 #include "base/splitmix64.h"
 #include "base/vec3.h"
 
@@ -16,7 +17,7 @@ class Random {
   double operator()() { return unit_of_bits(splitmix64_mixed(state_ += splitmix64_step)); }  // 0 to 1
   double operator()(double from, double to) { return from + (to - from) * (*this)(); }
   Vec3 direction() {
-    const double z = (*this)(-1, 1), a = (*this)(0, 6.283185307179586), s = std::sqrt(1 - z * z);
+    const double z = (*this)(-1, 1), a = (*this)(0, 2 * pi), s = std::sqrt(1 - z * z);
     return {s * std::cos(a), s * std::sin(a), z};
   }
 

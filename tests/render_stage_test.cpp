@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/png.h"
 #include "device/hand_path.h"
 #include "picture/image.h"
 #include "render_scene.h"
@@ -245,7 +246,7 @@ TEST_F(RenderStage, PicturesAreReadByAnotherProgramsReader) {
   const cases::LoadedCase loaded = cases::load_case(folder_ / "case");
   render::Stage stage(loaded, plain_view());
   const trephine::scene::Picture p = shot(stage, scene::camera_of(plain_view(), loaded.manifest, stage.scene()));
-  const picture::Image read = picture::decode_png(scene::png_of(p));
+  const picture::Image read = picture::decode_png(png_of(p.width, p.height, 3, p.rgb));
   EXPECT_EQ(read.width, width);
   EXPECT_EQ(read.rgb, p.rgb);
 }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/pi.h"
 #include "picture/render.h"
 #include "render/stage.h"
 #include "render_scene.h"
@@ -122,7 +123,7 @@ TEST_F(RenderPicture, StereoHasTheDisparityOfTheDepth) {
       middle[side > 0] = x / weight;
       EXPECT_NEAR(middle[side > 0], eye.project(marker.position_mm, width, height).x, 0.5);
     }
-    const double px_per_tan = 0.5 * height / std::tan(0.5 * 25 * 3.14159265358979 / 180);
+    const double px_per_tan = 0.5 * height / std::tan(0.5 * 25 * pi / 180);
     EXPECT_NEAR(middle[1] - middle[0], 64 * px_per_tan * (1 / 500.0 - 1 / depth), 0.5) << depth;
   }
 }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/pi.h"
 
 namespace trephine {
 namespace {
@@ -161,7 +162,7 @@ TEST(Surface, BoundsAreOfTheWorld) {
 surface::Arc with_strands(double radius_mm, double from_mm, double height_mm) {
   surface::Arc arc;
   for (int i = 0; i <= 1800; ++i) {
-    const double angle = i * 0.1 * std::acos(-1.0) / 180, along = radius_mm * angle;
+    const double angle = i * 0.1 * pi / 180, along = radius_mm * angle;
     const bool strand = along > from_mm && std::fmod(along, 15) < 4;
     const double r = radius_mm + (strand ? height_mm : 0);
     arc.points_mm.push_back({r * std::cos(angle), r * std::sin(angle), 0});

@@ -5,7 +5,7 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "consistency/anatomy_gate.h"
 #include "grid/bounded_read.h"
 #include "stage_command.h"
@@ -54,7 +54,7 @@ Report examine(const cli::ParsedCommand& parsed, const Progress& progress) {
 
 }  // namespace
 
-cli::Command anatomy_command() {
+const cli::OwnCommand anatomy_command([] {
   const stages::StageType& stage = stages::stage_named("anatomy");
   cli::Command c;
   c.name = stage.name;
@@ -77,6 +77,6 @@ cli::Command anatomy_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "boolean/cut_surface.h"
 #include "boolean/cutter_use.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "grid/bounded_read.h"
 #include "meshio/read_mesh.h"
 #include "named_values.h"
@@ -156,7 +156,7 @@ Report cut_field_file(const cli::ParsedCommand& parsed, grid::Field field, const
 
 }  // namespace
 
-cli::Command boolean_command() {
+const cli::OwnCommand boolean_command([] {
   const stages::StageType& stage = stages::stage_named("boolean");
   cli::Command c;
   c.name = stage.name;
@@ -209,6 +209,6 @@ cli::Command boolean_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

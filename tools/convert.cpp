@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "grid/bounded_read.h"
 #include "itk/volume_file.h"
 #include "itk/volume_write.h"
@@ -54,7 +54,7 @@ Report convert(const cli::ParsedCommand& parsed, const Progress& progress) {
 
 }  // namespace
 
-cli::Command convert_command() {
+const cli::OwnCommand convert_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "convert";
@@ -84,6 +84,6 @@ cli::Command convert_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

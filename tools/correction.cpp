@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "itk/volume_write.h"
 #include "segmentation/correct.h"
 #include "stage_command.h"
@@ -23,7 +23,7 @@ struct CorrectionParams {
 
 }  // namespace
 
-cli::Command correction_command() {
+const cli::OwnCommand correction_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "correction";
@@ -54,6 +54,6 @@ cli::Command correction_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -16,7 +16,7 @@
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "desk/server.h"
 
 namespace trephine::tools {
@@ -57,7 +57,7 @@ void open_browser(const fs::path& folder, const std::string& address) {
 
 }  // namespace
 
-cli::Command desk_command() {
+const cli::OwnCommand desk_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "desk";
@@ -109,6 +109,6 @@ cli::Command desk_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

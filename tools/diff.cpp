@@ -5,8 +5,8 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "compare/compare_cases.h"
 #include "compare/compare_libraries.h"
 
@@ -45,7 +45,7 @@ Compared compare_two_libraries(const cli::ParsedCommand& parsed, const compare::
 
 }  // namespace
 
-cli::Command diff_command() {
+const cli::OwnCommand diff_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "diff";
@@ -91,6 +91,6 @@ cli::Command diff_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

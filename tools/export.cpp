@@ -10,8 +10,8 @@
 #include "cases/case.h"
 #include "cases/glb.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "export_parts.h"
 #include "head/head_landmarks.h"
 #include "meshio/export_format.h"
@@ -284,7 +284,7 @@ std::string formats_text() {
 
 }  // namespace
 
-cli::Command export_command() {
+const cli::OwnCommand export_command([] {
   cli::Command c;
   c.name = "export";
   c.summary = "writes surfaces and labels in the formats of other programs";
@@ -338,6 +338,6 @@ cli::Command export_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

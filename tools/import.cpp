@@ -8,8 +8,8 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/write_file.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "dicom/input_files.h"
 #include "look/look.h"
 #include "stage_command.h"
@@ -97,7 +97,7 @@ ExitCode list(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command import_command() {
+const cli::OwnCommand import_command([] {
   cli::Command c;
   c.name = "import";
   c.summary = "reads a CT series (DICOM folder, ZIP archive) or a volume file into a volume in HU";
@@ -149,6 +149,6 @@ cli::Command import_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -3,7 +3,7 @@
 
 #include "base/spawn.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "library/approve.h"
 
 namespace trephine::tools {
@@ -37,7 +37,7 @@ void tell_lessons(const std::filesystem::path& case_folder) {
 
 }  // namespace
 
-cli::Command library_approve_command() {
+const cli::OwnCommand library_approve_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "library approve";
@@ -63,6 +63,6 @@ cli::Command library_approve_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

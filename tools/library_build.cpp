@@ -4,7 +4,7 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "library_display.h"
 #include "library_request.h"
 
@@ -40,7 +40,7 @@ library::LibraryBuildRequest library_request(const cli::ParsedCommand& parsed) {
   return request;
 }
 
-cli::Command library_build_command() {
+const cli::OwnCommand library_build_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "library build";
@@ -88,6 +88,6 @@ cli::Command library_build_command() {
     return static_cast<ExitCode>(result.code);
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -4,8 +4,8 @@
 
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "library/job.h"
 #include "library/keeping.h"
 #include "library/metrics.h"
@@ -53,7 +53,7 @@ struct SheetParams {
 
 }  // namespace
 
-cli::Command library_list_command() {
+const cli::OwnCommand library_list_command([] {
   cli::Command c;
   c.name = "library list";
   c.summary = "lists the cases of a library with their figures";
@@ -85,9 +85,9 @@ cli::Command library_list_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_show_command() {
+const cli::OwnCommand library_show_command([] {
   cli::Command c;
   c.name = "library show";
   c.summary = "shows all figures of one case of a library";
@@ -104,9 +104,9 @@ cli::Command library_show_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_verify_command() {
+const cli::OwnCommand library_verify_command([] {
   cli::Command c;
   c.name = "library verify";
   c.summary = "compares every byte of a library's cases with their checksums";
@@ -130,9 +130,9 @@ cli::Command library_verify_command() {
     return result.faults.empty() ? ExitCode::ok : ExitCode::bad_input;
   };
   return c;
-}
+});
 
-cli::Command library_gc_command() {
+const cli::OwnCommand library_gc_command([] {
   cli::Command c;
   c.name = "library gc";
   c.summary = "removes from a library what nothing refers to any more";
@@ -153,9 +153,9 @@ cli::Command library_gc_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_job_command() {
+const cli::OwnCommand library_job_command([] {
   cli::Command c;
   c.name = "library job";
   c.summary = "does one job of a library build";
@@ -165,6 +165,6 @@ cli::Command library_job_command() {
     return static_cast<ExitCode>(library::run_library_job(parsed.text("name")));
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

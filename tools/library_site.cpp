@@ -4,8 +4,8 @@
 
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "library/catalogue.h"
 #include "library/plan_formats.h"
 #include "library/slurm_engine.h"
@@ -33,7 +33,7 @@ cli::Argument library_folder() { return cli::positional_argument("library", Kind
 
 }  // namespace
 
-cli::Command library_plan_command() {
+const cli::OwnCommand library_plan_command([] {
   cli::Command c;
   c.name = "library plan";
   c.summary = "writes what a library build would do, for another engine to do";
@@ -63,9 +63,9 @@ cli::Command library_plan_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_one_command() {
+const cli::OwnCommand library_one_command([] {
   cli::Command c;
   c.name = "library one";
   c.summary = "does one job of a library's plan";
@@ -83,9 +83,9 @@ cli::Command library_one_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_status_command() {
+const cli::OwnCommand library_status_command([] {
   cli::Command c;
   c.name = "library status";
   c.summary = "says what a cluster does of a library, and what failed";
@@ -111,9 +111,9 @@ cli::Command library_status_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_cancel_command() {
+const cli::OwnCommand library_cancel_command([] {
   cli::Command c;
   c.name = "library cancel";
   c.summary = "ends what a cluster does of a library";
@@ -131,9 +131,9 @@ cli::Command library_cancel_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_timeline_command() {
+const cli::OwnCommand library_timeline_command([] {
   cli::Command c;
   c.name = "library timeline";
   c.summary = "draws when each case of the last build ran, and where its time went";
@@ -154,9 +154,9 @@ cli::Command library_timeline_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
-cli::Command library_task_command() {
+const cli::OwnCommand library_task_command([] {
   cli::Command c;
   c.name = "library task";
   c.summary = "does one task of a job array";
@@ -168,9 +168,9 @@ cli::Command library_task_command() {
     return static_cast<ExitCode>(library::run_slurm_task(parsed.path("batch"), array));
   };
   return c;
-}
+});
 
-cli::Command library_finish_command() {
+const cli::OwnCommand library_finish_command([] {
   cli::Command c;
   c.name = "library finish";
   c.summary = "ends a batch of jobs, or submits again what was lost";
@@ -180,6 +180,6 @@ cli::Command library_finish_command() {
     return static_cast<ExitCode>(library::run_last_slurm_job(parsed.path("batch")));
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

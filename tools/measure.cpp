@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/time_limit.h"
 #include "base/write_file.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "grid/bounded_read.h"
 #include "meshio/read_mesh.h"
 #include "meshio/vtp.h"
@@ -116,7 +116,7 @@ Report measure_against_mesh(const cli::ParsedCommand& parsed, const surface::Tri
 
 }  // namespace
 
-cli::Command measure_command() {
+const cli::OwnCommand measure_command([] {
   const stages::StageType& stage = stages::stage_named("measure");
   cli::Command c;
   c.name = stage.name;
@@ -171,6 +171,6 @@ cli::Command measure_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

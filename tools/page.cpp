@@ -6,8 +6,8 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "publish/case_lock.h"
 
 namespace trephine::tools {
@@ -25,7 +25,7 @@ fs::path write_beside_case(const fs::path& folder, const page::PageParams& param
 
 }  // namespace
 
-cli::Command page_command() {
+const cli::OwnCommand page_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "page";
@@ -60,6 +60,6 @@ cli::Command page_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

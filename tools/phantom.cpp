@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "phantom/phantom.h"
 
-#include "commands.h"
+#include "cli/command.h"
 #include "stage_command.h"
 
 namespace trephine::tools {
 
-cli::Command phantom_command() {
+const cli::OwnCommand phantom_command([] {
   cli::Command c;
   c.name = "phantom";
   c.summary = "makes a synthetic head, spine or chest as a CT series, with its truth";
@@ -53,6 +53,6 @@ cli::Command phantom_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -8,8 +8,8 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "grid/bounded_read.h"
 #include "named_values.h"
 #include "stages/data_files.h"
@@ -76,7 +76,7 @@ void check_flags(const cli::ParsedCommand& parsed, bool of_config) {
 
 }  // namespace
 
-cli::Command preview_command() {
+const cli::OwnCommand preview_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "preview";
@@ -145,6 +145,6 @@ cli::Command preview_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

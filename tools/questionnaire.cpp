@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "config/declared.h"
 #include "config/said.h"
 #include "config/yaml_document.h"
@@ -170,7 +170,7 @@ ExitCode run_questionnaire(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command questionnaire_command() {
+const cli::OwnCommand questionnaire_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "questionnaire";
@@ -187,6 +187,6 @@ cli::Command questionnaire_command() {
                 "trephine questionnaire examples/study/questionnaire.yaml --answers answers --output answers.csv"};
   c.run = run_questionnaire;
   return c;
-}
+});
 
 }  // namespace trephine::tools

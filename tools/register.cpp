@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "itk/transform_file.h"
 #include "picture/slice.h"
 #include "stage_command.h"
@@ -88,7 +88,7 @@ itk::LinearMap map_of(const std::vector<double>& rows) {
 
 }  // namespace
 
-cli::Command register_command() {
+const cli::OwnCommand register_command([] {
   const stages::StageType& stage = stages::stage_named("register");
   cli::Command c = make_stage_command(stage);
   for (cli::Argument& a : c.arguments)
@@ -132,6 +132,6 @@ cli::Command register_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -2,14 +2,14 @@
 #include "meshing/repair.h"
 #include "base/error.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "meshio/read_mesh.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
 namespace trephine::tools {
 
-cli::Command repair_command() {
+const cli::OwnCommand repair_command([] {
   const stages::StageType& stage = stages::stage_named("repair");
   cli::Command c;
   c.name = stage.name;
@@ -41,6 +41,6 @@ cli::Command repair_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -5,13 +5,13 @@
 
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "lessons/rubric_types.h"
 #include "rubric_file.h"
 
 namespace trephine::tools {
 
-cli::Command rubric_command() {
+const cli::OwnCommand rubric_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "rubric";
@@ -35,6 +35,6 @@ cli::Command rubric_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -5,8 +5,8 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 #include "library/sheet.h"
 #include "mask/scan_verdict.h"
 #include "named_values.h"
@@ -76,7 +76,7 @@ struct BesideParams {
 
 }  // namespace
 
-cli::Command run_command() {
+const cli::OwnCommand run_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "run";
@@ -160,6 +160,6 @@ cli::Command run_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

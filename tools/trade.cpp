@@ -5,11 +5,11 @@
 
 #include "base/log.h"
 #include "cli/argument.h"
+#include "cli/command.h"
 #include "cli/progress_display.h"
-#include "commands.h"
 
 namespace trephine::tools {
-cli::Command trade_command() {
+const cli::OwnCommand trade_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "trade";
@@ -77,6 +77,6 @@ cli::Command trade_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

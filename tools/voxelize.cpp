@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
-#include "commands.h"
+#include "cli/command.h"
 #include "config/declared.h"
 #include "stage_command.h"
 #include "voxel/haptic_file.h"
@@ -64,7 +64,7 @@ void check_flags(const cli::ParsedCommand& parsed) {
 }  // namespace
 
 // The stage's command, which also writes the hardness volume.
-cli::Command voxelize_command() {
+const cli::OwnCommand voxelize_command([] {
   const stages::StageType& stage = stages::stage_named("voxelize");
   cli::Command c = make_stage_command(stage);
   cli::Argument hardness;
@@ -86,6 +86,6 @@ cli::Command voxelize_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::tools

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/refusal.h"
 #include "boolean/burr_axis.h"
 #include "boolean/cut_faces.h"
@@ -26,7 +27,7 @@ constexpr double farthest_nasion_mm = 10, on_cut_face_mm = 0.05, tangent_mm = 5,
 
 std::string text_of(Vec3 p) { return fmt::format("[{:.1f}, {:.1f}, {:.1f}]", p.x, p.y, p.z); }
 
-double degrees(double radians) { return radians * 180 / std::acos(-1.0); }
+double degrees(double radians) { return radians * 180 / pi; }
 
 void check_request(const BurrHoleRequest& r) {
   const auto bounded = [](const char* name, double v, double low, double high) {

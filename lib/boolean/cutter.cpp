@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/text.h"
 #include "boolean/cutter_shape.h"
 #include "meshing/validity.h"
@@ -13,7 +14,7 @@
 namespace trephine::boolean {
 namespace {
 
-constexpr double pi = 3.14159265358979323846, least_mm = 1e-3, most_mm = 1e4, furthest_mm = 1e6;
+constexpr double least_mm = 1e-3, most_mm = 1e4, furthest_mm = 1e6;
 
 [[noreturn]] void refuse(ExitCode code, const std::string& field, const std::string& what) {
   throw Error(code, "", field, what);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "boolean/cutter.h"
@@ -13,7 +14,6 @@
 namespace trephine::boolean {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int max_corners = 8192, max_splits = 128;
 
 [[noreturn]] void too_fine(double max_deviation_mm) {

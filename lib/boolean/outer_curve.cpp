@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
+
 namespace trephine::boolean::detail {
 namespace {
 
@@ -28,7 +30,6 @@ class Fan {
  public:
   explicit Fan(const Sweep& sweep) : first_(-static_cast<int>(std::lround(sweep.before_deg / step_deg))) {
     const int count = static_cast<int>(std::lround((sweep.before_deg + sweep.after_deg) / step_deg)) + 1;
-    const double pi = std::acos(-1.0);
     for (int i = 0; i < count; ++i) {
       const double angle = (first_ + i) * step_deg * pi / 180;
       rays_.push_back({std::cos(angle), std::sin(angle)});
@@ -37,7 +38,7 @@ class Fan {
   }
 
   void add(Flat a, Flat b) {
-    const double pi = std::acos(-1.0), full = 360 / step_deg;
+    const double full = 360 / step_deg;
     double ta = std::atan2(a.y, a.x) * 180 / pi / step_deg, tb = std::atan2(b.y, b.x) * 180 / pi / step_deg;
     if (tb < ta) std::swap(ta, tb);
     if (tb - ta <= full / 2) return add_range(a, b, ta, tb);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/srgb.h"
 #include "base/write_file.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
@@ -106,8 +107,6 @@ void check_bounds(const At& accessor, const std::vector<Vec3>& points) {
   for (int c = 0; c < 3; ++c)
     if (min[c] != least[c] || max[c] != most[c]) accessor.refuse("min or max is not that of the vertices");
 }
-
-double srgb_of_linear(double v) { return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 
 GlbMesh mesh_of(const json::Json& json, std::string_view binary) {
   const At root(json, "glb");

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "base/srgb.h"
 #include "base/text.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
@@ -25,10 +26,7 @@ Float3 to_unit_float(Vec3 v) {
 }
 
 // Further digits would depend on the C library.
-double linear_of_srgb(double s) {
-  const double v = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  return std::round(v * 1e6) / 1e6;
-}
+double rounded_linear(double srgb) { return std::round(linear_of_srgb(srgb) * 1e6) / 1e6; }
 
 struct Arrays {
   std::vector<Float3> positions, normals;
@@ -100,8 +98,8 @@ std::string data_of(const surface::TriMesh& mesh, const Arrays& arrays, bool nar
 Json material_of(const GlbParams& params) {
   Json m = {{"name", params.name}};
   m["pbrMetallicRoughness"] = {{"baseColorFactor",
-                                {linear_of_srgb(params.colour_rgb[0]), linear_of_srgb(params.colour_rgb[1]),
-                                 linear_of_srgb(params.colour_rgb[2]), params.opacity}},
+                                {rounded_linear(params.colour_rgb[0]), rounded_linear(params.colour_rgb[1]),
+                                 rounded_linear(params.colour_rgb[2]), params.opacity}},
                                {"metallicFactor", 0.0},
                                {"roughnessFactor", 0.6}};
   if (params.opacity < 1) m["alphaMode"] = "BLEND";

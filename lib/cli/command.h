@@ -65,6 +65,25 @@ struct Command {
   bool hidden = false;  ///< not in the program's help, the reference or the completion
 };
 
+/// A command of the program into which its file is linked; so adding one is adding a file:
+///
+///     const cli::OwnCommand page_command([] {
+///       cli::Command c;
+///       ...
+///       return c;
+///     });
+class OwnCommand {
+ public:
+  explicit OwnCommand(Command (*make)()) : make_(make), next_(first_) { first_ = this; }
+  /// All that the program has, by name.
+  static std::vector<Command> all();
+
+ private:
+  static const OwnCommand* first_;
+  Command (*make_)();
+  const OwnCommand* next_;
+};
+
 /// A command line after parsing: every parameter has its effective value, and every path was checked according to its
 /// kind.
 struct ParsedCommand {

@@ -177,4 +177,13 @@ void ParsedCommand::no_such_group() const {
   throw Error(ExitCode::internal, "", command ? command->name : "", "has no parameters of this type");
 }
 
+const OwnCommand* OwnCommand::first_ = nullptr;
+
+std::vector<Command> OwnCommand::all() {
+  std::vector<Command> out;
+  for (const OwnCommand* c = first_; c; c = c->next_) out.push_back(c->make_());
+  std::sort(out.begin(), out.end(), [](const Command& a, const Command& b) { return a.name < b.name; });
+  return out;
+}
+
 }  // namespace trephine::cli

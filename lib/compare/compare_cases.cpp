@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/text.h"
 #include "meshing/contour.h"
 #include "voxel/shape_field.h"
@@ -103,7 +104,7 @@ AnatomyChange anatomy_change(const cases::LoadedCase& a, const cases::LoadedCase
   return change;
 }
 
-double angle_deg(Vec3 a, Vec3 b) { return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / 3.14159265358979323846; }
+double angle_deg(Vec3 a, Vec3 b) { return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / pi; }
 
 template <class T, class More>
 void add_points(std::vector<PointChange>& out, PointChange::Kind kind, const std::vector<T>& a, const std::vector<T>& b,

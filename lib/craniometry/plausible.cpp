@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 
+#include "base/pi.h"
+
 namespace trephine::craniometry {
 namespace {
 
@@ -49,7 +51,7 @@ std::vector<Fault> faults_of(const Known& known) {
       const auto at = place_of(r.at, known);
       if (!at) continue;
       const Vec3 a = *from - *at, b = *to - *at;
-      value = std::acos(std::clamp(dot(a, b) / std::max(norm(a) * norm(b), 1e-9), -1.0, 1.0)) * 180 / std::acos(-1.0);
+      value = std::acos(std::clamp(dot(a, b) / std::max(norm(a) * norm(b), 1e-9), -1.0, 1.0)) * 180 / pi;
     }
     if (value >= r.least && value <= r.most) continue;
     Fault f{&r, value, {}};

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "base/pi.h"
+#include "grid/sample.h"
 
 namespace trephine::craniometry {
 namespace {
@@ -16,18 +18,7 @@ constexpr double step_deg = 0.1;
 
 FieldView::FieldView(const grid::Field& field, const grid::Lattice& volume) : field_(field), volume_(volume) {}
 
-double FieldView::at_index(Vec3 p) const {
-  const double x = std::floor(p.x), y = std::floor(p.y), z = std::floor(p.z);
-  if (!(x >= 0 && y >= 0 && z >= 0 && x < field_.size[0] - 1 && y < field_.size[1] - 1 && z < field_.size[2] - 1))
-    return -1;
-  const double u = p.x - x, v = p.y - y, w = p.z - z;
-  const std::size_t row = field_.size[0], slice = row * field_.size[1];
-  const float* f = field_.voxels.data() + field_.index(int(x), int(y), int(z));
-  const auto line = [u](const float* a) { return a[0] + u * (double(a[1]) - a[0]); };
-  const double a = line(f) + v * (line(f + row) - line(f));
-  const double b = line(f + slice) + v * (line(f + slice + row) - line(f + slice));
-  return a + w * (b - a);
-}
+double FieldView::at_index(Vec3 p) const { return grid::sampled(field_, p, grid::value_beyond(-1)); }
 
 std::optional<Vec3> FieldView::enter(Vec3 from, Vec3 direction, double length, double step) const {
   const Vec3 start = field_.to_index(from), rate = field_.to_index(from + direction) - start;
@@ -58,7 +49,6 @@ double FieldView::depth_in_scan_mm(Vec3 world) const {
 Outline outline(const FieldView& view, const Sweep& sweep) {
   const int first = -int(std::lround(sweep.before_deg / step_deg));
   const int count = int(std::lround((sweep.before_deg + sweep.after_deg) / step_deg)) + 1;
-  const double pi = std::acos(-1.0);
   std::vector<std::optional<Vec3>> met(count);
   parallel_for(0, count, 100, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {

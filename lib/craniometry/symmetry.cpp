@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "craniometry/near_distance.h"
+#include "grid/sample.h"
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
@@ -62,16 +63,7 @@ Shape make_shape(const FieldView& view, const Progress& progress) {
 }
 
 double sample(const grid::Grid<float>& g, Vec3 world) {
-  const Vec3 p = (world - g.origin_mm) / raster_mm;
-  const int x = int(std::floor(p.x)), y = int(std::floor(p.y)), z = int(std::floor(p.z));
-  if (x < 0 || y < 0 || z < 0 || x >= g.size[0] - 1 || y >= g.size[1] - 1 || z >= g.size[2] - 1) return -cut_off_mm;
-  const double u = p.x - x, v = p.y - y, w = p.z - z;
-  const std::size_t row = g.size[0], slice = row * g.size[1];
-  const float* f = g.voxels.data() + g.index(x, y, z);
-  const auto line = [u](const float* a) { return a[0] + u * (double(a[1]) - a[0]); };
-  const double a = line(f) + v * (line(f + row) - line(f));
-  const double b = line(f + slice) + v * (line(f + slice + row) - line(f + slice));
-  return a + w * (b - a);
+  return grid::sampled(g, (world - g.origin_mm) / raster_mm, grid::value_beyond(-cut_off_mm));
 }
 
 /// A plane near the sagittal one: normal (1, yaw, roll) made unit, its distance along it from the pivot.

@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/progress.h"
 #include "config/corrected_field.h"
+#include "grid/sample.h"
 #include "head/head_landmarks.h"
 #include "library/build_jobs.h"
 #include "pipeline/executor.h"
@@ -300,19 +301,11 @@ std::string plane_bytes(const grid::HuVolume& scan, Vec3 corner_mm, Vec3 right_m
   out.reserve(std::size_t(side) * std::size_t(side) * 2);
   std::visit(
       [&](const auto& grid) {
-        const auto sample = [&](Vec3 q) -> std::int16_t {
-          const int i = int(std::floor(q.x)), j = int(std::floor(q.y)), k = int(std::floor(q.z));
-          if (!grid.contains(i, j, k) || !grid.contains(i + 1, j + 1, k + 1)) return -32768;
-          const double x = q.x - i, y = q.y - j, z = q.z - k;
-          double sum = 0;
-          for (int c = 0; c < 8; ++c)
-            sum += (c & 1 ? x : 1 - x) * (c & 2 ? y : 1 - y) * (c & 4 ? z : 1 - z) *
-                   double(grid.at(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)));
-          return rounded(sum);
-        };
         for (int b = 0; b < side; ++b)
           for (int a = 0; a < side; ++a)
-            append(out, sample(grid.to_index(corner_mm + right_mm * double(a) + down_mm * double(b))));
+            append(out,
+                   rounded(grid::sampled(grid, grid.to_index(corner_mm + right_mm * double(a) + down_mm * double(b)),
+                                         grid::value_beyond(-32768))));
       },
       scan);
   return out;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/text.h"
 #include "face/deface.h"
 
@@ -55,7 +56,7 @@ FaceRegion face_region(const head::HeadLandmarks& landmarks, double min_confiden
   check("nasion", "lies before the tragi by", norm(ahead), nasion_ahead_mm);
   // The nasion's direction in the plane perpendicular to `left`, and the direction perpendicular to it, upwards.
   const Vec3 v = normalized(ahead), w = cross(v, r.left);
-  const double angle = nasion_ascent_deg * 3.14159265358979323846 / 180;
+  const double angle = nasion_ascent_deg * pi / 180;
   r.front = std::cos(angle) * v - std::sin(angle) * w;
   r.up = std::sin(angle) * v + std::cos(angle) * w;
   if (!(r.left.x > 0.3))

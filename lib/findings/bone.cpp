@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "craniometry/skin_arc.h"
 #include "findings/findings_parts.h"
 #include "mask/filters.h"
@@ -12,7 +13,6 @@
 namespace trephine::findings {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int rays = 16000;
 constexpr double min_up_mm = 32;  ///< of the template: below it orbits, ears and thin temporal bone
 constexpr double step_mm = 0.5, reach_mm = 45;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <queue>
 
+#include "base/pi.h"
 #include "head/soft_tissue.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
@@ -250,7 +251,7 @@ bool stands_out(const Path& tube, const grid::Grid<float>& share, const mask::Bi
   std::vector<float> beside;
   for (const double mm : beside_mm)
     for (int w = 0; w < ways; ++w) {
-      const double turn = 2 * 3.14159265358979323846 * w / ways;
+      const double turn = 2 * pi * w / ways;
       if (const auto m = mean_at(aside * (mm * std::cos(turn)) + other * (mm * std::sin(turn)), false))
         beside.push_back(float(*m));
     }
@@ -325,7 +326,6 @@ grid::Grid<float> find_horns(const grid::Grid<float>& hu, const mask::BitMask& k
   }
   // The noise of a Gaussian mean, as a share.
   const auto noise_of = [&](double sigma_mm) {
-    constexpr double pi = 3.14159265358979323846;
     return noise * std::pow(4 * pi * sigma_mm * sigma_mm, -0.75) / std::max(tissue_level_hu - low, min_contrast_hu);
   };
   const double least = std::max(min_share, min_share_sigma * noise_of(fine_sigma_mm));

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "base/refusal.h"
 #include "craniometry/coronal_suture.h"
 #include "craniometry/plausible.h"
@@ -193,7 +194,7 @@ class Finder {
     Vec3 ears = left && right ? (*left + *right) * 0.5 : left ? *left : *right;
     ears = ears - head_.left * dot(ears - head_.origin_mm, head_.left);
     const Vec3 way = normalized(*nasion - ears - head_.left * dot(*nasion - ears, head_.left));
-    const double angle = tragi_to_nasion_deg * std::acos(-1.0) / 180;
+    const double angle = tragi_to_nasion_deg * pi / 180;
     // `way` is front * cos + up * sin.
     const Vec3 upwards = cross(way, head_.left);
     const Vec3 front = way * std::cos(angle) - upwards * std::sin(angle);

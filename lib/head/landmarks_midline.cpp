@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
 
@@ -59,7 +60,7 @@ std::optional<FoundPoint> find_nasion(const craniometry::FieldView& skin, const 
   const auto radius = [&](int i) { return norm(curve[i] - head.origin_mm); };
   for (int i = 1; i + 1 < n; ++i) {
     const Vec3 way = curve[i] - head.origin_mm;
-    const double from_up_deg = std::acos(std::clamp(dot(way, head.up) / norm(way), -1.0, 1.0)) * 180 / std::acos(-1.0);
+    const double from_up_deg = std::acos(std::clamp(dot(way, head.up) / norm(way), -1.0, 1.0)) * 180 / pi;
     if (from_up_deg < 50) continue;
     // The first hollow below the forehead that a nose follows.
     if (stands[i] > -min_depth_mm || stands[i] > stands[i - 1] || stands[i] > stands[i + 1]) continue;

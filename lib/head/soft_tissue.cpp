@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/scan_figures.h"
@@ -134,7 +135,6 @@ constexpr double max_smoothing_mm = 2;            // what is smoothed more has n
 
 /// Variance of the difference of two Gaussian means of white noise of density 1 that was smoothed before.
 double variance_of_means(double smoothed_mm) {
-  constexpr double pi = 3.14159265358979323846;
   const double f = fine_mm * fine_mm + smoothed_mm * smoothed_mm, c = coarse_mm * coarse_mm + smoothed_mm * smoothed_mm;
   const auto overlap = [&](double a, double b) { return std::pow(2 * pi * (a + b), -1.5); };
   return overlap(f, f) + overlap(c, c) - 2 * overlap(f, c);

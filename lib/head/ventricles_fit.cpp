@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "head/ventricles_smooth.h"
 #include "mask/filters.h"
 
@@ -287,7 +288,7 @@ std::array<grid::Grid<float>, 4> off_by(const grid::Grid<float>& hu, const mask:
   });
   for (grid::Grid<float>& s : sums) mask::gaussian(s, sigma_mm, progress);
   // What noise alone would make of it has the variance noise^2 over the window's weight.
-  constexpr double two_pi = 6.283185307179586;
+  constexpr double two_pi = 2 * pi;
   const double ridge = noise * noise / (std::pow(two_pi, 1.5) * sigma_mm * sigma_mm * sigma_mm * step_mm * step_mm);
   std::array<grid::Grid<float>, 4> off{grid::Grid<float>(m), grid::Grid<float>(m), grid::Grid<float>(m),
                                        grid::Grid<float>(m)};

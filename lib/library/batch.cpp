@@ -15,7 +15,7 @@ namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 constexpr std::uint64_t max_bytes = std::uint64_t{1} << 28;
 constexpr const char* state_file = "batch.json";
 constexpr const char* cancelled_file = "cancelled";
@@ -31,35 +31,36 @@ std::string new_id() {
   return text;
 }
 
-Json json_of(const BatchJob& j) {
-  return {{"name", j.name},
-          {"token", j.token},
-          {"wave", j.wave},
-          {"memory_mb", j.memory_mb},
-          {"time_limit_s", j.time_limit_s},
-          {"partition", j.partition},
-          {"tries", j.tries},
-          {"is_phantom", j.is_phantom},
-          {"needs_phantom", j.needs_phantom}};
+}  // namespace
+
+// What the files hold: each struct's fields, by their names.
+NLOHMANN_JSON_SERIALIZE_ENUM(Lack, {{Lack::nothing, ""}, {Lack::memory, "memory"}, {Lack::time, "time"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobResult, code, reason, seconds, memory_mb, cpu_s, lack)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TaskRecord, attempt, node, begin_s, end_s, result)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BatchJob, name, token, wave, memory_mb, time_limit_s, partition, tries, is_phantom,
+                                   needs_phantom)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BatchArray, slurm, wave, names)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BatchClass, memory_mb, time_limit_s, partition)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Batch, finish, partition, account, options, max_array, at_once, max_tries,
+                                   cache_limit_mb, sheet, finished, classes, arrays, jobs)
+
+namespace {
+
+template <class T>
+std::optional<T> read_object(const fs::path& file) {
+  try {
+    const std::vector<char> bytes = read_file(file, max_bytes);
+    return Json::parse(bytes.begin(), bytes.end()).get<T>();
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
 }
 
-BatchJob job_of(const Json& json) {
-  BatchJob j;
-  j.name = json.at("name");
-  j.token = json.at("token");
-  j.wave = json.at("wave");
-  j.memory_mb = json.at("memory_mb");
-  j.time_limit_s = json.at("time_limit_s");
-  j.partition = json.at("partition");
-  j.tries = json.at("tries");
-  j.is_phantom = json.at("is_phantom");
-  j.needs_phantom = json.at("needs_phantom");
-  return j;
-}
-
-const char* text_of(Lack lack) { return lack == Lack::memory ? "memory" : lack == Lack::time ? "time" : ""; }
-Lack lack_of(const std::string& text) {
-  return text == "memory" ? Lack::memory : text == "time" ? Lack::time : Lack::nothing;
+template <class T>
+void write_object(const fs::path& file, const T& object) {
+  write_file(file, Json(object).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 // Only its owner may read it: it lies in a folder that only he may enter, too.
@@ -81,34 +82,12 @@ fs::path tasks_file(const fs::path& folder, int array) {
 }
 
 std::optional<Batch> read_batch(const fs::path& folder) {
-  try {
-    const std::vector<char> bytes = read_file(folder / state_file, max_bytes);
-    const Json json = Json::parse(bytes.begin(), bytes.end());
-    Batch b;
-    b.folder = folder;
-    b.id = folder.filename().string();
-    for (const Json& j : json.at("jobs")) b.jobs.push_back(job_of(j));
-    for (const Json& a : json.at("arrays"))
-      b.arrays.push_back({a.at("slurm"), a.at("wave"), a.at("names").get<std::vector<std::string>>()});
-    for (const Json& c : json.value("classes", Json::array()))
-      b.classes.push_back({c.at("memory_mb"), c.at("time_limit_s"), c.at("partition")});
-    b.finish = json.at("finish");
-    b.partition = json.at("partition");
-    b.account = json.at("account");
-    b.options = json.at("options").get<std::vector<std::string>>();
-    b.max_array = json.at("max_array");
-    b.at_once = json.at("at_once");
-    b.max_tries = json.at("max_tries");
-    b.cache_limit_mb = json.at("cache_limit_mb");
-    b.sheet = json.at("sheet");
-    b.finished = json.at("finished");
-    b.cancelled = fs::exists(folder / cancelled_file);
-    return b;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    return {};
-  }
+  std::optional<Batch> b = read_object<Batch>(folder / state_file);
+  if (!b) return {};
+  b->folder = folder;
+  b->id = folder.filename().string();
+  b->cancelled = fs::exists(folder / cancelled_file);
+  return b;
 }
 
 std::vector<Batch> read_batches(const LibraryState& state, bool open) {
@@ -135,27 +114,7 @@ Batch new_batch(const LibraryState& state) {
   return b;
 }
 
-void write_batch(const Batch& b) {
-  Json json, jobs = Json::array(), arrays = Json::array(), classes = Json::array();
-  for (const BatchJob& j : b.jobs) jobs.push_back(json_of(j));
-  for (const BatchArray& a : b.arrays) arrays.push_back({{"slurm", a.slurm}, {"wave", a.wave}, {"names", a.names}});
-  for (const BatchClass& c : b.classes)
-    classes.push_back({{"memory_mb", c.memory_mb}, {"time_limit_s", c.time_limit_s}, {"partition", c.partition}});
-  json["finish"] = b.finish;
-  json["partition"] = b.partition;
-  json["account"] = b.account;
-  json["options"] = b.options;
-  json["max_array"] = b.max_array;
-  json["at_once"] = b.at_once;
-  json["max_tries"] = b.max_tries;
-  json["cache_limit_mb"] = b.cache_limit_mb;
-  json["sheet"] = b.sheet;
-  json["finished"] = b.finished;
-  json["classes"] = std::move(classes);
-  json["arrays"] = std::move(arrays);
-  json["jobs"] = std::move(jobs);
-  write_file(b.folder / state_file, json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-}
+void write_batch(const Batch& b) { write_object(b.folder / state_file, b); }
 
 void mark_cancelled(const Batch& b) { write_file(b.folder / cancelled_file, ""); }
 
@@ -198,29 +157,11 @@ void remove_words(const Batch& batch) {
 std::optional<TaskRecord> read_task(const fs::path& folder, const char* which, const std::string& name) {
   std::error_code ignored;
   if (!fs::exists(record_file(folder, which, name), ignored)) return {};
-  try {
-    const std::vector<char> bytes = read_file(record_file(folder, which, name), 1 << 20);
-    const Json json = Json::parse(bytes.begin(), bytes.end());
-    return TaskRecord{json.at("attempt"),
-                      json.at("node"),
-                      json.at("begin_s"),
-                      json.at("end_s"),
-                      {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb"), json.at("cpu_s"),
-                       lack_of(json.value("lack", ""))}};
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
-    return {};
-  }
+  return read_object<TaskRecord>(record_file(folder, which, name));
 }
 
 void write_task(const fs::path& folder, const char* which, const std::string& name, const TaskRecord& r) {
-  const Json json = {{"attempt", r.attempt},        {"node", r.node},
-                     {"begin_s", r.begin_s},        {"end_s", r.end_s},
-                     {"code", r.result.code},       {"reason", r.result.reason},
-                     {"seconds", r.result.seconds}, {"memory_mb", r.result.memory_mb},
-                     {"cpu_s", r.result.cpu_s},     {"lack", text_of(r.result.lack)}};
-  write_file(record_file(folder, which, name), json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_object(record_file(folder, which, name), r);
 }
 
 std::optional<BatchJob> with_more(const Batch& batch, const BatchJob& job, Lack lack) {

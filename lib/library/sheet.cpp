@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/png.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "page/html.h"
@@ -187,9 +188,9 @@ Sheet sheet_of(const fs::path& library, std::size_t count, const std::function<C
   const Layout layout(count);
   const picture::Image empty = cell_of(library, {}, layout.side);
   const int width = layout.columns * (empty.width + layout.gap) + layout.gap, height = empty.height + layout.gap;
-  picture::PngRows png(width, std::max(layout.lines, 1) * height + layout.gap);
-  png.add(picture::Image(width, layout.gap, {1, 1, 1}));
-  if (count == 0) png.add(picture::Image(width, height, {1, 1, 1}));
+  PngRows png(width, std::max(layout.lines, 1) * height + layout.gap, 3);
+  png.add(picture::Image(width, layout.gap, {1, 1, 1}).rgb);
+  if (count == 0) png.add(picture::Image(width, height, {1, 1, 1}).rgb);
   VolumeColumns columns;
   std::string cases;
   for (std::size_t from = 0; from < count; from += static_cast<std::size_t>(layout.columns)) {
@@ -202,7 +203,7 @@ Sheet sheet_of(const fs::path& library, std::size_t count, const std::function<C
               layout.gap + static_cast<int>(i) * (empty.width + layout.gap), 0);
       }
     });
-    png.add(band);
+    png.add(band.rgb);
     for (const CaseRow& r : rows) {
       columns.add(r);
       cases += (cases.empty() ? "" : ",") + to_json(library, r).dump();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
@@ -17,7 +18,6 @@ constexpr double tensor_sigma_mm = 2.0;  ///< sigma of the mean of their product
 constexpr double block_mm = 2;           ///< the planes are found on this raster
 constexpr double across_mm = 0.35;
 constexpr int planes_count = 144;
-constexpr double pi = 3.14159265358979323846;
 
 using Tensor = std::array<grid::Grid<float>, 6>;  ///< xx, yy, zz, xy, xz, yz
 

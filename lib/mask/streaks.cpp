@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "mask/filters.h"
 
 namespace trephine::mask {
@@ -17,7 +18,7 @@ constexpr double around_sigma_mm = 8;
 constexpr float max_hu = 40;  ///< calcifications and air count as this much
 constexpr int directions = 60, max_passes = 3;
 constexpr double cell_mm = 1, half_window_mm = 40, min_window_mm = 20;
-constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double degree = pi / 180;
 
 /// The tissue of one slice.
 struct Slice {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "grid/sample.h"
 
 namespace trephine::mask {
 namespace {
@@ -108,21 +109,9 @@ std::size_t place_surface(grid::Field& edge, const BitMask& shape, double cut_si
 
 namespace {
 
-/// Values of the field along a ray: trilinear, clamped to the lattice.
+/// Values of the field along a ray.
 float sample(const grid::Field& f, double x, double y, double z) {
-  x = std::clamp(x, 0.0, f.size[0] - 1.0);
-  y = std::clamp(y, 0.0, f.size[1] - 1.0);
-  z = std::clamp(z, 0.0, f.size[2] - 1.0);
-  const int i = std::min(int(x), std::max(0, f.size[0] - 2)), j = std::min(int(y), std::max(0, f.size[1] - 2)),
-            k = std::min(int(z), std::max(0, f.size[2] - 2));
-  const float u = float(x - i), v = float(y - j), w = float(z - k);
-  const std::size_t at = f.index(i, j, k);
-  const std::size_t dx = f.size[0] > 1, dy = f.size[1] > 1 ? f.size[0] : 0,
-                    dz = f.size[2] > 1 ? std::size_t(f.size[0]) * f.size[1] : 0;
-  const float* p = &f.voxels[at];
-  const float a = p[0] + u * (p[dx] - p[0]), b = p[dy] + u * (p[dy + dx] - p[dy]);
-  const float c = p[dz] + u * (p[dz + dx] - p[dz]), d = p[dz + dy] + u * (p[dz + dy + dx] - p[dz + dy]);
-  return (a + v * (b - a)) + w * ((c + v * (d - c)) - (a + v * (b - a)));
+  return grid::sampled<float>(f, {x, y, z}, grid::nearest_beyond);
 }
 
 Vec3 gradient(const grid::Field& f, int i, int j, int k) {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "base/pi.h"
+
 namespace trephine::meshio {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 // Rounds to the digits that do not depend on the C library.
 double rounded(double v) { return std::round(v * 1e6) / 1e6; }

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "base/srgb.h"
 #include "base/text.h"
 #include "meshio/export_encode.h"
 #include "meshio/foreign.h"
@@ -16,8 +17,6 @@ namespace {
 void turn_back(ForeignSurface& s, Vec3 origin_mm) {
   for (Vec3& p : s.points) p = origin_mm + Vec3{1000 * p.x, -1000 * p.z, 1000 * p.y};
 }
-
-double linear_of_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
 [[noreturn]] void differs(const std::string& what) { throw refusal("re-read", what, {"choose another `format`"}); }
 

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "grid/resample.h"
+#include "grid/sample.h"
 #include "page/pack.h"
 #include "voxel/decode.h"
 
@@ -145,30 +146,6 @@ PackedVolume along_axes(const grid::Grid<T>& from, const grid::Lattice& to, cons
 
 constexpr double edge_slack = 1e-6;  // voxels: a lattice rounded to the volume's own end still lies in it
 
-template <class T>
-double trilinear(const grid::Grid<T>& grid, Vec3 index, double beyond) {
-  std::array<int, 3> low{};
-  std::array<double, 3> share{};
-  for (int k = 0; k < 3; ++k) {
-    if (!(index[k] >= -edge_slack && index[k] <= grid.size[k] - 1 + edge_slack)) return beyond;
-    const auto at = static_cast<std::size_t>(k);
-    low[at] = std::clamp(static_cast<int>(std::floor(index[k])), 0, std::max(0, grid.size[k] - 2));
-    share[at] = std::clamp(index[k] - low[at], 0.0, 1.0);
-  }
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    std::array<int, 3> voxel = low;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const bool upper = corner >> k & 1;
-      weight *= upper ? share[k] : 1 - share[k];
-      voxel[k] += upper && grid.size[k] > 1;
-    }
-    if (weight > 0) sum += weight * double(grid.at(voxel[0], voxel[1], voxel[2]));
-  }
-  return sum;
-}
-
 }  // namespace
 
 PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side, const Progress& progress) {
@@ -177,8 +154,8 @@ PackedVolume pack_ct(const grid::Grid<std::int16_t>& volume, int side, const Pro
   const grid::Lattice to = page_lattice(volume, side);
   if (to.count() == volume.count() && patient_axis(volume, 0) && patient_axis(volume, 1) && patient_axis(volume, 2))
     return along_axes(volume, to, progress);
-  return sample(volume, to, progress,
-                [&](Vec3 index) { return level_of(trilinear(volume, index, page_hu_levels.front()[1])); });
+  const grid::Border border = grid::value_beyond(page_hu_levels.front()[1], edge_slack);
+  return sample(volume, to, progress, [&](Vec3 index) { return level_of(grid::sampled(volume, index, border)); });
 }
 
 std::string predicted_bytes(const PackedVolume& volume) {

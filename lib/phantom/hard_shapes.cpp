@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What level hard changes in the head's shapes, and where its things lie.
+#include "base/pi.h"
 #include "phantom/apparatus.h"
 #include "phantom/random.h"
 
@@ -44,7 +45,7 @@ void Model::make_hard(const HeadParams& params) {
     return bone_hull(m, cranial_vault(m));
   };
   hard.thin_side = draw(0, 1) < 0 ? -1 : 1;
-  const double angle = draw(0, 3.1415926535897931);
+  const double angle = draw(0, pi);
   hard.moves = is.motion_mm > 0;
   hard.motion_mm = {is.motion_mm * std::cos(angle), is.motion_mm * std::sin(angle), 0};
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "phantom/model.h"
 
+#include "base/pi.h"
 #include "phantom/random.h"
 
 namespace trephine::phantom {
@@ -40,7 +41,7 @@ Model::Model(const HeadParams& params) : clinical(params.level != Level::simple)
   csf_mm = draw(2.4, 0.3);
   nose = draw(1, 0.1);
   jaw = draw(1, 0.04);
-  for (double& p : phase) p = draw(0, 3.1415926535897931);
+  for (double& p : phase) p = draw(0, pi);
   const double size = draw(1, 0.06);
 
   // Radii of the lateral ventricle, of the third, of the foramen of Monro; a dilated ventricle also lies farther out.

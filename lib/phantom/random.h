@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/pi.h"
 #include "base/splitmix64.h"
 
 namespace trephine::phantom {
@@ -21,7 +22,7 @@ inline double uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t in
 inline void normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t index, float& a, float& b) {
   const std::uint64_t bits = random_bits(seed, stream, index);
   const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f;
-  const float angle = static_cast<float>((bits >> 8) & 0xffffff) * (6.2831853f * 0x1p-24f);
+  const float angle = static_cast<float>((bits >> 8) & 0xffffff) * (float(2 * pi) * 0x1p-24f);
   const float radius = std::sqrt(-2 * std::log(u));
   a = radius * std::cos(angle);
   b = radius * std::sin(angle);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "phantom/random.h"
 
 namespace trephine::phantom {
@@ -76,7 +77,7 @@ void add_streaks(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3
   constexpr int rays = 11;
   double angle[rays], width[rays], sign[rays];
   for (int r = 0; r < rays; ++r) {
-    angle[r] = 3.1415926535897931 * uniform(seed, 20, r);
+    angle[r] = pi * uniform(seed, 20, r);
     width[r] = 0.035 + 0.02 * uniform(seed, 21, r);
     sign[r] = r % 2 ? -1 : 1;
   }

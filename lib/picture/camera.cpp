@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/pi.h"
 #include "picture/stroke.h"
 #include "surface/bounds.h"
 
@@ -100,7 +101,7 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
   c.target_mm = (b.min_mm + b.max_mm) / 2;
   const double radius = std::max(1e-6, norm(b.max_mm - b.min_mm) / 2);
   if (params.field_of_view_deg > 0) {
-    constexpr double radians = 3.14159265358979323846 / 180;
+    constexpr double radians = pi / 180;
     c.distance_mm = radius / std::sin(std::clamp(params.field_of_view_deg, 1.0, 120.0) / 2 * radians);
   }
 

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csetjmp>
 
 #include "base/error.h"
+#include "base/png.h"
 
 namespace trephine::picture {
 namespace {
@@ -18,11 +18,6 @@ png_image header() {
   return p;
 }
 
-[[noreturn]] void silent_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
-void silent_warning(png_structp, png_const_charp) {}
-
-[[noreturn]] void refuse_to_encode() { throw Error(ExitCode::internal, "", "png", "cannot be encoded"); }
-
 }  // namespace
 
 Image::Image(int w, int h, Rgb fill) : width(w), height(h), rgb(std::size_t(w) * h * 3) {
@@ -31,74 +26,7 @@ Image::Image(int w, int h, Rgb fill) : width(w), height(h), rgb(std::size_t(w) *
   for (std::size_t i = 0; i < rgb.size(); i += 3) std::copy(bytes.begin(), bytes.end(), rgb.data() + i);
 }
 
-struct PngRows::Writer {
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-  int width = 0, height = 0, rows = 0;
-  std::string out;
-
-  ~Writer() { png_destroy_write_struct(&png, &info); }
-  static void append(png_structp png, png_bytep data, std::size_t size) {
-    auto* writer = static_cast<Writer*>(png_get_io_ptr(png));
-    try {
-      writer->out.append(reinterpret_cast<const char*>(data), size);
-    } catch (const std::exception&) {  // must not pass through libpng
-      png_error(png, "out of memory");
-    }
-  }
-  // libpng jumps out of what it calls; no object with a destructor may live in between.
-  bool begin() {
-    if (setjmp(png_jmpbuf(png))) return false;
-    png_set_write_fn(png, this, append, nullptr);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    png_write_info(png, info);  // which would choose all filters after PNG_NO_FILTERS
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);
-    png_set_compression_level(png, 3);  // a fifth larger; a case spent more time here than on its files
-    return true;
-  }
-  bool write(const Image& image) {
-    if (setjmp(png_jmpbuf(png))) return false;
-    for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
-    return true;
-  }
-  bool end() {
-    if (setjmp(png_jmpbuf(png))) return false;
-    png_write_end(png, nullptr);
-    return true;
-  }
-};
-
-PngRows::PngRows(int width, int height) : writer_(std::make_unique<Writer>()) {
-  Writer& w = *writer_;
-  w.width = width;
-  w.height = height;
-  w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, silent_error, silent_warning);
-  if (w.png) w.info = png_create_info_struct(w.png);
-  if (width < 1 || height < 1 || !w.info || !w.begin()) refuse_to_encode();
-}
-
-PngRows::~PngRows() = default;
-
-void PngRows::add(const Image& rows) {
-  Writer& w = *writer_;
-  const bool fits = rows.width == w.width && rows.height >= 0 && rows.height <= w.height - w.rows &&
-                    rows.rgb.size() == std::size_t(rows.width) * rows.height * 3;
-  if (!fits || !w.write(rows)) refuse_to_encode();
-  w.rows += rows.height;
-}
-
-std::string PngRows::take() {
-  if (writer_->rows != writer_->height || !writer_->end()) refuse_to_encode();
-  return std::move(writer_->out);
-}
-
-std::string encode_png(const Image& image) {
-  PngRows rows(image.width, image.height);
-  rows.add(image);
-  return rows.take();
-}
+std::string encode_png(const Image& image) { return png_of(image.width, image.height, 3, image.rgb); }
 
 Image decode_png(std::string_view bytes) {
   png_image p = header();

@@ -2,7 +2,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,23 +22,8 @@ struct Image {
   const std::uint8_t* at(int x, int y) const { return rgb.data() + (std::size_t(y) * width + x) * 3; }
 };
 
-/// PNG without time, text or any chunk beyond what the pixels need. The same bytes for the same pixels.
+/// As png_of (base/png.h).
 std::string encode_png(const Image& image);
-/// The same, of a picture that is made from the top, a few rows at a time, and never held whole.
-class PngRows {
- public:
-  /// Throws Error 70, as add and take do, where the picture cannot be encoded.
-  PngRows(int width, int height);
-  ~PngRows();
-  /// The next rows; as wide as the picture.
-  void add(const Image& rows);
-  /// The PNG; all its rows were added.
-  std::string take();
-
- private:
-  struct Writer;
-  std::unique_ptr<Writer> writer_;
-};
 /// Reads an 8-bit RGB PNG, at most 2^28 pixels. Throws Error 65 where it is damaged.
 Image decode_png(std::string_view bytes);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 
 namespace trephine::picture::detail {
 namespace {
@@ -18,7 +19,7 @@ struct Offset {
 // A spiral that is turned by another angle at each pixel of a 4 x 4 tile. The blur over such a tile removes the
 // pattern.
 std::vector<Offset> spirals(float radius_px) {
-  constexpr double full = 6.283185307179586;
+  constexpr double full = 2 * pi;
   std::vector<Offset> out;
   for (int cell = 0; cell < tile * tile; ++cell)
     for (int k = 0; k < sample_count; ++k) {

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/srgb.h"
 #include "picture/camera.h"
 #include "picture/paint.h"
 #include "surface/vertex_normals.h"
@@ -19,21 +20,17 @@ using detail::Scene;
 
 constexpr Rgb warning_colour{1.0, 0.0, 0.85};
 
-float linear_of_srgb(double s) {
-  s = std::clamp(s, 0.0, 1.0);
-  return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+Light linear_of(Rgb c) {
+  const auto linear = [](double s) { return static_cast<float>(linear_of_srgb(std::clamp(s, 0.0, 1.0))); };
+  return {linear(c[0]), linear(c[1]), linear(c[2])};
 }
-
-Light linear_of(Rgb c) { return {linear_of_srgb(c[0]), linear_of_srgb(c[1]), linear_of_srgb(c[2])}; }
 
 std::uint8_t srgb_byte(float linear) {
   constexpr int steps = 1 << 14;
   static const std::vector<std::uint8_t> table = [] {
     std::vector<std::uint8_t> t(steps + 1);
     for (int i = 0; i <= steps; ++i) {
-      const double v = double(i) / steps;
-      const double s = v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
-      t[i] = static_cast<std::uint8_t>(std::lround(s * 255));
+      t[i] = static_cast<std::uint8_t>(std::lround(srgb_of_linear(double(i) / steps) * 255));
     }
     return t;
   }();

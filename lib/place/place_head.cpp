@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "base/pi.h"
 #include "mask/filters.h"
 
 namespace trephine::place {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr Vec3 middle{0, 2, 45};  ///< of the template's cavity
 constexpr double cell_mm = 3;     ///< of the raster on which the cavity's distances are taken
 constexpr int pad_cells = 8;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
+
 namespace trephine::surface::detail {
 namespace {
 
@@ -104,7 +106,7 @@ std::vector<Span> RayColumn::spans(double u, double v, double merge_mm) const {
 }
 
 std::vector<std::array<double, 2>> disc_samples(int inside, int on_rim) {
-  const double pi = std::acos(-1.0), golden = pi * (3 - std::sqrt(5.0));
+  const double golden = pi * (3 - std::sqrt(5.0));
   std::vector<std::array<double, 2>> samples;
   for (int i = 0; i < inside; ++i) {
     const double r = std::sqrt((i + 0.5) / inside), angle = golden * i;

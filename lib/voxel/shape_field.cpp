@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/pi.h"
 #include "voxel/decode.h"
 
 namespace trephine::voxel {
@@ -17,12 +18,12 @@ bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bo
   if (radius_mm <= 0) return true;
   const Vec3 u = normalized(cross(bore.direction, std::abs(bore.direction.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   const Vec3 v = cross(bore.direction, u);
-  const int around = std::max(8, static_cast<int>(std::ceil(2 * 3.14159265358979 * radius_mm / step_mm)));
+  const int around = std::max(8, static_cast<int>(std::ceil(2 * pi * radius_mm / step_mm)));
   // The ends of the cylinder are as far from what it leaves as its side is.
   for (double t = -bore.above_mm + hole_play_mm; t <= bore.depth_mm - hole_play_mm; t += step_mm)
     for (int ring = 0; ring <= 4; ++ring)
       for (int i = 0; i < around; ++i) {
-        const double angle = 2 * 3.14159265358979 * i / around, r = radius_mm * ring / 4;
+        const double angle = 2 * pi * i / around, r = radius_mm * ring / 4;
         const Vec3 p = bore.position_mm + bore.direction * t + u * (r * std::cos(angle)) + v * (r * std::sin(angle));
         if (decoder.trilinear(number, p) >= 0.5) return false;
       }

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "session/calibration.h"
@@ -79,7 +79,7 @@ ExitCode run_calibrate(const cli::ParsedCommand& given) {
 
 }  // namespace
 
-cli::Command calibrate_command() {
+const cli::OwnCommand calibrate_command([] {
   cli::Command c;
   c.name = "calibrate";
   c.summary = "measures a device: rate, latency, workspace, and the stiffest wall on which it stays calm";
@@ -99,6 +99,6 @@ cli::Command calibrate_command() {
                 "trephine-sim calibrate library/sample --no-in-real-time"};
   c.run = run_calibrate;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "cases/load_case.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/drilled_case.h"
 #include "commands/session_options.h"
 #include "surface/bounds.h"
@@ -190,7 +190,7 @@ void print_json(const cases::LoadedCase& c, double seconds) {
 
 }  // namespace
 
-cli::Command check_command() {
+const cli::OwnCommand check_command([] {
   cli::Command c;
   c.name = "check";
   c.summary = "loads a case as the simulator does, verifies all of it and prints what is in it";
@@ -231,6 +231,6 @@ cli::Command check_command() {
     return ExitCode::ok;
   };
   return c;
-}
+});
 
 }  // namespace trephine::commands

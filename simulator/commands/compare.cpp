@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/compare_graphics.h"
 #include "haptics/drilling.h"
 #include "haptics/recording.h"
@@ -95,7 +95,7 @@ ExitCode run_compare(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command compare_command() {
+const cli::OwnCommand compare_command([] {
   cli::Command c;
   c.name = "compare";
   c.summary = "compares haptic algorithms on a case, as in chapter 4 of the dissertation";
@@ -129,6 +129,6 @@ cli::Command compare_command() {
                 "--algorithm god_object --no-graphics"};
   c.run = run_compare;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lesson/approval.h"
 #include "lessons/exercise_plan.h"
 #include "lessons/lesson_run.h"
@@ -247,7 +247,7 @@ class Exercise {
 
 }  // namespace
 
-cli::Command exercise_command() {
+const cli::OwnCommand exercise_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "exercise";
@@ -284,6 +284,6 @@ cli::Command exercise_command() {
                 "ventriculostomy.rubric.json"};
   c.run = [](const cli::ParsedCommand& parsed) { return Exercise(parsed).run(); };
   return c;
-}
+});
 
 }  // namespace trephine::commands

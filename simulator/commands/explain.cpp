@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lessons/lesson_guide.h"
 #include "session/felt_case.h"
 
@@ -34,7 +34,7 @@ ExitCode run_explain(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command explain_command() {
+const cli::OwnCommand explain_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "explain";
@@ -49,6 +49,6 @@ cli::Command explain_command() {
                 "trephine-sim explain library/sample --lesson ventriculostomy --task left --language de"};
   c.run = run_explain;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -8,7 +8,7 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "session/recording_text.h"
 
 namespace trephine::commands {
@@ -47,7 +47,7 @@ ExitCode run_export_recording(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command export_recording_command() {
+const cli::OwnCommand export_recording_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "export-recording";
@@ -69,6 +69,6 @@ cli::Command export_recording_command() {
                 "trephine-sim export-recording one.lesson --json one.recording.json --plot one.svg"};
   c.run = run_export_recording;
   return c;
-}
+});
 
 }  // namespace trephine::commands

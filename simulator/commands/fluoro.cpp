@@ -5,10 +5,11 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "base/png.h"
 #include "base/write_file.h"
 #include "cases/load_case.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "fluoro/fluoroscope.h"
 
 namespace trephine::commands {
@@ -48,7 +49,7 @@ ExitCode run_fluoro(const cli::ParsedCommand& parsed) {
   const auto begin = std::chrono::steady_clock::now();
   const fluoro::FluoroPicture picture = scope.picture(arm, p.size_px, metal);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  write_file(parsed.path("output"), fluoro::grey_png(picture.size, picture.size, fluoro::shown_grey(picture, p.metal)));
+  write_file(parsed.path("output"), png_of(picture.size, picture.size, 1, fluoro::shown_grey(picture, p.metal)));
   std::cout << fmt::format("{}: {} x {} pixels in {:.3f} s\n", parsed.text("output"), picture.size, picture.size,
                            seconds);
   if (!metal.empty()) {
@@ -60,7 +61,7 @@ ExitCode run_fluoro(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command fluoro_command() {
+const cli::OwnCommand fluoro_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "fluoro";
@@ -80,6 +81,6 @@ cli::Command fluoro_command() {
                 "0,100,20 --output needle.png"};
   c.run = run_fluoro;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -7,7 +7,7 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/results_table.h"
 #include "group/group_view.h"
 #include "group/group_words.h"
@@ -84,7 +84,7 @@ ExitCode run_group(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command group_command() {
+const cli::OwnCommand group_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "group";
@@ -105,6 +105,6 @@ cli::Command group_command() {
   c.examples = {"trephine-sim group results --page group.html --less-level student --more-level expert"};
   c.run = run_group;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lesson/approval.h"
 #include "lessons/lesson_run.h"
 
@@ -71,7 +71,7 @@ ExitCode run_lesson_command(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command lesson_command() {
+const cli::OwnCommand lesson_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "lesson";
@@ -96,6 +96,6 @@ cli::Command lesson_command() {
       "trephine-sim lesson library/sample --script examples/lessons/ventriculostomy.json --record one.lesson"};
   c.run = run_lesson_command;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -9,7 +9,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lessons/lesson_type.h"
 
 namespace trephine::commands {
@@ -73,7 +73,7 @@ ExitCode run_lessons(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command lessons_command() {
+const cli::OwnCommand lessons_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "lessons";
@@ -86,6 +86,6 @@ cli::Command lessons_command() {
   c.examples = {"trephine-sim lessons library/sample", "trephine-sim lessons library/sample --json"};
   c.run = run_lessons;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -10,7 +10,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "haptics/haptic_state.h"
@@ -142,7 +142,7 @@ ExitCode run_play(const cli::ParsedCommand& given) {
 
 }  // namespace
 
-cli::Command play_command() {
+const cli::OwnCommand play_command([] {
   cli::Command c;
   c.name = "play";
   c.summary = "opens a window in which a case is seen, felt and cut";
@@ -198,6 +198,6 @@ cli::Command play_command() {
                 "trephine-sim play library/sample --device udp --stereo side_by_side"};
   c.run = run_play;
   return c;
-}
+});
 
 }  // namespace trephine::commands

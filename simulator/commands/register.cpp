@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "session/session.h"
@@ -56,7 +56,7 @@ ExitCode run_register(const cli::ParsedCommand& given) {
 
 }  // namespace
 
-cli::Command register_command() {
+const cli::OwnCommand register_command([] {
   cli::Command c;
   c.name = "register";
   c.summary = "finds where a device lies before the screen of a mirror workbench";
@@ -78,6 +78,6 @@ cli::Command register_command() {
                 "--out bench.json"};
   c.run = run_register;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -6,9 +6,10 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "base/png.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
 #include "render/stage.h"
@@ -54,7 +55,7 @@ class Pictures {
     stage_.draw(camera_, params_.width, params_.height, [this](render::Eye) { target_.bind(); });
     const scene::Picture picture = target_.read();
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    write_file(out_ / fmt::format("frame-{:05}.png", ++count_), scene::png_of(picture));
+    write_file(out_ / fmt::format("frame-{:05}.png", ++count_), png_of(picture.width, picture.height, 3, picture.rgb));
   }
   void print() {
     tell_notes();
@@ -138,7 +139,7 @@ ExitCode run_render(const cli::ParsedCommand& given) {
 
 }  // namespace
 
-cli::Command render_command() {
+const cli::OwnCommand render_command([] {
   cli::Command c;
   c.name = "render";
   c.summary = "draws a case, or a recording of a session with it, as PNG pictures without a display";
@@ -163,6 +164,6 @@ cli::Command render_command() {
                 "trephine-sim render library/sample hole.servo --out pictures --frames-per-s 25 --stereo side_by_side"};
   c.run = run_render;
   return c;
-}
+});
 
 }  // namespace trephine::commands

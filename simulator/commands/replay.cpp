@@ -8,7 +8,7 @@
 #include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 #include "haptics/force_changes.h"
 #include "haptics/recording.h"
@@ -168,7 +168,7 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command replay_command() {
+const cli::OwnCommand replay_command([] {
   cli::Command c;
   c.name = "replay";
   c.summary = "runs a recorded session again, and compares it bit for bit or with another contact method";
@@ -193,6 +193,6 @@ cli::Command replay_command() {
                 "trephine-sim replay library/sample hole.servo --sound hole.wav"};
   c.run = run_replay;
   return c;
-}
+});
 
 }  // namespace trephine::commands

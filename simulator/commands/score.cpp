@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lessons/results.h"
 #include "lessons/score_recording.h"
 
@@ -46,7 +46,7 @@ ExitCode run_score(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command score_command() {
+const cli::OwnCommand score_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "score";
@@ -87,6 +87,6 @@ cli::Command score_command() {
       "--page one.html --log attempts.csv"};
   c.run = run_score;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -12,7 +12,7 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/session_options.h"
 
 namespace trephine::commands {
@@ -245,7 +245,7 @@ std::vector<std::string> servo_examples() {
 
 }  // namespace
 
-cli::Command servo_command() {
+const cli::OwnCommand servo_command([] {
   cli::Command c;
   c.name = "servo";
   c.summary = "runs the haptic loop on a case, without a window, and prints its statistics";
@@ -263,6 +263,6 @@ cli::Command servo_command() {
   c.examples = servo_examples();
   c.run = run_servo;
   return c;
-}
+});
 
 }  // namespace trephine::commands

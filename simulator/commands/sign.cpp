@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "lessons/signature.h"
 
 namespace trephine::commands {
@@ -16,7 +16,7 @@ ExitCode run_sign(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command sign_command() {
+const cli::OwnCommand sign_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "sign";
@@ -33,6 +33,6 @@ cli::Command sign_command() {
   c.examples = {"trephine-sim sign one.lesson --key teacher.key"};
   c.run = run_sign;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -8,7 +8,7 @@
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands/commands.h"
+#include "cli/command.h"
 #include "commands/results_table.h"
 #include "study/plots.h"
 
@@ -71,7 +71,7 @@ ExitCode run_study(const cli::ParsedCommand& parsed) {
 
 }  // namespace
 
-cli::Command study_command() {
+const cli::OwnCommand study_command([] {
   using Kind = cli::Argument::Kind;
   cli::Command c;
   c.name = "study";
@@ -95,6 +95,6 @@ cli::Command study_command() {
                 "trephine-sim study screws.csv --count n --acceptable acceptable --unit row"};
   c.run = run_study;
   return c;
-}
+});
 
 }  // namespace trephine::commands

@@ -59,11 +59,8 @@ class Fluoroscope {
   FluoroMemory memory_;
 };
 
-/// A grey PNG.
 /// How a monitor shows it: bone and metal bright, as on a film, or dark, as on most C-arms.
 enum class MetalShown { bright, dark };
 std::vector<std::uint8_t> shown_grey(const FluoroPicture& picture, MetalShown how);
-
-std::string grey_png(int width, int height, const std::vector<std::uint8_t>& grey);
 
 }  // namespace trephine::fluoro

@@ -8,6 +8,7 @@
 #include <complex>
 #include <optional>
 
+#include "base/pi.h"
 #include "base/vec3.h"
 #include "haptics/haptic_state.h"
 #include "haptics/tool_belt.h"
@@ -15,7 +16,6 @@
 namespace trephine::lessons {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double piece_s = 0.01, moving_mm_per_s = 5, min_movement_s = 0.2;
 constexpr double tremor_low_hz = 8, tremor_high_hz = 12;
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/base64.h"
+#include "base/png.h"
 #include "fluoro/fluoroscope.h"
 
 namespace trephine::lessons::detail {
@@ -63,7 +64,7 @@ std::string picture_of(const grid::Grid<std::int16_t>& ct, Vec3 middle, const Pl
       const double share = (hu_at(ct, p) - w.low_hu) / (w.high_hu - w.low_hu);
       grey[std::size_t(y * pixels + x)] = std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0)));
     }
-  return "data:image/png;base64," + base64(fluoro::grey_png(pixels, pixels, grey));
+  return "data:image/png;base64," + base64(png_of(pixels, pixels, 1, grey));
 }
 
 }  // namespace

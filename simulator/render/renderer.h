@@ -9,7 +9,7 @@
 
 #include "render/context.h"
 #include "render/surface_parts.h"
-#include "scene/png.h"
+#include "scene/picture.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
 #include "scene/view_params.h"

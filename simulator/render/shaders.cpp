@@ -223,10 +223,10 @@ void main() {
     if (only_ct == 1 && (!inside || texture(ct, at).r * 32767 < -500)) discard;  // nothing where air is
     if (inside) {
       float grey = clamp((texture(ct, at).r * 32767 - low) / (high - low), 0, 1);
-      c = mix(c, vec3(pow(grey, 2.2)), ct_share);
+      c = mix(c, vec3(grey <= 0.04045 ? grey / 12.92 : pow((grey + 0.055) / 1.055, 2.4)), ct_share);
     }
   }
-  if (encode == 1) c = pow(c, vec3(1 / 2.2));
+  if (encode == 1) c = mix(12.92 * c, 1.055 * pow(c, vec3(1 / 2.4)) - 0.055, step(0.0031308, c));
   colour = vec4(c, 1);
 }
 )";

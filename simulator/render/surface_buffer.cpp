@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "base/srgb.h"
+
 namespace trephine::render {
 namespace {
 
@@ -23,7 +25,7 @@ bool touch(const Chunk& a, const Chunk& b) {
 
 }  // namespace
 
-float linear_of(float srgb) { return std::pow(std::max(0.f, srgb), 2.2f); }
+float linear_of(float srgb) { return float(linear_of_srgb(std::max(0.f, srgb))); }
 
 void DrawList::add_to(std::vector<Range>& ranges, std::uint32_t first, std::uint32_t count) {
   if (count == 0) return;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "haptics/turned_about.h"
 #include "surface/bounds.h"
 
@@ -11,7 +12,7 @@ namespace trephine::scene {
 namespace {
 
 constexpr Vec3 superior{0, 0, 1}, anterior{0, -1, 0}, patient_left{1, 0, 0};
-constexpr double radians = 3.14159265358979323846 / 180;
+constexpr double radians = pi / 180;
 constexpr double surgeon_field_mm = 110;  // height of what the surgeon's view shows
 
 Vec3 upright(Vec3 toward, Vec3 up) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
+
 namespace trephine::scene {
 namespace {
 
@@ -13,7 +15,6 @@ constexpr Colour steel{0.78f, 0.80f, 0.83f}, dark_steel{0.45f, 0.47f, 0.51f}, gr
     silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f}, blue{0.16f, 0.30f, 0.75f}, glass{0.80f, 0.86f, 0.90f},
     titanium{0.62f, 0.55f, 0.70f};
 constexpr double tube_beyond_mm = 60;  // of a tube, behind what is felt
-constexpr double pi = 3.14159265358979323846;
 
 // A place on the outline, from the tip to the tail. Where two have the same place and other normals, there is an edge.
 struct Station {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/png.h"
 #include "base/write_file.h"
 #include "window/controls.h"
 #include "window/glfw_window.h"
@@ -120,12 +121,12 @@ class Loop {
   void take_shot(int width, int height) {
     const std::filesystem::path file = player_.next_shot();
     try {
-      write_file(file, scene::png_of(render::read_picture(width, height)));
+      const scene::Picture seen = render::read_picture(width, height);
+      write_file(file, png_of(seen.width, seen.height, 3, seen.rgb));
       const fluoro::MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
       if (xray && (player_.live() || player_.shots()->shown() >= 0))
-        write_file(
-            file.parent_path() / (file.stem().string() + "-xray.png"),
-            fluoro::grey_png(xray->picture.size, xray->picture.size, fluoro::shown_grey(xray->picture, screen_.metal)));
+        write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
+                   png_of(xray->picture.size, xray->picture.size, 1, fluoro::shown_grey(xray->picture, screen_.metal)));
       screen_.answer = texts::Note{texts::NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said

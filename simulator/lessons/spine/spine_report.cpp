@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/base64.h"
+#include "base/png.h"
 #include "fluoro/fluoroscope.h"
 #include "lessons/report_pictures.h"
 #include "lessons/spine/pedicle_errors.h"
@@ -73,7 +74,7 @@ std::string shots_html(const SpineNeedleFacts& facts, const cases::LoadedCase& l
         "<figure><svg viewBox=\"0 0 160 160\"><image width=\"160\" height=\"160\" href=\"data:image/png;base64,{}\"/>"
         "<text x=\"4\" y=\"11\">{}</text><text x=\"150\" y=\"11\">{}</text></svg><figcaption>{}{}</figcaption>"
         "</figure>\n",
-        base64(fluoro::grey_png(size, size, picture.grey)), letters[0], letters[1],
+        base64(png_of(size, size, 1, picture.grey)), letters[0], letters[1],
         fmt::format(fmt::runtime(shot_words.of(language)), s.arm.view(), s.begin_s, s.end_s - s.begin_s),
         std::string(s.arm.view()) == "free"
             ? fmt::format(fmt::runtime(free_words.of(language)), s.arm.orbit_deg, s.arm.tilt_deg)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
-#include <string>
 #include <vector>
 
 namespace trephine::scene {
@@ -11,8 +10,5 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
-
-/// The picture as PNG, without time, text or any chunk beyond what the pixels need.
-std::string png_of(const Picture& picture);
 
 }  // namespace trephine::scene
