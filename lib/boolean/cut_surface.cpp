@@ -129,7 +129,7 @@ meshing::Validity validity_of(const Difference& d, const Progress& progress) {
   meshing::Validity v;
   const surface::Incidence incidence(d.mesh);
   v.topology = surface::topology_of(d.mesh, incidence);
-  if (!v.topology.closed() || !v.topology.manifold()) meshing::locate_topology_faults(d.mesh, incidence, v.places);
+  if (!v.topology.closed() || !v.topology.manifold()) surface::locate_topology_faults(d.mesh, incidence, v.places);
   v.volume_mm3 = surface::volume_mm3(d.mesh);
   const auto degenerate = meshing::degenerate_triangles(d.mesh);
   v.degenerate = degenerate.size();
@@ -141,7 +141,7 @@ meshing::Validity validity_of(const Difference& d, const Progress& progress) {
   const auto pairs = meshing::self_intersections(d.mesh, incidence, progress, fresh);
   v.self_intersections = pairs.size();
   if (!pairs.empty())
-    v.places.self_intersections = {meshing::place_of_intersection_mm(d.mesh, pairs.front()[0], pairs.front()[1])};
+    v.places.self_intersections = {surface::place_of_intersection_mm(d.mesh, pairs.front()[0], pairs.front()[1])};
   return v;
 }
 

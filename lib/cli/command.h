@@ -77,6 +77,8 @@ class OwnCommand {
   explicit OwnCommand(Command (*make)()) : make_(make), next_(first_) { first_ = this; }
   /// All that the program has, by name.
   static std::vector<Command> all();
+  /// Throws Error 70 where it has none of that name.
+  static Command named(const std::string& name);
 
  private:
   static const OwnCommand* first_;

@@ -186,4 +186,10 @@ std::vector<Command> OwnCommand::all() {
   return out;
 }
 
+Command OwnCommand::named(const std::string& name) {
+  for (Command& c : all())
+    if (c.name == name) return std::move(c);
+  throw Error(ExitCode::internal, "", name, "is no command of this program");
+}
+
 }  // namespace trephine::cli

@@ -36,6 +36,7 @@ constexpr TransferSyntax syntaxes[] = {
 const std::uint8_t* bytes_of(std::string_view s) { return reinterpret_cast<const std::uint8_t*>(s.data()); }
 unsigned be16(const std::uint8_t* p) { return (unsigned{p[0]} << 8) | p[1]; }
 unsigned be32(const std::uint8_t* p) { return (be16(p) << 16) | be16(p + 2); }
+unsigned le32(const std::uint8_t* p) { return p[0] | (p[1] << 8) | (p[2] << 16) | (unsigned{p[3]} << 24); }
 
 /// The stream must end in FF D9; only the padding to an even length may follow.
 bool has_end_marker(std::string_view s) {
@@ -123,7 +124,7 @@ std::string check_rle(std::string_view s, int columns, int rows, int bits_alloca
 
 const TransferSyntax* find_transfer_syntax(std::string_view uid) {
   for (const auto& s : syntaxes)
-    if (trimmed(uid) == s.uid) return &s;
+    if (uid == s.uid) return &s;
   return nullptr;
 }
 

@@ -114,7 +114,7 @@ class HeaderReader {
     }
     if (!p) throw WalkFault{"", at == 0 ? "not a DICOM file" : "ends after its file meta information"};
     if (!uid.empty()) {
-      h_.syntax = find_transfer_syntax(uid);
+      h_.syntax = find_transfer_syntax(trimmed(uid));
       if (!h_.syntax) throw WalkFault{tag_name(t_transfer_syntax), "unknown transfer syntax"};
       if (h_.syntax->encoding == Encoding::unsupported &&
           (std::strstr(h_.syntax->name, "deflated") || std::strstr(h_.syntax->name, "big endian")))

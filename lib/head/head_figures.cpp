@@ -325,6 +325,13 @@ Warnings doubts_of(const HeadFields& fields, const HeadAxes& axes, const Horns& 
 
 }  // namespace
 
+std::optional<double>* volume_of(HeadFigures& figures, const std::string& anatomy) {
+  if (anatomy == "skin") return &figures.skin_ml;
+  if (anatomy == "skull") return &figures.skull_ml;
+  if (anatomy == "brain") return &figures.brain_ml;
+  return anatomy == "ventricles" ? &figures.ventricles_ml : nullptr;
+}
+
 Outcome<std::monostate, HeadFigures> measure_head(const HeadFields& fields, const HeadLandmarks* landmarks,
                                                   const HeadClassParams& params, const Progress& progress) {
   Outcome<std::monostate, HeadFigures> out;

@@ -131,6 +131,9 @@ struct HeadFigures {
   }
 };
 
+/// The place of an anatomy's volume in the figures, measured or not; null for an anatomy that they do not know.
+std::optional<double>* volume_of(HeadFigures& figures, const std::string& anatomy);
+
 /// Measures a head in its own axes: left is the midsagittal plane's normal, up is the patient's superior direction,
 /// made perpendicular to left.
 /// - Volumes count voxels whose centre is inside.

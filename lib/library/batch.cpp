@@ -15,7 +15,6 @@ namespace trephine::library {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
 constexpr std::uint64_t max_bytes = std::uint64_t{1} << 28;
 constexpr const char* state_file = "batch.json";
 constexpr const char* cancelled_file = "cancelled";
@@ -35,7 +34,7 @@ std::string new_id() {
 
 // What the files hold: each struct's fields, by their names.
 NLOHMANN_JSON_SERIALIZE_ENUM(Lack, {{Lack::nothing, ""}, {Lack::memory, "memory"}, {Lack::time, "time"}})
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobResult, code, reason, seconds, memory_mb, cpu_s, lack)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(JobResult, code, reason, seconds, memory_mb, cpu_s, lack, signal)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TaskRecord, attempt, node, begin_s, end_s, result)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BatchJob, name, token, wave, memory_mb, time_limit_s, partition, tries, is_phantom,
                                    needs_phantom)
@@ -50,7 +49,7 @@ template <class T>
 std::optional<T> read_object(const fs::path& file) {
   try {
     const std::vector<char> bytes = read_file(file, max_bytes);
-    return Json::parse(bytes.begin(), bytes.end()).get<T>();
+    return nlohmann::json::parse(bytes.begin(), bytes.end()).get<T>();
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
@@ -60,7 +59,7 @@ std::optional<T> read_object(const fs::path& file) {
 
 template <class T>
 void write_object(const fs::path& file, const T& object) {
-  write_file(file, Json(object).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(file, nlohmann::json(object).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 // Only its owner may read it: it lies in a folder that only he may enter, too.
@@ -193,7 +192,7 @@ bool may_pass_next_time(const Batch& batch, const BatchJob& job, const JobResult
   if (result.lack != Lack::nothing) return with_more(batch, job, result.lack).has_value();
   switch (static_cast<ExitCode>(result.code)) {
     case ExitCode::internal:  // our own faults, and a time that is up, come again
-      return result.reason.rfind("killed by signal", 0) == 0;
+      return result.signal != 0;
     case ExitCode::cannot_create:  // a disk that is full or away
     case ExitCode::io:
     case ExitCode::busy:

@@ -252,6 +252,7 @@ JobResult do_job(const LibraryJob& asked) {
     } else if (end.signal) {
       result.code = static_cast<int>(ExitCode::internal);
       result.reason = "killed by signal " + std::to_string(end.signal);
+      result.signal = end.signal;
     }
     const bool killed_for_memory = job.on_node && memory_kills() > killed_before;
     if (killed_for_memory) result.reason = "the kernel killed it for want of memory: " + result.reason;

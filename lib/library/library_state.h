@@ -70,6 +70,7 @@ struct JobResult {
   double seconds = 0, memory_mb = 0;
   double cpu_s = 0;  ///< of all its threads and processes
   Lack lack = Lack::nothing;
+  int signal = 0;  ///< that killed it from outside; 0: none
 };
 
 /// Reads a record; nothing where the file is missing or damaged.

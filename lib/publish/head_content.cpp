@@ -75,12 +75,8 @@ bool add_figures(const config::CaseConfig& config, const std::vector<stages::Cas
     consistency::AnatomyResult of_head = *p.head;
     head::HeadFigures& f = of_head.head;
     // They were taken from the fields; of what is published there is one volume, its surface's.
-    for (const auto& [name, ml] : {std::pair{"skin", &f.skin_ml},
-                                   {"skull", &f.skull_ml},
-                                   {"brain", &f.brain_ml},
-                                   {"ventricles", &f.ventricles_ml}})
-      for (const cases::CaseAnatomy& a : manifest.anatomies)
-        if (a.name == name && ml->has_value()) *ml = a.volume_ml;
+    for (const cases::CaseAnatomy& a : manifest.anatomies)
+      if (std::optional<double>* ml = head::volume_of(f, a.name); ml && *ml) *ml = a.volume_ml;
     const std::string& class_of = config.roles.class_of;
     if (!class_of.empty() && f.head_class != head::HeadClass::unknown && is_in_doubt(manifest.findings, class_of))
       f.head_class = head::HeadClass::uncertain;

@@ -43,32 +43,6 @@ std::string random_token() {
   return token;
 }
 
-}  // namespace
-
-void require_face_policy(const config::CaseConfig& config) {
-  if (!config.face.empty()) return;
-  std::string shown;
-  for (const config::SceneAnatomy& wanted : config.scene)
-    if (config.find_anatomy(wanted.name)->shows_face) shown = wanted.name;
-  if (config.haptic.wanted && config.haptic.encoding() == voxel::HapticEncoding::hu) {
-    for (const config::RecipeAnatomy& a : config.anatomies)
-      if (a.shows_face) shown = "the haptic volume of raw HU";
-  } else {
-    for (const config::SceneShape& shape : config.haptic.shapes)
-      if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
-  }
-  if (config.ct)
-    for (const config::RecipeAnatomy& a : config.anatomies)
-      if (a.shows_face) shown = "the CT";
-  if (!shown.empty())
-    throw Error(ExitCode::privacy, "", "scene.face",
-                shown +
-                    " shows the patient's face; the scene must say face: {policy: deface}, {policy: crop} or "
-                    "{policy: keep, reason: ...}");
-}
-
-namespace {
-
 // Removes the folders that the run made and left empty because it failed.
 class NewFolders {
  public:
@@ -229,6 +203,47 @@ std::vector<std::string> wanted_anatomies(const config::CaseConfig& config) {
   return all;
 }
 
+// Whether memory and disk are enough for the scan, as soon as its size is known.
+void check_needs(const RunRequest& request, const config::CaseConfig& config, const pipeline::Graph& graph,
+                 const dicom::ImportFigures& scan, pipeline::RunObserver& observer) {
+  const ScanRaster raster = raster_of(scan);
+  give_large_blocks_back(raster);
+  const std::size_t anatomies = wanted_anatomies(config).size();
+  const int resample = graph.find_stage<grid::ResampleParams>();
+  const ScanRaster used =
+      resample < 0 ? raster
+                   : raster.on_voxels(graph.nodes[std::size_t(resample)].params.as<grid::ResampleParams>().spacing_mm);
+  const MemoryNeed memory = memory_need(raster, used, anatomies);
+  if (!memory.remedy.empty())
+    log_warning(config.case_token + ": " + memory.text + ": " + memory.remedy);
+  else if (!memory.text.empty())
+    observer.estimated(memory.text);
+  const CaseNeeds needs = case_needs(raster.count(), anatomies, config.ct.has_value(), request.params.page);
+  if (!request.params.check_disk) return;
+  const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
+  require_disk(request.library, needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
+}
+
+// The folders that the run writes into.
+void make_folders(const RunRequest& request, const fs::path& made_in) {
+  make_output_folder(made_in / "meshes");
+  if (request.params.pictures || request.params.page) make_output_folder(made_in / "report");
+  for (const fs::path& f : {made_in, made_in / "meshes", made_in / "report"}) remove_stale_temporaries(f);
+  if (!request.keep.empty()) make_output_folder(request.keep);
+}
+
+pipeline::ExecuteOptions execution_of(const RunRequest& request, const fs::path& made_in,
+                                      const pipeline::StageCache& cache) {
+  pipeline::ExecuteOptions execution;
+  execution.keep = request.keep;
+  if (request.keep.empty()) execution.spill = made_in;  // who keeps all needs the disk for that
+  execution.cache = &cache;
+  execution.cancel = &cancel_requested();
+  execution.allow_external = request.params.allow_external;
+  execution.seconds_before = cache.seconds_before();
+  return execution;
+}
+
 // Computes what the case needs and makes its content of it. What is refused and the scene can do without is taken out
 // of `config`, or something stands for it. Where this throws, `made` holds what there is.
 CaseContent compute(const RunRequest& request, config::CaseConfig& config, SeriesHashes& series,
@@ -311,10 +326,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     make_output_folder(request.library);
     CasePlace place(folder);
     const fs::path made_in = place.made_in();
-    make_output_folder(made_in / "meshes");
-    if (request.params.pictures || request.params.page) make_output_folder(made_in / "report");
-    for (const fs::path& f : {made_in, made_in / "meshes", made_in / "report"}) remove_stale_temporaries(f);
-    if (!request.keep.empty()) make_output_folder(request.keep);
+    make_folders(request, made_in);
     const pipeline::StageCache cache(cache_folder);
 
     const Progress cancelled({}, &cancel_requested());
@@ -323,36 +335,11 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     SeriesHashes series(cancelled);
     Made made;
     made.graph = series.graph_of(config);
-    pipeline::ExecuteOptions execution;
-    execution.keep = request.keep;
-    if (request.keep.empty()) execution.spill = made_in;  // who keeps all needs the disk for that
-    execution.cache = &cache;
-    execution.cancel = &cancel_requested();
-    execution.allow_external = request.params.allow_external;
     const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
-    execution.seconds_before = cache.seconds_before();
-    const auto check_needs = [&](const dicom::ImportFigures& scan) {
-      const ScanRaster raster = raster_of(scan);
-      give_large_blocks_back(raster);
-      const std::size_t anatomies = wanted_anatomies(config).size();
-      const int resample = made.graph.find_stage<grid::ResampleParams>();
-      const MemoryNeed memory = memory_need(
-          raster,
-          resample < 0
-              ? raster
-              : raster.on_voxels(made.graph.nodes[std::size_t(resample)].params.as<grid::ResampleParams>().spacing_mm),
-          anatomies);
-      if (!memory.remedy.empty())
-        log_warning(token + ": " + memory.text + ": " + memory.remedy);
-      else if (!memory.text.empty())
-        observer.estimated(memory.text);
-      const CaseNeeds needs = case_needs(raster.count(), anatomies, config.ct.has_value(), request.params.page);
-      if (!request.params.check_disk) return;
-      const double cache_mb = request.params.use_cache && request.cache.empty() ? needs.cache_mb : 0;
-      require_disk(request.library,
-                   needs.disk_mb + std::min(cache_mb, static_cast<double>(request.params.cache_limit_mb)));
-    };
-    EarlyWarnings early(observer, token, execution.seconds_before, check_needs);
+    const pipeline::ExecuteOptions execution = execution_of(request, made_in, cache);
+    EarlyWarnings early(observer, token, execution.seconds_before, [&](const dicom::ImportFigures& scan) {
+      check_needs(request, config, made.graph, scan, observer);
+    });
     CaseContent content;
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);

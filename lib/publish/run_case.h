@@ -67,10 +67,6 @@ struct RunResult {
 /// What follows the last node, as an observer names it: pictures, page and publishing.
 constexpr const char* publishing_step = "publish";
 
-/// The skin of a head shows the face, and so does a CT of it. Throws Error 81 where the case would publish one and the
-/// scene does not say that it may, and why.
-void require_face_policy(const config::CaseConfig& config);
-
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
 /// the configuration, refuses outputs inside the case's folder (64), checks the face policy (81), makes and checks the
 /// folders (73) and takes the case's lock (75 where another run builds the same case). Then it reads the scan and,

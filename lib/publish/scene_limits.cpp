@@ -89,4 +89,26 @@ void tell_wider_than_asked(const config::CaseConfig& config, const config::Recip
               ".max_deviation_mm = " + to_text(bound_mm) + " in its place");
 }
 
+void require_face_policy(const config::CaseConfig& config) {
+  if (!config.face.empty()) return;
+  std::string shown;
+  for (const config::SceneAnatomy& wanted : config.scene)
+    if (config.find_anatomy(wanted.name)->shows_face) shown = wanted.name;
+  if (config.haptic.wanted && config.haptic.encoding() == voxel::HapticEncoding::hu) {
+    for (const config::RecipeAnatomy& a : config.anatomies)
+      if (a.shows_face) shown = "the haptic volume of raw HU";
+  } else {
+    for (const config::SceneShape& shape : config.haptic.shapes)
+      if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
+  }
+  if (config.ct)
+    for (const config::RecipeAnatomy& a : config.anatomies)
+      if (a.shows_face) shown = "the CT";
+  if (!shown.empty())
+    throw Error(ExitCode::privacy, "", "scene.face",
+                shown +
+                    " shows the patient's face; the scene must say face: {policy: deface}, {policy: crop} or "
+                    "{policy: keep, reason: ...}");
+}
+
 }  // namespace trephine::publish

@@ -21,4 +21,8 @@ pipeline::Asked asked_of(const config::CaseConfig& config, const pipeline::Graph
 void tell_wider_than_asked(const config::CaseConfig& config, const config::RecipeAnatomy& recipe,
                            const config::SceneAnatomy& limit, double deviation_max_mm);
 
+/// The skin of a head shows the face, and so does a CT of it. Throws Error 81 where the case would publish one and the
+/// scene does not say that it may, and why.
+void require_face_policy(const config::CaseConfig& config);
+
 }  // namespace trephine::publish

@@ -19,6 +19,7 @@
 #include "publish/case_content.h"
 #include "publish/run_case.h"
 #include "publish/scan_checks.h"
+#include "publish/scene_limits.h"
 #include "trade/compared.h"
 #include "trade/measured.h"
 #include "voxel/mismatch.h"

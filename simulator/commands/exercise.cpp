@@ -178,7 +178,7 @@ class Exercise {
   // In a window, which judges and reports it as well. A lesson that never began leaves no recording: it is still to do.
   void play_case(const lessons::CurriculumCase& c, const std::string& task, const fs::path& recording) {
 #ifdef TREPHINE_WITH_DISPLAY
-    const cli::Command play = play_command();
+    const cli::Command play = cli::OwnCommand::named("play");
     std::vector<std::string> words = {c.folder.string(),      "--lesson",          params_.module,
                                       "--participant",        params_.participant, "--rubric",
                                       parsed_.text("rubric"), "--record",          recording.string()};
