@@ -250,9 +250,12 @@ void Declarer::add_all(const ParameterSet& set, std::size_t at, const char* pref
 void Declarer::add_all_optional(const ParameterSet& set, const std::function<void*(void*)>& held,
                                 const std::function<bool(const void*)>& there) {
   for (const Parameter& p : set.parameters) {
+    const auto is_there = [there, held, p, of = &set](const void* q) {
+      return there(q) && !is_absent(p, *of, held(const_cast<void*>(q)));
+    };
     Parameter& held_one = out.parameters.emplace_back(parameter_of_holder(p, held));
     held_one.left_out = true;
-    held_one.there = [there, inner = held_one.there](const void* q) { return there(q) && (!inner || inner(q)); };
+    held_one.there = is_there;
   }
 }
 

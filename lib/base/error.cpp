@@ -52,7 +52,10 @@ Error& Error::in_field(const std::string& field) {
 }
 
 Error& Error::in_stage(const std::string& stage) {
-  if (stage_.empty()) stage_ = stage;
+  if (stage_.empty()) {
+    stage_ = stage;
+    what_ = message_.text(stage_);
+  }
   return in_field(stage);
 }
 
@@ -73,7 +76,7 @@ Error& Error::refiled(std::string file) {
 
 Error& Error::reworded(const Message& what) {
   message_ = what;
-  what_ = what.text();
+  what_ = what.text(stage_);
   return *this;
 }
 

@@ -82,7 +82,8 @@ class Error : public std::exception {
   Error& in_case(const std::string& token);   ///< sets the case token if none is known
   Error& in_file(const std::string& file);    ///< sets the file if none is known
   Error& in_field(const std::string& field);  ///< sets the field, or prefixes "field: " where one is known
-  Error& in_stage(const std::string& stage);  ///< sets the stage, and the field as above
+  Error& in_stage(
+      const std::string& stage);  ///< sets the stage, for which settings are worded then, and the field as above
   Error& finds_fault_with(std::vector<std::string> parts);  ///< sets about()
   Error& recoded(ExitCode code);
   Error& refiled(std::string file);  ///< sets the file, whatever it was

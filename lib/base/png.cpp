@@ -36,10 +36,17 @@ struct PngRows::Writer {
                   std::string{'\x08', channels == 3 ? '\x02' : '\x00', '\0', '\0', '\0'});
     add_chunk(out, "sRGB", std::string(1, '\0'));
     // Level 3: a fifth larger; a case spent more time here than on its files.
-    if (deflateInit(&z, 3) != Z_OK) refuse_to_encode();
+    if (deflateInit2(&z, 3, Z_DEFLATED, window_bits(), 8, Z_DEFAULT_STRATEGY) != Z_OK) refuse_to_encode();
     begin_piece();
   }
   ~Writer() { deflateEnd(&z); }
+  /// No larger a window than a small picture fills, as libpng has it.
+  int window_bits() const {
+    const std::size_t bytes = (row_bytes + 1) * std::size_t(rows_left);
+    int bits = 15;
+    while (bytes <= 16384 && bits > 8 && bytes + 262 <= std::size_t{1} << (bits - 1)) --bits;
+    return bits;
+  }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 

@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "base/pi.h"
-#include "grid/sample.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 
@@ -40,8 +38,29 @@ constexpr double ring_step = 0.1;      ///< of a slice
 constexpr int max_step = 2;            ///< columns from plane to plane
 constexpr double step_cost = 0.05;
 
+/// Trilinear; air outside.
 double hu_at(const HuView& hu, Vec3 world) {
-  return grid::sampled(hu.lattice(), hu, hu.lattice().to_index(world), grid::value_beyond(-1024));
+  const grid::Lattice& l = hu.lattice();
+  const Vec3 p = l.to_index(world);
+  int low[3];
+  double t[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(p[a] >= 0 && p[a] <= l.size[a] - 1)) return -1024;
+    low[a] = std::min(int(p[a]), std::max(0, l.size[a] - 2));
+    t[a] = p[a] - low[a];
+  }
+  double sum = 0;
+  for (int c = 0; c < 8; ++c) {
+    int at[3];
+    double w = 1;
+    for (int a = 0; a < 3; ++a) {
+      const int s = c >> a & 1;
+      at[a] = std::min(low[a] + s, l.size[a] - 1);
+      w *= s ? t[a] : 1 - t[a];
+    }
+    if (w > 0) sum += w * hu(at[0], at[1], at[2]);
+  }
+  return sum;
 }
 
 /// The outer table unrolled: x along a plane from front to back, y from plane to plane, to the left.
@@ -64,7 +83,7 @@ Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone, D
   parallel_for(0, planes, 1, [&](std::int64_t from, std::int64_t to) {
     for (int row = int(from); row < to; ++row)
       for (int c = 0; c < columns; ++c) {
-        const double angle = (first_deg + c * turn_deg) * pi / 180;
+        const double angle = (first_deg + c * turn_deg) * std::acos(-1.0) / 180;
         const Vec3 out = f.front * std::cos(angle) + f.up * std::sin(angle);
         const auto met = bone(f.centre_mm + f.left * double(row - half_planes) + out * reach_mm, -out, reach_mm - 40);
         if (!met) continue;
@@ -80,7 +99,7 @@ Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone, D
   std::vector<float> radii;
   for (int c = 0; c < columns; ++c)
     if (u.known[u.at(half_planes, c)]) radii.push_back(float(norm(u.table_mm[u.at(half_planes, c)] - f.centre_mm)));
-  u.column_mm = turn_deg * pi / 180 * mask::median(radii, 100);
+  u.column_mm = turn_deg * std::acos(-1.0) / 180 * mask::median(radii, 100);
   u.density.spacing_mm = {u.column_mm, 1, 1};
   return u;
 }

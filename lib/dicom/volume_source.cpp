@@ -128,8 +128,9 @@ VolumeSource chosen_volume(const fs::path& path, const std::string& series, cons
   });
   if (found == sources.end())
     throw Error(ExitCode::usage, name_of_scan(path), "series",
-                series.empty() ? std::to_string(sources.size()) + " volumes, choose one by its token: " + known
-                               : "no such volume; there are: " + known);
+                (series.empty() ? std::to_string(sources.size()) + " volumes, choose one by its token: " + known
+                                : "no such volume; there are: " + known) +
+                    "; " + Setting{"series", "s1"} + " chooses the first");
   unpack(path, *found, progress);
   return *found;
 }

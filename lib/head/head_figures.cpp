@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "grid/sample.h"
 #include "head/head_doubts.h"
 #include "mask/filters.h"
 
@@ -44,6 +43,26 @@ HeadAxes axes_of(Vec3 origin, Vec3 normal) {
   return a;
 }
 
+/// Trilinear; -1 beyond the lattice, which is outside.
+double value_at(const grid::Field& f, Vec3 index) {
+  int low[3];
+  double t[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] >= 0 && index[a] <= f.size[a] - 1)) return -1;
+    low[a] = std::min(int(index[a]), std::max(0, f.size[a] - 2));
+    t[a] = index[a] - low[a];
+  }
+  const std::size_t dx = f.size[0] > 1, dy = f.size[1] > 1 ? f.size[0] : 0,
+                    dz = f.size[2] > 1 ? std::size_t(f.size[0]) * f.size[1] : 0;
+  const float* p = &f.voxels[f.index(low[0], low[1], low[2])];
+  const auto face = [&](const float* q) {
+    const double a = q[0] + t[0] * (q[dx] - q[0]), b = q[dy] + t[0] * (q[dy + dx] - q[dy]);
+    return a + t[1] * (b - a);
+  };
+  const double a = face(p), b = face(p + dz);
+  return a + t[2] * (b - a);
+}
+
 struct Run {
   double from, to;
   double width() const { return to - from; }
@@ -56,10 +75,10 @@ std::vector<Run> runs_along(const grid::Field& f, Vec3 from, Vec3 direction, dou
   const Vec3 a = f.to_index(from), b = f.to_index(from + direction) - a;
   const int steps = std::max(1, int(std::ceil((s1 - s0) / step_mm)));
   const double h = (s1 - s0) / steps;
-  double before = grid::sampled(f, a + b * s0, grid::value_beyond(-1));
+  double before = value_at(f, a + b * s0);
   if (before > 0) runs.push_back({s0, s1});
   for (int n = 1; n <= steps; ++n) {
-    const double s = s0 + n * h, now = grid::sampled(f, a + b * s, grid::value_beyond(-1));
+    const double s = s0 + n * h, now = value_at(f, a + b * s);
     if ((before > 0) != (now > 0)) {
       const double crossing = s - h + h * before / (before - now);
       if (now > 0)

@@ -150,7 +150,7 @@ void check_cube_noise(double hu, double smoothed_mm) {
   const Remedy series{"take a series of a smoother kernel or of thicker slices (`import --list` shows all)"};
   const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * max_hu);
   if (!(s <= max_smoothing_mm)) throw refusal("volume", what, series);
-  const std::string sigma_mm = fixed(s, 1);
+  const std::string sigma_mm = fmt::format("{:.1f}", s);
   throw refusal("volume", what,
                 {series.text + (", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to " + sigma_mm +
                                 " (" + Setting{"smoothing_sigma_mm", sigma_mm, "brain.brain"} + " " +

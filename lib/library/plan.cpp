@@ -119,18 +119,20 @@ class Planner {
     std::map<fs::path, int> users;
     for (const PlannedCase& c : plan_.cases) ++users[c.entry.config];
     // Further scans are remembered as the first ones are, so that a plan reads no series that did not change.
+    bool of_scan = false;
     const auto hash_of_scan = [&](const std::string&, const dicom::SeriesChoice& scan) {
       try {
         return memory_
             .content_of(scan.folder_or_file, scan.params, options_.rehash, Progress([](double) {}, &cancel_requested()))
             .sha256;
-      } catch (Error& e) {
-        e.refiled("");  // the folder may be named after the patient
+      } catch (const Error&) {
+        of_scan = true;
         throw;
       }
     };
     for (PlannedCase& c : plan_.cases) {
       progress_.check();
+      of_scan = false;
       auto& settings = known[{c.entry.config, c.entry.landmarks, c.entry.set}];
       try {
         if (!settings)
@@ -143,6 +145,7 @@ class Planner {
         const bool own = !c.entry.landmarks.empty() || users[c.entry.config] < static_cast<int>(plan_.cases.size());
         if (!own || plan_.cases.size() == 1) throw;
         c.fault = e;
+        if (of_scan) c.fault->refiled("");  // a second scan's folder may be named after the patient
       }
     }
   }

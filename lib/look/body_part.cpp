@@ -197,7 +197,7 @@ Outcome<std::monostate, BodyPartResult> judge_body_part(const grid::HuVolume& vo
   } catch (const Error& e) {
     if (params.refuse) throw;
     out.result.is_expected = IsExpected::unknown;
-    out.warnings.push_back({"other_part", "{why}", {{"why", std::string(e.what())}}});
+    out.warnings.push_back({"other_part", "{why}", {{"why", e.message().text("body_part")}}});
   }
   return out;
 }

@@ -49,8 +49,9 @@ class OneWay {
         if (pieces_ > max_pieces_)  // what all triangles need does not depend on the threads
           throw Error(ExitCode::internal, "", "certify",
                       "the surface would be cut into more than " + grouped_text(max_pieces_) + " pieces; set " +
-                          Setting{"certify_tolerance_mm", to_text(10 * tolerance_)} + " or " +
-                          Setting{"certify_max_pieces_count", std::to_string(10 * max_pieces_)});
+                          Setting{"certify_tolerance_mm", to_text(std::min(10.0, 10 * tolerance_))} + " or " +
+                          Setting{"certify_max_pieces_count",
+                                  std::to_string(std::min<std::int64_t>(1000000000000, 10 * max_pieces_))});
       }
     });
     CertifiedDistance all;

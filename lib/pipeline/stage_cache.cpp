@@ -50,7 +50,7 @@ std::string data_sha256(const std::string& key, const fs::path& data) {
 
 nlohmann::ordered_json json_of(const Error& refusal) {
   nlohmann::ordered_json settings = nlohmann::ordered_json::array();
-  for (const Setting& s : refusal.message().settings()) settings.push_back({s.parameter, s.value});
+  for (const Setting& s : refusal.message().settings()) settings.push_back({s.parameter, s.value, s.stage});
   return {{"field", refusal.field()},
           {"what", refusal.message().form()},
           {"settings", settings},
@@ -61,7 +61,7 @@ nlohmann::ordered_json json_of(const Error& refusal) {
 Error refusal_of(const nlohmann::ordered_json& json) {
   std::vector<Setting> settings;
   for (const auto& s : json.at("settings"))
-    settings.push_back({s.at(0).get<std::string>(), s.at(1).get<std::string>()});
+    settings.push_back({s.at(0).get<std::string>(), s.at(1).get<std::string>(), s.at(2).get<std::string>()});
   Error e(ExitCode::quality, "", json.at("field").get<std::string>(),
           Message(json.at("what").get<std::string>(), std::move(settings)));
   e.because(static_cast<Cause>(json.at("cause").get<int>()));

@@ -40,7 +40,7 @@ Refused refused_by_check(const CaseConfig& config, const Error& e) {
 
 Refused refused_by(const CaseConfig& config, const Error& e) {
   if (!e.about().empty()) return refused_by_check(config, e);
-  const std::string anatomy = anatomy_refused(config, e);
+  const std::string anatomy = anatomy_of_stage(config, e);
   if (!shown(config, anatomy)) return {};
   const std::vector<RecipeStep>& steps = config.find_anatomy(anatomy)->steps;
   const auto step = std::find_if(steps.begin(), steps.end(),
@@ -117,9 +117,7 @@ class Conceding {
 
 }  // namespace
 
-std::string anatomy_refused(const CaseConfig& config, const Error& e) {
-  for (const std::string& name : e.about())
-    if (config.find_anatomy(name)) return name;
+std::string anatomy_of_stage(const CaseConfig& config, const Error& e) {
   for (const RecipeAnatomy& a : config.anatomies)
     if (e.stage().rfind(a.name + ".", 0) == 0) return a.name;
   return "";

@@ -18,8 +18,8 @@ struct Concessions {
   std::vector<cases::CaseStandIn> stand_ins;
 };
 
-/// The anatomy that an error finds fault with, or of which the stage was that threw it; "" where it is of none.
-std::string anatomy_refused(const config::CaseConfig& config, const Error& error);
+/// The anatomy of which the stage was that threw the error; "" where it is of none.
+std::string anatomy_of_stage(const config::CaseConfig& config, const Error& error);
 
 /// Makes `config` one that can do without what the error refuses (80): of the anatomy whose stage, surface or haptic
 /// shape it is, or which the consistency check finds fault with, the stand-in is made (`stand_in`), or it is left out

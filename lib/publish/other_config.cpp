@@ -48,13 +48,14 @@ std::vector<std::string> configs_without(const fs::path& file, const CaseConfig&
   return names;
 }
 
-Error with_other_configs(const Error& e, const fs::path& file, const CaseConfig& config) {
-  if (e.code() != ExitCode::quality) return e;
-  const std::string anatomy = anatomy_refused(config, e);
-  if (anatomy.empty()) return e;
+std::optional<Error> with_other_configs(const Error& e, const fs::path& file, const CaseConfig& config) {
+  if (e.code() != ExitCode::quality) return {};
+  const bool of_surface = e.stage().empty() && e.cause() == Cause::refused_output && !e.about().empty();
+  const std::string anatomy = of_surface ? e.about().front() : anatomy_of_stage(config, e);
+  if (anatomy.empty()) return {};
   std::string names;
   for (const std::string& name : configs_without(file, config, anatomy)) names += (names.empty() ? "" : ", ") + name;
-  if (names.empty()) return e;
+  if (names.empty()) return {};
   return Error(e).reworded(e.message() + ("; a case without " + anatomy + " is made by " + names));
 }
 

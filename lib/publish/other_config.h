@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace trephine::publish {
 std::vector<std::string> configs_without(const std::filesystem::path& file, const config::CaseConfig& config,
                                          const std::string& anatomy);
 
-/// The refusal (code 80) of an anatomy, with these configurations at its end; any other error as it is.
-Error with_other_configs(const Error& refusal, const std::filesystem::path& file, const config::CaseConfig& config);
+/// The refusal (code 80) of an anatomy by one of its own stages or of its surface, with these configurations at its
+/// end; nothing where there are none, or for any other error.
+std::optional<Error> with_other_configs(const Error& refusal, const std::filesystem::path& file,
+                                        const config::CaseConfig& config);
 
 }  // namespace trephine::publish

@@ -346,11 +346,11 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     } catch (const Error& e) {
       std::vector<std::string> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
-      Error told = with_other_configs(e, request.config, config);
-      if (!e.stage().empty()) told.worded_for(e.stage());
+      const std::optional<Error> other = with_other_configs(e, request.config, config);
+      const Error told = other.value_or(e);
       show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e, told,
                    observer);
-      if (e.stage().empty()) throw;
+      if (!other) throw;
       throw told;
     }
     std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);

@@ -74,7 +74,7 @@ StageType register_stage() {
       if (own.doubts.empty()) {
         r.figures.scale_ratio = own.figures.scale_ratio;
         r.figures.another_patient = own.figures.another_patient;
-        r.warnings = std::move(own.warnings);
+        r.warnings.insert(r.warnings.end(), own.warnings.begin(), own.warnings.end());
         const double apart = itk::apart_mm(fixed, r.map, own.map);
         r.figures.given_apart_mm = apart;
         if (!(apart <= params.largest_given_mm))

@@ -118,7 +118,7 @@ bool Repeats::suffice(const Measurement& m) const {
   return m.seconds.size() >= static_cast<std::size_t>(std::max(1, count)) || (!m.seconds.empty() && total_s >= max_s);
 }
 
-Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work) {
+Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work, const std::string& stage) {
   Measurement m;
   try {
     for (int i = 0; !repeats.suffice(m); ++i) {
@@ -132,7 +132,7 @@ Measurement measure_work(const Repeats& repeats, const std::function<std::string
   } catch (const Error& e) {
     if (e.code() != ExitCode::quality) throw;
     m.seconds.clear();
-    m.refused = (e.field().empty() ? "" : e.field() + ": ") + e.what();
+    m.refused = (e.field().empty() ? "" : e.field() + ": ") + e.message().text(stage);
   }
   return m;
 }
@@ -182,11 +182,14 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const pipeline::Graph& 
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
     stages::StageOutcome made;
     ++measured_;
-    const Measurement measured = measure_work(options_.repeats, [&] {
-      made = {};
-      made = pipeline::compute_node(node, in, progress_of(node.name));
-      return stages::outcome_json(made);
-    });
+    const Measurement measured = measure_work(
+        options_.repeats,
+        [&] {
+          made = {};
+          made = pipeline::compute_node(node, in, progress_of(node.name));
+          return stages::outcome_json(made);
+        },
+        node.name);
     if (measured.refused.empty() && options_.cache && node.output != stages::DataKind::nothing)
       options_.cache->store(node.key, node.output, made, measured.median_s());
     held_[node.key] = std::move(made.data);

@@ -51,8 +51,9 @@ struct Repeats {
 };
 
 /// Does the work that often, with nothing else running, and measures it; its values are those of the first time. An
-/// Error 80 is kept as `refused`; any other is thrown.
-Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work);
+/// Error 80 is kept as `refused`, worded as of that stage; any other is thrown.
+Measurement measure_work(const Repeats& repeats, const std::function<std::string()>& work,
+                         const std::string& stage = "");
 
 /// The stages of a sweep. Each is computed once for all the points that share it, timed alone, repeated, and kept with
 /// its output in a stage cache.

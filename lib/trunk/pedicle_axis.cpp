@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "grid/sample.h"
 #include "mask/filters.h"
 #include "trunk/pedicle_parts.h"
 
@@ -15,6 +14,17 @@ constexpr double body_mm = 20, wider_ratio = 1.15;  // beyond it, within the bod
 constexpr int rays = 36;
 constexpr double max_ray_mm = 12;
 constexpr double equal_mm = 0.3;  // clearances that differ by less are equal: no wall is known better than that
+
+double sampled(const grid::Grid<float>& g, Vec3 world_mm, double outside) {
+  const Vec3 p = g.to_index(world_mm);
+  const double fi = std::floor(p.x), fj = std::floor(p.y), fk = std::floor(p.z);
+  if (!(fi >= 0 && fj >= 0 && fk >= 0 && fi + 1 < g.size[0] && fj + 1 < g.size[1] && fk + 1 < g.size[2]))
+    return outside;
+  const int i = int(fi), j = int(fj), k = int(fk);
+  const double x = p.x - fi, y = p.y - fj, z = p.z - fk;
+  const auto row = [&](int b, int c) { return g.at(i, j + b, k + c) * (1 - x) + g.at(i + 1, j + b, k + c) * x; };
+  return (row(0, 0) * (1 - y) + row(1, 0) * y) * (1 - z) + (row(0, 1) * (1 - y) + row(1, 1) * y) * z;
+}
 
 // A line by how far it leans to the middle and rises, in degrees, and how far it is moved aside and up, in mm.
 struct Pose {
@@ -101,16 +111,14 @@ BoneDistance::BoneDistance(const grid::Field& bone, const grid::Lattice& raster,
   for (int k = 0; k < raster.size[2]; ++k)
     for (int j = 0; j < raster.size[1]; ++j)
       for (int i = 0; i < raster.size[0]; ++i) {
-        const double f = field_at(bone, raster.to_world_mm({double(i), double(j), double(k)}), -1e3);
+        const double f = sampled(bone, raster.to_world_mm({double(i), double(j), double(k)}), -1e3);
         field.at(i, j, k) = std::abs(f) < 1e-3 ? 1e-3f : float(f);
       }
   grid_ = mask::signed_distance_mm(field, progress);
 }
 
-double BoneDistance::operator()(Vec3 p) const { return field_at(grid_, p, -1e3); }
-double field_at(const grid::Field& field, Vec3 p, double outside) {
-  return grid::sampled(field, field.to_index(p), grid::value_beyond(outside));
-}
+double BoneDistance::operator()(Vec3 p) const { return sampled(grid_, p, -1e3); }
+double field_at(const grid::Field& field, Vec3 p, double outside) { return sampled(field, p, outside); }
 
 double half_width_mm(const BoneDistance& bone, const AxisLine& line) {
   double least = 1e9;

@@ -4,7 +4,6 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
-#include "grid/sample.h"
 #include "mask/filters.h"
 #include "surface/bounds.h"
 #include "trunk/vein_parts.h"
@@ -70,6 +69,28 @@ std::vector<Vec3> first_guess(const ClavicleCourse& c, const VeinParams& p) {
   for (double s = p.medial_mm; s >= step_mm; s -= step_mm) all.push_back(line.front() + on * s);
   all.insert(all.end(), line.begin(), line.end());
   return smoothed(resampled(all), 4);
+}
+
+float sample(const grid::Grid<float>& g, Vec3 index) {
+  int low[3];
+  double part[3];
+  for (int a = 0; a < 3; ++a) {
+    const double x = std::clamp(index[a], 0.0, g.size[a] - 1.0);
+    low[a] = std::min(int(x), std::max(0, g.size[a] - 2));
+    part[a] = x - low[a];
+  }
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double w = 1;
+    int at[3];
+    for (int a = 0; a < 3; ++a) {
+      const int high = corner >> a & 1;
+      at[a] = std::min(low[a] + high, g.size[a] - 1);
+      w *= high ? part[a] : 1 - part[a];
+    }
+    sum += w * g.at(at[0], at[1], at[2]);
+  }
+  return float(sum);
 }
 
 }  // namespace
@@ -152,8 +173,7 @@ std::vector<Vec3> with_room(const std::vector<Vec3>& first, const grid::Grid<flo
     std::swap(sum, last);
     sum.assign(m, 1e300);
     for (std::size_t to = 0; to < m; ++to) {
-      const double lack = std::max(
-          0.0, wanted_mm - double(grid::sampled(room, room.to_index(moved(p, moves[to])), grid::nearest_beyond)));
+      const double lack = std::max(0.0, wanted_mm - double(sample(room, room.to_index(moved(p, moves[to])))));
       const double here = lack * lack + stray_cost * (moves[to].a * moves[to].a + moves[to].b * moves[to].b);
       if (p == 0) {
         sum[to] = here;
@@ -223,8 +243,7 @@ VeinCourse estimated_course(const ClavicleCourse& clavicle, const mask::HuView& 
   course.points_mm = resampled(smoothed(with_room(first, room, p.radius_mm + film_mm), 4));
   course.clearance_mm = 1e9;
   for (const Vec3& q : course.points_mm)
-    course.clearance_mm =
-        std::min(course.clearance_mm, double(grid::sampled(room, room.to_index(q), grid::nearest_beyond)));
+    course.clearance_mm = std::min(course.clearance_mm, double(sample(room, room.to_index(q))));
   return course;
 }
 

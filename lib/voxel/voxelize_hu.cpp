@@ -8,35 +8,59 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "grid/sample.h"
 #include "voxel/cut_solid.h"
 #include "voxel/voxelize.h"
 
 namespace trephine::voxel {
 namespace {
 
-constexpr double slack = 1e-6;  // of a voxel: what rounding may add to a region of whole voxels
-
-// Within half a voxel beyond the last centres the nearest samples, farther away haptic_beyond_hu.
+// Trilinear; within half a voxel beyond the last centres the nearest samples, farther away haptic_beyond_hu.
 template <class T>
-double sample_at(const grid::Grid<T>& grid, Vec3 index) {
-  for (int a = 0; a < 3; ++a)  // the same raster gives the same samples
-    if (std::abs(index[a] - std::round(index[a])) < slack) index[a] = std::round(index[a]);
-  return grid::sampled(grid, index, grid::value_beyond(haptic_beyond_hu, 0.5 + slack));
-}
+class Sampler {
+ public:
+  explicit Sampler(const grid::Grid<T>& grid) : grid_(grid) {}
+
+  double at(Vec3 index) const {
+    int begin[3], step[3];
+    double f[3];
+    for (int a = 0; a < 3; ++a) {
+      const int size = grid_.size[std::size_t(a)];
+      if (!(index[a] >= -0.5 - slack && index[a] <= size - 0.5 + slack)) return haptic_beyond_hu;
+      double x = std::clamp(index[a], 0.0, double(size - 1));
+      if (std::abs(x - std::round(x)) < slack) x = std::round(x);  // the same raster gives the same samples
+      begin[a] = std::min(int(x), std::max(0, size - 2));
+      step[a] = size > 1 ? 1 : 0;
+      f[a] = x - begin[a];
+    }
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) {
+      const double w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) * (c & 4 ? f[2] : 1 - f[2]);
+      if (w > 0)
+        sum += w *
+               grid_.at(begin[0] + (c & 1) * step[0], begin[1] + (c >> 1 & 1) * step[1], begin[2] + (c >> 2) * step[2]);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr double slack = 1e-6;
+  const grid::Grid<T>& grid_;
+};
 
 // Calls each(voxel, HU, k) for every voxel of the lattice, slices in parallel.
 template <class Each>
 void sample(const grid::HuVolume& volume, const grid::Lattice& lattice, const Progress& progress, const Each& each) {
   std::visit(
       [&](const auto& grid) {
+        using T = typename std::decay_t<decltype(grid)>::Sample;
+        const Sampler<T> sampler(grid);
         parallel_for(0, lattice.size[2], 1, [&](std::int64_t from, std::int64_t) {
           const int k = int(from);
           progress.check();
           for (int j = 0; j < lattice.size[1]; ++j)
             for (int i = 0; i < lattice.size[0]; ++i) {
               const Vec3 world = lattice.to_world_mm({double(i), double(j), double(k)});
-              each(lattice.index(i, j, k), sample_at(grid, grid.to_index(world)), k);
+              each(lattice.index(i, j, k), sampler.at(grid.to_index(world)), k);
             }
         });
       },
@@ -52,6 +76,7 @@ void sample(const grid::HuVolume& volume, const grid::Lattice& lattice, const Pr
 
 grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm,
                              const VoxelizeParams& params) {
+  constexpr double slack = 1e-6;  // of a voxel: what rounding may add to a region of whole voxels
   const auto refuse = [](const std::string& what) { throw Error(ExitCode::bad_config, "", "haptic.spacing_mm", what); };
   grid::Lattice lattice;
   lattice.direction = direction;
