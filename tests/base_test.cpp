@@ -229,10 +229,12 @@ TEST(Params, WhatIsDeclaredWithinIsListed) {
 struct Lengths {
   double length_mm = 0;
   std::optional<double> width_mm;
+  std::vector<double> places_mm = {};  // left out where there are none, in a struct that may be missing, too
   template <class V>
   static void describe(V& v) {
     v.number(&Lengths::length_mm, "length_mm", Range{}, "Length.");
     v.number(&Lengths::width_mm, "width_mm", "Width.");
+    v.numbers(&Lengths::places_mm, "places_mm", "Where.");
   }
 };
 
@@ -266,7 +268,7 @@ std::string text_of(const Named<ParameterValue>& figures) {
 
 TEST(Results, ArePrintedByTheirDeclaration) {
   Found found;
-  EXPECT_EQ(text_of(figures_of(found)), "size=5x6x7 concerns= ");
+  EXPECT_EQ(text_of(figures_of(found)), "size=\"5x6x7\" concerns=\"\" ");
   found.shapes = {{"skin", {1, {}}}, {"skull", {2, 3}}};
   found.sides = {{"left", {-0.0, {}}}};
   found.list = {{4, {}}, {5, 6}};
@@ -276,8 +278,8 @@ TEST(Results, ArePrintedByTheirDeclaration) {
   found.doubted = false;
   EXPECT_EQ(
       text_of(figures_of(found)),
-      "size=5x6x7 skin.length_mm=1 skull.length_mm=2 skull.width_mm=3 left_length_mm=0 1.length_mm=4 2.length_mm=5 "
-      "2.width_mm=6 clear_of_sinus_mm=7 length_mm=8 width_mm=9 concerns=brain skull doubted=false ");
+      "size=\"5x6x7\" skin.length_mm=1 skull.length_mm=2 skull.width_mm=3 left_length_mm=0 1.length_mm=4 2.length_mm=5 "
+      "2.width_mm=6 clear_of_sinus_mm=7 length_mm=8 width_mm=9 concerns=\"brain skull\" doubted=false ");
 }
 
 TEST(Results, AreKnownByTheirStruct) {

@@ -95,7 +95,8 @@ struct Scene {
   }
   static double figure(const Finding& f, const std::string& name) {
     for (const auto& [n, value] : f.figures)
-      if (n == name) return std::get<double>(value);
+      if (n == name)
+        return std::holds_alternative<double>(value) ? std::get<double>(value) : double(std::get<std::int64_t>(value));
     return -1;
   }
 };

@@ -3,6 +3,7 @@
 // and that they go through nothing.
 #include <gtest/gtest.h>
 
+#include "haptics/round_body.h"
 #include "haptics_tools.h"
 
 using namespace trephine;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <time.h>
 
+#include "haptics/round_body.h"
 #include "haptics_tools.h"
 
 using namespace trephine;

@@ -252,12 +252,13 @@ TEST(LessonsTeleport, AToolIsNotChangedInsideOfThePatient) {
                            {"at": "monro_right"}, "short_of_mm": 1}}, {"take": {"tool": "catheter"}}, "finish")");
   EXPECT_TRUE(d.facts.passes.empty()) << "a pass through intact bone";
   EXPECT_EQ(d.points("tip"), 1);
-  // A recording that says that it was so.
-  haptics::Recording forged = d.recording;
-  for (haptics::ServoFrame& f : forged.frames)
+  // A recording that says that it was so gains nothing: by the rules of the belt the tool was not taken.
+  auto forged = d;
+  for (haptics::ServoFrame& f : forged.recording.frames)
     if (haptics::belt_button::tool(f.buttons) == 2) f.inside = 2, std::copy(f.tip_mm, f.tip_mm + 3, f.proxy_mm);
-  whole.felt().loaded.haptic = whole.whole();
-  EXPECT_THROW(lessons::facts_of_recording(whole.felt(), "test", forged), Error);
+  whole.score(forged);
+  EXPECT_TRUE(forged.facts.passes.empty());
+  EXPECT_EQ(forged.points("tip"), 1);
 }
 
 TEST(LessonsTeleport, MovesThatNoHandMakesAreRefused) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/pi.h"
+#include "base/png.h"
 #include "picture/render.h"
 #include "picture_shapes.h"
 
