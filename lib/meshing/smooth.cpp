@@ -178,7 +178,7 @@ Outcome<surface::TriMesh, SmoothResult> smooth(const surface::TriMesh& input, co
   surface::check_mesh(input);
   const double bound_mm = params.total_deviation_mm;
   if (bound_mm > 0 && !reference)
-    throw Error(ExitCode::usage, "", "total_deviation_mm", "is to a reference: give `reference` too");
+    throw Error(ExitCode::usage, "", "total_deviation_mm", "is to a reference, and none is given");
   if (reference) with_field("reference", [&] { surface::check_mesh(*reference); });
   surface::TriMesh original = input;
   original.normals.clear();
