@@ -7,7 +7,7 @@ check=("$TREPHINE" check)
 
 "${check[@]}" "$work/sample" >"$work/text" 2>"$work/stderr"
 [[ ! -s $work/stderr ]] || fail "a good case is not silent on stderr"
-for line in 'case sample, format 1\.7' 'frame LPS, mm, centre 1\.0, -20\.0, 300\.0' '2 anatomies, 216 triangles' \
+for line in 'case sample, format 2\.0' 'frame LPS, mm, centre 1\.0, -20\.0, 300\.0' '2 anatomies, 216 triangles' \
             '10 x 10 x 10 voxels of 17\.6' 'with hardness, 2 shapes' 'material tissue' 'felt against seen' \
             'landmark nasion' 'target middle' 'burr hole entry .*cut from outer' '4 files, .* in 0\.[0-9]* s'; do
   grep -Eq "$line" "$work/text" || { cat "$work/text"; fail "not said: $line"; }
