@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 set(case_modules base json grid surface voxel contact cases)
 # What other programs may include; each of these compiles alone (tests/program/case_consumer.sh).
-set(base_headers error exit_code parallel parameter params progress report vec3)
+set(base_headers error exit_code parallel parameter params progress report result vec3 warning)
 set(json_headers declared_json json_bounds)
 set(grid_headers grid gzip_limit nrrd)
 set(surface_headers bvh distance_function inside mesh_array point_to_mesh point_triangle trimesh)
