@@ -102,12 +102,6 @@ class Builder {
   const R& result(int node) const {
     return result_as<R>(at(node).result);
   }
-  // What a result says of one of its cutters or shapes.
-  template <class T>
-  static const T& part(const Named<T>& all, const std::string& name) {
-    if (const T* one = find_item(all, name)) return *one;
-    throw Error(ExitCode::internal, "", name, "a stage's result lacks this part");
-  }
 
   // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
   Vec3 center() const {
@@ -280,7 +274,7 @@ class Builder {
       hole.cut.push_back(drilled.anatomy);
       const int cut = graph_.find_stage<boolean::CutSurfaceParams>(drilled.anatomy);
       if (cut >= 0) {
-        const double mm3 = part(result<boolean::CutSurfaceResult>(cut).cutters, name).removed_mm3;
+        const double mm3 = part_of(result<boolean::CutSurfaceResult>(cut).cutters, name).removed_mm3;
         hole.figures.emplace_back("mesh." + drilled.anatomy + ".removed_mm3", mm3);
         if (drilled.anatomy == bone) seen_mm3 = mm3;
       }
@@ -288,8 +282,8 @@ class Builder {
     }
     if (haptic_ >= 0)
       for (const auto& [shape, drill] : config_.haptic.params.as<stages::VoxelizeStageParams>().drill) {
-        const voxel::CutVolumeResult& removed = part(result<voxel::VoxelizeResult>(haptic_).cutters, name);
-        const double mm3 = part(removed.shapes, shape).removed_mm3;
+        const voxel::CutVolumeResult& removed = part_of(result<voxel::VoxelizeResult>(haptic_).cutters, name);
+        const double mm3 = part_of(removed.shapes, shape).removed_mm3;
         hole.figures.emplace_back("haptic." + shape + ".removed_mm3", mm3);
         if (shape == bone) felt_mm3 = mm3;
       }

@@ -3,22 +3,10 @@
 
 #include <algorithm>
 
-#include "base/error.h"
-
 #include "voxel/haptic_file.h"
 #include "voxel/mismatch.h"
 
 namespace trephine::publish {
-namespace {
-
-// Every shape has its figures.
-template <class T>
-const T& of(const Named<T>& all, const std::string& shape) {
-  if (const T* one = find_item(all, shape)) return *one;
-  throw Error(ExitCode::internal, "", shape, "a stage's result lacks this shape");
-}
-
-}  // namespace
 
 HapticContent make_haptic_content(const config::CaseConfig& config, const voxel::HapticVolume& volume,
                                   const voxel::VoxelizeResult& made, const voxel::MismatchResult& mismatch) {
@@ -38,12 +26,12 @@ HapticContent make_haptic_content(const config::CaseConfig& config, const voxel:
     s.window_high = shape.window_high;
     s.material = wanted.material;
     static_cast<cases::ShapeParams&>(s) = wanted;
-    s.volume_ml = of(made.shapes, shape.name).volume_ml;
+    s.volume_ml = part_of(made.shapes, shape.name).volume_ml;
     const bool seen = std::any_of(config.scene.begin(), config.scene.end(),
                                   [&](const config::SceneAnatomy& a) { return a.name == shape.name; });
     s.displayed = seen ? "surface" : "haptic";
     if (seen) {
-      const voxel::Mismatch& m = of(mismatch.shapes, shape.name);
+      const voxel::Mismatch& m = part_of(mismatch.shapes, shape.name);
       s.mismatch = {m.bias_mm, m.rms_mm, m.p99_mm, m.max_mm, m.missed_ratio, m.samples};
     } else {
       cases::CaseAnatomy a;

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
+#include "base/parameter.h"
 #include "boolean/cutter.h"
 #include "cases/case.h"
 #include "config/config.h"
@@ -10,6 +12,13 @@
 #include "voxel/mismatch.h"
 
 namespace trephine::publish {
+
+/// What a stage's result says of one of its cutters or shapes. Throws Error 70 where it says nothing.
+template <class T>
+const T& part_of(const Named<T>& all, const std::string& name) {
+  if (const T* one = find_item(all, name)) return *one;
+  throw Error(ExitCode::internal, "", name, "a stage's result lacks this part");
+}
 
 /// The haptic part of a case.
 struct HapticContent {
