@@ -74,14 +74,14 @@ struct Command {
 ///     });
 class OwnCommand {
  public:
-  explicit OwnCommand(Command (*make)()) : make_(make), next_(first_) { first_ = this; }
+  explicit OwnCommand(Command (*make)()) : make_(make), next_(first) { first = this; }
   /// All that the program has, by name.
   static std::vector<Command> all();
   /// Throws Error 70 where it has none of that name.
   static Command named(const std::string& name);
 
  private:
-  static const OwnCommand* first_;
+  static const OwnCommand* first;
   Command (*make_)();
   const OwnCommand* next_;
 };

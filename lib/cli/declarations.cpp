@@ -177,11 +177,11 @@ void ParsedCommand::no_such_group() const {
   throw Error(ExitCode::internal, "", command ? command->name : "", "has no parameters of this type");
 }
 
-const OwnCommand* OwnCommand::first_ = nullptr;
+const OwnCommand* OwnCommand::first = nullptr;
 
 std::vector<Command> OwnCommand::all() {
   std::vector<Command> out;
-  for (const OwnCommand* c = first_; c; c = c->next_) out.push_back(c->make_());
+  for (const OwnCommand* c = first; c; c = c->next_) out.push_back(c->make_());
   std::sort(out.begin(), out.end(), [](const Command& a, const Command& b) { return a.name < b.name; });
   return out;
 }

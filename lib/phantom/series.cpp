@@ -16,8 +16,10 @@ namespace trephine::phantom {
 namespace {
 
 struct VR {
+  // NOLINTBEGIN(readability-identifier-naming): as DICOM spells them
   static constexpr const char *CS = "CS", *DA = "DA", *DS = "DS", *IS = "IS", *LO = "LO", *PN = "PN", *SH = "SH",
                               *SS = "SS", *TM = "TM", *UI = "UI", *US = "US";
+  // NOLINTEND(readability-identifier-naming)
 };
 
 /// A DICOM decimal string: at most 16 characters.

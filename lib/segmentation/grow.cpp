@@ -11,7 +11,7 @@ namespace trephine::segmentation {
 
 grid::Mask grow_in_ball(const grid::HuVolume& volume, const GrowRequest& request) {
   const grid::Lattice& lattice = grid::lattice_of(volume);
-  const auto [i0, j0, k0] = request.seed;
+  const int i0 = request.seed[0], j0 = request.seed[1], k0 = request.seed[2];
   if (!lattice.contains(i0, j0, k0)) throw Error(ExitCode::usage, "", "seed", "is no voxel of the scan");
   if (!(request.radius_mm > 0 && request.radius_mm <= 200))
     throw Error(ExitCode::usage, "", "radius_mm", "must be above 0 and at most 200");

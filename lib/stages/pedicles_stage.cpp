@@ -63,7 +63,9 @@ void take_given(const grid::Field& bone, const std::vector<cases::CaseLandmark>&
     (entry ? p.entry_mm : p.target_mm) = l.position_mm;
     ends[name] |= entry ? 1 : 2;
   }
-  for (const auto& [name, which] : ends) {
+  for (const auto& end : ends) {
+    const std::string& name = end.first;
+    const int which = end.second;
     trunk::PedicleAxis& p = by_name[name];
     const bool was_found =
         std::any_of(all.begin(), all.end(), [&](const trunk::PedicleAxis& f) { return name_of(f) == name; });

@@ -156,7 +156,7 @@ ExitCode run_replay(const cli::ParsedCommand& parsed) {
                   not_this_program)
         .in_file(parsed.text("recording"));
   if (h.outcome && drilling) {
-    const haptics::RecordingHeader::Outcome again = haptics::outcome_of(felt.loaded.haptic, drilling->outcome());
+    const haptics::RecordedCutting again = haptics::outcome_of(felt.loaded.haptic, drilling->outcome());
     if (again.volume_sha256 != h.outcome->volume_sha256)
       throw refusal("volume_sha256", "the volume differs when replayed", not_this_program)
           .in_file(parsed.text("recording"));

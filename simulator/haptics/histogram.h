@@ -12,7 +12,7 @@ class Histogram {
  public:
   void add(double ns) {
     ns = std::max(0.0, ns);
-    ++bins_[std::size_t(std::clamp(int(std::log(std::max(1.0, ns)) * per_e_), 0, int(bins_.size()) - 1))];
+    ++bins_[std::size_t(std::clamp(int(std::log(std::max(1.0, ns)) * per_e), 0, int(bins_.size()) - 1))];
     ++count_;
     sum_ += ns;
     max_ = std::max(max_, ns);
@@ -25,13 +25,13 @@ class Histogram {
     std::uint64_t below = 0;
     for (std::size_t n = 0; n < bins_.size(); ++n) {
       below += bins_[n];
-      if (double(below) >= share * double(count_) && below > 0) return std::min(max_, std::exp(double(n + 1) / per_e_));
+      if (double(below) >= share * double(count_) && below > 0) return std::min(max_, std::exp(double(n + 1) / per_e));
     }
     return max_;
   }
 
  private:
-  static constexpr double per_e_ = 33;
+  static constexpr double per_e = 33;
   std::array<std::uint64_t, 840> bins_{};
   std::uint64_t count_ = 0;
   double sum_ = 0, max_ = 0;

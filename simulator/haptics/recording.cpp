@@ -118,7 +118,7 @@ void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
   impl_->seal.bytes(bytes.data(), bytes.size());
   impl_->frames += frames.size();
 }
-void RecordingWriter::finish(const std::optional<RecordingHeader::Outcome>& outcome) {
+void RecordingWriter::finish(const std::optional<RecordedCutting>& outcome) {
   impl_->header.outcome = outcome;
   const std::string fixed = fixed_text();
   std::string text = header_text(impl_->header, impl_->frames);
@@ -203,8 +203,8 @@ std::string volume_digest(const voxel::HapticVolume& volume) {
   return sha256_of_bytes({reinterpret_cast<const char*>(v.data()), v.size() * sizeof v[0]});
 }
 
-RecordingHeader::Outcome outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome) {
-  RecordingHeader::Outcome o;
+RecordedCutting outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome) {
+  RecordedCutting o;
   o.volume_sha256 = volume_digest(volume);
   for (const voxel::HapticShape& s : volume.shapes)
     if (const std::int64_t units = outcome.units[std::size_t(s.number)]; units > 0)

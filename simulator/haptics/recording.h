@@ -20,6 +20,31 @@ namespace trephine::haptics {
 /// what it replaces.
 constexpr int recording_version = 10;
 
+/// What was cut.
+struct RecordedCutting {
+  std::string volume_sha256;  ///< of the voxels at the end
+  std::map<std::string, double> removed_mm3;
+  bool breached = false;
+  double breach_time_s = 0;
+  Vec3 breach_mm;
+  double max_bone_c = 0, heat_dose_min = 0, late_mm3 = 0;
+  std::int64_t undone = 0, resets = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecordedCutting;
+    v.text(&P::volume_sha256, "volume_sha256", "SHA-256 of the voxels at the end.");
+    v.map(&P::removed_mm3, "removed_mm3", "What was removed, by shape.");
+    v.flag(&P::breached, "breached", "Whether the tip left drilled bone on the other side than it came in.");
+    v.number(&P::breach_time_s, "breach_time_s", Range{}, "When.").not_always();
+    v.numbers(&P::breach_mm, "breach_mm", Range{}, "Where.").not_always();
+    v.number(&P::max_bone_c, "max_bone_c", Range{}, "How warm the bone became.").not_always();
+    v.number(&P::heat_dose_min, "heat_dose_min", Range{}, "As minutes at 43 degrees.").not_always();
+    v.number(&P::late_mm3, "late_mm3", Range{}, "What was removed from behind the tool.").not_always();
+    v.integer(&P::undone, "undone", Range{}, "Strokes and incisions that were taken back.").not_always();
+    v.integer(&P::resets, "resets", Range{}, "How often all was taken back.").not_always();
+  }
+};
+
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
   std::string case_token, haptic_sha256;  ///< of the case, and of its haptic volume's file
@@ -41,31 +66,7 @@ struct RecordingHeader {
   std::string task;                   ///< what was asked for in the lesson
   /// Of the voxels at its begin, where an earlier session had cut some; else empty.
   std::string begins_sha256;
-  /// What was cut, where the tool cut; not in a recording that was not finished.
-  struct Outcome {
-    std::string volume_sha256;  ///< of the voxels at the end
-    std::map<std::string, double> removed_mm3;
-    bool breached = false;
-    double breach_time_s = 0;
-    Vec3 breach_mm;
-    double max_bone_c = 0, heat_dose_min = 0, late_mm3 = 0;
-    std::int64_t undone = 0, resets = 0;
-    template <class V>
-    static void describe(V& v) {
-      using P = Outcome;
-      v.text(&P::volume_sha256, "volume_sha256", "SHA-256 of the voxels at the end.");
-      v.map(&P::removed_mm3, "removed_mm3", "What was removed, by shape.");
-      v.flag(&P::breached, "breached", "Whether the tip left drilled bone on the other side than it came in.");
-      v.number(&P::breach_time_s, "breach_time_s", Range{}, "When.").not_always();
-      v.numbers(&P::breach_mm, "breach_mm", Range{}, "Where.").not_always();
-      v.number(&P::max_bone_c, "max_bone_c", Range{}, "How warm the bone became.").not_always();
-      v.number(&P::heat_dose_min, "heat_dose_min", Range{}, "As minutes at 43 degrees.").not_always();
-      v.number(&P::late_mm3, "late_mm3", Range{}, "What was removed from behind the tool.").not_always();
-      v.integer(&P::undone, "undone", Range{}, "Strokes and incisions that were taken back.").not_always();
-      v.integer(&P::resets, "resets", Range{}, "How often all was taken back.").not_always();
-    }
-  };
-  std::optional<Outcome> outcome;
+  std::optional<RecordedCutting> outcome;  ///< where the tool cut; not in a recording that was not finished
   template <class V>
   static void describe(V& v) {
     using P = RecordingHeader;
@@ -99,7 +100,7 @@ struct RecordingHeader {
 
 /// SHA-256 of a volume's raw voxels, little endian.
 std::string volume_digest(const voxel::HapticVolume& volume);
-RecordingHeader::Outcome outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome);
+RecordedCutting outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome);
 
 /// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74; add() 65 for a
 /// frame whose time is not finite, which nobody could read.
@@ -108,7 +109,7 @@ class RecordingWriter {
   RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
   ~RecordingWriter();
   void add(const std::vector<ServoFrame>& frames);
-  void finish(const std::optional<RecordingHeader::Outcome>& outcome = {});
+  void finish(const std::optional<RecordedCutting>& outcome = {});
 
  private:
   struct Impl;

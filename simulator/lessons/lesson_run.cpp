@@ -69,7 +69,7 @@ void require_times(const haptics::Recording& r, const std::string& file) {
   }
 }
 
-bool same_outcome(const haptics::RecordingHeader::Outcome& a, const haptics::RecordingHeader::Outcome& b) {
+bool same_outcome(const haptics::RecordedCutting& a, const haptics::RecordedCutting& b) {
   return a.removed_mm3 == b.removed_mm3 && a.breached == b.breached && a.breach_time_s == b.breach_time_s &&
          a.breach_mm == b.breach_mm;
 }

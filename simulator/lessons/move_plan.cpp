@@ -101,10 +101,10 @@ void MovePlan::step(const std::string& name, const AnyParams& params) {
 
 std::vector<HandMove> plan_steps(const LessonScript& script, MovePlan& plan) {
   for (std::size_t n = 0; n < script.steps.size(); ++n) {
-    const auto& [name, params] = script.steps[n];
+    const std::string& name = script.steps[n].first;
     with_field("steps[" + std::to_string(n) + "]." + name, [&] {
       try {
-        plan.step(name, params);
+        plan.step(name, script.steps[n].second);
       } catch (const Error& e) {  // what the path says of a place is the script's fault
         if (e.code() == ExitCode::internal) throw;
         throw Error(ExitCode::bad_input, "", e.field(), e.what());

@@ -82,8 +82,8 @@ struct SessionResult {
   std::uint64_t jumps = 0, gaps = 0;                ///< of the device, after which the force came back
   std::uint64_t frames_lost = 0;                    ///< frames that were not recorded, because the disk was too slow
   std::optional<haptics::DrillingOutcome> drilled;  ///< where the tool cuts
-  std::optional<haptics::RecordingHeader::Outcome> outcome;  ///< the same in mm, with the volume's hash
-  double cpu_s = 0;  ///< of the servo thread, including the system calls of its sleeps
+  std::optional<haptics::RecordedCutting> outcome;  ///< the same in mm, with the volume's hash
+  double cpu_s = 0;                                 ///< of the servo thread, including the system calls of its sleeps
   double cpu_us_a_tick() const;
 };
 
