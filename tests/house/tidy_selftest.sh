@@ -8,10 +8,11 @@ tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 export GIT_AUTHOR_NAME=a GIT_AUTHOR_EMAIL=a@b GIT_COMMITTER_NAME=a GIT_COMMITTER_EMAIL=a@b GIT_CONFIG_GLOBAL=/dev/null
 export READ="$tree/read" PATH="$tree/bin:$PATH"
-mkdir -p "$tree"/{bin,work/tests/house,work/lib/grid,work/tools,work/simulator}
+mkdir -p "$tree"/{bin,work/tests/house,work/cmake,work/lib/grid,work/tools,work/simulator}
 cp "$script" "$tree/work/tests/house/tidy.sh"
+cp "$(dirname "$script")/../../cmake/unity_groups.awk" "$tree/work/cmake/"
 printf '#!/bin/sh\n' > "$tree/bin/cmake"
-printf '#!/bin/sh\nfor f; do :; done; echo "$f" >> "$READ"\n' > "$tree/bin/clang-tidy-14"
+printf '#!/bin/sh\nfor f; do :; done; sed -n "s,^#include .*/work/\\(.*\\).$,\\1,p" "$f" >> "$READ"\n' > "$tree/bin/clang-tidy-14"
 chmod +x "$tree/bin/"*
 cd "$tree/work"
 for n in $(seq 100 249); do echo "#include \"grid/$n.h\"" > "lib/grid/$n.cpp"; echo > "lib/grid/$n.h"; done
