@@ -10,6 +10,8 @@
 namespace trephine {
 namespace {
 
+namespace fs = std::filesystem;
+
 const std::string signature_of_nothing =
     "e5564300c360ac729086e2cc806e828a84877f1eb8e5d974d873e065224901555fb8821590a33bacc61e39701cf9b46bd25bf5f0595bbe2465"
     "5141438e7a100b";
@@ -24,6 +26,7 @@ TEST(Signature, IsThatOfTheStandardAndOfTheseBytesAlone) {
   const TemporaryFolder folder;
   const auto secret = folder.path() / "key", open = folder.path() / "key.pub";
   write_file(secret, private_pem);
+  fs::permissions(secret, fs::perms::owner_read | fs::perms::owner_write);
   write_file(open, public_pem);
   EXPECT_EQ(signature_of_bytes("", secret), signature_of_nothing);
   EXPECT_TRUE(is_signed("", signature_of_nothing, open));
@@ -45,10 +48,32 @@ TEST(Signature, AFileThatHoldsNoSuchKeyIsRefused) {
   const auto file = folder.path() / "key";
   for (const char* text : {"", "-----BEGIN PRIVATE KEY-----\nAAAA\n-----END PRIVATE KEY-----\n", public_pem}) {
     write_file(file, text);
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
     EXPECT_THROW(signature_of_bytes("a", file), Error) << text;
   }
   write_file(file, private_pem);  // the public key is asked for
   EXPECT_THROW(is_signed("a", signature_of_nothing, file), Error);
+}
+
+TEST(Signature, APrivateKeyThatOthersMayReadIsRefused) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "key";
+  write_file(file, private_pem);
+  for (const int mode : {0640, 0604, 0620, 0602, 0644, 0666}) {
+    fs::permissions(file, fs::perms(mode));
+    try {
+      signature_of_bytes("a", file);
+      ADD_FAILURE() << std::oct << mode;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      EXPECT_EQ(e.file(), file.string());
+      EXPECT_NE(std::string(e.what()).find("chmod 600 '" + file.string() + "'"), std::string::npos) << e.what();
+    }
+  }
+  for (const int mode : {0600, 0400}) {
+    fs::permissions(file, fs::perms(mode));
+    EXPECT_NO_THROW(signature_of_bytes("a", file)) << std::oct << mode;
+  }
 }
 
 }  // namespace

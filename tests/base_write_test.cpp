@@ -194,6 +194,26 @@ TEST_F(WriteFile, SymbolicLinksStay) {
   EXPECT_EQ(content(folder_ / "real" / "target"), "new");
 }
 
+// Who puts a link where another writes would choose what is overwritten.
+TEST_F(WriteFile, ALinkIsReplacedWhereNobodyMeantIt) {
+  fs::create_directory(folder_ / "real");
+  write_file(folder_ / "real" / "target", "old");
+  fs::create_symlink("real/target", folder_ / "link");
+  write_file(folder_ / "link", "new", Links::replaced);
+  EXPECT_FALSE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(content(folder_ / "link"), "new");
+  EXPECT_EQ(content(folder_ / "real" / "target"), "old");
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  write_file(folder_ / "pipe", "new", Links::replaced);  // and does not wait for whoever reads it
+  EXPECT_EQ(content(folder_ / "pipe"), "new");
+  if (::geteuid() != 0) return;
+  fs::create_symlink("real/target", folder_ / "planted");
+  ASSERT_EQ(::lchown((folder_ / "planted").c_str(), 65534, 65534), 0);
+  write_file(folder_ / "planted", "new");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "planted"));
+  EXPECT_EQ(content(folder_ / "real" / "target"), "old");
+}
+
 TEST_F(WriteFile, FileSizeLimitIs74) {
   write_file(folder_ / "target", "old");
   const pid_t pid = ::fork();  // the limit is for one's whole process

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 namespace trephine {
 
@@ -36,6 +37,8 @@ struct InputFile {
   std::uint64_t size = 0;
 };
 InputFile open_input(const std::filesystem::path& file, std::uint64_t max_bytes);
+/// All of it. Throws as read_file does.
+std::vector<char> read_input(const InputFile& input, const std::filesystem::path& file);
 
 /// Reads at most `size` bytes and returns their count, 0 at the end of the file. Throws Error 74 where reading fails.
 std::size_t read_some(int fd, void* data, std::size_t size, const std::filesystem::path& file);

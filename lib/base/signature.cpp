@@ -4,13 +4,14 @@
 #include <openssl/bio.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
+#include <sys/stat.h>
 
 #include <memory>
 #include <vector>
 
 #include "base/error.h"
+#include "base/file_descriptor.h"
 #include "base/hex.h"
-#include "base/write_file.h"
 
 namespace trephine {
 namespace {
@@ -22,8 +23,19 @@ using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
 // OpenSSL would ask at the terminal for the passphrase of a key that has one.
 int no_passphrase(char*, int, int, void*) { return -1; }
 
+// Who can read a private key signs in its owner's name. Asked of the opened file, which nobody can exchange.
+void require_secret(const InputFile& input, const std::filesystem::path& file) {
+  struct stat s {};
+  if (::fstat(input.fd.get(), &s) == 0 && (s.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
+  throw Error(ExitCode::bad_input, file.string(), "private key",
+              "can be read or written by others, who could sign in its owner's name: chmod 600 '" + file.string() +
+                  "', or make a new one if others had it");
+}
+
 Key read_key(const std::filesystem::path& file, bool is_private) {
-  const std::vector<char> pem = read_file(file, 1 << 16);
+  const InputFile input = open_input(file, 1 << 16);
+  if (is_private) require_secret(input, file);
+  const std::vector<char> pem = read_input(input, file);
   const std::unique_ptr<BIO, decltype(&BIO_free)> bio(BIO_new_mem_buf(pem.data(), int(pem.size())), BIO_free);
   const auto read = is_private ? PEM_read_bio_PrivateKey : PEM_read_bio_PUBKEY;
   Key key(bio ? read(bio.get(), nullptr, no_passphrase, nullptr) : nullptr, EVP_PKEY_free);

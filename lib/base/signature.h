@@ -10,7 +10,8 @@ namespace trephine {
 /// `openssl genpkey -algorithm ed25519` and `openssl pkey -pubout` write them.
 
 /// The signature of the bytes, as 128 lower-case hexadecimal digits. The same key and bytes give the same signature.
-/// Throws Error 66 where the key's file cannot be read, 65 where it holds no private Ed25519 key.
+/// Throws Error 66 where the key's file cannot be read, 65 where it holds no private Ed25519 key, or where anybody but
+/// its owner may read or write it.
 std::string signature_of_bytes(std::string_view bytes, const std::filesystem::path& private_key);
 
 /// Whether `signature` is of these bytes by the owner of the key; text that is no signature is of nobody.

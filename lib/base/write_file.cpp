@@ -32,6 +32,12 @@ std::string reason(int number) {
       sizeof buffer);  // GNU's strerror_r may return a text of its own, in English as long as no locale is set
 }
 
+// A link of root, as /dev/stdout, is followed.
+bool is_link_of_another(const fs::path& file) {
+  struct stat s {};
+  return ::lstat(file.c_str(), &s) == 0 && S_ISLNK(s.st_mode) && s.st_uid != 0 && s.st_uid != ::geteuid();
+}
+
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 // A process that has ended does not count as running, even before its parent waits for it.
@@ -85,7 +91,9 @@ FileCalls& file_calls() {
   return calls;
 }
 
-FileWriter::FileWriter(fs::path target) : target_(std::move(target)) {
+FileWriter::FileWriter(fs::path target) : FileWriter(std::move(target), Links::followed) {}
+
+FileWriter::FileWriter(fs::path target, Links links) : target_(std::move(target)) {
   ignore_file_size_signal();
   const auto cannot = [&](const std::string& why) -> Error {
     if (folder_fd_ >= 0) ::close(folder_fd_);
@@ -94,15 +102,17 @@ FileWriter::FileWriter(fs::path target) : target_(std::move(target)) {
   if (!target_.has_filename()) throw cannot("it names no file");
   std::error_code ignored;
   fs::path real = target_;
-  if (fs::is_symlink(target_, ignored) && fs::exists(target_, ignored)) real = fs::canonical(target_, ignored);
-  const fs::file_status status = fs::status(target_, ignored);
+  const bool follows = links == Links::followed && !is_link_of_another(target_);
+  if (follows && fs::is_symlink(target_, ignored) && fs::exists(target_, ignored))
+    real = fs::canonical(target_, ignored);
+  const fs::file_status status = follows ? fs::status(target_, ignored) : fs::symlink_status(target_, ignored);
   if (fs::is_directory(status)) throw cannot("it is a folder");
-  if (fs::is_character_file(status) || fs::is_fifo(status)) {
+  if (follows && (fs::is_character_file(status) || fs::is_fifo(status))) {
     fd_ = file_calls().open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY, 0);
     if (fd_ < 0) throw cannot(reason(errno));
     return;
   }
-  if (fs::exists(status) && !fs::is_regular_file(status)) throw cannot("it is not a file");
+  if (follows && fs::exists(status) && !fs::is_regular_file(status)) throw cannot("it is not a file");
 
   const fs::path folder = folder_of(real);
   folder_fd_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -185,8 +195,10 @@ void FileWriter::commit() {
   if (sync(folder_fd_) != 0 && errno != EINVAL) fail("fsync of the folder");
 }
 
-void write_file(const fs::path& target, std::string_view bytes) {
-  FileWriter writer(target);
+void write_file(const fs::path& target, std::string_view bytes) { write_file(target, bytes, Links::followed); }
+
+void write_file(const fs::path& target, std::string_view bytes, Links links) {
+  FileWriter writer(target, links);
   writer.write(bytes);
   writer.commit();
 }
@@ -219,8 +231,7 @@ std::size_t read_some(int fd, void* data, std::size_t size, const fs::path& file
   }
 }
 
-std::vector<char> read_file(const fs::path& file, std::uint64_t max_bytes) {
-  const InputFile input = open_input(file, max_bytes);
+std::vector<char> read_input(const InputFile& input, const fs::path& file) {
   std::vector<char> bytes(input.size);
   std::size_t done = 0;
   while (done < bytes.size()) {
@@ -229,6 +240,10 @@ std::vector<char> read_file(const fs::path& file, std::uint64_t max_bytes) {
     done += n;
   }
   return bytes;
+}
+
+std::vector<char> read_file(const fs::path& file, std::uint64_t max_bytes) {
+  return read_input(open_input(file, max_bytes), file);
 }
 
 void make_output_folder(const fs::path& folder) {

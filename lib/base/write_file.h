@@ -16,11 +16,16 @@ namespace trephine {
 /// (Only where the last step, the fsync of the folder, fails is the new file already in place: 74 then means "perhaps
 /// not durable".) The file's mode is 0644 less umask. Without a commit() the destructor removes the temporary file.
 ///
-/// A target that is a symbolic link is written through; a device or pipe (/dev/stdout) is written directly. SIGXFSZ is
-/// ignored from the first FileWriter on, so that a limit on file sizes gives Error 74 as a full disk does.
+/// A target that is a symbolic link is written through where the link is of root or of who runs the program; a link of
+/// anybody else is replaced, for it would let him choose what is overwritten. A device or pipe (/dev/stdout) is written
+/// directly. With Links::replaced whatever has the target's name is replaced: for a name that nobody typed, in a folder
+/// that others may write to. SIGXFSZ is ignored from the first FileWriter on, so that a limit on file sizes gives Error
+/// 74 as a full disk does.
+enum class Links { followed, replaced };
 class FileWriter {
  public:
   explicit FileWriter(std::filesystem::path target);
+  FileWriter(std::filesystem::path target, Links links);
   ~FileWriter();
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
@@ -42,6 +47,7 @@ class FileWriter {
 
 /// Writes a file whose bytes are all there.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
+void write_file(const std::filesystem::path& target, std::string_view bytes, Links links);
 
 /// Reads the whole file, at most max_bytes. Throws Error 66 where it is missing, unreadable or a folder, 65 where it is
 /// larger than the limit, 74 where reading fails or the file shrinks meanwhile.

@@ -40,7 +40,7 @@ void sign_recording(const std::filesystem::path& recording, const std::filesyste
   SignatureFile s;
   s.recording_sha256 = sha256_of_file(recording);
   s.signature = signature_of_bytes(signed_words(s.recording_sha256), private_key);
-  write_file(signature_file(recording), json::declared_json(AnyParams::make<SignatureFile>(s)) + "\n");
+  write_file(signature_file(recording), json::declared_json(AnyParams::make<SignatureFile>(s)) + "\n", Links::replaced);
 }
 
 std::string signature_state(const std::filesystem::path& recording, const std::filesystem::path& public_key) {

@@ -66,6 +66,14 @@ grep -Eq '^1 +head-drilled .*, signed$' "$work/text" || { cat "$work/text"; fail
 grep -Eq '^2 +head .*, not signed$' "$work/text" || { cat "$work/text"; fail "the table does not say what is not"; }
 expect 65 'teacher.pub: private key: is none of Ed25519' "$TREPHINE" sign "$seen" --key "$work/teacher.pub"
 expect 65 'other.key: public key: is none of Ed25519' "${score[@]/teacher.pub/other.key}"
+chmod 640 "$work/teacher.key"
+expect 65 "teacher.key: private key: can be read or written by others.*chmod 600 '.*teacher.key'" "$TREPHINE" sign "$seen" --key "$work/teacher.key"
+chmod 600 "$work/teacher.key"
+# A participant who plants a link in place of the signature does not choose what the teacher overwrites.
+echo marks >"$work/marks"
+mv "$seen.sig" "$work/seen.sig" && ln -s "$work/marks" "$seen.sig"
+"$TREPHINE" sign "$seen" --key "$work/teacher.key" >/dev/null
+[[ $(cat "$work/marks") == marks && ! -L $seen.sig ]] && cmp "$seen.sig" "$work/seen.sig" || fail "sign writes through a link"
 cp "$seen.sig" "$unseen.sig"
 expect 80 'head.lesson.sig: recording_sha256: is not of the recording' "${exercise[@]}" --signed-by "$work/teacher.pub"
 "$TREPHINE" sign "$unseen" --key "$work/other.key" >/dev/null
