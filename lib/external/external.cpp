@@ -131,6 +131,8 @@ class Run {
     made.result.program_sha256 = sha256_of_file(program_);
     const ConfinedResult result = run_confined(request_of(params_.arguments), progress);
     require_good(result, "");
+    if (sha256_of_file(program_) != made.result.program_sha256)
+      refuse("was exchanged while it ran: nobody can say which program made the labels");
     for (const auto& [open, what] :
          {std::make_pair(result.network_open, "has the network"),
           {result.services_open, "may speak to services of this machine"},

@@ -386,11 +386,6 @@ class Executor {
 
 stages::StageData NodeResult::loaded() const { return data.index() == 0 && spilled ? spilled->read() : data; }
 
-stages::StageOutcome compute_node(const Node& node, stages::StageInputs inputs, const Progress& progress) {
-  inputs.file_sha256 = node.file_sha256;
-  return node.type->run(node.params, inputs, progress);
-}
-
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer) {
   require_allowed(graph, options.allow_external);

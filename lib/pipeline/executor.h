@@ -67,8 +67,8 @@ struct ExecuteOptions {
   bool allow_external = false;  ///< nodes may run programs that the configuration names
 };
 
-/// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
-/// longer the one for which the graph was made.
+/// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series, or a
+/// file that a parameter names, is no longer the one for which the graph was made.
 stages::StageOutcome compute_node(const Node& node, stages::StageInputs inputs, const Progress& progress);
 
 /// Computes the wanted nodes and what they need that is not in the cache, and any other node of the graph whose result

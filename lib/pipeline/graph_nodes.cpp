@@ -3,7 +3,9 @@
 
 #include <utility>
 
+#include "base/error.h"
 #include "base/hash.h"
+#include "pipeline/executor.h"
 #include "stages/import.h"
 
 namespace trephine::pipeline {
@@ -50,6 +52,29 @@ Node node_of_step(const config::RecipeStep& step, const std::string& name) {
   add_file_hashes(node);
   return node;
 }
+// What a stage made, or refused, of other content must not be known by the hash of the old one.
+static void require_same_files(const Node& node) {
+  for (const std::string& p : node.type->file_params()) {
+    const auto hashed = node.file_sha256.find(p);
+    if (hashed == node.file_sha256.end() || p == "input") continue;  // a series is hashed as it is read
+    const auto file = std::get<std::string>(node.params.get(*node.params.set->find(p)));
+    if (sha256_of_file(file) != hashed->second)
+      throw Error(ExitCode::bad_input, file, p, "changed while it was read: run it again");
+  }
+}
+
+stages::StageOutcome compute_node(const Node& node, stages::StageInputs inputs, const Progress& progress) {
+  inputs.file_sha256 = node.file_sha256;
+  try {
+    stages::StageOutcome made = node.type->run(node.params, inputs, progress);
+    require_same_files(node);
+    return made;
+  } catch (const Error& e) {
+    if (e.code() == ExitCode::quality) require_same_files(node);
+    throw;
+  }
+}
+
 std::string anatomy_of(const std::string& source) { return source.substr(0, source.find('.')); }
 
 }  // namespace trephine::pipeline

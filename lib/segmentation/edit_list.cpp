@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
+#include "grid/bounded_read.h"
 #include "json/declared_json.h"
 #include "segmentation/correct.h"
 #include "segmentation/hand_edits.h"
@@ -23,9 +24,12 @@ Outcome<grid::Field, CorrectedResult> patched(const grid::Field& field, const gr
   if (patch.file.empty() || patch.file.front() == '.' || patch.file.find('/') != std::string::npos)
     throw Error(ExitCode::bad_input, "", "file", "must be the name of a file beside the list");
   const fs::path file = folder / patch.file;
-  if (sha256_of_file(file) != patch.sha256)
+  const std::vector<char> read = read_file(file);
+  const std::string_view bytes(read.data(), read.size());
+  if (sha256_of_bytes(bytes) != patch.sha256)
     throw Error(ExitCode::bad_input, "", "sha256", "is not that of " + patch.file + ": the patch was changed since");
-  return corrected(field, grid::lattice_of(volume), grid::read_labels(file), progress);
+  return corrected(field, grid::lattice_of(volume),
+                   with_file(file.string(), [&] { return grid::decode_labels_bounded(bytes); }), progress);
 }
 
 }  // namespace

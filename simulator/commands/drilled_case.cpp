@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/refusal.h"
 #include "cases/new_case.h"
 #include "haptics/recording.h"
@@ -106,7 +105,7 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   const std::uint64_t drilled = haptics::drilled_shapes(m.haptic);
   for (const cases::CaseShape& s : m.haptic.shapes)
     if (drilled >> s.number & 1) add_hole(before_it, volume, s, held_axis(recording.frames), m);
-  m.parameters.emplace_back("drilled.recording_sha256", sha256_of_file(file));
+  m.parameters.emplace_back("drilled.recording_sha256", recording.sha256);
   cases::publish_case(made_in, m);
   if (is_new) cases::let_case_appear(made_in, out);
   return m.case_token;

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -216,7 +217,8 @@ class Exercise {
       const auto or_none = [](const std::string& s) { return s.empty() ? std::string("-") : s; };
       std::string result = result_of(file_of(n, ".json"));
       if (parsed_.has("signed_by") && fs::exists(file_of(n, ".lesson")))
-        result += ", " + lessons::signature_state(file_of(n, ".lesson"), public_key());
+        result +=
+            ", " + lessons::signature_state(sha256_of_file(file_of(n, ".lesson")), file_of(n, ".lesson"), public_key());
       std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{:<11}{}\n", n + 1, c.token, or_none(c.patient_class),
                                c.difficulty_level, or_none(c.task), or_none(c.phase), result);
     }

@@ -146,6 +146,7 @@ Recording read_recording(const std::filesystem::path& file) {
     Recording r;
     r.header = header;
     const std::string_view all(bytes.data(), bytes.size());
+    r.sha256 = sha256_of_bytes(all);
     r.seal = seal_of(all.substr(0, fixed_bytes + length), all.substr(fixed_bytes + length), header.seal_sha256);
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     const std::size_t each = frame_bytes(r.header), count = rest / each;

@@ -125,6 +125,9 @@ struct Recording {
   RecordingHeader header;
   std::vector<ServoFrame> frames;
   Seal seal = Seal::absent;  ///< as read_recording found it
+  /// Of the very bytes that were parsed. Whoever says something of a recording's file says it of these: the file may be
+  /// another one by the time it is read again.
+  std::string sha256 = {};
 };
 /// Throws Error 80 where the seal is broken.
 void require_seal(const Recording& recording, const std::filesystem::path& file);

@@ -2,7 +2,6 @@
 #include "lessons/score_recording.h"
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/write_file.h"
 #include "lesson/approval.h"
 #include "lessons/attempts.h"
@@ -26,7 +25,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
-  const std::string signature = signature_state(file, public_key);
+  const std::string signature = signature_state(s.recording.sha256, file, public_key);
   if (answers == Answers::replayed) haptics::require_seal(s.recording, file);
   session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
   with_file(file.string(), [&] {
@@ -46,7 +45,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   s.head = {h.case_token,
             h.lesson,
             h.participant,
-            sha256_of_file(file),
+            s.recording.sha256,
             rubric.sha256,
             h.haptic_sha256,
             motion_digest(s.recording.frames),

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lessons/signature.h"
 
-#include "base/hash.h"
 #include "base/refusal.h"
 #include "base/signature.h"
 #include "base/write_file.h"
@@ -36,14 +35,16 @@ std::filesystem::path signature_file(const std::filesystem::path& recording) {
 }
 
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key) {
-  haptics::require_seal(haptics::read_recording(recording), recording);
+  const haptics::Recording read = haptics::read_recording(recording);
+  haptics::require_seal(read, recording);
   SignatureFile s;
-  s.recording_sha256 = sha256_of_file(recording);
+  s.recording_sha256 = read.sha256;
   s.signature = signature_of_bytes(signed_words(s.recording_sha256), private_key);
   write_file(signature_file(recording), json::declared_json(AnyParams::make<SignatureFile>(s)) + "\n", Links::replaced);
 }
 
-std::string signature_state(const std::filesystem::path& recording, const std::filesystem::path& public_key) {
+std::string signature_state(const std::string& recording_sha256, const std::filesystem::path& recording,
+                            const std::filesystem::path& public_key) {
   if (public_key.empty()) return "";
   const std::filesystem::path file = signature_file(recording);
   if (!std::filesystem::exists(file)) return "not signed";
@@ -53,7 +54,7 @@ std::string signature_state(const std::filesystem::path& recording, const std::f
     json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<SignatureFile>(), &s);
   });
   const Remedy remedy{"let the teacher `sign` it anew, or take the .sig away: it is then judged as not signed"};
-  if (s.recording_sha256 != sha256_of_file(recording))
+  if (s.recording_sha256 != recording_sha256)
     throw refusal("recording_sha256", "is not of the recording beside it, which was changed or replaced", remedy)
         .in_file(file.string());
   if (!is_signed(signed_words(s.recording_sha256), s.signature, public_key))

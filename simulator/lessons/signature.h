@@ -15,8 +15,10 @@ std::filesystem::path signature_file(const std::filesystem::path& recording);
 /// write_file do.
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key);
 
-/// "signed", or "not signed" where there is no signature; empty where `public_key` is, as nobody asks.
-/// Throws Error 80 where the signature is not by that key or not of this recording; 65 where its file is damaged.
-std::string signature_state(const std::filesystem::path& recording, const std::filesystem::path& public_key);
+/// "signed", or "not signed" where there is no signature beside the recording; empty where `public_key` is, as nobody
+/// asks. `recording_sha256` is of the bytes that were read (Recording::sha256), whatever lies at the path by now.
+/// Throws Error 80 where the signature is not by that key or not of these bytes; 65 where its file is damaged.
+std::string signature_state(const std::string& recording_sha256, const std::filesystem::path& recording,
+                            const std::filesystem::path& public_key);
 
 }  // namespace trephine::lessons
