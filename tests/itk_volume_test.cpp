@@ -126,6 +126,17 @@ TEST_F(Volumes, MetaImagesOfAllKinds) {
   Keys half = packed;
   half[5].second = std::to_string(small.size() / 2);
   EXPECT_EQ(refusal(write("g.mha", text_of(half) + small.substr(0, small.size() / 2))).code, ExitCode::bad_input);
+  // Nor does it say that there is more than the header says: twice the voxels, or something behind them.
+  const std::string twice = grid::detail::gzip_compress(data + data);
+  const Keys plain = with(keys, "CompressedData", "True");
+  for (const std::string& more : {twice, small + small, small + "x"}) {
+    Keys sized = packed;
+    sized[5].second = std::to_string(more.size());
+    for (const Keys& header : {sized, plain})
+      EXPECT_EQ(refusal(write("h.mha", text_of(header) + more)).field, "data") << more.size();
+    write("i.zraw", more);
+    EXPECT_EQ(refusal(write("i.mhd", text_of(plain, "i.zraw"))).field, "data") << more.size();
+  }
 }
 
 TEST_F(Volumes, OtherFormatsThatItkReads) {
@@ -142,6 +153,14 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
       axis(0) + " " + axis(1) + " " + axis(2) + "\nendian: little\nencoding: raw\nspace origin: (-30,-41.5,12.25)\n";
   write("n.raw", data);
   expect_same(write("n.nhdr", nrrd + "data file: n.raw\n\n"), ct);
+  write("more.raw", data + data);
+  EXPECT_EQ(refusal(write("o.nhdr", nrrd + "data file: more.raw\n\n")).field, "data") << "more than the header says";
+  std::string packed = nrrd;
+  packed.replace(packed.find("raw"), 3, "gzip");
+  write("n.raw.gz", grid::detail::gzip_compress(data));
+  expect_same(write("n.nhdr", packed + "data file: n.raw.gz\n\n"), ct);
+  write("more.raw.gz", grid::detail::gzip_compress(data + data));
+  EXPECT_EQ(refusal(write("o.nhdr", packed + "data file: more.raw.gz\n\n")).field, "data");
   EXPECT_EQ(refusal(write("o.nhdr", nrrd + "data file: /etc/passwd\n\n")).field, "data file");
   // The reader knows keys in any case and without spaces, so the check does.
   EXPECT_EQ(refusal(write("o.nhdr", nrrd + "Data File: /etc/passwd\n\n")).field, "data file");

@@ -68,15 +68,6 @@ bool is_data_file(const fs::path& file) {
   return has_ending(file, ".raw") || has_ending(file, ".zraw") || has_ending(file, ".raw.gz");
 }
 
-// The largest part of a file that is looked at as text.
-std::string head_of(const fs::path& file) {
-  std::string text(std::size_t{1} << 16, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  return text;
-}
-
 VolumeFile decoded(grid::BoundedGrid read, const char* format) {
   VolumeFile out;
   out.volume = grid::to_hu(std::move(read.grid));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
 #include <string>
@@ -150,6 +151,14 @@ std::string modality_of(const Keys& keys) {
 
 }  // namespace
 
+std::string head_of(const fs::path& file) {
+  std::string text(std::size_t{1} << 16, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
 void VolumeHeader::require_same(const ItkVolume& itk) const {
   if (!said) return;
   const auto near = [](double a, double b) { return std::fabs(a - b) <= 1e-6 * (1 + std::fabs(a)); };
@@ -214,12 +223,17 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
     if (!is_read(key) && !is_meaningless(key)) out.unknown.push_back(grid::detail::tellable_key(key));
   const std::string& data = keys["ElementDataFile"];
   const bool local = data == "LOCAL" || data == "Local" || data == "local";
-  if (!local) out.data_file = beside(file, "ElementDataFile", data);
+  if (local)
+    out.data_at = at;
+  else
+    out.data_file = beside(file, "ElementDataFile", data);
+  const bool deflated = keys.count("CompressedData") && is_true(keys, "CompressedData");
+  out.stored = deflated ? Stored::deflated : Stored::plain;
   std::error_code none;
   const double there =
-      static_cast<double>(fs::file_size(local ? file : out.data_file, none)) - (local ? static_cast<double>(at) : 0);
+      static_cast<double>(fs::file_size(local ? file : out.data_file, none)) - static_cast<double>(out.data_at);
   const double wanted = voxels * bytes_of_meta_type(keys["ElementType"]);
-  if (keys.count("CompressedData") && is_true(keys, "CompressedData")) {
+  if (deflated) {
     if (there * 1032 < wanted) bad("data", "the file is cut short");
     if (wanted > static_cast<double>(grid::scan_limit.bytes(static_cast<std::uint64_t>(there))))
       bad("data", to_text(there) + " bytes would grow to " + to_text(wanted) + ", which no scan's do");
@@ -252,6 +266,8 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
     if (!seen.insert(key).second) bad(written, "is given twice");
     directions = directions || key == "spacedirections";
     origin = origin || key == "spaceorigin";
+    if (key == "encoding" && value == "raw") out.stored = Stored::plain;
+    if (key == "encoding" && (value == "gzip" || value == "gz")) out.stored = Stored::deflated;
     if (key == "datafile") out.data_file = beside(file, "data file", value);
     if (key == "lineskip" || key == "byteskip")
       if (value != "0") bad(written, "is not read: the data must follow at once");
@@ -270,6 +286,7 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
         value != "RAS" && value != "left-anterior-superior" && value != "LAS")
       bad(written, "is none that is read: left-posterior-superior or right-anterior-superior");
   }
+  if (out.data_file.empty()) out.data_at = std::min(at, head.size());
   if (!directions) bad("space directions", "is missing: the file does not say where it lies");
   if (!origin) bad("space origin", "is missing: the file does not say where it lies");
   if (out.data_file.empty() && file.extension() == ".nhdr") bad("data file", "is missing: the header says no data");

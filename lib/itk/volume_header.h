@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,9 +11,14 @@
 
 namespace trephine::itk {
 
+/// How the voxels' bytes lie in their file: as they are, as one stream of zlib or gzip, or as numbers in a text.
+enum class Stored { plain, deflated, otherwise };
+
 /// What our own look at a file's header found, before ITK reads the file.
 struct VolumeHeader {
-  std::filesystem::path data_file;   ///< beside the header; empty where the data is in the same file
+  std::filesystem::path data_file;  ///< beside the header; empty where the data is in the same file
+  Stored stored = Stored::otherwise;
+  std::uint64_t data_at = 0;         ///< where they begin in that file
   std::optional<ItkVolume> said;     ///< the geometry, where we read it
   std::string modality;              ///< as VolumeFile's
   std::vector<std::string> unknown;  ///< keys that the format does not know, as they may be told
@@ -20,6 +26,9 @@ struct VolumeHeader {
   /// Throws Error 65 where ITK understood another geometry.
   void require_same(const ItkVolume& itk) const;
 };
+
+/// The largest part of a file that is looked at as text.
+std::string head_of(const std::filesystem::path& file);
 
 /// The text header of a MetaImage (itk.org/Wiki/MetaIO). Throws Error 65 naming the key: one of NDims, BinaryData,
 /// BinaryDataByteOrderMSB, DimSize,

@@ -18,6 +18,7 @@
 #include "itk/volume_message.h"
 #include "minc.h"
 #include "plain_header.h"
+#include "stored_data.h"
 
 namespace trephine::itk {
 namespace {
@@ -112,12 +113,19 @@ void require_values(const std::string& file, ::itk::ImageIOBase::IOComponentEnum
     bad("data", "its values are not what valid_range, image-min and image-max say, or are no numbers");
 }
 
-/// What we read of the file ourselves; refuses, with a reason, what ITK would stumble over or pass over. The text
-/// headers of MetaImage and NRRD were looked at by the parent (volume_header.h).
+/// What we read of the file ourselves; refuses, with a reason, what ITK would stumble over or pass over. The geometry
+/// in the text headers of MetaImage and NRRD is compared by the parent.
 VolumeHeader own_look(ItkFormat format, const std::string& file) {
   if (format == ItkFormat::vtk) return check_vtk_file(file);
   if (format == ItkFormat::gipl) return check_gipl_file(file);
   VolumeHeader own;
+  if (format == ItkFormat::meta_image || format == ItkFormat::nrrd) {
+    const bool meta = format == ItkFormat::meta_image;
+    const VolumeHeader text = meta ? check_meta_header(head_of(file), file) : check_nrrd_text(head_of(file), file);
+    own.data_file = text.data_file;
+    own.data_at = text.data_at;
+    own.stored = text.stored;
+  }
   if (format == ItkFormat::minc) {
     own.said = minc_geometry(file);
     own.unknown = minc_unknown_keys(file);
@@ -163,6 +171,7 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   io->SetIORegion(region);
   if (static_cast<std::uint64_t>(io->GetImageSizeInBytes()) != count * io->GetComponentSize())
     bad("size", "does not go with the values' type");
+  require_as_many(own, file, count * io->GetComponentSize());
   std::vector<char> bytes(count * io->GetComponentSize(), '\x00');
   io->Read(bytes.data());
   request.report(0.4);
