@@ -152,6 +152,13 @@ TEST(DicomMixtures, ASliceAtTheEndThatVanishesIsToldOf) {
       << "it holds the series' UID";
   EXPECT_TRUE(
       warns(folder_report([](const std::string&) { return std::string(); }), "1 empty file, the first is number 12"));
+  for (const std::size_t size : {1, 100, 127, 131, 132})
+    EXPECT_TRUE(warns(folder_report([&](const std::string& b) { return b.substr(0, size); }),
+                      "file 12 of 12 (by name) is DICOM and was left out"))
+        << "an end slice of which " << size << " bytes are left";
+  EXPECT_TRUE(warns(folder_report([](const std::string& b) { return std::string(b.size(), 'x'); }),
+                    "file 12 of 12 (by name) is DICOM and was left out"))
+      << "nothing is left of it but its name";
   EXPECT_TRUE(warns(folder_report(nullptr, [](DataSet& d) { d.text(tag(8, 0x60), "CS", "MR"); }), "beyond an end"));
   EXPECT_TRUE(warns(folder_report(nullptr, [](DataSet& d) { d.number(rows_tag, 15); }), "20 x 15"));
 }

@@ -183,15 +183,25 @@ void read_headers(const std::vector<InputFile>& files, Catalogue& c, const Progr
       }
     }
   });
+  std::set<std::string> alike;  // names without their digits: those of slices
+  const auto letters = [&](std::size_t i) {
+    std::string name = files[i].path;
+    name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }), name.end());
+    return name;
+  };
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (good[i]) alike.insert(letters(i));
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (good[i]) {
       headers[i].name = names[i];
       c.headers.push_back(std::move(headers[i]));
-    } else {
-      c.broken.push_back({names[i], faults[i].field, faults[i].what,
-                          !faults[i].field.empty() || (!is_index(faults[i].what) && begins_as_dicom(files[i].origin)),
-                          static_cast<int>(i) + 1, faults[i].is_empty});
+      continue;
     }
+    WalkFault& f = faults[i];
+    const bool is_dicom = !f.field.empty() || (!is_index(f.what) && begins_as_dicom(files[i].origin));
+    const bool is_called_so = !is_dicom && !f.is_empty && !is_index(f.what) && alike.count(letters(i)) > 0;
+    if (is_called_so) f.what = "nothing but its name says what it was: a slice may be lost";
+    c.broken.push_back({names[i], f.field, f.what, is_dicom || is_called_so, static_cast<int>(i) + 1, f.is_empty});
   }
 }
 
