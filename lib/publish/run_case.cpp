@@ -126,12 +126,13 @@ void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture
   for (const fs::path& f : others) fs::remove(f, ignored);
 }
 
-// Publishes the case. Everything has been made and checked, so only the disk can still fail. Pictures and page are not
-// part of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the
-// same moment.
-void publish(const fs::path& folder, const CaseContent& content) {
+// Publishes the case. Everything has been made and checked, so only the disk can still fail. Pictures, page and
+// run.json are not part of the case's checksummed bytes; they are written just before case.json, so that all change at
+// nearly the same moment. case.json is last: where anything before it fails, the older case stands.
+void publish(const fs::path& folder, const CaseContent& content, const std::string& run) {
   for (const CaseContent::File& f : content.files) cases::write_case_file(folder, f.stem, f.extension, f.bytes);
   for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
+  write_file(folder / "run.json", run);
   cases::publish_case(folder, content.manifest);
   remove_other_pictures(folder / "report", content.pictures);
   try {
@@ -276,8 +277,9 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
 
 // Publishes and remembers for the next run what this one took.
 void publish_and_remember(const RunRequest& request, const fs::path& folder, const CaseContent& content,
-                          const Made& made, const pipeline::StageCache& cache, pipeline::RunObserver& observer) {
-  publish(folder, content);
+                          const std::string& run, const Made& made, const pipeline::StageCache& cache,
+                          pipeline::RunObserver& observer) {
+  publish(folder, content, run);
   observer.progressed(publishing_step, 1);
   remove_refused(refused_folder(request.library, content.manifest.case_token));
   std::map<std::string, double> seconds_by_node = seconds_of(made);
@@ -365,15 +367,13 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
         content.pictures.push_back(std::move(file));
     cancelled.check();
     place.require_held();
-    publish_and_remember(request, made_in, content, made, cache, observer);
-
     RunResult result = result_of(folder, content);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     add_warnings(overrun(config.trade, seconds));
     result.json = run_json(made.graph, made.results, printed(series.folders().at(made.graph.nodes[0].name)),
                            content.anatomies, warnings, seconds);
     result.warnings = std::move(warnings);
-    write_file(made_in / "run.json", result.json);
+    publish_and_remember(request, made_in, content, result.json, made, cache, observer);
     place.appear();
     return result;
   } catch (Error& e) {
