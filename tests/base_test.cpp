@@ -65,6 +65,12 @@ TEST(Text, ControlCharactersAreReplaced) {
   EXPECT_EQ(printable("\xc2\x9b"
                       "2J \xc3\xa9"),
             "?2J \xc3\xa9");
+  // What turns the direction of writing: "gpj.exe" would read as "exe.jpg".
+  EXPECT_EQ(printable("a\u202egpj.exe"), "a?gpj.exe");
+  for (const char* turns : {"\u061c", "\u200e", "\u200f", "\u2028", "\u2029", "\u202a", "\u202d", "\u2066", "\u2069"})
+    EXPECT_EQ(printable(std::string("a") + turns + "b"), "a?b") << turns;
+  EXPECT_EQ(printable("\u2013\u2030\u00e9\u05d0\u0648\u202f\u2065"), "\u2013\u2030\u00e9\u05d0\u0648\u202f\u2065");
+  EXPECT_EQ(printable("\xe2\x80"), "\xe2\x80") << "a character that is cut short";
 }
 
 TEST(Error, IsOneLine) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One declaration: the command line with all its faults at once, help, reference, schema, completion, exit codes.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -103,6 +104,21 @@ class Cli : public testing::Test {
   std::string config_, out_, stdout_;
   std::vector<std::string> lines_;
 };
+
+// A core file would hold what the program holds of a patient, in the folder where it was started.
+TEST_F(Cli, AProgramLeavesNoCoreFile) {
+  rlimit before{}, within{};
+  ASSERT_EQ(::getrlimit(RLIMIT_CORE, &before), 0);
+  const rlimit most{before.rlim_max, before.rlim_max};
+  ::setrlimit(RLIMIT_CORE, &most);
+  action_ = [&] {
+    ::getrlimit(RLIMIT_CORE, &within);
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(reduce({}), 0);
+  EXPECT_LE(within.rlim_cur, 1u);
+  ::setrlimit(RLIMIT_CORE, &before);
+}
 
 TEST_F(Cli, DefaultsAndValues) {
   ASSERT_EQ(reduce({}), 0);

@@ -9,12 +9,14 @@
 #include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #include <sys/un.h>
 #include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
@@ -151,6 +153,10 @@ int main(int argc, char** argv) {
     char byte = 0;
     iovec here{&byte, 1}, there{&byte, 1};
     if (process_vm_readv(getpid(), &here, 1, &there, 1, 0) >= 0) return 25;
+#ifdef SYS_io_uring_setup
+    char ring[256] = {};  // of struct io_uring_params; its operations would pass by the filter
+    if (syscall(SYS_io_uring_setup, 1, ring) >= 0 || errno != EPERM) return 26;
+#endif
     std::thread([] {}).join();  // what it needs goes on
     if (const pid_t child = fork(); child == 0) _exit(0);
     write(output, grid::encode_nifti(labelled(input), true));

@@ -108,14 +108,27 @@ std::vector<std::string> split_at(std::string_view text, char separator) {
   return pieces;
 }
 
+// How many bytes of UTF-8 at the front of the text are a character that controls how others are shown; 0: none.
+static std::size_t control_bytes(std::string_view text) {
+  const auto byte = [&](std::size_t at) -> unsigned { return at < text.size() ? std::uint8_t(text[at]) : 0; };
+  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
+  if (byte(0) == 0xc2 && (byte(1) & 0xe0) == 0x80) return 2;  // U+0080 to U+009F
+  // What turns the direction of writing, so that a text reads as another one, and other ends of lines.
+  if (byte(0) == 0xd8 && byte(1) == 0x9c) return 2;  // U+061C
+  if (byte(0) != 0xe2) return 0;
+  const unsigned rest = byte(1) << 8 | byte(2);
+  const bool marks = rest == 0x808e || rest == 0x808f;     // U+200E, U+200F
+  const bool embeds = rest >= 0x80a8 && rest <= 0x80ae;    // U+2028 to U+202E
+  const bool isolates = rest >= 0x81a6 && rest <= 0x81a9;  // U+2066 to U+2069
+  return marks || embeds || isolates ? 3 : 0;
+}
+
 std::string printable(std::string_view text) {
-  std::string out(text);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const auto c = static_cast<unsigned char>(out[i]);
-    if (c < 0x20 || c == 0x7f) out[i] = '?';
-    // U+0080 to U+009F in UTF-8
-    if (c == 0xc2 && i + 1 < out.size() && (static_cast<unsigned char>(out[i + 1]) & 0xe0) == 0x80)
-      out.replace(i, 2, "?");
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t control = control_bytes(text);
+    out += control > 0 ? '?' : text[0];
+    text.remove_prefix(control > 0 ? control : 1);
   }
   return out;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -174,6 +175,15 @@ void catch_early_signals() {
 using EarlyFunction = void (*)();
 [[gnu::section(".preinit_array"), gnu::used]] const EarlyFunction run_before_all = catch_early_signals;
 
+// What this process holds is of patients: a fault leaves no copy of it on the disk. A limit of 1 byte also keeps the
+// kernel from handing it to a program that collects core files, which a limit of 0 does not.
+void leave_no_core_file() {
+  rlimit core{};
+  if (::getrlimit(RLIMIT_CORE, &core) != 0) return;
+  core.rlim_cur = std::min<rlim_t>(1, core.rlim_max);
+  ::setrlimit(RLIMIT_CORE, &core);
+}
+
 void flush_output() {
   if (std::cout.flush() && std::fflush(stdout) == 0) return;
   throw Error(ExitCode::io, "standard output", "", "cannot be written");
@@ -204,6 +214,7 @@ std::vector<std::string> words_of(int argc, char** argv) {
 int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv) {
   std::string who = name;
   try {
+    leave_no_core_file();
     run_child_if_asked(argc, argv);
     install_signal_handlers();
     const PlainOutput plain;

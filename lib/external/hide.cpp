@@ -71,6 +71,12 @@ const std::vector<long>& calls_on_others() {
       SYS_bpf,
       SYS_userfaultfd,
       SYS_kexec_load,
+#ifdef SYS_io_uring_setup
+      // Its operations are begun by a thread of the kernel, past this filter.
+      SYS_io_uring_setup,
+      SYS_io_uring_enter,
+      SYS_io_uring_register,
+#endif
 #ifdef SYS_pidfd_getfd
       SYS_pidfd_getfd,
 #endif
