@@ -214,6 +214,18 @@ TEST_F(WriteFile, ALinkIsReplacedWhereNobodyMeantIt) {
   EXPECT_EQ(content(folder_ / "real" / "target"), "old");
 }
 
+TEST_F(WriteFile, APrivateFolderIsOfItsOwnerAlone) {
+  const mode_t before = ::umask(0);
+  make_private_folder(folder_ / "library" / ".library");
+  ::umask(before);
+  struct stat s {};
+  ASSERT_EQ(::stat((folder_ / "library" / ".library").c_str(), &s), 0);
+  EXPECT_EQ(s.st_mode & 07777, 0700u);
+  fs::create_directory(folder_ / "elsewhere");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "link");
+  EXPECT_EQ(code([this] { make_private_folder(folder_ / "link"); }), 73);
+}
+
 TEST_F(WriteFile, FileSizeLimitIs74) {
   write_file(folder_ / "target", "old");
   const pid_t pid = ::fork();  // the limit is for one's whole process

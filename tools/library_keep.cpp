@@ -138,17 +138,22 @@ const cli::OwnCommand library_gc_command([] {
   c.summary = "removes from a library what nothing refers to any more";
   c.description =
       "Removes files of older states of a case, remains of killed runs, outputs of stages that were not used for long, "
-      "records of cases that are gone, and what batches of Slurm left that ended an hour ago or more. It is safe "
+      "records of cases that are gone, what the desk kept of them, and what batches of Slurm left that ended an hour "
+      "ago or more. With --config also scans that were dropped on the desk's page and that no case uses. It is safe "
       "beside "
       "running builds: a case that is being built is left alone. "
       "No case is ever removed.";
-  c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
-  c.arguments = {library_argument()};
+  c.examples = {"trephine library gc library", "trephine library gc library --dry-run",
+                "trephine library gc library --config configs/library.yaml"};
+  c.arguments = {library_argument(),
+                 cli::argument("config", cli::Argument::Kind::in_file,
+                               "Its LIBRARY.yaml: scans that were dropped on the desk lie beside it.")};
   c.groups = {cli::ParameterGroup::of<library::GcParams>("Parameters")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const Progress progress([](double) {}, &cancel_requested());
     const library::GcResult result =
-        library::collect_garbage(parsed.path("library"), parsed.params<library::GcParams>(), progress);
+        library::collect_garbage(parsed.path("library"), parsed.params<library::GcParams>(), progress,
+                                 parsed.has("config") ? parsed.path("config") : std::filesystem::path());
     std::cout << result.table;
     return ExitCode::ok;
   };

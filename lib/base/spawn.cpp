@@ -71,7 +71,7 @@ void reset_signals() {
 
 void place_descriptors(const Plan& plan) {
   const int null = open("/dev/null", O_RDWR);
-  int out = plan.output.empty() ? -1 : open(plan.output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0644);
+  int out = plan.output.empty() ? -1 : open(plan.output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND, 0600);
   if (out < 0) out = null;
   dup2(null, 0);
   if (!plan.request.shares_stdout) dup2(out, 1);

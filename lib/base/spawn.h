@@ -16,7 +16,8 @@ struct SpawnRequest {
   std::vector<std::string> argv;
   std::string program;           ///< what to run, looked for in PATH where it holds no '/'; empty: argv[0]
   std::filesystem::path folder;  ///< working folder; empty: ours
-  std::filesystem::path output;  ///< file for stdout and stderr, emptied first; none where it cannot be made
+  std::filesystem::path output;  ///< file for stdout and stderr, emptied first, for us alone; none where it cannot be
+                                 ///< made
   bool shares_stdout = false;    ///< it writes to our stdout instead
   bool shares_stderr = false;    ///< it writes to our stderr instead
   std::vector<std::pair<std::string, std::string>> environment;  ///< added to ours

@@ -256,6 +256,17 @@ void make_output_folder(const fs::path& folder) {
     throw Error(ExitCode::cannot_create, folder.string(), "", "the folder is not writable: " + reason(errno));
 }
 
+void make_private_folder(const fs::path& folder) {
+  if (folder.has_parent_path()) make_output_folder(folder.parent_path());
+  if (::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST)
+    throw Error(ExitCode::cannot_create, folder.string(), "", "the folder cannot be created: " + reason(errno));
+  std::error_code ignored;
+  if (fs::is_symlink(folder, ignored))
+    throw Error(ExitCode::cannot_create, folder.string(), "",
+                "is a symbolic link, and what is of patients would go where it leads: replace it by a folder");
+  make_output_folder(folder);
+}
+
 int remove_stale_temporaries(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> stale;

@@ -55,6 +55,9 @@ std::vector<char> read_file(const std::filesystem::path& file, std::uint64_t max
 
 /// Creates the folder and its parents. Throws Error 73 where that fails or where the folder is not writable.
 void make_output_folder(const std::filesystem::path& folder);
+/// The same, of a folder that holds what is of patients: nobody but who made it may read, list or enter it. One that is
+/// there keeps its mode. Throws Error 73 also where it is a symbolic link, which would lead elsewhere.
+void make_private_folder(const std::filesystem::path& folder);
 
 /// The names of FileWriter's temporary files begin with this, so that files left by a killed process can be found.
 constexpr const char* temporary_prefix = ".trephine-tmp-";

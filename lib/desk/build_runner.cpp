@@ -118,7 +118,7 @@ void BuildRunner::work() {
     request.own_group = true;
     int code = static_cast<int>(ExitCode::internal);
     try {
-      make_output_folder(options_.library / ".library");
+      make_private_folder(options_.library / ".library");
       pid_ = spawn(request);
       for (;;) {
         lock.unlock();

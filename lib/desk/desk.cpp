@@ -36,7 +36,9 @@ double real_of(const Request& request, const std::string& name) {
   return *number;
 }
 
-Desk::Desk(DeskOptions options) : state_(std::make_unique<DeskState>(std::move(options))) {}
+Desk::Desk(DeskOptions options) : state_(std::make_unique<DeskState>(std::move(options))) {
+  remove_unused_drops(state_->library.options());
+}
 Desk::~Desk() = default;
 
 Reply Desk::answer(const Request& request) {

@@ -107,6 +107,10 @@ Reply report_file(const DeskLibrary& library, const Request& request);
 /// Keeps what the case is now beside the library, until it is kept again, for a comparison with what it becomes.
 void keep_before(const DeskLibrary& library, const std::string& token);
 
+/// Removes from beside LIBRARY.yaml what an earlier desk left: scans that were dropped more than a day ago and that no
+/// case uses, drops that never were whole, texts that were to be judged.
+void remove_unused_drops(const DeskOptions& options);
+
 /// Adds the surfaces of a case that was read.
 void put_surfaces(const cases::LoadedCase& loaded, std::map<std::string, surface::TriMesh>& to);
 

@@ -115,7 +115,7 @@ std::string config_sha256(const DeskCase& one) { return sha256_of_bytes(read_tex
 
 DeskLock::DeskLock(const DeskLibrary& library) {
   const fs::path folder = library.options().library / ".library";
-  make_output_folder(folder);
+  make_private_folder(folder);
   fd_ = ::open((folder / "desk.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (fd_ < 0) throw Error(ExitCode::cannot_create, (folder / "desk.lock").string(), "", "cannot be made");
   for (int i = 0; i < 100; ++i) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a person changes of a case, and what is known of it.
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -370,8 +369,8 @@ Reply draft(DeskState& desk, const Request& request) {
 Reply keep_draft(DeskState& desk, const Request& request) {
   const fs::path file = draft_file(desk.library, request);
   desk.library.find(request.value("case"));
-  make_output_folder(file.parent_path());
-  ::chmod(file.parent_path().c_str(), 0700);
+  make_private_folder(file.parent_path().parent_path());
+  make_private_folder(file.parent_path());
   if (request.body.empty()) {
     std::error_code ignored;
     fs::remove(file, ignored);

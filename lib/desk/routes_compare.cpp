@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case before its last rebuild, beside what it is now.
-#include <sys/stat.h>
 
 #include "base/log.h"
 #include "base/progress.h"
@@ -82,8 +81,9 @@ void keep_before(const DeskLibrary& library, const std::string& token) {
   try {
     const cases::CaseManifest manifest = cases::read_case(now);
     fs::remove_all(before);
+    make_private_folder(before.parent_path().parent_path());
+    make_private_folder(before.parent_path());
     make_output_folder(before);
-    ::chmod(before.parent_path().c_str(), 0700);
     std::vector<std::string> names = {"case.json"};
     for (const auto& file : manifest.files) names.push_back(file.name);
     for (const std::string& name : names) {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A folder or archive that was dropped on the page: it comes in pieces, and lies beside LIBRARY.yaml when all are
 // there.
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 
 #include "base/hash.h"
@@ -13,22 +10,23 @@
 #include "config/config_root.h"
 #include "desk/desk_state.h"
 #include "desk/json_reply.h"
+#include "library/dropped.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* dropped_folder = "dropped";
-constexpr const char* incoming_prefix = ".incoming-";
 constexpr int max_files = 20000;
-constexpr std::chrono::hours kept_incomplete{24};
+constexpr double kept_s = 24 * 3600;  // for whoever dropped it today and makes a case of it tomorrow
 
 fs::path folder_of(const DeskLibrary& library) {
   if (library.options().config.empty()) throw Error(ExitCode::usage, "", "--config", "is needed: LIBRARY.yaml");
-  const fs::path folder = fs::absolute(library.options().config).lexically_normal().parent_path() / dropped_folder;
+  const fs::path folder =
+      fs::absolute(library.options().config).lexically_normal().parent_path() / library::dropped_folder;
   std::error_code ignored;
   if (fs::is_symlink(folder, ignored))
-    throw Error(ExitCode::cannot_create, "", dropped_folder, "is a link: what is dropped stays beside LIBRARY.yaml");
+    throw Error(ExitCode::cannot_create, "", library::dropped_folder,
+                "is a link: what is dropped stays beside LIBRARY.yaml");
   return folder;
 }
 
@@ -36,23 +34,13 @@ fs::path folder_of(const DeskLibrary& library) {
 fs::path incoming_of(const DeskLibrary& library, const std::string& drop) {
   if (drop.size() != 16 || drop.find_first_not_of("0123456789abcdef") != std::string::npos)
     throw Error(ExitCode::usage, "", "drop", "must be 16 hexadecimal digits");
-  return folder_of(library) / (incoming_prefix + drop);
+  return folder_of(library) / (library::incoming_prefix + drop);
 }
 
 /// Never the name that the file had: it may be a patient's.
 std::string file_name(int number) {
   const std::string digits = std::to_string(number);
   return std::string(6 - std::min<std::size_t>(6, digits.size()), '0') + digits;
-}
-
-void remove_abandoned(const fs::path& folder) {
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    std::error_code ignored;
-    if (it->path().filename().string().rfind(incoming_prefix, 0) == 0 &&
-        fs::file_time_type::clock::now() - it->last_write_time(ignored) > kept_incomplete)
-      fs::remove_all(it->path(), ignored);
-  }
 }
 
 // A piece of a file, after all that came of it before.
@@ -65,10 +53,9 @@ Reply drop_piece(DeskState& desk, const Request& request) {
   if (!offset || *offset < 0) throw Error(ExitCode::usage, "", "offset", "must be a whole number");
   std::error_code ignored;
   if (!fs::exists(incoming, ignored)) {
-    make_output_folder(incoming.parent_path());
-    ::chmod(incoming.parent_path().c_str(), 0700);
-    remove_abandoned(incoming.parent_path());
-    make_output_folder(incoming);
+    remove_unused_drops(desk.library.options());
+    make_private_folder(incoming.parent_path());
+    make_private_folder(incoming);
   }
   const fs::path file = incoming / file_name(number);
   const std::uintmax_t there = fs::exists(file, ignored) ? fs::file_size(file, ignored) : 0;
@@ -112,6 +99,17 @@ Reply dropped(DeskState& desk, const Request& request) {
 }
 
 }  // namespace
+
+void remove_unused_drops(const DeskOptions& options) {
+  if (options.config.empty()) return;
+  try {
+    remove_stale_temporaries(fs::absolute(options.config).parent_path());  // texts of a desk that was killed
+    std::error_code ignored;
+    for (const fs::path& drop : library::unused_drops(options.config, options.roots, kept_s))
+      fs::remove_all(drop, ignored);
+  } catch (const std::exception&) {  // what is used is not known, as where LIBRARY.yaml has a fault
+  }
+}
 
 Routes drop_routes() {
   return {

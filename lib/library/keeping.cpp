@@ -15,6 +15,8 @@
 #include "cases/new_case.h"
 #include "library/batch.h"
 #include "library/catalogue.h"
+#include "library/dropped.h"
+#include "library/library_config.h"
 #include "pipeline/stage_cache.h"
 #include "publish/case_lock.h"
 #include "publish/refused.h"
@@ -65,8 +67,8 @@ std::string verify_case(const fs::path& library, const std::string& token, bool 
 
 class Collector {
  public:
-  Collector(const fs::path& library, const GcParams& params, const Progress& progress)
-      : state_(library), params_(params), progress_(progress) {}
+  Collector(const fs::path& library, const GcParams& params, const Progress& progress, const fs::path& library_file)
+      : state_(library), params_(params), progress_(progress), library_file_(library_file) {}
 
   GcResult collect() {
     std::error_code error;
@@ -90,14 +92,17 @@ class Collector {
       else
         case_folder(folders[i]);
     }
+    kept_by_desk();
     records();
     batches();
+    dropped_on_desk();
     cache();
     out_.table = (params_.dry_run ? "would remove " : "removed ") + std::to_string(out_.case_files) +
                  " files of cases, " + std::to_string(out_.folders) + " folders without a case, " +
                  std::to_string(out_.cache_entries) + " entries of the cache, " + std::to_string(out_.records) +
                  " records, " + std::to_string(out_.batches) + " ended batches of Slurm, " +
-                 std::to_string(out_.temporaries) + " temporary files; " +
+                 std::to_string(out_.drops) + " unused scans of the desk, " + std::to_string(out_.drafts) +
+                 " drafts of cases that are gone, " + std::to_string(out_.temporaries) + " temporary files; " +
                  fixed_text(static_cast<double>(out_.bytes) / 1e6, 1) + " MB\n";
     if (out_.busy > 0) out_.table += std::to_string(out_.busy) + " cases are being built: left alone\n";
     return std::move(out_);
@@ -235,6 +240,47 @@ class Collector {
     }
   }
 
+  // A case that was never built may be painted on; one that was built and is gone was removed by somebody, and so was
+  // one that LIBRARY.yaml does not list, where it lists all by their names.
+  bool is_gone(const std::string& token) const {
+    std::error_code ignored;
+    if (fs::exists(state_.library() / token, ignored)) return false;
+    if (read_built(state_, token)) return true;
+    if (library_file_.empty()) return false;
+    const std::vector<LibraryCase> listed = read_library_config(library_file_).cases;
+    return std::none_of(listed.begin(), listed.end(),
+                        [&](const LibraryCase& c) { return c.token.empty() || c.token == token; });
+  }
+  // What a page had not saved, and what a case was before it was built again, stand under the case's name.
+  void kept_by_desk() {
+    std::error_code error;
+    std::vector<fs::path> all;
+    for (fs::directory_iterator it(state_.folder() / "desk", error), end; !error && it != end; it.increment(error))
+      all.push_back(it->path());
+    for (const fs::path& kept : all) {
+      const std::string name = kept.filename().string(), token = name.substr(0, name.find('.'));
+      if (token.empty() || age_of(kept) <= torn_s || !is_gone(token)) continue;
+      ++out_.drafts;
+      remove_any(kept);
+    }
+    temporaries(state_.folder() / "desk");
+  }
+  void dropped_on_desk() {
+    if (library_file_.empty()) return;
+    for (const fs::path& drop : unused_drops(library_file_, {}, torn_s)) {
+      ++out_.drops;
+      remove_any(drop);
+    }
+    temporaries(fs::absolute(library_file_).parent_path());
+  }
+  void remove_any(const fs::path& path) {
+    std::error_code ignored;
+    if (fs::is_directory(fs::symlink_status(path, ignored)))
+      remove_folder(path);
+    else
+      remove(path);
+  }
+
   void cache() {
     const fs::path folder = state_.library() / cache_name;
     std::error_code error;
@@ -262,6 +308,7 @@ class Collector {
   const LibraryState state_;
   const GcParams& params_;
   const Progress& progress_;
+  const fs::path library_file_;
   GcResult out_;
 };
 
@@ -305,8 +352,9 @@ VerifyResult verify_library(const fs::path& library, const std::vector<std::stri
   return out;
 }
 
-GcResult collect_garbage(const fs::path& library, const GcParams& params, const Progress& progress) {
-  return Collector(library, params, progress).collect();
+GcResult collect_garbage(const fs::path& library, const GcParams& params, const Progress& progress,
+                         const fs::path& library_file) {
+  return Collector(library, params, progress, library_file).collect();
 }
 
 }  // namespace trephine::library

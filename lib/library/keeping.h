@@ -42,7 +42,8 @@ struct GcParams {
 
 struct GcResult {
   int case_files = 0, folders = 0, cache_entries = 0, records = 0, batches = 0, temporaries = 0;
-  int busy = 0;  ///< cases that another run is building; they are left alone
+  int drops = 0, drafts = 0;  ///< of the desk: scans that nobody uses, and what it kept of cases that are gone
+  int busy = 0;               ///< cases that another run is building; they are left alone
   std::uint64_t bytes = 0;
   std::string table;
 };
@@ -50,9 +51,12 @@ struct GcResult {
 /// Removes what refused runs kept for looking, and what nothing refers to: files of a case that its case.json does not
 /// name, remains of killed runs (temporary files, and case folders in which nothing was published and that no run works
 /// on), stale and torn entries of the cache, records of cases that are gone, and what batches of Slurm left that ended,
-/// or whose submission was broken off, an hour ago or more. A case whose case.json is damaged is left as it is. It is
-/// safe beside running builds, because a case's files are touched only under its lock. Throws
-/// Error 66; Cancelled.
-GcResult collect_garbage(const std::filesystem::path& library, const GcParams& params, const Progress& progress);
+/// or whose submission was broken off, an hour ago or more; and what the desk kept of cases that are gone. Where
+/// `library_file`, its LIBRARY.yaml, is given, also scans that were dropped on the desk an hour ago or more and that it
+/// does not use (dropped.h), and texts that a killed desk left beside it. A case whose case.json is damaged is left as
+/// it is. It is safe beside running builds, because a case's files are touched only under its lock. Throws Error 66;
+/// Cancelled.
+GcResult collect_garbage(const std::filesystem::path& library, const GcParams& params, const Progress& progress,
+                         const std::filesystem::path& library_file = {});
 
 }  // namespace trephine::library

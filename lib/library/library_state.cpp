@@ -48,11 +48,7 @@ CaseInputs inputs_of(const Json& json) {
 }  // namespace
 
 void LibraryState::make_folders() const {
-  make_output_folder(library_);
-  std::error_code ignored;
-  const bool is_new = !fs::exists(folder(), ignored);
-  make_output_folder(folder());
-  if (is_new) fs::permissions(folder(), fs::perms::owner_all, ignored);
+  make_private_folder(folder());
   for (const char* name : {"cases", "settings", "phantoms", "logs"}) make_output_folder(folder() / name);
 }
 

@@ -148,6 +148,14 @@ mkdir "$work/out/mine" && touch "$work/out/mine/letter.txt"
 [[ ! -e $work/out/killed && ! -e $work/out/first/meshes/skull-0123456789abcdef.glb && ! -e $work/out/.trephine-tmp-999999-1-x ]] || fail "gc left something"
 [[ -e $work/out/mine/letter.txt && -e $work/out/first/notes.txt ]] || fail "gc removed what is not ours"
 [[ $before == "$(digests)" ]] || fail "gc harmed a case"
+# What the desk left: scans that were dropped and that nobody uses, and what it kept of a case that is gone.
+mkdir -p "$work/l/dropped/0123456789abcdef" "$work/out/.library/desk"
+echo scan >"$work/l/dropped/1123456789abcdef.zip"
+echo painted | tee "$work/out/.library/desk/first.paint" >"$work/out/.library/desk/away.paint"
+cp "$work/out/.library/cases/first.built.json" "$work/out/.library/cases/away.built.json"
+touch -d '2 hours ago' "$work/l/dropped/"* "$work/out/.library/desk/"* "$work/out/.library/cases/away.built.json"
+"$TREPHINE" library gc "$work/out" --config "$work/l/l.yaml" | grep -q '2 unused scans of the desk, 1 drafts of cases that are gone' || fail "gc of what the desk left"
+[[ -z $(ls "$work/l/dropped") && -e $work/out/.library/desk/first.paint && ! -e $work/out/.library/desk/away.paint ]] || fail "gc of what the desk left: other files"
 build l.yaml --dry-run | grep -q '^0 of 4' || fail "gc made cases stale"
 
 # A case that is made beside the build is in the overview at once.
