@@ -6,6 +6,7 @@
 #include "cases/case.h"
 #include "desk/desk_state.h"
 #include "desk/json_reply.h"
+#include "desk/links.h"
 
 namespace trephine::desk {
 namespace {
@@ -19,6 +20,19 @@ const Routes& routes() {
     return out;
   }();
   return all;
+}
+
+// The case that a request is about, as its address or the JSON that came with it names it; empty: none.
+std::string case_of(const Request& request) {
+  if (request.query.count("case")) return request.value("case");
+  if (request.body.empty() || request.body.front() != '{') return "";
+  try {
+    const auto json = json_of(request);
+    const auto named = json.find("case");
+    return named != json.end() && named->is_string() ? named->get<std::string>() : "";
+  } catch (const std::exception&) {  // whoever answers it says what is wrong with it
+    return "";
+  }
 }
 
 }  // namespace
@@ -43,7 +57,9 @@ Desk::~Desk() = default;
 
 Reply Desk::answer(const Request& request) {
   // Every case is named by its token alone, wherever a request names one; so no name of a case is a path.
-  if (request.query.count("case")) cases::validate_case_token(request.value("case"), ExitCode::usage);
+  const std::string token = case_of(request);
+  if (request.query.count("case") || !token.empty()) cases::validate_case_token(token, ExitCode::usage);
+  require_no_links(state_->library.options(), token);
   if (request.path.rfind("case/", 0) == 0) {
     if (request.method != "GET") throw Error(ExitCode::usage, "", "method", "must be GET");
     return report_file(state_->library, request);

@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "config/config_root.h"
 #include "config/yaml_document.h"
+#include "desk/links.h"
 
 namespace trephine::desk {
 namespace fs = std::filesystem;
@@ -102,13 +103,17 @@ std::vector<DeskCase> DeskLibrary::plan() {
 }
 
 DeskCase DeskLibrary::find(const std::string& token) {
+  const auto without_links = [](DeskCase c) {
+    require_no_links(c.hand_folder());
+    return c;
+  };
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const DeskCase& c : planned_)
-      if (c.token == token) return c;
+      if (c.token == token) return without_links(c);
   }
-  for (DeskCase& c : plan())
-    if (c.token == token) return std::move(c);
+  for (const DeskCase& c : plan())
+    if (c.token == token) return without_links(c);
   throw Error(ExitCode::no_input, "", "case", "LIBRARY.yaml has no such case");
 }
 

@@ -44,7 +44,8 @@ class DeskLibrary {
   /// Finds anew which cases there are, and which are stale and why (library/plan.h); nothing is written. Throws what
   /// read_library_config and make_plan throw; 64 where there is no LIBRARY.yaml.
   std::vector<DeskCase> plan();
-  /// The case as the last plan has it, or as a new one does. Throws Error 66 where there is none.
+  /// The case as the last plan has it, or as a new one does. Throws Error 66 where there is none, 65 where
+  /// a symbolic link stands for, or lies in, the folder with what was done by hand.
   DeskCase find(const std::string& token);
   /// The overrides with which `library build` reads the case's configuration.
   config::ConfigOverrides overrides_of(const DeskCase& one) const;

@@ -8,6 +8,7 @@
 #include "base/base64.h"
 #include "base/file_descriptor.h"
 #include "base/open_beneath.h"
+#include "base/parallel.h"
 #include "base/spawn.h"
 #include "base/temporary_folder.h"
 #include "base/text.h"
@@ -15,6 +16,7 @@
 #include "desk/desk_state.h"
 #include "desk/hand_work.h"
 #include "desk/json_reply.h"
+#include "desk/links.h"
 #include "desk/web_files.h"
 #include "lesson/approval.h"
 #include "library/approve.h"
@@ -97,8 +99,19 @@ Reply library_cases(DeskState& desk, const Request&) {
               {"config", desk.library.options().config.filename().string()},
               {"cases", Json::array()}};
   std::error_code ignored;
-  if (fs::exists(folder, ignored))
-    library::each_case(folder, {}, [&](const library::CaseRow& row) { out["cases"].push_back(json_of(folder, row)); });
+  if (!fs::exists(folder, ignored)) return json_reply(out);
+  const std::vector<std::string> tokens = library::library_tokens(folder);
+  std::vector<library::CaseRow> rows(tokens.size());
+  parallel_for(0, static_cast<std::int64_t>(rows.size()), 4, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) try {
+        rows[i].token = tokens[i];
+        require_no_links(desk.library.options(), tokens[i]);
+        rows[i] = library::read_row(folder, tokens[i]);
+      } catch (const Error& e) {
+        rows[i].fault = e.line("").substr(2);
+      }
+  });
+  for (const library::CaseRow& row : rows) out["cases"].push_back(json_of(folder, row));
   return json_reply(out);
 }
 
@@ -118,7 +131,12 @@ Reply plan(DeskState& desk, const Request&) {
 Reply build(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const auto only = json.value("only", std::vector<std::string>());
-  for (const std::string& token : only) desk.library.find(token);
+  for (const DeskCase& c : only.empty() ? desk.library.plan() : std::vector<DeskCase>())
+    require_no_links(desk.library.options(), c.token);
+  for (const std::string& token : only) {
+    require_no_links(desk.library.options(), token);
+    desk.library.find(token);
+  }
   if (only.size() == 1 && !desk.builder.status().running) keep_before(desk.library, only[0]);
   desk.builder.start(only);
   return json_reply({{"started", true}});
