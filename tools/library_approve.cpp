@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 
+#include "base/own_files.h"
 #include "base/spawn.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -22,9 +23,8 @@ struct ApproveParams {
 
 // Which lessons the case can serve, as the simulator says it: it alone knows the lessons.
 void tell_lessons(const std::filesystem::path& case_folder) {
-  const std::filesystem::path simulator = own_program().parent_path() / "trephine-sim";
-  std::error_code ignored;
-  if (!std::filesystem::exists(simulator, ignored)) {
+  const std::filesystem::path simulator = own_file({"trephine-sim"});
+  if (simulator.empty()) {
     std::cout << "which lessons it serves is not said: trephine-sim does not lie beside trephine\n";
     return;
   }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/spawn.h"
+#include "base/own_files.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -34,24 +34,20 @@ void SharedLibrary::require_version(int used) const {
 }
 
 SharedLibrary own_library(const std::string& name, const std::string& prefix) {
-  const std::filesystem::path folder = own_program().parent_path();
-  std::error_code ignored;
-  for (const std::filesystem::path& file :
-       {folder / (name + ".so"), folder.parent_path() / "lib/trephine" / (name + ".so")}) {
-    if (!std::filesystem::exists(file, ignored)) continue;
-    try {
-      // What it links is bound function by function when it is called, as it was when the program itself linked it; the
-      // constructor below, which finds it loaded, would bind all of VTK's at once.
-      dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
-      SharedLibrary library(file, prefix);
-      library.require_version(own_library_version);
-      return library;
-    } catch (Error& e) {
-      throw Error(ExitCode::internal, name + ".so", e.field(), e.what());
-    }
+  const std::filesystem::path file = own_file({"../lib/trephine/" + name + ".so", name + ".so"});
+  if (file.empty())
+    throw Error(ExitCode::internal, name + ".so", "",
+                "is missing: it must lie in ../lib/trephine from the folder of the programs, or in that folder");
+  try {
+    // What it links is bound function by function when it is called, as it was when the program itself linked it; the
+    // constructor below, which finds it loaded, would bind all of VTK's at once.
+    dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
+    SharedLibrary library(file, prefix);
+    library.require_version(own_library_version);
+    return library;
+  } catch (Error& e) {
+    throw Error(ExitCode::internal, name + ".so", e.field(), e.what());
   }
-  throw Error(ExitCode::internal, name + ".so", "",
-              "is missing: it must lie in the folder of the programs, or in ../lib/trephine from there");
 }
 
 }  // namespace trephine

@@ -36,8 +36,9 @@ class SharedLibrary {
 constexpr int own_library_version = 1;
 
 /// A library of this program's own, which is loaded when it is first needed, for what it links takes long to load
-/// (cmake/modules.cmake, trephine_library_on_demand). It lies in the program's folder or in ../lib/trephine from there.
-/// Throws Error 70 where it is not there, cannot be loaded, or is of another version of the program.
+/// (cmake/modules.cmake, trephine_library_on_demand). It lies in ../lib/trephine from the program's folder, or in that
+/// folder. Throws Error 70 where it is not there, cannot be loaded, or is of another version of the program, or where
+/// somebody else could have put it there (own_files.h).
 SharedLibrary own_library(const std::string& name, const std::string& prefix);
 
 }  // namespace trephine

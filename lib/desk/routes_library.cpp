@@ -8,6 +8,7 @@
 #include "base/base64.h"
 #include "base/file_descriptor.h"
 #include "base/open_beneath.h"
+#include "base/own_files.h"
 #include "base/parallel.h"
 #include "base/spawn.h"
 #include "base/temporary_folder.h"
@@ -174,8 +175,8 @@ Reply lessons(DeskState& desk, const Request& request) {
     throw Error(ExitCode::no_input, "", "case", "has not been built yet");
   const TemporaryFolder temporary;
   SpawnRequest check;
-  const fs::path beside = own_program().parent_path() / "trephine-sim";
-  check.program = fs::exists(beside, ignored) ? beside.string() : "trephine-sim";
+  const fs::path beside = own_file({"trephine-sim"});
+  check.program = beside.empty() ? "trephine-sim" : beside.string();
   check.argv = {"trephine-sim", "lessons", folder.string(), "--json", "--quiet"};
   check.output = temporary.path() / "said";
   check.own_group = true;

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/spawn.h"
+#include "base/own_files.h"
 
 namespace trephine::itk::itk_child {
 namespace {
@@ -27,9 +27,8 @@ MessageReader opened(const char* worker, std::string_view bytes) {
 }
 
 ChildResult run(const char* worker, const MessageWriter& request, const ChildLimits& limits, const Progress& progress) {
-  const std::filesystem::path file = own_program().parent_path() / program_name;
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored))
+  const std::filesystem::path file = own_file({program_name});
+  if (file.empty())
     throw Error(ExitCode::internal, program_name, "", "is missing: it must lie in the folder of the other programs");
   return run_child(worker, request.bytes(), limits, progress, {file});
 }

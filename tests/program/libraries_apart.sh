@@ -27,6 +27,45 @@ code=0; said=$(phantom none 2>&1) || code=$?
 [[ $code == 70 && $said == *dicom_codecs.so*'cannot'* || $code == 70 && $said == *'no library that can be loaded'* ]] || fail "no library: $code: $said"
 cp "$BIN/../lib/trephine/dicom_codecs.so" "$work/alone/lib/trephine/"
 phantom below || fail "with the library in ../lib/trephine"
+echo no >"$work/alone/bin/dicom_codecs.so"  # the installed place comes first
+phantom first || fail "a library beside the program is taken before the installed one"
+rm "$work/alone/bin/dicom_codecs.so"
+
+# A library that somebody else could have put there is not loaded: it would run with the rights of whoever starts the program.
+refused() {  # WHAT: one line names the file and what is wrong
+  code=0; said=$(phantom refused 2>&1) || code=$?
+  [[ $code == 70 && $(wc -l <<<"$said") == 1 && $said == *"dicom_codecs.so: owner: "*"chmod go-w"* ]] || fail "$1: $code: $said"
+}
+installed=$work/alone/lib/trephine
+for who in g o; do
+  chmod $who+w "$installed/dicom_codecs.so" && refused "a library that others may write ($who)"
+  chmod go-w "$installed/dicom_codecs.so"
+  chmod $who+w "$installed" && refused "a folder that others may write ($who)"
+  chmod go-w "$installed"
+done
+chmod 1777 "$installed" && refused "a sticky folder as /tmp"
+chmod 755 "$installed"
+chmod g+w "$work/alone/bin/trephine" "$installed" && phantom group || fail "who may write the program may write its library"
+chmod g-w "$work/alone/bin/trephine" "$installed"
+if [[ $(id -u) == 0 ]]; then
+  chown nobody "$installed/dicom_codecs.so" && refused "a library of another user"
+  chown root "$installed/dicom_codecs.so" && chown nobody "$installed" && refused "a folder of another user"
+  chown -R nobody "$work/alone" && phantom clone || fail "root runs a user's own clone"
+  chown -R root "$work/alone"
+  mv "$installed/dicom_codecs.so" "$installed/real.so" && ln -s real.so "$installed/dicom_codecs.so"
+  phantom linked || fail "a link of root's own"
+  chown -h nobody "$installed/dicom_codecs.so" && refused "a link of another user"
+  rm "$installed/dicom_codecs.so" && mv "$installed/real.so" "$installed/dicom_codecs.so"
+fi
+# The same holds for the program that reads with ITK.
+cp "$BIN/trephine-itk" "$work/alone/bin/" && chmod go+w "$work/alone/bin/trephine-itk"
+printf '%s\n' 'ObjectType = Image' 'NDims = 3' 'BinaryData = True' 'BinaryDataByteOrderMSB = False' 'TransformMatrix = 1 0 0 0 1 0 0 0 1' \
+  'Offset = 0 0 0' 'ElementSpacing = 1 1 1' 'DimSize = 8 8 8' 'ElementType = MET_SHORT' 'ElementDataFile = LOCAL' >"$work/v.mha"
+head -c 1024 /dev/zero >>"$work/v.mha"
+code=0; said=$("$work/alone/bin/trephine" import "$work/v.mha" --volume-values hu --output "$work/v.nrrd" --quiet 2>&1) || code=$?
+[[ $code == 70 && $said == *'trephine-itk: owner: '* ]] || fail "a program that others may write: $code: $said"
+rm "$work/alone/bin/trephine-itk"
+
 mv "$work/alone/lib/trephine/dicom_codecs.so" "$work/alone/bin/"
 phantom beside || fail "with the library beside the program"
 cmp "$work/below/dicom/"*1.dcm "$work/beside/dicom/"*1.dcm || fail "other bytes"
