@@ -115,6 +115,36 @@ std::string text(const Report& r, const std::string& name) {
   return f ? std::get<std::string>(*f) : "";
 }
 
+/// Spine and shoulder blades, and a rod as round and as long as a clavicle.
+grid::Field rod_among_bones(Vec3 medial_mm, Vec3 lateral_mm) {
+  const grid::Lattice l = lattice(300, 150, 100, {1, 1, 1}, {-150, -90, -50});
+  grid::Field bone(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        const double spine = 14 - std::hypot(p.x, p.y - 45), blade = 6 - std::abs(std::abs(p.x) - 135);
+        const double blades = std::min({blade, 15 - std::abs(p.y - 30), 30 - std::abs(p.z)});
+        bone.at(i, j, k) = float(std::max({spine, blades, 6 - to_line({medial_mm, lateral_mm}, p)}) + 1e-3);
+      }
+  return bone;
+}
+
+// A rib runs forward to the side, so its front end was taken for the sternal one, and the right rib for a left
+// clavicle.
+TEST(Clavicle, ARibOfTheOtherSideIsNone) {
+  const auto sides = [](Vec3 medial_mm, Vec3 lateral_mm) {
+    std::vector<trunk::BodySide> all;
+    for (const auto& c : trunk::clavicle_courses(rod_among_bones(medial_mm, lateral_mm), {})) all.push_back(c.side);
+    return all;
+  };
+  EXPECT_EQ(sides({-20, -20, 20}, {-112, 10, 30}), std::vector<trunk::BodySide>{trunk::BodySide::right});
+  EXPECT_EQ(sides({20, -20, 20}, {112, 10, 30}), std::vector<trunk::BodySide>{trunk::BodySide::left});
+  EXPECT_TRUE(sides({-20, 20, 0}, {-112, -5, -10}).empty());
+  EXPECT_TRUE(sides({20, 20, 0}, {112, -5, -10}).empty());
+  EXPECT_TRUE(sides({-20, 62, 20}, {-112, 70, 30}).empty()) << "behind";
+}
+
 TEST(Clavicle, BothArePartedFromSternumAndScapula) {
   for (const double noise : {60.}) {
     const Chest chest;

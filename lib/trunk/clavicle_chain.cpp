@@ -9,6 +9,8 @@
 namespace trephine::trunk {
 namespace {
 
+// Of a clavicle, from the middle of all bone; a scan may end beside it, or hold one shoulder alone, which is narrower.
+constexpr double max_below_mm = 40, both_sides_mm = 220;
 constexpr double min_area_mm2 = 12, max_area_mm2 = 650;
 constexpr double max_elongation = 3.2, max_width_mm = 34;
 constexpr double min_overlap = 0.3;  ///< of the smaller blob's area, from plane to plane
@@ -130,6 +132,29 @@ BodySide side_of(const BlobChain& chain, const grid::Lattice& l) {
   return shoulder.x > sternal.x ? BodySide::left : BodySide::right;
 }
 
+Vec3 middle_of(const mask::BitMask& bone) {
+  Vec3 sum;
+  double n = 0;
+  const grid::Lattice& l = bone.lattice();
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (bone.get(i, j, k)) sum += Vec3{double(i), double(j), double(k)}, ++n;
+  return l.to_world_mm(sum / n);
+}
+
+/// A rib may be as round and as long: a clavicle lies on its own side of the bone's middle, before it, and not far
+/// below.
+bool lies_as_a_clavicle(const BlobChain& chain, const mask::BitMask& bone, Vec3 middle_mm) {
+  const grid::Lattice& l = bone.lattice();
+  Vec3 at;
+  for (const Blob& b : chain.blobs) at += l.to_world_mm(b.middle);
+  at = at / double(chain.blobs.size()) - middle_mm;
+  const grid::Box all = bone.bounds();
+  const bool has_both_sides = (all.end[0] - all.begin[0]) * l.spacing_mm.x > both_sides_mm;
+  return at.y < 0 && at.z > -max_below_mm && (!has_both_sides || (chain.side == BodySide::left) == (at.x > 0));
+}
+
 }  // namespace
 
 std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const ClavicleParams& params,
@@ -149,6 +174,7 @@ std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const Clavicle
         planes[i].push_back(std::move(b));
       }
   });
+  const Vec3 middle_mm = middle_of(core);
   std::vector<BlobChain> found;
   const int longest = int(longest_mm / l.spacing_mm.x);
   for (int tries = 0; tries < 12 && found.size() < 2; ++tries) {
@@ -185,6 +211,7 @@ std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const Clavicle
     std::reverse(chain.blobs.begin(), chain.blobs.end());
     if (chain.span_mm(l) < params.min_length_mm || area / double(chain.blobs.size()) > max_mean_area_mm2) continue;
     chain.side = side_of(chain, l);
+    if (!lies_as_a_clavicle(chain, core, middle_mm)) continue;
     if (!found.empty() && found[0].side == chain.side) continue;
     found.push_back(std::move(chain));
   }

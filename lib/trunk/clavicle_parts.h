@@ -26,7 +26,8 @@ struct BlobChain {
   double span_mm(const grid::Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
 };
 
-/// At most one chain for each side, the right one first. `core` is the bone without thin bridges.
+/// At most one chain for each side, the right one first, on that side of the middle of all bone, before it and not far
+/// below. `core` is the bone without thin bridges.
 std::vector<BlobChain> clavicle_chains(const mask::BitMask& core, const ClavicleParams& params,
                                        const Progress& progress);
 
