@@ -163,7 +163,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   if (in.contrast_ml > vessels_ml)
     out.warnings.push_back({"contrast_medium",
                             "{volume} inside the skull are as bright as vessels with contrast medium, whatever the "
-                            "scan's tags say: dense tissue and tubes are doubtful",
+                            "scan's tags say: tubes, and dense tissue beside it or of a few ml, are doubtful",
                             {{"volume", ml_text(in.contrast_ml)}, {"contrast_ml", in.contrast_ml}}});
 
   grid::Mask labels(in.cells());

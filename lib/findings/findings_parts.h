@@ -7,9 +7,9 @@
 
 namespace trephine::findings {
 
-/// Of what is as bright as vessels with contrast medium: from here on dense tissue and tubes may be vessels, or
-/// streaks. Between the most of a head without medium (0.53 ml, with a shunt in it) and the only one known to have it
-/// (0.79 ml).
+/// Of what is as bright as vessels with contrast medium: from here on tubes, and dense tissue that hangs on what is so
+/// bright, may be vessels. Between the most of a head without medium (0.53 ml, with a shunt in it) and the only one
+/// known to have it (0.79 ml).
 constexpr double vessels_ml = 0.65;
 
 /// The inside of the head on cells of about 1.5 mm.
@@ -22,7 +22,8 @@ struct Inside {
   grid::Grid<float> depth_mm;  ///< of a cell of `all` below its surface
   grid::Grid<float> tissue;    ///< HU, smoothed, brain at 30; -1000 where there is bone, air or something dense
   mask::BitMask dense;         ///< cells with something denser than soft tissue that is no bone of the skull
-  double contrast_ml = 0;      ///< of what is as bright as vessels with contrast medium
+  mask::BitMask vessels;       ///< what is as bright as vessels with contrast medium, away from bone
+  double contrast_ml = 0;      ///< of it
   double noise_hu = 0;         ///< of `tissue`
   bool noise_known = false;    ///< there is tissue to measure it in; else noise_hu is 0
   place::HeadPlace place;

@@ -64,9 +64,9 @@ Inside inside_of(const grid::HuVolume& volume, const FindingShapes& shapes, cons
   const mask::BitMask soft = within(soft_from, soft_to);
   in.dense = mask::coarse_mask(within(soft_to, 1e6f), in.raster, 0.3);
   in.dense.remove(mask::dilated(in.skull, std::max(1.5 * bone_blur_mm, thick_mm), progress));
-  mask::BitMask vessels = mask::coarse_mask(within(vessel_from, vessel_to), in.raster, 0.5);
-  vessels.remove(mask::dilated(in.skull, std::max(2 * bone_blur_mm, thick_mm), progress));
-  in.contrast_ml = double(vessels.count()) * in.cell_ml();
+  in.vessels = mask::coarse_mask(within(vessel_from, vessel_to), in.raster, 0.5);
+  in.vessels.remove(mask::dilated(in.skull, std::max(2 * bone_blur_mm, thick_mm), progress));
+  in.contrast_ml = double(in.vessels.count()) * in.cell_ml();
 
   mask::BitMask known = mask::coarse_mask(soft, in.raster, 0.5);
   known.remove(mask::dilated(in.skull, bone_blur_mm, progress));

@@ -24,6 +24,9 @@ constexpr double streak_ratio = 1.4;             ///< of the jumps between slice
 constexpr double thick_streaks = 1.25;  ///< times that in slices of 6 mm, whose neighbours differ as tissue does
 constexpr double clear_mm = 3, min_cells = 60;
 constexpr double max_doubtful = 0.42;
+/// With contrast medium: about a vessel lies a rim that is as dense as blood, and what takes up medium is no larger
+/// than a bleed that need not be told first.
+constexpr double vessel_rim_mm = 3, most_at_vessels = 0.1, least_beside_medium_ml = 4, sure_beside_medium_ml = 12;
 constexpr double dark_core_mm = 3.5, dark_smooth_mm = 1.5;
 constexpr double off_ventricles_mm = 4, off_surface_mm = 6, off_cistern_mm = 5;
 
@@ -159,6 +162,7 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
   mask::BitMask at_tubes(in.cells());
   for (const Seen& s : implants)
     if (s.cells.lattice().count() > 0) at_tubes |= mask::dilated(s.cells, at_tube_mm, progress);
+  const mask::BitMask by_vessels = mask::dilated(in.vessels, vessel_rim_mm, progress);
   const mask::BitMask at_ventricles = mask::dilated(in.ventricles, at_ventricle_mm, progress);
   const std::vector<double> jumps = slice_jumps(in, grown, progress);
   const double usual = usual_jump(jumps);
@@ -202,7 +206,12 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
     const double streaks = usual > 0 ? slices.jump / usual : 0;
     const double high = 3.46 * slices.sigma_mm;  // of an even column
     const bool is_flat = flat < flat_ratio && !(in_ventricles && high > std::max(high_mm, high_slices * slice_mm));
-    if (in.contrast_ml > vessels_ml || is_flat || streaks > max_streaks || !in.place.sure)
+    double at_vessels = 0;
+    if (in.contrast_ml > vessels_ml) {
+      at_vessels = share(rim, [&](int i, int j, int k) { return by_vessels.get(i, j, k); });
+      sure *= mask::ramp(ml, least_beside_medium_ml, sure_beside_medium_ml);
+    }
+    if (at_vessels > most_at_vessels || is_flat || streaks > max_streaks || !in.place.sure)
       sure = std::min(sure, max_doubtful);
     s.finding.confidence = std::max(0.1, 0.95 * sure);
     s.finding.figures = {{"volume_ml", ml},
