@@ -59,11 +59,11 @@ LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest) {
   try {
     if (manifest.haptic.file.empty()) throw Error(ExitCode::bad_input, "", "", "the case has no haptic volume");
     type.require(manifest);
-    out.why_not = class_fault(type, class_of(manifest));
-    if (!out.why_not.empty()) return out;
+    const std::string of_class = class_fault(type, class_of(manifest));
     for (const LessonTask& task : offered_tasks(type, manifest)) {
       out.tasks.push_back(task.name);
-      if (!task.doubt.empty()) out.doubtful.emplace_back(task.name, task.doubt);
+      const std::string doubt = task.doubt + (task.doubt.empty() || of_class.empty() ? "" : "; ") + of_class;
+      if (!doubt.empty()) out.doubtful.emplace_back(task.name, doubt);
     }
     if (out.tasks.empty()) out.why_not = "the case holds no task of it";
   } catch (const Error& e) {

@@ -166,7 +166,8 @@ struct LessonUse {
 LessonUse use_of(const LessonType& type, const cases::CaseManifest& manifest);
 /// The patient's class, as the case's figures have it; "": none.
 std::string class_of(const cases::CaseManifest& manifest);
-/// Why no case of that patient's class is exercised ("": it has none); empty where such cases are.
+/// Why no case of that patient's class is exercised in turn ("": it has none); empty where such cases are. A lesson in
+/// such a case is possible, and doubtful.
 std::string class_fault(const LessonType& type, const std::string& patient_class);
 /// What people call the lesson of that name; of one that is not known, the name with spaces.
 std::string lesson_title(const std::string& name, texts::Language language);
