@@ -71,8 +71,8 @@ void write_case(const fs::path& folder, case_samples::MemoryCase c) {
   c.write(folder);
   const cases::LoadedCase loaded = cases::load_case_through(c.reader());
   page::PageNotes notes;
-  notes.warnings = {"import: a slice is missing",
-                    "<b onclick=alert(1)>bold</b></script><script>document.title='taken'</script>"};
+  notes.warnings = {{"import: a slice is missing", "look"},
+                    {"<b onclick=alert(1)>bold</b></script><script>document.title='taken'</script>", "wrong"}};
   notes.trade = {{{"draft", 3, 0.4, 20000, ""}, {"bound/0.8", 9, 0.2, 60000, ""}, {"fine", 31, 0.1, 200000, ""}},
                  "bound/0.8",
                  "standard",

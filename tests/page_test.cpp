@@ -79,7 +79,7 @@ TEST(Page, SurfacesAreThoseOfTheCase) {
 TEST(Page, SaysWhatTheCaseSays) {
   const cases::LoadedCase c = loaded(case_samples::minimal_case());
   page::PageNotes notes;
-  notes.warnings = {"import: a warning, word for word"};
+  notes.warnings = {{"import: a warning, word for word", "look"}};
   notes.trade.rule = "seconds 10";
   notes.trade.chosen = "a";
   notes.trade.points = {{"a", 3, 0.2, 1000, ""}, {"b", 30, 0.1, 5000, "too thin"}};
@@ -109,13 +109,14 @@ TEST(Page, HostileTextsStayText) {
   const cases::LoadedCase c = loaded(case_samples::minimal_case());
   const std::string plain = page::make_case_page(c, {});
   page::PageNotes hostile;
-  hostile.warnings = {"</script><script>alert(1)</script><!-- @SCRIPT@ @BLOCKS@ <img src=http://x/ onerror=alert(1)>"};
+  hostile.warnings = {
+      {"</script><script>alert(1)</script><!-- @SCRIPT@ @BLOCKS@ <img src=http://x/ onerror=alert(1)>", "look"}};
   const std::string page = page::make_case_page(c, hostile);
   EXPECT_EQ(count_of(page, "<script"), count_of(plain, "<script"));
   EXPECT_EQ(count_of(page, "</script"), count_of(plain, "</script"));
   EXPECT_EQ(count_of(page, "<!--"), 0u);
   EXPECT_EQ(count_of(page, "<img"), 0u);
-  EXPECT_EQ(read_page(page).data["warnings"][0], hostile.warnings[0]);
+  EXPECT_EQ(read_page(page).data["warnings"][0], hostile.warnings[0].text);
 }
 
 TEST(Page, TemplateIsFilledOnce) {
@@ -276,7 +277,7 @@ TEST(Page, NotesAreReadBack) {
   const auto c = case_samples::minimal_case();
   c.write(folder);
   page::PageNotes notes;
-  notes.warnings = {"one"};
+  notes.warnings = {{"one", "note"}};
   notes.trade = {{{"a", 3, 0.2, 1000, ""}}, "a", "rule", "why"};
   notes.deviation_mm["outer"].assign(c.manifest.anatomies[0].points, 0.25f);
   const fs::path report = folder / "report",

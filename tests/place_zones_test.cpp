@@ -11,6 +11,7 @@
 #include "phantom/head.h"
 #include "phantom/phantom.h"
 #include "place/cranium.h"
+#include "place/zone_doubts.h"
 #include "place/zones.h"
 #include "report_of.h"
 
@@ -165,6 +166,65 @@ TEST(SegmentZones, NoiseIsNoAir) {
   const auto [air, beside] = scan.dura([](int, int, int) { return -800; });
   EXPECT_LT(air, 0.05 * box);
   EXPECT_NEAR(beside, rest, 0.01 * rest);
+}
+
+/// A zone of balls, and a scan in which all is `hu` but what is said of one side.
+grid::Field balls(const std::vector<std::pair<Vec3, double>>& centres_and_radii_mm) {
+  grid::Field zone(grid::Lattice{{60, 60, 60}, {1, 1, 1}, {-30, -30, -30}, {}});
+  for (int k = 0; k < 60; ++k)
+    for (int j = 0; j < 60; ++j)
+      for (int i = 0; i < 60; ++i) {
+        double mm = -20;
+        for (const auto& [centre, radius] : centres_and_radii_mm)
+          mm = std::max(mm, radius - norm(zone.to_world_mm({double(i), double(j), double(k)}) - centre));
+        zone.at(i, j, k) = float(mm == 0 ? -1e-6 : mm);
+      }
+  return zone;
+}
+grid::HuVolume tissue_with(double from_x_mm, std::int16_t hu) {
+  grid::Grid<std::int16_t> v(grid::Lattice{{60, 60, 60}, {1, 1, 1}, {-30, -30, -30}, {}},
+                             std::int16_t{35});
+  for (int k = 0; k < 60; ++k)
+    for (int j = 0; j < 60; ++j)
+      for (int i = 0; i < 60; ++i)
+        if (v.to_world_mm({double(i), double(j), double(k)}).x >= from_x_mm) v.at(i, j, k) = hu;
+  return v;
+}
+std::vector<std::string> ids_of(const Warnings& warnings) {
+  std::vector<std::string> ids;
+  for (const Warning& w : warnings) {
+    ids.push_back(w.id);
+    EXPECT_FALSE(to_text(w).empty());
+  }
+  return ids;
+}
+
+// A block of a third of a millilitre and shards were called good.
+TEST(ZoneDoubts, AThirdVentricleIsWholeAndOfAnAdultsSize) {
+  using Ids = std::vector<std::string>;
+  const auto doubts = [](const std::vector<std::pair<Vec3, double>>& of) {
+    return ids_of(place::zone_doubts(balls(of), place::Zone::third_ventricle, nullptr));
+  };
+  EXPECT_EQ(doubts({{Vec3{}, 6.5}}), Ids{});                           // 1.15 ml
+  EXPECT_EQ(doubts({{Vec3{}, 4.5}}), Ids{"unusual_third_ventricle"});  // 0.38 ml
+  EXPECT_EQ(doubts({{Vec3{-12, 0, 0}, 5}, {Vec3{12, 0, 0}, 5}}),
+            Ids{"unusual_third_ventricle"});  // two halves of 0.52 ml
+  EXPECT_EQ(doubts({{Vec3{-12, 0, 0}, 7}, {Vec3{12, 0, 0}, 2}}), Ids{});
+}
+
+TEST(ZoneDoubts, NoZoneLiesInAirAndNoDuraHoldsFat) {
+  using Ids = std::vector<std::string>;
+  const grid::Field zone = balls({{Vec3{}, 12}});  // 7.2 ml
+  const auto doubts = [&](place::Zone what, double from_x_mm, std::int16_t hu) {
+    const grid::HuVolume volume = tissue_with(from_x_mm, hu);
+    return ids_of(place::zone_doubts(zone, what, &volume));
+  };
+  EXPECT_EQ(doubts(place::Zone::midline, 11.5, -900), Ids{});  // less than a hundredth of it
+  EXPECT_EQ(doubts(place::Zone::midline, 8, -900), Ids{"zone_in_air"});
+  EXPECT_EQ(doubts(place::Zone::brainstem, 8, -100), Ids{});
+  EXPECT_EQ(doubts(place::Zone::dura, 8, -900), Ids{});  // its air is taken off before
+  EXPECT_EQ(doubts(place::Zone::dura, -2, -90), Ids{"fat_inside_dura"});
+  EXPECT_EQ(doubts(place::Zone::dura, 7, -90), Ids{});  // under 2 ml of it lie within
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "look/body_part.h"
 #include "stages/stage.h"
 
@@ -26,6 +28,60 @@ TEST(Verdict, OfAScanThatShowsNoHeadIsDoubtful) {
   EXPECT_EQ(verdict(look::IsExpected::yes), "skull: good");
   EXPECT_EQ(verdict(look::IsExpected::unknown),
             "skull: doubtful; it is not sure that the scan shows the part of the body that is made of it");
+}
+
+using publish::AnatomyState;
+
+// Whatever warning speaks against an anatomy: it is never called good beside it, whoever gave it and however many there
+// are.
+TEST(Verdict, IsNeverGoodBesideAWarningThatSpeaksAgainstIt) {
+  const std::vector<std::string> wanted = {
+      "skin",      "skull",    "brain", "ventricles", "dura", "midline", "third_ventricle",
+      "brainstem", "clavicle", "vein",  "lung",       "canal"};
+  const std::vector<std::string> ids = stages::wrong_kinds();
+  ASSERT_GT(ids.size(), 20u);
+  const cases::CaseManifest manifest;
+  for (const std::string& id : ids)
+    for (const std::string& given_by : wanted) {
+      const Warning warning{id, "", {}};
+      const std::vector<stages::Evidence> evidence = publish::evidence_of(warning, given_by);
+      std::vector<std::string> about = stages::kind_of(warning).about;
+      if (about.empty()) about = {given_by};
+      ASSERT_EQ(evidence.size(), about.size()) << id;
+      for (const publish::AnatomyVerdict& v : publish::judge_anatomies(wanted, manifest, evidence)) {
+        const bool is_about = std::count(about.begin(), about.end(), v.anatomy) > 0;
+        EXPECT_EQ(v.state, is_about ? AnatomyState::doubtful : AnatomyState::good) << id << " about " << v.anatomy;
+      }
+    }
+}
+
+TEST(Verdict, NotesAndPlacesToLookAtSpeakAgainstNothing) {
+  for (const char* id : {"isovalue_lowered", "landmark_not_found", "air_at_base", "no_such_kind"})
+    EXPECT_TRUE(publish::evidence_of(Warning{id, "", {}}, "skull").empty()) << id;
+  EXPECT_EQ(stages::kind_of({"isovalue_lowered", "", {}}).severity, stages::Severity::note);
+  EXPECT_EQ(stages::kind_of({"no_such_kind", "", {}}).severity, stages::Severity::look);
+}
+
+// A bleed is what a person reads first, and what it may have spoilt is doubtful.
+TEST(Verdict, ABleedIsSaidFirst) {
+  cases::CaseManifest manifest;
+  const auto finding = [](const char* kind, double confidence, std::vector<std::string> concerns, const char* text) {
+    cases::CaseFinding f;
+    f.kind = kind;
+    f.confidence = confidence;
+    f.concerns = std::move(concerns);
+    f.text = text;
+    f.side = "left";
+    return f;
+  };
+  manifest.findings = {finding("wide_ventricles", 0.8, {}, "the ventricles are wide"),
+                       finding("dense_tissue", 0.3, {"brain"}, "a streak"),
+                       finding("dense_tissue", 0.9, {"brain"}, "66 ml lie in the brain")};
+  const std::vector<stages::Evidence> evidence = publish::evidence_of(manifest.findings);
+  EXPECT_EQ(
+      publish::verdict_text(publish::judge_anatomies({"skull", "brain"}, manifest, evidence), manifest, evidence, {}),
+      "to be looked at first: 66 ml lie in the brain, left; skull: good; brain: doubtful; to be looked at: the "
+      "ventricles are wide, left");
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ function fillTables(viewer) {
     : page.felt
       ? 'Slices: the shapes of the haptic volume; the case holds no CT.'
       : 'The case holds neither CT nor haptic volume.'
-  for (const w of data.warnings) $('warnings').append(make('p', 'bad', w))
+  data.warnings.forEach((w, n) => $('warnings').append(make('p', data.severities[n], w)))
   if (!data.warnings.length) $('warnings').append(make('p', 'good', 'No warnings.'))
   addTable(
     viewer,

@@ -43,6 +43,7 @@ Json json_of(const fs::path& library, const library::CaseRow& row) {
               {"triangles", row.triangles}, {"deviation_mm", row.deviation_max_mm},
               {"seconds", row.seconds},     {"age_s", row.age_s},
               {"last_code", row.last.code}, {"last_reason", row.last.reason}};
+  out["wrong_count"] = row.wrong_count;
   out["pictures"] = library::overview_pictures(library, row);
   std::error_code ignored;
   out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page::page_file, ignored);

@@ -130,12 +130,15 @@ VentricleDoubts ventricle_doubts(const grid::Field& ventricles, const VentricleA
       seen = seen || (l.name.rfind("monro", 0) == 0 && l.confidence >= 0.5);
     }
   if (looked_for && !seen)
-    out.doubts.push_back({"no_foramen", "no foramen of Monro was found: the third ventricle may be missing", {}});
-  outside("ventricles_volume", "the ventricles' volume (ml)", figures.ventricles_ml, params.least_ventricles_ml,
-          params.most_ventricles_ml, "1");
-  outside("evans_index", "Evans' index", figures.evans_index_ratio, params.least_evans_ratio, params.most_evans_ratio,
-          "2");
-  outside("midline_shift", "the midline shift (mm)", figures.midline_shift_mm, -params.most_shift_mm,
+    out.doubts.push_back({"no_foramen",
+                          "no foramen of Monro was found: the third ventricle may be missing, or give monro_left and "
+                          "monro_right where they are seen",
+                          {}});
+  outside("implausible_ventricles_volume", "the ventricles' volume (ml)", figures.ventricles_ml,
+          params.least_ventricles_ml, params.most_ventricles_ml, "1");
+  outside("implausible_evans_index", "Evans' index", figures.evans_index_ratio, params.least_evans_ratio,
+          params.most_evans_ratio, "2");
+  outside("implausible_shift", "the midline shift (mm)", figures.midline_shift_mm, -params.most_shift_mm,
           params.most_shift_mm, "1");
   return out;
 }
@@ -143,7 +146,7 @@ VentricleDoubts ventricle_doubts(const grid::Field& ventricles, const VentricleA
 std::optional<Warning> scan_doubt(const mask::ScanFigures& scan, const HeadClassParams& params) {
   if (!scan.known()) return {};
   if (scan.cube_noise_hu < params.least_cube_noise_hu)
-    return Warning{"denoised",
+    return Warning{"denoised_horns",
                    "the scan's noise in a cube of 2 mm is {noise_hu:.1f} HU, below {limit_hu:.1f} it was denoised so "
                    "strongly that narrow horns may be gone",
                    {{"noise_hu", scan.cube_noise_hu}, {"limit_hu", params.least_cube_noise_hu}}};

@@ -61,6 +61,7 @@ void read_run(const fs::path& file, CaseRow& row) {
     const std::vector<char> bytes = read_file(file, max_bytes);
     const Json json = Json::parse(bytes.begin(), bytes.end());
     for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
+    for (const Json& severity : json.value("severities", Json::array())) row.wrong_count += severity == "wrong";
     row.seconds = json.at("wall_s").get<double>();
     row.peak_memory_mb = json.value("peak_memory_mb", 0.0);
     const Json stages = json.value("stages", Json::object());
@@ -187,6 +188,11 @@ std::string figure_text(const CaseRow& row, const std::string& name, int decimal
   return to_text(*v);
 }
 
+std::string warnings_text(const CaseRow& row) {
+  const std::string all = std::to_string(row.warnings.size());
+  return row.wrong_count == 0 ? all : all + " (" + std::to_string(row.wrong_count) + " wrong)";
+}
+
 void LibraryTable::add(const CaseRow& row) {
   const bool good = row.fault.empty();
   if (classed_by_.empty()) classed_by_ = row.classed_by();
@@ -195,7 +201,7 @@ void LibraryTable::add(const CaseRow& row) {
        printable(figure_text(row, "evans_index_ratio", 2)), printable(figure_text(row, "midline_shift_mm", 1)),
        good ? grouped_text(static_cast<long long>(row.triangles)) : "", good ? fixed_text(row.deviation_max_mm, 2) : "",
        good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
-       good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "", good ? std::to_string(row.warnings.size()) : "",
+       good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "", good ? warnings_text(row) : "",
        good ? age_text(row.age_s) : "",
        printable(row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)), state_of(row)});
 }

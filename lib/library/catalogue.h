@@ -49,8 +49,9 @@ struct CaseRow {
   std::string patient_class;  ///< empty: not known
   std::uint64_t triangles = 0, bytes = 0;
   double deviation_max_mm = 0;
-  std::vector<std::string> warnings;
-  double seconds = 0;  ///< of its last run
+  std::vector<std::string> warnings;  ///< of its last run, the gravest first
+  std::size_t wrong_count = 0;        ///< of them, those that speak against an anatomy
+  double seconds = 0;                 ///< of its last run
   double peak_memory_mb = 0;
   std::vector<std::pair<std::string, double>> stage_seconds;  ///< of the stages that its last run computed, in order
   double age_s = 0;                                           ///< age of case.json
@@ -74,6 +75,9 @@ void each_case(const std::filesystem::path& library, const LibraryFilter& filter
 
 /// Throws Error 64 where the token is none, and 66 where the library has no such case.
 CaseRow read_library_case(const std::filesystem::path& library, const std::string& token);
+
+/// "5 (2 wrong)".
+std::string warnings_text(const CaseRow& row);
 
 /// The cases as a table, a line for each.
 class LibraryTable {

@@ -64,7 +64,7 @@ std::vector<std::string> lines_of(const CaseRow& row) {
   return {row.token, patient, indices,
           grouped_text(static_cast<long long>(row.triangles)) + " triangles, max " +
               fixed_text(row.deviation_max_mm, 2) + " mm" +
-              (row.warnings.empty() ? "" : ", " + std::to_string(row.warnings.size()) + " warnings")};
+              (row.warnings.empty() ? "" : ", warnings: " + warnings_text(row))};
 }
 
 picture::Image cell_of(const fs::path& library, const CaseRow& row, int side) {

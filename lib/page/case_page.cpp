@@ -182,6 +182,7 @@ class PageMaker {
                            {"parameters", to_json(manifest_.parameters)}};
     const Json notes = Json::parse(page_notes_json(notes_));
     json_["warnings"] = notes["warnings"];
+    json_["severities"] = notes["severities"];
     if (notes.contains("trade")) json_["trade"] = notes["trade"];
   }
 

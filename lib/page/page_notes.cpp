@@ -85,7 +85,11 @@ std::vector<float> decode_deviation(std::string_view bytes, std::uint64_t points
 
 std::string page_notes_json(const PageNotes& notes) {
   Json json;
-  json["warnings"] = notes.warnings;
+  json["warnings"] = json["severities"] = Json::array();
+  for (const PageWarning& w : notes.warnings) {
+    json["warnings"].push_back(w.text);
+    json["severities"].push_back(w.severity);
+  }
   if (!notes.trade.points.empty()) {
     Json& trade =
         json["trade"] = {{"rule", notes.trade.rule}, {"chosen", notes.trade.chosen}, {"why", notes.trade.why}};
@@ -109,7 +113,10 @@ PageNotes read_page_notes(const fs::path& case_folder, const cases::CaseManifest
   if (json.is_null()) json = read_json(from);
   try {
     if (!json.is_null())
-      for (const Json& w : json.at("warnings")) notes.warnings.push_back(w.get<std::string>());
+      for (std::size_t i = 0; i < json.at("warnings").size(); ++i)
+        notes.warnings.push_back(
+            {json.at("warnings").at(i).get<std::string>(),
+             json.contains("severities") ? json.at("severities").at(i).get<std::string>() : "look"});
     if (json.contains("trade")) notes.trade = read_trade(json.at("trade"));
   } catch (const nlohmann::json::exception&) {
     throw Error(ExitCode::bad_input, from.string(), "", "is not what `run` writes; run the case again, or remove it");

@@ -26,8 +26,12 @@ struct PageTrade {
   std::string chosen, rule, why;
 };
 
+struct PageWarning {
+  std::string text, severity;  ///< "wrong", "look" or "note"
+};
+
 struct PageNotes {
-  std::vector<std::string> warnings;  ///< of the stages, as run logged them; not those about the machine's speed
+  std::vector<PageWarning> warnings;  ///< of the stages, as run logged them; not those about the machine's speed
   PageTrade trade;
   /// By anatomy: for each point of its GLB the signed distance to the surface before decimation, mm, positive outside;
   /// NaN where none is known, as on the wall of a burr hole.

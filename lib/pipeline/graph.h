@@ -25,6 +25,8 @@ struct Node {
   bool wanted = false;          ///< the case itself reads its data or report
   bool is_early = false;        ///< a check with its first inputs alone: what it reports the whole check does too
   std::string serves;           ///< what the case has of it, in words
+  /// The anatomy of whose recipe it is a step; empty: of none.
+  std::string anatomy() const;
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that
   /// runs somebody else's program, the absolute paths without their folders.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;

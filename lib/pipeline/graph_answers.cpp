@@ -28,6 +28,13 @@ std::string without_folders(const std::string& text) {
 
 }  // namespace
 
+std::string Node::anatomy() const {
+  const std::string prefix = "original.";
+  const std::string rest = name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
+  const auto dot = rest.find('.');
+  return dot == std::string::npos ? "" : rest.substr(0, dot);
+}
+
 std::string Node::parameters_text() const {
   if (file_sha256.empty()) return to_text(params);
   std::string text;

@@ -14,6 +14,7 @@
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "place/third_ventricle.h"
+#include "place/zone_doubts.h"
 
 namespace trephine::place {
 namespace {
@@ -26,7 +27,7 @@ constexpr double air_share = 0.25, near_air_mm = 4;
 constexpr float some_air_hu = -60;
 constexpr double among_cells_mm = 8, between_cells_mm = 3;
 constexpr double air_walls_mm = 3, air_wall_mm = 1;  ///< between bone cells, and between them and the dura
-constexpr double stem_room_mm = 12, told_beyond_ml = 3, told_aside_mm = 5;
+constexpr double stem_room_mm = 12, told_beyond_ml = 3, most_beyond_ml = 20, told_aside_mm = 5;
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
@@ -144,7 +145,7 @@ void keep_near_template(grid::Field& wall, const HeadPlace& place, const ZonePar
   const double ml = double(std::accumulate(cut.begin(), cut.end(), std::int64_t{0})) * wall.voxel_volume_mm3() / 1000;
   made.result.beyond_ml = ml;
   if (ml > told_beyond_ml)
-    made.warnings.push_back({"dura_by_template",
+    made.warnings.push_back({ml > most_beyond_ml ? "dura_not_seen" : "dura_by_template",
                              "{beyond_ml:.0f} ml behind the thin bone of the skull's base were cut off, where the scan "
                              "shows no bone: the dura's border there is a template's, not the scan's",
                              {{"beyond_ml", ml}}});
@@ -239,8 +240,26 @@ void leave_air(grid::Field& wall, const std::vector<float>& off) {
         if (wall.at(i, j, k) >= 0 && !whole.get(i, j, k)) wall.at(i, j, k) = -1e-6f;
 }
 
+const char* name_of(Zone zone) {
+  switch (zone) {
+    case Zone::dura:
+      return "dura";
+    case Zone::midline:
+      return "midline";
+    case Zone::sagittal_sinus:
+      return "sagittal sinus";
+    case Zone::third_ventricle:
+      return "third ventricle";
+    case Zone::brainstem:
+      return "brainstem";
+  }
+  return "";
+}
+
 /// The smallest box around what is positive, with room for the surface.
-Made trimmed(const grid::Field& field, Made made, const char* what, double least_ml = 0) {
+Made trimmed(const grid::Field& field, Made made, Zone zone, const grid::HuVolume* volume) {
+  const char* what = name_of(zone);
+  const double least_ml = zone == Zone::third_ventricle ? least_third_ml : 0;
   grid::Box box{{field.size[0], field.size[1], field.size[2]}, {0, 0, 0}};
   std::size_t count = 0;
   for (int k = 0; k < field.size[2]; ++k)
@@ -263,23 +282,8 @@ Made trimmed(const grid::Field& field, Made made, const char* what, double least
                   {"take the zone out of the scene's `anatomies`, or take a scan of thinner slices or less noise"});
   made.result.volume_ml = ml;
   made.value = grid::crop(field, grid::grown(box, 2, field));
+  for (Warning& w : zone_doubts(made.value, zone, volume)) made.warnings.push_back(std::move(w));
   return made;
-}
-
-const char* name_of(Zone zone) {
-  switch (zone) {
-    case Zone::dura:
-      return "dura";
-    case Zone::midline:
-      return "midline";
-    case Zone::sagittal_sinus:
-      return "sagittal sinus";
-    case Zone::third_ventricle:
-      return "third ventricle";
-    case Zone::brainstem:
-      return "brainstem";
-  }
-  return "";
 }
 
 /// Half of the slab's width: at least a voxel across it, or none would hold it. Thick slices do not matter to it.
@@ -333,7 +337,7 @@ Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const Zo
       for (float& v : wall.voxels) v = v == float(params.inset_mm) ? -1e-6f : v - float(params.inset_mm);
     if (params.thickness_mm > 0)
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
-    return trimmed(wall, std::move(made), name_of(params.what));
+    return trimmed(wall, std::move(made), params.what, shapes.volume);
   }
   HeadPlace place = place_of(cavity, shapes, true, progress.part(0, 0.4));
   made.result.place = figures_of(place);
@@ -376,8 +380,7 @@ Outcome<grid::Field, ZoneResult> find_zone(const mask::BitMask& cavity, const Zo
         }
     }
   });
-  return trimmed(zone, std::move(made), name_of(params.what),
-                 params.what == Zone::third_ventricle ? least_third_ml : 0);
+  return trimmed(zone, std::move(made), params.what, shapes.volume);
 }
 
 }  // namespace trephine::place

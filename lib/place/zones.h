@@ -60,7 +60,8 @@ struct ZoneParams {
 struct ZoneShapes {
   const grid::Field* skull = nullptr;       ///< may be null: then the cavity's surface is that of its voxels
   const grid::Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
-  const grid::HuVolume* volume = nullptr;   ///< may be null: then air is not taken off the dura
+  const grid::HuVolume* volume =
+      nullptr;  ///< may be null: then air is not taken off the dura, and no zone held against it
   /// Gives what place_in_cavity gives of this cavity and, unless it is to be without them, the ventricles, for callers
   /// who know it already. Empty: the template is registered here.
   std::function<HeadPlace(bool with_ventricles, const Progress& progress)> place;
@@ -103,6 +104,7 @@ HeadPlace place_in_cavity(const mask::BitMask& cavity, const grid::Field* ventri
 /// Of the dura, what reaches max_beyond_mm beyond the template's cavity is cut off, with a warning above
 /// 3 ml, and so is the air of sinuses and bone cells at the skull's base, with their walls and what is left between
 /// them (0.3 ml and more of what is darker than -60 HU, where some of it is below -300 HU).
+/// What the scan holds against the zone is said as warnings (zone_doubts.h).
 /// Throws Error 64 where a shell is thinner than two voxels
 /// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.

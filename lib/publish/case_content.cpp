@@ -23,6 +23,7 @@
 #include "publish/head_content.h"
 #include "publish/scan_findings.h"
 #include "publish/scene_limits.h"
+#include "publish/verdict.h"
 #include "surface/bounds.h"
 #include "voxel/mismatch.h"
 #include "voxel/shape_field.h"
@@ -62,7 +63,8 @@ class Builder {
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
     }
     hold_against_budget();
-    add_evidence(add_figures(config_, parts_, manifest()));
+    add_figures(config_, parts_, manifest());
+    add_evidence();
     if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
     for (const int hole : graph_.results(stages::DataKind::cutters)) add_burr_hole(hole);
@@ -80,13 +82,16 @@ class Builder {
       all.push_back(std::move(f));
   }
 
-  void add_evidence(bool class_is_uncertain) {
+  void add_evidence() {
     for (const stages::CaseParts& p : parts_) {
       out_.evidence.insert(out_.evidence.end(), p.evidence.begin(), p.evidence.end());
       out_.remarks.insert(out_.remarks.end(), p.remarks.begin(), p.remarks.end());
     }
-    if (class_is_uncertain && !config_.roles.class_of.empty())
-      out_.evidence.push_back({config_.roles.class_of, "", ""});
+    for (std::size_t i = 0; i < results_.size(); ++i)
+      if (const pipeline::Node& node = graph_.nodes[i]; !node.is_early)
+        for (const Warning& w : results_[i].warnings)
+          for (stages::Evidence& e : evidence_of(w, node.anatomy())) out_.evidence.push_back(std::move(e));
+    for (stages::Evidence& e : evidence_of(manifest().findings)) out_.evidence.push_back(std::move(e));
   }
 
   cases::CaseManifest& manifest() { return out_.manifest; }

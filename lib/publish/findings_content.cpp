@@ -16,13 +16,6 @@ constexpr int cell_px = 640;
 constexpr std::size_t max_pictures = 9, max_told = 3;
 constexpr double ring_mm = 8, ring_cell_mm = 0.5;
 
-std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& all) {
-  std::vector<const cases::CaseFinding*> out;
-  for (const cases::CaseFinding& f : all)
-    if (f.confidence >= findings::sure_confidence) out.push_back(&f);
-  return out;
-}
-
 // Positive in the voxels of that label.
 grid::Field field_of(const grid::LabelFile& labels, int value) {
   grid::Field field(labels.lattice, -1.f);
@@ -60,6 +53,13 @@ grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
 
 }  // namespace
 
+std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& all) {
+  std::vector<const cases::CaseFinding*> out;
+  for (const cases::CaseFinding& f : all)
+    if (f.confidence >= findings::sure_confidence) out.push_back(&f);
+  return out;
+}
+
 std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph,
                                         const std::vector<pipeline::NodeResult>& results) {
   std::vector<stages::CaseParts> all(graph.nodes.size());
@@ -76,8 +76,11 @@ bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::str
   });
 }
 
-std::string findings_text(const std::vector<cases::CaseFinding>& findings) {
-  const std::vector<const cases::CaseFinding*> all = sure(findings);
+std::string findings_text(const std::vector<cases::CaseFinding>& findings, bool bleeds) {
+  std::vector<const cases::CaseFinding*> all = sure(findings);
+  const std::string dense = findings::to_text(findings::FindingKind::dense);
+  all.erase(std::remove_if(all.begin(), all.end(), [&](const auto* f) { return (f->kind == dense) != bleeds; }),
+            all.end());
   std::string text;
   for (std::size_t i = 0; i < std::min(all.size(), max_told); ++i)
     text += (text.empty() ? "" : "; ") + findings::with_side(all[i]->text, all[i]->kind, all[i]->side);

@@ -19,9 +19,12 @@ std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph, const std:
 /// Whether a sure finding concerns the anatomy: what is measured of it is then uncertain.
 bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy);
 
-/// The sure findings in a few words, each with its side, for the verdict; empty where there is none. Of more than three
-/// the rest is counted.
-std::string findings_text(const std::vector<cases::CaseFinding>& findings);
+/// Those of a confidence that is told with the verdict.
+std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& findings);
+
+/// The sure findings in a few words, each with its side, for the verdict: tissue as dense as blood, or all others.
+/// Empty where there is none. Of more than three the rest is counted.
+std::string findings_text(const std::vector<cases::CaseFinding>& findings, bool bleeds);
 
 /// findings.png: of every finding that is sure, of at most nine, the axial slice of the scan through its middle, with
 /// the outline of its voxels (`labels`: the stage's output, in which finding n has the value n) or, where it has none,

@@ -64,9 +64,8 @@ void add_landmarks(const config::CaseConfig& config, const pipeline::Graph& grap
       manifest.targets.push_back({l->name, l->position_mm, l->confidence, anatomy.name});
 }
 
-bool add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
+void add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
                  cases::CaseManifest& manifest) {
-  bool is_uncertain = false;
   const auto add = [&](const Named<ParameterValue>& more) {
     manifest.figures.insert(manifest.figures.end(), more.begin(), more.end());
   };
@@ -82,11 +81,9 @@ bool add_figures(const config::CaseConfig& config, const std::vector<stages::Cas
       f.head_class = head::HeadClass::uncertain;
     add(figures_of(of_head));
     if (!class_of.empty()) manifest.figures.emplace_back("class_of", class_of);
-    is_uncertain = f.head_class == head::HeadClass::uncertain;
   }
   for (const stages::CaseParts& p : parts) add(p.checks);
   for (const stages::CaseParts& p : parts) add(p.changes);
-  return is_uncertain;
 }
 
 }  // namespace trephine::publish

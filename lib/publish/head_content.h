@@ -16,8 +16,8 @@ void add_landmarks(const config::CaseConfig& config, const pipeline::Graph& grap
 
 /// Adds the figures of the patient, of checks and of changes. The volumes of anatomies are those of the manifest's
 /// surfaces. The class is uncertain where a sure finding of the manifest concerns the anatomy that the case is classed
-/// by. Returns whether it is uncertain.
-bool add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
+/// by.
+void add_figures(const config::CaseConfig& config, const std::vector<stages::CaseParts>& parts,
                  cases::CaseManifest& manifest);
 
 /// That Error 80 alone.

@@ -70,10 +70,10 @@ cases::LoadedCase loaded(const CaseContent& content) {
 
 std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const pipeline::Graph& graph,
                                          const std::vector<pipeline::NodeResult>& results, const CaseContent& content,
-                                         const std::vector<std::string>& warnings, const Progress& progress) {
+                                         const std::vector<stages::GradedWarning>& warnings, const Progress& progress) {
   const Progress cancelled = progress.silent();
   page::PageNotes notes;
-  notes.warnings = warnings;
+  for (const stages::GradedWarning& w : warnings) notes.warnings.push_back({w.text, stages::to_text(w.severity)});
   notes.trade = trade_of(config.trade);
   std::vector<CasePicture> files;
   for (const pipeline::Graph::Anatomy& nodes : graph.anatomies) {

@@ -8,6 +8,7 @@
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
 #include "publish/case_content.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::publish {
 
@@ -17,7 +18,7 @@ namespace trephine::publish {
 /// bytes.
 std::vector<CasePicture> make_page_files(const config::CaseConfig& config, const pipeline::Graph& graph,
                                          const std::vector<pipeline::NodeResult>& results, const CaseContent& content,
-                                         const std::vector<std::string>& warnings, const Progress& progress);
+                                         const std::vector<stages::GradedWarning>& warnings, const Progress& progress);
 
 /// Whether a file of a case's report folder is one that a run leaves there, by its name: a picture, or the page's.
 bool is_of_report(const std::filesystem::path& file);

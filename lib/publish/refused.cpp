@@ -123,7 +123,7 @@ std::string message_of(const RefusedRun& run, const Error& refusal) {
   if (!refusal.field().empty()) text += printable(refusal.field()) + ": ";
   text += printable(refusal.what()) + "\n";
   if (!run.warnings.empty()) text += "\nWarnings:\n";
-  for (const std::string& w : run.warnings) text += printable(w) + "\n";
+  for (const stages::GradedWarning& w : run.warnings) text += printable(w.text) + "\n";
   return text + "\n" + stamp_of(run);
 }
 

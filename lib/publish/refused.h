@@ -8,6 +8,7 @@
 #include "config/config.h"
 #include "pipeline/executor.h"
 #include "pipeline/graph.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::publish {
 
@@ -23,7 +24,7 @@ struct RefusedRun {
   const std::vector<pipeline::NodeResult>&
       made;                           ///< what was in memory when the run ended; empty, or one for each node
   const pipeline::StageCache& cache;  ///< where the rest may be
-  const std::vector<std::string>& warnings;
+  const std::vector<stages::GradedWarning>& warnings;
 };
 
 /// Writes the folder, whole or not at all. To be called under the case's lock. After a refusal for privacy (81) it

@@ -82,27 +82,34 @@ struct Made {
   Clock::time_point publishing_began = Clock::now();
 };
 
-// Logs the warnings of every stage that the case needs, published or not, and returns them. This happens before
-// anything is refused, because they may say why it will be.
-std::vector<std::string> tell_warnings(const std::string& token, const std::vector<std::string>& about_patients,
-                                       const std::map<std::string, dicom::FolderRest>& folders, const Made& made) {
-  std::vector<std::string> all = about_patients;
-  for (const auto& [import, folder] : folders)
-    for (const Warning& w : folder.warnings) all.push_back(import + ": " + to_text(w));
-  for (const cases::CaseMissing& m : made.without.missing) all.push_back(m.anatomy + ": left out: " + m.why);
+// Logs the warnings of every stage that the case needs, published or not, and returns them, the gravest first. This
+// happens before anything is refused, because they may say why it will be.
+std::vector<stages::GradedWarning> tell_warnings(const std::string& token,
+                                                 const std::vector<std::string>& about_patients,
+                                                 const std::map<std::string, dicom::FolderRest>& folders,
+                                                 const Made& made) {
+  using stages::Severity;
+  struct Told : stages::GradedWarning {
+    bool is_known = false;  // EarlyWarnings has logged it
+  };
+  std::vector<Told> all;
+  for (const std::string& w : about_patients) all.push_back({{w, Severity::wrong}});
+  for (const cases::CaseMissing& m : made.without.missing)
+    all.push_back({{m.anatomy + ": left out: " + m.why, Severity::wrong}});
   for (const cases::CaseStandIn& s : made.without.stand_ins)
-    all.push_back(s.anatomy + ": " + s.by + " stands for it: " + s.why);
-  std::vector<std::string> later = all;
-  for (std::size_t i = 0; i < made.results.size(); ++i) {
-    if (made.graph.nodes[i].is_early) continue;
-    const bool is_known = made.graph.nodes[i].type->warns_at_once();  // EarlyWarnings has logged them
-    for (const Warning& w : made.results[i].warnings) {
-      all.push_back(made.graph.nodes[i].name + ": " + to_text(w));
-      if (!is_known) later.push_back(all.back());
-    }
-  }
-  for (const std::string& w : later) log_warning(token + ": " + w);
-  return all;
+    all.push_back({{s.anatomy + ": " + s.by + " stands for it: " + s.why, Severity::wrong}});
+  const auto add = [&](const std::string& by, const Warning& w, bool is_known) {
+    all.push_back({{by + ": " + to_text(w), stages::kind_of(w).severity}, is_known});
+  };
+  for (const auto& [import, folder] : folders)
+    for (const Warning& w : folder.warnings) add(import, w, false);
+  for (std::size_t i = 0; i < made.results.size(); ++i)
+    if (const pipeline::Node& node = made.graph.nodes[i]; !node.is_early)
+      for (const Warning& w : made.results[i].warnings) add(node.name, w, node.type->warns_at_once());
+  std::stable_sort(all.begin(), all.end(), [](const Told& a, const Told& b) { return a.severity < b.severity; });
+  for (const Told& w : all)
+    if (!w.is_known) log_warning(token + ": " + w.text);
+  return {all.begin(), all.end()};
 }
 
 // The seconds of what was computed in this run, by node.
@@ -346,7 +353,7 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
     try {
       content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);
     } catch (const Error& e) {
-      std::vector<std::string> warnings;
+      std::vector<stages::GradedWarning> warnings;
       if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
       const std::optional<Error> other = with_other_configs(e, request.config, config);
       const Error told = other.value_or(e);
@@ -355,10 +362,10 @@ RunResult run_case(const RunRequest& request, pipeline::RunObserver& observer) {
       if (!other) throw;
       throw told;
     }
-    std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
+    std::vector<stages::GradedWarning> warnings = tell_warnings(token, about_patients, series.folders(), made);
     const auto add_warnings = [&](const std::vector<std::string>& lines) {
       for (const std::string& line : lines) log_warning(token + ": " + line);
-      warnings.insert(warnings.end(), lines.begin(), lines.end());
+      for (const std::string& line : lines) warnings.push_back({line, stages::Severity::look});
     };
     add_warnings(cases::overlapping_holes(content.manifest.burr_holes));
     if (request.params.page)

@@ -10,6 +10,7 @@
 #include "pipeline/executor.h"
 #include "publish/case_table.h"
 #include "publish/explain.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::publish {
 
@@ -59,9 +60,9 @@ struct RunResult {
   std::filesystem::path case_folder;
   std::string case_token;
   std::vector<AnatomyResult> anatomies;
-  std::vector<std::string> warnings;  ///< logged already
-  std::string json;                   ///< the same as run.json: stages with times and reports, memory, load
-  std::string table;                  ///< for a person
+  std::vector<stages::GradedWarning> warnings;  ///< logged already, the gravest first
+  std::string json;                             ///< the same as run.json: stages with times and reports, memory, load
+  std::string table;                            ///< for a person
 };
 
 /// What follows the last node, as an observer names it: pictures, page and publishing.

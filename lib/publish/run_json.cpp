@@ -36,7 +36,7 @@ const char* to_text(pipeline::NodeResult::State state) {
 
 std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results,
                      const Report& folder, const std::vector<AnatomyResult>& anatomies,
-                     const std::vector<std::string>& warnings, double wall_s) {
+                     const std::vector<stages::GradedWarning>& warnings, double wall_s) {
   Json json;
   json["wall_s"] = wall_s;
   json["peak_memory_mb"] = peak_memory_mb(RUSAGE_SELF);
@@ -63,7 +63,11 @@ std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::N
     if (results[i].state == pipeline::NodeResult::State::computed) stage["kept"] = results[i].kept;
     stage["report"] = Json::parse(stages::report_json(results[i].report()));
   }
-  json["warnings"] = warnings;
+  json["warnings"] = json["severities"] = Json::array();
+  for (const stages::GradedWarning& w : warnings) {
+    json["warnings"].push_back(w.text);
+    json["severities"].push_back(stages::to_text(w.severity));
+  }
   return json.dump(2) + "\n";
 }
 

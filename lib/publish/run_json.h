@@ -5,6 +5,7 @@
 
 #include "pipeline/executor.h"
 #include "publish/case_table.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::publish {
 
@@ -13,6 +14,6 @@ namespace trephine::publish {
 /// else lay in the series' folder.
 std::string run_json(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results,
                      const Report& folder, const std::vector<AnatomyResult>& anatomies,
-                     const std::vector<std::string>& warnings, double wall_s);
+                     const std::vector<stages::GradedWarning>& warnings, double wall_s);
 
 }  // namespace trephine::publish

@@ -68,6 +68,22 @@ std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& want
   return all;
 }
 
+std::vector<stages::Evidence> evidence_of(const Warning& warning, const std::string& anatomy) {
+  const stages::WarningKind kind = stages::kind_of(warning);
+  std::vector<stages::Evidence> all;
+  if (kind.severity != stages::Severity::wrong) return all;
+  for (const std::string& a : kind.about) all.push_back({a, "", ""});
+  if (kind.about.empty() && !anatomy.empty()) all.push_back({anatomy, "", ""});
+  return all;
+}
+
+std::vector<stages::Evidence> evidence_of(const std::vector<cases::CaseFinding>& findings) {
+  std::vector<stages::Evidence> all;
+  for (const cases::CaseFinding* f : sure(findings))
+    for (const std::string& anatomy : f->concerns) all.push_back({anatomy, "", ""});
+  return all;
+}
+
 std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cases::CaseManifest& manifest,
                          const std::vector<stages::Evidence>& evidence, const std::vector<std::string>& remarks) {
   Named<std::string> parts;  // names by words
@@ -79,7 +95,9 @@ std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cas
     else
       same->second += ", " + v.anatomy;
   }
-  std::string text;
+  const bool bleeds = true;
+  std::string text = findings_text(manifest.findings, bleeds);
+  if (!text.empty()) text = "to be looked at first: " + text;
   for (const auto& [words, names] : parts) text += (text.empty() ? "" : "; ") + names + ": " + words;
   std::vector<std::string> reasons;
   for (const stages::Evidence& e : evidence)
@@ -88,7 +106,7 @@ std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cas
       reasons.push_back(e.why);
   for (const std::string& why : reasons) text += " (" + why + ")";
   for (const std::string& remark : remarks) text += "; " + remark;
-  const std::string to_look_at = findings_text(manifest.findings);
+  const std::string to_look_at = findings_text(manifest.findings, !bleeds);
   return to_look_at.empty() ? text : text + "; to be looked at: " + to_look_at;
 }
 

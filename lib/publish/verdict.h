@@ -5,6 +5,7 @@
 
 #include "cases/case.h"
 #include "stages/case_parts.h"
+#include "stages/warning_kind.h"
 
 namespace trephine::publish {
 
@@ -28,9 +29,15 @@ struct AnatomyVerdict {
 std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
                                             const std::vector<stages::Evidence>& evidence);
 
-/// What a person reads at the end of a run: "skin, skull: good; brain: simple; ventricles: left out (slices of 5 mm,
-/// noise of 31 HU)", with the reasons of the evidence about these anatomies, the remarks, and what the case's findings
-/// say a person should look at.
+/// What a warning speaks against, where it does (stages/warning_kind.h): the anatomies that it is about, or that of
+/// whose recipe the stage is that gave it.
+std::vector<stages::Evidence> evidence_of(const Warning& warning, const std::string& anatomy);
+/// What sure findings speak against: the anatomies that they concern.
+std::vector<stages::Evidence> evidence_of(const std::vector<cases::CaseFinding>& findings);
+
+/// What a person reads at the end of a run, dense tissue first: "skin, skull: good; brain: simple; ventricles: left out
+/// (slices of 5 mm, noise of 31 HU)", with the reasons of the evidence about these anatomies, the remarks, and what the
+/// case's findings say a person should look at.
 std::string verdict_text(const std::vector<AnatomyVerdict>& anatomies, const cases::CaseManifest& manifest,
                          const std::vector<stages::Evidence>& evidence, const std::vector<std::string>& remarks);
 

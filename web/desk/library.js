@@ -120,7 +120,7 @@ function caseCard(c) {
           : s.fresh
             ? cardTag(t('fresh'), 'good')
             : null,
-      c.warnings.length ? cardTag(`${t('warning_count')} ${c.warnings.length}`, 'warn') : null,
+      c.warnings.length ? cardTag(`${t('warning_count')} ${c.warnings.length}`, c.wrong_count ? 'bad' : 'warn') : null,
       c.approval
         ? cardTag(
             c.approval.holds ? `${t('approved')} ${t('by')} ${c.approval.by}` : t('void_'),
