@@ -189,7 +189,7 @@ expect 78 'cases: is missing' build bad.yaml
 expect 64 '--phantom seeed=1: .*seed' build l.yaml --phantom seeed=1
 expect 64 '--set nothing.at: no such' build l.yaml --set nothing.at=1
 expect 64 'frist: .*first' build l.yaml --case frist
-expect 64 'library: needs one of these after it: build, list' "$TREPHINE" library
+expect 64 'library: needs one of these after it: approve, build' "$TREPHINE" library
 expect 64 'library biuld: .*library build' "$TREPHINE" library biuld
 expect 64 'is started by' "$TREPHINE" library job x
 echo >file
