@@ -26,7 +26,7 @@ constexpr double clear_mm = 3, min_cells = 60;
 constexpr double max_doubtful = 0.42;
 /// With contrast medium: about a vessel lies a rim that is as dense as blood, and what takes up medium is no larger
 /// than a bleed that need not be told first.
-constexpr double vessel_rim_mm = 3, most_at_vessels = 0.1, least_beside_medium_ml = 4, sure_beside_medium_ml = 12;
+constexpr double vessel_rim_mm = 5, most_at_vessels = 0.1, least_beside_medium_ml = 3, sure_beside_medium_ml = 9;
 constexpr double dark_core_mm = 3.5, dark_smooth_mm = 1.5;
 constexpr double off_ventricles_mm = 4, off_surface_mm = 6, off_cistern_mm = 5;
 
