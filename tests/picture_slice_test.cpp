@@ -128,6 +128,38 @@ TEST(Slice, FillCoversTheCrossSection) {
   EXPECT_NEAR(area * g.mm_per_px * g.mm_per_px / (pi * 900), 1, 0.005);
 }
 
+// What goes on beyond the picture was open there, and a row that met an odd number of lines was filled across all else.
+TEST(Slice, FillEndsWhereTheShapeLeavesThePicture) {
+  const grid::HuVolume v = grid::Grid<std::int16_t>(block_volume(Mat3()), -1000);
+  const grid::Lattice& l = grid::lattice_of(v);
+  const Vec3 middle{5, -7, 12};
+  grid::Lattice wide = l;  // reaches beyond the picture on all sides
+  for (int a = 0; a < 3; ++a) wide.size[std::size_t(a)] += 20;
+  wide.origin_mm = wide.origin_mm - l.direction * Vec3{10 * l.spacing_mm.x, 10 * l.spacing_mm.y, 10 * l.spacing_mm.z};
+  grid::Field field(wide, -1.f);
+  for (int k = 0; k < wide.size[2]; ++k)
+    for (int j = 0; j < wide.size[1]; ++j)
+      for (int i = 0; i < wide.size[0]; ++i) {
+        const Vec3 p = wide.to_world_mm({double(i), double(j), double(k)}) - middle;
+        if (p.x < -20 || norm(p - Vec3{20, 0, 0}) < 8) field.at(i, j, k) = 1;
+      }
+  picture::SliceParams p;
+  p.marks = false;
+  p.line_width_px = 0.01;
+  p.fill_opacity = 1;
+  p.position_mm = middle.z;
+  const picture::SliceGeometry g = picture::slice_geometry(l, p);
+  const picture::Image i = picture::slice_overlay(v, p, {{nullptr, {1, 1, 1}, "", &field}});
+  for (int y = 4; y + 4 < g.height; ++y)
+    for (int x = 4; x + 4 < g.width; ++x) {
+      const Vec3 at = g.to_world_mm(x + 0.5, y + 0.5) - middle;
+      const bool inside = at.x < -24 || norm(Vec3{at.x - 20, at.y, 0}) < 5;
+      const bool outside = at.x > -16 && norm(Vec3{at.x - 20, at.y, 0}) > 11;
+      if (!inside && !outside) continue;
+      ASSERT_NEAR(i.at(x, y)[0], inside ? 255 : 0, 5) << at.x << " " << at.y;
+    }
+}
+
 TEST(Slice, MarksOfALowPictureStandBelowIt) {
   grid::Lattice l;
   l.size = {200, 30, 20};

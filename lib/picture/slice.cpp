@@ -81,8 +81,8 @@ std::vector<Segment> cut(const surface::TriMesh& mesh, const SliceGeometry& g, i
   return out;
 }
 
-// The lines where the field crosses 0 between pixels, by marching squares. Outside of its lattice nothing counts as
-// inside.
+// The lines where the field crosses 0 between pixels, by marching squares. Outside of its lattice, and on the picture's
+// border, nothing counts as inside: so every line is closed, and what it encloses can be filled.
 std::vector<Segment> cut(const grid::Field& field, const SliceGeometry& g) {
   const std::size_t row = std::size_t(g.width) + 1;
   std::vector<float> values(row * (std::size_t(g.height) + 1));
@@ -90,7 +90,8 @@ std::vector<Segment> cut(const grid::Field& field, const SliceGeometry& g) {
     for (std::int64_t y = from; y < to; ++y)
       for (int x = 0; x <= g.width; ++x) {
         double v = -1;
-        if (!sample(field, field.to_index(g.to_world_mm(x, double(y))), v)) v = -1;
+        const bool at_border = x == 0 || x == g.width || y == 0 || y == g.height;
+        if (at_border || !sample(field, field.to_index(g.to_world_mm(x, double(y))), v)) v = -1;
         values[std::size_t(y) * row + std::size_t(x)] = float(v);
       }
   });
