@@ -11,8 +11,8 @@ namespace {
 constexpr TransferSyntax syntaxes[] = {
     {"1.2.840.10008.1.2", "implicit VR little endian", Encoding::native, false},
     {"1.2.840.10008.1.2.1", "explicit VR little endian", Encoding::native},
-    {"1.2.840.10008.1.2.1.99", "deflated explicit VR little endian", Encoding::unsupported},
-    {"1.2.840.10008.1.2.2", "explicit VR big endian", Encoding::unsupported},
+    {"1.2.840.10008.1.2.1.99", "deflated explicit VR little endian", Encoding::unreadable},
+    {"1.2.840.10008.1.2.2", "explicit VR big endian", Encoding::unreadable},
     {"1.2.840.10008.1.2.4.50", "JPEG baseline", Encoding::jpeg, true, true},
     {"1.2.840.10008.1.2.4.51", "JPEG extended", Encoding::jpeg, true, true},
     {"1.2.840.10008.1.2.4.57", "JPEG lossless", Encoding::jpeg},

@@ -6,7 +6,15 @@
 namespace trephine::codecs {
 
 /// How a transfer syntax stores the pixels of a frame.
-enum class Encoding { native, jpeg, jpeg_ls, jpeg_2000, rle, unsupported };
+enum class Encoding {
+  native,
+  jpeg,
+  jpeg_ls,
+  jpeg_2000,
+  rle,
+  unsupported,  ///< of the pixels: the header can be read
+  unreadable,   ///< of the whole data set
+};
 struct TransferSyntax {
   const char* uid;
   const char* name;  ///< for messages

@@ -116,8 +116,7 @@ class HeaderReader {
     if (!uid.empty()) {
       h_.syntax = find_transfer_syntax(trimmed(uid));
       if (!h_.syntax) throw WalkFault{tag_name(t_transfer_syntax), "unknown transfer syntax"};
-      if (h_.syntax->encoding == Encoding::unsupported &&
-          (std::strstr(h_.syntax->name, "deflated") || std::strstr(h_.syntax->name, "big endian")))
+      if (h_.syntax->encoding == Encoding::unreadable)
         throw WalkFault{tag_name(t_transfer_syntax), std::string(h_.syntax->name) + " is not supported"};
       return at;
     }
