@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Sourced by ./quickstart and ./check: installs what a list of packages names and is missing, then builds build/release.
 
+# A program loads no library of its own that others may write to (lib/base/own_files.h).
+umask 022
+
 say() { printf '\n== %s\n' "$*"; }
 
 # install_packages LIST...: what these files name, one package a line, `#` begins a comment.
