@@ -136,7 +136,6 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
     s.finding.figures = {{"area_cm2", cm2}, {"longest_mm", 3.46 * e.sigma_mm[0]}, {"width_mm", width_mm}};
     s.finding.text = fmt::format("the vault has a gap of {:.1f} cm2, {:.0f} mm long", mm2 / 100, 3.46 * e.sigma_mm[0]);
     if (mm2 > 500) s.finding.concerns = {"brain"};  // the brain bulges or sinks there, and no bone bounds it
-    s.finding.concerns.push_back("skull");
     all.push_back(std::move(s));
   }
   std::stable_sort(all.begin(), all.end(), [](const Seen& a, const Seen& b) {

@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 7;
+  s.version = 8;
   s.typical.base_s = 0.15;
   s.typical.per_million_voxels_s = 0.022;
   s.place = StagePlace::scan;

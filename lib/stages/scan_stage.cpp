@@ -11,7 +11,7 @@ namespace trephine::stages {
 StageType scan_stage() {
   StageType s;
   s.name = "scan";
-  s.version = 3;
+  s.version = 4;
   s.typical.base_s = 0;
   s.typical.per_million_voxels_s = 0.006;
   s.place = StagePlace::scan;
