@@ -23,13 +23,16 @@ namespace trephine::tools {
 namespace {
 namespace fs = std::filesystem;
 
+constexpr int desk_threads = 16, page_threads = 2;
+
 struct DeskParams {
   int port = 0;
   bool browser = true;
   template <class V>
   static void describe(V& v) {
     using P = DeskParams;
-    v.integer(&P::port, "port", Range{0, 65535}, "Port of the loopback interface; 0: a free one.");
+    v.integer(&P::port, "port", Range{0, 65534},
+              "Port of the loopback interface; the one after it serves the pages of cases. 0: two free ones.");
     v.flag(&P::browser, "browser", "Open the desk in a browser.");
   }
 };
@@ -91,20 +94,35 @@ const cli::OwnCommand desk_command([] {
     // Drafts and slices of many megabytes pass through the server's threads all day: what is freed goes back to the
     // system at once, and is not kept by each thread for itself.
     ::mallopt(M_MMAP_THRESHOLD, 1 << 20);
-    desk::Desk desk(options);
     const DeskParams& params = parsed.params<DeskParams>();
-    desk::Server server(params.port, [&](const desk::Request& request) { return desk.answer(request); });
-    std::cout << "trephine desk: " << server.gate().address() << "\n";
+    auto [at, pages_at] = desk::listen_on_two(params.port);
+    options.port = at.port;
+    options.page_port = pages_at.port;
+    desk::Desk desk(options);
+    const desk::Gate gate(at.port);
+    desk::Server server(
+        std::move(at), [&](const auto& head, std::string& path) { return gate.refuses(head, path); },
+        [&](const desk::Request& request) { return desk.answer(request); }, desk_threads);
+    desk::Server pages(
+        std::move(pages_at),
+        [port = options.page_port](const auto& head, std::string& path) {
+          return desk::refuses_page(head, port, path);
+        },
+        [&](const desk::Request& request) { return desk.page(request); }, page_threads);
+    std::cout << "trephine desk: " << gate.address() << "\n";
     if (!parsed.quiet) std::cout << "Whoever has this address may change the library. Ctrl-C ends the desk.\n";
     std::cout << std::flush;
     std::optional<TemporaryFolder> folder;
-    if (params.browser) open_browser(folder.emplace().path(), server.gate().address());
+    if (params.browser) open_browser(folder.emplace().path(), gate.address());
     std::thread waiting([&] {
       while (!cancel_requested()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
       desk.stop();
       server.stop();
+      pages.stop();
     });
+    std::thread serving_pages([&] { pages.run(); });
     server.run();
+    serving_pages.join();
     waiting.join();
     return ExitCode::ok;
   };

@@ -60,16 +60,14 @@ Reply Desk::answer(const Request& request) {
   const std::string token = case_of(request);
   if (request.query.count("case") || !token.empty()) cases::validate_case_token(token, ExitCode::usage);
   require_no_links(state_->library.options(), token);
-  if (request.path.rfind("case/", 0) == 0) {
-    if (request.method != "GET") throw Error(ExitCode::usage, "", "method", "must be GET");
-    return report_file(state_->library, request);
-  }
   const auto found = routes().find(request.path);
   if (found == routes().end()) throw Error(ExitCode::no_input, "", "", "the desk has no such page");
   if (found->second.method != request.method)
     throw Error(ExitCode::usage, "", "method", std::string("must be ") + found->second.method);
   return found->second.answer(*state_, request);
 }
+
+Reply Desk::page(const Request& request) { return state_->pages.take(request.path); }
 
 void Desk::stop() {
   state_->builder.stop();

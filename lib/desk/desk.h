@@ -17,6 +17,8 @@ class Desk {
   ~Desk();
   /// What it throws says what is wrong (server.h makes an answer of it).
   Reply answer(const Request& request);
+  /// The same for the server of pages (page_shelf.h).
+  Reply page(const Request& request);
   /// Ends what runs: a build, cases that are being opened.
   void stop();
 

@@ -14,6 +14,7 @@ struct DeskOptions {
   std::filesystem::path library;  ///< the folder with the cases
   std::filesystem::path config;   ///< LIBRARY.yaml; empty: cases are looked at, and nothing is changed or built
   std::vector<std::filesystem::path> roots;  ///< further folders that paths may lead to
+  int port = 0, page_port = 0;               ///< of the desk, and of the pages of cases
   std::string program_version;               ///< as `library build` records it
 };
 

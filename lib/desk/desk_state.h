@@ -14,6 +14,7 @@
 #include "desk/live_edit.h"
 #include "desk/message.h"
 #include "desk/open_case.h"
+#include "desk/page_shelf.h"
 #include "desk/trial.h"
 #include "surface/trimesh.h"
 
@@ -73,7 +74,11 @@ class Comparisons {
 };
 
 struct DeskState {
-  explicit DeskState(DeskOptions options) : library(std::move(options)), builder(library.options()), cases(library) {}
+  explicit DeskState(DeskOptions options)
+      : library(std::move(options)),
+        builder(library.options()),
+        cases(library),
+        pages(library.options().port, library.options().page_port) {}
 
   DeskLibrary library;
   BuildRunner builder;
@@ -81,6 +86,7 @@ struct DeskState {
   Comparisons comparisons;
   Trials trials;
   LiveEdit live;
+  PageShelf pages;
 };
 
 /// What is answered at a path, by its method. What a handler throws says what is wrong (server.h makes an answer of
@@ -100,9 +106,6 @@ Routes scene_routes();
 Routes edit_routes();
 Routes new_case_routes();
 Routes drop_routes();
-
-/// A file of a case: case/TOKEN/report/NAME.
-Reply report_file(const DeskLibrary& library, const Request& request);
 
 /// Keeps what the case is now beside the library, until it is kept again, for a comparison with what it becomes.
 void keep_before(const DeskLibrary& library, const std::string& token);

@@ -14,21 +14,6 @@ namespace {
 
 constexpr std::size_t max_target = 2048;
 
-std::string random_token() {
-  std::array<unsigned char, 16> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw Error(ExitCode::internal, "", "token", "the system gives no random bytes");
-  return hex_text(bytes.data(), bytes.size());
-}
-
-/// In a time that does not depend on where they differ.
-bool same_secret(const std::string& a, const std::string& b) {
-  if (a.size() != b.size()) return false;
-  unsigned char differ = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) differ = static_cast<unsigned char>(differ | (a[i] ^ b[i]));
-  return differ == 0;
-}
-
 int digit(char c) {
   return c >= '0' && c <= '9'   ? c - '0'
          : c >= 'a' && c <= 'f' ? c - 'a' + 10
@@ -36,7 +21,41 @@ int digit(char c) {
                                 : -1;
 }
 
+std::string host_at(int port) { return "127.0.0.1:" + std::to_string(port); }
+
+/// Whether it names the host as the address does, and none of what a browser says of itself stands there twice.
+bool is_for(const RequestHead& head, int port) {
+  return head.hosts.size() == 1 && head.hosts[0] == host_at(port) && head.origins.size() <= 1 &&
+         head.sites.size() <= 1 && head.destinations.size() <= 1 && head.keys.size() <= 1;
+}
+
+bool says_other_than(const std::vector<std::string>& said, const std::string& wanted) {
+  return !said.empty() && said[0] != wanted;
+}
+
+/// Whether the target is a plain path, which is then decoded.
+bool path_of(const RequestHead& head, std::string& path) {
+  if (head.target.size() > max_target || head.target.empty() || head.target[0] != '/') return false;
+  const std::string rest = head.target.substr(1), encoded = rest.substr(0, rest.find('?'));
+  path = percent_decoded(encoded);
+  return path.empty() == encoded.empty() && (path.empty() || is_plain_path(path));
+}
+
 }  // namespace
+
+std::string random_secret() {
+  std::array<unsigned char, 16> bytes{};
+  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw Error(ExitCode::internal, "", "token", "the system gives no random bytes");
+  return hex_text(bytes.data(), bytes.size());
+}
+
+bool same_secret(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  unsigned char differ = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) differ = static_cast<unsigned char>(differ | (a[i] ^ b[i]));
+  return differ == 0;
+}
 
 std::string percent_decoded(const std::string& text) {
   std::string out;
@@ -61,31 +80,34 @@ bool is_plain_path(const std::string& path) {
   return true;
 }
 
-Gate::Gate(int port) : port_(port), token_(random_token()) {}
-
-std::string Gate::address() const { return "http://127.0.0.1:" + std::to_string(port_) + "/" + token_ + "/"; }
+std::string Gate::address() const { return "http://" + host_at(port_) + "/#" + token_; }
 
 int Gate::refuses(const RequestHead& head, std::string& path) const {
-  const std::string port = ":" + std::to_string(port_);
-  if (head.hosts.size() != 1 || (head.hosts[0] != "127.0.0.1" + port && head.hosts[0] != "localhost" + port))
-    return 403;
-  if (head.origins.size() > 1 || head.sites.size() > 1) return 403;
-  if (!head.origins.empty() && head.origins[0] != "http://" + head.hosts[0]) return 403;
-  if (!head.sites.empty() && head.sites[0] != "same-origin" && head.sites[0] != "none") return 403;
-  if (head.target.size() > max_target || head.target.size() < token_.size() + 2 || head.target[0] != '/') return 404;
-  if (!same_secret(head.target.substr(1, token_.size()), token_) || head.target[token_.size() + 1] != '/') return 404;
-  if (head.method != "GET" && head.method != "POST") return 405;
-  const std::string rest = head.target.substr(token_.size() + 2), encoded = rest.substr(0, rest.find('?'));
-  path = percent_decoded(encoded);
-  if (path.empty() != encoded.empty() || (!path.empty() && !is_plain_path(path))) return 404;
-  if (head.method == "POST") {
-    // A form of another page could be sent without its script knowing the answer: so these must say that they are ours.
-    if (head.origins.empty()) return 403;
-    if (!head.encodings.empty() || head.content_types.size() != 1 ||
-        (head.content_types[0] != "application/json" && head.content_types[0] != "application/octet-stream"))
-      return 415;
-  }
-  return 0;
+  if (!is_for(head, port_)) return 403;
+  if (says_other_than(head.origins, "http://" + host_at(port_))) return 403;
+  const bool plain = path_of(head, path);
+  if (plain && (path.empty() || path == "icon")) return head.method == "GET" ? 0 : 405;
+  if (says_other_than(head.sites, "same-origin")) return 403;
+  if (head.keys.empty() || !same_secret(head.keys[0], token_) || !plain) return 404;
+  return refuses_asking(head);
+}
+
+int Gate::refuses_asking(const RequestHead& head) const {
+  if (head.method == "GET") return 0;
+  if (head.method != "POST") return 405;
+  // A form of another page could be sent without its script knowing the answer: so these must say that they are ours.
+  if (head.origins.empty()) return 403;
+  const bool known = head.content_types.size() == 1 && (head.content_types[0] == "application/json" ||
+                                                        head.content_types[0] == "application/octet-stream");
+  return known && head.encodings.empty() ? 0 : 415;
+}
+
+int refuses_page(const RequestHead& head, int port, std::string& path) {
+  if (!is_for(head, port) || !head.origins.empty()) return 403;
+  // The desk lies at another port of this host. No page is opened but in its frame.
+  if (says_other_than(head.sites, "same-site") || says_other_than(head.destinations, "iframe")) return 403;
+  if (head.method != "GET") return 405;
+  return path_of(head, path) ? 0 : 404;
 }
 
 }  // namespace trephine::desk

@@ -8,7 +8,7 @@ namespace trephine::desk {
 /// A request that passed the gate, and the answer; neither knows the library that carries them.
 struct Request {
   std::string method;                        ///< GET or POST
-  std::string path;                          ///< behind the token: "api/library"; no ".." and no empty part
+  std::string path;                          ///< "api/library"; no ".." and no empty part
   std::map<std::string, std::string> query;  ///< the last of each name
   std::string body;
 
@@ -22,7 +22,7 @@ struct Reply {
   int status = 200;
   std::string content_type = "application/json";
   std::string body;
-  std::string policy;  ///< content security policy; empty: nothing may be loaded by what is sent
+  std::string policy;  ///< content security policy; empty: what is sent may load, run and show nothing
 };
 
 }  // namespace trephine::desk

@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "desk/desk_state.h"
+#include "desk/gate.h"
 #include "desk/hand_work.h"
 #include "desk/json_reply.h"
 #include "desk/links.h"
@@ -24,7 +25,6 @@
 #include "library/catalogue.h"
 #include "library/sheet.h"
 #include "page/html.h"
-#include "page/page_notes.h"
 #include "picture/image.h"
 
 namespace trephine::desk {
@@ -44,9 +44,9 @@ Json json_of(const fs::path& library, const library::CaseRow& row) {
               {"seconds", row.seconds},     {"age_s", row.age_s},
               {"last_code", row.last.code}, {"last_reason", row.last.reason}};
   out["wrong_count"] = row.wrong_count;
-  out["pictures"] = library::overview_pictures(library, row);
-  std::error_code ignored;
-  out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page::page_file, ignored);
+  out["pictures"] = Json::array();
+  for (const std::string& file : library::overview_pictures(library, row))
+    out["pictures"].push_back(fs::path(file).filename().string());
   out["anatomies"] = Json::array();
   out["figures"] = Json::object();
   out["approval"] = nullptr;
@@ -65,18 +65,14 @@ Json json_of(const fs::path& library, const library::CaseRow& row) {
   return out;
 }
 
-std::string type_of(const std::string& name) {
-  const std::string end = name.substr(std::min(name.size(), name.rfind('.')));
-  return end == ".png" ? "image/png" : end == ".html" ? "text/html" : end == ".json" ? "application/json" : "";
-}
-
-Reply desk_page(DeskState&, const Request&) {
+// Anybody may ask for it, as often as he likes: so it is made once.
+Reply desk_page(DeskState& desk, const Request&) {
   static const std::string html = page::html_page(web::desk_html, web::desk_css, web::desk_js, "{}", {});
+  static const std::string own =
+      "default-src 'none'; script-src '" + policy_hash(web::desk_js) + "'; style-src '" + policy_hash(web::desk_css) +
+      "'; img-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
   Reply reply = bytes_reply(html, "text/html; charset=utf-8");
-  reply.policy = "default-src 'none'; script-src '" + policy_hash(web::desk_js) + "'; style-src '" +
-                 policy_hash(web::desk_css) +
-                 "'; img-src 'self' blob:; connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; "
-                 "frame-ancestors 'none'";
+  reply.policy = own + "; frame-src http://127.0.0.1:" + std::to_string(desk.library.options().page_port);
   return reply;
 }
 
@@ -220,25 +216,27 @@ Reply approve(DeskState& desk, const Request& request) {
   return json_reply({{"done", done}});
 }
 
-}  // namespace
-
-// case/TOKEN/report/NAME: pictures and the page of a case, and nothing else of the library's folder. The page may be a
-// stranger's: it gets an origin of its own, which can ask the desk for nothing.
-Reply report_file(const DeskLibrary& library, const Request& request) {
-  const std::vector<std::string> parts = split_at(request.path, '/');
-  const std::string type = parts.size() == 4 ? type_of(parts[3]) : "";
-  if (type.empty() || parts[2] != "report") throw Error(ExitCode::no_input, "", "", "the desk has no such file");
-  cases::validate_case_token(parts[1], ExitCode::no_input);
-  const FileDescriptor fd(open_beneath(library.options().library, fs::path(parts[1]) / "report" / parts[3]));
-  if (!fd.valid()) throw Error(ExitCode::no_input, "", "", "the case has no such file");
+// A picture of a case's report folder. It is sent as bytes to the desk's script, which shows it as a picture: nobody
+// can open it as a page.
+Reply overview(DeskState& desk, const Request& request) {
+  const std::string name = request.value("name");
+  if (!is_plain_path(name) || fs::path(name).extension() != ".png" || fs::path(name).has_parent_path())
+    throw Error(ExitCode::no_input, "", "name", "is no picture of a case");
+  const fs::path file = fs::path(request.value("case")) / "report" / name;
+  const FileDescriptor fd(open_beneath(desk.library.options().library, file));
+  if (request.value("case").empty() || !fd.valid())
+    throw Error(ExitCode::no_input, "", "", "the case has no such file");
   const std::vector<char> bytes = read_file("/proc/self/fd/" + std::to_string(fd.get()), max_file_bytes);
-  Reply reply = bytes_reply({bytes.begin(), bytes.end()}, type.c_str());
-  if (type == "text/html")
-    reply.policy =
-        "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-        "img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
-  return reply;
+  return bytes_reply({bytes.begin(), bytes.end()}, "image/png");
 }
+
+Reply page_address(DeskState& desk, const Request& request) {
+  const std::string token = request.value("case");
+  cases::validate_case_token(token, ExitCode::usage);
+  return json_reply({{"address", desk.pages.put(desk.library.options().library / token)}});
+}
+
+}  // namespace
 
 Routes library_routes() {
   return {
@@ -251,6 +249,8 @@ Routes library_routes() {
       {"api/status", {"GET", build_status}},
       {"api/log", {"GET", build_log}},
       {"api/lessons", {"GET", lessons}},
+      {"api/overview", {"GET", overview}},
+      {"api/page", {"GET", page_address}},
       {"api/approve", {"POST", approve}},
   };
 }

@@ -1,54 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "desk/server.h"
 
-#include <httplib.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
 
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <list>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
 
 #include "base/error.h"
+#include "base/progress.h"
+#include "desk/connection.h"
 
 namespace trephine::desk {
 namespace {
 
-constexpr std::size_t max_body_bytes = std::size_t{1} << 28;
-constexpr int threads = 32;  // a browser keeps half a dozen connections open, and each has a thread
+constexpr std::size_t most_connections = 256;
+constexpr int backlog = 128, accepted_at_once = 16, look_again_ms = 500;
 
-RequestHead head_of(const httplib::Request& request) {
-  RequestHead head;
-  head.method = request.method;
-  head.target = request.target;
-  for (const auto& [name, list] : {std::pair<const char*, std::vector<std::string>*>{"Host", &head.hosts},
-                                   {"Origin", &head.origins},
-                                   {"Sec-Fetch-Site", &head.sites},
-                                   {"Content-Type", &head.content_types},
-                                   {"Content-Encoding", &head.encodings}})
-    for (std::size_t i = 0; i < request.get_header_value_count(name); ++i)
-      list->push_back(request.get_header_value(name, i));
-  return head;
-}
-
-/// What no page of anybody else may do with what is sent.
-void add_headers(const Reply& reply, httplib::Response& out) {
-  out.status = reply.status;
-  out.set_header("Content-Security-Policy",
-                 reply.policy.empty() ? "default-src 'none'; frame-ancestors 'self'" : reply.policy);
-  out.set_header("X-Content-Type-Options", "nosniff");
-  out.set_header("X-Frame-Options", "SAMEORIGIN");
-  out.set_header("Referrer-Policy", "no-referrer");
-  out.set_header("Cross-Origin-Resource-Policy", "same-origin");
-  out.set_header("Cross-Origin-Opener-Policy", "same-origin");
-  out.set_header("Cache-Control", "no-store");
-}
-
-Reply plain(int status) {
-  Reply reply;
-  reply.status = status;
-  reply.content_type = "text/plain";
-  reply.body = status == 404 ? "not found\n" : "refused\n";
-  return reply;
+Listening listen_on(int port) {
+  Listening out;
+  out.socket = FileDescriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const int yes = 1;
+  ::setsockopt(out.socket.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  socklen_t size = sizeof address;
+  auto* const at = reinterpret_cast<sockaddr*>(&address);
+  if (::bind(out.socket.get(), at, size) != 0 || ::listen(out.socket.get(), backlog) != 0 ||
+      ::getsockname(out.socket.get(), at, &size) != 0)
+    return {};
+  out.port = ntohs(address.sin_port);
+  return out;
 }
 
 }  // namespace
+
+std::pair<Listening, Listening> listen_on_two(int port) {
+  for (int tries = port > 0 ? 1 : 100; tries > 0; --tries) {
+    Listening first = listen_on(port);
+    if (first.port == 0 || first.port == 65535) continue;
+    Listening second = listen_on(first.port + 1);
+    if (second.port > 0) return {std::move(first), std::move(second)};
+  }
+  throw Error(ExitCode::cannot_create, "", "--port",
+              port > 0 ? std::to_string(port) + " and the one after it cannot be listened on: another program has one"
+                       : "no two ports of the loopback interface are free");
+}
 
 Reply reply_of_exception() {
   Reply reply;
@@ -76,62 +86,154 @@ Reply reply_of_exception() {
   return reply;
 }
 
-struct Server::State {
-  httplib::Server http;
-  std::unique_ptr<Gate> gate;
-  Handler handler;
-  int port = 0;
+class Server::State {
+ public:
+  State(Listening at, Door door, Handler handler, int threads)
+      : listening_(std::move(at)),
+        door_(std::move(door)),
+        handler_(std::move(handler)),
+        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        threads_(threads) {}
 
-  void answer(const httplib::Request& in, httplib::Response& out) {
-    Request request;
-    Reply reply;
-    if (const int status = gate->refuses(head_of(in), request.path); status != 0) {
-      reply = plain(status);
-    } else {
-      request.method = in.method;
-      request.body = in.body;
-      for (const auto& [name, value] : in.params) request.query[name] = value;
+  void run() {
+    std::vector<std::thread> threads;
+    for (int i = 0; i < threads_; ++i) threads.emplace_back([this] { answer_requests(); });
+    while (!stopping_) {
+      wait();
+      send_answers();
+      serve();
+      admit();
+      connections_.remove_if([](const Connection& c) { return c.state() == Connection::State::over; });
+    }
+    asked_.notify_all();
+    for (std::thread& t : threads) t.join();
+    connections_.clear();
+  }
+
+  void stop() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stopping_ = true;
+    }
+    asked_.notify_all();
+    wake();
+  }
+
+ private:
+  using At = Connection::State;
+
+  void wake() const { ::eventfd_write(wake_.get(), 1); }
+
+  // Until something can be done. What is being answered is not looked at: whoever asked may be gone, and is told so.
+  void wait() {
+    polled_ = {{wake_.get(), POLLIN, 0}, {listening_.socket.get(), POLLIN, 0}};
+    for (const Connection& c : connections_) {
+      const bool idle = c.state() == At::answering;
+      polled_.push_back({idle ? -1 : c.socket(), static_cast<short>(c.state() == At::writing ? POLLOUT : POLLIN), 0});
+    }
+    if (::poll(polled_.data(), polled_.size(), look_again_ms) <= 0)
+      for (pollfd& p : polled_) p.revents = 0;
+    eventfd_t ignored = 0;
+    ::eventfd_read(wake_.get(), &ignored);
+  }
+
+  void send_answers() {
+    std::vector<std::pair<Connection*, Reply>> answers;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      answers.swap(answered_);
+    }
+    for (auto& [connection, reply] : answers) {
+      connection->answer(reply, door_);
+      if (connection->state() == At::answering) hand_on(*connection);
+    }
+  }
+
+  // In the order in which wait() has listed them.
+  void serve() {
+    const auto now = Connection::Clock::now();
+    std::size_t at = 2;
+    for (Connection& c : connections_) {
+      const bool ready = polled_[at++].revents != 0;
+      if (c.state() == At::answering) continue;
+      if (ready) c.state() == At::writing ? c.write(door_) : c.read(door_);
+      if (c.state() == At::answering)
+        hand_on(c);
+      else if (now > c.until())
+        c.close();
+    }
+  }
+
+  void admit() {
+    if (polled_[1].revents == 0) return;
+    for (int i = 0; i < accepted_at_once; ++i) {
+      FileDescriptor socket(::accept4(listening_.socket.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+      if (!socket.valid()) return;
+      if (connections_.size() >= most_connections && !make_room()) return;
+      const int yes = 1;
+      ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+      connections_.emplace_back(std::move(socket));
+    }
+  }
+
+  // The one goes that has waited longest; what passed the door and is not answered yet stays.
+  bool make_room() {
+    auto oldest = connections_.end();
+    for (auto c = connections_.begin(); c != connections_.end(); ++c) {
+      if (c->state() == At::body || c->state() == At::answering) continue;
+      if (oldest == connections_.end() || c->since() < oldest->since()) oldest = c;
+    }
+    if (oldest == connections_.end()) return false;
+    connections_.erase(oldest);
+    return true;
+  }
+
+  void hand_on(Connection& connection) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      requests_.push_back(&connection);
+    }
+    asked_.notify_one();
+  }
+
+  void answer_requests() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    for (;;) {
+      asked_.wait(lock, [this] { return stopping_ || !requests_.empty(); });
+      if (stopping_) return;
+      Connection* const connection = requests_.front();
+      requests_.pop_front();
+      lock.unlock();
+      Reply reply;
       try {
-        reply = handler(request);
+        reply = handler_(connection->request());
       } catch (...) {
         reply = reply_of_exception();
       }
+      lock.lock();
+      answered_.emplace_back(connection, std::move(reply));
+      wake();
     }
-    add_headers(reply, out);
-    out.set_content(std::move(reply.body), reply.content_type);
   }
+
+  const Listening listening_;
+  const Door door_;
+  const Handler handler_;
+  const FileDescriptor wake_;
+  const int threads_;
+  std::list<Connection> connections_;
+  std::vector<pollfd> polled_;
+  std::mutex mutex_;
+  std::condition_variable asked_;
+  std::atomic<bool> stopping_{false};
+  std::deque<Connection*> requests_;
+  std::vector<std::pair<Connection*, Reply>> answered_;
 };
 
-Server::Server(int port, Handler handler) : state_(std::make_unique<State>()) {
-  State& s = *state_;
-  s.handler = std::move(handler);
-  s.http.new_task_queue = [] { return new httplib::ThreadPool(threads); };
-  s.http.set_payload_max_length(max_body_bytes);
-  s.http.set_keep_alive_max_count(1000000);
-  s.http.set_tcp_nodelay(true);
-  // Before a body is read, and before cpp-httplib looks for a handler by a regular expression.
-  s.http.set_pre_routing_handler([&s](const httplib::Request& in, httplib::Response& out) {
-    std::string path;
-    if (in.method == "POST" && s.gate->refuses(head_of(in), path) == 0)
-      return httplib::Server::HandlerResponse::Unhandled;
-    s.answer(in, out);
-    return httplib::Server::HandlerResponse::Handled;
-  });
-  s.http.Post("/.{0,4096}", [&s](const httplib::Request& in, httplib::Response& out) { s.answer(in, out); });
-  s.http.set_exception_handler(
-      [](const httplib::Request&, httplib::Response& out, std::exception_ptr) { add_headers(plain(500), out); });
-  s.port = port > 0 ? (s.http.bind_to_port("127.0.0.1", port) ? port : -1) : s.http.bind_to_any_port("127.0.0.1");
-  if (s.port <= 0)
-    throw Error(ExitCode::cannot_create, "", "--port",
-                port > 0 ? std::to_string(port) + ", cannot be listened on: another program has it"
-                         : "no port of the loopback interface is free");
-  s.gate = std::make_unique<Gate>(s.port);
-}
-
+Server::Server(Listening at, Door door, Handler handler, int threads)
+    : state_(std::make_unique<State>(std::move(at), std::move(door), std::move(handler), threads)) {}
 Server::~Server() = default;
-int Server::port() const { return state_->port; }
-const Gate& Server::gate() const { return *state_->gate; }
-void Server::run() { state_->http.listen_after_bind(); }
-void Server::stop() { state_->http.stop(); }
+void Server::run() { state_->run(); }
+void Server::stop() { state_->stop(); }
 
 }  // namespace trephine::desk

@@ -138,15 +138,14 @@ ScanVerdict judge_scan(const ScanFigures& f, const ScanLimits& limits) {
   if (soft_tissue != Suitability::suited) {
     worsen(out.brain, soft_tissue);
     worsen(out.ventricles, soft_tissue);
-    give_reason(
-        soft_tissue, {"brain", "ventricles"},
-        {sharp ? "noise_of_sharp_kernel" : "noise",
-         std::string("noise of {noise_hu:.0f} HU a voxel, {cube_noise_hu:.0f} HU in a cube of 2 mm") +
-             (sharp ? ", of a kernel that enhances edges" : ""),
-         {{"noise_hu", f.noise_hu}, {"cube_noise_hu", f.cube_noise_hu}}},
-        sharp
-            ? "choose the series with the softer kernel, where the study holds one (`trephine import --list` shows all)"
-            : "choose a series of thicker slices or a smoother kernel, or denoise it before");
+    give_reason(soft_tissue, {"brain", "ventricles"},
+                {sharp ? "noise_of_sharp_kernel" : "noise",
+                 std::string("noise of {noise_hu:.0f} HU a voxel, {cube_noise_hu:.0f} HU in a cube of 2 mm") +
+                     (sharp ? ", of a kernel that enhances edges" : ""),
+                 {{"noise_hu", f.noise_hu}, {"cube_noise_hu", f.cube_noise_hu}}},
+                sharp ? "choose the series with the softer kernel, where the study holds one: `trephine import --list` "
+                        "shows all, and import.series takes one"
+                      : "choose a series of thicker slices or a smoother kernel, or denoise it before");
   }
   if (const Suitability s = above(f.noise_hu, limits.doubtful_bone_noise_hu, limits.unsuited_bone_noise_hu);
       s != Suitability::suited) {

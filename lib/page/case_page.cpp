@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/base64.h"
 #include "base/parallel.h"
 #include "page/html.h"
 #include "page/pack.h"
@@ -206,6 +207,11 @@ std::string make_case_page(const std::filesystem::path& case_folder, const PageP
                            const Progress& progress) {
   const cases::LoadedCase loaded = cases::load_case(case_folder, cases::LoadParts{true});
   return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), params, progress);
+}
+
+std::string case_page_policy() {
+  return "default-src 'none'; script-src '" + policy_hash(web::viewer_js) + "'; style-src '" +
+         policy_hash(web::style_css) + "'; base-uri 'none'; form-action 'none'";
 }
 
 }  // namespace trephine::page

@@ -36,4 +36,7 @@ std::string make_case_page(const cases::LoadedCase& loaded, const PageNotes& not
 std::string make_case_page(const std::filesystem::path& case_folder, const PageParams& params = {},
                            const Progress& progress = {});
 
+/// What the page needs, as directives of a content security policy: its own script and style, and nothing else.
+std::string case_page_policy();
+
 }  // namespace trephine::page

@@ -55,23 +55,27 @@ def run(*words):
 
 
 class Desk:
+    """Of a root that make_root made, or without one, of a library that is only looked at."""
     def __init__(self, root, library):
         self.root, self.library = root, library
-        self.process = subprocess.Popen([TREPHINE, "desk", str(library), "--config", str(root / "configs/LIBRARY.yaml"), "--no-browser"],
-                                        stdout=subprocess.PIPE, text=True)
+        config = ["--config", str(root / "configs/LIBRARY.yaml")] if root else []
+        self.process = subprocess.Popen([TREPHINE, "desk", str(library), *config, "--no-browser"], stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
-        self.address = re.search(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/", line)
+        self.address = re.search(r"http://127\.0\.0\.1:(\d+)/#([0-9a-f]{32})", line)
         if not self.address:
             raise RuntimeError("the desk says: " + line)
         self.port, self.token = int(self.address[1]), self.address[2]
         self.url = self.address[0]
 
-    def raw(self, data, patience=60, most=1 << 20):
-        """Sends bytes as they are; returns what came back until then."""
+    def raw(self, data, patience=60, most=1 << 20, later=b""):
+        """Sends bytes as they are, and more a moment later; returns what came back until then."""
         with socket.create_connection(("127.0.0.1", self.port), timeout=60) as s:
             s.settimeout(patience)
             try:
                 s.sendall(data)
+                if later:
+                    time.sleep(0.5)
+                    s.sendall(later)
                 got = b""
                 while len(got) < most:
                     piece = s.recv(65536)
@@ -82,10 +86,14 @@ class Desk:
                 return b""
             return got
 
+    def head(self, method, path, **headers):
+        """Of a request of the owner; with a header of None, without that one."""
+        origin = f"http://127.0.0.1:{self.port}" if method == "POST" else None
+        lines = {"Host": f"127.0.0.1:{self.port}", "Trephine-Desk": self.token, "Connection": "close", "Origin": origin, **{k.replace("_", "-"): v for k, v in headers.items()}}
+        return (f"{method} /{path} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in lines.items() if v is not None) + "\r\n").encode()
+
     def get(self, path, **headers):
-        lines = {"Host": f"127.0.0.1:{self.port}", "Connection": "close", **{k.replace("_", "-"): v for k, v in headers.items()}}
-        text = f"GET /{self.token}/{path} HTTP/1.1\r\n" + "".join(f"{k}: {v}\r\n" for k, v in lines.items()) + "\r\n"
-        return self.raw(text.encode())
+        return self.raw(self.head("GET", path, **headers))
 
     def __enter__(self):
         return self
@@ -229,7 +237,7 @@ def work(check, folder):
             desk.process.kill()
             desk.process.wait()
             desk = Desk(root, library)
-            browser.open(desk.url + "#case/head-01")
+            browser.open(desk.url + "/case/head-01")
             page.until("desk.stats.painted && JSON.stringify(desk.stats.painted) === arguments[0]", "the draft is back", json.dumps(painted).replace(" ", ""))
             page.write("#who", "anna-2")
             page.until("desk.page.fields.includes('skull') && !document.getElementById('busy').textContent", "the fields")
@@ -250,8 +258,7 @@ def work(check, folder):
             page.until("desk.page.info.journal.length === 5", "a value is set")
             check("skull.segment.lower_hu: 230" in own.read_text(), "and stands in the configuration")
             body = json.dumps({"case": "head-01", "by": "b", "base": info["base"], "name": "nasion", "position_mm": [0, 0, 0]})
-            told = other.raw((f"POST /{other.token}/api/landmark HTTP/1.1\r\nHost: 127.0.0.1:{other.port}\r\nOrigin: http://127.0.0.1:{other.port}\r\n"
-                              f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\nConnection: close\r\n\r\n{body}").encode())
+            told = other.raw(other.head("POST", "api/landmark", Content_Type="application/json", Content_Length=len(body)) + body.encode())
             check(b" 409 " in told.split(b"\r\n")[0] and b"changed meanwhile" in told, f"the second desk is told: {told[:300]}")
             check(other.end() == 0 and "nasion: [0, -93.2, 40.1]" in own.read_text(), "and has changed nothing")
 

@@ -116,7 +116,7 @@ def snake(page, check, own, desk):
     desk.process.kill()
     desk.process.wait()
     desk = Desk(desk.root, desk.library)
-    page.b.open(desk.url + "#case/head-01")
+    page.b.open(desk.url + "/case/head-01")
     page.until(f"desk.page && desk.page.volume && desk.page.fields.includes('skull') && !document.getElementById('busy').textContent && desk.stats.snake === {steps}", "the snake at another desk")
     check(page.length("~edit") == grown, "a killed desk loses nothing of it")
     page.write("#who", "anna-2")  # another port is another place to the browser

@@ -93,7 +93,7 @@ def main():
         run("library", "build", listed, "--out", library, "--quiet")
         with Desk(root, library) as desk:
             with Browser("--enable-unsafe-swiftshader", "--enable-precise-memory-info", "--lang=en", width=1600, height=1000) as browser:
-                browser.open(desk.url + "#case/head-01")
+                browser.open(desk.url + "/case/head-01")
                 page = Page(browser, check)
                 page.until("desk.page && desk.page.volume && desk.page.fields.includes('skull') && !document.getElementById('busy').textContent", "the opened case")
                 page.write("#who", "anna-2")

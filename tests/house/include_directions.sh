@@ -28,9 +28,9 @@ owners=(
   'assimp/|meshio'
   'png\.h|picture'
   'meshoptimizer|simulator'
-  'httplib\.h|desk'
+  'boost/beast|desk'
 )
-foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|meshoptimizer|png\.h|httplib\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
+foreign='(itk[A-Z]|vtk[A-Z]|CGAL/|gdcm|yaml-cpp/|CLI/|tiny_gltf|assimp/|meshoptimizer|png\.h|zlib\.h|tbb/|oneapi/|openssl/|Eigen/|boost/)'
 
 # Lines "file|included" of every include below the given folders.
 includes() {

@@ -27,6 +27,23 @@ const digits = (v, n) =>
 const figure = v => (typeof v !== 'number' ? String(v) : digits(v, Number.isInteger(v) ? 0 : 2))
 const label = name => name.replace(/[_.]/g, ' ')
 
+// ---- the secret of the desk
+// It comes behind the # of the address, which no browser sends, and leaves the address before anything else is done. A tab
+// keeps it for itself and this port, and every request names it in a header of its own.
+let secret = ''
+const takeSecret = () => {
+  const came = location.hash.match(/^#([0-9a-f]{32})(?:\/(.*))?$/)
+  if (came) history.replaceState(null, '', location.pathname + (came[2] ? '#' + came[2] : ''))
+  try {
+    if (came) sessionStorage.setItem('trephine-desk', came[1])
+    secret = sessionStorage.getItem('trephine-desk') || ''
+  } catch (e) {
+    if (came) secret = came[1]
+  }
+}
+takeSecret()
+const withSecret = (headers = {}) => ({ 'Trephine-Desk': secret, ...headers })
+
 // ---- requests
 class Refused extends Error {}
 class Superseded extends Refused {}
@@ -41,6 +58,7 @@ async function answered(request) {
   }
   if (reply.ok) return reply
   const text = await reply.text()
+  if (reply.status === 404 && text === 'not found\n') throw new Refused(t('no_secret'))
   let said
   try {
     said = JSON.parse(text).error
@@ -49,13 +67,19 @@ async function answered(request) {
   }
   throw new Refused(said)
 }
-const ask = (path, query = {}) => answered(fetch('api/' + path + '?' + new URLSearchParams(query)))
-const askJson = async (path, query) => (await ask(path, query)).json()
+const ask = (path, query = {}, signal = undefined) =>
+  answered(fetch('api/' + path + '?' + new URLSearchParams(query), { headers: withSecret(), signal }))
+const askJson = async (path, query, signal) => (await ask(path, query, signal)).json()
 const askBytes = async (path, query) => (await ask(path, query)).arrayBuffer()
+const askPng = async (path, query) => URL.createObjectURL(new Blob([await askBytes(path, query)], { type: 'image/png' }))
 const tell = async (path, body) =>
   (
     await answered(
-      fetch('api/' + path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) })
+      fetch('api/' + path, {
+        method: 'POST',
+        headers: withSecret({ 'Content-Type': 'application/json' }),
+        body: JSON.stringify(body)
+      })
     )
   ).json()
 const tellForBytes = async (path, query, body) =>
@@ -63,7 +87,7 @@ const tellForBytes = async (path, query, body) =>
     await answered(
       fetch('api/' + path + '?' + new URLSearchParams(query), {
         method: 'POST',
-        headers: { 'Content-Type': 'application/octet-stream' },
+        headers: withSecret({ 'Content-Type': 'application/octet-stream' }),
         body
       })
     )

@@ -73,6 +73,18 @@ function caseFits(page, c) {
   )
 }
 
+// A picture is asked for when its card is seen.
+const seen = new IntersectionObserver(entries => {
+  for (const { isIntersecting, target } of entries) {
+    if (!isIntersecting) continue
+    seen.unobserve(target)
+    askPng('overview', { case: target.dataset.of, name: target.dataset.name }).then(
+      address => (target.src = address),
+      () => {} // the card says the rest
+    )
+  }
+})
+
 const cardTag = (text, kind) => make('span', { class: 'tag ' + (kind || ''), text })
 
 function caseCard(c) {
@@ -80,9 +92,12 @@ function caseCard(c) {
     s = stateOfCase(c),
     pair = make('div', { class: 'pair' }),
     text = make('div', { class: 'text' })
-  c.pictures.forEach((file, i) =>
-    pair.append(make('img', { alt: '', loading: 'lazy', class: i ? 'dark' : '', src: 'case/' + file }))
-  )
+  c.pictures.forEach((name, i) => {
+    const picture = make('img', { alt: '', class: i ? 'dark' : '', 'data-of': c.case, 'data-name': name })
+    picture.addEventListener('load', () => URL.revokeObjectURL(picture.src))
+    pair.append(picture)
+    seen.observe(picture)
+  })
   if (!c.pictures.length) pair.append(make('div', { class: 'none', text: t('built_not') }))
   text.append(
     make('strong', { text: c.case }),

@@ -68,23 +68,34 @@ async function restoreView(page) {
   page.show_(page.tab)
 }
 
-function showSolid(page) {
+// The page of the case is made anew, and lies for one frame at an address of another origin.
+async function showSolid(page) {
   const { solidBox } = page.frame
   const c = desk.cases.find(c => c.case === page.token)
-  const told = make('div', { class: 'wait', text: t(c && c.page ? 'page_comes' : 'no_page') })
+  const told = make('div', { class: 'wait', text: t(c && !c.fault ? 'page_comes' : 'no_page') })
   for (const old of solidBox.querySelectorAll('iframe, .wait')) old.remove()
-  if (c && c.page)
-    solidBox.append(
+  solidBox.append(told)
+  page.solidAsked && page.solidAsked.abort()
+  const asked = (page.solidAsked = new AbortController())
+  if (!c || c.fault) return
+  try {
+    const { address } = await askJson('page', { case: page.token }, asked.signal)
+    if (asked.signal.aborted) return
+    solidBox.insertBefore(
       make('iframe', {
         title: t('solid'),
-        src: `case/${page.token}/report/view.html#framed`,
+        src: address + '#framed',
         sandbox: 'allow-scripts',
+        referrerPolicy: 'no-referrer',
         load: () => {
           told.hidden = true
         }
-      })
+      }),
+      told
     )
-  solidBox.append(told)
+  } catch (e) {
+    if (!asked.signal.aborted) told.textContent = e.message
+  }
 }
 
 function lookAt(page, p) {
@@ -225,6 +236,7 @@ async function openScan(page, again) {
 }
 
 function leaveCase(page) {
+  page.solidAsked && page.solidAsked.abort()
   page.timers.forEach(clearInterval)
   removeEventListener('resize', page.redraw)
   removeEventListener('keydown', page.keys)

@@ -168,14 +168,8 @@ async function listSeries(page, path) {
       show = button(
         'show',
         async () => {
-          const bytes = await askBytes('picture', { path, series: s.token })
-          picture.replaceChildren(
-            make('img', {
-              class: 'thumb',
-              alt: t('picture'),
-              src: URL.createObjectURL(new Blob([bytes], { type: 'image/png' }))
-            })
-          )
+          const src = await askPng('picture', { path, series: s.token })
+          picture.replaceChildren(make('img', { class: 'thumb', alt: t('picture'), src }))
         },
         { disabled: !s.usable, 'data-show': s.token }
       )

@@ -9,6 +9,7 @@ addEventListener('DOMContentLoaded', () => {
   const show = async () => {
     if (desk.page) desk.page.leave()
     problem('')
+    takeSecret()
     const [name, token] = location.hash.slice(1).split('/')
     desk.page = name === 'case' && token ? casePage(decodeURIComponent(token)) : name === 'new' ? newPage() : libraryPage()
     words()
