@@ -28,6 +28,21 @@ class DeskLinks : public testing::Test {
     folder.write("outside/case.json", "canary-1f20");
     folder.write("outside/journal.json", "canary-1f20");
   }
+  // A library of one case, of a scan that is not read.
+  DeskOptions one_case() const {
+    folder.write(
+        "root/p.yaml",
+        "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages:\n      - segment: {lower_hu: 226}\n"
+        "      - contour\n      - normals\n");
+    folder.write("root/s.yaml", "trephine: 1\nanatomies:\n  skull: {max_triangles: 80000}\n");
+    folder.write("root/a.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
+    folder.write("root/l.yaml", "trephine: 1\ncases:\n  - {case: aa, series: scan, config: a.yaml}\n");
+    fs::create_directories(folder.path() / "root/scan");
+    DeskOptions options;
+    options.library = library;
+    options.config = folder.path() / "root/l.yaml";
+    return options;
+  }
   static Request get(const std::string& path, const std::map<std::string, std::string>& query = {}) {
     Request request;
     request.method = "GET";
@@ -102,13 +117,7 @@ TEST_F(DeskLinks, NorAreTheDesksOwnFolders) {
 
 // What was done by hand lies beside the configuration, in a folder of the case's name.
 TEST_F(DeskLinks, NorIsTheFolderOfTheHand) {
-  folder.write("root/a.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
-  folder.write("root/l.yaml", "trephine: 1\ncases:\n  - {case: aa, series: scan, config: a.yaml}\n");
-  fs::create_directories(folder.path() / "root/scan");
-  DeskOptions options;
-  options.library = library;
-  options.config = folder.path() / "root/l.yaml";
-  DeskLibrary of(options);
+  DeskLibrary of(one_case());
   EXPECT_EQ(of.find("aa").token, "aa");
   fs::create_directory_symlink(folder.path() / "outside", folder.path() / "root/aa.desk");
   try {
@@ -145,12 +154,7 @@ TEST_F(DeskLinks, WhatWasDroppedAndIsNotUsedGoes) {
 }
 
 TEST_F(DeskLinks, WhatItKeepsIsForItsOwnerAlone) {
-  folder.write("root/a.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
-  folder.write("root/l.yaml", "trephine: 1\ncases:\n  - {case: aa, series: scan, config: a.yaml}\n");
-  fs::create_directories(folder.path() / "root/scan");
-  DeskOptions options;
-  options.library = library;
-  options.config = folder.path() / "root/l.yaml";
+  const DeskOptions options = one_case();
   Request keep = post("api/keep", {});
   keep.body = "painted";
   keep.query.emplace("case", "aa");
