@@ -48,10 +48,10 @@ fi
 tool=$(command -v clang-tidy-14 || command -v clang-tidy) || { echo "no clang-tidy: nothing was read"; exit 1; }
 
 # A configuration of its own, which is never built: each file by itself, and none of gcc's precompiled headers. A group is a file
-# beside it that includes its members; its options are those of the file that lies most alike (clang-tidy finds it).
+# beside it that includes its members, with the options of the first.
 cmake --preset release -B build/tidy -DTREPHINE_UNITY=OFF -DTREPHINE_TESTS=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
 units=("${files[@]}")
-checks=()
+checks=() database=build/tidy
 if [[ ${1:-} != --all ]]; then
   checks=(--checks=-bugprone-suspicious-include)  # a group includes sources
   rm -rf build/tidy/read
@@ -66,12 +66,27 @@ if [[ ${1:-} != --all ]]; then
     done
     find build/tidy/read -name '*.cpp'
   )
+  database=build/tidy/read
+  python3 - build/tidy "${units[@]}" <<'END'
+import json, re, sys
+from pathlib import Path
+folder = Path(sys.argv[1])
+known = folder / "compile_commands.json"
+all = json.loads(known.read_text()) if known.exists() else []
+by_file = {c["file"]: c for c in all}
+for unit in map(Path, sys.argv[2:]):
+    members = re.findall(r'^#include "(/.*)"$', unit.read_text(), re.M) if "tidy/read" in str(unit) else []
+    for c in [by_file[m] for m in members if m in by_file][:1]:
+        file = str(unit.resolve())
+        all.append({**c, "file": file, "command": c["command"].replace(c["file"], file)})
+(folder / "read" / "compile_commands.json").write_text(json.dumps(all))
+END
 fi
 found=$(mktemp) said=$(mktemp)
 trap 'rm -f "$found" "$said"' EXIT
 status=0
 printf '%s\0' "${units[@]}" |
-  xargs -0 -n 1 -P "$(nproc)" "$tool" -p build/tidy --quiet "${checks[@]}" --header-filter='/(lib|tools|simulator)/.*\.(h|cpp)$' \
+  xargs -0 -n 1 -P "$(nproc)" "$tool" -p "$database" --quiet "${checks[@]}" --header-filter='/(lib|tools|simulator)/.*\.(h|cpp)$' \
     >"$found" 2>"$said" || status=$?
 # A header's fault is found by every source that includes it. What a library's own headers hold against clang is no fault of ours.
 said_errors=$(grep -c ': error: ' "$found" || true)
