@@ -72,7 +72,7 @@ TEST(ExecutorFiles, AFileThatChangesIsStoredUnderNoHash) {
       FAIL() << "no error";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);
-      EXPECT_EQ(e.field(), "file");
+      EXPECT_EQ(e.field(), "reads: file");
       EXPECT_STREQ(e.what(), "changed while it was read: run it again");
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
