@@ -182,8 +182,7 @@ grid::Field balls(const std::vector<std::pair<Vec3, double>>& centres_and_radii_
   return zone;
 }
 grid::HuVolume tissue_with(double from_x_mm, std::int16_t hu) {
-  grid::Grid<std::int16_t> v(grid::Lattice{{60, 60, 60}, {1, 1, 1}, {-30, -30, -30}, {}},
-                             std::int16_t{35});
+  grid::Grid<std::int16_t> v(grid::Lattice{{60, 60, 60}, {1, 1, 1}, {-30, -30, -30}, {}}, std::int16_t{35});
   for (int k = 0; k < 60; ++k)
     for (int j = 0; j < 60; ++j)
       for (int i = 0; i < 60; ++i)

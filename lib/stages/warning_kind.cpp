@@ -35,7 +35,8 @@ Kinds make_kinds() {
        "vein_in_bone_or_lung",
        "unusual_third_ventricle",
        "zone_in_air",
-       "fat_inside_dura", "dura_not_seen"});
+       "fat_inside_dura",
+       "dura_not_seen"});
   add(k, Severity::wrong, {"ventricles"},
       {"many_pieces", "unequal_sides", "no_frontal_horn", "thin_frontal_horn", "short_ventricle", "no_part",
        "implausible_ventricles_volume", "implausible_evans_index", "implausible_shift", "noisy", "denoised_horns",
