@@ -34,7 +34,6 @@ void require_secret(const InputFile& input, const std::filesystem::path& file) {
 
 Key read_key(const std::filesystem::path& file, bool is_private) {
   const InputFile input = open_input(file, 1 << 16);
-  if (is_private) require_secret(input, file);
   const std::vector<char> pem = read_input(input, file);
   const std::unique_ptr<BIO, decltype(&BIO_free)> bio(BIO_new_mem_buf(pem.data(), int(pem.size())), BIO_free);
   const auto read = is_private ? PEM_read_bio_PrivateKey : PEM_read_bio_PUBKEY;
@@ -43,6 +42,7 @@ Key read_key(const std::filesystem::path& file, bool is_private) {
     throw Error(ExitCode::bad_input, file.string(), is_private ? "private key" : "public key",
                 is_private ? "is none of Ed25519 without a passphrase; openssl genpkey -algorithm ed25519 makes one"
                            : "is none of Ed25519; openssl pkey -in PRIVATE_KEY -pubout writes it");
+  if (is_private) require_secret(input, file);  // a public key that is given for one need not be secret
   return key;
 }
 
