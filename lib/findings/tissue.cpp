@@ -162,7 +162,8 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
   mask::BitMask at_tubes(in.cells());
   for (const Seen& s : implants)
     if (s.cells.lattice().count() > 0) at_tubes |= mask::dilated(s.cells, at_tube_mm, progress);
-  const mask::BitMask by_vessels = mask::dilated(in.vessels, vessel_rim_mm, progress);
+  const bool has_medium = in.contrast_ml > vessels_ml;
+  const mask::BitMask by_vessels = has_medium ? mask::dilated(in.vessels, vessel_rim_mm, progress) : mask::BitMask();
   const mask::BitMask at_ventricles = mask::dilated(in.ventricles, at_ventricle_mm, progress);
   const std::vector<double> jumps = slice_jumps(in, grown, progress);
   const double usual = usual_jump(jumps);
@@ -207,7 +208,7 @@ std::vector<Seen> dense_tissue(const Inside& in, const std::vector<Seen>& implan
     const double high = 3.46 * slices.sigma_mm;  // of an even column
     const bool is_flat = flat < flat_ratio && !(in_ventricles && high > std::max(high_mm, high_slices * slice_mm));
     double at_vessels = 0;
-    if (in.contrast_ml > vessels_ml) {
+    if (has_medium) {
       at_vessels = share(rim, [&](int i, int j, int k) { return by_vessels.get(i, j, k); });
       sure *= mask::ramp(ml, least_beside_medium_ml, sure_beside_medium_ml);
     }
