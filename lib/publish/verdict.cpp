@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "publish/findings_content.h"
-#include "publish/scan_findings.h"
 
 namespace trephine::publish {
 namespace {
@@ -20,7 +19,6 @@ AnatomyVerdict judge(const std::string& anatomy, const cases::CaseManifest& m,
     out.state = AnatomyState::left_out;
     return out;
   }
-  if (may_be_of_another(m, anatomy)) out.state = AnatomyState::doubtful;
   for (const stages::Evidence& e : evidence)
     if (is_about(e, anatomy)) {
       if (e.cut.empty())

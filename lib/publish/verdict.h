@@ -24,8 +24,7 @@ struct AnatomyVerdict {
   std::string cut;       ///< where the scan's end or the field's edge cuts it: "above"; empty: nowhere
 };
 
-/// What each of the anatomies came to. What speaks against it is `evidence`, and that a finding of the manifest says of
-/// a scan that it is made of that it may be another patient's.
+/// What each of the anatomies came to, by the manifest and by the `evidence` that speaks against it.
 std::vector<AnatomyVerdict> judge_anatomies(const std::vector<std::string>& wanted, const cases::CaseManifest& manifest,
                                             const std::vector<stages::Evidence>& evidence);
 
