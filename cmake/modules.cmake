@@ -44,24 +44,12 @@ function(trephine_use_headers target name)
   endif()
 endfunction()
 
-# trephine_unity(TARGET sources...): the sources are compiled in groups of a few, as cmake/unity_groups.awk forms them: never
-# two whose names meet, nor more than TREPHINE_UNITY_LINES lines, for one edit compiles a whole group.
-set(TREPHINE_UNITY_LINES 1600)
-set(TREPHINE_UNITY_GROUPS ${CMAKE_CURRENT_LIST_DIR}/unity_groups.awk)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TREPHINE_UNITY_GROUPS})
+include(${CMAKE_CURRENT_LIST_DIR}/unity.cmake)
 function(trephine_unity target)
   if(NOT TREPHINE_UNITY)
     return()
   endif()
-  execute_process(COMMAND awk -v most_lines=${TREPHINE_UNITY_LINES} -f ${TREPHINE_UNITY_GROUPS} ${ARGN}
-                  OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-  string(REPLACE "\n" ";" groups "${groups}")
-  foreach(line ${groups})
-    string(REGEX MATCH "^([0-9]+) (.*)$" _ "${line}")
-    set_source_files_properties(${CMAKE_MATCH_2} PROPERTIES UNITY_GROUP ${CMAKE_MATCH_1})
-  endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)  # as in one file alone
+  trephine_unity_groups(${target} "" ${ARGN})
   trephine_use_headers(${target} trephine_headers)
 endfunction()
 
@@ -165,11 +153,12 @@ function(trephine_test name)
   foreach(m ${ARGN})
     target_link_libraries(${name}_test PRIVATE trephine_${m})
   endforeach()
-  # Tests that share a phantom which takes longer to make than they do are one test of CTest: TREPHINE_TEST_AT_ONCE.
+  # Tests that share a phantom which takes longer to make than they do are one test of CTest: TREPHINE_TEST_AT_ONCE. It begins
+  # early, so that no core waits for it at the end.
   set(discovered)
   if(${name} IN_LIST TREPHINE_TEST_AT_ONCE)
     add_test(NAME ${name}.all COMMAND ${name}_test --gtest_filter=-*Long*)
-    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1800)
+    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1800 COST 200)
     set(discovered TEST_FILTER *Long*)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 1800 ${discovered}

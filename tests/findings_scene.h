@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <string>
 
 #include "base/parallel.h"
 #include "findings/findings.h"
+#include "json/declared_json.h"
 #include "mask/filters.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
@@ -15,7 +18,60 @@ namespace trephine {
 
 using findings::Finding, findings::FindingKind;
 
-/// A head in voxels of 1.5 x 1.5 x 2 mm, with its true shapes as fields, and how much of it is blood.
+/// A head in voxels of 1.6 x 1.6 x 2 mm, with its true shapes as fields, and how much of it is blood.
+struct Truth {
+  phantom::Head head;
+  grid::HuVolume volume;
+  grid::Field skull, brain, ventricles;
+  double blood_ml = 0;
+  Vec3 blood_mm;
+};
+
+inline Truth made(const phantom::HeadParams& who, double slice_mm) {
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 144;
+  how.pixel_mm = 1.6;
+  how.slices_count = int(176 / slice_mm);
+  how.slice_step_mm = how.slice_thickness_mm = slice_mm;
+  how.subvoxel_mm = 1.6;
+  how.noise_hu = 8;
+  Truth t{phantom::Head(who), {}, {}, {}, {}, 0, {}};
+  t.volume = phantom::volume_of(phantom::scan(t.head, how));
+  const grid::Lattice l = grid::lattice_of(t.volume);
+  const auto field_of = [&](phantom::Anatomy a) {
+    grid::Field f(l, -1.f);
+    parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i)
+          f.at(i, j, int(k)) = float(-t.head.implicit_mm(a, l.to_world_mm({double(i), double(j), double(k)})));
+    });
+    return f;
+  };
+  t.skull = field_of(phantom::Anatomy::skull);
+  t.brain = field_of(phantom::Anatomy::brain);
+  t.ventricles = field_of(phantom::Anatomy::ventricles);
+  std::vector<double> ml(std::size_t(l.size[2]), 0);
+  parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        ml[std::size_t(k)] += t.head.thing(l.to_world_mm({double(i), double(j), double(k)})) == phantom::Thing::blood;
+  });
+  for (const double m : ml) t.blood_ml += m * l.voxel_volume_mm3() / 1000;
+  for (const auto& [name, at] : t.head.things_mm())
+    if (name == "blood") t.blood_mm = at;
+  return t;
+}
+
+/// Most tests begin with the same healthy head, which is made once in a process.
+inline const Truth& truth(const phantom::HeadParams& who, double slice_mm) {
+  static std::map<std::string, Truth> made_before;
+  const std::string key = json::json_of_value(who.hard) + " " + std::to_string(who.seed) + " " +
+                          std::to_string(int(who.variant)) + " " + std::to_string(slice_mm);
+  const auto found = made_before.find(key);
+  return found != made_before.end() ? found->second : made_before.emplace(key, made(who, slice_mm)).first->second;
+}
+
+/// Such a head, spoilt or not, and what is found in it.
 struct Scene {
   grid::HuVolume volume;
   grid::Field skull, brain, ventricles;
@@ -35,38 +91,10 @@ struct Scene {
     who.variant = variant;
     who.hard = hard;
     who.hard.fillings_count = 0;
-    const phantom::Head head(who);
-    phantom::ScanParams how;
-    how.columns_count = how.rows_count = 144;
-    how.pixel_mm = 1.6;
-    how.slices_count = int(176 / slice_mm);
-    how.slice_step_mm = how.slice_thickness_mm = slice_mm;
-    how.subvoxel_mm = 1.6;
-    how.noise_hu = 8;
-    volume = phantom::volume_of(phantom::scan(head, how));
-    const grid::Lattice l = grid::lattice_of(volume);
-    const auto field_of = [&](phantom::Anatomy a) {
-      grid::Field f(l, -1.f);
-      parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
-        for (int j = 0; j < l.size[1]; ++j)
-          for (int i = 0; i < l.size[0]; ++i)
-            f.at(i, j, int(k)) = float(-head.implicit_mm(a, l.to_world_mm({double(i), double(j), double(k)})));
-      });
-      return f;
-    };
-    skull = field_of(phantom::Anatomy::skull);
-    brain = field_of(phantom::Anatomy::brain);
-    ventricles = field_of(phantom::Anatomy::ventricles);
-    std::vector<double> ml(std::size_t(l.size[2]), 0);
-    parallel_for(0, l.size[2], 1, [&](std::int64_t k, std::int64_t) {
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i)
-          ml[std::size_t(k)] += head.thing(l.to_world_mm({double(i), double(j), double(k)})) == phantom::Thing::blood;
-    });
-    for (const double m : ml) blood_ml += m * l.voxel_volume_mm3() / 1000;
-    for (const auto& [name, at] : head.things_mm())
-      if (name == "blood") blood_mm = at;
-    if (spoil) spoil(*this, head);
+    const Truth& t = truth(who, slice_mm);
+    volume = t.volume, skull = t.skull, brain = t.brain, ventricles = t.ventricles;
+    blood_ml = t.blood_ml, blood_mm = t.blood_mm;
+    if (spoil) spoil(*this, t.head);
     findings::Findings all = findings::find_findings(volume, {&skull, &brain, &ventricles, nullptr}, {});
     result = all.result;
     warnings = all.warnings;

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET trephine_lessons)
+list(APPEND TREPHINE_TEST_AT_ONCE lessons)
 trephine_test(lessons lessons)
 endif()
 if(TARGET trephine-sim AND TARGET trephine)

@@ -144,7 +144,7 @@ stages::StageInputs inputs_of(const Subject& subject) {
 
 bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text) {
   const std::string& stage = subject.stage->name;
-  if (stage == "landmarks" || stage == "register") return true;
+  if (stage == "landmarks" || stage == "register" || stage == "denoise" || stage == "pedicles") return true;
   if (stage == "face_gate")
     return text == "2,000 slices of 2 x 2" || text.find("voxels of 2 x 2") == 0 || text.find("voxels of 10 x") == 0;
   if (stage == "smooth" && parameter == "iterations_count") return text == "100000";

@@ -13,7 +13,7 @@ mkdir said made
 grep -q usable said/list.out || { cat said/list.*; fail "the series with canaries is not usable"; }
 "$TREPHINE" import "$series" --output made/volume.nrrd --report made/import.json >said/import.out 2>said/import.err
 "$TREPHINE" run "$SOURCE/configs/ct_head.yaml" --series "$series" --out made/library --case p1 --keep made/kept --json made/run.json \
-  --set "haptic.spacing_mm=[3,3,3]" "${coarse[@]}" >said/run.out 2>said/run.err
+  "${coarsest[@]}" >said/run.out 2>said/run.err
 "$TREPHINE" export made/library/p1 --format stl,ply,obj,vtp,vtk,wrl,x3d,glb --out made/exported >said/export.out 2>said/export.err
 python3 "$canaries" seek "$series" said made
 # What a volume's file says besides its voxels: an allow-list.
