@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <regex>
 #include <utility>
 
 namespace trephine::dicom {
@@ -24,6 +23,25 @@ std::vector<std::string_view> split(std::string_view text) {
 template <class List>
 bool contains(const List& list, std::string_view word) {
   return std::find(std::begin(list), std::end(list), word) != std::end(list);
+}
+
+// `shape`: A stands for a capital, a for a small letter or none, 9 for a digit, 8 for a digit or none, all else for
+// itself.
+bool has_shape(std::string_view text, std::string_view shape) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t at = 0;
+  for (const char s : shape) {
+    const char c = at < text.size() ? text[at] : '\0';
+    const bool fits = s == 'A'               ? c >= 'A' && c <= 'Z'
+                      : s == 'a'             ? c >= 'a' && c <= 'z'
+                      : s == '9' || s == '8' ? digit(c)
+                                             : c == s;
+    if (fits)
+      ++at;
+    else if (s != 'a' && s != '8')
+      return false;
+  }
+  return at == text.size();
 }
 
 constexpr SopClass sop_classes[] = {
@@ -124,9 +142,11 @@ std::string known_kernel(std::string_view text) {
   if (contains(words, std::string_view(upper))) return upper;
   // Siemens B30f, Hr38s, J70h, 59.10.AH40; Toshiba FC21; Philips A to L, UA, YC; Hitachi 22: too short and too odd for
   // a name.
-  static const std::regex shape(
-      "[A-Z][a-z]?[0-9]{2}[a-z]?|[0-9]{2} ?\\.[0-9]{2}\\.[A-Z]{2}[0-9]{2}|FC[0-9]{2}|[A-Z]|[UYEI][A-E]|[0-9]{1,3}");
-  return std::regex_match(first.begin(), first.end(), shape) ? std::string(first) : "other";
+  const bool philips = first.size() == 2 && std::string_view("UYEI").find(first[0]) != std::string_view::npos &&
+                       first[1] >= 'A' && first[1] <= 'E';
+  static constexpr std::string_view shapes[] = {"Aa99a", "99.99.AA99", "99 .99.AA99", "FC99", "A", "988"};
+  const auto fits = [&](std::string_view shape) { return has_shape(first, shape); };
+  return philips || std::any_of(std::begin(shapes), std::end(shapes), fits) ? std::string(first) : "other";
 }
 
 int kernel_sharpness(std::string_view known) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -35,10 +34,14 @@ void add_leaves(const std::string& prefix, const P& params, Values& out) {
 
 // What a person did, whose values say nothing to a reader: digests, and each number of a landmark by itself. Else "".
 std::string in_words(const std::string& name) {
-  static const std::regex correction(R"((.*)\.correct\.file)"), landmark(R"((given_landmarks\.)?landmarks\.([^.]+).*)");
-  std::smatch found;
-  if (std::regex_match(name, found, correction)) return found[1].str() + ": its correction by hand changed";
-  return std::regex_match(name, found, landmark) ? "landmark " + found[2].str() + " changed" : "";
+  constexpr std::string_view correction = ".correct.file", given = "given_landmarks.", landmarks = "landmarks.";
+  std::string_view rest = name;
+  if (rest.size() > correction.size() && rest.substr(rest.size() - correction.size()) == correction)
+    return std::string(rest.substr(0, rest.size() - correction.size())) + ": its correction by hand changed";
+  if (rest.substr(0, given.size()) == given) rest.remove_prefix(given.size());
+  if (rest.substr(0, landmarks.size()) != landmarks) return "";
+  rest.remove_prefix(landmarks.size());
+  return "landmark " + std::string(rest.substr(0, rest.find('.'))) + " changed";
 }
 
 }  // namespace
