@@ -49,12 +49,15 @@ inline Message operator+(std::string before, const Setting& behind) {
 /// Why an error was thrown, where code does more than pass it on.
 enum class Cause {
   other,
-  child_limit,     ///< a child process reached a limit of time or memory
-  child_died,      ///< a child process died of a fault of its own
-  other_encoding,  ///< the file is whole, and stores its values in a way that this reader does not know
-  missing_slices,  ///< the positions of the slices make no volume
-  refused_output,  ///< of an anatomy (about()) whose field is good, what is published of it is not
+  child_limit,         ///< a child process reached a limit of time or memory
+  child_died,          ///< a child process died of a fault of its own
+  other_encoding,      ///< the file is whole, and stores its values in a way that this reader does not know
+  missing_slices,      ///< the positions of the slices make no volume
+  refused_output,      ///< of an anatomy (about()) whose field is good, what is published of it is not
+  too_many_triangles,  ///< a refused output: its surface has more than the scene allows
 };
+
+inline bool is_of_output(Cause cause) { return cause == Cause::refused_output || cause == Cause::too_many_triangles; }
 
 /// The one error type. It says who must act (the exit code), where (the file; the tag, field or stage), and what is
 /// wrong (the value, the limit or what to do). It is printed as one line, `trephine <tool>: <case token>: <file>:

@@ -5,6 +5,9 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/params.h"
+#include "meshing/decimate.h"
+#include "meshing/smooth.h"
 
 namespace trephine::publish {
 namespace {
@@ -33,8 +36,7 @@ Refused refused_by_check(const CaseConfig& config, const Error& e) {
     // For the one that is left out the check speaks against its field; what a stand-in replaces may still be of use to
     // others, such as a brain with a piece too many to the ventricles inside.
     if (const SceneAnatomy* a = shown(config, name); can_do_without(config, name))
-      return {name,
-              a->stand_in.empty() && e.cause() != Cause::refused_output ? 0 : config.find_anatomy(name)->steps.size()};
+      return {name, a->stand_in.empty() && !is_of_output(e.cause()) ? 0 : config.find_anatomy(name)->steps.size()};
   return {};
 }
 
@@ -100,6 +102,9 @@ class Conceding {
   }
 
   void do_without(const std::string& name, const std::string& why) {
+    auto& wider = made_.wider;  // of what is not there any more
+    wider.erase(std::remove_if(wider.begin(), wider.end(), [&](const auto& w) { return w.anatomy == name; }),
+                wider.end());
     auto& stood = made_.stand_ins;
     stood.erase(std::remove_if(stood.begin(), stood.end(), [&](const auto& s) { return s.anatomy == name; }),
                 stood.end());
@@ -115,7 +120,51 @@ class Conceding {
   Concessions& made_;
 };
 
+/// The step of the recipe with those parameters; null: there is none.
+template <class P>
+RecipeStep* step_of(RecipeAnatomy& recipe) {
+  for (RecipeStep& step : recipe.steps)
+    if (step.params.set == &parameters_of<P>()) return &step;
+  return nullptr;
+}
+
+bool widen(CaseConfig& config, const Error& e, Concessions& made) {
+  if (e.cause() != Cause::too_many_triangles) return false;
+  const std::string& name = e.about().front();
+  const SceneAnatomy* scene = shown(config, name);
+  const auto recipe = std::find_if(config.anatomies.begin(), config.anatomies.end(),
+                                   [&](const RecipeAnatomy& a) { return a.name == name; });
+  if (!can_do_without(config, name) || scene->max_deviation_mm <= 0 || recipe == config.anatomies.end()) return false;
+  RecipeStep *decimation = step_of<meshing::DecimateParams>(*recipe),
+             *smoothing = step_of<meshing::SmoothParams>(*recipe);
+  if (!decimation) return false;
+  auto reduced = decimation->params.as<meshing::DecimateParams>();
+  auto smoothed = smoothing ? smoothing->params.as<meshing::SmoothParams>() : meshing::SmoothParams{};
+  if (!smoothing) smoothed.max_displacement_mm = 0;
+  const double asked_mm = reduced.max_deviation_mm, all_mm = scene->max_deviation_mm, least_part = 0.1;
+  if (asked_mm <= 0) return false;
+  if (asked_mm >= all_mm - smoothed.max_displacement_mm - 1e-9) {
+    if (smoothed.max_displacement_mm < least_part * all_mm) return false;
+    smoothed.max_displacement_mm /= 3;
+    smoothing->params = AnyParams::make(smoothed);
+  }
+  reduced.max_deviation_mm = all_mm - smoothed.max_displacement_mm;
+  decimation->params = AnyParams::make(reduced);
+  const auto before =
+      std::find_if(made.wider.begin(), made.wider.end(), [&](const auto& w) { return w.anatomy == name; });
+  if (before == made.wider.end())
+    made.wider.push_back({name, asked_mm, reduced.max_deviation_mm, scene->max_triangles});
+  else
+    before->used_mm = reduced.max_deviation_mm;
+  return true;
+}
+
 }  // namespace
+
+std::string words_of(const WiderBound& w) {
+  return w.anatomy + ": reduced within " + to_text(ParameterValue(w.used_mm)) + " mm, not " +
+         to_text(ParameterValue(w.asked_mm)) + ", to have at most " + std::to_string(w.max_triangles) + " triangles";
+}
 
 std::string anatomy_of_stage(const CaseConfig& config, const Error& e) {
   for (const RecipeAnatomy& a : config.anatomies)
@@ -125,6 +174,7 @@ std::string anatomy_of_stage(const CaseConfig& config, const Error& e) {
 
 bool concede(CaseConfig& config, const Error& e, Concessions& made) {
   if (e.code() != ExitCode::quality) return false;
+  if (widen(config, e, made)) return true;
   const Refused refused = refused_by(config, e);
   if (refused.anatomy.empty()) return false;
   CaseConfig changed = config;
@@ -155,6 +205,7 @@ void sort_as(const std::vector<std::string>& anatomies, Concessions& made) {
   };
   std::stable_sort(made.missing.begin(), made.missing.end(), before);
   std::stable_sort(made.stand_ins.begin(), made.stand_ins.end(), before);
+  std::stable_sort(made.wider.begin(), made.wider.end(), before);
 }
 
 }  // namespace trephine::publish

@@ -50,7 +50,7 @@ std::vector<std::string> configs_without(const fs::path& file, const CaseConfig&
 
 std::optional<Error> with_other_configs(const Error& e, const fs::path& file, const CaseConfig& config) {
   if (e.code() != ExitCode::quality) return {};
-  const bool of_surface = e.stage().empty() && e.cause() == Cause::refused_output && !e.about().empty();
+  const bool of_surface = e.stage().empty() && is_of_output(e.cause()) && !e.about().empty();
   const std::string anatomy = of_surface ? e.about().front() : anatomy_of_stage(config, e);
   if (anatomy.empty()) return {};
   std::string names;

@@ -98,6 +98,7 @@ std::vector<stages::GradedWarning> tell_warnings(const std::string& token,
     all.push_back({{m.anatomy + ": left out: " + m.why, Severity::wrong}});
   for (const cases::CaseStandIn& s : made.without.stand_ins)
     all.push_back({{s.anatomy + ": " + s.by + " stands for it: " + s.why, Severity::wrong}});
+  for (const WiderBound& w : made.without.wider) all.push_back({{words_of(w), Severity::look}});
   const auto add = [&](const std::string& by, const Warning& w, bool is_known) {
     all.push_back({{by + ": " + to_text(w), stages::kind_of(w).severity}, is_known});
   };
@@ -271,6 +272,7 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       sort_as(wanted, made.without);
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;
+      for (const WiderBound& w : made.without.wider) content.remarks.push_back(words_of(w));
       content.manifest.figures.emplace_back(
           "verdict", verdict_text(judge_anatomies(wanted, content.manifest, content.evidence), content.manifest,
                                   content.evidence, content.remarks));

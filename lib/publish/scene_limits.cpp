@@ -23,7 +23,7 @@ void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, c
                   {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
                    "smoother kernel"})
         .finds_fault_with({limit.name})
-        .because(Cause::refused_output);
+        .because(Cause::too_many_triangles);
 }
 
 // The decimation of the anatomy where its published surface has the triangles of that: only smoothing and normals
