@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "library/build_jobs.h"
+#include "library/catalogue.h"
 #include "library/ninja.h"
 #include "library/sheet.h"
 #include "library/slurm_engine.h"
@@ -261,17 +262,29 @@ class Build {
     }
   }
 
+  // What the cases that were built do without, or have something simple in place of.
+  Named<std::string> concessions() const {
+    Named<std::string> lines;
+    for (const auto& [name, result] : results_)
+      if (const std::string token = name.substr(name.find('.') + 1); result.code == 0 && name == "case." + token)
+        lines.emplace_back(token, concessions_text(read_row(state_.library(), token)));
+    lines.erase(std::remove_if(lines.begin(), lines.end(), [](const auto& l) { return l.second.empty(); }),
+                lines.end());
+    return lines;
+  }
+
   void tell_result() {
     result_.table = std::to_string(result_.cases) + (result_.cases == 1 ? " case: " : " cases: ") +
                     std::to_string(result_.built) + " built, " + std::to_string(result_.fresh) + " as they were, " +
                     std::to_string(result_.failed) + " failed";
     if (result_.under_way > 0) result_.table += ", " + std::to_string(result_.under_way) + " on the cluster";
     result_.table += "\n";
+    Named<std::string> lines = concessions();
+    for (const auto& [token, r] : failures_) lines.emplace_back(token, std::to_string(r.code) + "  " + r.reason);
     std::size_t width = 0;
-    for (const auto& [token, r] : failures_) width = std::max(width, token.size());
-    for (const auto& [token, r] : failures_)
-      result_.table +=
-          token + std::string(width + 2 - token.size(), ' ') + std::to_string(r.code) + "  " + r.reason + "\n";
+    for (const auto& [token, line] : lines) width = std::max(width, token.size());
+    for (const auto& [token, line] : lines)
+      result_.table += token + std::string(width + 2 - token.size(), ' ') + line + "\n";
     nlohmann::ordered_json json = counts();
     json["built"] = result_.built;
     json["failed"] = result_.failed;

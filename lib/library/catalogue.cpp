@@ -154,6 +154,15 @@ void each_case(const fs::path& library, const LibraryFilter& filter, const std::
   }
 }
 
+std::string concessions_text(const CaseRow& row) {
+  std::string text;
+  for (const cases::CaseStandIn& s : row.manifest.stand_ins)
+    text += (text.empty() ? "" : ", ") + s.by + " stands for " + s.anatomy;
+  for (const cases::CaseMissing& m : row.manifest.missing)
+    text += (text.empty() ? "" : ", ") + m.anatomy + " is left out";
+  return text;
+}
+
 CaseRow read_library_case(const fs::path& library, const std::string& token) {
   cases::validate_case_token(token, ExitCode::usage);
   const std::vector<std::string> known = library_tokens(library);

@@ -68,6 +68,9 @@ std::vector<std::string> library_tokens(const std::filesystem::path& library);
 /// Reads one of these; what is wrong with it stands in its row.
 CaseRow read_row(const std::filesystem::path& library, const std::string& token);
 
+/// What the case does without, or has something simple in place of: "simple_brain stands for brain, dura is left out".
+std::string concessions_text(const CaseRow& row);
+
 /// Calls `visit` for each case that the filter lets pass, in the order of the tokens. Only a few rows are held at a
 /// time, so that a library may have any number of cases. Throws Error 66 where there is no library.
 void each_case(const std::filesystem::path& library, const LibraryFilter& filter,
