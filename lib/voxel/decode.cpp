@@ -11,12 +11,6 @@ namespace {
 
 constexpr int air_hu = -1000;
 
-// Saturates at air, 1/2 at the window's low end.
-double hu_occupancy(double hu, int low) {
-  const double half = std::max(1, low - air_hu);
-  return std::clamp(0.5 + (hu - low) / (2 * half), 0.0, 1.0);
-}
-
 // The cell whose corner is the voxel below the point, and where in it; false where no voxel of the lattice is near.
 bool find_cell(const grid::Lattice& lattice, Vec3 index, int* begin, double* fraction) {
   for (int a = 0; a < 3; ++a) {
@@ -40,6 +34,11 @@ void for_each_corner(const grid::Lattice& lattice, const int* begin, const doubl
 }
 
 }  // namespace
+
+double hu_occupancy(double hu, int low) {
+  const double half = std::max(1, low - air_hu);
+  return std::clamp(0.5 + (hu - low) / (2 * half), 0.0, 1.0);
+}
 
 HapticDecoder::HapticDecoder(const HapticVolume& volume) : volume_(volume) {
   for (const HapticShape& s : volume.shapes) {

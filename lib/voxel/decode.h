@@ -7,6 +7,10 @@
 
 namespace trephine::voxel {
 
+/// Encoding `hu`: the occupancy of a voxel that lies in a window that begins at `low`, or below every window. 1/2 at
+/// `low`, 0 in air, and straight between, so that the surface is where the HU cross `low`.
+double hu_occupancy(double hu, int low);
+
 /// Occupancy of one shape, 0 to 1, of a haptic volume: the values that contact, drilling and the mesher read. Only the
 /// constructor allocates, locks or throws; positions that are not finite, and numbers of no shape, give 0. The decoder
 /// refers to the volume, which must outlive it. Voxels may change meanwhile (drilling; they are read through relaxed

@@ -5,11 +5,14 @@
 
 namespace trephine::drill {
 
-/// Removes material from a haptic volume of encoding `occupancy`, in its servo loop [Rizzi, chapter 6, Tables VII and
-/// VIII, as rates in time]. The occupancy o of the voxels with the centre x falls by do/dt = -K w(x - c(t)), where w is
-/// the cutter's weight, c goes straight within a tick, and K is the smaller of max_rate_per_s and what the power
-/// allows: power / sum of energy * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in
-/// steps of 1/65280, so the removed volume does not depend on the tick's length.
+/// Removes material from a haptic volume, in its servo loop [Rizzi, chapter 6, Tables VII and VIII, as rates in time].
+/// The occupancy o of the voxels with the centre x falls by do/dt = -K w(x - c(t)), where w is the cutter's weight, c
+/// goes straight within a tick, and K is the smaller of max_rate_per_s and what the power allows: power / sum of energy
+/// * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in steps of 1/65280, so the removed
+/// volume does not depend on the tick's length.
+///
+/// Of a volume of HU the HU fall in place of the occupancy, by those of a full voxel a time (HuWindows): a voxel is its
+/// shape's until its HU leave the window, and no other shape's then.
 ///
 /// Only cuttable shapes are removed. Voxels only fall: the occupancy of no shape rises anywhere, and a voxel beside a
 /// cut becomes bare where its rest would go to another shape than before (cut_volume()). A voxel of two shapes that is
@@ -20,8 +23,8 @@ namespace trephine::drill {
 /// locks or makes a system call; equal calls give equal bits. After a call ContactVolume::loosen(changed) is due.
 class Drill {
  public:
-  /// `volume` and `marks` (may be null) must outlive it. Throws Error 65 where the encoding is not `occupancy`, or the
-  /// cutter is larger than 40 mm or has a size that is not positive.
+  /// `volume` and `marks` (may be null) must outlive it. Throws Error 78 where the cutter
+  /// is larger than 40 mm or has a size that is not positive.
   Drill(voxel::HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
         DirtyBricks* marks = nullptr);
 

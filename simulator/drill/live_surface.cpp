@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "drill/cell_triangles.h"
+#include "voxel/decode.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::drill {
@@ -20,9 +21,28 @@ const std::uint8_t* first_corner(const ShadowVolume& shadow, const std::array<in
 }
 
 constexpr std::uint16_t neighbours_say = voxel::haptic_full + 1;
+constexpr int solid_from = voxel::haptic_full / 2 + 1;
 
 // By raw value, the share of a shape in a voxel where the value alone says it.
-std::vector<std::uint16_t> known_shares(int number) {
+std::vector<std::uint16_t> known_shares_of_hu(const voxel::HapticVolume& volume, int number) {
+  std::vector<std::uint16_t> known(65536, neighbours_say);
+  int lowest = volume.shapes.front().window_low;
+  const voxel::HapticShape* own = nullptr;
+  for (const voxel::HapticShape& s : volume.shapes) {
+    lowest = std::min(lowest, int(s.window_low));
+    if (s.number == number) own = &s;
+  }
+  for (int hu = -32768; own && hu <= 32767; ++hu) {
+    const bool within = hu >= own->window_low && hu <= own->window_high;
+    const int share = int(std::lround(voxel::haptic_full * voxel::hu_occupancy(hu, own->window_low)));
+    if (within || hu < lowest)  // a voxel of the window is never drawn as one of none, however it is rounded
+      known[std::uint16_t(hu)] = std::uint16_t(within ? std::max(share, solid_from) : std::min(share, solid_from - 1));
+  }
+  return known;
+}
+
+std::vector<std::uint16_t> known_shares(const voxel::HapticVolume& volume, int number) {
+  if (volume.encoding == voxel::HapticEncoding::hu) return known_shares_of_hu(volume, number);
   std::vector<std::uint16_t> known(65536, 0);
   for (int raw = voxel::haptic_base_step; raw <= 32767; ++raw) {
     const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
@@ -35,25 +55,46 @@ std::vector<std::uint16_t> known_shares(int number) {
   return known;
 }
 
+// Encoding `hu`: towards another window the surface lies between the voxels (haptic_volume.h). So what is of another
+// one has as little of the shape as the voxels of the shape beside it have more than half.
+int share_beside(const grid::Grid<std::int16_t>& v, const std::vector<std::uint16_t>& known, int i, int j, int k) {
+  int sum = 0, count = 0;
+  const auto look = [&](int x, int y, int z) {
+    if (!v.contains(x, y, z)) return;
+    const int share = known[std::uint16_t(voxel::detail::load_voxel(v.voxels[v.index(x, y, z)]))];
+    if (share >= neighbours_say || share < solid_from) return;
+    sum += share;
+    ++count;
+  };
+  for (const int d : {-1, 1}) {
+    look(i + d, j, k);
+    look(i, j + d, k);
+    look(i, j, k + d);
+  }
+  return count == 0 ? 0 : voxel::haptic_full - (sum + count / 2) / count;
+}
+
 }  // namespace
 
+int ShadowVolume::share(int i, int j, int k) const {
+  const grid::Grid<std::int16_t>& v = volume_.voxels;
+  const int known = known_[std::uint16_t(voxel::detail::load_voxel(v.voxels[v.index(i, j, k)]))];
+  if (known < neighbours_say) return known;
+  return volume_.encoding == voxel::HapticEncoding::hu ? share_beside(v, known_, i, j, k)
+                                                       : voxel::detail::share_of(v, number_, i, j, k);
+}
+
 ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
-    : volume_(volume), number_(number), layout_(volume.voxels) {
+    : volume_(volume), number_(number), layout_(volume.voxels), known_(known_shares(volume, number)) {
   for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
   values_.assign(size_[0] * size_[1] * size_[2], 0);
   reads_it_.assign(layout_.count(), 0);
   const grid::Grid<std::int16_t>& v = volume.voxels;
-  const std::vector<std::uint16_t> known = known_shares(number);
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < v.size[1]; ++j) {
-        const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
         std::uint8_t* out = values_.data() + index(0, j, k);
-        for (int i = 0; i < v.size[0]; ++i) {
-          const std::uint16_t share = known[std::uint16_t(voxel::detail::load_voxel(row[i]))];
-          out[i] =
-              std::uint8_t(share <= voxel::haptic_full ? int(share) : voxel::detail::share_of(v, number_, i, j, k));
-        }
+        for (int i = 0; i < v.size[0]; ++i) out[i] = std::uint8_t(share(i, j, k));
       }
   });
 }
@@ -71,7 +112,7 @@ bool ShadowVolume::copy(std::size_t brick) {
     for (int j = low[1]; j <= high[1]; ++j) {
       std::uint8_t* row = values_.data() + index(0, j, k);
       for (int i = low[0]; i <= high[0]; ++i) {
-        const std::uint8_t now = std::uint8_t(voxel::detail::share_of(v, number_, i, j, k));
+        const std::uint8_t now = std::uint8_t(share(i, j, k));
         if (row[i] == now) continue;
         row[i] = now;
         changed = true;

@@ -18,9 +18,9 @@ struct BrickMesh {
   std::vector<std::uint16_t> indices;  ///< three a triangle, counter-clockwise from outside
 };
 
-/// One shape's occupancy, 0 to 255, as surfaces are made of it: a copy of the volume by the rule of shared voxels, with
-/// two EMPTY voxels around. So all bricks are made of the same values, whatever is cut meanwhile, and no crack opens
-/// between them.
+/// One shape's occupancy, 0 to 255, as surfaces are made of it: a copy of the volume by the rule of shared voxels, or
+/// by the windows of encoding `hu`, with two EMPTY voxels around. So all bricks are made of the same values, whatever
+/// is cut meanwhile, and no crack opens between them.
 class ShadowVolume {
  public:
   ShadowVolume(const voxel::HapticVolume& volume, int number);
@@ -47,10 +47,12 @@ class ShadowVolume {
 
  private:
   bool copy(std::size_t brick);
+  int share(int i, int j, int k) const;
 
   const voxel::HapticVolume& volume_;
   int number_;
   BrickLayout layout_;
+  std::vector<std::uint16_t> known_;  ///< by raw value, the share of it where the value alone says it
   std::size_t size_[3];
   std::vector<std::uint8_t> values_;
   std::vector<std::uint8_t> reads_it_;  ///< by brick: 1 where it reads a voxel that changed

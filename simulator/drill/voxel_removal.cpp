@@ -31,15 +31,14 @@ VoxelRemoval::VoxelRemoval(voxel::HapticVolume& volume, const DrillShapes& shape
       max_rate_per_s_(params.max_rate_per_s),
       voxel_mm3_(volume.voxels.voxel_volume_mm3()),
       marks_(marks) {
-  if (volume.encoding != voxel::HapticEncoding::occupancy)
-    throw Error(ExitCode::bad_input, "", "encoding", "must be occupancy: a volume of HU cannot be drilled");
+  if (volume.encoding == voxel::HapticEncoding::hu) hu_.emplace(volume);
   fraction_.assign(volume.voxels.count(), 0);
   kind_.assign(65536, 0);
   for (const voxel::HapticShape& s : volume.shapes)
     for (int raw = s.window_low; raw <= s.window_high; ++raw) {
       const voxel::detail::RawVoxel v = voxel::detail::split(std::int16_t(raw));
-      if (v.number != s.number) continue;
-      const bool rest = !v.bare && v.share < voxel::haptic_full;
+      if (!hu_ && v.number != s.number) continue;
+      const bool rest = !hu_ && !v.bare && v.share < voxel::haptic_full;
       kind_[std::uint16_t(raw)] = std::uint8_t((removes(s.number, false) ? drilled : 0) |
                                                (removes(s.number, true) ? incised : 0) | (rest ? shared : 0));
     }
@@ -59,7 +58,7 @@ void VoxelRemoval::begin() {
   changing_ = {};
 }
 
-void VoxelRemoval::cut(double budget_j) { apply(rate_for(budget_j) * voxel::haptic_full * fine, false); }
+void VoxelRemoval::cut(double budget_j) { apply(rate_for(budget_j), false); }
 
 void VoxelRemoval::go_on(Incision& cut) {
   entries_.clear();
@@ -76,8 +75,9 @@ void VoxelRemoval::go_on(Incision& cut) {
         if ((kind & (incised | shared)) == 0) continue;
         const Vec3 d = l.to_world_mm({double(i), double(cut.row), double(cut.slice)}) - cut.middle_mm;
         if (dot(d, d) > cut.radius_mm * cut.radius_mm) continue;
-        entries_.push_back(
-            {at, std::int16_t(i), std::int16_t(cut.row), std::int16_t(cut.slice), voxel::haptic_full, 0, 0, 0, 0});
+        const std::int16_t nothing = hu_ ? std::int16_t(voxel::haptic_beyond_hu) : std::int16_t(0);
+        entries_.push_back({at, std::int16_t(i), std::int16_t(cut.row), std::int16_t(cut.slice), voxel::haptic_full, 0,
+                            0, 0, voxel::haptic_full, nothing});
       }
     }
   apply(0, true);
@@ -102,7 +102,12 @@ double VoxelRemoval::rate_for(double budget_j) {
   for (int pass = 0; pass < 4; ++pass) {
     double work_j = 0, ended_j = 0;  // work_j: at a rate of 1 per second
     for (Entry& e : entries_) {
-      if (pass == 0) {
+      if (pass == 0 && hu_) {
+        const std::int16_t hu = voxel::detail::load_voxel(volume_.voxels.voxels[e.at]);
+        const int number = hu_->number(hu);
+        e.energy = float(voxel_mm3_ * energy_of(number, e.at));
+        e.left = float(std::max(0.0, hu_->left(number, hu, e.stays) - fraction_[e.at] / double(fine)) / e.full);
+      } else if (pass == 0) {
         const voxel::detail::RawVoxel v = voxel::detail::split(voxel::detail::load_voxel(volume_.voxels.voxels[e.at]));
         const double share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
         e.energy = float(voxel_mm3_ * energy_of(removes(v.number, false) ? v.number : 0, e.at));
@@ -149,28 +154,34 @@ void VoxelRemoval::collect(const CutterBody& body, double time_s, int slice, int
         if (!(at.stays < 1) || !(at.weight > 0)) continue;
         const voxel::detail::RawVoxel v = voxel::detail::split(raw);
         const int share = removes(v.number, false) ? v.share : voxel::haptic_full - v.share;
-        const int stays = int(std::ceil(at.stays * voxel::haptic_full));
-        if (share <= stays || entries_.size() == entries_.capacity()) continue;
+        const int number = hu_ ? hu_->number(raw) : 0;
+        const int stays = hu_ ? hu_->target(number, at.stays) : int(std::ceil(at.stays * voxel::haptic_full));
+        if ((hu_ ? int(raw) : share) <= stays || entries_.size() == entries_.capacity()) continue;
         entries_.push_back({std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0,
-                            float(at.weight * time_s), 0, 0, std::int16_t(stays)});
+                            float(at.weight * time_s), 0, 0, std::int16_t(hu_ ? hu_->full(number) : voxel::haptic_full),
+                            std::int16_t(stays)});
       }
     }
 }
 
-void VoxelRemoval::apply(double units_per_dose, bool incision) {
+void VoxelRemoval::apply(double rate_per_s, bool incision) {
   changes_.clear();
   shared_.clear();
   changing_ = {};
   for (Entry& e : entries_) {
     if (!incision) {
       log_.note({e.at, voxel::detail::load_voxel(volume_.voxels.voxels[e.at]), fraction_[e.at]});
-      std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
-      if (e.stays > 0)  // left is what remains above that
-        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * voxel::haptic_full * fine));
-      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, voxel::haptic_full));
+      const double all = hu_ ? 32767 : voxel::haptic_full;
+      std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * (rate_per_s * e.full * fine));
+      if (hu_ || e.stays > 0)  // left is what remains above that
+        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * e.full * fine));
+      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, std::int64_t(all)));
       fraction_[e.at] = std::uint8_t(fall % fine);
     }
-    if (e.fall > 0) lower(e, incision);
+    if (e.fall > 0 && hu_)
+      lower_hu(e, incision);
+    else if (e.fall > 0)
+      lower(e, incision);
   }
   if (changes_.empty()) return;
   if (any_shared_) keep_shared();
@@ -204,6 +215,17 @@ void VoxelRemoval::lower(const Entry& e, bool incision) {
                          ((removes(v.number, false) ? gone * energy_of(v.number, e.at) : 0) +
                           (removes(other, false) ? gone_too * energy_of(other, e.at) : 0));
   note({e.at, e.i, e.j, e.k, raw});
+}
+
+void VoxelRemoval::lower_hu(const Entry& e, bool incision) {
+  const std::int16_t hu = voxel::detail::load_voxel(volume_.voxels.voxels[e.at]);
+  const int number = hu_->number(hu);
+  if (!removes(number, incision)) return;
+  const std::int16_t now = incision ? e.stays : hu_->settled(number, hu - e.fall, e.stays);
+  if (now >= hu) return;
+  if (hu_->number(now) != number) removed_.units[std::size_t(number)] += voxel::haptic_full;
+  if (!incision) removed_.energy_j += voxel_mm3_ * energy_of(number, e.at) * e.fall / e.full;
+  note({e.at, e.i, e.j, e.k, now});
 }
 
 void VoxelRemoval::note(const Change& change) {

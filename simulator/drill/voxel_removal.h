@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "drill/bricks.h"
 #include "drill/cutter_body.h"
+#include "drill/hu_windows.h"
 #include "drill/removal.h"
 #include "drill/undo_log.h"
 
@@ -55,9 +57,10 @@ class VoxelRemoval {
  private:
   struct Entry {
     std::uint32_t at;
-    std::int16_t i, j, k, fall;  ///< fall: of 1/255; the fraction is kept
-    float dose, energy, left;    ///< s; J of the full voxel; occupancy
-    std::int16_t stays = 0;      ///< what is not removed, of 1/255
+    std::int16_t i, j, k, fall;  ///< fall: of 1/255, or HU; the fraction is kept
+    float dose, energy, left;    ///< s; J of the full voxel; share of a full voxel
+    std::int16_t full;           ///< 255, or the HU of a full voxel
+    std::int16_t stays = 0;      ///< what is not removed: of 1/255, or the HU that are left
   };
   struct Change {
     std::uint32_t at;
@@ -68,8 +71,9 @@ class VoxelRemoval {
     std::int16_t i, j, k, other;
   };
   double rate_for(double budget_j);
-  void apply(double units_per_dose, bool incision);
+  void apply(double rate_per_s, bool incision);
   void lower(const Entry& e, bool incision);
+  void lower_hu(const Entry& e, bool incision);
   void keep_shared();
   void store(bool incision);
   void mark_changes();
@@ -87,7 +91,8 @@ class VoxelRemoval {
   const DrillShapes shapes_;
   const double soft_energy_ratio_, max_rate_per_s_, voxel_mm3_;
   DirtyBricks* marks_;
-  std::vector<std::uint8_t> fraction_;  ///< of 1/255, by voxel
+  std::optional<HuWindows> hu_;         ///< of encoding `hu`
+  std::vector<std::uint8_t> fraction_;  ///< of 1/255, or of a HU, by voxel
   std::vector<std::uint8_t> kind_;  ///< by raw value: 1 its shape is drilled, 2 incised, 4 the rest may be of another
   bool any_shared_ = false;
   std::vector<Entry> entries_;

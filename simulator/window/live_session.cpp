@@ -19,7 +19,6 @@ constexpr double rate_over_s = 0.5;
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 bool can_cut(const session::Patient& p) {
-  if (p.felt.loaded.haptic.encoding != voxel::HapticEncoding::occupancy) return false;
   const auto& shapes = p.felt.loaded.manifest.haptic.shapes;
   return std::any_of(shapes.begin(), shapes.end(), [](const cases::CaseShape& s) { return s.cuttable; });
 }
