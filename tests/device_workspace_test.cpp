@@ -2,6 +2,7 @@
 // A device of another workspace: scale, offset, and a clutch.
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "device/workspace.h"
 
 using namespace trephine;
@@ -50,6 +51,40 @@ TEST(HapticsWorkspace, ScalesAndLetsGoWhileTheClutchIsDown) {
   EXPECT_EQ(at({-60, 0, 8}, 0), (Vec3{105, 10, 19}));
   EXPECT_EQ(hand.felt, (Vec3{1, 2, 3}));
   EXPECT_EQ(device->counts().back(), (std::pair<std::string, std::uint64_t>{"clutches", 1}));
+}
+
+// What is up for the hand is up for the patient, who faces it: motion, direction and force alike.
+TEST(HapticsWorkspace, ADevicesAxesAreTurnedToThePatients) {
+  const Vec3 left{1, 0, 0}, front{0, -1, 0}, up{0, 0, 1};
+  struct Preset {
+    const char* name;
+    Vec3 right, to_operator, up;  ///< of the device
+  };
+  for (const Preset& p :
+       {Preset{"touch", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, Preset{"omega", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
+        Preset{"+x,-z,+y", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}}}) {
+    auto owned = std::make_unique<Hand>();
+    Hand& hand = *owned;
+    device::WorkspaceParams params;
+    params.workspace_axes = p.name;
+    const std::unique_ptr<device::Device> device = device::in_workspace(std::move(owned), params);
+    device::DeviceReading r;
+    const std::pair<Vec3, Vec3> same[] = {{p.right, left}, {p.to_operator, front}, {p.up, up}};
+    for (const auto& [of_device, of_patient] : same) {
+      hand.is.tip_mm = of_device * 7;
+      hand.is.axis = of_device;
+      EXPECT_TRUE(device->read(0.001, r));
+      EXPECT_EQ(r.tip_mm, of_patient * 7) << p.name;
+      EXPECT_EQ(r.axis, of_patient) << p.name;
+      device->send(of_patient * 2);
+      EXPECT_EQ(hand.felt, of_device * 2) << p.name;
+    }
+  }
+  for (const char* wrong : {"", "x,y,z", "+x,+y", "+x,+x,+z", "+y,+x,+z", "-x,+y,+z", "phantom"}) {
+    device::WorkspaceParams params;
+    params.workspace_axes = wrong;
+    EXPECT_THROW(device::in_workspace(std::make_unique<Hand>(), params), Error) << wrong;
+  }
 }
 
 TEST(HapticsWorkspace, IsTheDeviceItselfWhereItChangesNothing) {

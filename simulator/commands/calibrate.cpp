@@ -32,7 +32,10 @@ Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
 // The device's middle is put to the case's; its workspace is not made larger or smaller.
 Json settings_of(const session::Calibration& c, const session::SessionOptions& o, Vec3 centre_mm) {
   const Vec3 middle = (c.workspace.min_mm + c.workspace.max_mm) / 2;
-  return {{"rate_hz", o.servo.rate_hz}, {"workspace_scale", 1}, {"workspace_offset_mm", list_of(centre_mm - middle)}};
+  return {{"rate_hz", o.servo.rate_hz},
+          {"workspace_axes", o.workspace.workspace_axes},
+          {"workspace_scale", 1},
+          {"workspace_offset_mm", list_of(centre_mm - device::workspace_axes(o.workspace) * middle)}};
 }
 
 ExitCode run_calibrate(const cli::ParsedCommand& given) {

@@ -103,7 +103,8 @@ ExitCode run_play(const cli::ParsedCommand& given) {
     // The registration alone says where the tool is: another scale, place or a clutch would take it away from the hand.
     const device::WorkspaceParams& own = o.session.workspace;
     const device::WorkspaceParams none;
-    const char* moved = own.workspace_scale != none.workspace_scale           ? "workspace_scale"
+    const char* moved = own.workspace_axes != none.workspace_axes             ? "workspace_axes"
+                        : own.workspace_scale != none.workspace_scale         ? "workspace_scale"
                         : own.workspace_offset_mm != none.workspace_offset_mm ? "workspace_offset_mm"
                         : own.clutch_button != none.clutch_button             ? "clutch_button"
                                                                               : nullptr;

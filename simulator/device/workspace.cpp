@@ -1,13 +1,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "device/workspace.h"
 
+#include "base/error.h"
+#include "base/text.h"
 #include "haptics/drilling.h"
 
 namespace trephine::device {
 
+Mat3 workspace_axes(const WorkspaceParams& params) {
+  const std::string& text = params.workspace_axes;
+  const std::vector<std::string> rows = split_at(text == "lps"     ? "+x,+y,+z"
+                                                 : text == "touch" ? "+x,-z,+y"
+                                                 : text == "omega" ? "+y,-x,+z"
+                                                                   : text,
+                                                 ',');
+  Mat3 m{{Vec3{}, Vec3{}, Vec3{}}};
+  bool good = rows.size() == 3;
+  for (std::size_t r = 0; good && r < 3; ++r) {
+    const std::string& row = rows[r];
+    good = row.size() == 2 && (row[0] == '+' || row[0] == '-') && row[1] >= 'x' && row[1] <= 'z';
+    if (good) m.column[std::size_t(row[1] - 'x')][int(r)] = row[0] == '+' ? 1 : -1;
+  }
+  const double turns = determinant(m);
+  if (!good || turns == 0)
+    throw Error(
+        ExitCode::usage, "", "workspace_axes",
+        text +
+            ", must be lps, touch, omega, or three axes of the device with their signs, each once, such as +x,-z,+y");
+  if (turns < 0)
+    throw Error(ExitCode::usage, "", "workspace_axes", text + ", would mirror the hand; turn the sign of one axis");
+  return m;
+}
+
 WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params)
     : device_(std::move(device)),
       params_(params),
+      axes_(workspace_axes(params)),
       offset_mm_{params.workspace_offset_mm[0], params.workspace_offset_mm[1], params.workspace_offset_mm[2]} {}
 
 double WorkspaceDevice::damping_n_s_per_mm() const {
@@ -16,7 +44,9 @@ double WorkspaceDevice::damping_n_s_per_mm() const {
 
 bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
   if (!device_->read(dt_s, out)) return false;
-  const Vec3 scaled = out.tip_mm * params_.workspace_scale;
+  const Vec3 scaled = axes_ * out.tip_mm * params_.workspace_scale;
+  out.axis = axes_ * out.axis;
+  out.across = axes_ * out.across;
   const bool down = params_.clutch_button > 0 && (out.buttons >> (params_.clutch_button - 1) & 1) != 0;
   if (down && !clutched_) {
     rests_ = out;
@@ -38,13 +68,14 @@ bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
   return true;
 }
 
-void WorkspaceDevice::send(Vec3 force_n) { device_->send(clutched_ ? Vec3{} : force_n); }
+void WorkspaceDevice::send(Vec3 force_n) { device_->send(clutched_ ? Vec3{} : transpose_times(axes_, force_n)); }
 
 void WorkspaceDevice::tell(const DeviceNews& news) {
-  if (!clutched_) return device_->tell(news);
-  DeviceNews rests = news;
-  rests.torque_n_mm = {};
-  device_->tell(rests);
+  DeviceNews own = news;
+  own.torque_n_mm = clutched_ ? Vec3{} : transpose_times(axes_, news.torque_n_mm);
+  own.axis = transpose_times(axes_, news.axis);
+  own.across = transpose_times(axes_, news.across);
+  device_->tell(own);
 }
 
 std::vector<std::pair<std::string, std::uint64_t>> WorkspaceDevice::counts() const {
@@ -55,8 +86,8 @@ std::vector<std::pair<std::string, std::uint64_t>> WorkspaceDevice::counts() con
 
 std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const WorkspaceParams& params) {
   const WorkspaceParams none;
-  if (params.workspace_scale == none.workspace_scale && params.workspace_offset_mm == none.workspace_offset_mm &&
-      params.clutch_button == 0)
+  if (workspace_axes(params) == workspace_axes(none) && params.workspace_scale == none.workspace_scale &&
+      params.workspace_offset_mm == none.workspace_offset_mm && params.clutch_button == 0)
     return device;
   return std::make_unique<WorkspaceDevice>(std::move(device), params);
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <string>
 
 #include "base/params.h"
 #include "device/device.h"
@@ -11,12 +12,19 @@ namespace trephine::device {
 
 /// How a device's workspace lies in the case's space.
 struct WorkspaceParams {
+  std::string workspace_axes = "lps";
   double workspace_scale = 1;
   std::array<double, 3> workspace_offset_mm{0, 0, 0};
   int clutch_button = 0;
   template <class V>
   static void describe(V& v) {
     using P = WorkspaceParams;
+    v.text(&P::workspace_axes, "workspace_axes",
+           "Which axes of the device point to the patient's left, back and head, such as +x,-z,+y; or a name: lps "
+           "(+x,+y,+z), "
+           "touch (its y points up and its z to the operator: +x,-z,+y), omega (its x points to the operator and its z "
+           "up: "
+           "+y,-x,+z). With these two the patient faces the operator, upright.");
     v.number(&P::workspace_scale, "workspace_scale", Range{0.01, 100},
              "How far the tool moves for each mm of the device.");
     v.numbers(&P::workspace_offset_mm, "workspace_offset_mm", Range{-1e5, 1e5},
@@ -26,10 +34,15 @@ struct WorkspaceParams {
   }
 };
 
-/// A device of another workspace: positions are scaled and shifted, and while the clutch is down the tool rests where
-/// it is, without force on the hand and with the pedal up, and takes the device's new place for its own; the device's
-/// other buttons count. Forces are those at the tool, so a wall is workspace_scale times as stiff at the hand, and the
-/// damping that the tool sees is the device's divided by it: both say how stiff a wall may be (acceptance case H3).
+/// The rotation that workspace_axes names: `axes * p` is a device's direction p in the case's axes (LPS). Throws Error
+/// 64 where the text is none, or would mirror the hand.
+Mat3 workspace_axes(const WorkspaceParams& params);
+
+/// A device of another workspace: positions are turned, scaled and shifted, directions and forces turned, and while the
+/// clutch is down the tool rests where it is, without force on the hand and with the pedal up, and takes the device's
+/// new place for its own; the device's other buttons count. Forces are those at the tool, so a wall is workspace_scale
+/// times as stiff at the hand, and the damping that the tool sees is the device's divided by it: both say how stiff a
+/// wall may be (acceptance case H3).
 class WorkspaceDevice : public Device {
  public:
   WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params);
@@ -43,6 +56,7 @@ class WorkspaceDevice : public Device {
  private:
   std::unique_ptr<Device> device_;
   WorkspaceParams params_;
+  Mat3 axes_;
   Vec3 offset_mm_;
   DeviceReading rests_;
   bool clutched_ = false;

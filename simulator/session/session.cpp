@@ -107,8 +107,10 @@ device::DeviceScene Session::scene_of(const SessionOptions& options,
   // The workspace moves and scales what a device says: it begins where the tool is to begin.
   const device::WorkspaceParams& w = options.workspace;
   device::HandBegin begin = device::begin_of(scene);
-  begin.tip_mm = (begin.tip_mm - Vec3{w.workspace_offset_mm[0], w.workspace_offset_mm[1], w.workspace_offset_mm[2]}) /
-                 w.workspace_scale;
+  const Mat3 axes = device::workspace_axes(w);
+  const Vec3 offset_mm{w.workspace_offset_mm[0], w.workspace_offset_mm[1], w.workspace_offset_mm[2]};
+  begin.tip_mm = transpose_times(axes, begin.tip_mm - offset_mm) / w.workspace_scale;
+  begin.axis = transpose_times(axes, begin.axis);
   scene.begin = begin;
   const cases::CaseManifest& m = patient_->felt.loaded.manifest;
   if (!options.drilling.drill) return scene;
