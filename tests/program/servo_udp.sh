@@ -26,8 +26,10 @@ on_bone() ( exec "$work/client" 127.0.0.1 "$port" "$1" 1 -20 317 0 0 -1 "${@:2}"
 
 case=$work/drill
 
+# The client in C, and that in Python.
+for language in c python; do
 begin --timeout-ms 10000 --seconds 2 --tool ball --tool-diameter-mm 2 --record "$work/a.servo" --json "$work/a.json"
-on_bone 3 5 "$work/log" >"$work/client_text" || fail "the client: $(cat "$work/client_text")"
+on_bone 3 5 "$work/log" >"$work/client_text" || fail "the client in $language: $(cat "$work/client_text")"
 wait $servo || fail "the servo: $(cat "$work/stderr")"
 grep -Eq '^udp: [0-9]+ poses, [0-9]+ answers, 0 malformed, 0 late, 0 strangers, [0-9]+ gaps$' "$work/text" || { cat "$work/text"; fail "counts"; }
 python3 - "$work/a.json" "$work/a.servo" "$work/log" <<'PY'
@@ -51,6 +53,9 @@ assert any(a[7:10] != [0, 0, 0] for a in answers), "no torque came back"
 assert any(a[10] & 1 for a in answers), "no touch was told"
 PY
 "$TREPHINE" replay "$work/drill" "$work/a.servo" >/dev/null || fail "the recording does not replay"
+on_bone() { /usr/bin/python3 "$SOURCE/examples/udp_client/udp_client.py" 127.0.0.1 "$port" "$1" 1 -20 317 0 0 -1 "${@:2}"; }
+done
+on_bone() ( exec "$work/client" 127.0.0.1 "$port" "$1" 1 -20 317 0 0 -1 "${@:2}" )
 
 # With its pedal down it drills.
 begin --timeout-ms 10000 --seconds 3 --tool ball --tool-diameter-mm 4 --drill --record "$work/d.servo" --json "$work/d.json"
