@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text_shape.h"
+
 namespace trephine::dicom {
 namespace {
 
@@ -23,25 +25,6 @@ std::vector<std::string_view> split(std::string_view text) {
 template <class List>
 bool contains(const List& list, std::string_view word) {
   return std::find(std::begin(list), std::end(list), word) != std::end(list);
-}
-
-// `shape`: A stands for a capital, a for a small letter or none, 9 for a digit, 8 for a digit or none, all else for
-// itself.
-bool has_shape(std::string_view text, std::string_view shape) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t at = 0;
-  for (const char s : shape) {
-    const char c = at < text.size() ? text[at] : '\0';
-    const bool fits = s == 'A'               ? c >= 'A' && c <= 'Z'
-                      : s == 'a'             ? c >= 'a' && c <= 'z'
-                      : s == '9' || s == '8' ? digit(c)
-                                             : c == s;
-    if (fits)
-      ++at;
-    else if (s != 'a' && s != '8')
-      return false;
-  }
-  return at == text.size();
 }
 
 constexpr SopClass sop_classes[] = {

@@ -18,7 +18,7 @@ struct SurfaceSample {
   Vec3 point_mm, normal;
 };
 
-constexpr double none = std::numeric_limits<double>::infinity(), samples_per_mm2 = 5;
+constexpr double none = std::numeric_limits<double>::infinity();
 
 // Whether a point is in the shape as it is felt.
 struct FeltShape {
@@ -71,14 +71,12 @@ bool well_within(const grid::Lattice& l, Vec3 world) {
   return true;
 }
 
-// One point in each of so many stretches of equal area, in the order of the triangles.
-std::vector<SurfaceSample> samples_on(const surface::TriMesh& mesh, std::int64_t most) {
+// One point in each of `count` stretches of equal area, in the order of the triangles.
+std::vector<SurfaceSample> samples_on(const surface::TriMesh& mesh, std::int64_t count) {
   std::vector<SurfaceSample> samples;
   double total = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(surface::triangle_normal(mesh, t)) / 2;
-  if (!(total > 0) || !std::isfinite(total) || most < 1) return samples;
-  constexpr std::int64_t least = 1000;
-  const std::int64_t count = std::min(most, std::max(least, std::int64_t(std::min(total * samples_per_mm2, 1e12))));
+  if (!(total > 0) || !std::isfinite(total) || count < 1) return samples;
   samples.reserve(std::size_t(count));
   // The fractional parts of multiples of 1/g, 1/g^2, 1/g^3 (g^4 = g + 1) fill a cube evenly.
   constexpr double g1 = 0.8191725133961645, g2 = 0.6710436067037893, g3 = 0.5497004779019703;

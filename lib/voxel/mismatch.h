@@ -20,9 +20,7 @@ struct MismatchParams {
   template <class V>
   static void describe(V& v) {
     using P = MismatchParams;
-    v.integer(&P::sample_count, "sample_count", Range{100, 100000000},
-              "Largest count of points on the displayed surface. Small surfaces get 5 points a square millimetre, at "
-              "least 1,000.");
+    v.integer(&P::sample_count, "sample_count", Range{100, 100000000}, "Count of points on the displayed surface.");
     v.number(&P::reach_mm, "reach_mm", Range{0.01, 100}, "How far along the normal the felt surface is searched for.");
     v.choice(&P::felt, "felt", {{"sub_voxel", FeltSurface::sub_voxel}, {"nearest", FeltSurface::nearest}},
              "Which surface of the volume is felt. sub_voxel: that between the voxels' values; nearest: the voxels' "

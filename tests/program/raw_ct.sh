@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A raw CT without segmentation, by the scene that docs/haptics.md prints: felt, drawn and drilled. A window of HU has a whole surface,
+# the picture of the drilled bone is that of the volume, and the recording gives the same bits again.
+. "$(dirname "$0")/common.sh"
+root=$work/root
+mkdir -p "$root" && touch "$root/trephine.root"
+cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$root"
+sed -n '/^A raw CT can be felt/,$p' "$SOURCE/docs/haptics.md" | sed -n '/^```yaml/,/^```$/p' | sed '1d;/^```$/,$d' >"$root/configs/scenes/raw.yaml"
+grep -q 'encoding: hu' "$root/configs/scenes/raw.yaml" || fail "docs/haptics.md holds no scene of a raw CT"
+printf 'trephine: 1\ncase: raw\npipeline: ../pipelines/ventriculostomy.yaml\nscene: scenes/raw.yaml\nlandmarks: {kocher_right: [-25, -38, 116]}\n' \
+  >"$root/configs/raw.yaml"
+make() {  # CASE FLAGS...
+  "$OFFLINE" run "$root/configs/raw.yaml" --series "$SOURCE/sample_dicom" --out "$work/out" --case "$1" --quiet --no-pictures --no-page \
+    --set "haptic.spacing_mm=[1.2,1.2,1.2]" "${@:2}" >"$work/said" 2>&1 || { cat "$work/said"; fail "no case $1"; }
+}
+make raw
+"$TREPHINE" check "$work/out/raw" >"$work/said" || { cat "$work/said"; fail "check"; }
+grep -q '2 bone .*cuttable' "$work/said" || { cat "$work/said"; fail "bone is not said to be cuttable"; }
+
+# How much of the picture the surface covers between its own left and right ends, row by row: rings leave most of it open.
+cover() {
+  "$TREPHINE" render "$work/out/raw" --out "$work/pictures" --view back --opacity "$1" --width 320 --height 240 --no-places >"$work/said" 2>&1 ||
+    { cat "$work/said"; grep -q 'OpenGL' "$work/said" && skip "no OpenGL here"; fail "render"; }
+  python3 - "$work/pictures/frame-00001.png" "$2" <<'PY'
+import struct, sys, zlib
+data, at, packed = open(sys.argv[1], "rb").read(), 8, b""
+while at < len(data):
+    size, kind = struct.unpack_from(">I4s", data, at)
+    body = data[at + 8:at + 8 + size]
+    if kind == b"IHDR": w, h, depth, colour = struct.unpack_from(">IIBB", body)
+    if kind == b"IDAT": packed += body
+    at += 12 + size
+assert (depth, colour) == (8, 2), (depth, colour)
+raw, row, rows = zlib.decompress(packed), bytearray(3 * w), []
+for y in range(h):
+    kind, line = raw[y * (3 * w + 1)], raw[y * (3 * w + 1) + 1:(y + 1) * (3 * w + 1)]
+    now = bytearray(3 * w)
+    for n, v in enumerate(line):
+        a, b, c = (now[n - 3] if n >= 3 else 0), row[n], (row[n - 3] if n >= 3 else 0)
+        p = a + b - c
+        near = a if abs(p - a) <= abs(p - b) and abs(p - a) <= abs(p - c) else b if abs(p - b) <= abs(p - c) else c
+        now[n] = v + (0, a, b, (a + b) // 2, near)[kind] & 255
+    row = now
+    rows.append(bytes(now))
+back = rows[0][:3]
+covered = spanned = 0
+for line in rows[h // 4:h // 2]:  # the vault
+    shown = [x for x in range(w) if max(abs(line[3 * x + c] - back[c]) for c in range(3)) > 24]
+    if shown:
+        covered, spanned = covered + len(shown), spanned + shown[-1] - shown[0] + 1
+assert spanned > 2000 and covered > float(sys.argv[2]) * spanned, (covered, spanned)
+PY
+}
+cover skin=0 0.99 || fail "soft tissue is not drawn whole"
+cover skin=0,soft=0 0.99 || fail "bone is not drawn whole"
+
+# Drilled, with bone alone: soft tissue is in the way of the hand otherwise, as it is in a patient.
+sed -i '/^    soft:/d' "$root/configs/scenes/raw.yaml"
+sed -i 's/^haptic:/landmarks: {kocher_right: 0}\nhaptic:/' "$root/configs/scenes/raw.yaml"
+make bone
+"$TREPHINE" servo "$work/out/bone" --tool ball --tool-diameter-mm 7 --drill --no-paced --seconds 10 --record "$work/hole.servo" \
+  --json "$work/hole.json" >"$work/said" 2>&1 || { cat "$work/said"; fail "a raw CT is not drilled"; }
+python3 - "$work/hole.json" <<'PY'
+import json, sys
+said = json.load(open(sys.argv[1]))
+assert said["faults"] == 0 and said["drilled"]["removed_mm3"]["bone"] > 50, said["drilled"]
+PY
+"$TREPHINE" replay "$work/out/bone" "$work/hole.servo" >"$work/said" || { cat "$work/said"; fail "no replay"; }
+grep -q '^the drilled volume is the same$' "$work/said" && grep -q '^replayed bit for bit$' "$work/said" || { cat "$work/said"; fail "replay"; }
+echo ok
