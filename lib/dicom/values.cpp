@@ -46,10 +46,6 @@ constexpr SopClass sop_classes[] = {
     {"1.2.840.10008.5.1.4.1.1.88.67", "X-Ray Radiation Dose SR", false, false},
 };
 
-}  // namespace
-
-namespace {
-
 // Its letters of the Latin alphabet, as capitals, and its digits.
 std::string plain_letters(std::string_view text) {
   std::string plain;
@@ -125,11 +121,11 @@ std::string known_kernel(std::string_view text) {
   if (contains(words, std::string_view(upper))) return upper;
   // Siemens B30f, Hr38s, J70h, 59.10.AH40; Toshiba FC21; Philips A to L, UA, YC; Hitachi 22: too short and too odd for
   // a name.
-  const bool philips = first.size() == 2 && std::string_view("UYEI").find(first[0]) != std::string_view::npos &&
-                       first[1] >= 'A' && first[1] <= 'E';
+  const bool two =
+      first.size() == 2 && std::string_view("UYEI").find(first[0]) < 4 && first[1] >= 'A' && first[1] <= 'E';
   static constexpr std::string_view shapes[] = {"Aa99a", "99.99.AA99", "99 .99.AA99", "FC99", "A", "988"};
-  const auto fits = [&](std::string_view shape) { return has_shape(first, shape); };
-  return philips || std::any_of(std::begin(shapes), std::end(shapes), fits) ? std::string(first) : "other";
+  const bool is = two || std::any_of(std::begin(shapes), std::end(shapes), [&](auto s) { return has_shape(first, s); });
+  return is ? std::string(first) : "other";
 }
 
 int kernel_sharpness(std::string_view known) {
