@@ -50,10 +50,11 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
       name, "another level, from step 1",
       [=](int n) {
         lessons::SpineNeedleFacts f = spine_facts(task);
-        pass_along(n == 0                                ? task
-                   : task.find('1') == std::string::npos ? "pedicle_1_left"
-                                                         : "pedicle_2_left",
-                   perfect, f);
+        const std::string at = n == 0                                ? task
+                               : task.find('1') == std::string::npos ? "pedicle_1_left"
+                                                                     : "pedicle_2_left";
+        finder_along(at, perfect, f);
+        pass_along(at, perfect, f);
         return score(f);
       },
       false);
@@ -65,6 +66,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
         if (n > 0)
           other.replace(other.rfind('_'), std::string::npos,
                         other.find("left") != std::string::npos ? "_right" : "_left");
+        finder_along(other, perfect, f);
         pass_along(other, perfect, f);
         return score(f);
       },
