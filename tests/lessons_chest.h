@@ -33,6 +33,9 @@ class Chest : public ::lesson_cases::LessonCase {
     is(r.direction.ideal_deg, 10), is(r.direction.good_deg, 15), is(r.direction.acceptable_deg, 25);
     is(r.passes.ideal_count, 1), is(r.passes.good_count, 2), is(r.passes.most_count, 3);
     is(r.time.ideal_s, 120), is(r.time.good_s, 240), is(r.time.acceptable_s, 360), is(r.time.allotted_s, 600);
+    ::lesson_cases::are(r.insertion_mm_per_s.emplace(), 100, 150, 250, 350);
+    ::lesson_cases::are(r.aspirations_count.emplace(), 4, 8, 12, 16);
+    ::lesson_cases::are(r.beyond_vein_mm.emplace(), 3, 6, 10, 15);
     ::lesson_cases::lists(r.critical_errors, {{"artery", 0}, {"pleura_or_lung", 0}, {"wrong_side", 0}});
     return r;
   }

@@ -43,7 +43,7 @@ inline lessons::VentriculostomyRubric Head::rubric() {
   is(r.depth.ideal_high_mm, 60), is(r.depth.high_mm, 70), is(r.depth.most_mm, 90);
   is(r.tip.foramen_mm, 5), is(r.tip.near_mm, 10), is(r.tip.least_confidence_ratio, 0.5);
   is(r.time.ideal_s, 300), is(r.time.good_s, 450), is(r.time.acceptable_s, 600), is(r.time.allotted_s, 900);
-  are(r.passes.emplace(), 1, 2, 3, 5);
+  are(r.passes.emplace(), 1, 2, 3, 5), are(r.insertion_mm_per_s.emplace(), 100, 150, 250, 350);
   lists(r.critical_errors, {{"dura_by_burr", 0},
                             {"sagittal_sinus", 0},
                             {"brainstem", 0},

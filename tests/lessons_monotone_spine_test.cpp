@@ -15,6 +15,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
       lessons::SpineNeedleFacts f = spine_facts(task);
       SpineAim aim = perfect;
       spoil(aim, n);
+      finder_along(task, aim, f);
       pass_along(task, aim, f);
       return score(f);
     };
@@ -22,6 +23,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
   const auto happened = [&](const std::function<void(lessons::SpineNeedleFacts&, int)>& spoil) {
     return [=](int n) {
       lessons::SpineNeedleFacts f = spine_facts(task);
+      finder_along(task, perfect, f);
       pass_along(task, perfect, f);
       spoil(f, n);
       return score(f);
@@ -35,7 +37,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
   check(name, "entry and line too high, 2.2 mm a step", aimed([](SpineAim& a, int n) { a.up_mm += 2.2 * n; }), false);
   check(name, "entry and line too low, 2.2 mm a step", aimed([](SpineAim& a, int n) { a.up_mm -= 2.2 * n; }), false);
   check(name, "turned to the outer side, 3 mm at the target a step",
-        aimed([](SpineAim& a, int n) { a.turn_aside_mm += 3 * n; }), lesson == "pedicle_screw");
+        aimed([](SpineAim& a, int n) { a.turn_aside_mm += 3 * n; }), false);
   check(name, "turned to the inner side, 3 mm a step", aimed([](SpineAim& a, int n) { a.turn_aside_mm -= 3 * n; }),
         false);
   check(name, "turned up, 3 mm a step", aimed([](SpineAim& a, int n) { a.turn_up_mm += 3 * n; }),
@@ -48,10 +50,11 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
       name, "another level, from step 1",
       [=](int n) {
         lessons::SpineNeedleFacts f = spine_facts(task);
-        pass_along(n == 0                                ? task
-                   : task.find('1') == std::string::npos ? "pedicle_1_left"
-                                                         : "pedicle_2_left",
-                   perfect, f);
+        const std::string at = n == 0                                ? task
+                               : task.find('1') == std::string::npos ? "pedicle_1_left"
+                                                                     : "pedicle_2_left";
+        finder_along(at, perfect, f);
+        pass_along(at, perfect, f);
         return score(f);
       },
       false);
@@ -63,6 +66,7 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
         if (n > 0)
           other.replace(other.rfind('_'), std::string::npos,
                         other.find("left") != std::string::npos ? "_right" : "_left");
+        finder_along(other, perfect, f);
         pass_along(other, perfect, f);
         return score(f);
       },
@@ -71,6 +75,8 @@ void check_spine(const std::string& lesson, const std::string& task, const Spine
           const lessons::NeedlePass last = f.passes.back();
           f.passes.back().in_place = n == 0;
           for (int k = 0; k < n; ++k) f.passes.push_back(last), f.passes.back().in_place = k + 1 == n;
+          for (lessons::FluoroShot& s : f.shots)  // and each is looked at
+            if (n > 0 && &s == &f.shots.back()) s.begin_s = last.begin_s, s.end_s = last.begin_s + 0.5;
         }),
         true);
   check(name, "X-rays, 6 s more a step",
@@ -127,11 +133,12 @@ void check_screw(const std::string& task) {
       SpineAim aim = perfect;
       aim.length_mm += longer * n;
       aim.diameter_mm += wider * n;
+      finder_along(task, aim, f);
       pass_along(task, aim, f);
       return score(f);
     };
   };
-  check("pedicle_screw at " + task, "screw too long, 2 mm a step", sized(2, 0), true);
+  check("pedicle_screw at " + task, "screw too long, 2 mm a step", sized(2, 0), false);
   check("pedicle_screw at " + task, "screw too short, 2 mm a step", sized(-2, 0), true);
   check("pedicle_screw at " + task, "screw too narrow, 0.3 mm a step", sized(0, -0.3), true);
 }

@@ -38,23 +38,42 @@ inline void pass_along(const std::string& name, const SpineAim& aim, lessons::Sp
   const Vec3 target = p.target_mm + outer * (aim.aside_mm + aim.turn_aside_mm) + up * (aim.up_mm + aim.turn_up_mm);
   const Vec3 way = normalized(target - entry);
   const int bone = lessons::spine_bone_of(*spine_in_use().manifest);
-  lessons::NeedlePass pass;
+  lessons::NeedlePass pass, puncture;
   pass.tool = aim.tool;
   pass.diameter_mm = aim.diameter_mm;
   pass.length_mm = aim.length_mm;
   pass.axis = -way;
-  double time_s = 5;
+  double time_s = facts.passes.empty() ? 5 : facts.passes.back().end_s + 5;
   walk<lessons::NeedlePoint>(*spine_in_use().volume, entry - way * 60, target + way * aim.beyond_mm,
                              [&](Vec3 at, int inside) {
                                time_s += 0.01;
+                               if (puncture.path.empty() && inside != 0)
+                                 puncture.begin_s = time_s, puncture.entry_mm = at;
+                               if (inside != 0 || !puncture.path.empty())
+                                 puncture.path.push_back({time_s, at, -way, inside}), puncture.end_s = time_s;
                                if (pass.path.empty() && inside != bone) return;
                                if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
                                pass.path.push_back({time_s, at, -way, inside});
                                pass.end_s = time_s;
                              });
+  puncture.tool = aim.tool;
+  puncture.axis = -way;
+  if (!puncture.path.empty()) facts.punctures.push_back(puncture);
   if (pass.path.empty()) return;
   pass.in_place = true;
   facts.passes.push_back(pass);
+}
+
+// Of a screw the finder went before, by the same line, and was looked at.
+inline void finder_along(const std::string& name, SpineAim aim, lessons::SpineNeedleFacts& facts) {
+  if (aim.tool.rfind("screw", 0) != 0) return;
+  aim.tool = "finder";
+  aim.diameter_mm = 4;
+  pass_along(name, aim, facts);
+  if (facts.passes.empty()) return;
+  facts.passes.back().in_place = false;
+  facts.shots[1].begin_s = facts.shots[1].end_s = facts.passes.back().end_s;
+  facts.shots[1].end_s += 0.5;
 }
 
 inline lessons::SpineNeedleFacts spine_facts(const std::string& task) {

@@ -13,11 +13,13 @@ inline lessons::SpineNeedleRubric shipped() {  // the test's own reading of conf
   r.module = "spine_needle";
   are(r.entry_mm, 2, 4, 6, 10), are(r.target_mm, 3, 6, 9, 14), are(r.breach_mm, 0, 2, 4, 6);
   are(r.depth_mm, 5, 8, 12, 20), are(r.exposure_s, 5, 10, 20, 40), are(r.passes_count, 1, 2, 3, 5);
-  are(r.procedure_s, 180, 300, 480, 720);
+  are(r.procedure_s, 180, 300, 480, 720), are(r.insertion_mm_per_s.emplace(), 100, 150, 250, 350);
   is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   lists(r.critical_errors, {{"anterior_cortex_mm", 1},
                             {"canal", 0},
                             {"medial_breach_mm", 4},
+                            {"other_breach_mm", 6},
+                            {"beside_spine_mm", 10},
                             {"great_vessel", 0},
                             {"wrong_side", 0},
                             {"wrong_level", 0}});
@@ -31,10 +33,13 @@ inline lessons::PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/
   is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   is(r.head_mm.emplace(), 4), is(r.widest_ratio.emplace(), 0.8), is(r.narrowest_ratio.emplace(), 0.5);
   are(r.exposure_s.emplace(), 5, 10, 20, 40), are(r.passes_count.emplace(), 2, 3, 4, 6);
-  are(r.procedure_s.emplace(), 300, 480, 720, 900);
+  are(r.procedure_s.emplace(), 300, 480, 720, 900), are(r.insertion_mm_per_s.emplace(), 100, 150, 250, 350);
+  is(r.proud_mm.emplace(), 10), is(r.finder_ratio.emplace(), 0.5);
   lists(r.critical_errors, {{"anterior_cortex_mm", 1},
                             {"canal", 0},
                             {"medial_breach_mm", 4},
+                            {"other_breach_mm", 6},
+                            {"beside_spine_mm", 10},
                             {"great_vessel", 0},
                             {"wrong_side", 0},
                             {"wrong_level", 0}});

@@ -126,9 +126,14 @@ TEST(SpineNeedle, ABreachIsMeasuredWithItsSide) {
     const double asked = std::abs(aside) + 1.53 - 4.5 + (up != 0 ? std::abs(up) - 7.5 + 4.5 : 0);
     EXPECT_LT(d.measured("breach_mm"), asked + 0.8) << side;
     EXPECT_GT(d.measured("breach_mm"), std::max(0.3, asked - 3.3)) << side;
-    EXPECT_NE(d.row("breach").why.english().find(side), std::string::npos) << d.row("breach").why;
+    if (side != "lower") {
+      EXPECT_NE(d.row("breach").why.english().find(side), std::string::npos) << d.row("breach").why;
+    }
     EXPECT_EQ(d.score.flag("medial"), side == "medial");
-    EXPECT_EQ(d.points("breach"), shipped().breach_mm.score(d.measured("breach_mm")));
+    if (side == "lower")  // it passed below the pedicle, where the root lies, and met bone in front of it
+      EXPECT_TRUE(failed_by(d.score, "beside_spine_mm")) << d.score.reason();
+    else
+      EXPECT_EQ(d.points("breach"), shipped().breach_mm.score(d.measured("breach_mm"))) << d.score.reason();
     EXPECT_LT(d.points("breach"), 5);
     EXPECT_TRUE(d.row("breach").decided_s);
   }
@@ -188,7 +193,10 @@ TEST(SpineNeedle, HandsThatAimWorseScoreLess) {
   for (const double noise : {0.0, 2.0, 5.0, 10.0}) {
     double sum = 0;
     for (int seed = 1; seed <= 8; ++seed)
-      sum += lessons::sum_of(spine().run(needle() + R"(, {"shoot": {}}, "finish")", "spine_needle", noise, seed).score)
+      sum += lessons::sum_of(
+                 spine()
+                     .run(R"({"shoot": {}}, )" + needle() + R"(, {"shoot": {}}, "finish")", "spine_needle", noise, seed)
+                     .score)
                  .points /
              8.0;
     means.push_back(sum);
@@ -200,7 +208,7 @@ TEST(SpineNeedle, HandsThatAimWorseScoreLess) {
 
 TEST(SpineNeedle, ADoubtfulPedicleIsNotJudged) {
   SpineCase doubtful(0.3);
-  const auto d = doubtful.run(needle() + R"(, {"shoot": {}}, "finish")");
+  const auto d = doubtful.run(R"({"shoot": {}}, )" + needle() + R"(, {"shoot": {}}, "finish")");
   for (const char* row : {"entry", "target", "breach", "depth"}) EXPECT_FALSE(d.row(row).score) << row;
   EXPECT_EQ(d.points("exposure"), 5);
 }
@@ -222,10 +230,11 @@ TEST(SpineNeedle, ScriptsOfAnotherLessonAndPlacesThatAreNotThereAreRefused) {
 
 // Beside the five errors stands what the screw cost, and the printed table knows nothing of it.
 TEST(PedicleScrew, PassesXraysAndTimeCost) {
-  const auto perfect = spine().run(R"({"take": {"tool": "finder"}}, )" + needle("\"short_of_mm\": 5") +
-                                       R"(, {"withdraw": {"by_mm": 160}}, {"take": {"tool": "screw_5.5x45"}}, )" +
-                                       needle("") + R"(, {"shoot": {"seconds": 1}}, "finish")",
-                                   "pedicle_screw");
+  const auto perfect =
+      spine().run(R"({"take": {"tool": "finder"}}, {"shoot": {}}, )" + needle("\"short_of_mm\": 5") +
+                      R"(, {"shoot": {}}, {"withdraw": {"by_mm": 160}}, {"take": {"tool": "screw_5.5x45"}}, )" +
+                      needle("") + R"(, {"shoot": {"seconds": 1}}, "finish")",
+                  "pedicle_screw");
   const auto score = [&](const std::function<void(lessons::SpineNeedleFacts&)>& spoil) {
     lessons::SpineNeedleFacts f = perfect.facts;
     spoil(f);
@@ -239,7 +248,7 @@ TEST(PedicleScrew, PassesXraysAndTimeCost) {
   for (const auto& [more, expected] : {std::pair<int, int>{1, 4}, {2, 3}, {4, 2}, {5, 1}}) {
     const auto s = score([n = more](auto& f) { f.passes.insert(f.passes.begin(), std::size_t(n), f.passes.front()); });
     EXPECT_EQ(points(s, "passes"), expected) << more;
-    EXPECT_EQ(s.outcome(), lessons::LessonOutcome::completed);
+    EXPECT_EQ(s.reason(), expected == 1 ? "too many passes" : "");
   }
   for (const auto& [seconds, expected] : {std::pair<int, int>{9, 4}, {19, 3}, {39, 2}, {41, 1}})
     EXPECT_EQ(points(score([t = seconds](auto& f) { f.shots[0].end_s = f.shots[0].begin_s + t; }), "exposure"),

@@ -121,10 +121,9 @@ bool passes(const voxel::HapticVolume& now, const voxel::HapticDecoder& decoder,
   return false;
 }
 
-}  // namespace
-
-std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
-                                          const HoleSearch& search) {
+// The groups of voxels that were bone and are no more.
+std::vector<std::vector<Voxel>> removed_groups(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
+                                               const HoleSearch& search) {
   const grid::Lattice& l = before.voxels;
   const voxel::HapticDecoder was(before), is(now);
   Flags removed(search.box.empty() ? grid::whole_box(l) : grid::grown(search.box, 0, l));
@@ -134,34 +133,30 @@ std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, con
     if (was.occupancy(search.bone, v[0], v[1], v[2]) >= 0.5 && is.occupancy(search.bone, v[0], v[1], v[2]) < 0.5)
       removed.at(v) = 1;
   });
-  const auto groups = groups_of(removed);
-  const std::vector<Voxel>* chosen = nullptr;
-  double best = 0;
-  for (const auto& group : groups) {
-    double worth = double(group.size());
-    if (search.near_mm) {
-      double nearest = 1e300;
-      for (const Voxel& v : group) nearest = std::min(nearest, norm(centre_of(l, v) - *search.near_mm));
-      worth = 1 / (1 + nearest);
-    }
-    if (worth > best) {
-      best = worth;
-      chosen = &group;
-    }
-  }
-  if (!chosen) return {};
+  return groups_of(removed);
+}
 
+BoneHole measured(const std::vector<Voxel>& group, const voxel::HapticVolume& now, const HoleSearch& search) {
+  const grid::Lattice& l = now.voxels;
   BoneHole hole;
   hole.drilled = true;
-  hole.out = normalized(search.out);
-  hole.removed_mm3 = double(chosen->size()) * l.voxel_volume_mm3();
+  hole.removed_mm3 = double(group.size()) * l.voxel_volume_mm3();
   Vec3 middle;
-  for (const Voxel& v : *chosen) middle += centre_of(l, v) / double(chosen->size());
+  for (const Voxel& v : group) middle += centre_of(l, v) / double(group.size());
+  hole.out = normalized(search.out);
+  double nearest = 1e300;
+  for (const HoleSite& site : search.sites)
+    if (const double far = norm(site.at_mm - middle); far < nearest) {
+      nearest = far;
+      hole.out = normalized(site.out);
+      hole.begin_s = site.begin_s;
+    }
   double top = -1e300, bottom = 1e300;
-  for (const Voxel& v : *chosen) {
+  for (const Voxel& v : group) {
     const Vec3 d = centre_of(l, v) - middle;
-    const double height = dot(d, hole.out);
-    if (norm(d - hole.out * height) > beside_mm) continue;
+    const double height = dot(d, hole.out), across = norm(d - hole.out * height);
+    hole.radius_mm = std::max(hole.radius_mm, across);
+    if (across > beside_mm) continue;
     top = std::max(top, height);
     bottom = std::min(bottom, height);
   }
@@ -170,8 +165,40 @@ std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, con
   const double half = 0.5 * std::cbrt(l.voxel_volume_mm3());
   hole.outer_mm = middle + hole.out * (top + half);
   hole.inner_mm = middle + hole.out * (bottom - half);
-  hole.through = passes(now, is, *chosen, hole, search);
+  hole.through = passes(now, voxel::HapticDecoder(now), group, hole, search);
   return hole;
+}
+
+}  // namespace
+
+std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
+                                          const HoleSearch& search) {
+  const auto groups = removed_groups(before, now, search);
+  const std::vector<Voxel>* chosen = nullptr;
+  double best = 0;
+  for (const auto& group : groups) {
+    double worth = double(group.size());
+    if (search.near_mm) {
+      double nearest = 1e300;
+      for (const Voxel& v : group) nearest = std::min(nearest, norm(centre_of(before.voxels, v) - *search.near_mm));
+      worth = 1 / (1 + nearest);
+    }
+    if (worth > best) {
+      best = worth;
+      chosen = &group;
+    }
+  }
+  if (!chosen) return {};
+  return measured(*chosen, now, search);
+}
+
+std::vector<BoneHole> find_drilled_holes(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
+                                         const HoleSearch& search) {
+  std::vector<BoneHole> all;
+  for (const auto& group : removed_groups(before, now, search)) all.push_back(measured(group, now, search));
+  std::stable_sort(all.begin(), all.end(),
+                   [](const BoneHole& a, const BoneHole& b) { return a.removed_mm3 > b.removed_mm3; });
+  return all;
 }
 
 std::optional<BoneHole> find_case_hole(const cases::CaseManifest& manifest, const std::optional<Vec3>& near_mm) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "cases/case.h"
 #include "voxel/decode.h"
@@ -13,8 +14,16 @@ struct BoneHole {
   Vec3 outer_mm, inner_mm;  ///< its middle at the outer and at the inner table
   Vec3 out{0, 0, 1};        ///< unit, out of the head
   double removed_mm3 = 0;   ///< 0: it was there beforehand
+  double radius_mm = 0;     ///< of all that was removed, about its axis
+  double begin_s = -1;      ///< when drilling began there, as HoleSite says
   bool drilled = false;     ///< in this session
   bool through = false;     ///< a ball as wide as the catheter passes
+};
+
+/// Where the drill ran, and how it was held there.
+struct HoleSite {
+  Vec3 at_mm, out;
+  double begin_s = -1;
 };
 
 struct HoleSearch {
@@ -22,6 +31,7 @@ struct HoleSearch {
   double ball_mm = 2.5;         ///< diameter of what must pass
   grid::Box box;                ///< where something may have been removed; all of the volume where it is empty
   Vec3 out{0, 0, 1};            ///< about the direction out of the head
+  std::vector<HoleSite> sites;  ///< the nearest says a hole's direction and begin; none: `out`
   std::optional<Vec3> near_mm;  ///< of several holes the nearest to this; else the largest
 };
 
@@ -33,6 +43,10 @@ struct HoleSearch {
 /// that is narrower is called open.
 std::optional<BoneHole> find_drilled_hole(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
                                           const HoleSearch& search);
+
+/// All of them, the largest first.
+std::vector<BoneHole> find_drilled_holes(const voxel::HapticVolume& before, const voxel::HapticVolume& now,
+                                         const HoleSearch& search);
 
 /// The case's burr hole, drilled beforehand, that is nearest to the point.
 std::optional<BoneHole> find_case_hole(const cases::CaseManifest& manifest, const std::optional<Vec3>& near_mm);

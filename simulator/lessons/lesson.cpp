@@ -12,6 +12,23 @@ const char* name_of(LessonEnd end) {
   return end == LessonEnd::finished ? "finished" : end == LessonEnd::device_lost ? "device lost" : "not finished";
 }
 
+void Lesson::look_at_speed(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
+  const Vec3 tip{f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]};
+  const bool away = belt.paused() || (f.buttons & haptics::haptic_button::lifted);
+  if (away || belt.in_hand() != in_hand_) moments_.clear();
+  in_hand_ = belt.in_hand();
+  if (away) return;
+  moments_.push_back({f.time_s, tip});
+  while (moments_.size() > 2 && moments_[1].time_s <= f.time_s - insertion_window_s + 1e-9) moments_.pop_front();
+  const double since_s = f.time_s - moments_.front().time_s;
+  if (f.inside == 0 || since_s < insertion_window_s - 1e-9) return;
+  const double forward = -dot(tip - moments_.front().tip_mm, Vec3{f.axis[0], f.axis[1], f.axis[2]}) / since_s;
+  LessonFacts& facts = noted();
+  if (forward <= facts.fastest_mm_per_s) return;
+  facts.fastest_mm_per_s = forward;
+  facts.fastest_s = f.time_s;
+}
+
 double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
 void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) {
@@ -40,6 +57,7 @@ void Lesson::watch(const haptics::ServoFrame& f, const haptics::ToolBelt& belt) 
     facts.paused_s += f.dt_s;
   }
   was_paused_ = belt.paused();
+  look_at_speed(f, belt);
   tick(f, belt, !belt.paused() && (f.buttons & haptics::belt_button::pedal));
   if (!fresh) return;
   if (now != haptics::belt_command::finish) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <deque>
 #include <memory>
 #include <string>
 
@@ -7,6 +8,9 @@
 #include "haptics/tool_belt.h"
 
 namespace trephine::lessons {
+
+/// By the tool's pose, over so long: so a tool that gives way under a steady hand is not called fast.
+constexpr double insertion_window_s = 0.1;
 
 enum class LessonEnd { running, finished, device_lost };
 const char* name_of(LessonEnd end);
@@ -21,6 +25,7 @@ struct LessonFacts {
   double max_bone_c = 0, heat_dose_min = 0;  ///< BoneHeat, where the one who watches cuts again; else 0
   LessonEnd end = LessonEnd::running;        ///< running: the recording ends before the lesson did
   double most_force_n = 0;
+  double fastest_mm_per_s = 0, fastest_s = 0;  ///< how fast a tool went forward in the patient at most, and when
 
   double procedure_s() const;  ///< to a microsecond: sums of steps are no exact multiples
 };
@@ -48,6 +53,13 @@ class Lesson {
   virtual void command(int, const haptics::ServoFrame&, const haptics::ToolBelt&) {}
 
  private:
+  void look_at_speed(const haptics::ServoFrame& frame, const haptics::ToolBelt& belt);
+  struct Moment {
+    double time_s;
+    Vec3 tip_mm;
+  };
+  std::deque<Moment> moments_;  // of one window, with the same tool
+  int in_hand_ = -1;
   bool begun_ = false, was_paused_ = false;
   std::uint32_t buttons_ = 0;
 };

@@ -27,6 +27,8 @@ constexpr Wording common[] = {{{"Finish the lesson", "Lektion beenden"}},
                               {{"not in the allotted time", "nicht in der gegebenen Zeit"}},
                               {{"not completed in the allotted time", "nicht in der gegebenen Zeit vollendet"}},
                               {{"not completed: {}", "nicht vollendet: {}"}},
+                              {{"it went in too fast", "zu schnell eingeführt"}},
+                              {{"too many passes", "zu viele Durchgänge"}},
                               {{"a critical error happened", "ein kritischer Fehler geschah"}},
                               {{"Time to complete procedure", "Dauer des Eingriffs"}},
                               {{"{} of this case is doubtful", "{} ist in diesem Fall nicht sicher bekannt"}},
@@ -41,6 +43,8 @@ constexpr Wording common[] = {{{"Finish the lesson", "Lektion beenden"}},
                               {{"anterior cortex mm", "durch die Vorderwand"}},
                               {{"canal", "Wirbelkanal"}},
                               {{"medial breach mm", "durch die mediale Wand"}},
+                              {{"other breach mm", "durch eine andere Wand"}},
+                              {{"beside spine mm", "am Wirbel vorbei"}},
                               {{"great vessel", "großes Gefäß"}},
                               {{"artery", "Arterie"}},
                               {{"pleura or lung", "Pleura oder Lunge"}},
@@ -81,6 +85,15 @@ constexpr Wording figures[] = {{{"midline off", "Abstand zur Mittellinie"}},
                                {{"high", "hoch"}},
                                {{"most", "höchstens"}},
                                {{"depth", "Tiefe"}},
+                               {{"deepest", "am tiefsten"}},
+                               {{"deepest beyond target", "am tiefsten hinter dem Ziel"}},
+                               {{"fastest", "am schnellsten"}},
+                               {{"holes", "Bohrlöcher"}},
+                               {{"incisions", "Hautschnitte"}},
+                               {{"punctures", "Einstiche ohne Knochen"}},
+                               {{"aspirations", "Aspirationen"}},
+                               {{"beyond vein", "hinter der Vene"}},
+                               {{"proud", "Kopf zu weit heraus"}},
                                {{"outside ventricles", "außerhalb der Ventrikel"}},
                                {{"foramen off", "Abstand zum Foramen"}},
                                {{"foramen", "Foramen"}},
@@ -162,7 +175,11 @@ std::string tool_title(Language language, const std::string& name) { return less
 
 std::string figure_title(Language language, const std::string& name) {
   std::string text = name;
-  const std::size_t unit = text.rfind('_');
+  const std::string speed = "_mm_per_s";  // a unit of several words
+  const std::size_t unit =
+      name.size() > speed.size() && name.compare(name.size() - speed.size(), speed.size(), speed) == 0
+          ? name.size() - speed.size()
+          : text.rfind('_');
   std::replace(text.begin(), text.end(), '_', ' ');
   if (unit != std::string::npos && name != "smoothness_sparc") text = text.substr(0, unit);
   for (const Wording& w : figures)
@@ -175,9 +192,9 @@ std::string figure_title(Language language, const std::string& name) {
 }
 
 std::string figure_unit(const std::string& name) {
-  constexpr std::pair<const char*, const char*> units[] = {{"_n_s", "N s"}, {"_n", "N"},   {"_mm3", "mm³"},
-                                                           {"_um", "µm"},   {"_deg", "°"}, {"_ratio", ""},
-                                                           {"_count", ""},  {"_sparc", ""}};
+  constexpr std::pair<const char*, const char*> units[] = {{"_n_s", "N s"}, {"_mm_per_s", "mm/s"}, {"_n", "N"},
+                                                           {"_mm3", "mm³"}, {"_um", "µm"},         {"_deg", "°"},
+                                                           {"_ratio", ""},  {"_count", ""},        {"_sparc", ""}};
   for (const auto& [end, said] : units)
     if (const std::string wanted = end;
         name.size() > wanted.size() && name.compare(name.size() - wanted.size(), wanted.size(), wanted) == 0)

@@ -2,6 +2,7 @@
 #include "lessons/score.h"
 
 #include "base/error.h"
+#include "lessons/lesson.h"
 
 namespace trephine::lessons {
 
@@ -24,6 +25,23 @@ const ScoreRow* LessonScore::row(const std::string& name) const {
 
 texts::Phrase unsaved_by(const texts::Phrase& missed, bool harmed) {
   return !missed.empty() ? missed : harmed ? "a critical error happened" : "";
+}
+
+void lower(ScoreRow& row, int score, const texts::Phrase& why, std::optional<double> at_s) {
+  if (!row.score || score >= *row.score) return;
+  row.score = score;
+  row.why = why;
+  row.decided_s = at_s;
+}
+
+void lower_by_speed(ScoreRow& row, const LessonFacts& facts, const std::optional<lesson::FourLimits>& limits) {
+  if (!limits) return;
+  row.measured.emplace_back("fastest_mm_per_s", facts.fastest_mm_per_s);
+  row.limits.insert(row.limits.end(), {{"five_mm_per_s", limits->five},
+                                       {"four_mm_per_s", limits->four},
+                                       {"three_mm_per_s", limits->three},
+                                       {"two_mm_per_s", limits->two}});
+  lower(row, limits->score(facts.fastest_mm_per_s), "it went in too fast", facts.fastest_s);
 }
 
 texts::Phrase doubtful(const texts::Phrase& what) { return {"{} of this case is doubtful", {what}}; }

@@ -12,6 +12,8 @@
 
 namespace trephine::lessons {
 
+struct LessonFacts;
+
 /// One row of a rubric's table.
 struct ScoreRow {
   std::string name, title;
@@ -43,6 +45,11 @@ const char* name_of(LessonOutcome outcome);
 /// Why nothing that was saved (passes, X-rays, time) or spared counts in rows of ours: what was missed, or else that
 /// harm was done by a critical error; empty: it counts.
 texts::Phrase unsaved_by(const texts::Phrase& missed, bool harmed);
+
+/// Lowers a row that is judged to that score, for that reason, where it is above it.
+void lower(ScoreRow& row, int score, const texts::Phrase& why, std::optional<double> at_s);
+/// The same by how fast a tool went into the patient, with the figure and its limits; nothing without limits.
+void lower_by_speed(ScoreRow& row, const LessonFacts& facts, const std::optional<lesson::FourLimits>& mm_per_s);
 
 /// Why a row is not judged: what the case does not know well enough.
 texts::Phrase doubtful(const texts::Phrase& what);

@@ -49,7 +49,9 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
               {"undone", f.undone},
               {"max_bone_c", f.max_bone_c},
               {"heat_dose_min", f.heat_dose_min},
-              {"most_force_n", f.most_force_n}};
+              {"most_force_n", f.most_force_n},
+              {"fastest_mm_per_s", f.fastest_mm_per_s},
+              {"fastest_s", f.fastest_s}};
   out.update(module.facts_json(f));
   return out;
 }

@@ -13,7 +13,8 @@ struct PedicleScrewRubric {
   lesson::RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count,
       least_confidence_ratio, farthest_mm;
   std::optional<lesson::RubricLimit> head_mm, widest_ratio, narrowest_ratio;
-  std::optional<lesson::FourLimits> exposure_s, passes_count, procedure_s;
+  std::optional<lesson::RubricLimit> proud_mm, finder_ratio;
+  std::optional<lesson::FourLimits> exposure_s, passes_count, insertion_mm_per_s, procedure_s;
   std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
@@ -32,17 +33,22 @@ struct PedicleScrewRubric {
     v.group(&P::farthest_mm, "farthest_mm", "A screw that enters farther from every pedicle's entry is at none.")
         .is_required();
     v.group(&P::head_mm, "head_mm", "A head farther out of the bone, or deeper in it, is a wrong length of the screw.");
+    v.group(&P::proud_mm, "proud_mm", "With a head that stands farther out of the bone nothing is completed.");
     v.group(&P::widest_ratio, "widest_ratio", "A screw wider than this share of the pedicle's width is too wide.");
     v.group(&P::narrowest_ratio, "narrowest_ratio", "One narrower than this share of it is too narrow.");
     v.group(&P::exposure_s, "exposure_s", "How long X-rays were on.");
     v.group(&P::passes_count, "passes_count", "How often a tool entered bone: the finder, and then the screw.");
+    v.group(&P::insertion_mm_per_s, "insertion_mm_per_s", "How fast a tool went into the patient: of the passes.");
+    v.group(&P::finder_ratio, "finder_ratio",
+            "How deep a finder must have gone before the screw, as a share of the screw's depth: of the passes.");
     v.group(&P::procedure_s, "procedure_s", "Time to complete the procedure.");
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return lesson::critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
-                                                    "wrong_side", "wrong_level"});
+    return lesson::critical_fault(
+        critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
+                          "great_vessel", "wrong_side", "wrong_level"});
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lessons/spine/spine_advice.h"
@@ -47,9 +48,18 @@ ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const Nee
   return row;
 }
 
+// Whether a finder made the screw's way: near its entry, and to that share of its depth.
+bool finder_led(const SpineNeedleFacts& facts, const NeedlePass& screw, double share) {
+  const NeedlePoint& to = screw.deepest();
+  return std::any_of(facts.passes.begin(), facts.passes.end(), [&](const NeedlePass& p) {
+    return p.tool == "finder" && p.begin_s < screw.begin_s && norm(p.entry_mm - screw.entry_mm) <= at_task_mm &&
+           p.depth_mm(p.deepest()) >= share * screw.depth_mm(to);
+  });
+}
+
 // What it cost: X-rays, passes, time, each where the rubric says limits. `nowhere`: why no screw lies where it should.
 void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest, const PedicleScrewRubric& r,
-                      const texts::Phrase& nowhere, LessonScore& score) {
+                      const NeedlePass* screw, const texts::Phrase& nowhere, LessonScore& score) {
   const auto push = [&](ScoreRow row) {
     row.beside = true;
     score.rows.push_back(std::move(row));
@@ -62,7 +72,12 @@ void push_effort_rows(const SpineNeedleFacts& facts, const cases::CaseManifest& 
     }
     push(row);
   }
-  if (r.passes_count) push(bone_passes_row(facts, *r.passes_count, "Passes through bone", nowhere));
+  if (r.passes_count) {
+    ScoreRow row = bone_passes_row(facts, *r.passes_count, "Passes through bone", r.insertion_mm_per_s, nowhere);
+    if (screw && r.finder_ratio && !finder_led(facts, *screw, r.finder_ratio->limit))
+      lower(row, 1, "no finder went before the screw", screw->begin_s);
+    push(row);
+  }
   if (r.procedure_s) push(spine_time_row(facts, *r.procedure_s, score.unsaved()));
 }
 
@@ -94,7 +109,12 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
     entry = norm(entry_off);
     axial = seen_deg(way, f, e.pedicle->left, front);
     sagittal = seen_deg(way, f, e.pedicle->cranial, front);
-    breach = find_breach(*e.pedicle, *pass, before, bone);
+    // Of finder and screw: a wall that was broken through is broken.
+    for (const NeedlePass& p : facts.passes) {
+      const NeedlePoint& at = p.deepest();
+      if (&p != pass && needle_errors(*e.pedicle, at.tip_mm, at.axis).entry_mm > at_task_mm) continue;
+      if (const PedicleBreach b = find_breach(*e.pedicle, p, before, bone); b.depth_mm > breach.depth_mm) breach = b;
+    }
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = doubtful(pedicle_phrase(e.pedicle->name));
     if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))
       none = facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
@@ -108,14 +128,19 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   const char* const too_short = pass && none.empty() && doubt.empty() && e.depth_mm < -reach_mm
                                     ? "the tip does not reach the vertebra's body"
                                     : "";
+  const double depth_mm = pass ? e.depth_mm + norm(e.pedicle->target_mm - e.pedicle->entry_mm) : 0;
+  const bool proud =
+      pass && none.empty() && doubt.empty() && r.proud_mm && pass->length_mm - depth_mm > r.proud_mm->limit;
   // What our rows beside the five errors are judged by: who stops short of the body has placed no screw.
   const std::string nowhere = !pass ? "no screw lies in bone" : !none.empty() ? none : too_short;
-  score.unreached = facts.end != LessonEnd::finished                                  ? name_of(facts.end)
-                    : !pass                                                           ? "no screw lies in bone"
-                    : !none.empty()                                                   ? "the screw is " + none
-                    : *too_short                                                      ? too_short
-                    : r.procedure_s && facts.procedure_s() > r.procedure_s->two.limit ? "not in the allotted time"
-                                                                                      : "";
+  score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
+                    : !pass                          ? "no screw lies in bone"
+                    : !none.empty()                  ? "the screw is " + none
+                    : *too_short                     ? too_short
+                    : proud                          ? "the screw's head stands far out of the bone"
+                    : r.passes_count && entries_count(facts) > r.passes_count->two.limit ? "too many passes"
+                    : r.procedure_s && facts.procedure_s() > r.procedure_s->two.limit    ? "not in the allotted time"
+                                                                                         : "";
   CriticalErrors critical(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
   int errors = 0;
@@ -141,8 +166,13 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   row("axial", "Axial deviation", "axial_off_deg", std::abs(axial), "axial_deg", r.axial_deg, "in the axial plane");
   row("sagittal", "Sagittal deviation", "sagittal_off_deg", std::abs(sagittal), "sagittal_deg", r.sagittal_deg,
       "in the sagittal plane");
-  row("length", "Length", "tip_beyond_target_mm", e.depth_mm, "length_mm", r.length_mm,
-      e.depth_mm > 0 ? "the tip lies beyond the target" : "the tip lies before the target");
+  // As deep as finder or screw ever was: what was drawn back from there was there.
+  const double length = pass ? std::max(e.depth_mm, deepest_tip(*e.pedicle, facts.passes).beyond_mm) : 0;
+  const double far = std::abs(length) > std::abs(e.depth_mm) && length > 0 ? length : e.depth_mm;
+  row("length", "Length", "tip_beyond_target_mm", far, "length_mm", r.length_mm,
+      far > e.depth_mm + 0.5 ? "was too deep, and drawn back"
+      : e.depth_mm > 0       ? "the tip lies beyond the target"
+                             : "the tip lies before the target");
   row("breach", "Pedicle breach", "breach_mm", breach.depth_mm, "breach_mm", r.breach_mm,
       breach.depth_mm > 0 ? "through the " + breach.side + " wall" : "within the pedicle");
   const texts::Phrase of_five("{} of five errors", {std::to_string(errors)});
@@ -161,10 +191,10 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const cases::Case
   score.rows.push_back(last);
   if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
     score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : nowhere, doubt.empty()));
-  push_effort_rows(facts, manifest, r, unsaved_by(nowhere, !score.critical.empty()), score);
+  push_effort_rows(facts, manifest, r, pass, unsaved_by(nowhere, !score.critical.empty()), score);
   if (pass && doubt.empty() && none.empty()) {  // elsewhere the failure says it all
     score.advice = screw_advice(score, e, entry_off, axial, sagittal);
-    if (score.lost("length")) score.advice.push_back(depth_advice("length", e.depth_mm));
+    if (score.lost("length")) score.advice.push_back(depth_advice("length", far));
     if (score.lost("breach") && breach.depth_mm > 0) score.advice.push_back(breach_advice(breach));
   }
   using Value = decltype(LessonFigure::value);

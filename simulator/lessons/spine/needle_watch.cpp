@@ -144,12 +144,41 @@ double SpineNeedleFacts::exposure_s() const {
   return std::round(1e6 * sum) / 1e6;
 }
 
+const NeedlePoint& NeedlePass::deepest() const {
+  return *std::max_element(path.begin(), path.end(),
+                           [&](const NeedlePoint& a, const NeedlePoint& b) { return depth_mm(a) < depth_mm(b); });
+}
+
+int SpineNeedleFacts::empty_punctures() const {
+  return int(std::count_if(punctures.begin(), punctures.end(), [&](const NeedlePass& p) {
+    return std::none_of(passes.begin(), passes.end(), [&](const NeedlePass& in_bone) {
+      return in_bone.begin_s >= p.begin_s && in_bone.begin_s <= p.end_s;
+    });
+  }));
+}
+
+std::optional<double> SpineNeedleFacts::blind_s() const {
+  double since_s = 0;
+  for (const NeedlePass& pass : passes) {
+    const double half_mm = 0.5 * pass.depth_mm(pass.deepest());
+    double half_s = pass.end_s;
+    for (auto p = pass.path.rbegin(); p != pass.path.rend(); ++p)
+      if (pass.depth_mm(*p) >= half_mm) half_s = p->time_s;
+    if (std::none_of(shots.begin(), shots.end(),
+                     [&](const FluoroShot& s) { return s.begin_s <= half_s && s.end_s >= since_s; }))
+      return half_s;
+    since_s = pass.begin_s;
+  }
+  return {};
+}
+
 SpineNeedle::SpineNeedle(const cases::CaseManifest& manifest) : bone_(spine_bone_of(manifest)) {}
 
 void SpineNeedle::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
   const Vec3 tip = vec(f.proxy_mm), axis = vec(f.axis);
   const haptics::BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
-  if (belt.in_hand() != in_hand_) end_pass(f.time_s, false);  // another tool is another pass
+  const auto end_both = [&] { end(in_bone_, f.time_s, false), end(in_patient_, f.time_s, false); };
+  if (belt.in_hand() != in_hand_) end_both();  // another tool is another pass
   in_hand_ = belt.in_hand();
   if (pedal && !exposing_) {
     facts_.shots.emplace_back();
@@ -168,43 +197,51 @@ void SpineNeedle::tick(const haptics::ServoFrame& f, const haptics::ToolBelt& be
   // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
   const bool elsewhere =
       f.buttons & haptics::haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
-  if (in_bone_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
+  if (f.inside == 0 && elsewhere) end_both();
   if (belt.paused()) return;
-  const bool inside = f.inside == bone_;
-  if (!in_bone_) {
+  const NeedlePoint now{f.time_s, tip, axis, f.inside};
+  if (in_bone_.open || in_patient_.open || f.inside != 0) last_ = now;
+  follow(in_bone_, f.inside == bone_, tool);
+  follow(in_patient_, f.inside != 0, tool);
+}
+
+// By the last point.
+void SpineNeedle::follow(Way& way, bool inside, const haptics::BeltToolParams& tool) {
+  if (!way.open) {
     if (!inside) return;
-    in_bone_ = true;
+    way.open = true;
     NeedlePass p;
-    p.begin_s = f.time_s;
-    p.entry_mm = tip;
-    p.axis = axis;
+    p.begin_s = last_.time_s;
+    p.entry_mm = last_.tip_mm;
+    p.axis = last_.axis;
     p.tool = tool.name;
     p.diameter_mm = tool.tool_diameter_mm;
     p.length_mm = tool.tool_length_mm;
-    facts_.passes.push_back(p);
+    way.all.push_back(p);
   }
-  NeedlePass& p = facts_.passes.back();
-  p.end_s = f.time_s;
-  last_ = {f.time_s, tip, axis, f.inside};
-  if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
+  NeedlePass& p = way.all.back();
+  p.end_s = last_.time_s;
+  if (p.path.empty() || p.path.back().inside != last_.inside ||
+      norm(last_.tip_mm - p.path.back().tip_mm) >= path_step_mm)
     p.path.push_back(last_);
   // Beyond a wall it is out of the bone, and still in its way.
-  if (!inside && dot(tip - p.entry_mm, p.axis) > withdrawn_mm) end_pass(f.time_s, false);
+  if (!inside && p.depth_mm(last_) < -withdrawn_mm) end(way, last_.time_s, false);
 }
 
 void SpineNeedle::command(int command, const haptics::ServoFrame&, const haptics::ToolBelt&) { arm_.take(command); }
 
-void SpineNeedle::end_pass(double time_s, bool in_place) {
-  if (!in_bone_) return;
-  in_bone_ = false;
-  NeedlePass& p = facts_.passes.back();
+void SpineNeedle::end(Way& way, double time_s, bool in_place) {
+  if (!way.open) return;
+  way.open = false;
+  NeedlePass& p = way.all.back();
   p.end_s = time_s;
   p.in_place = in_place;
   p.path.push_back(last_);
 }
 
 void SpineNeedle::close() {
-  end_pass(facts_.end_s, true);
+  end(in_bone_, facts_.end_s, true);
+  end(in_patient_, facts_.end_s, true);
   exposing_ = false;
 }
 

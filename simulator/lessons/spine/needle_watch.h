@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,7 +60,7 @@ struct NeedlePoint {
   int inside = 0;  ///< the shape
 };
 
-/// The needle in bone, from the moment it enters until it is drawn out behind that place.
+/// The needle in bone, or in the patient, from the moment it enters until it is drawn out behind that place.
 struct NeedlePass {
   double begin_s = 0, end_s = 0;
   Vec3 entry_mm, axis;
@@ -67,12 +68,19 @@ struct NeedlePass {
   double diameter_mm = 0, length_mm = 0;
   bool in_place = false;          ///< it was there at the lesson's end
   std::vector<NeedlePoint> path;  ///< each time the tip moved by 0.25 mm, or into another shape; the last is the end
+  double depth_mm(const NeedlePoint& p) const { return dot(entry_mm - p.tip_mm, axis); }
+  const NeedlePoint& deepest() const;  ///< the first of those that are deepest
 };
 
 struct SpineNeedleFacts : LessonFacts {
   std::vector<FluoroShot> shots;
-  std::vector<NeedlePass> passes;
+  std::vector<NeedlePass> passes;     ///< in bone
+  std::vector<NeedlePass> punctures;  ///< in whatever is felt of the patient: skin first, where the case has it
   double exposure_s() const;
+  /// Punctures in which the needle came into no bone.
+  int empty_punctures() const;
+  /// When a pass was half way in without a picture since the pass before it (or the begin); nothing: each was seen.
+  std::optional<double> blind_s() const;
   const NeedlePass* final_pass() const { return !passes.empty() && passes.back().in_place ? &passes.back() : nullptr; }
 };
 
@@ -94,12 +102,19 @@ class SpineNeedle : public Lesson {
   void command(int command, const haptics::ServoFrame& frame, const haptics::ToolBelt& belt) override;
 
  private:
-  void end_pass(double time_s, bool in_place);
+  /// Passes of one kind, the last of which may go on.
+  struct Way {
+    std::vector<NeedlePass>& all;
+    bool open = false;
+  };
+  void follow(Way& way, bool inside, const haptics::BeltToolParams& tool);
+  void end(Way& way, double time_s, bool in_place);
   int bone_;
   SpineNeedleFacts facts_;
   ArmPose arm_;
   int in_hand_ = -1;
-  bool in_bone_ = false, exposing_ = false;
+  Way in_bone_{facts_.passes}, in_patient_{facts_.punctures};
+  bool exposing_ = false;
   NeedlePoint last_;
 };
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double after_entry_mm = 4;  // nearer to the entry the wall is the surface that the needle enters by
 constexpr double farthest_wall_mm = 40, walk_mm = 0.2;
 constexpr int directions = 12;
+constexpr double at_mm = 10;  // of its entry: a pass whose line passes farther away is not at that pedicle
 
 // Where a line from the tip along the axis passes the plane through `at` across `normal`.
 Vec3 passes(Vec3 tip, Vec3 axis, Vec3 at, Vec3 normal) {
@@ -64,6 +65,16 @@ NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::stri
   return nearest_pedicle(pedicles, tip, axis);
 }
 
+DeepestTip deepest_tip(const CasePedicle& pedicle, const std::vector<NeedlePass>& passes) {
+  DeepestTip most;
+  for (const NeedlePass& pass : passes)
+    for (const NeedlePoint& n : pass.path)
+      if (const NeedleErrors e = needle_errors(pedicle, n.tip_mm, n.axis);
+          e.entry_mm <= at_mm && e.depth_mm > most.beyond_mm)
+        most = {e.depth_mm, n.time_s};
+  return most;
+}
+
 double pedicle_width_mm(const CasePedicle& p, const voxel::HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards(), outer = p.outer();
   const voxel::HapticDecoder decoder(volume);
@@ -94,9 +105,11 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const vo
       if (!(off_mm > 1e-6)) continue;
       const double beyond = off_mm - wall_mm(decoder, bone, on_axis, off / off_mm);
       const std::string side = side_of(p, off);
-      const double medial = side == "medial" ? std::max(worst.medial_mm, beyond) : worst.medial_mm;
-      if (beyond > worst.depth_mm) worst = {medial, beyond, side, at, time_s};
-      worst.medial_mm = medial;
+      if (beyond > worst.depth_mm) worst.depth_mm = beyond, worst.side = side, worst.at_mm = at, worst.time_s = time_s;
+      if (side == "medial")
+        worst.medial_mm = std::max(worst.medial_mm, beyond);
+      else if (beyond > worst.other_mm)
+        worst.other_mm = beyond, worst.other_side = side, worst.other_s = time_s;
     }
   };
   for (const NeedlePoint& n : pass.path) look(n.tip_mm, n.time_s);

@@ -25,11 +25,21 @@ NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip_
 /// Of the pedicle that was asked for; of the nearest where nothing was.
 NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::string& task, Vec3 tip_mm, Vec3 axis);
 
+/// The farthest that a tip came beyond the target along the axis, in the passes at that pedicle, and when; far before
+/// the target where there was none.
+struct DeepestTip {
+  double beyond_mm = -1e9, time_s = 0;
+};
+DeepestTip deepest_tip(const CasePedicle& pedicle, const std::vector<NeedlePass>& passes);
+
 /// How far a needle came through the wall of a pedicle.
 struct PedicleBreach {
   double medial_mm = 0;  ///< the same of the wall towards the canal alone
-  double depth_mm = 0;   ///< of the needle's side beyond the wall; 0: none
-  std::string side;      ///< "medial", "lateral", "upper" or "lower"
+  double other_mm = 0;   ///< and of the three others
+  double other_s = 0;    ///< when it was that
+  std::string other_side;
+  double depth_mm = 0;  ///< of the needle's side beyond the wall; 0: none
+  std::string side;     ///< "medial", "lateral", "upper" or "lower"
   Vec3 at_mm;
   double time_s = 0;
 };

@@ -5,9 +5,9 @@
 
 namespace trephine::lessons {
 
-/// Notes the critical errors that happened: anterior_cortex_mm, canal, medial_breach_mm, great_vessel in any pass;
-/// wrong_side and wrong_level by the last one. A pass that is farther than `farthest_mm` from every pedicle's entry is
-/// at none.
+/// Notes the critical errors that happened, in any pass and at any time, whatever came after: anterior_cortex_mm,
+/// canal, medial_breach_mm, other_breach_mm, beside_spine_mm, great_vessel, wrong_side and wrong_level. A pass that is
+/// farther than `farthest_mm` from every pedicle's entry is at none.
 void note_spine_errors(const SpineNeedleFacts& facts, const cases::CaseManifest& manifest,
                        const voxel::HapticVolume& before, double farthest_mm, CriticalErrors& errors);
 

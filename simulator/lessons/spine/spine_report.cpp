@@ -23,7 +23,7 @@ const SpineNeedleFacts& own(const LessonFacts& facts) { return static_cast<const
 Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
 Json json_of(const SpineNeedleFacts& f) {
-  Json shots = Json::array(), passes = Json::array();
+  Json shots = Json::array(), passes = Json::array(), punctures = Json::array();
   for (const FluoroShot& s : f.shots)
     shots.push_back({{"begin_s", s.begin_s},
                      {"end_s", s.end_s},
@@ -31,15 +31,19 @@ Json json_of(const SpineNeedleFacts& f) {
                      {"orbit_deg", s.arm.orbit_deg},
                      {"tilt_deg", s.arm.tilt_deg},
                      {"tip_mm", list_of(s.tip_mm)}});
-  for (const NeedlePass& p : f.passes)
-    passes.push_back({{"tool", p.tool},
-                      {"begin_s", p.begin_s},
-                      {"end_s", p.end_s},
-                      {"entry_mm", list_of(p.entry_mm)},
-                      {"tip_mm", list_of(p.path.back().tip_mm)},
-                      {"axis", list_of(p.path.back().axis)},
-                      {"in_place", p.in_place}});
-  return {{"exposure_s", f.exposure_s()}, {"shots", shots}, {"passes", passes}};
+  const auto json_of_pass = [](const NeedlePass& p) {
+    return Json{{"tool", p.tool},
+                {"begin_s", p.begin_s},
+                {"end_s", p.end_s},
+                {"entry_mm", list_of(p.entry_mm)},
+                {"deepest_mm", list_of(p.deepest().tip_mm)},
+                {"tip_mm", list_of(p.path.back().tip_mm)},
+                {"axis", list_of(p.path.back().axis)},
+                {"in_place", p.in_place}};
+  };
+  for (const NeedlePass& p : f.passes) passes.push_back(json_of_pass(p));
+  for (const NeedlePass& p : f.punctures) punctures.push_back(json_of_pass(p));
+  return {{"exposure_s", f.exposure_s()}, {"shots", shots}, {"passes", passes}, {"punctures", punctures}};
 }
 
 constexpr texts::Wording none_words{{"No picture was taken.", "Es wurde kein Bild aufgenommen."}},

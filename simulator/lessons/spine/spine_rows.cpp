@@ -21,17 +21,25 @@ ScoreRow exposure_row(const SpineNeedleFacts& facts, const lesson::FourLimits& l
   r.score = facts.shots.empty() || !nowhere.empty() ? 1 : limits.score(facts.exposure_s());
   r.why = facts.shots.empty() ? "no picture was taken" : nowhere.empty() ? "X-rays were on" : nowhere;
   if (!facts.shots.empty()) r.decided_s = facts.shots.back().end_s;
+  if (!facts.shots.empty() && nowhere.empty())
+    if (const std::optional<double> blind_s = facts.blind_s())
+      lower(r, 1, "the tool went into bone without a picture before", *blind_s);
   return r;
 }
 
+int entries_count(const SpineNeedleFacts& facts) { return int(facts.passes.size()) + facts.empty_punctures(); }
+
 ScoreRow bone_passes_row(const SpineNeedleFacts& facts, const lesson::FourLimits& limits, const char* title,
-                         const texts::Phrase& nowhere) {
+                         const std::optional<lesson::FourLimits>& mm_per_s, const texts::Phrase& nowhere) {
   ScoreRow r = four_limits_row("passes", title, limits, "count");
-  const int count = int(facts.passes.size());
-  r.measured = {{"passes_count", double(count)}};
-  r.score = nowhere.empty() ? limits.score(count) : 1;
-  r.why = nowhere.empty() ? "times that a tool entered bone" : nowhere;
+  const int count = int(facts.passes.size()), empty = facts.empty_punctures();
+  r.measured = {{"passes_count", double(count)}, {"punctures_count", double(empty)}};
+  r.score = nowhere.empty() ? limits.score(entries_count(facts)) : 1;
+  r.why = !nowhere.empty() ? nowhere
+          : empty > 0      ? "punctures that met no bone count too"
+                           : "times that a tool entered bone";
   if (count > 0) r.decided_s = facts.passes.back().begin_s;
+  lower_by_speed(r, facts, mm_per_s);
   return r;
 }
 

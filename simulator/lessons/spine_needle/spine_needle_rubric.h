@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "lesson/rubric.h"
 
 namespace trephine::lessons {
@@ -9,6 +11,7 @@ namespace trephine::lessons {
 struct SpineNeedleRubric {
   std::string module;
   lesson::FourLimits entry_mm, target_mm, breach_mm, depth_mm, exposure_s, passes_count, procedure_s;
+  std::optional<lesson::FourLimits> insertion_mm_per_s;
   lesson::RubricLimit least_confidence_ratio, farthest_mm;
   std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
@@ -22,6 +25,7 @@ struct SpineNeedleRubric {
         .is_required();
     v.group(&P::exposure_s, "exposure_s", "How long X-rays were on.").is_required();
     v.group(&P::passes_count, "passes_count", "How often the needle entered bone.").is_required();
+    v.group(&P::insertion_mm_per_s, "insertion_mm_per_s", "How fast the needle went into the patient: of its passes.");
     v.group(&P::procedure_s, "procedure_s", "Time to complete the procedure.").is_required();
     v.group(&P::least_confidence_ratio, "least_confidence_ratio",
             "A pedicle of less confidence is doubtful: what is measured from it is not judged.")
@@ -32,8 +36,9 @@ struct SpineNeedleRubric {
   }
   std::string fault() const {
     if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
-    return lesson::critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
-                                                    "wrong_side", "wrong_level"});
+    return lesson::critical_fault(
+        critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "other_breach_mm", "beside_spine_mm",
+                          "great_vessel", "wrong_side", "wrong_level"});
   }
 };
 

@@ -40,6 +40,7 @@ struct Rows {
   std::string unreached(const std::string& nowhere) const {
     if (facts.end != LessonEnd::finished) return name_of(facts.end);
     if (!nowhere.empty()) return nowhere == not_there() ? "the needle is " + nowhere : nowhere;
+    if (entries_count(facts) > rubric.passes_count.two.limit) return "too many passes";
     return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
   }
 
@@ -68,6 +69,15 @@ struct Rows {
     return r;
   }
 };
+
+// What it was drawn back from was as deep as it was, in whatever pass at that pedicle.
+void lower_by_deepest(ScoreRow& row, const CasePedicle& pedicle, const SpineNeedleFacts& facts, double depth_mm,
+                      const lesson::FourLimits& limits) {
+  const DeepestTip most = deepest_tip(pedicle, facts.passes);
+  if (!row.score || most.beyond_mm <= std::max(0.0, depth_mm) + 0.5) return;
+  row.measured.emplace_back("deepest_beyond_target_mm", most.beyond_mm);
+  lower(row, limits.score(most.beyond_mm), "was too deep, and drawn back", most.time_s);
+}
 
 }  // namespace
 
@@ -135,18 +145,23 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const cases::CaseM
   score.rows.push_back(breach);
 
   const double depth = rows.errors.depth_mm;
-  score.rows.push_back(rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
-                                       depth > 0 ? "beyond the target" : "before the target"));
+  ScoreRow depth_row = rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
+                                       depth > 0 ? "beyond the target" : "before the target");
+  if (rows.errors.pedicle) lower_by_deepest(depth_row, *rows.errors.pedicle, facts, depth, r.depth_mm);
+  score.rows.push_back(depth_row);
 
   score.rows.push_back(exposure_row(facts, r.exposure_s, unsaved));
-  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle", unsaved));
+  score.rows.push_back(bone_passes_row(facts, r.passes_count, "Passes of the needle", r.insertion_mm_per_s, unsaved));
   score.rows.push_back(spine_time_row(facts, r.procedure_s, score.unsaved()));
 
   const bool judged = rows.at_it() && rows.doubt.empty();
   if (judged) {  // elsewhere the failure says it all
     score.advice = pedicle_advice(score, rows.errors);
     if (score.lost("breach") && worst.depth_mm > 0) score.advice.push_back(breach_advice(worst));
-    if (score.lost("depth")) score.advice.push_back(depth_advice("depth", depth));
+    if (score.lost("depth"))
+      score.advice.push_back(depth_advice("depth", std::abs(depth) > r.depth_mm.five.limit
+                                                       ? depth
+                                                       : deepest_tip(*rows.errors.pedicle, facts.passes).beyond_mm));
   }
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "lesson/rubric.h"
 
 namespace trephine::lessons {
@@ -51,6 +53,7 @@ struct SubclavianRubric {
   NotchRubric direction;
   PassesRubric passes;
   lesson::TimeRubric time;
+  std::optional<lesson::FourLimits> insertion_mm_per_s, aspirations_count, beyond_vein_mm;
   std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
@@ -60,6 +63,10 @@ struct SubclavianRubric {
     v.group(&P::direction, "direction", "Direction of the needle.").is_required();
     v.group(&P::passes, "passes", "Needle passes.").is_required();
     v.group(&P::time, "time", "Time to complete procedure; beyond the time allotted the needle is red.").is_required();
+    v.group(&P::insertion_mm_per_s, "insertion_mm_per_s", "How fast the needle went into the patient: of its passes.");
+    v.group(&P::aspirations_count, "aspirations_count", "How often somebody drew at the syringe: of the row vein.");
+    v.group(&P::beyond_vein_mm, "beyond_vein_mm",
+            "How far the needle came out of the vein again, ahead: of the row vein.");
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {

@@ -48,7 +48,23 @@ ScoreRow score_direction(const SubclavianFacts& f, const ChestFrame& frame, cons
   return row;
 }
 
-ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
+// How far the needle went on, out of the vein again, in any pass, and when.
+std::pair<double, double> beyond_vein(const SubclavianFacts& f, int vein) {
+  std::pair<double, double> most{0, 0};
+  for (const VeinPass& pass : f.passes) {
+    double left_at = -1;
+    for (const VeinPassPoint& p : pass.path) {
+      const double depth = dot(pass.entry_mm - p.tip_mm, pass.out);
+      if (p.inside == vein)
+        left_at = std::max(left_at, depth);
+      else if (left_at >= 0 && depth - left_at > most.first)
+        most = {depth - left_at, p.time_s};
+    }
+  }
+  return most;
+}
+
+ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes, const SubclavianRubric& r) {
   ScoreRow row{"vein", "Blood from the vein", 1, "the vein was never reached", {}, {}, f.end_s};
   if (f.blood_s >= 0) {
     row = {"vein", row.title, 5, "blood was aspirated with the tip in the vein", {}, {}, f.blood_s};
@@ -59,6 +75,22 @@ ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
     row.score = 2;
     row.why = "the vein was entered, and left again";
     row.decided_s = f.vein_s;
+  }
+  const auto limited = [&](const char* figure, double value, const lesson::FourLimits& limits, const std::string& unit,
+                           const char* why, double at_s) {
+    row.measured.emplace_back(figure, value);
+    row.limits.insert(row.limits.end(), {{"five_" + unit, limits.five},
+                                         {"four_" + unit, limits.four},
+                                         {"three_" + unit, limits.three},
+                                         {"two_" + unit, limits.two}});
+    lower(row, limits.score(value), why, at_s);
+  };
+  if (r.aspirations_count && !f.aspirations.empty())
+    limited("aspirations_count", double(f.aspirations.size()), *r.aspirations_count, "count",
+            "drawn at the syringe again and again", f.aspirations.back().time_s);
+  if (r.beyond_vein_mm && f.vein_s >= 0) {
+    const auto [beyond_mm, at_s] = beyond_vein(f, shapes.vein);
+    limited("beyond_vein_mm", beyond_mm, *r.beyond_vein_mm, "mm", "the needle went through the vein", at_s);
   }
   return row;
 }
@@ -79,7 +111,8 @@ ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char*
   return row;
 }
 
-ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r, bool harmed) {
+ScoreRow score_passes(const SubclavianFacts& f, const SubclavianRubric& rubric, bool harmed) {
+  const PassesRubric& r = rubric.passes;
   const double count = double(f.passes.size());
   ScoreRow row{"passes", "Needle passes", 1, "the needle entered nothing", {{"passes_count", count}}, {}, f.end_s};
   row.limits = {{"ideal_count", r.ideal_count}, {"good_count", r.good_count}, {"most_count", r.most_count}};
@@ -95,14 +128,16 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r, bool harm
   }
   row.score = count <= r.ideal_count.limit ? 5 : count <= r.good_count.limit ? 4 : count <= r.most_count.limit ? 3 : 1;
   row.why = *row.score == 5 ? "as few as can be" : *row.score > 1 ? "several passes" : "too many passes";
+  lower_by_speed(row, f, rubric.insertion_mm_per_s);
   return row;
 }
 
-texts::Phrase unreached_goal(const SubclavianFacts& f, const lesson::TimeRubric& r) {
+texts::Phrase unreached_goal(const SubclavianFacts& f, const SubclavianRubric& r) {
   if (f.end != LessonEnd::finished) return name_of(f.end);
   if (f.passes.empty()) return "the needle entered nothing";
   if (f.blood_s < 0) return "no blood was drawn from the vein";
-  return f.procedure_s() > r.allotted_s.limit ? "not in the allotted time" : "";
+  if (double(f.passes.size()) > r.passes.most_count.limit) return "too many passes";
+  return f.procedure_s() > r.time.allotted_s.limit ? "not in the allotted time" : "";
 }
 
 void note_critical(const SubclavianFacts& f, const ChestFrame& frame, const std::vector<lesson::CriticalRule>& rules,
@@ -188,17 +223,17 @@ LessonScore score_subclavian(const SubclavianFacts& f, const cases::CaseManifest
     for (const VeinPass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
   }
   LessonScore score;
-  score.unreached = unreached_goal(f, rubric.time);
+  score.unreached = unreached_goal(f, rubric);
   note_critical(f, frame, rubric.critical_errors, score);
   const bool harmed = !score.critical.empty();
   score.rows = {
       score_puncture(f, frame, rubric.puncture),
       score_direction(f, frame, rubric.direction),
-      score_vein(f, shapes),
+      score_vein(f, shapes, rubric),
       score_untouched(f, "artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery"),
       score_untouched(f, "lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
                       f.lung_s >= 0 ? "the lung" : "the pleura"),
-      score_passes(f, rubric.passes, harmed),
+      score_passes(f, rubric, harmed),
       time_row(f, rubric.time, score.unsaved())};
   score.advice = advice_of(f, frame, rubric.puncture, score);
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;

@@ -12,19 +12,32 @@ namespace {
 
 const char* no_catheter = "no catheter lies in the brain";
 constexpr double outside_most_mm = 10;  // farther from the ventricles it is said no more exactly
+constexpr double directed_mm = 20;      // of brain, after which a pass that was drawn out again has a direction
 constexpr double beyond_doubt_mm = 5;   // of the midline: nearer to it a side is none
 
 Vec3 tip_of(const CatheterPass& pass) { return pass.path.back().tip_mm; }
 
-// Why the catheter does not lie where it should; empty: it does.
-std::string misplaced(const Scoring& s) {
+int beyond(std::size_t count, int needed) { return std::max(0, int(count) - needed); }
+
+// Holes and incisions that nobody needed, also those that were taken back.
+int extra_holes(const Scoring& s) { return beyond(s.facts.holes.size(), s.facts.drilled_beforehand ? 0 : 1); }
+int extra_incisions(const Scoring& s) { return beyond(s.facts.incisions.size(), s.facts.drilled_beforehand ? 0 : 1); }
+int entries(const Scoring& s) { return int(s.facts.passes.size()) + extra_holes(s) + extra_incisions(s); }
+
+// Why the goal was not reached; empty: the catheter lies where it should, by a way that may be gone.
+texts::Phrase misplaced(const Scoring& s) {
   const CatheterPass* pass = s.final_pass();
   if (!pass) return no_catheter;
   if (pass->path.back().inside != s.shapes.ventricles) return "the catheter lies in no ventricle";
   if (in_third_ventricle(s, *pass, pass->path.back())) return "the catheter lies in the third ventricle";
-  return (s.frame.left_of_midline_mm(tip_of(*pass)) > 0) != s.on_left()
-             ? "the catheter lies in the contralateral ventricle"
-             : "";
+  if ((s.frame.left_of_midline_mm(tip_of(*pass)) > 0) != s.on_left())
+    return "the catheter lies in the contralateral ventricle";
+  for (const CatheterPass& any : s.facts.passes)
+    for (const PassPoint& p : any.path)
+      if (in_third_ventricle(s, any, p)) return "the catheter passed the third ventricle";
+  if (const ScoreRow hole = score_burr_hole(s); hole.score && *hole.score == 1) return {"burr hole: {}", {hole.why}};
+  if (s.rubric.passes && entries(s) > s.rubric.passes->two.limit) return "too many passes, holes or incisions";
+  return "";
 }
 
 // How far to the left what was done lies; by default right, as the table's figures.
@@ -84,8 +97,9 @@ double distance_to_ventricles_mm(const Scoring& s, Vec3 tip, double most_mm) {
 }
 
 // Where the catheter's line meets the table: a plane across the hole there.
-double depth_mm(const Scoring& s, const CatheterPass& pass) {
-  const Vec3 tip = tip_of(pass);
+double depth_mm(const Scoring& s, const CatheterPass& pass) { return depth_mm(s, pass, tip_of(pass)); }
+
+double depth_mm(const Scoring& s, const CatheterPass& pass, Vec3 tip) {
   Vec3 out = normalized(pass.entry_mm - tip);
   if (out == Vec3{}) out = pass.out;
   if (!s.facts.hole) return norm(pass.entry_mm - tip);
@@ -93,6 +107,14 @@ double depth_mm(const Scoring& s, const CatheterPass& pass) {
   const Vec3 at = s.rubric.depth.measured_from == DepthRubric::From::outer_table ? hole.outer_mm : hole.inner_mm;
   const double across = dot(out, hole.out);
   return across > 0.2 ? dot(at - tip, hole.out) / across : norm(at - tip);
+}
+
+Deepest deepest(const Scoring& s) {
+  Deepest most;
+  for (const CatheterPass& pass : s.facts.passes)
+    for (const PassPoint& p : pass.path)
+      if (const double depth = depth_mm(s, pass, p.tip_mm); depth > most.depth_mm) most = {depth, p.time_s};
+  return most;
 }
 
 LineMiss line_miss(const CatheterPass& pass, Vec3 foramen) {
@@ -144,7 +166,15 @@ ScoreRow score_trajectory(const Scoring& s) {
         return decide(1, "passes through the " + said, p.time_s);
       }
     }
-  const CatheterPass& pass = s.facts.passes.back();
+  // Of all passes that went so deep that they had a direction, the one that missed by most; the last one has it anyway.
+  const CatheterPass* worst = &s.facts.passes.back();
+  const auto off_mm = [&](const CatheterPass& p) { return norm(line_miss(p, *s.foramen()).to_foramen_mm); };
+  for (const CatheterPass& p : s.facts.passes) {
+    double deep_mm = 0;
+    for (const PassPoint& at : p.path) deep_mm = std::max(deep_mm, dot(p.entry_mm - at.tip_mm, p.out));
+    if (deep_mm >= directed_mm && off_mm(p) > off_mm(*worst)) worst = &p;
+  }
+  const CatheterPass& pass = *worst;
   const Vec3 miss = line_miss(pass, *s.foramen()).to_foramen_mm;
   const double off = norm(miss), lateral = -own_side * dot(miss, s.frame.left);
   row.measured.emplace_back("line_off_foramen_mm", off);
@@ -171,11 +201,19 @@ ScoreRow score_depth(const Scoring& s) {
   const double depth = depth_mm(s, *pass);
   row.measured = {{"depth_mm", depth}};
   row.decided_s = pass->path.back().time_s;
-  row.score = depth < r.least_mm.limit || depth > r.most_mm.limit             ? 1
-              : depth < r.low_mm.limit || depth > r.high_mm.limit             ? 2
-              : depth < r.ideal_low_mm.limit || depth > r.ideal_high_mm.limit ? 3
-                                                                              : 5;
+  const auto score_at = [&](double mm) {
+    return mm < r.least_mm.limit || mm > r.most_mm.limit             ? 1
+           : mm < r.low_mm.limit || mm > r.high_mm.limit             ? 2
+           : mm < r.ideal_low_mm.limit || mm > r.ideal_high_mm.limit ? 3
+                                                                     : 5;
+  };
+  row.score = score_at(depth);
   row.why = *row.score == 5 ? "ideal depth" : depth < r.ideal_low_mm.limit ? "not deep enough" : "too deep";
+  // What it was drawn back from was as deep as it was.
+  const Deepest most = deepest(s);
+  if (most.depth_mm > depth + 0.5) row.measured.emplace_back("deepest_mm", most.depth_mm);
+  if (most.depth_mm > std::max(depth, r.ideal_high_mm.limit))
+    lower(row, score_at(most.depth_mm), "was too deep, and drawn back", most.time_s);
   return row;
 }
 
@@ -213,16 +251,22 @@ ScoreRow score_tip(const Scoring& s) {
 ScoreRow score_passes(const Scoring& s, bool harmed) {
   const lesson::FourLimits& r = *s.rubric.passes;
   const int count = int(s.facts.passes.size());
-  ScoreRow row{"passes", "Passes of the catheter", 1, "no catheter entered the brain", {}, {}, {}};
+  ScoreRow row{"passes", "Passes, holes and incisions", 1, "no catheter entered the brain", {}, {}, {}};
   row.beside = true;
-  row.measured = {{"passes_count", double(count)}};
+  row.measured = {{"passes_count", double(count)},
+                  {"incisions_count", double(s.facts.incisions.size())},
+                  {"holes_count", double(s.facts.holes.size())}};
   row.limits = {{"five_count", r.five}, {"four_count", r.four}, {"three_count", r.three}, {"two_count", r.two}};
   if (count == 0) return row;
   row.decided_s = s.facts.passes.back().begin_s;
   // One pass that ends beside the ventricle saved nobody anything.
   const texts::Phrase why = unsaved_by(misplaced(s), harmed);
-  row.score = why.empty() ? r.score(count) : 1;
-  row.why = why.empty() ? "times that the catheter entered the brain" : why;
+  row.score = why.empty() ? r.score(entries(s)) : 1;
+  row.why = !why.empty()             ? why
+            : extra_holes(s) > 0     ? "more holes than were needed"
+            : extra_incisions(s) > 0 ? "more incisions than were needed"
+                                     : "times that the catheter entered the brain";
+  lower_by_speed(row, s.facts, s.rubric.insertion_mm_per_s);
   return row;
 }
 
@@ -232,7 +276,7 @@ bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPo
 
 texts::Phrase unreached_goal(const Scoring& s) {
   if (s.facts.end != LessonEnd::finished) return name_of(s.facts.end);
-  if (const std::string why = misplaced(s); !why.empty()) return why;
+  if (const texts::Phrase why = misplaced(s); !why.empty()) return why;
   return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";
 }
 
@@ -250,6 +294,10 @@ void note_critical(const Scoring& s, LessonScore& score) {
   if (!f.task.empty()) {
     const double own_side = f.task == "left" ? 1 : -1;
     const auto wrong = [&](Vec3 at) { return own_side * s.frame.left_of_midline_mm(at) < -beyond_doubt_mm; };
+    for (const LessonIncision& i : f.incisions)
+      if (wrong(i.at_mm)) errors.happened("wrong_side", "the skin was cut on the wrong side", i.time_s);
+    for (const BoneHole& hole : f.holes)
+      if (wrong(hole.outer_mm)) errors.happened("wrong_side", "the hole was drilled on the wrong side", hole.begin_s);
     if (f.hole && f.hole->drilled && wrong(f.hole->outer_mm))
       errors.happened("wrong_side", "the hole was drilled on the wrong side", f.drill_begin_s);
     for (const CatheterPass& pass : f.passes)

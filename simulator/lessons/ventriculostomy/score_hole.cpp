@@ -35,6 +35,29 @@ texts::Phrase doubt_of(const Scoring& s) {
   return "";
 }
 
+// Where a hole lies, by Table XIII. Over the midline it lies on the side that nobody asked for, and is no better for
+// lying far from the midline there.
+std::pair<int, const char*> place_of(const Scoring& s, const BoneHole& hole, const cases::CaseLandmark& kocher) {
+  const BurrHoleRubric& r = s.rubric.burr_hole;
+  const Vec3 d = hole.outer_mm - kocher.position_mm;
+  const double off = norm(d - hole.out * dot(d, hole.out));  // Kocher's point lies on the skin, the hole in the bone
+  const double side = (s.on_left() ? 1 : -1) * s.frame.left_of_midline_mm(hole.outer_mm);
+  const double before = s.frame.before_suture_mm(hole.outer_mm);
+  if (side <= r.midline_mm.limit)
+    return {1, side < -r.midline_mm.limit ? "placed on the other side" : "placed along the midline"};
+  if (before < 0) return {1, "placed behind the coronal suture"};
+  if (off <= r.kocher_mm.limit) return {5, "at Kocher's point"};
+  if (off <= r.near_mm.limit) return {4, "near Kocher's point"};
+  const double more_lateral = side - std::abs(s.frame.left_of_midline_mm(kocher.position_mm));
+  const double more_anterior = before - s.frame.before_suture_mm(kocher.position_mm);
+  // Towards midline and suture lies what must not be hit: a hole that errs that way is no better for erring the other
+  // way as well. What counts as at Kocher's point is no error.
+  if (std::max(more_lateral, more_anterior) <= 0 || std::min(more_lateral, more_anterior) < -r.kocher_mm.limit)
+    return {2, "nearer to midline or suture than Kocher's point"};
+  if (off > r.far_mm.limit) return {2, "far from Kocher's point"};
+  return {3, more_lateral > more_anterior ? "too lateral" : "too anterior"};
+}
+
 }  // namespace
 
 BestTrace best_midline(const Scoring& s) {
@@ -43,6 +66,13 @@ BestTrace best_midline(const Scoring& s) {
 }
 BestTrace best_suture(const Scoring& s) {
   return best_trace(s, s.rubric.landmarks.suture_trace_mm.limit, [&](Vec3 p) { return s.frame.before_suture_mm(p); });
+}
+
+const BoneHole& worst_hole(const Scoring& s, const cases::CaseLandmark& kocher) {
+  const BoneHole* worst = &*s.facts.hole;
+  for (const BoneHole& other : s.facts.holes)
+    if (place_of(s, other, kocher).first < place_of(s, *worst, kocher).first) worst = &other;
+  return *worst;
 }
 
 ScoreRow score_landmarks(const Scoring& s) {
@@ -88,31 +118,20 @@ ScoreRow score_burr_hole(const Scoring& s) {
     return row;
   }
   if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");
-  const BoneHole& hole = *s.facts.hole;
+  // Wherever the catheter went in.
+  const BoneHole& hole = worst_hole(s, *kocher);
   row.decided_s = s.facts.through_s >= 0 ? s.facts.through_s : s.facts.end_s;
   const Vec3 d = hole.outer_mm - kocher->position_mm;
-  const double off = norm(d - hole.out * dot(d, hole.out));  // Kocher's point lies on the skin, the hole in the bone
-  // Over the midline it lies on the side that nobody asked for, and is no better for lying far from the midline there.
+  const double off = norm(d - hole.out * dot(d, hole.out));
   const double side = (s.on_left() ? 1 : -1) * s.frame.left_of_midline_mm(hole.outer_mm);
   const double before = s.frame.before_suture_mm(hole.outer_mm);
   row.measured = {
       {"kocher_off_mm", off}, {"lateral_mm", side}, {"before_suture_mm", before}, {"removed_mm3", hole.removed_mm3}};
   if (s.facts.burr_mm > 0) row.measured.emplace_back("burr_mm", s.facts.burr_mm);
   row.limits = {{"midline_mm", r.midline_mm}, {"kocher_mm", r.kocher_mm}, {"near_mm", r.near_mm}, {"far_mm", r.far_mm}};
-  if (!hole.through) return decide(1, "the hole does not let the catheter through");
-  if (side <= r.midline_mm.limit)
-    return decide(1, side < -r.midline_mm.limit ? "placed on the other side" : "placed along the midline");
-  if (before < 0) return decide(1, "placed behind the coronal suture");
-  if (off <= r.kocher_mm.limit) return decide(5, "at Kocher's point");
-  if (off <= r.near_mm.limit) return decide(4, "near Kocher's point");
-  const double more_lateral = side - std::abs(s.frame.left_of_midline_mm(kocher->position_mm));
-  const double more_anterior = before - s.frame.before_suture_mm(kocher->position_mm);
-  // Towards midline and suture lies what must not be hit: a hole that errs that way is no better for erring the other
-  // way as well. What counts as at Kocher's point is no error.
-  if (std::max(more_lateral, more_anterior) <= 0 || std::min(more_lateral, more_anterior) < -r.kocher_mm.limit)
-    return decide(2, "nearer to midline or suture than Kocher's point");
-  if (off > r.far_mm.limit) return decide(2, "far from Kocher's point");
-  return decide(3, more_lateral > more_anterior ? "too lateral" : "too anterior");
+  if (!s.facts.hole->through) return decide(1, "the hole does not let the catheter through");
+  const auto [score, why] = place_of(s, hole, *kocher);
+  return decide(score, why);
 }
 
 }  // namespace trephine::lessons::detail

@@ -46,6 +46,9 @@ struct BestTrace {
 BestTrace best_midline(const Scoring& s);
 BestTrace best_suture(const Scoring& s);
 
+/// Of all holes that were drilled the one that lies worst by Table XIII; there must be one.
+const BoneHole& worst_hole(const Scoring& s, const cases::CaseLandmark& kocher);
+
 ScoreRow score_landmarks(const Scoring& s);
 ScoreRow score_burr_hole(const Scoring& s);
 ScoreRow score_trajectory(const Scoring& s);
@@ -63,6 +66,12 @@ void note_critical(const Scoring& s, LessonScore& score);
 /// What to do otherwise, of the rows that lost points by a place or a direction.
 std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score);
 /// Along the catheter, from the table of the bone that the rubric says to the tip.
+double depth_mm(const Scoring& s, const CatheterPass& pass, Vec3 tip_mm);
 double depth_mm(const Scoring& s, const CatheterPass& pass);
+/// The deepest of all passes' points, and when; nothing where no catheter entered the brain.
+struct Deepest {
+  double depth_mm = -1e9, time_s = 0;
+};
+Deepest deepest(const Scoring& s);
 
 }  // namespace trephine::lessons::detail

@@ -75,8 +75,8 @@ std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score) {
   // On the other side the failure says it all.
   const auto on_side = [&](Vec3 at) { return (s.frame.left_of_midline_mm(at) > 0) == s.on_left(); };
   if (sided && score.lost("burr_hole") && kocher && s.facts.hole && s.facts.hole->drilled &&
-      on_side(s.facts.hole->outer_mm)) {
-    const BoneHole& hole = *s.facts.hole;
+      on_side(worst_hole(s, *kocher).outer_mm)) {
+    const BoneHole& hole = worst_hole(s, *kocher);
     const std::vector<NamedPart> off = parts_across(axes, hole.out, hole.outer_mm - kocher->position_mm);
     say("burr_hole", opposite(off), PartUnit::mm, off, hole_words);
   }
@@ -89,7 +89,12 @@ std::vector<Advice> advice_of(const Scoring& s, const LessonScore& score) {
   }
   const CatheterPass* pass = s.final_pass();
   if (!pass) return all;
-  if (score.lost("depth")) all.push_back(depth_advice(s.rubric.depth, depth_mm(s, *pass)));
+  if (score.lost("depth")) {
+    const DepthRubric& r = s.rubric.depth;
+    const double depth = depth_mm(s, *pass);
+    const bool ideal = depth >= r.ideal_low_mm.limit && depth <= r.ideal_high_mm.limit;  // and was drawn back to there
+    all.push_back(depth_advice(r, ideal ? deepest(s).depth_mm : depth));
+  }
   if (sided && score.lost("tip") && foramen) {
     const std::vector<NamedPart> off = parts_of(axes, pass->path.back().tip_mm - *foramen);
     say("tip", opposite(off), PartUnit::mm, off, tip_words);

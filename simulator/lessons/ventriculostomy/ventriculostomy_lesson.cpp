@@ -48,6 +48,13 @@ Json json_of(const VentriculostomyFacts& f) {
                    {"burr_n", f.dura->burr_n},
                    {"breached", f.dura->breached}};
   }
+  Json holes = Json::array();
+  for (const BoneHole& h : f.holes)
+    holes.push_back({{"begin_s", moment(h.begin_s)},
+                     {"outer_mm", list_of(h.outer_mm)},
+                     {"removed_mm3", h.removed_mm3},
+                     {"through", h.through}});
+  out["holes"] = holes;
   if (f.hole)
     out["hole"] = {{"outer_mm", list_of(f.hole->outer_mm)},
                    {"inner_mm", list_of(f.hole->inner_mm)},

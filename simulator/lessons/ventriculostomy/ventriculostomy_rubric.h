@@ -125,7 +125,7 @@ struct VentriculostomyRubric {
   DepthRubric depth;
   TipRubric tip;
   lesson::TimeRubric time;
-  std::optional<lesson::FourLimits> passes;
+  std::optional<lesson::FourLimits> passes, insertion_mm_per_s;
   std::vector<lesson::CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
@@ -138,7 +138,9 @@ struct VentriculostomyRubric {
     v.group(&P::depth, "depth", "Depth of catheter insertion.").is_required();
     v.group(&P::tip, "tip", "Final location of catheter tip.").is_required();
     v.group(&P::time, "time", "Time to complete procedure.").is_required();
-    v.group(&P::passes, "passes", "How often the catheter entered the brain: ours, beside the table.");
+    v.group(&P::passes, "passes",
+            "How often the catheter entered the brain, with holes and incisions beyond one: ours, beside the table.");
+    v.group(&P::insertion_mm_per_s, "insertion_mm_per_s", "How fast a tool went into the patient, beside the table.");
     v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {

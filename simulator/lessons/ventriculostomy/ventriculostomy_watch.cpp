@@ -13,6 +13,8 @@ namespace {
 constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
 constexpr double path_step_mm = 0.25;        // of a catheter's way
 constexpr double look_each_s = 0.25;         // while the burr runs
+constexpr double site_mm = 20;               // nearer to where the burr began it is the same hole
+constexpr double scratch_mm3 = 10;           // of bone: less is no hole
 constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -141,12 +143,23 @@ void Ventriculostomy::draw(const haptics::ServoFrame& f, bool pedal) {
 
 void Ventriculostomy::end_trace() { drawing_ = false; }
 
+// The holes of a stroke that goes on belong together; elsewhere another one begins.
+void Ventriculostomy::note_site(const haptics::ServoFrame& f) {
+  const Vec3 at = vec(f.tip_mm);
+  for (HoleSite& site : sites_)
+    if (norm(site.at_mm - at) < site_mm) {
+      site.out += vec(f.axis);
+      return;
+    }
+  sites_.push_back({at, vec(f.axis), f.time_s});
+}
+
 void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal) {
-  if (facts_.drilled_beforehand || !belt.can_cut()) return;
+  if (!belt.can_cut()) return;
   if (pedal) {
     facts_.drill_s += f.dt_s;
     if (facts_.drill_begin_s < 0) facts_.drill_begin_s = f.time_s;
-    axis_sum_ += vec(f.axis);
+    note_site(f);
     const Vec3 index = now_.voxels.to_index(vec(f.tip_mm));
     const Vec3 s = now_.voxels.spacing_mm;
     const bool first = drilled_box_.empty();
@@ -163,24 +176,48 @@ void Ventriculostomy::drill(const haptics::ServoFrame& f, const haptics::ToolBel
     facts_.burr_mm =
         std::max(facts_.burr_mm, haptics::own_tool(belt.tools()[std::size_t(belt.in_hand())]).tool_diameter_mm);
   if (removed == 0) facts_.burr_mm = 0;  // all was taken back
+  const bool stroke_ends = drilling_ && !pedal && removed != removed_units_at_note_;
   removed_units_ = removed;
   const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
   drilling_ = pedal;
   if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);
+  if (stroke_ends) note_holes();
+}
+
+HoleSearch Ventriculostomy::search() const {
+  HoleSearch search;
+  search.bone = shapes_.bone;
+  search.ball_mm = catheter_mm_;
+  search.box = grid::grown(drilled_box_, 0, now_.voxels);
+  search.sites = sites_;
+  return search;
 }
 
 void Ventriculostomy::look_for_hole(double time_s, double ball_mm) {
   looked_s_ = time_s;
   looked_units_ = removed_units_;
+  if (facts_.drilled_beforehand) return;
   // A hole that is open stays open; what comes after may be another one, or make it wider.
-  HoleSearch search;
-  search.bone = shapes_.bone;
-  search.ball_mm = ball_mm;
-  search.box = grid::grown(drilled_box_, 0, now_.voxels);
-  search.out = axis_sum_;
-  if (!facts_.passes.empty()) search.near_mm = facts_.passes.back().entry_mm;
-  facts_.hole = find_drilled_hole(before_, now_, search);
+  HoleSearch one = search();
+  one.ball_mm = ball_mm;
+  if (!facts_.passes.empty()) one.near_mm = facts_.passes.back().entry_mm;
+  facts_.hole = find_drilled_hole(before_, now_, one);
   if (facts_.hole && facts_.hole->through && facts_.through_s < 0) facts_.through_s = time_s;
+}
+
+// What is drilled now, in place of what grew into it; what was taken back stays noted.
+void Ventriculostomy::note_holes() {
+  removed_units_at_note_ = removed_units_;
+  std::vector<BoneHole> now = find_drilled_holes(before_, now_, search());
+  now.erase(std::remove_if(now.begin(), now.end(), [](const BoneHole& h) { return h.removed_mm3 < scratch_mm3; }),
+            now.end());
+  for (const BoneHole& old : facts_.holes)
+    if (std::none_of(now.begin(), now.end(), [&](const BoneHole& h) {
+          const Vec3 d = old.outer_mm - h.outer_mm;
+          return norm(d - h.out * dot(d, h.out)) <= std::max(h.radius_mm, old.radius_mm);
+        }))
+      now.push_back(old);
+  facts_.holes = std::move(now);
 }
 
 void Ventriculostomy::pass(const haptics::ServoFrame& f) {
@@ -220,6 +257,7 @@ void Ventriculostomy::end_pass(double time_s, bool in_place) {
 void Ventriculostomy::close() {
   end_trace();
   if (drilling_ && removed_units_ != looked_units_) look_for_hole(facts_.end_s, catheter_mm_);
+  if (drilling_ && removed_units_ != removed_units_at_note_) note_holes();
   drilling_ = false;
   end_pass(facts_.end_s, true);
   // Of several holes the one that the catheter went through.

@@ -63,6 +63,8 @@ struct VentriculostomyFacts : LessonFacts {
   double drill_begin_s = -1;     ///< when it first ran; -1: never
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's
+  std::vector<BoneHole>
+      holes;  ///< all that were ever drilled, also those that were taken back or became part of another
   std::vector<CatheterPass> passes;
   std::optional<DuraFacts> dura;  ///< none where the case has no dura to be felt
 };
@@ -101,6 +103,9 @@ class Ventriculostomy : public Lesson {
   void draw(const haptics::ServoFrame& f, bool pedal);
   void drill(const haptics::ServoFrame& f, const haptics::ToolBelt& belt, bool pedal);
   void look_for_hole(double time_s, double ball_mm);
+  void note_holes();
+  HoleSearch search() const;
+  void note_site(const haptics::ServoFrame& f);
   void pass(const haptics::ServoFrame& f);
   void end_trace();
   void end_pass(double time_s, bool in_place);
@@ -116,9 +121,9 @@ class Ventriculostomy : public Lesson {
   double catheter_mm_ = 2.5;
   bool drawing_ = false, drilling_ = false, in_brain_ = false;
   double last_touch_s_ = 0, looked_s_ = 0;
-  std::int64_t removed_units_ = 0, looked_units_ = 0;
+  std::int64_t removed_units_ = 0, looked_units_ = 0, removed_units_at_note_ = 0;
   grid::Box drilled_box_;
-  Vec3 axis_sum_;
+  std::vector<HoleSite> sites_;
   PassPoint last_tip_;
   Vec3 held_tip_;
 };
