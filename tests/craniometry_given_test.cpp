@@ -116,7 +116,14 @@ TEST(LandmarksFind, GivenOnesThatCannotBeRightAreDoubted) {
   };
   const auto& head = scene().head;
   EXPECT_NE(doubts("nasion", head.landmark("inion")).find("mm from where it would be found"), std::string::npos);
-  EXPECT_NE(doubts("inion", {0, 0, 50}).find("more than 25 mm below the skin"), std::string::npos);
+  EXPECT_NE(doubts("inion", {0, 0, 50}).find("more than 8 mm below the skin"), std::string::npos);
+  EXPECT_NE(doubts("nasion", head.landmark("nasion") + Vec3{0, 9.5, 0}).find("more than 8 mm below the skin"),
+            std::string::npos);
+  EXPECT_NE(doubts("nasion", head.landmark("nasion") + Vec3{0, 0, 10}).find("mm from where it would be found"),
+            std::string::npos);
+  EXPECT_NE(doubts("tragus_left", head.landmark("tragus_left") + Vec3{0, 12, 3}).find("from where it would be found"),
+            std::string::npos);
+  EXPECT_NE(doubts("bregma", {0, -20, 60}).find("more than 8 mm from the bone"), std::string::npos);
   EXPECT_NE(doubts("monro_left", {55, 40, 60}).find("more than 20 mm from the ventricles"), std::string::npos);
   for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right", "kocher_left", "monro_left"})
     EXPECT_EQ(doubts(name, head.landmark(name)), "") << name;

@@ -29,6 +29,8 @@ add_test(NAME house.contributing
          COMMAND bash ${house}/contributing.sh ${PROJECT_SOURCE_DIR} ${CMAKE_CXX_COMPILER})
 add_test(NAME house.sinks COMMAND python3 ${house}/sinks.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house.sinks_selftest COMMAND python3 ${house}/sinks.py ${PROJECT_SOURCE_DIR} --selftest)
+add_test(NAME house.face_gate COMMAND python3 ${house}/face_gate.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house.face_gate_selftest COMMAND python3 ${house}/face_gate.py ${PROJECT_SOURCE_DIR} --selftest)
 add_test(NAME house.links COMMAND python3 ${house}/links.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house.site COMMAND bash ${PROJECT_SOURCE_DIR}/docs/build_site.sh ${CMAKE_CURRENT_BINARY_DIR}/site)
 set_tests_properties(house.site PROPERTIES SKIP_RETURN_CODE 77)

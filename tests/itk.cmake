@@ -15,7 +15,7 @@ set(head ${CMAKE_CURRENT_BINARY_DIR}/head_with_mr)
 add_test(NAME program.head_with_mr COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/head_with_mr.sh ${head})
 set_tests_properties(program.head_with_mr PROPERTIES FIXTURES_SETUP head_with_mr TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>")
-foreach(script second_scan several_scans given_scans)
+foreach(script second_scan several_scans given_scans second_face)
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES FIXTURES_REQUIRED head_with_mr TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};HEAD=${head}")

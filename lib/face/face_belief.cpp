@@ -67,8 +67,8 @@ void unite(grid::Grid<T>& a, const grid::Grid<T>& b) {
 
 }  // namespace
 
-std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
-                                     const grid::Field& skin, const FaceBeliefParams& params) {
+std::vector<FaceRegion> believed_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
+                                         const FaceBeliefParams& params) {
   if (params.believe != FaceBelief::both && is_blank(params.believe_reason))
     throw Error(ExitCode::privacy, "", "believe_reason", "is missing: why are these landmarks right?");
   std::vector<FaceRegion> regions;
@@ -81,6 +81,12 @@ std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const hea
       if (const FaceRegion other = face_region(as_found(known, *found)); !is_same(other, regions[0]))
         regions.push_back(other);
   }
+  return regions;
+}
+
+std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
+                                     const grid::Field& skin, const FaceBeliefParams& params) {
+  std::vector<FaceRegion> regions = believed_regions(known, found, params);
   for (const FaceRegion& r : regions) check_tragi(r, skin);
   return regions;
 }

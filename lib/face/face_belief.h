@@ -26,6 +26,10 @@ constexpr double landmarks_agree_mm = 15;
 std::vector<FaceRegion> face_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
                                      const grid::Field& skin, const FaceBeliefParams& params);
 
+/// The same without check_tragi, for whom that was done already.
+std::vector<FaceRegion> believed_regions(const head::HeadLandmarks& known, const head::HeadLandmarks* found,
+                                         const FaceBeliefParams& params);
+
 /// Where between the nasion (0) and the back of the head (1) the tragi lie, along the region's `front`; none where the
 /// scan ends before the back of the head.
 std::optional<double> tragi_position_ratio(const FaceRegion& region, const grid::Field& skin);

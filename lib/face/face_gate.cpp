@@ -165,24 +165,53 @@ std::vector<FaceDistance> face_distances(const grid::Field& original_skin, const
   return out;
 }
 
-FaceGateResult check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
-                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
-                                  const Progress& progress) {
+namespace {
+
+FaceDistance least_distance(const grid::Field& skin, const std::vector<FaceRegion>& regions,
+                            const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                            const Progress& progress) {
   FaceDistance least{"", face_search_mm};
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const double share = 1.0 / double(regions.size());
     const Progress part = progress.part(double(r) * share, double(r + 1) * share);
-    for (const FaceDistance& d : face_distances(original_skin, regions[r], surfaces, volumes, part))
+    for (const FaceDistance& d : face_distances(skin, regions[r], surfaces, volumes, part))
       if (d.distance_mm < least.distance_mm) least = d;
   }
+  return least;
+}
+
+void require_clear(const FaceDistance& least, const std::string& of_scan, const std::string& remedy) {
   if (least.distance_mm < face_clearance_mm)
-    throw Error(
-        ExitCode::privacy, "", least.name,
-        "shows the patient's face: " + to_text(ParameterValue(std::floor(least.distance_mm * 100) / 100)) +
-            " mm from the skin that was scanned, must be at least " + to_text(ParameterValue(face_clearance_mm)) +
-            " mm; the scene's face policy can be deface, crop, or keep with a reason; where it is deface already, "
-            "a larger deface.side_depth_mm or a finer haptic.spacing_mm helps");
+    throw Error(ExitCode::privacy, "", least.name,
+                "shows the patient's face: " + to_text(ParameterValue(std::floor(least.distance_mm * 100) / 100)) +
+                    " mm from the skin " + of_scan + ", must be at least " +
+                    to_text(ParameterValue(face_clearance_mm)) +
+                    " mm; the scene's face policy can be deface, crop, or keep with a reason; " + remedy);
+}
+
+}  // namespace
+
+FaceGateResult check_face_removed(const grid::Field& original_skin, const std::vector<FaceRegion>& regions,
+                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                                  const Progress& progress) {
+  const FaceDistance least = least_distance(original_skin, regions, surfaces, volumes, progress);
+  require_clear(least, "that was scanned",
+                "where it is deface already, a larger deface.side_depth_mm or a finer haptic.spacing_mm helps");
   return {least.distance_mm};
+}
+
+FaceGateResult check_face_removed(const std::vector<ScanSkin>& skins, const std::vector<FaceRegion>& regions,
+                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                                  const Progress& progress) {
+  FaceGateResult out{face_search_mm};
+  for (std::size_t i = 0; i < skins.size(); ++i) {
+    const Progress part = progress.part(double(i) / double(skins.size()), double(i + 1) / double(skins.size()));
+    const FaceDistance least = least_distance(skins[i].skin, regions, surfaces, volumes, part);
+    require_clear(least, "that the scan " + skins[i].scan + " shows",
+                  "what is made of a scan with a face must not come near it");
+    out.face_distance_mm = std::min(out.face_distance_mm, least.distance_mm);
+  }
+  return out;
 }
 
 }  // namespace trephine::face

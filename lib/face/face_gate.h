@@ -61,4 +61,16 @@ FaceGateResult check_face_removed(const grid::Field& original_skin, const std::v
                                   const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
                                   const Progress& progress = {});
 
+/// The skin that one scan of a case shows (face/scan_skin.h), in the case's frame.
+struct ScanSkin {
+  std::string scan;  ///< its name in the configuration
+  grid::Field skin;
+};
+
+/// The same of every scan that the case reads: of two scans of one head, one may show a face that was taken off the
+/// other before the case was made.
+FaceGateResult check_face_removed(const std::vector<ScanSkin>& skins, const std::vector<FaceRegion>& regions,
+                                  const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                                  const Progress& progress = {});
+
 }  // namespace trephine::face

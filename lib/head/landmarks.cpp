@@ -42,7 +42,7 @@ class Finder {
     check(in.skull, "skull");
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
-    warnings_ = check_given(in.given, *in.skin, in.ventricles);
+    warnings_ = check_given(in.given, *in.skin, *in.skull, in.ventricles);
     mask::check_varies(volume);
     out_.landmarks = in.given;
   }
@@ -55,27 +55,22 @@ class Finder {
     check_sides(in_.given, out_.midsagittal);
     head_ = frame_in(out_.midsagittal, skull);
     const auto nasion = find_nasion(skin, skull, head_);
-    if (const cases::CaseLandmark* given = out_.find("nasion")) {
-      if (const auto doubt = doubt_given(*given, nasion)) warnings_.push_back(*doubt);
-    } else {
-      add("nasion", nasion, "found", "no hollow between brow and nose");
-    }
+    add_or_doubt("nasion", nasion, "no hollow between brow and nose");
     if (const Vec3* p = known("nasion", 0.5)) level_by_nasion(head_, *p);
     for (const int side : {1, -1}) {
       progress.check();
-      const char* name = side > 0 ? "tragus_left" : "tragus_right";
-      if (!out_.find(name)) add(name, find_tragus(skin, head_, side), "found", "no ear with its concha");
+      add_or_doubt(side > 0 ? "tragus_left" : "tragus_right", find_tragus(skin, head_, side), "no ear with its concha");
     }
     doubt_lopsided_tragi();
     doubt_covered_tragi(skin);
     progress.report(0.8);
     level_frame();
-    if (!out_.find("inion")) {
-      auto inion = find_inion(skin, skull, head_, inion_levels());
-      if (inion && !levelled_) inion->confidence *= 0.5;
-      add("inion", inion, "found", "no protuberance of the bone there");
-    }
-    auto vertex = out_.find("vertex") ? std::nullopt : find_vertex(skin, head_);
+    auto inion = find_inion(skin, skull, head_, inion_levels());
+    if (inion && !levelled_) inion->confidence *= 0.5;
+    add_or_doubt("inion", inion, "no protuberance of the bone there");
+    auto vertex = find_vertex(skin, head_);
+    if (const cases::CaseLandmark* l = out_.find("vertex")) doubt(*l, levelled_ ? vertex : std::nullopt);
+    if (given("vertex")) vertex.reset();
     if (vertex && !levelled_) lower(*vertex, "vertex", 0.5, "the head could not be levelled");
     progress.report(0.85);
     set_arcs(skin);
@@ -85,11 +80,9 @@ class Finder {
     find_kocher(skin, skull);
     if (in_.ventricles) {
       const auto monro = find_monro(craniometry::FieldView(*in_.ventricles, lattice_), volume_, head_);
-      for (int s = 0; s < 2; ++s) {
-        const char* name = s == 0 ? "monro_left" : "monro_right";
-        if (!out_.find(name))
-          add(name, monro[s], "found", "no third ventricle below the lateral ones, or no way between them");
-      }
+      for (int s = 0; s < 2; ++s)
+        add_or_doubt(s == 0 ? "monro_left" : "monro_right", monro[s],
+                     "no third ventricle below the lateral ones, or no way between them");
     }
     judge_together(out_, given_names(), why_);
     const Progress last = progress.part(0.95, 1);
@@ -130,6 +123,17 @@ class Finder {
       out_.landmarks.push_back({name, found->position_mm, found->confidence, source});
     else
       not_found(name, !found ? otherwise : why_.count(name) ? why_[name] : "too near the scan's edge, or doubtful");
+  }
+  /// What a person gave stays, and where it is found elsewhere that is told.
+  void add_or_doubt(const char* name, const std::optional<FoundPoint>& found, const char* otherwise) {
+    if (const cases::CaseLandmark* l = out_.find(name))
+      doubt(*l, found);
+    else
+      add(name, found, "found", otherwise);
+  }
+  void doubt(const cases::CaseLandmark& given, std::optional<FoundPoint> found) {
+    if (found) found->confidence *= out_.midsagittal.confidence;
+    if (const auto warning = doubt_given(given, found)) warnings_.push_back(*warning);
   }
   void not_found(const std::string& name, const std::string& why) {
     warnings_.push_back(
@@ -379,19 +383,6 @@ Outcome<HeadLandmarks, LandmarksResult> find_landmarks(const grid::HuVolume& vol
   auto found = Finder(volume, inputs, params).run(progress);
   progress.report(1);
   return found;
-}
-
-HeadLandmarks merged(const HeadLandmarks& found, const std::vector<cases::CaseLandmark>& given) {
-  HeadLandmarks out = found;
-  for (const cases::CaseLandmark& g : given) {
-    const auto same = std::find_if(out.landmarks.begin(), out.landmarks.end(),
-                                   [&](const cases::CaseLandmark& l) { return l.name == g.name; });
-    if (same != out.landmarks.end())
-      *same = g;
-    else
-      out.landmarks.push_back(g);
-  }
-  return out;
 }
 
 }  // namespace trephine::head

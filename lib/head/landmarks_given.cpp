@@ -14,10 +14,10 @@ namespace trephine::head {
 namespace {
 
 constexpr double max_outside_mm = 30;  ///< of the skin: what a scan cut off there may still be marked
-constexpr double max_below_mm = 25;    ///< the skin, of a landmark that lies on it
+constexpr double max_below_mm = 8;     ///< the skin, of a landmark that lies on it
+constexpr double max_off_bone_mm = 8;  ///< of the bregma
 constexpr double max_beside_mm = 20;   ///< the ventricles, of a foramen of Monro
 constexpr double max_across_mm = 10;   ///< of the midsagittal plane
-constexpr double max_off_mm = 20;      ///< of where it is found
 
 /// Calls f(distance from p in mm, whether it is of the shape) for every voxel within `reach_mm` of p along each axis,
 /// until it says true.
@@ -67,13 +67,19 @@ std::string meant(const std::string& name) {
   return nearest_name(name, findable_landmarks());
 }
 
+/// How far it may lie from where it is found: nasion, ear and foramen are places, vertex and inion are what is highest
+/// and what juts out.
+double max_off_mm(const std::string& name) {
+  return name == "vertex" ? 20 : name == "inion" ? 15 : begins_with(name, "tragus") ? 10 : 8;
+}
+
 }  // namespace
 
 Error landmark_fault(const std::string& name, const std::string& what) {
   return Error(ExitCode::bad_input, "", name, what).finds_fault_with({name});
 }
 
-Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin,
+Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field& skull,
                      const grid::Field* ventricles) {
   Warnings warnings;
   std::set<std::string> names;
@@ -94,14 +100,16 @@ Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::
                                   ? ": with x and y negated it would not, RAS was taken for LPS or the reverse"
                                   : ": is it of another scan?"));
     }
+    const auto lies_off = [&](const char* id, double most_mm, const char* what) {
+      warnings.push_back({id, what, {{"landmark", l.name}, {"most_mm", most_mm}}});
+    };
     if (is_on_skin(l.name) && is_deep(skin, l.position_mm, max_below_mm))
-      warnings.push_back({"given_below_skin",
-                          "{landmark} as given lies more than {most_mm:.0f} mm below the skin",
-                          {{"landmark", l.name}, {"most_mm", max_below_mm}}});
+      lies_off("given_below_skin", max_below_mm, "{landmark} as given lies more than {most_mm:.0f} mm below the skin");
+    if (l.name == "bregma" && !is_near(skull, l.position_mm, max_off_bone_mm))
+      lies_off("given_off_bone", max_off_bone_mm, "{landmark} as given lies more than {most_mm:.0f} mm from the bone");
     if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, max_beside_mm))
-      warnings.push_back({"given_beside_ventricles",
-                          "{landmark} as given lies more than {most_mm:.0f} mm from the ventricles",
-                          {{"landmark", l.name}, {"most_mm", max_beside_mm}}});
+      lies_off("given_beside_ventricles", max_beside_mm,
+               "{landmark} as given lies more than {most_mm:.0f} mm from the ventricles");
     if (is_known(l.name)) continue;
     const std::string near = meant(l.name);
     if (near.empty())
@@ -133,7 +141,7 @@ void check_sides(const std::vector<cases::CaseLandmark>& given, const Midsagitta
 
 std::optional<Warning> doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found) {
   const double off_mm = found ? norm(given.position_mm - found->position_mm) : 0;
-  if (!found || !(found->confidence > 0.5) || !(off_mm > max_off_mm)) return std::nullopt;
+  if (!found || !(found->confidence > 0.5) || !(off_mm > max_off_mm(given.name))) return std::nullopt;
   const Vec3 p = found->position_mm;
   return Warning{
       "given_far_from_found",
@@ -171,6 +179,19 @@ std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLand
     throw Error(ExitCode::bad_input, "", "tragus_left",
                 "lies to the right of tragus_right (x runs to the patient's left): are they exchanged?");
   return MidsagittalPlane{(*nasion + *other) * 0.5, across, 1};
+}
+
+HeadLandmarks merged(const HeadLandmarks& found, const std::vector<cases::CaseLandmark>& given) {
+  HeadLandmarks out = found;
+  for (const cases::CaseLandmark& g : given) {
+    const auto same = std::find_if(out.landmarks.begin(), out.landmarks.end(),
+                                   [&](const cases::CaseLandmark& l) { return l.name == g.name; });
+    if (same != out.landmarks.end())
+      *same = g;
+    else
+      out.landmarks.push_back(g);
+  }
+  return out;
 }
 
 }  // namespace trephine::head

@@ -40,16 +40,17 @@ struct FoundPoint {
 
 /// Throws Error 65, with the landmark's name as field, where one is not finite, occurs twice, or lies further outside
 /// of the skin than a landmark marked on a cut-off part can. Warns where a name is not searched for (with the nearest
-/// one that is), where a landmark of the skin lies deep below it, and where a foramen is far from the ventricles (null:
-/// not known).
-Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin,
+/// one that is), where a landmark lies off its tissue: of the skin below it, the bregma off the bone, a foramen far
+/// from the ventricles (null: not known).
+Warnings check_given(const std::vector<cases::CaseLandmark>& given, const grid::Field& skin, const grid::Field& skull,
                      const grid::Field* ventricles);
 /// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi;
 /// none where too few are given. Throws Error 65 where they span no head.
 std::optional<MidsagittalPlane> plane_of_given(const std::vector<cases::CaseLandmark>& given);
 /// Throws Error 65 where a left landmark lies to the right of the plane, or the reverse.
 void check_sides(const std::vector<cases::CaseLandmark>& given, const MidsagittalPlane& plane);
-/// Warns where the given landmark is far from where it would be found.
+/// Warns where the given landmark is far from where it would be found, farther than such a landmark is found apart by
+/// two people.
 std::optional<Warning> doubt_given(const cases::CaseLandmark& given, const std::optional<FoundPoint>& found);
 
 constexpr double min_confidence = 0.05;      ///< a landmark below this is left out

@@ -158,8 +158,7 @@ bool shows_head(const BodyPartSeen& seen) {
                   {"take a series of a head; of this one configs/ct_spine_bone.yaml makes a spine; or where it is a "
                    "head all the same, " +
                    made_all_the_same});
-  return seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
-         seen.walled_ratio > cavity_walled_ratio;
+  return may_be_head(seen);
 }
 
 void judge_trunk(const BodyPartSeen& seen, bool spine) {
@@ -177,6 +176,11 @@ void judge_trunk(const BodyPartSeen& seen, bool spine) {
 }
 
 }  // namespace
+
+bool may_be_head(const BodyPartSeen& seen) {
+  return seen.head || (seen.enclosed_ml > cavity_ml && seen.enclosed_air_ratio < cavity_air_ratio &&
+                       seen.walled_ratio > cavity_walled_ratio);
+}
 
 Outcome<std::monostate, BodyPartResult> judge_body_part(const grid::HuVolume& volume, const BodyPartParams& params,
                                                         const Progress& progress) {

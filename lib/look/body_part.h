@@ -72,6 +72,10 @@ struct BodyPartResult {
 /// Takes well below a second of CPU time. The result is the same whatever the thread count. Throws Cancelled.
 BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress = {});
 
+/// Whether it may be a head, whole or not: a cranial cavity, or a space as one that is small, open or cut. What must
+/// not miss a head asks this.
+bool may_be_head(const BodyPartSeen& seen);
+
 /// Throws Error 80, or where params.refuse is false warns and says IsExpected::unknown, where it is surely another part
 /// of the body than the expected one:
 /// - for a head: lungs, or a spine alone; where only no cranial cavity is seen, it warns;

@@ -34,13 +34,6 @@ namespace {
 
 constexpr double removed_tolerance = 0.03;
 
-// The node whose labels show what a person should look at; -1 where there is none.
-int examination_of(const pipeline::Graph& graph) {
-  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
-    if (graph.nodes[i].type->is_check() && graph.nodes[i].output == stages::DataKind::labels) return int(i);
-  return -1;
-}
-
 // Everything that a case is made of, step by step.
 class Builder {
  public:
@@ -48,9 +41,9 @@ class Builder {
           const std::vector<pipeline::NodeResult>& results)
       : config_(config), graph_(graph), results_(results), parts_(parts_of(graph, results)) {}
 
-  CaseContent build(const std::string& program_version, const std::string& input_sha256, bool pictures,
+  CaseContent build(const std::string& program_version, const std::string& input_sha256, PicturesOf pictures,
                     const Progress& progress) {
-    const Progress surfaces = progress.part(0, pictures ? 0.3 : 0.8);
+    const Progress surfaces = progress.part(0, pictures == PicturesOf::nothing ? 0.8 : 0.3);
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     manifest().face_policy = config_.face.empty() ? "none" : config_.face;
@@ -68,7 +61,7 @@ class Builder {
     if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
     for (const int hole : graph_.results(stages::DataKind::cutters)) add_burr_hole(hole);
-    if (pictures) add_pictures(progress.part(0.4, 1));
+    if (pictures != PicturesOf::nothing) add_pictures(pictures, progress.part(0.4, 1));
     progress.report(1);
     return std::move(out_);
   }
@@ -336,7 +329,7 @@ class Builder {
     return meshing::contour_to_look_at(voxel::shape_field(haptic(), number));
   }
 
-  void add_pictures(const Progress& progress) {
+  void add_pictures(PicturesOf pictures, const Progress& progress) {
     std::vector<PictureAnatomy> shown;
     for (const pipeline::Graph::Anatomy& a : graph_.anatomies) {
       const config::RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
@@ -352,6 +345,10 @@ class Builder {
         picture::give_normals(felt.back());  // once for all pictures
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
+    if (pictures == PicturesOf::surfaces) {
+      out_.pictures = make_case_pictures(nullptr, shown, manifest().landmarks, progress);
+      return;
+    }
     std::optional<CasePicture> found;
     {
       const auto scan = volume(graph_.scan);
@@ -392,7 +389,7 @@ std::vector<int> wanted_nodes(const pipeline::Graph& graph, bool pictures, bool 
 
 CaseContent make_case_content(const config::CaseConfig& config, const pipeline::Graph& graph,
                               const std::vector<pipeline::NodeResult>& results, const std::string& program_version,
-                              const std::string& input_sha256, bool pictures, const Progress& progress) {
+                              const std::string& input_sha256, PicturesOf pictures, const Progress& progress) {
   return Builder(config, graph, results).build(program_version, input_sha256, pictures, progress);
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/case_place.h"
 
-#include <vector>
-
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cases/new_case.h"
@@ -81,6 +79,21 @@ void CasePlace::remove_unpublished() const {
   for (const auto& entry : fs::directory_iterator(folder_, ignored)) locks.push_back(entry.path());
   for (const fs::path& lock : locks) fs::remove_all(lock, ignored);
   fs::remove(folder_, ignored);
+}
+
+NewFolders::~NewFolders() {
+  std::error_code ignored;
+  for (auto f = missing_.rbegin(); f != missing_.rend(); ++f)
+    fs::remove(*f, ignored);  // fails where the folder holds something
+}
+
+void NewFolders::expect(const fs::path& folder) {
+  std::vector<fs::path> missing;
+  std::error_code error;
+  for (fs::path f = fs::absolute(folder).lexically_normal();
+       f.has_relative_path() && fs::status(f, error).type() == fs::file_type::not_found; f = f.parent_path())
+    missing.push_back(f);
+  missing_.insert(missing_.end(), missing.rbegin(), missing.rend());
 }
 
 }  // namespace trephine::publish

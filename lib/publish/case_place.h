@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "publish/case_lock.h"
 
@@ -29,6 +30,17 @@ class CasePlace {
   const std::filesystem::path folder_;
   std::filesystem::path made_in_;
   std::optional<CaseLock> lock_;
+};
+
+/// Removes the folders that a run made and left empty because it failed.
+class NewFolders {
+ public:
+  ~NewFolders();
+  /// To be called before the folder is made.
+  void expect(const std::filesystem::path& folder);
+
+ private:
+  std::vector<std::filesystem::path> missing_;
 };
 
 }  // namespace trephine::publish

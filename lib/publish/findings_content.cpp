@@ -53,6 +53,12 @@ grid::Field ring_at(Vec3 at_mm, const grid::Lattice& like) {
 
 }  // namespace
 
+int examination_of(const pipeline::Graph& graph) {
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    if (graph.nodes[i].type->is_check() && graph.nodes[i].output == stages::DataKind::labels) return int(i);
+  return -1;
+}
+
 std::vector<const cases::CaseFinding*> sure(const std::vector<cases::CaseFinding>& all) {
   std::vector<const cases::CaseFinding*> out;
   for (const cases::CaseFinding& f : all)

@@ -16,6 +16,9 @@ namespace trephine::publish {
 /// the whole case.
 std::vector<stages::CaseParts> parts_of(const pipeline::Graph& graph, const std::vector<pipeline::NodeResult>& results);
 
+/// The node whose labels show what a person should look at; -1 where there is none.
+int examination_of(const pipeline::Graph& graph);
+
 /// Whether a sure finding concerns the anatomy: what is measured of it is then uncertain.
 bool is_in_doubt(const std::vector<cases::CaseFinding>& findings, const std::string& anatomy);
 

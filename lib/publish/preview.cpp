@@ -12,6 +12,7 @@
 #include "meshing/contour.h"
 #include "picture/render.h"
 #include "picture/slice.h"
+#include "publish/face_clearance.h"
 #include "publish/scan_checks.h"
 #include "publish/series_hashes.h"
 #include "surface/bounds.h"
@@ -244,17 +245,6 @@ Preview draw_preview(const std::string& name, const stages::StageData& data, con
   return out;
 }
 
-namespace {
-
-bool depends_on(const pipeline::Graph& graph, int node, int source) {
-  if (node == source) return true;
-  const auto& sources = graph.nodes[std::size_t(node)].sources;
-  return std::any_of(sources.begin(), sources.end(),
-                     [&](const auto& s) { return depends_on(graph, s.second, source); });
-}
-
-}  // namespace
-
 Preview preview_stage(const PreviewRequest& request, pipeline::RunObserver& observer) {
   config::ConfigOverrides overrides = request.overrides;
   if (request.params.stage.empty())
@@ -274,20 +264,11 @@ Preview preview_stage(const PreviewRequest& request, pipeline::RunObserver& obse
   const pipeline::Graph whole = SeriesHashes(cancelled).graph_of(config);
   const bool without_face = config.takes_face_away();
   std::vector<int> wanted{find_stage_node(whole, request.params.stage), without_face ? whole.scan : 0};
-  if (without_face && whole.nodes[std::size_t(wanted[0])].output != stages::DataKind::landmarks &&
-      !depends_on(whole, wanted[0], whole.scan))
-    throw Error(ExitCode::privacy, "", "--stage",
-                request.params.stage + " is made before the face is taken away, which the scene demands");
-  // A second scan shows the face wherever it is not confined to the cavity; a run's gate is not asked here.
-  for (const auto& [name, node] : whole.scans)
-    if (without_face && depends_on(whole, wanted[0], node))
-      throw Error(ExitCode::privacy, "", "--stage",
-                  request.params.stage + " reads the scan " + name +
-                      ", whose face is not taken away; run the case, "
-                      "whose gate checks what is published");
+  require_made_without_face(config, whole, wanted[0]);
   std::vector<std::string> scans;
   for (const auto& [name, node] : whole.scans)
-    if (depends_on(whole, wanted[0], node)) scans.push_back(name);
+    if (const auto needs = whole.needs_of(wanted[0]); std::count(needs.begin(), needs.end(), node))
+      scans.push_back(name);
   const std::vector<std::string> about_patients = require_one_patient(config, scans, cancelled);
   const pipeline::Graph graph = needed_part(whole, wanted);
   const pipeline::StageCache cache(request.cache);

@@ -8,10 +8,10 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "consistency/anatomy_gate.h"
-#include "face/deface.h"
 #include "mask/coarse.h"
 #include "meshing/contour.h"
 #include "publish/case_pictures.h"
+#include "publish/face_clearance.h"
 
 namespace trephine::publish {
 namespace fs = std::filesystem;
@@ -36,16 +36,19 @@ class Made {
            run_.made[node].state != pipeline::NodeResult::State::not_needed;
   }
 
-  template <class T>
-  Shared<T> find(int node) const {
+  stages::StageData any(int node) const {
     if (node < 0) return {};
     if (std::size_t(node) < run_.made.size())
-      if (auto data = run_.made[node].loaded(); auto* found = std::get_if<Shared<T>>(&data))
-        if (*found) return *found;
-    const auto stored = run_.cache.load_data(run_.graph.nodes[node].key, run_.graph.nodes[node].output);
-    if (!stored) return {};
-    const auto* data = std::get_if<Shared<T>>(&*stored);
-    return data ? *data : Shared<T>();
+      if (auto data = run_.made[node].loaded(); data.index() != 0) return data;
+    return run_.cache.load_data(run_.graph.nodes[node].key, run_.graph.nodes[node].output)
+        .value_or(stages::StageData());
+  }
+
+  template <class T>
+  Shared<T> find(int node) const {
+    const stages::StageData data = any(node);
+    const auto* found = std::get_if<Shared<T>>(&data);
+    return found ? *found : Shared<T>();
   }
 
   /// The newest surface of an anatomy: the published one, an earlier one, or one made now of the newest field.
@@ -77,31 +80,46 @@ class Made {
   const RefusedRun& run_;
 };
 
-/// Whether the scan and what shows the face may be seen.
-bool may_show_face(const RefusedRun& run, const Made& made) {
-  const bool face_in_it = std::any_of(run.config.anatomies.begin(), run.config.anatomies.end(),
-                                      [](const config::RecipeAnatomy& a) { return a.shows_face; });
-  return !face_in_it || !run.config.takes_face_away() || made.is_done(run.graph.find_stage<face::FaceBeliefParams>());
+/// What the face gate finds of what was made; where it is not there, the gate refuses.
+FaceSources sources_of(const RefusedRun& run, const Made& made) {
+  return {[&](int node) { return made.any(node); },
+          [&](int node) { return made.is_done(node) ? &run.made[std::size_t(node)].result : nullptr; }};
+}
+
+/// Whether the scan and all surfaces may be seen: as a run asks it of what it publishes, after its own stage did.
+bool passes_gate(const RefusedRun& run, const Made& made, const FaceSources& sources, const FaceShown& shown) {
+  if (run.config.takes_face_away() && !made.is_done(run.graph.find_stage<face::FaceBeliefParams>())) return false;
+  try {
+    return require_no_face(run.config, run.graph, sources, shown).scan_may_be_seen;
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::privacy) throw;
+    return false;
+  }
 }
 
 std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal) {
   const Made made(run);
-  const bool whole = may_show_face(run, made);
-  std::vector<PictureAnatomy> shown;
+  const FaceSources sources = sources_of(run, made);
   std::vector<Shared<surface::TriMesh>> surfaces;
-  for (const pipeline::Graph::Anatomy& a : run.graph.anatomies) {
-    const config::RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
-    if (recipe.shows_face && !whole) continue;
+  FaceShown all;
+  for (const pipeline::Graph::Anatomy& a : run.graph.anatomies)
     if (auto mesh = made.surface_of(a); mesh && !mesh->triangles.empty()) {
-      shown.push_back({a.name, mesh.get(), recipe.colour_rgb, recipe.opacity_ratio});
+      all.surfaces.push_back({a.name, mesh.get()});
       surfaces.push_back(std::move(mesh));
     }
+  const auto seen = made.find<grid::HuVolume>(run.graph.scan);
+  all.scan = seen.get();
+  const bool whole = passes_gate(run, made, sources, all);
+  std::vector<PictureAnatomy> shown;
+  for (const face::FaceSurface& s : all.surfaces) {
+    const config::RecipeAnatomy& recipe = *run.config.find_anatomy(s.name);
+    if (whole || shows_no_skin(run.config, run.graph, sources, *s.mesh))
+      shown.push_back({s.name, s.mesh, recipe.colour_rgb, recipe.opacity_ratio});
   }
   const auto marks = made.find<head::HeadLandmarks>(run.graph.result(stages::DataKind::landmarks));
   const std::vector<cases::CaseLandmark> landmarks =
       marks && whole ? marks->landmarks : std::vector<cases::CaseLandmark>();
-  const auto scan = whole ? made.find<grid::HuVolume>(run.graph.scan) : Shared<grid::HuVolume>();
-  std::vector<CasePicture> pictures = make_case_pictures(scan.get(), shown, landmarks);
+  std::vector<CasePicture> pictures = make_case_pictures(whole ? seen.get() : nullptr, shown, landmarks);
   if (const auto* anatomy = dynamic_cast<const consistency::AnatomyError*>(&refusal); anatomy && whole)
     if (!anatomy->picture_png.empty()) pictures.push_back({"fault.png", anatomy->picture_png});
   return pictures;

@@ -19,6 +19,7 @@
 #include "publish/case_needs.h"
 #include "publish/case_place.h"
 #include "publish/early_warnings.h"
+#include "publish/face_clearance.h"
 #include "publish/left_out.h"
 #include "publish/other_config.h"
 #include "publish/page_files.h"
@@ -42,28 +43,6 @@ std::string random_token() {
   for (int i = 0; i < 10; ++i) token += "0123456789abcdefghijkmnpqrstuvwxyz"[source() % 34];
   return token;
 }
-
-// Removes the folders that the run made and left empty because it failed.
-class NewFolders {
- public:
-  ~NewFolders() {
-    std::error_code ignored;
-    for (auto f = missing_.rbegin(); f != missing_.rend(); ++f)
-      fs::remove(*f, ignored);  // fails where the folder holds something
-  }
-  // To be called before the folder is made.
-  void expect(const fs::path& folder) {
-    std::vector<fs::path> missing;
-    std::error_code error;
-    for (fs::path f = fs::absolute(folder).lexically_normal();
-         f.has_relative_path() && fs::status(f, error).type() == fs::file_type::not_found; f = f.parent_path())
-      missing.push_back(f);
-    missing_.insert(missing_.end(), missing.rbegin(), missing.rend());
-  }
-
- private:
-  std::vector<fs::path> missing_;
-};
 
 // A case's folder holds the case and nothing else: other outputs must go elsewhere.
 void require_outside(const fs::path& case_folder, const fs::path& output, const char* flag) {
@@ -164,6 +143,10 @@ void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e,
   }
 }
 
+constexpr const char* no_picture_of_scan =
+    "there are no pictures of the scan, for it shows a head and the scene says nothing of the face: say face: {policy: "
+    "deface}, {policy: crop} or {policy: keep, reason: ...}";
+
 fs::path cache_folder_of(const RunRequest& request) {
   if (!request.params.use_cache) return {};
   return request.cache.empty() ? request.library / ".trephine-cache" : request.cache;
@@ -192,13 +175,20 @@ void tell_choice(const config::CaseConfig& config) {
 
 }  // namespace
 
+static std::vector<int> wanted_of(const RunRequest& request, const config::CaseConfig& config,
+                                  const pipeline::Graph& graph) {
+  std::vector<int> wanted = wanted_nodes(graph, request.params.pictures, request.params.page);
+  add_face_nodes(config, graph, wanted);
+  return wanted;
+}
+
 Explanation explain_case(const RunRequest& request) {
   const config::CaseConfig config = read_config(request);
   const Progress cancelled({}, &cancel_requested());
   const pipeline::Graph graph = SeriesHashes(cancelled).graph_of(config);
   std::error_code ignored;
   const fs::path cache = cache_folder_of(request);
-  return explain(config, graph, wanted_nodes(graph, request.params.pictures, request.params.page),
+  return explain(config, graph, wanted_of(request, config, graph),
                  pipeline::StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
 }
 
@@ -262,13 +252,18 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
   const std::vector<std::string> wanted = wanted_anatomies(config);
   while (true) try {
       execution.asked = asked_of(config, made.graph);
-      made.results = pipeline::execute(
-          made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page), execution, observer);
+      made.results = pipeline::execute(made.graph, wanted_of(request, config, made.graph), execution, observer);
       require_modalities(config, made.graph, made.results);
       made.publishing_began = Clock::now();
       observer.publishing();
+      const bool pictures = request.params.pictures;
+      const FaceClearance cleared = require_no_face(config, made.graph, made.results, pictures, progress.silent());
+      if (pictures && !cleared.scan_may_be_seen) log_warning(config.case_token + ": " + no_picture_of_scan);
+      const PicturesOf of = !pictures                  ? PicturesOf::nothing
+                            : cleared.scan_may_be_seen ? PicturesOf::surfaces_and_scan
+                                                       : PicturesOf::surfaces;
       CaseContent content = make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
-                                              series.input(config), request.params.pictures, progress);
+                                              series.input(config), of, progress);
       sort_as(wanted, made.without);
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;

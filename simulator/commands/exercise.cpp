@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <iostream>
+#include <optional>
 
 #include "base/error.h"
-#include "base/hash.h"
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -15,7 +15,7 @@
 #include "lessons/lesson_run.h"
 #include "lessons/results.h"
 #include "lessons/score_recording.h"
-#include "lessons/signature.h"
+#include "lessons/signed_points.h"
 
 namespace trephine::commands {
 namespace {
@@ -57,8 +57,11 @@ class Exercise {
     lesson::validate_token(params_.participant, "--participant");
     if (!params_.group.empty()) lesson::validate_token(params_.group, "--group");
     if (!params_.level.empty()) lesson::validate_token(params_.level, "--level");
-    if ((parsed.has("script") || params_.play) != parsed.has("rubric"))
-      throw Error(ExitCode::usage, "", "--rubric", "is given with --script or --play, and only with one of them");
+    const bool does = parsed.has("script") || params_.play;
+    if (does && !parsed.has("rubric"))
+      throw Error(ExitCode::usage, "", "--rubric", "is needed with --script or --play");
+    if (!does && parsed.has("rubric") && !parsed.has("signed_by"))
+      throw Error(ExitCode::usage, "", "--rubric", "is given with --script, --play or --signed-by, and only with them");
     if (parsed.has("script") && params_.play)
       throw Error(ExitCode::usage, "", "--script, --play", "a case is done by a script or by hand");
     if (parsed.has("settings") && !params_.play)
@@ -70,7 +73,8 @@ class Exercise {
     make_output_folder(out_);
     take_plan();
     lengthen_plan();
-    if (parsed_.has("rubric")) do_cases();
+    if (parsed_.has("rubric")) rubric_ = lessons::read_rubric_file(parsed_.path("rubric"));
+    if (parsed_.has("script") || params_.play) do_cases();
     print_table();
     return ExitCode::ok;
   }
@@ -149,7 +153,6 @@ class Exercise {
     if (!params_.play && script.module != module_.name)
       throw Error(ExitCode::usage, parsed_.text("script"), "module",
                   script.module + ", but --module is " + module_.name);
-    const lesson::CompiledRubric rubric = lessons::read_rubric_file(parsed_.path("rubric"));
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
       const fs::path recording = file_of(n, ".lesson"), report = file_of(n, ".json");
       if (fs::exists(report)) continue;
@@ -167,7 +170,7 @@ class Exercise {
       }
       // The report is last: what is there is done.
       lessons::ScoredLesson scored =
-          lessons::score_recording(recording, c->folder, rubric, lessons::Answers::replayed, public_key());
+          lessons::score_recording(recording, c->folder, *rubric_, lessons::Answers::replayed, public_key());
       scored.head.language = params_.language;
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);
@@ -217,11 +220,17 @@ class Exercise {
       const auto or_none = [](const std::string& s) { return s.empty() ? std::string("-") : s; };
       std::string result = result_of(file_of(n, ".json"));
       if (parsed_.has("signed_by") && fs::exists(file_of(n, ".lesson")))
-        result +=
-            ", " + lessons::signature_state(sha256_of_file(file_of(n, ".lesson")), file_of(n, ".lesson"), public_key());
+        result += std::string(", ") + lessons::to_text(signed_state_of(n));
       std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{:<11}{}\n", n + 1, c.token, or_none(c.patient_class),
                                c.difficulty_level, or_none(c.task), or_none(c.phase), result);
     }
+  }
+
+  lessons::SignedState signed_state_of(std::size_t n) const {
+    const lessons::CurriculumCase* c = find(plan_.cases[n].token);
+    return lessons::signed_state(
+        {plan_.participant, plan_.module, plan_.cases[n].token, file_of(n, ".lesson"), file_of(n, ".json")},
+        c ? c->folder : fs::path(), rubric_ ? &*rubric_ : nullptr, public_key());
   }
 
   // By the report alone, which stays when the recording is deleted.
@@ -244,6 +253,7 @@ class Exercise {
   const lessons::LessonType& module_;
   const fs::path log_;
   lessons::LibraryCases cases_;
+  std::optional<lesson::CompiledRubric> rubric_;
   lessons::ExercisePlan plan_;
 };
 
@@ -273,7 +283,9 @@ const cli::OwnCommand exercise_command([] {
       out,
       cli::argument("script", Kind::in_file, "What the simulated hand does (.json)."),
       cli::argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
-      cli::argument("signed_by", Kind::in_file, "A teacher's public key (PEM): say which attempts are signed."),
+      cli::argument("signed_by", Kind::in_file,
+                    "A teacher's public key (PEM): say which attempts are signed; with --rubric also whether "
+                    "their points are those of the signed recordings."),
       cli::argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
   c.groups = {cli::ParameterGroup::of<ExerciseParams>("Parameters"),
               cli::ParameterGroup::of<lessons::CurriculumParams>("The choice of cases"),

@@ -17,10 +17,25 @@ JSON
 exercise=("$TREPHINE" exercise "$library" --participant r-01 --out "$work/results")
 
 expect 66 'holds no approved case' "${exercise[@]}"
-"$OFFLINE" library approve "$library/head" --by prof-1 --difficulty-level 4 >"$work/approved"
+# What the case cannot serve is accepted lesson by lesson, with a reason, which is kept.
+approve=("$OFFLINE" library approve "$library/head" --by prof-1 --difficulty-level 4)
+expect 80 '[-]-accept: the case cannot serve pedicle_screw,spine_needle,subclavian; where that is right, say why' "${approve[@]}"
+expect 80 '[-]-accept: the case cannot serve pedicle_screw,subclavian; ' "${approve[@]}" --accept 'spine_needle=a head'
+expect 64 '[-]-accept: subclavian: the reason is missing' "${approve[@]}" --accept 'spine_needle=a head' --accept 'subclavian= '
+expect 64 '[-]-accept: ventriculostomy: the case can serve' "${approve[@]}" --accept 'ventriculostomy=a head'
+expect 64 '[-]-accept: needle, there is no such lesson' "${approve[@]}" --accept 'needle=a head'
+expect 64 '[-]-accept: must be LESSON=REASON' "${approve[@]}" --accept needle
+[[ ! -e $library/head/approved.json ]] || fail "a refused approval was written"
+head=(--accept 'pedicle_screw,spine_needle=a head' --accept 'subclavian=no chest')
+"${approve[@]}" "${head[@]}" >"$work/approved"
+python3 - "$library/head/approved.json" <<'PY'
+import json, sys
+accepted = {a["lesson"]: a["reason"] for a in json.load(open(sys.argv[1]))["accepted"]}
+assert accepted == {"pedicle_screw": "a head", "spine_needle": "a head", "subclavian": "no chest"}, accepted
+PY
 grep -qx 'ventriculostomy: serves: right, left' "$work/approved" &&
   grep -q '^spine_needle: cannot serve: landmarks: the lesson needs a pedicle' "$work/approved" || { cat "$work/approved"; fail "lessons that the case serves"; }
-"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --difficulty-level 2 >/dev/null
+"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --difficulty-level 2 "${head[@]}" >/dev/null
 cp "$library/head-drilled/approved.json" "$library/copy"
 # Not while a run may publish another case there.
 expect 75 'another run builds this case' flock "$library/head/.lock" "$OFFLINE" library approve "$library/head" --by prof-2
@@ -28,7 +43,7 @@ grep -q prof-1 "$library/head/approved.json" || fail "the approval changed under
 expect 64 '[-]-by: must be' "$OFFLINE" library approve "$library/head" --by "Prof. A"
 expect 64 '[-]-participant: must be' "$TREPHINE" exercise "$library" --participant "A B" --out "$work/results"
 expect 64 'uncertain is no class' "${exercise[@]}" --classes normal,uncertain
-expect 64 'is given with --script or --play' "${exercise[@]}" --script "$work/script.json"
+expect 64 'is needed with --script or --play' "${exercise[@]}" --script "$work/script.json"
 
 "${exercise[@]}" >"$work/text"
 grep -Eq '^left out: copy: its folder has another name' "$work/text" || { cat "$work/text"; fail "a copy is taken for a case"; }
@@ -61,9 +76,33 @@ score=("$TREPHINE" score "$seen" --case "$library/head-drilled" --rubric "$work/
 grep -q '"signature": "signed"' "$work/signed.json" || fail "the result does not say that it is signed"
 [[ $(cut -d, -f3 "$work/log.csv") == $'attempt\n1\n1' ]] || fail "signed it is another attempt"
 [[ $(tail -1 "$work/log.csv") == *,signed ]] || fail "the log does not say that it is signed"
+expect 64 'is given with --script, --play or --signed-by' "${exercise[@]}" --rubric "$work/rubric.json"
 "${exercise[@]}" --signed-by "$work/teacher.pub" >"$work/text"
+grep -Eq '^1 +head-drilled .*, recording signed, points not compared$' "$work/text" || { cat "$work/text"; fail "points that nobody compared are signed"; }
+signed=("${exercise[@]}" --signed-by "$work/teacher.pub" --rubric "$work/rubric.json")
+"${signed[@]}" >"$work/text"
 grep -Eq '^1 +head-drilled .*, signed$' "$work/text" || { cat "$work/text"; fail "the table does not say what is signed"; }
 grep -Eq '^2 +head .*, not signed$' "$work/text" || { cat "$work/text"; fail "the table does not say what is not"; }
+# Points are signed where they are those of the signed recording: not of an edited report, nor of another's recording and report.
+report=${seen%.lesson}.json
+cp "$report" "$work/report.json"
+sed -i '0,/"points": 25/s//"points": 24/' "$report"
+expect 80 'head-drilled.json: points: is not what the signed recording gives' "${signed[@]}"
+sed '0,/"score": 5/s//"score": 3/' "$work/report.json" >"$report"
+expect 80 'head-drilled.json: rows: is not what the signed recording gives' "${signed[@]}"
+sed 's/"participant": "r-01"/"participant": "r-02"/' "$work/report.json" >"$report"
+expect 80 'head-drilled.json: participant: is not what' "${signed[@]}"
+cp "$work/report.json" "$report"
+sed 's/kocher_mm: {limit: 10,/kocher_mm: {limit: 9,/' "$SOURCE/configs/rubrics/ventriculostomy.yaml" >"$work/strict.yaml"
+"$OFFLINE" rubric "$work/strict.yaml" --output "$work/strict.json" >/dev/null
+expect 80 'rubric_sha256: is of another rubric' "${exercise[@]}" --signed-by "$work/teacher.pub" --rubric "$work/strict.json"
+"$TREPHINE" exercise "$library" --participant r-09 --out "$work/results" >/dev/null
+for ending in lesson lesson.sig json; do cp "${seen%.lesson}.$ending" "$work/results/r-09-ventriculostomy-01-head-drilled.$ending"; done
+for key in "" "--rubric=$work/rubric.json"; do
+  expect 80 'r-09-.*lesson: participant: is r-01, and the attempt is of r-09' "$TREPHINE" exercise "$library" --participant r-09 \
+    --out "$work/results" --signed-by "$work/teacher.pub" $key
+done
+rm "$work"/results/r-09-*
 expect 65 'teacher.pub: private key: is none of Ed25519' "$TREPHINE" sign "$seen" --key "$work/teacher.pub"
 expect 65 'other.key: public key: is none of Ed25519' "${score[@]/teacher.pub/other.key}"
 chmod 640 "$work/teacher.key"

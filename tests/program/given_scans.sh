@@ -7,7 +7,7 @@
 
 # A transform that another program made takes the place of the registration. (What is made of the scan does not matter here:
 # a recipe that takes no time.)
-printf 'trephine: 1\nanatomies: {bone: {}}\n' >root/configs/bone_scene.yaml
+printf 'trephine: 1\nanatomies: {bone: {}}\nface: {policy: keep, reason: at 226 of an MR the bone is its skin}\n' >root/configs/bone_scene.yaml
 printf 'trephine: 1\nanatomies: {bone: {shows_face: false, stages: [segment: {scan: mr}, contour, decimate, normals]}}\n' \
   >root/configs/bone_recipe.yaml
 cp head/second/truth.tfm root/configs/
