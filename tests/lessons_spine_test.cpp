@@ -250,7 +250,7 @@ TEST(PedicleScrew, PassesXraysAndTimeCost) {
     EXPECT_EQ(points(s, "passes"), expected) << more;
     EXPECT_EQ(s.reason(), expected == 1 ? "too many passes" : "");
   }
-  for (const auto& [seconds, expected] : {std::pair<int, int>{9, 4}, {19, 3}, {39, 2}, {41, 1}})
+  for (const auto& [seconds, expected] : {std::pair<int, int>{8, 4}, {18, 3}, {38, 2}, {41, 1}})
     EXPECT_EQ(points(score([t = seconds](auto& f) { f.shots[0].end_s = f.shots[0].begin_s + t; }), "exposure"),
               expected);
   EXPECT_EQ(points(score([](auto& f) { f.shots.clear(); }), "exposure"), 1);
