@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 
+#include "base/error.h"
 #include "base/own_files.h"
 #include "base/spawn.h"
+#include "base/text.h"
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "library/approve.h"
 
 namespace trephine::tools {
 namespace {
+
+constexpr std::size_t max_reason = 500;
 
 struct ApproveParams {
   int difficulty_level = 3;
@@ -35,6 +39,19 @@ void tell_lessons(const std::filesystem::path& case_folder) {
   wait_for(spawn(request), until_it_ends_s);
 }
 
+// LESSON[,LESSON...]=REASON, as often as it is given.
+std::vector<lesson::AcceptedLesson> accepted_of(const std::vector<std::string>& words) {
+  std::vector<lesson::AcceptedLesson> all;
+  for (const std::string& word : words) {
+    const std::size_t is = word.find('=');
+    if (is == std::string::npos) throw Error(ExitCode::usage, "", "--accept", "must be LESSON=REASON");
+    std::string names = word.substr(0, is) + ",";
+    for (std::size_t at = 0, end; (end = names.find(',', at)) != std::string::npos; at = end + 1)
+      all.push_back({names.substr(at, end - at), printable(word.substr(is + 1, max_reason))});
+  }
+  return all;
+}
+
 }  // namespace
 
 const cli::OwnCommand library_approve_command([] {
@@ -45,20 +62,29 @@ const cli::OwnCommand library_approve_command([] {
   c.description =
       "Writes approved.json beside the case, with the reviewer's token, the case's difficulty and the SHA-256 of "
       "case.json: when the case changes, the approval is void. `trephine-sim exercise` uses approved cases only. The "
-      "case is checked as a simulator checks it, and it is said which lessons it can serve, and why others it cannot.";
-  c.examples = {"trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2",
-                "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
+      "case is checked as a simulator checks it, and it is said which lessons it can serve, and why others it cannot. "
+      "A case that cannot serve a lesson is refused with exit code 80 unless --accept says why that is right; the "
+      "reasons are kept in approved.json.";
+  c.examples = {
+      "trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2 --accept "
+      "'pedicle_screw,spine_needle,subclavian=a head'",
+      "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
   const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "The case's folder.");
   const cli::Argument by =
       cli::required_argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
-  c.arguments = {folder, by};
+  cli::Argument accept = cli::argument("accept", Kind::text,
+                                       "A lesson that the case cannot serve, or several with commas between them, and "
+                                       "why it is approved all the same: LESSON=REASON.");
+  accept.repeated = true;
+  c.arguments = {folder, by, accept};
   c.groups = {cli::ParameterGroup::of<ApproveParams>("Parameters")};
   c.run = [](const cli::ParsedCommand& parsed) {
     const ApproveParams& p = parsed.params<ApproveParams>();
+    const auto accepted = accepted_of(parsed.all("accept"));
     if (!p.withdraw && !parsed.quiet) tell_lessons(parsed.path("case"));
-    const std::string done = p.withdraw
-                                 ? library::withdraw_approval(parsed.path("case"), parsed.text("by"))
-                                 : library::approve_case(parsed.path("case"), parsed.text("by"), p.difficulty_level);
+    const std::string done =
+        p.withdraw ? library::withdraw_approval(parsed.path("case"), parsed.text("by"))
+                   : library::approve_case(parsed.path("case"), parsed.text("by"), p.difficulty_level, accepted);
     if (!parsed.quiet) std::cout << done << "\n";
     return ExitCode::ok;
   };

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "cases/load_case.h"
+#include "head/landmarks_parts.h"
 
 namespace trephine::desk {
 namespace {
@@ -45,6 +46,18 @@ std::shared_ptr<OpenCase> OpenCases::looked_at(const std::string& token) {
   for (const auto& [name, one] : open_)
     if (name == token && one->scan()) return one;
   throw Error(ExitCode::no_input, "", "case", "is not open");
+}
+
+Warnings OpenCases::doubts_of(const std::string& token, const cases::CaseLandmark& given) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Warnings out;
+  for (const auto& [name, one] : open_)
+    if (name == token)
+      for (const cases::CaseLandmark& l : one->now().landmarks)
+        if (l.name == given.name && l.source != "given")
+          if (const auto doubt = head::doubt_given(given, head::FoundPoint{l.position_mm, l.confidence}))
+            out.push_back(*doubt);
+  return out;
 }
 
 void OpenCases::clear() {

@@ -30,6 +30,9 @@ class OpenCases {
   std::shared_ptr<OpenCase> open(const std::string& token, How how);
   /// Of a case that was opened before; throws Error 66 where it was not, or its scan is not there yet.
   std::shared_ptr<OpenCase> looked_at(const std::string& token);
+  /// What a run would warn of a landmark that is given at that place, of a case that is open. Where it was given
+  /// before, it is not known where it is found, so the run alone says it.
+  Warnings doubts_of(const std::string& token, const cases::CaseLandmark& given);
   void clear();
 
  private:

@@ -234,6 +234,12 @@ std::shared_ptr<const config::CaseConfig> OpenCase::config() const {
   return config_;
 }
 
+void require_open(const OpenCase& one, const std::string& anatomy) {
+  if (one.now().state == OpenCase::State::opening && !one.field(anatomy))
+    throw Error(ExitCode::no_input, "", anatomy,
+                "is still being opened: nothing is edited before its outline is there; wait for it");
+}
+
 bool OpenCase::is_current(const std::string& anatomy, const config::CaseConfig& now) const {
   const std::string state = shape_state(now, anatomy);
   const std::lock_guard<std::mutex> lock(mutex_);

@@ -95,6 +95,10 @@ class OpenCase {
   std::thread thread_;
 };
 
+/// Throws Error 66 while the case is being opened and the anatomy's shape is not there yet: what is drawn then is drawn
+/// blindly, and what is so already is not known.
+void require_open(const OpenCase& one, const std::string& anatomy);
+
 /// The voxels of one plane of the scan's lattice: those whose index along `axis` is `index`, the lower of the two other
 /// axes fastest, as int16 HU. Throws Error 64 where there is no such plane.
 std::string slice_bytes(const grid::HuVolume& scan, int axis, int index);

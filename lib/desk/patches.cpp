@@ -260,8 +260,8 @@ std::string save_patch(DeskLibrary& library, const std::string& token, const Pai
   return what;
 }
 
-void save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
-               const segmentation::EditList& edit, const Said& said) {
+int save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
+              const segmentation::EditList& edit, const Said& said) {
   const DeskLock lock(library);
   const DeskCase one = library.find(token);
   require_unchanged(one, said);
@@ -276,8 +276,9 @@ void save_edit(DeskLibrary& library, const std::string& token, const std::string
   entry.anatomy = anatomy;
   entry.what = anatomy + ": " + in_words(name, params);
   entry.edit = R"({")" + name + R"(": )" + json::declared_json(params, -1) + "}";
-  add_entry(journal, entry);
+  const int id = add_entry(journal, entry).id;  // finish() may add to the journal
   finish(library, one, anatomy, said, journal, "", "");
+  return id;
 }
 
 void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said) {

@@ -45,8 +45,9 @@ std::string save_patch(DeskLibrary& library, const std::string& token, const Pai
 
 /// The same of an edit that is no patch: the one that `edit` holds. Where one of them counts, the configuration names a
 /// list of all edits and patches, in the order in which they were saved (CASE.desk/ANATOMY.json).
-void save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
-               const segmentation::EditList& edit, const Said& said);
+/// Returns its number in the journal, by which it is switched off again.
+int save_edit(DeskLibrary& library, const std::string& token, const std::string& anatomy,
+              const segmentation::EditList& edit, const Said& said);
 
 /// Lets a patch or an edit count, or not.
 void switch_patch(DeskLibrary& library, const std::string& token, int id, bool on, const Said& said);

@@ -222,6 +222,7 @@ Reply landmark(DeskState& desk, const Request& request) {
   const std::string name = json.at("name");
   HandChange change = change_of(json);
   change.kind = "landmark";
+  Json warnings = Json::array();
   if (json.at("position_mm").is_null()) {
     change.changes = {{{"landmarks", name}, {}}};
     change.what = name + ": as it is found";
@@ -231,6 +232,9 @@ Reply landmark(DeskState& desk, const Request& request) {
     std::vector<double> rounded;
     for (const double v : at) rounded.push_back(std::round(v * 1e4) / 1e4);
     const std::string value = config::yaml_list(rounded);
+    for (const Warning& w :
+         desk.cases.doubts_of(json.at("case"), {name, {rounded[0], rounded[1], rounded[2]}, 1, "given"}))
+      warnings.push_back(to_text(w));
     change.changes = {{{"landmarks", name}, value}};
     change.what = name + ": " + value;
     change.check = [name, rounded](const config::CaseConfig& now) {
@@ -242,7 +246,7 @@ Reply landmark(DeskState& desk, const Request& request) {
     };
   }
   save(desk.library, json.at("case"), change);
-  return json_reply({{"done", change.what}});
+  return json_reply({{"done", change.what}, {"warnings", warnings}});
 }
 
 Reply holes(DeskState& desk, const Request& request) {
@@ -331,6 +335,7 @@ Reply patch(DeskState& desk, const Request& request) {
   const auto config = one->config();
   if (!config || config::corrected_field(*config, painted.anatomy).empty())
     throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
+  require_open(*one, painted.anatomy);
   const grid::Lattice& scan = grid::lattice_of(*one->scan());
   painted.voxels = decode_painted(request.body, scan);
   const DeskCase in_library = desk.library.find(request.value("case"));

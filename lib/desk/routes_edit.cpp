@@ -48,13 +48,16 @@ Reply try_edit(DeskState& desk, const Request& request) {
 Reply edit(DeskState& desk, const Request& request) {
   const auto json = desk::json_of(request);
   const std::string token = json.at("case"), anatomy = json.at("anatomy");
-  const auto config = desk.cases.looked_at(token)->config();
+  const auto one = desk.cases.looked_at(token);
+  const auto config = one->config();
   if (!config || config::corrected_field(*config, anatomy).empty())
     throw Error(ExitCode::usage, "", "anatomy", "has no field that could be corrected");
-  save_edit(desk.library, token, anatomy, edits_of(json.at("edit")),
-            {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()});
+  require_open(*one, anatomy);
+  const int id =
+      save_edit(desk.library, token, anatomy, edits_of(json.at("edit")),
+                {json.at("by").get<std::string>(), json.value("why", ""), json.at("base").get<std::string>()});
   desk.live.forget();
-  return json_reply({{"done", anatomy}});
+  return json_reply({{"done", anatomy}, {"id", id}});
 }
 
 }  // namespace

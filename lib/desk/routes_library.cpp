@@ -8,10 +8,7 @@
 #include "base/base64.h"
 #include "base/file_descriptor.h"
 #include "base/open_beneath.h"
-#include "base/own_files.h"
 #include "base/parallel.h"
-#include "base/spawn.h"
-#include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "desk/desk_state.h"
@@ -23,6 +20,7 @@
 #include "lesson/approval.h"
 #include "library/approve.h"
 #include "library/catalogue.h"
+#include "library/lesson_uses.h"
 #include "library/sheet.h"
 #include "page/html.h"
 #include "picture/image.h"
@@ -31,7 +29,7 @@ namespace trephine::desk {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t max_file_bytes = std::size_t{1} << 28, max_log_bytes = 64 << 10;
+constexpr std::size_t max_file_bytes = std::size_t{1} << 28, max_log_bytes = 64 << 10, max_reason = 500;
 
 Json json_of(const ParameterValue& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
@@ -170,25 +168,17 @@ Reply lessons(DeskState& desk, const Request& request) {
   std::error_code ignored;
   if (token.empty() || !fs::exists(folder / "case.json", ignored))
     throw Error(ExitCode::no_input, "", "case", "has not been built yet");
-  const TemporaryFolder temporary;
-  SpawnRequest check;
-  const fs::path beside = own_file({"trephine-sim"});
-  check.program = beside.empty() ? "trephine-sim" : beside.string();
-  check.argv = {"trephine-sim", "lessons", folder.string(), "--json", "--quiet"};
-  check.output = temporary.path() / "said";
-  check.own_group = true;
-  int child = 0;
-  try {
-    child = spawn(check);
-  } catch (const Error&) {
+  const auto uses = library::lesson_uses(folder);
+  if (!uses)
     throw Error(ExitCode::no_input, "trephine-sim", "",
                 "is not installed beside trephine: for which lessons the case serves is not known; it can be approved");
+  Json out = Json::array();
+  for (const library::LessonUse& use : *uses) {
+    Json doubtful = Json::object();
+    for (const auto& [task, why] : use.doubtful) doubtful[task] = why;
+    out.push_back({{"name", use.name}, {"tasks", use.tasks}, {"doubtful", doubtful}, {"why_not", use.why_not}});
   }
-  const Ended ended = wait_for(child, until_it_ends_s);
-  const std::vector<char> said = read_file(check.output, max_file_bytes);
-  if (ended.code != 0) throw Error(ExitCode::bad_input, "", "", printable({said.data(), said.size()}));
-  const Json all = Json::parse(said.begin(), said.end());
-  return json_reply({{"lessons", all.at("lessons")}});
+  return json_reply({{"lessons", out}});
 }
 
 Reply approve(DeskState& desk, const Request& request) {
@@ -199,7 +189,11 @@ Reply approve(DeskState& desk, const Request& request) {
   const bool withdraw = json.value("withdraw", false);
   const int level = json.value("difficulty_level", 3);
   if (level < 1 || level > 5) throw Error(ExitCode::usage, "", "difficulty_level", "must be 1 to 5");
-  const std::string done = withdraw ? library::withdraw_approval(folder, by) : library::approve_case(folder, by, level);
+  std::vector<lesson::AcceptedLesson> accepted;
+  for (const auto& [name, why] : json.value("accepted", std::map<std::string, std::string>()))
+    accepted.push_back({printable(name), printable(why.substr(0, max_reason))});
+  const std::string done =
+      withdraw ? library::withdraw_approval(folder, by) : library::approve_case(folder, by, level, accepted);
   if (!desk.library.options().config.empty()) {
     const DeskLock lock(desk.library);
     const DeskCase one = desk.library.find(token);
@@ -210,6 +204,7 @@ Reply approve(DeskState& desk, const Request& request) {
     entry.kind = "approval";
     entry.what = withdraw ? "withdrawn" : "approved, difficulty " + std::to_string(level);
     for (const auto& check : json.value("checks", std::vector<std::string>())) entry.what += "; " + printable(check);
+    for (const lesson::AcceptedLesson& a : accepted) entry.what += "; cannot serve " + a.lesson + ": " + a.reason;
     add_entry(journal, std::move(entry));
     write_journal(one, journal);
   }

@@ -17,6 +17,7 @@ struct ApprovalFile {
   int trephine_approval = 1;
   std::string case_sha256, by;
   int difficulty_level = 3;
+  std::vector<AcceptedLesson> accepted;
   template <class V>
   static void describe(V& v) {
     using P = ApprovalFile;
@@ -24,6 +25,7 @@ struct ApprovalFile {
     v.text(&P::case_sha256, "case_sha256", "SHA-256 of case.json as it was approved.").is_required();
     v.text(&P::by, "by", "The reviewer's token.").is_required();
     v.integer(&P::difficulty_level, "difficulty_level", Range{1, 5}, "1 easy to 5 hard.").is_required();
+    v.list(&P::accepted, "accepted", "Lessons that the case cannot serve, each with the reviewer's reason.");
   }
 };
 
@@ -37,8 +39,9 @@ void validate_token(const std::string& token, const std::string& flag) {
     throw Error(ExitCode::usage, "", flag, "must be 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name");
 }
 
-void write_approval(const std::filesystem::path& folder, const std::string& by, int difficulty_level) {
-  const ApprovalFile file{1, sha256_of_file(folder / "case.json"), by, difficulty_level};
+void write_approval(const std::filesystem::path& folder, const std::string& by, int difficulty_level,
+                    const std::vector<AcceptedLesson>& accepted) {
+  const ApprovalFile file{1, sha256_of_file(folder / "case.json"), by, difficulty_level, accepted};
   write_file(folder / approval_file, json::declared_json(AnyParams::make<ApprovalFile>(file)) + "\n");
 }
 

@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "base/params.h"
 
 namespace trephine::lesson {
 
@@ -17,8 +20,19 @@ struct CaseApproval {
   bool holds = false;        ///< the case is as it was approved
 };
 
+/// A lesson that the case cannot serve, and why it is approved all the same.
+struct AcceptedLesson {
+  std::string lesson, reason;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&AcceptedLesson::lesson, "lesson", "A lesson that the case cannot serve.").is_required();
+    v.text(&AcceptedLesson::reason, "reason", "Why it is approved all the same.").is_required();
+  }
+};
+
 /// Throws Error 66 where the folder has no case.json, 73 and 74.
-void write_approval(const std::filesystem::path& case_folder, const std::string& by, int difficulty_level);
+void write_approval(const std::filesystem::path& case_folder, const std::string& by, int difficulty_level,
+                    const std::vector<AcceptedLesson>& accepted = {});
 /// Nothing where the case was never approved. Throws Error 65 where the file is damaged.
 std::optional<CaseApproval> read_approval(const std::filesystem::path& case_folder);
 /// Whether there was one.

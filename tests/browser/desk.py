@@ -278,9 +278,16 @@ def work(check, folder):
             check(browser.js("return document.getElementById('approve').disabled"), "no approval before every line is ticked")
             for line in browser.js("return [...document.querySelectorAll('[data-check]')].map(e => e.dataset.check)"):
                 page.click(f"[data-check={line}]")
+            page.until("!!document.querySelector('[data-lesson]')", "what the simulator says of lessons", seconds=300)
+            check(browser.js("return document.getElementById('approve').disabled"), "nor before each lesson that it cannot serve is accepted")
+            for lesson in browser.js("return [...document.querySelectorAll('[data-accept]')].map(e => e.dataset.accept)"):
+                page.click(f"[data-accept={lesson}]")
+            check(browser.js("return document.getElementById('approve').disabled"), "with a reason")
+            page.write("#accept-why", "another part of the body")
             page.click("#approve")
             page.until("desk.cases[0].approval && desk.cases[0].approval.holds", "the approval")
             check(json.loads((library / "head-01/approved.json").read_text())["by"] == "anna-2", "signed by the token")
+            check({a["reason"] for a in json.loads((library / "head-01/approved.json").read_text())["accepted"]} == {"another part of the body"}, "with the reasons")
             page.click("[data-tab=history]")
             page.until("document.querySelectorAll('#panel tr').length >= 6", "the history")
 

@@ -196,6 +196,9 @@ def rerun_and_approve(page, library):
     print("lessons:", *served, sep="\n  ")
     for line in page.b.js("return [...document.querySelectorAll('[data-check]')].map(e => e.dataset.check)"):
         page.click(f"[data-check={line}]")
+    for lesson in page.b.js("return [...document.querySelectorAll('[data-accept]')].map(e => e.dataset.accept)"):
+        page.click(f"[data-accept={lesson}]")
+    page.write("#accept-why", "another part of the body")
     page.take("approve")
     page.click("#approve")
     page.until("desk.cases[0].approval && desk.cases[0].approval.holds", "the approval")

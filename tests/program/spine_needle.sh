@@ -68,7 +68,8 @@ PY
 grep -Eq '^spine_needle: serves: pedicle_1_left, .*; doubtful: pedicle_2_left \(the pedicle: confidence 0.34, below 0.5\)$' "$work/text" &&
   ! grep -q 'serves: .*pedicle_2_left,.*; doubtful' "$work/text" || { cat "$work/text"; fail "a doubtful pedicle serves"; }
 # A curriculum needs no class of a spine, and does not speak of a head.
-for c in spine head-drilled; do "$OFFLINE" library approve "$library/$c" --by prof-1 >/dev/null; done
+"$OFFLINE" library approve "$library/spine" --by prof-1 --accept 'ventriculostomy,subclavian=a spine' >/dev/null
+"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --accept 'pedicle_screw,spine_needle,subclavian=a head' >/dev/null
 "$TREPHINE" exercise "$library" --module spine_needle --participant r-01 --out "$work/results" \
   --script "$SOURCE/examples/lessons/spine_needle.json" --rubric "$rubric" >"$work/text"
 ! grep -q 'head-drilled' "$work/text" || { cat "$work/text"; fail "a head is named, or exercised"; }

@@ -1,5 +1,36 @@
 // Approval, after what a case of this recipe has was looked at.
 
+// Lessons that the case cannot serve: each is ticked, and a reason is given, as `library approve --accept` wants it.
+const notServed = page =>
+  page.approval.uses && page.approval.uses.lessons ? page.approval.uses.lessons.filter(l => l.why_not) : []
+
+function acceptLines(page) {
+  const { approval } = page,
+    open = notServed(page)
+  if (!open.length) return []
+  const why = make('input', { id: 'accept-why', maxLength: 200, autocomplete: 'off', value: approval.why })
+  why.addEventListener('input', () => {
+    approval.why = why.value
+    approval.judge()
+  })
+  return [
+    para('faint', t('tick_lessons')),
+    ...open.map(l =>
+      inRow(
+        tick(`${t('not_served_line')} ${label(l.name)}`, {
+          'data-accept': l.name,
+          checked: approval.accepted.has(l.name),
+          change: e => {
+            e.target.checked ? approval.accepted.add(l.name) : approval.accepted.delete(l.name)
+            approval.judge()
+          }
+        })
+      )
+    ),
+    inRow(field('accept_why', why))
+  ]
+}
+
 function lessonUses(page, c) {
   const { approval } = page
   const of = String(desk.stats.rebuilt || 0),
@@ -30,7 +61,8 @@ function lessonUses(page, c) {
                         })
                   )
                 )
-              )
+              ),
+              ...acceptLines(page)
             ].filter(x => x))
     )
   if (approval.usesOf !== of) {
@@ -45,7 +77,10 @@ function lessonUses(page, c) {
           approval.uses = { fault: e.message }
         }
       )
-      .then(() => approval.fill())
+      .then(() => {
+        approval.fill()
+        approval.judge()
+      })
   }
   approval.fill()
   return box
@@ -61,6 +96,7 @@ function approveControls(page) {
   if (approval.seen !== (desk.stats.rebuilt || 0)) {
     approval.seen = desk.stats.rebuilt || 0
     ticked.clear()
+    approval.accepted.clear()
   } // another case now: it is looked at anew
   const has = name => c.anatomies.some(a => a.name.includes(name))
   const lines = [
@@ -97,7 +133,13 @@ function approveControls(page) {
   const approve = button(
     'approve',
     async () => {
-      await tell('approve', { case: page.token, by: who(), difficulty_level: +level.value, checks: lines.map(l => l.english) })
+      await tell('approve', {
+        case: page.token,
+        by: who(),
+        difficulty_level: +level.value,
+        checks: lines.map(l => l.english),
+        accepted: Object.fromEntries(notServed(page).map(l => [l.name, approval.why.trim()]))
+      })
       await again()
     },
     { id: 'approve', class: 'main' }
@@ -108,9 +150,14 @@ function approveControls(page) {
     hint(t('saved'))
   }
   const judge = () => {
-    approve.disabled = stale || lines.some(l => !ticked.has(l.id))
+    const open = notServed(page),
+      unticked = lines.some(l => !ticked.has(l.id)),
+      unaccepted = open.some(l => !approval.accepted.has(l.name)) || (open.length && !approval.why.trim())
+    approve.disabled = stale || unticked || !approval.uses || !!unaccepted
+    todo.textContent = t(unticked ? 'tick_all' : approval.uses ? 'tick_lessons' : 'asking_lessons')
     todo.hidden = stale || !approve.disabled
   }
+  approval.judge = judge
   const todo = para('faint', t('tick_all'))
   const list = lines.map(l =>
     inRow(
@@ -159,8 +206,8 @@ function approveControls(page) {
 }
 
 function approvePanel(page) {
-  const approval = (page.approval = { ticked: new Set(), seen: 0, uses: null, usesOf: '' })
+  const approval = (page.approval = { ticked: new Set(), accepted: new Set(), why: '', seen: 0, uses: null, usesOf: '' })
   // The simulator says for which lessons the case serves; asked once for each state of the case.
-  approval.fill = () => {}
+  approval.fill = approval.judge = () => {}
   page.addPanel('approve', () => approveControls(page))
 }

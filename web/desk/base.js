@@ -126,9 +126,18 @@ const doing =
   }
 const button = (key, f, given = {}) => make('button', { text: t(key), click: doing(f), ...given })
 
+const isToken = text => /^[a-z0-9_-]{1,32}$/.test(text)
+// A name that somebody types all the same is neither kept nor sent, and the field says so at once.
+function judgeWho() {
+  const said = $('who').value.trim(),
+    fine = !said || isToken(said)
+  $('who').setAttribute('aria-invalid', String(!fine))
+  $('who').title = fine ? '' : t('need_who')
+  if (fine) keep('who', said)
+}
 const who = () => {
   const token = $('who').value.trim()
-  if (!/^[a-z0-9_-]{1,32}$/.test(token)) {
+  if (!isToken(token)) {
     $('who').focus()
     throw new Refused(t('need_who'))
   }

@@ -175,9 +175,9 @@ async function saveEdit(page, why) {
   const { last } = editing
   editing.running = false
   if (editing.kind === 'snake' && !editing.steps) throw new Refused(t('snake_first'))
-  await page.save('edit', { anatomy: page.anatomy(), edit: wantedEdit(page) }, why)
+  const { id } = await page.save('edit', { anatomy: page.anatomy(), edit: wantedEdit(page) }, why)
   Object.assign(last[editing.kind], editing.edit)
-  page.canSwitch(Math.max(...page.info.journal.map(e => e.id)))
+  page.canSwitch(id)
   dropEdit(page, false)
 }
 

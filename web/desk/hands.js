@@ -54,9 +54,16 @@ function endDrag(hand, e) {
   hand.drag = null
 }
 
+// Before its scan and its outlines are there a case can be looked at, and nothing is edited.
+const isLooking = tool => /^(cross|measure|profile)$/.test(tool)
+function needOpen(page) {
+  if (!page.isOpen) throw new Refused(t('not_open'))
+}
+
 // A tool that draws from here to there takes two: Enter where it begins, arrows, Enter where it ends.
 async function actByKey(hand, p, e) {
   const { page } = hand
+  if (!isLooking(page.tool)) needOpen(page)
   const tool = page.tools[page.tool],
     begun = page.begun
   page.begun = null
@@ -95,7 +102,14 @@ function handOn(page, canvas, id, step) {
       pan: [p.panX, p.panY],
       how: e.button === 2 ? 'window' : e.button === 1 || e.shiftKey ? 'pan' : 'tool'
     }
-    if (hand.drag.how === 'tool') doing(() => page.tools[page.tool].down(p, pointOf(hand, p, e), e))()
+    if (hand.drag.how === 'tool')
+      doing(() => {
+        if (!isLooking(page.tool)) {
+          hand.drag = page.isOpen ? hand.drag : null
+          needOpen(page)
+        }
+        return page.tools[page.tool].down(p, pointOf(hand, p, e), e)
+      })()
   })
   canvas.addEventListener('pointermove', e => {
     const p = planeOf(hand)

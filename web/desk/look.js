@@ -174,7 +174,8 @@ async function reloadInfo(page) {
 }
 
 async function saveChange(page, path, body, why = '') {
-  await tell(path, { case: page.token, by: who(), why, base: page.info.base, ...body })
+  if (path === 'edit' || path === 'holes' || (path === 'landmark' && body.position_mm)) needOpen(page)
+  const said = await tell(path, { case: page.token, by: who(), why, base: page.info.base, ...body })
   hint(t('saved'))
   await page.reloadInfo()
   if (path === 'scene')
@@ -185,6 +186,8 @@ async function saveChange(page, path, body, why = '') {
         $('busy').textContent = ''
       })
   else if (path === 'edit' || path === 'switch') page.refresh()
+  if (said.warnings && said.warnings.length) problem(`${said.warnings.join('\n')}\n${t('saved_all_the_same')}`)
+  return said
 }
 
 function refreshOutlines(page) {
@@ -200,6 +203,7 @@ async function openScan(page, again) {
   const { panel, wait } = page.frame
   wait.hidden = !!page.volume
   let fresh = again === true
+  page.isOpen = page.isOpen && again === 'behind'
   const query = again ? { case: page.token, again: again === true ? 1 : again } : { case: page.token }
   for (let first = true; desk.page === page; first = false) {
     const now = await askJson('open', first ? query : { case: page.token })
@@ -223,6 +227,7 @@ async function openScan(page, again) {
     }
     page.found = now.landmarks
     if (now.state !== 'opening') {
+      page.isOpen = true
       // What was drawn meanwhile is of the case as it was.
       if (again === 'behind') now.fields.forEach(f => page.volume.forget(f + ':'))
       if (page.tab === 'place' && again !== 'behind' && !panel.contains(document.activeElement)) page.show_('place')
@@ -272,6 +277,7 @@ function casePage(token) {
     tool: 'cross',
     at: [0, 0, 0],
     volume: null,
+    isOpen: false,
     info: null,
     window: { level: 40, width: 400 },
     outlines: new Map(),

@@ -85,6 +85,7 @@ function drawPaint(page, p, c) {
 // Saves what is painted as a patch of the case.
 async function savePatch(page, why) {
   const { paint } = page
+  needOpen(page)
   const body = paint.bytes && packPaint(page)
   if (!body) throw new Refused(t('nothing'))
   const said = await tellBytes('patch', { case: page.token, anatomy: paint.anatomy, by: who(), why, base: page.info.base }, body)

@@ -13,10 +13,29 @@ function landmarkNames(page) {
 const landmarkPlace = (page, name) =>
   givenLandmarks(page)[name] || (page.foundMarks().find(l => l.name === name) || {}).position_mm || null
 
+// What a change of this tab acts on, as it is now; by it is known whether another tab, or another person, changed it since.
+function stateOf(page, { path, after }) {
+  const { now, journal } = page.info
+  if (path === 'landmark') return now.landmarks[after.name] || null
+  if (path === 'holes') return now.said_holes
+  if (path === 'switch') return (journal.find(e => e.id === after.id) || {}).on
+  if (path === 'value')
+    return (after.values || [after]).map(v => (now.values.find(known => known.path === v.path) || {}).value)
+  return null
+}
+const isAsLeft = (page, change) => JSON.stringify(stateOf(page, change)) === JSON.stringify(change.left)
+
+// Undo takes back what this tab did, and only as long as it stands as this tab left it.
 async function moveChange(page, from, to, which, why) {
   const change = from[from.length - 1]
   if (!change) return hint(t('nothing_' + why))
+  await page.reloadInfo()
+  if (!isAsLeft(page, change)) {
+    from.pop()
+    throw new Refused(t('changed_since'))
+  }
   await page.save(change.path, change[which], why)
+  change.left = stateOf(page, change)
   to.push(from.pop())
 }
 
@@ -56,13 +75,17 @@ function chooseLandmark(page, name) {
 async function changeValue(page, path, before, after) {
   const { done, undone } = page.placing
   await page.save(path, after)
-  done.push({ path, before, after })
+  const change = { path, before, after }
+  change.left = stateOf(page, change)
+  done.push(change)
   undone.length = 0
 }
 
 function canSwitch(page, id) {
   const { done, undone } = page.placing
-  done.push({ path: 'switch', before: { id, on: false }, after: { id, on: true } })
+  const change = { path: 'switch', before: { id, on: false }, after: { id, on: true } }
+  change.left = stateOf(page, change)
+  done.push(change)
   undone.length = 0
 }
 

@@ -4,8 +4,8 @@ addEventListener('DOMContentLoaded', () => {
   desk.language = kept('language') === 'de' || (!kept('language') && navigator.language.startsWith('de')) ? 'de' : 'en'
   root.classList.toggle('light', kept('theme') === 'light')
   root.classList.toggle('large', kept('letters') === 'large')
-  $('who').value = kept('who')
-  $('who').addEventListener('input', () => keep('who', $('who').value))
+  $('who').value = isToken(kept('who')) ? kept('who') : ''
+  $('who').addEventListener('input', judgeWho)
   const show = async () => {
     if (desk.page) desk.page.leave()
     problem('')
