@@ -71,11 +71,11 @@ TEST(ScanSkin, LiesWhereTheScanHasItInCtAndMr) {
   const auto mr = face::scan_skin(head<float>(5, 300, 8, 8), face::ScanValues::brightness);
   ASSERT_TRUE(mr);
   EXPECT_GT(range_mm(*mr).first, ball_mm - 14);
-  EXPECT_LT(range_mm(*mr).second, ball_mm + 1);
+  EXPECT_LT(range_mm(*mr).second, ball_mm + 1.5);
   const auto whole = face::scan_skin(head<float>(5, 300, 8, 0), face::ScanValues::brightness);
   ASSERT_TRUE(whole);
-  EXPECT_NEAR(range_mm(*whole).first, ball_mm, 1);
-  EXPECT_NEAR(range_mm(*whole).second, ball_mm, 1);
+  EXPECT_NEAR(range_mm(*whole).first, ball_mm, 1.5);  // on cells of 2 mm
+  EXPECT_NEAR(range_mm(*whole).second, ball_mm, 1.5);
 }
 
 TEST(ScanSkin, NothingWhereNothingIsSeen) {
