@@ -65,6 +65,7 @@ auto pictures_of(const study::Table& table, const group::GroupView& view, texts:
 
 ExitCode run_group(const cli::ParsedCommand& parsed) {
   lessons::Results results = lessons::read_results(parsed.path("results"));
+  score_anew(results, parsed);
   if (parsed.has("roster")) add_roster(results, parsed.path("roster"));
   const group::GroupView view = group::view_of(results, parsed.params<group::GroupParams>());
   const texts::Language language = parsed.params<group::GroupParams>().language;
@@ -93,7 +94,10 @@ const cli::OwnCommand group_command([] {
       "Reads the plans and reports that `exercise` leaves in a folder, and writes one HTML page: who did what, points "
       "by phase and over attempts, rows of the score, critical errors and by whom, what was kept until a later test, "
       "the pass mark that two contrasting levels set, and figures of motion beside those of experts. Reports that are "
-      "damaged and recordings that are gone are told. --csv writes the same results as a table for `study`.";
+      "damaged and recordings that are gone are told. With --cases and --rubric all is scored anew from the "
+      "recordings, "
+      "and a report that says something else is refused (80); reports by several rubrics are not shown together. --csv "
+      "writes the same results as a table for `study`.";
   c.arguments = {cli::positional_argument("results", Kind::in_folder, "Folder of plans and reports."),
                  cli::required_argument("page", Kind::out_file, "Write the page to this file (.html)."),
                  cli::argument("csv", Kind::out_file, "Write a row for each attempt to this file (.csv)."),
@@ -101,8 +105,10 @@ const cli::OwnCommand group_command([] {
                                "Answers to a questionnaire, as `trephine questionnaire` writes them (.csv)."),
                  cli::argument("roster", Kind::in_file,
                                "Columns participant, group and level (.csv), where the plans do not say them.")};
+  for (cli::Argument& a : anew_arguments()) c.arguments.push_back(std::move(a));
   c.groups = {cli::ParameterGroup::of<group::GroupParams>("Parameters")};
-  c.examples = {"trephine-sim group results --page group.html --less-level student --more-level expert"};
+  c.examples = {"trephine-sim group results --page group.html --less-level student --more-level expert",
+                "trephine-sim group results --page group.html --cases library --rubric ventriculostomy.rubric.json"};
   c.run = run_group;
   return c;
 });

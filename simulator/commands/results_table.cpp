@@ -3,9 +3,40 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "base/text.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "lessons/score_anew.h"
+#include "lessons/score_recording.h"
 
 namespace trephine::commands {
+
+std::vector<cli::Argument> anew_arguments() {
+  using Kind = cli::Argument::Kind;
+  return {cli::argument("cases", Kind::in_folder,
+                        "Score the attempts anew from their recordings, in the cases of this library; needs --rubric."),
+          cli::argument("rubric", Kind::in_file, "The rubric by which they are scored anew (.json)."),
+          cli::argument("scores_cache", Kind::out_folder,
+                        "Keep here what was scored anew, by digest; nobody else should be able to write there.")};
+}
+
+void score_anew(lessons::Results& results, const cli::ParsedCommand& parsed) {
+  if (parsed.has("cases") != parsed.has("rubric"))
+    throw Error(ExitCode::usage, "", parsed.has("cases") ? "--rubric" : "--cases",
+                "is missing: attempts are scored anew by both");
+  if (parsed.has("cases")) {
+    lessons::ScoreAnew anew{parsed.path("cases"), lessons::read_rubric_file(parsed.path("rubric")), {}};
+    if (parsed.has("scores_cache")) {
+      anew.cache = parsed.path("scores_cache");
+      make_output_folder(anew.cache);
+    }
+    lessons::score_anew(results, anew);
+  } else if (parsed.has("scores_cache")) {
+    throw Error(ExitCode::usage, "", "--scores-cache", "needs --cases and --rubric");
+  }
+  lessons::require_one_rubric(results);
+}
 
 study::Table table_of(const lessons::Results& results) {
   study::Table all;

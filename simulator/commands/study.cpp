@@ -17,12 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-study::Table input_table(const fs::path& input) {
+study::Table input_table(const fs::path& input, const cli::ParsedCommand& parsed) {
   if (fs::is_directory(input)) {
-    const lessons::Results results = lessons::read_results(input);
+    lessons::Results results = lessons::read_results(input);
+    score_anew(results, parsed);
     for (const texts::Phrase& note : results.notes) log_warning(note.english());
     return table_of(results);
   }
+  for (const char* name : {"cases", "rubric", "scores_cache"})
+    if (parsed.has(name))
+      throw Error(ExitCode::usage, "", "table", "must be a folder of reports and recordings to be scored anew");
   if (input.extension() == ".json") {
     lessons::Results one;
     one.attempts.push_back(lessons::read_report(input));
@@ -47,7 +51,7 @@ std::vector<std::pair<study::StudyPlot, std::string>> drawn(const study::Study& 
 
 ExitCode run_study(const cli::ParsedCommand& parsed) {
   const fs::path input = parsed.path("table");
-  study::Table table = input_table(input);
+  study::Table table = input_table(input, parsed);
   if (parsed.has("roster"))
     with_file(parsed.text("roster"), [&] {
       table = study::joined(table, study::read_table(parsed.path("roster")),
@@ -90,6 +94,7 @@ const cli::OwnCommand study_command([] {
                                "The table (.csv), or a folder of reports, or one report (.json)."),
       cli::argument("roster", Kind::in_file, "Further columns by participant (.csv), such as group and level."),
       cli::argument("out", Kind::out_folder, "Folder of the page, the tables and the plots.")};
+  for (cli::Argument& a : anew_arguments()) c.arguments.push_back(std::move(a));
   c.groups = {cli::ParameterGroup::of<study::StudyParams>("Parameters")};
   c.examples = {"trephine-sim study results --out study --measures points,procedure_s",
                 "trephine-sim study screws.csv --count n --acceptable acceptable --unit row"};

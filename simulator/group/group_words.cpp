@@ -72,6 +72,10 @@ constexpr Wording words[] = {
     // of notes
     {{"{}: the recording is gone; the report stands and cannot be judged again",
       "{}: die Aufnahme fehlt; der Bericht bleibt, neu bewertet werden kann er nicht"}},
+    {{"{}: the recording is gone, so that it cannot be scored anew: left out",
+      "{}: die Aufnahme fehlt, neu bewertet werden kann er nicht: weggelassen"}},
+    {{"{}: was scored by another rubric, and is scored anew",
+      "{}: war nach einem anderen Raster bewertet und wird neu bewertet"}},
     {{"{}: its motion is that of {}, and it is left out", "{}: seine Bewegung ist die von {}, es wird weggelassen"}},
     {{"{}: left out: {}", "{}: weggelassen: {}"}},
     // of plots

@@ -22,8 +22,7 @@ constexpr int max_levels = 16;
 
 struct NoReport {};
 
-Json parsed(const fs::path& file) {
-  const std::vector<char> bytes = read_file(file, 8 << 20);
+Json parsed(std::string_view bytes) {
   try {
     Json j = Json::parse(bytes.begin(), bytes.end(), [](int depth, Json::parse_event_t, Json&) {
       if (depth > max_levels) throw Error(ExitCode::bad_input, "", "", "nests too deep");
@@ -34,6 +33,11 @@ Json parsed(const fs::path& file) {
   } catch (const Json::exception&) {
     throw Error(ExitCode::bad_input, "", "", "is no JSON");
   }
+}
+
+Json parsed(const fs::path& file) {
+  const std::vector<char> bytes = read_file(file, 8 << 20);
+  return parsed(std::string_view(bytes.data(), bytes.size()));
 }
 
 template <class T>
@@ -61,6 +65,7 @@ AttemptResult report_of(const Json& j) {
   r.seal = value_of<std::string>(j, "seal", "");
   r.recording_sha256 = value_of<std::string>(j, "recording_sha256", "");
   r.motion_sha256 = value_of<std::string>(j, "motion_sha256", "");
+  r.rubric_sha256 = value_of<std::string>(j, "rubric_sha256", "");
   r.points = j.at("points").get<int>();
   r.most_points = j.at("most_points").get<int>();
   for (const Json& row : j.at("rows")) {
@@ -123,16 +128,33 @@ std::optional<double> AttemptResult::figure(const std::string& name) const {
   return std::nullopt;
 }
 
+AttemptResult parse_report(std::string_view json) {
+  try {
+    return report_of(parsed(json));
+  } catch (const Json::exception&) {
+    throw Error(ExitCode::bad_input, "", "", "is no report of a lesson, or a damaged one");
+  } catch (const NoReport&) {
+    throw Error(ExitCode::bad_input, "", "", "is no report of a lesson (score --json writes one)");
+  }
+}
+
+void require_one_rubric(const Results& results) {
+  std::map<std::string, const AttemptResult*> first;  // by module
+  for (const AttemptResult& r : results.attempts) {
+    const AttemptResult& other = *first.emplace(r.module, &r).first->second;
+    if (other.rubric_sha256 == r.rubric_sha256) continue;
+    throw Error(
+        ExitCode::bad_input, "", r.module,
+        other.report + " and " + r.report + " were scored by different rubrics (rubric_sha256 " +
+            other.rubric_sha256.substr(0, 12) + " and " + r.rubric_sha256.substr(0, 12) +
+            "), so that their points cannot stand together; --cases and --rubric score all of them anew by one");
+  }
+}
+
 AttemptResult read_report(const fs::path& file) {
   return with_file(file.string(), [&] {
-    AttemptResult r;
-    try {
-      r = report_of(parsed(file));
-    } catch (const Json::exception&) {
-      throw Error(ExitCode::bad_input, "", "", "is no report of a lesson, or a damaged one");
-    } catch (const NoReport&) {
-      throw Error(ExitCode::bad_input, "", "", "is no report of a lesson (score --json writes one)");
-    }
+    const std::vector<char> bytes = read_file(file, 8 << 20);
+    AttemptResult r = parse_report({bytes.data(), bytes.size()});
     r.report = file.stem().string();
     r.folder = file.parent_path();
     std::error_code ignored;

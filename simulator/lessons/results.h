@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,8 @@ struct ResultRow {
 /// What a report of a lesson says (score_json), and the participant's plan of it.
 struct AttemptResult {
   std::string report;  ///< the file's name without its extension
-  std::string participant, module, case_token, task, outcome, reason, checked, seal, recording_sha256, motion_sha256;
+  std::string participant, module, case_token, task, outcome, reason, checked, seal, recording_sha256, motion_sha256,
+      rubric_sha256;
   std::string group, level, phase;  ///< of the plan; empty: it says none
   int attempt = 1;                  ///< counts the participant's motions of the module, in the plan's order
   int points = 0, most_points = 0;
@@ -44,6 +46,13 @@ struct Results {
 
 /// Reads one report. Throws Error 65 where it is none, 66.
 AttemptResult read_report(const std::filesystem::path& file);
+
+/// The same of its text; the names of files stay empty. Throws Error 65.
+AttemptResult parse_report(std::string_view json);
+
+/// Throws Error 65, naming a report of each, where attempts of one lesson were scored by several rubrics: their points
+/// are of different things.
+void require_one_rubric(const Results& results);
 
 /// Reads all reports and plans of a folder, not of folders in it. A file that is no report is passed over; a report
 /// that is damaged is left out and noted, and so is one whose motion another report has. Throws Error 66 where the

@@ -119,6 +119,47 @@ expect 80 'head.lesson.sig: recording_sha256: is not of the recording' "${exerci
 expect 80 'head.lesson.sig: signature: is not by the owner' "${exercise[@]}" --signed-by "$work/teacher.pub"
 rm "$unseen.sig"
 
+# Scored anew from the recordings, a report that says more than its recording is refused; so is a mixture of rubrics.
+group=("$TREPHINE" group "$work/results" --page "$work/group.html")
+study=("$TREPHINE" study "$work/results" --measures points)
+anew=(--cases "$library" --rubric "$work/rubric.json" --scores-cache "$work/scores")
+report=$work/results/r-01-ventriculostomy-02-head.json
+expect 64 '[-]-rubric: is missing' "${group[@]}" --cases "$library"
+expect 64 'scores-cache: needs --cases' "${study[@]}" --scores-cache "$work/scores"
+"${group[@]}" "${anew[@]}" >/dev/null 2>&1 || fail "what is as it was is refused"
+kept=$(cd "$work/scores" && sha256sum -- *)
+[[ $(wc -l <<<"$kept") == 2 ]] || fail "the scores are not kept: $kept"
+"${study[@]}" "${anew[@]}" >/dev/null 2>&1 || fail "the study refuses what is as it was"
+[[ $(cd "$work/scores" && sha256sum -- *) == "$kept" ]] || fail "it is scored another time"
+cp "$report" "$work/report.json"
+python3 - "$report" <<'PY'
+import json, sys
+j = json.load(open(sys.argv[1]))
+j["outcome"], j["points"], j["critical"] = "completed", j["most_points"], []
+for row in j["rows"]: row["score"] = 5
+json.dump(j, open(sys.argv[1], "w"))
+PY
+"${group[@]}" >/dev/null 2>&1 || fail "without the cases nothing tells that it was edited"
+for program in group study; do
+  declare -n one=$program
+  expect 80 'head.json: outcome: says completed, and its recording gives not completed: it was changed' "${one[@]}" "${anew[@]}"
+done
+# A rubric of which the critical errors were deleted is another one.
+python3 - "$SOURCE/configs/rubrics/ventriculostomy.yaml" "$work/soft.yaml" <<'PY'
+import sys
+text = open(sys.argv[1]).read()
+open(sys.argv[2], "w").write(text[:text.index("critical_errors:")])
+PY
+"$OFFLINE" rubric "$work/soft.yaml" --output "$work/soft.json" >/dev/null
+"$TREPHINE" score "$unseen" --case "$library/head" --rubric "$work/soft.json" --json "$report" >/dev/null
+for program in group study; do
+  declare -n one=$program
+  expect 65 'were scored by different rubrics' "${one[@]}"
+done
+"${group[@]}" "${anew[@]}" >/dev/null 2>"$work/notes" || fail "by one rubric they stand together"
+grep -q 'r-01-ventriculostomy-02-head: was scored by another rubric, and is scored anew' "$work/notes" || { cat "$work/notes"; fail "it is not told"; }
+cp "$work/report.json" "$report"
+
 # A report that was lost is made again of the recording; an approval is void once the case is another.
 rm "$work/results/r-01-ventriculostomy-02-head.json"
 "${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >/dev/null
