@@ -20,6 +20,7 @@
 #include "publish/run_case.h"
 #include "publish/scan_checks.h"
 #include "publish/scene_limits.h"
+#include "stages/data_files.h"
 #include "trade/compared.h"
 #include "trade/measured.h"
 #include "voxel/mismatch.h"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lessons/lesson_type.h"
 #include "lessons/lesson_words.h"
 
 namespace trephine::lessons {
