@@ -37,7 +37,9 @@ anatomies:
       - smooth
       - normals
 )");
-    write_file(at("scene.yaml"), "trephine: 1\nanatomies: {skin: {max_triangles: 2500, max_deviation_mm: 3}}\n");
+    write_file(at("scene.yaml"),
+               "trephine: 1\nanatomies: {skin: {max_triangles: 2500, max_deviation_mm: 3}}\n"
+               "face: {policy: keep, reason: synthetic}\n");
     write_file(at("case.yaml"), "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\n");
     write_file(at("plan.yaml"), R"(trephine: 1
 finest: {"*.decimate.max_deviation_mm": 0, "*.decimate.target_triangles_count": 0, "*.smooth.iterations_count": 0}

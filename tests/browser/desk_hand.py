@@ -346,7 +346,11 @@ def links(page, check):
     for line in listed:
         check(browser.js("return document.getElementById('approve').disabled"), f"no approval before {line}")
         page.click(f"[data-check={line}]")
-    check(browser.js("return !document.getElementById('approve').disabled"), "all ticked")
+    page.until("!!document.querySelector('[data-lesson]')", "what the simulator says of lessons", seconds=300)
+    for lesson in browser.js("return [...document.querySelectorAll('[data-accept]')].map(e => e.dataset.accept)"):
+        page.click(f"[data-accept={lesson}]")
+    page.write("#accept-why", "another part of the body")
+    check(browser.js("return !document.getElementById('approve').disabled"), "all ticked, and what it cannot serve accepted")
     warn = "[...document.querySelectorAll('#panel p.warn')].find(p => p.textContent.includes(arguments[0]))"
     browser.js("desk.page.go([0, 0, 0])")
     browser.js(f"{warn}.querySelector('a').click()", "gap of 5.1")
