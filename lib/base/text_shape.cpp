@@ -3,7 +3,6 @@
 
 namespace trephine {
 
-// itself.
 bool has_shape(std::string_view text, std::string_view shape) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t at = 0;

@@ -76,12 +76,11 @@ int share_beside(const grid::Grid<std::int16_t>& v, const std::vector<std::uint1
 
 }  // namespace
 
-int ShadowVolume::share(int i, int j, int k) const {
-  const grid::Grid<std::int16_t>& v = volume_.voxels;
-  const int known = known_[std::uint16_t(voxel::detail::load_voxel(v.voxels[v.index(i, j, k)]))];
+int ShadowVolume::share(const std::int16_t& voxel, int i, int j, int k) const {
+  const int known = known_[std::uint16_t(voxel::detail::load_voxel(voxel))];
   if (known < neighbours_say) return known;
-  return volume_.encoding == voxel::HapticEncoding::hu ? share_beside(v, known_, i, j, k)
-                                                       : voxel::detail::share_of(v, number_, i, j, k);
+  return volume_.encoding == voxel::HapticEncoding::hu ? share_beside(volume_.voxels, known_, i, j, k)
+                                                       : voxel::detail::share_of(volume_.voxels, number_, i, j, k);
 }
 
 ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
@@ -93,8 +92,9 @@ ShadowVolume::ShadowVolume(const voxel::HapticVolume& volume, int number)
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < v.size[1]; ++j) {
+        const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
         std::uint8_t* out = values_.data() + index(0, j, k);
-        for (int i = 0; i < v.size[0]; ++i) out[i] = std::uint8_t(share(i, j, k));
+        for (int i = 0; i < v.size[0]; ++i) out[i] = std::uint8_t(share(row[i], i, j, k));
       }
   });
 }
@@ -110,9 +110,10 @@ bool ShadowVolume::copy(std::size_t brick) {
   }
   for (int k = low[2]; k <= high[2]; ++k)
     for (int j = low[1]; j <= high[1]; ++j) {
+      const std::int16_t* voxels = v.voxels.data() + v.index(0, j, k);
       std::uint8_t* row = values_.data() + index(0, j, k);
       for (int i = low[0]; i <= high[0]; ++i) {
-        const std::uint8_t now = std::uint8_t(share(i, j, k));
+        const std::uint8_t now = std::uint8_t(share(voxels[i], i, j, k));
         if (row[i] == now) continue;
         row[i] = now;
         changed = true;

@@ -47,7 +47,7 @@ class ShadowVolume {
 
  private:
   bool copy(std::size_t brick);
-  int share(int i, int j, int k) const;
+  int share(const std::int16_t& voxel, int i, int j, int k) const;
 
   const voxel::HapticVolume& volume_;
   int number_;

@@ -171,11 +171,10 @@ void VoxelRemoval::apply(double rate_per_s, bool incision) {
   for (Entry& e : entries_) {
     if (!incision) {
       log_.note({e.at, voxel::detail::load_voxel(volume_.voxels.voxels[e.at]), fraction_[e.at]});
-      const double all = hu_ ? 32767 : voxel::haptic_full;
       std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * (rate_per_s * e.full * fine));
       if (hu_ || e.stays > 0)  // left is what remains above that
         fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * e.full * fine));
-      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, std::int64_t(all)));
+      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, hu_ ? INT16_MAX : voxel::haptic_full));
       fraction_[e.at] = std::uint8_t(fall % fine);
     }
     if (e.fall > 0 && hu_)
