@@ -153,12 +153,11 @@ function(trephine_test name)
   foreach(m ${ARGN})
     target_link_libraries(${name}_test PRIVATE trephine_${m})
   endforeach()
-  # Tests that share a phantom which takes longer to make than they do are one test of CTest: TREPHINE_TEST_AT_ONCE. It begins
-  # early, so that no core waits for it at the end.
+  # Tests that share a phantom which takes longer to make than they do are one test of CTest: TREPHINE_TEST_AT_ONCE.
   set(discovered)
   if(${name} IN_LIST TREPHINE_TEST_AT_ONCE)
     add_test(NAME ${name}.all COMMAND ${name}_test --gtest_filter=-*Long*)
-    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1800 COST 200)
+    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1800)
     set(discovered TEST_FILTER *Long*)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 1800 ${discovered}

@@ -109,7 +109,7 @@ TEST(Body, AHeadWithoutApparatusStaysAsItIs) {
   EXPECT_LT(figure(report, "apparatus_ml"), 0.5);
 }
 
-TEST(Body, AMaskOnTheSkinGoesAndTheSkinStays) {
+TEST(LongBody, AMaskOnTheSkinGoesAndTheSkinStays) {
   Report report;
   const grid::HuVolume out = value_of(report, body::keep_body(with(mask), {}));
   EXPECT_GT(figure(report, "apparatus_ml"), 60);
@@ -128,7 +128,7 @@ double pressed_mask(Vec3 p, double outside_mm) {
   return !hole && p.y < 60 && outside_mm > from && outside_mm < from + 1.9 ? 30 : -1e6;
 }
 
-TEST(Body, StrandsPressedOntoTheSkinGo) {
+TEST(LongBody, StrandsPressedOntoTheSkinGo) {
   const Volume scan = with(pressed_mask);
   body::BodyParams keep_strands;
   keep_strands.strand_mm = 0;
@@ -163,7 +163,7 @@ TEST(Body, BoneThatReachesTheSkinIsNoStrand) {
   for (const std::size_t v : pin) EXPECT_EQ(out.voxels[v], 900);
 }
 
-TEST(Body, ASheetWithoutHolesIsNotTakenForAMask) {
+TEST(LongBody, ASheetWithoutHolesIsNotTakenForAMask) {
   const auto sheet = [](Vec3 p, double outside_mm) {
     return p.y < 60 && outside_mm > 2.6 && outside_mm < 4.5 ? 30 : -1e6;
   };
@@ -231,7 +231,7 @@ TEST(Body, ABoardThatTouchesTheHeadOverAWidePlaceGoes) {
   EXPECT_LT(c.mean_mm, 0.1);
 }
 
-TEST(Body, BoardsAreSoughtOnFineVoxelsToo) {
+TEST(LongBody, BoardsAreSoughtOnFineVoxelsToo) {
   Volume fine;
   fine.size = {460, 420, 300};
   fine.spacing_mm = {0.25, 0.25, 0.25};

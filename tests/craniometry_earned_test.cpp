@@ -12,7 +12,7 @@ namespace {
 
 using namespace craniometry_test;
 
-TEST(LandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
+TEST(LongLandmarksEarned, KochersPointsAreNoSurerThanTheBregma) {
   const head::HeadLandmarks seen = find(scene());
   ASSERT_TRUE(seen.find("bregma"));
   for (const char* name : {"kocher_left", "kocher_right"})
@@ -50,7 +50,7 @@ LandmarkScene of_thick_slices(int n) {
   return make_scene(who, how);
 }
 
-TEST(LandmarksEarned, ThickSlicesAllowNoCertainty) {
+TEST(LongLandmarksEarned, ThickSlicesAllowNoCertainty) {
   for (const int slice_mm : {5, 7}) {
     const head::HeadLandmarks found = find(of_thick_slices(slice_mm));
     const double most = 1 / (1 + slice_mm * slice_mm / 100.0);
@@ -63,7 +63,7 @@ TEST(LandmarksEarned, ThickSlicesAllowNoCertainty) {
   }
 }
 
-TEST(LandmarksEarned, AHeadThatMovedBelowKochersPointsMakesThemLessSure) {
+TEST(LongLandmarksEarned, AHeadThatMovedBelowKochersPointsMakesThemLessSure) {
   const auto found_in = [](double motion_mm) {
     phantom::HeadParams who;
     who.seed = 3;

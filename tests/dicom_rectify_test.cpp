@@ -97,7 +97,7 @@ double skull_rms(double tilt_deg, int matrix, double step_mm) {
   return d.both.rms_mm;
 }
 
-TEST(RectifyPhantom, MarksAndSkull) {
+TEST(LongRectifyPhantom, MarksAndSkull) {
   expect_marks(18.5);
   const double upright = skull_rms(0, 240, 1.5), tilted = skull_rms(18.5, 240, 1.5);
   EXPECT_LT(tilted, 1.1 * upright);

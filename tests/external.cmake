@@ -10,7 +10,7 @@ if(TARGET trephine)
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};LABELLER=$<TARGET_FILE:external_program>")
 endif()
 if(TARGET trephine)
-  add_test(NAME program.external_recipes COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/external_recipes.sh)
-  set_tests_properties(program.external_recipes PROPERTIES TIMEOUT 1800
+  add_test(NAME program.Long_external_recipes COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/external_recipes.sh)
+  set_tests_properties(program.Long_external_recipes PROPERTIES TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
 endif()

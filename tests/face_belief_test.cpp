@@ -51,7 +51,7 @@ std::string refusal(const head::HeadLandmarks& known, const head::HeadLandmarks*
 }
 bool has(const std::string& line, const char* what) { return line.find(what) != std::string::npos; }
 
-TEST(FaceBelief, GivenLandmarksAreComparedWithFoundOnes) {
+TEST(LongFaceBelief, GivenLandmarksAreComparedWithFoundOnes) {
   const Scanned& s = small_head();
   const head::HeadLandmarks found = landmarks_of(s.head, "found");
   EXPECT_EQ(face::face_regions(found, nullptr, s.skin, {}).size(), 1u) << "nothing is given";

@@ -191,7 +191,7 @@ TEST(Findings, ACraniectomyAndTheBloodUnderItAreSureInSlicesOfSixMillimetres) {
   EXPECT_GE(dense[0].confidence, findings::sure_confidence) << dense[0].text;
 }
 
-TEST(Findings, ABurrHoleIsSeenInThickSlices) {
+TEST(LongFindings, ABurrHoleIsSeenInThickSlices) {
   for (const double slice_mm : {2.0, 6.0}) {
     phantom::HardParams hard;
     hard.burr_hole = true;
@@ -204,7 +204,7 @@ TEST(Findings, ABurrHoleIsSeenInThickSlices) {
   }
 }
 
-TEST(Findings, AShuntIsSeenInThickSlices) {
+TEST(LongFindings, AShuntIsSeenInThickSlices) {
   for (const double slice_mm : {2.0, 5.0}) {
     phantom::HardParams hard;
     hard.shunt = true;
@@ -229,7 +229,7 @@ TEST(Findings, AStreakInAFewSlicesIsNoSureTube) {
   }
 }
 
-TEST(Findings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
+TEST(LongFindings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
   const auto shift_with = [](bool in_pieces) {
     const Scene s({}, phantom::Variant::shifted);
     const Vec3 middle = mask::positive(s.ventricles, s.ventricles).centre_mm();

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# libFuzzer on the DICOM scanner, the decoding child and the archive reader: TREPHINE_FUZZ_S seconds each, 15 if not set.
+# libFuzzer on the DICOM scanner, the decoding child and the archive reader: TREPHINE_FUZZ_S seconds each, 6 if not set.
 add_executable(fuzz_corpus fuzz/corpus.cpp)
 target_link_libraries(fuzz_corpus PRIVATE trephine_phantom ZLIB::ZLIB)
 add_test(NAME fuzz.build COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/run.sh build ${PROJECT_BINARY_DIR}/fuzz)

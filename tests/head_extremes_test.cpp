@@ -131,7 +131,7 @@ TEST(LongRecipeExtremes, CutAtTheVertex) {
   EXPECT_FALSE(o.landmarks.find("kocher_right"));
 }
 
-TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
+TEST(LongRecipeExtremes, NoiseOfSixtyHuIsRefused) {
   phantom::ScanParams how = usual();
   how.noise_hu = 60;
   const Extreme o = through_recipe(scanned(how));
@@ -151,7 +151,7 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
 
 // Strong denoising takes narrow horns with it, and nothing in the result shows that: so the class is uncertain, and
 // `scan` calls it by its name.
-TEST(RecipeExtremes, AStronglyDenoisedScanIsUncertain) {
+TEST(LongRecipeExtremes, AStronglyDenoisedScanIsUncertain) {
   phantom::ScanParams how = usual();
   how.noise_hu = 8;
   grid::HuVolume volume = scanned(how);

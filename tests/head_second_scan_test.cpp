@@ -100,7 +100,7 @@ std::string refused(const std::function<void()>& f) {
   return "";
 }
 
-TEST(SecondScan, BrainAndVentriclesOfAnMr) {
+TEST(LongSecondScan, BrainAndVentriclesOfAnMr) {
   const Head head = head_of(phantom::Level::clinical, 4);
   const Ct ct = ct_of(head, 1.6);
   const grid::HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, grid::lattice_of(ct.volume));
@@ -189,7 +189,7 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
             std::string::npos);
 }
 
-TEST(SecondScan, VesselsOfAnAngiography) { check_vessels(1.6, 1.4, false); }
+TEST(LongSecondScan, VesselsOfAnAngiography) { check_vessels(1.6, 1.4, false); }
 TEST(SecondScan, LongVesselsOfAnAngiography) { check_vessels(1, 0.8, true); }
 
 // A trunk of sorts: two opacified vessels in soft tissue between a bone and a lung. `without` leaves the vein out.

@@ -15,12 +15,13 @@ set(head ${CMAKE_CURRENT_BINARY_DIR}/head_with_mr)
 add_test(NAME program.head_with_mr COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/head_with_mr.sh ${head})
 set_tests_properties(program.head_with_mr PROPERTIES FIXTURES_SETUP head_with_mr TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>")
-foreach(script second_scan several_scans given_scans second_face)
-  add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
-  set_tests_properties(program.${script} PROPERTIES FIXTURES_REQUIRED head_with_mr TIMEOUT 1800
+foreach(which second_scan several_scans second_face Long_given_scans)
+  string(REPLACE "Long_" "" script ${which})
+  add_test(NAME program.${which} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
+  set_tests_properties(program.${which} PROPERTIES FIXTURES_REQUIRED head_with_mr TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};HEAD=${head}")
 endforeach()
-add_test(NAME program.two_kernels COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/two_kernels.sh)
-set_tests_properties(program.two_kernels PROPERTIES TIMEOUT 1800
+add_test(NAME program.Long_two_kernels COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/two_kernels.sh)
+set_tests_properties(program.Long_two_kernels PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
 endif()

@@ -83,7 +83,7 @@ TEST(Registration, LaysAnMrOnTheCt) {
   EXPECT_EQ(o.doubtful, 0);
 }
 
-TEST(Registration, LaysAnAngiographyOnTheCt) {
+TEST(LongRegistration, LaysAnAngiographyOnTheCt) {
   const Head head = hard_head(3);
   itk::RegistrationParams quick;
   quick.moving = itk::MovingValues::hu;
@@ -136,7 +136,7 @@ TEST(Registration, TakesAGivenTransform) {
 }
 
 // Two kernels of one scan lie upon each other as they are; a patient who moved by 3 mm in between does not.
-TEST(Registration, BonesTellTwoKernelsFromAPatientWhoMoved) {
+TEST(LongRegistration, BonesTellTwoKernelsFromAPatientWhoMoved) {
   const Head head = hard_head(3);
   const phantom::ScanParams how = phantom_heads::scan_of(200, 40, 20, 80);
   const grid::HuVolume soft = phantom::volume_of(phantom::scan(head, how)),
@@ -215,7 +215,7 @@ TEST(Registration, DoesNotDependOnThreads) {
   EXPECT_EQ(results[0], results[2]);
 }
 
-TEST(Registration, BeginsWhereItIsTold) {
+TEST(LongRegistration, BeginsWhereItIsTold) {
   const Head head = clinical_head(3);
   const grid::HuVolume ct = quick_ct(head, 3);
   const phantom::Second second = moved(mr_of(head, 3, 1), itk::rigid_map({150, 0, 60}, {60, -50, 80}, {}));

@@ -91,7 +91,7 @@ TEST(LessonsCells, DepthOfTheCatheter) {
   cells.check({1, 2, 3, 5});
 }
 
-TEST(LessonsCells, TheTipOfTheCatheter) {
+TEST(LongLessonsCells, TheTipOfTheCatheter) {
   Cells cells({5, 10}, 0.8);
   std::map<std::string, int> seen;
   const auto check = [&](const Head::Done& d) {
@@ -125,7 +125,7 @@ TEST(LessonsCells, TheTipOfTheCatheter) {
   EXPECT_GT(seen["in the third ventricle"], 0);
 }
 
-TEST(LessonsCells, TheTrajectoryOfTheCatheter) {
+TEST(LongLessonsCells, TheTrajectoryOfTheCatheter) {
   Cells cells({5, 10, 20}, 1.6);
   std::map<std::string, int> seen;
   const auto check = [&](const Head::Done& d) {
@@ -168,7 +168,7 @@ TEST(LessonsCells, TheTrajectoryOfTheCatheter) {
   EXPECT_GT(seen["passes through the third ventricle"], 0);
 }
 
-TEST(LessonsCells, TimeToComplete) {
+TEST(LongLessonsCells, TimeToComplete) {
   constexpr double rate_hz = 50;
   const auto lasting = [&](double wait_s) {
     return drilled().run(fmt::format(R"({{"take": {{"tool": "catheter"}}}}, {{"wait": {{"seconds": {}}}}},
@@ -189,7 +189,7 @@ TEST(LessonsCells, TimeToComplete) {
   EXPECT_EQ(checked, 12);
 }
 
-TEST(LessonsCells, LandmarksByTraces) {
+TEST(LongLessonsCells, LandmarksByTraces) {
   // Largest distance of what was drawn, by the frames: from the midline, and from the suture along the vault.
   struct Drawn {
     double midline = 0, suture = 0;
@@ -241,7 +241,7 @@ TEST(LessonsCells, LandmarksByTraces) {
             1);
 }
 
-TEST(LessonsCells, PlaceOfTheBurrHole) {
+TEST(LongLessonsCells, PlaceOfTheBurrHole) {
   Cells off({10, 15, 30}, 2.6);
   std::map<std::string, int> seen;
   const auto check = [&](double along, double right) {

@@ -145,8 +145,8 @@ void check_screw(const std::string& task) {
 
 }  // namespace
 
-TEST(LessonsMonotone, SpineNeedle) { check_needle("pedicle_2_left"); }
-TEST(LessonsMonotone, PedicleScrew) { check_screw("pedicle_2_left"); }
+TEST(LongLessonsMonotone, SpineNeedle) { check_needle("pedicle_2_left"); }
+TEST(LongLessonsMonotone, PedicleScrew) { check_screw("pedicle_2_left"); }
 TEST(LongLessonsMonotone, OtherPedicles) {
   for (const char* task : {"pedicle_1_left", "pedicle_2_right"}) {
     check_needle(task);

@@ -234,7 +234,7 @@ void check_chest(const std::string& name, const lessons::SubclavianFacts& perfec
   axis("largest force, 1 N a step (not scored)", true, [](F& f, int n) { f.most_force_n += n; });
 }
 
-TEST(LessonsMonotone, Subclavian) {
+TEST(LongLessonsMonotone, Subclavian) {
   for (const bool artery : {false, true}) {
     lessons_chest::Chest chest(artery);
     const auto perfect = chest.run(

@@ -52,7 +52,7 @@ void check(Head& head, bool whole, const std::vector<double>& noises_mm, int cou
 
 }  // namespace
 
-TEST(LessonsResidents, WorseAimScoresLess) {
+TEST(LongLessonsResidents, WorseAimScoresLess) {
   Head head(Kind::drilled);
   check(head, false, {0, 4, 12}, 12);
 }

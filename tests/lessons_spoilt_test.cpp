@@ -216,8 +216,6 @@ lessons_chest::Chest& chest_of(bool artery) {
 
 }  // namespace
 
-TEST(LessonsSpoilt, SpineNeedle) { check_in_short(right_needle(), needle_excesses()); }
-TEST(LessonsSpoilt, PedicleScrew) { check_in_short(right_screw(), screw_excesses()); }
 TEST(LessonsSpoilt, Subclavian) {
   check_in_short(right_line(chest_of(false), "subclavian line"), chest_excesses(false));
   check_in_short(right_line(chest_of(true), "line beside an artery"), chest_excesses(true));

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET manual)
-foreach(which deb:0:deb deb_case:0:deb_case Long_deb:1:deb_case)
+foreach(which deb:0:deb Long_deb:1:deb_case)
 string(REPLACE ":" ";" which ${which})
 list(GET which 0 name)
 list(GET which 1 long)

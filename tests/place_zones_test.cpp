@@ -145,7 +145,7 @@ TEST(SegmentZones, TheThirdVentricleIsFollowedToTheSide) {
   EXPECT_NEAR(std::get<double>(*shifted.report.find("third_shift_mm")), -8, 2);
 }
 
-TEST(SegmentZones, NoLateralVentricleIsTakenForAThirdOneThatIsNotSeen) {
+TEST(LongSegmentZones, NoLateralVentricleIsTakenForAThirdOneThatIsNotSeen) {
   using phantom::Variant;
   for (const Variant variant : {Variant::normal, Variant::hydrocephalic, Variant::small, Variant::shifted}) {
     try {

@@ -145,7 +145,7 @@ TEST(Clavicle, ARibOfTheOtherSideIsNone) {
   EXPECT_TRUE(sides({-20, 62, 20}, {-112, 70, 30}).empty()) << "behind";
 }
 
-TEST(Clavicle, BothArePartedFromSternumAndScapula) {
+TEST(LongClavicle, BothArePartedFromSternumAndScapula) {
   for (const double noise : {60.}) {
     const Chest chest;
     const grid::HuVolume volume = chest.volume(noise);

@@ -66,7 +66,7 @@ TEST(Pedicles, AxesAreWithinAMillimetreAndTwoDegreesOfTheTruth) {
 }
 
 // Slices further apart than the hole that a vessel makes.
-TEST(Pedicles, AreFoundInSlicesOfTwoAndAHalfAndThreeMillimetres) {
+TEST(LongPedicles, AreFoundInSlicesOfTwoAndAHalfAndThreeMillimetres) {
   const Spine spine;
   for (const double slice_mm : {2.5, 3.0}) {
     const grid::Lattice l = phantom::lattice_about(spine, {0.9, 0.9, slice_mm}, 42);

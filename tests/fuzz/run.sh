@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # run.sh build FOLDER | run.sh TARGET FOLDER: builds the fuzzers with clang into FOLDER (77 where there is no clang, in ./check 1), or
-# runs one for TREPHINE_FUZZ_S seconds (15) on the corpus that fuzz_corpus ($CORPUS) makes. What crashes lies as
+# runs one for TREPHINE_FUZZ_S seconds (6) on the corpus that fuzz_corpus ($CORPUS) makes. What crashes lies as
 # FOLDER/crashes/TARGET-*: make a case of it in tests/dicom_mutants_test.cpp.
 set -euo pipefail
 here=$(dirname "$(readlink -f "$0")")
@@ -21,5 +21,5 @@ export ASAN_OPTIONS=detect_leaks=0:max_allocation_size_mb=2000:hard_rss_limit_mb
 export UBSAN_OPTIONS=print_stacktrace=1
 cd "$folder"
 # Not 77, as libFuzzer ends with by default: that means skipped here.
-exec "./$target" -max_total_time="${TREPHINE_FUZZ_S:-15}" -max_len=65536 -timeout=30 -rss_limit_mb=3000 \
+exec "./$target" -max_total_time="${TREPHINE_FUZZ_S:-6}" -max_len=65536 -timeout=30 -rss_limit_mb=3000 \
   -error_exitcode=1 -timeout_exitcode=1 -print_final_stats=1 -artifact_prefix="crashes/$target-" "found/$target" "seeds/$target"

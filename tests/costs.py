@@ -1,0 +1,25 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""costs.py BUILD [--write]: the ten tests that took longest in BUILD's runs of ctest. With --write, tests/costs.cmake is written anew from
+them: a first run of ctest in a new build then begins the longest tests first, and `ctest --preset quick` passes them over."""
+import pathlib
+import sys
+
+SLOW_S = 3
+
+
+def main():
+    data = pathlib.Path(sys.argv[1]) / "Testing/Temporary/CTestCostData.txt"
+    rows = [line.split() for line in data.read_text().split("---")[0].splitlines()]
+    slowest = sorted(((float(r[2]), r[0]) for r in rows if len(r) == 3), reverse=True)
+    print("The ten slowest tests, in seconds by the clock:")
+    for seconds, name in slowest[:10]:
+        print(f"{seconds:8.1f}  {name}")
+    if "--write" in sys.argv:
+        slow = sorted((name, round(s)) for s, name in slowest if s >= SLOW_S)
+        pathlib.Path(__file__).with_name("costs.cmake").write_text(
+            f"# Written by tests/costs.py --write: tests of {SLOW_S} s and more, and their seconds on two cores. ctest reads it.\n" +
+            "".join(f"set_tests_properties({name} PROPERTIES COST {s} LABELS slow)\n" for name, s in slow))
+
+
+main()
