@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""costs.py BUILD [--write]: the ten tests that took longest in BUILD's runs of ctest. With --write, tests/costs.cmake is written anew from
+"""costs.py BUILD [--write]: the ten tests that took longest in BUILD's runs of ctest. With --write, tests/costs.ctest is written anew from
 them: a first run of ctest in a new build then begins the longest tests first, and `ctest --preset quick` passes them over."""
 import pathlib
 import sys
@@ -17,7 +17,7 @@ def main():
         print(f"{seconds:8.1f}  {name}")
     if "--write" in sys.argv:
         slow = sorted((name, round(s)) for s, name in slowest if s >= SLOW_S)
-        pathlib.Path(__file__).with_name("costs.cmake").write_text(
+        pathlib.Path(__file__).with_name("costs.ctest").write_text(
             f"# Written by tests/costs.py --write: tests of {SLOW_S} s and more, and their seconds on two cores. ctest reads it.\n" +
             "".join(f"set_tests_properties({name} PROPERTIES COST {s} LABELS slow)\n" for name, s in slow))
 

@@ -65,7 +65,7 @@ expect 80 'trephine run: sample: skull.segment: .*voxel' "${run[@]}" "$SOURCE/co
 [[ ! -e $work/gate/sample ]] || fail "a refused case left its folder"
 
 # Burr holes: where they are not said, where a landmark is missing, where there is no bone; materials nobody has.
-drilled=("${run[@]}" "$work/configs/d.yaml" --series "$SOURCE/sample_dicom" --out "$work/out" --set "haptic.spacing_mm=[3,3,3]")
+drilled=("${run[@]}" "$work/configs/d.yaml" --series "$SOURCE/sample_dicom" --out "$work/out" "${coarsest[@]}")
 sed 's,\.\./materials,materials,' "$SOURCE/configs/scenes/ventriculostomy_drilled.yaml" >"$work/configs/t.yaml"
 d() { printf 'trephine: 1\ncase: d\npipeline: p.yaml\nscene: t.yaml\n%s\n' "$1" >"$work/configs/d.yaml"; }
 d ''
