@@ -125,7 +125,7 @@ void check_flips(std::int64_t step) {
   }
   EXPECT_EQ(wrong, 0u);
   EXPECT_GE(tried, 100000u / step);
-  RecordProperty("flips", static_cast<int>(tried));
+  testing::Test::RecordProperty("flips", static_cast<int>(tried));
 }
 
 TEST(LoadCase, L1EveryNinthBitFlippedIsRefusedNamingTheFile) { check_flips(9); }

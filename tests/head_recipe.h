@@ -47,7 +47,7 @@ inline Fields fields_of(const grid::HuVolume& volume, double brain_lower_hu = 22
   segmentation::SegmentMasks masks;
   masks.within = &f.skin;
   f.skull = segmentation::segment(volume, masks, skull()).value;
-  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu)).value;
+  f.brain = head::find_brain(volume, {&f.skull, nullptr, nullptr, {}}, brain(brain_lower_hu)).value;
   f.ventricles = head::find_ventricles(volume, {&f.brain, nullptr}, {}).value;
   return f;
 }
