@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <poll.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -186,6 +187,9 @@ void leave_no_core_file() {
 
 void flush_output() {
   if (std::cout.flush() && std::fflush(stdout) == 0) return;
+  // A reader that has what it wanted, as `head`, is no failure.
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  if (::poll(&out, 1, 0) == 1 && (out.revents & POLLERR)) return;
   throw Error(ExitCode::io, "standard output", "", "cannot be written");
 }
 

@@ -16,7 +16,7 @@ constexpr std::uint32_t kept_buttons = haptic_button::lifted | belt_button::tool
 
 DevicePort::DevicePort(const PortParams& params, const ForceParams& force, const FreeParams& free)
     : params_(params), force_(force), back_s_(params.let_in_s) {
-  if (params.device_delay_ms > 0) passivity_.emplace(1e-3 * params.device_delay_ms);
+  if (params.device_delay_ms > 0 && !params.bounds_walls()) passivity_.emplace(1e-3 * params.device_delay_ms);
   if (free.any()) free_.emplace(free, force.velocity_cutoff_hz);
 }
 

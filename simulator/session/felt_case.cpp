@@ -2,6 +2,7 @@
 #include "session/felt_case.h"
 
 #include "base/error.h"
+#include "haptics/delayed_walls.h"
 
 namespace trephine::session {
 
@@ -64,12 +65,15 @@ void set_lesson(haptics::RecordingHeader& h, const std::vector<haptics::BeltTool
 
 Rerun::Rerun(FeltCase& felt, contact::ContactVolume& contact, const std::string& file,
              const haptics::RecordingHeader& h, drill::DirtyBricks* marks)
-    : rate_hz_(h.rate_hz), port_(h.port, h.force, h.free), drilling_(felt.drilling_of(h, contact, marks)) {
+    : rate_hz_(h.rate_hz),
+      port_(h.port, h.force, haptics::free_behind(felt.feels, h.free, h.port, h.rate_hz)),
+      drilling_(felt.drilling_of(h, contact, marks)) {
+  const haptics::Feels feels = haptics::feels_behind(felt.feels, h.free, h.port, h.rate_hz);
   if (h.tools.empty())
-    proxy_ = std::make_unique<haptics::Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, h.tool));
+    proxy_ = std::make_unique<haptics::Proxy>(contact, feels, h.force, h.shaft, tool_again(file, h.tool));
   else
     belt_ = with_file(file, [&] {
-      return std::make_unique<haptics::ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get());
+      return std::make_unique<haptics::ToolBelt>(contact, feels, h.force, h.shaft, h.tools, drilling_.get());
     });
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "session/session.h"
 
+#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 
 #include "base/error.h"
 #include "device/rate_hand.h"
+#include "haptics/delayed_walls.h"
 
 namespace trephine::session {
 namespace {
@@ -39,6 +41,22 @@ std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> de
   return std::make_unique<device::ScreenDevice>(std::move(device), *o.screen, o.screen_view);
 }
 
+// The port with the damping that it is measured against.
+haptics::PortParams port_of(haptics::PortParams port, const device::Device& device, double workspace_scale) {
+  if (!(port.device_delay_ms > 0)) return port;
+  if (port.device_damping_n_s_per_mm == 0)
+    port.device_damping_n_s_per_mm = device.damping_n_s_per_mm();
+  else
+    port.device_damping_n_s_per_mm /= workspace_scale;  // as the tool meets it, which the device reports by itself
+  if (port.device_damping_n_s_per_mm == 0 && !port.allow_undamped)
+    throw Error(ExitCode::usage, "", "--device-delay-ms",
+                fmt::format("{:g}, and the device's damping is not known: no wall is stable behind a delay without it. "
+                            "Give it with --device-damping-n-s-per-mm (its maker says it), or start with "
+                            "--allow-undamped, where a wall that is pressed for long gives way",
+                            port.device_delay_ms));
+  return port;
+}
+
 }  // namespace
 
 std::function<int(Vec3)> shape_at_of(std::shared_ptr<const Patient> patient) {
@@ -64,12 +82,21 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
                      options.board)),
       header_(header_of(options)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
-      port_(options.port, options.force, options.free),
+      port_(header_.port, options.force,
+            haptics::free_behind(patient_->felt.feels, options.free, header_.port, options.servo.rate_hz)),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()) {
   haptics::FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
-  const haptics::Feels& feels = patient_->felt.feels;
+  const haptics::PortParams& port = header_.port;
+  const haptics::Feels feels = haptics::feels_behind(patient_->felt.feels, options.free, port, options.servo.rate_hz);
+  const double ratio =
+      haptics::walls_behind(patient_->felt.feels, options.free, port, options.servo.rate_hz).stiffness_ratio;
+  if (ratio < 1)
+    say({texts::NoteId::softer_walls,
+         {fmt::format("{:.2g}", ratio), fmt::format("{:g}", port.device_delay_ms),
+          fmt::format("{:g}", 1e3 * port.device_damping_n_s_per_mm)}});
+  if (port.device_delay_ms > 0 && !port.bounds_walls()) say(texts::NoteId::undamped_device);
   if (header_.tools.empty()) {
     proxy_ = std::make_unique<haptics::Proxy>(patient_->contact, feels, options.force, options.shaft,
                                               haptics::make_tool(header_.tool));
@@ -128,7 +155,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
   header.force = options.force;
-  header.port = options.port;
+  header.port = port_of(options.port, *device_, options.workspace.workspace_scale);
   header.free = options.free;
   header.shaft = options.shaft;
   header.tool = haptics::own_tool(options.tool);

@@ -23,6 +23,8 @@ enum class NoteId {
   force_comes_back,
   // Of devices.
   waiting_for_device,
+  softer_walls,
+  undamped_device,
   holding_mouse_3d,
   holding,
   // Of pictures.
