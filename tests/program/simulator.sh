@@ -58,7 +58,7 @@ expect 66 'a\?b' "${check[@]}" "$work/$(printf 'a\nb')"
 set +o pipefail
 "${check[@]}" "$work/sample" --json | head -c 1 >"$work/first"
 [[ $(cat "$work/first") == '{' ]] || fail "no JSON"
-"$TREPHINE" play --help 2>"$work/stderr" | head -n 1 >"$work/first"  # more than a pipe holds, where it is not flushed at once
-[[ -s $work/first && ! -s $work/stderr ]] || { cat "$work/stderr"; fail "a reader that has enough is told as a failure"; }
+{ sleep 1; "$TREPHINE" servo --help 2>"$work/stderr"; } | true
+[[ ! -s $work/stderr ]] || { cat "$work/stderr"; fail "a reader that has enough is reported as a failure"; }
 "${check[@]}" "$work/sample" >/dev/full 2>"$work/stderr" && fail "a full device was not noticed"
 grep -q 'standard output' "$work/stderr" || fail "a full device is not named"
