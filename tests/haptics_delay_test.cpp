@@ -49,7 +49,7 @@ Rest press(const TwoFloors& floors, const Hand& hand, const Wall& wall, double p
   limits.ramp_s = 0.05;
   haptics::PortParams port_params;
   port_params.device_delay_ms = wall.delay_ms;
-  port_params.device_damping_n_s_per_mm = wall.device_damping_n_s_per_mm;
+  port_params.device_own_damping_n_s_per_mm = wall.device_damping_n_s_per_mm;
   const haptics::Feels feels = haptics::feels_behind(floors.feels, {}, port_params, 1000);
   haptics::Proxy proxy(*floors.contact, feels, limits);
   haptics::DevicePort port(port_params, limits);
@@ -99,7 +99,7 @@ Rest press(const TwoFloors& floors, const Hand& hand, const Wall& wall, double p
 void expect_stands(const TwoFloors& floors, const Hand& hand, const Wall& wall, double push_n) {
   haptics::PortParams port;
   port.device_delay_ms = wall.delay_ms;
-  port.device_damping_n_s_per_mm = wall.device_damping_n_s_per_mm;
+  port.device_own_damping_n_s_per_mm = wall.device_damping_n_s_per_mm;
   const haptics::Feels feels = haptics::feels_behind(floors.feels, {}, port, 1000);
   char text[160];
   std::snprintf(text, sizeof text, "%g N pushed, %g kg, arm %g N/mm and %g N s/m, device of %g N, %g N s/m, %g ms",
@@ -135,7 +135,7 @@ TEST(HapticsDelay, RatiosFollowFromTheBound) {
   EXPECT_EQ(haptics::walls_behind(floors.feels, {}, port, 1000).stiffness_ratio, 1) << "without a delay";
   port.device_delay_ms = 2;
   EXPECT_EQ(haptics::walls_behind(floors.feels, {}, port, 1000).stiffness_ratio, 1) << "the damping is not known";
-  port.device_damping_n_s_per_mm = 0.002;
+  port.device_own_damping_n_s_per_mm = 0.002;
   const haptics::DelayedWalls w = haptics::walls_behind(floors.feels, {}, port, 1000);
   // 0.8 * 2 N s/m, of which drag takes a quarter; a wall of 1 N/mm that is 2.5 ms late and damps by 0.3 N s/m.
   EXPECT_NEAR(w.drag_ratio, 0.0004 / 0.01, 1e-12);

@@ -13,7 +13,7 @@ constexpr double spent = 0.8;  // of the device's damping
 DelayedWalls walls_behind(const Feels& feels, const FreeParams& free, const PortParams& port, double rate_hz) {
   DelayedWalls out;
   if (!port.bounds_walls()) return out;
-  const double late_s = 0.5 / rate_hz + 1e-3 * port.device_delay_ms, b = spent * port.device_damping_n_s_per_mm;
+  const double late_s = 0.5 / rate_hz + 1e-3 * port.device_delay_ms, b = spent * port.device_own_damping_n_s_per_mm;
   double drag = 0, wall = 0, everywhere = free.viscosity_n_s_per_mm;
   if (free.guide != FreeParams::Guide::none) everywhere += free.guide_n_per_mm * late_s;
   for (const ShapeFeel& feel : feels) {

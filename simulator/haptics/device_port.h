@@ -14,7 +14,7 @@
 namespace trephine::haptics {
 
 struct PortParams {
-  double jump_m_per_s = max_hand_m_per_s, let_in_s = 0.1, device_delay_ms = 0, device_damping_n_s_per_mm = 0;
+  double jump_m_per_s = max_hand_m_per_s, let_in_s = 0.1, device_delay_ms = 0, device_own_damping_n_s_per_mm = 0;
   bool allow_undamped = false;
   /// As recordings without these were felt.
   static PortParams none() {
@@ -34,14 +34,14 @@ struct PortParams {
              "The device's delay, from a motion of the hand to the force that answers it. With a delay every stiffness "
              "is lowered by one ratio to what the device's own damping makes stable; 0: forces are as without a "
              "delay.");
-    v.number(&P::device_damping_n_s_per_mm, "device_damping_n_s_per_mm", Range{0, 0.1},
+    v.number(&P::device_own_damping_n_s_per_mm, "device_own_damping_n_s_per_mm", Range{0, 0.1},
              "The device's own damping, which a delay is measured against; 0: what the device reports.");
     v.flag(&P::allow_undamped, "allow_undamped",
            "Start with a delay where the device's damping is not known. No wall is stable there: the force is kept so "
            "small that the hand is given no energy, and a wall that is pressed for long gives way.");
   }
   /// Whether the delay bounds what can be felt (delayed_walls.h). Otherwise, with a delay, Passivity lowers the force.
-  bool bounds_walls() const { return device_delay_ms > 0 && device_damping_n_s_per_mm > 0; }
+  bool bounds_walls() const { return device_delay_ms > 0 && device_own_damping_n_s_per_mm > 0; }
 };
 
 /// What lies between a device and what is felt: jumps that no hand does, gaps in which the device gave no pose, and the

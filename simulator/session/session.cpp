@@ -44,14 +44,14 @@ std::unique_ptr<device::Device> before_screen(std::unique_ptr<device::Device> de
 // The port with the damping that it is measured against.
 haptics::PortParams port_of(haptics::PortParams port, const device::Device& device, double workspace_scale) {
   if (!(port.device_delay_ms > 0)) return port;
-  if (port.device_damping_n_s_per_mm == 0)
-    port.device_damping_n_s_per_mm = device.damping_n_s_per_mm();
+  if (port.device_own_damping_n_s_per_mm == 0)
+    port.device_own_damping_n_s_per_mm = device.damping_n_s_per_mm();
   else
-    port.device_damping_n_s_per_mm /= workspace_scale;  // as the tool meets it, which the device reports by itself
-  if (port.device_damping_n_s_per_mm == 0 && !port.allow_undamped)
+    port.device_own_damping_n_s_per_mm /= workspace_scale;  // as the tool meets it, which the device reports by itself
+  if (port.device_own_damping_n_s_per_mm == 0 && !port.allow_undamped)
     throw Error(ExitCode::usage, "", "--device-delay-ms",
                 fmt::format("{:g}, and the device's damping is not known: no wall is stable behind a delay without it. "
-                            "Give it with --device-damping-n-s-per-mm (its maker says it), or start with "
+                            "Give it with --device-own-damping-n-s-per-mm (its maker says it), or start with "
                             "--allow-undamped, where a wall that is pressed for long gives way",
                             port.device_delay_ms));
   return port;
@@ -95,7 +95,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
   if (ratio < 1)
     say({texts::NoteId::softer_walls,
          {fmt::format("{:.2g}", ratio), fmt::format("{:g}", port.device_delay_ms),
-          fmt::format("{:g}", 1e3 * port.device_damping_n_s_per_mm)}});
+          fmt::format("{:g}", 1e3 * port.device_own_damping_n_s_per_mm)}});
   if (port.device_delay_ms > 0 && !port.bounds_walls()) say(texts::NoteId::undamped_device);
   if (header_.tools.empty()) {
     proxy_ = std::make_unique<haptics::Proxy>(patient_->contact, feels, options.force, options.shaft,
