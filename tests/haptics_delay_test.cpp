@@ -129,6 +129,34 @@ TEST(HapticsDelay, AWallStands) {
           expect_stands(floors, hand, {damping, delay_ms, 7.9}, push_n);
 }
 
+// The whole grid, with a hand that nothing was set by: light, quick to yield, and on a device of 15 N.
+TEST(LongHapticsDelay, AWallStandsOverTheGrid) {
+  const TwoFloors bone(1.0), metal(3.2);
+  for (const TwoFloors* floors : {&bone, &metal})
+    for (const double delay_ms : {0.5, 1.0, 2.0, 3.0, 5.0})
+      for (const double damping : {0.0005, 0.001, 0.002, 0.004, 0.006})
+        for (const double max_n : {3.3, 7.9, 20.0, 40.0})
+          for (const double mass_kg : {0.05, 0.2, 0.5})
+            for (const double arm_n_per_mm : {0.0, 0.4, 1.0})
+              for (const double share : {0.2, 0.7}) {
+                const double push_n = share * max_n;
+                // The softer floor is met within the 60 mm that there are.
+                if (push_n / (0.35 * 0.8 * 0.5 * damping / (1e-3 * delay_ms + 5e-4)) > 50) continue;
+                expect_stands(*floors, {mass_kg, arm_n_per_mm, 0.004}, {damping, delay_ms, max_n}, push_n);
+              }
+  for (const double delay_ms : {0.7, 1.6, 4.2})
+    for (const double damping : {0.0008, 0.003})
+      expect_stands(bone, {0.09, 0.15, 0.0025}, {damping, delay_ms, 15}, 0.9);
+}
+
+// Without the damping the controller of passivity lowers the force, and a wall that is pressed for long gives way.
+TEST(HapticsDelay, AWallGivesWayWhereTheDampingIsNotKnown) {
+  const TwoFloors floors(1.0);
+  Wall unknown{0, 1, 7.9};
+  const Rest r = press(floors, {0.2, 0.4, 0.006}, unknown, 2, -10);
+  EXPECT_LT(r.force_n, 1.5) << "the wall stands: --allow-undamped and its warning are not needed";
+}
+
 TEST(HapticsDelay, RatiosFollowFromTheBound) {
   const TwoFloors floors(1.0);
   haptics::PortParams port;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -29,13 +30,23 @@ double stiffest(const session::FeltCase& felt) {
 
 Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
 
-// The device's middle is put to the case's; its workspace is not made larger or smaller.
-Json settings_of(const session::Calibration& c, const session::SessionOptions& o, Vec3 centre_mm) {
+// A latency below half a tick is that of the ticks.
+constexpr double least_delay_ms = 0.5;
+
+// The device's middle is put to the case's; its workspace is not made larger or smaller. A delay is set where the
+// damping is known that it is measured against, for without it no session starts.
+Json settings_of(const session::Calibration& c, const session::SessionOptions& o, double damping_n_s_per_mm,
+                 Vec3 centre_mm) {
   const Vec3 middle = (c.workspace.min_mm + c.workspace.max_mm) / 2;
-  return {{"rate_hz", o.servo.rate_hz},
-          {"workspace_axes", o.workspace.workspace_axes},
-          {"workspace_scale", 1},
-          {"workspace_offset_mm", list_of(centre_mm - device::workspace_axes(o.workspace) * middle)}};
+  Json settings = {{"rate_hz", o.servo.rate_hz},
+                   {"workspace_axes", o.workspace.workspace_axes},
+                   {"workspace_scale", 1},
+                   {"workspace_offset_mm", list_of(centre_mm - device::workspace_axes(o.workspace) * middle)}};
+  if (c.latency_ms >= least_delay_ms && damping_n_s_per_mm > 0) {
+    settings["device_delay_ms"] = std::round(10 * c.latency_ms) / 10;
+    settings["device_own_damping_n_s_per_mm"] = damping_n_s_per_mm;
+  }
+  return settings;
 }
 
 ExitCode run_calibrate(const cli::ParsedCommand& given) {
@@ -52,6 +63,10 @@ ExitCode run_calibrate(const cli::ParsedCommand& given) {
   std::cout << fmt::format("poses {:.0f} a second, 99 of 100 within {:.1f} ms\n", c.poses_hz, c.gap_p99_ms);
   std::cout << (c.latency_ms >= 0 ? fmt::format("latency {:.2f} ms from a force to its motion\n", c.latency_ms)
                                   : std::string("latency not measured: the pulses did not move it\n"));
+  const double own = o.port.device_own_damping_n_s_per_mm, damping = own > 0 ? own : device->damping_n_s_per_mm();
+  if (c.latency_ms >= least_delay_ms && damping == 0)
+    std::cout << "the damping of the device is not known: with --device-own-damping-n-s-per-mm, --write-settings also "
+                 "writes the latency, by which play softens what it must\n";
   std::cout << fmt::format("workspace {:.1f} x {:.1f} x {:.1f} mm\n", size.x, size.y, size.z);
   if (c.unpressed_n_per_mm > 0)
     std::cout << fmt::format("the wall of {:.2f} N/mm was not pressed: it and stiffer ones were not measured\n",
@@ -76,7 +91,8 @@ ExitCode run_calibrate(const cli::ParsedCommand& given) {
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
   if (parsed.has("write_settings"))
-    write_file(parsed.path("write_settings"), settings_of(c, o, patient.felt.loaded.manifest.center_mm).dump(1) + "\n");
+    write_file(parsed.path("write_settings"),
+               settings_of(c, o, damping, patient.felt.loaded.manifest.center_mm).dump(1) + "\n");
   return ExitCode::ok;
 }
 

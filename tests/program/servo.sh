@@ -58,9 +58,16 @@ PY
   --guide-point-mm 0,0,300 --record "$work/late.servo" >"$work/text"
 "$TREPHINE" replay "$work/sample" "$work/late.servo" | grep -q '^replayed bit for bit$' || fail "delay and guide do not replay"
 grep -aq '"guide": *"line"' "$work/late.servo" && grep -aq '"device_delay_ms": *3' "$work/late.servo" || fail "not in the header"
+grep -Eq '^all that is touched has 0\.[0-9]+ of its stiffness, since the device answers after 3 ms and damps by 2 N s/m$' "$work/text" ||
+  { cat "$work/text"; fail "the softer walls are not reported"; }
 printf '0 0 0 2000\n1 0 0 2000\n' >"$work/air.txt"
 "${servo[@]}" --device trajectory --trajectory "$work/air.txt" --seconds 1 --no-paced --record "$work/air.servo" >"$work/text"
 "$TREPHINE" replay "$work/sample" "$work/air.servo" | grep -q '^recorded: no contact to judge' || fail "judges air"
+# Behind a delay no wall is stable without damping.
+told=("${servo[@]}" --device trajectory --trajectory "$work/air.txt" --seconds 1 --no-paced --device-delay-ms 2)
+expect 64 'device-delay-ms: 2, and the device.s damping is not known: .*--device-own-damping-n-s-per-mm .*--allow-undamped' "${told[@]}"
+"${told[@]}" --device-own-damping-n-s-per-mm 0.002 >"$work/text" && grep -q 'of its stiffness' "$work/text" || fail "a damping that is given"
+"${told[@]}" --allow-undamped >"$work/text" && grep -q 'pressed for long gives way' "$work/text" || fail "no warning"
 
 # Ctrl-C ends a session; what it recorded stays.
 "${servo[@]}" --seconds 60 --no-realtime --record "$work/stopped.servo" --json "$work/stopped.json" >"$work/text" 2>"$work/stderr" &
