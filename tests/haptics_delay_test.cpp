@@ -107,8 +107,9 @@ void expect_stands(const TwoFloors& floors, const Hand& hand, const Wall& wall, 
                 1e3 * wall.device_damping_n_s_per_mm, wall.delay_ms);
   double depth[2];
   for (const bool soft : {false, true}) {
-    const Rest r = press(floors, hand, wall, push_n, soft ? 40 : -10);
     const double expected = push_n / feels[soft ? 2 : 1].front.stiffness_n_per_mm;
+    if (expected > 50) return;  // the floors are 60 mm deep
+    const Rest r = press(floors, hand, wall, push_n, soft ? 40 : -10);
     EXPECT_NEAR(r.depth_mm, expected, std::min(0.3, 0.05 * expected) + 0.01) << text << (soft ? ", soft" : "");
     EXPECT_NEAR(r.force_n, push_n, 0.05 * push_n) << text;
     EXPECT_LT(r.drift_mm, 0.05) << text;
@@ -138,12 +139,8 @@ TEST(LongHapticsDelay, AWallStandsOverTheGrid) {
         for (const double max_n : {3.3, 7.9, 20.0, 40.0})
           for (const double mass_kg : {0.05, 0.2, 0.5})
             for (const double arm_n_per_mm : {0.0, 0.4, 1.0})
-              for (const double share : {0.2, 0.7}) {
-                const double push_n = share * max_n;
-                // The softer floor is met within the 60 mm that there are.
-                if (push_n / (0.35 * 0.8 * 0.5 * damping / (1e-3 * delay_ms + 5e-4)) > 50) continue;
-                expect_stands(*floors, {mass_kg, arm_n_per_mm, 0.004}, {damping, delay_ms, max_n}, push_n);
-              }
+              for (const double share : {0.2, 0.7})
+                expect_stands(*floors, {mass_kg, arm_n_per_mm, 0.004}, {damping, delay_ms, max_n}, share * max_n);
   for (const double delay_ms : {0.7, 1.6, 4.2})
     for (const double damping : {0.0008, 0.003})
       expect_stands(bone, {0.09, 0.15, 0.0025}, {damping, delay_ms, 15}, 0.9);

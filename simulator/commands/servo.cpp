@@ -53,6 +53,9 @@ Json drilled_json(const session::SessionResult& r) {
             {"incisions", d.incisions},
             {"undone", d.undone},
             {"resets", d.resets},
+            {"cutting_s", d.cutting_s},
+            {"force_felt_n", d.cutting_s > 0 ? Json(d.cutting_n_s / d.cutting_s) : Json()},
+            {"feed_mm_per_s", d.cutting_s > 0 ? Json(d.advanced_mm / d.cutting_s) : Json()},
             {"late_mm3", r.outcome->late_mm3},
             {"max_bone_c", d.max_bone_c},
             {"above_47_c_s", d.above_harm_s},
@@ -161,6 +164,9 @@ void print_drilled(const session::SessionResult& r) {
   std::string forces;
   for (const auto& [name, force] : max_forces(r))
     forces += fmt::format("{}{} {:.2f} N", forces.empty() ? "" : ", ", name, force);
+  if (d.cutting_s > 0)
+    std::cout << fmt::format("while it cut: {:.2f} N felt, {:.2f} mm/s along its axis\n", d.cutting_n_s / d.cutting_s,
+                             d.advanced_mm / d.cutting_s);
   std::cout << "largest force while touching: " << (forces.empty() ? "none" : forces) << "\n";
 }
 

@@ -19,6 +19,7 @@ std::unique_ptr<Device> make_hand(const DeviceChoice& choice, const DeviceScene&
   hand->axis = path.axis;
   hand->drills = drills;
   if (drills) hand->feed_force_n = task.feed_force_n;
+  if (drills) hand->press_n = task.press_n;
   return hand;
 }
 

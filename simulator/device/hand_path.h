@@ -16,7 +16,7 @@ struct HandPathParams {
   enum class Task { own, circle, drill };
   Task hand_task = Task::own;
   std::string site = "kocher_right";
-  double hole_diameter_mm = 14, layer_mm = 1, past_mm = 0.5, feed_force_n = 1;
+  double hole_diameter_mm = 14, layer_mm = 1, past_mm = 0.5, feed_force_n = 1, press_n = 0;
   std::array<double, 3> from{0, 0, 1};
   double depth_mm = 1, radius_mm = 15, approach_mm = 10;
   template <class V>
@@ -30,6 +30,10 @@ struct HandPathParams {
     v.number(&P::past_mm, "past_mm", Range{-5, 5}, "How far behind the inner table the path ends.");
     v.number(&P::feed_force_n, "feed_force_n", Range{0, 20},
              "Force above which the drilling hand waits before it goes on; 0: it never waits.");
+    v.number(
+        &P::press_n, "press_n", Range{0, 50},
+        "Force with which the drilling hand presses on what it touches, however fast that gives way; 0: it follows "
+        "its path, and presses as feed_force_n allows.");
     v.numbers(&P::from, "from", Range{-1, 1}, "Direction, LPS, from which the hand approaches the volume's centre.");
     v.number(&P::depth_mm, "depth_mm", Range{-50, 50}, "How far behind the surface the hand aims.");
     v.number(&P::radius_mm, "radius_mm", Range{0, 200}, "Radius of the circle that the hand follows.");

@@ -6,6 +6,9 @@
 
 namespace trephine::device {
 
+// How many times faster than along its path an aim runs on until the arm presses.
+constexpr int most_ahead = 20;
+
 double ForceHold::share(double age_s) const {
   if (age_s <= hold_s) return 1;
   return decay_s > 0 ? std::exp((hold_s - age_s) / decay_s) : 0;
@@ -65,9 +68,13 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
     const double part = std::min(left, 0.001);
     left -= part;
     time_s_ += part;
-    const double pull = norm(aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s) - body_.position_mm);
-    if (!(feed_force_n > 0) || pull * params_.arm_stiffness_n_per_mm <= feed_force_n) path_s_ += part;
-    body_.pull(params_, hold, aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s), part);
+    const auto to = [&] { return aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s); };
+    const auto pull_n = [&] { return norm(to() - body_.position_mm) * params_.arm_stiffness_n_per_mm; };
+    const double most_n = press_n > 0 ? press_n : feed_force_n;
+    if (!(most_n > 0) || pull_n() <= most_n) path_s_ += part;
+    if (press_n > 0 && norm(body_.force_n) > 0)
+      for (int n = 0; n < most_ahead && pull_n() < press_n; ++n) path_s_ += part;
+    body_.pull(params_, hold, to(), part);
   }
   out = {};
   out.tip_mm = body_.position_mm;

@@ -55,6 +55,9 @@ class SimulatedHand : public Device {
   Vec3 axis{0, 0, 1};       ///< of the tool that it holds and does not turn
   bool drills = false;      ///< it marks an incision at the start, then holds the pedal down
   double feed_force_n = 0;  ///< while the arm pulls more than that it waits on its path; 0: never
+  /// What the arm pulls with where something is touched: its aim runs on along the path until it does; 0: see
+  /// feed_force_n.
+  double press_n = 0;
 
  private:
   Vec3 aim(double path_s, double time_s) const;

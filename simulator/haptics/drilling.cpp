@@ -202,6 +202,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   if (!begun_ || lifted) last_mm_ = in.tip_mm;
   const Vec3 velocity = (in.tip_mm - last_mm_) / in.dt_s;
   for (int a = 0; a < 3; ++a) velocity_[a] = smooth(velocity_[a], velocity[a], in.dt_s);
+  const Vec3 step_mm = in.tip_mm - last_mm_;
   last_mm_ = in.tip_mm;
 
   double used_w = 0;
@@ -211,6 +212,12 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   if ((in.buttons & pedal) && !lifted) {
     used_w = cut(in, state);
     outcome_.drilled_s += in.dt_s;
+    since_cut_s_ = removed_mm3_ > 0 ? 0 : since_cut_s_ + in.dt_s;
+    if (since_cut_s_ < 0.02) {
+      outcome_.cutting_s += in.dt_s;
+      outcome_.cutting_n_s += norm(state.force_n) * in.dt_s;
+      outcome_.advanced_mm -= dot(step_mm, in.axis);
+    }
   } else {
     cut_late(in.dt_s);
   }

@@ -58,6 +58,9 @@ struct DrillingOutcome {
   std::array<double, voxel::haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
   std::int64_t late_units = 0;  ///< of all, those where the tool was a voxel further on already
   double energy_j = 0, drilled_s = 0, stalled_s = 0;
+  /// While it removed something, or did so within the last 20 ms: for how long, the force's mean times that, and how
+  /// far the tool went on along its axis.
+  double cutting_s = 0, cutting_n_s = 0, advanced_mm = 0;
   double max_bone_c = BoneHeat::body_c, above_harm_s = 0, heat_dose_min = 0;  ///< BoneHeat
   int incisions = 0;
   int undone = 0, resets = 0;  ///< strokes and incisions that were taken back; how often all was
@@ -142,6 +145,7 @@ class Drilling {
   drill::Drill drill_;
   BoneHeat heat_;
   double removed_j_ = 0, removed_mm3_ = 0, voxel_mm3_;  // in this tick
+  double since_cut_s_ = 1;
   std::atomic<float> load_{0}, hardness_{0};
   std::atomic<bool> runs_{false}, stalls_{false};
   Vec3 force_, last_mm_, velocity_;

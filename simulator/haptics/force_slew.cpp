@@ -40,8 +40,7 @@ Vec3 ForceSlew::follow(Vec3 force, bool drilling, bool event, double explained_n
     behind_ = true;
   }
   const Vec3 step = force - felt_;
-  double most = max_n_per_ms * 1000 * dt_s;
-  if (norm(force) < norm(felt_)) most = std::max(most, explained_n);
+  const double most = std::max(max_n_per_ms * 1000 * dt_s, explained_n);
   const double size = norm(step);
   behind_ = size > most;
   return felt_ = behind_ ? felt_ + step * (most / size) : force;
