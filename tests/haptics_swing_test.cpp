@@ -90,11 +90,11 @@ TEST(HapticsSwing, ALandingDrillComesToRest) {
 
 // Also with other burrs, walls and hands.
 TEST(LongHapticsSwing, ALandingDrillComesToRestOverTheGrid) {
-  for (const double damping : {0.002, 0.0025, 0.003, 0.004, 0.006})
-    for (const double push_n : {1.0, 2.0, 3.0, 4.0, 5.0})
+  for (const double damping : {0.002, 0.003, 0.006})
+    for (const double push_n : {1.0, 3.0, 5.0})
       for (const double max_n : {7.9, 20.0})
-        for (const double mass_kg : {0.1, 0.2, 0.5})
+        for (const double mass_kg : {0.1, 0.5})
           for (const double diameter_mm : {3.0, 5.0, 7.0})
-            for (const double stiffness : {0.5, 1.0, 2.0})
+            for (const double stiffness : {0.5, 1.0})
               expect_calm({push_n, damping, mass_kg, max_n, diameter_mm, stiffness});
 }
