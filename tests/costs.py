@@ -10,8 +10,9 @@ SLOW_S = 3
 
 def main():
     data = pathlib.Path(sys.argv[1]) / "Testing/Temporary/CTestCostData.txt"
-    rows = [line.split() for line in data.read_text().split("---")[0].splitlines()]
-    slowest = sorted(((float(r[2]), r[0]) for r in rows if len(r) == 3), reverse=True)
+    rows = [line.rsplit(maxsplit=2) for line in data.read_text().split("\n---")[0].splitlines()]
+    # A test that failed has the cost of a million.
+    slowest = sorted(((float(r[2]), r[0]) for r in rows if len(r) == 3 and r[1].isdigit() and float(r[2]) < 1e6), reverse=True)
     print("The ten slowest tests, in seconds by the clock:")
     for seconds, name in slowest[:10]:
         print(f"{seconds:8.1f}  {name}")

@@ -84,11 +84,7 @@ ExitCode run_compare(const cli::ParsedCommand& parsed) {
                  parsed.params<device::HandPathParams>(), poses, draw, say, Progress({}, &cancel_requested()));
   peers::write_comparison(comparison, parsed.path("out"), TREPHINE_VERSION);
   for (const peers::Claim& claim : peers::claims_of(comparison))
-    say(fmt::format("{}: {} ({})",
-                    claim.verdict == peers::Claim::Verdict::holds   ? "holds"
-                    : claim.verdict == peers::Claim::Verdict::fails ? "does not hold"
-                                                                    : "not measured",
-                    claim.claim, claim.here));
+    say(fmt::format("{}: {} ({})", peers::name_of(claim.verdict), claim.claim, claim.here));
   say("written: " + (parsed.path("out") / "compare.md").string());
   return ExitCode::ok;
 }

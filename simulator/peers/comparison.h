@@ -93,8 +93,11 @@ void compare(Comparison& out, const contact::ContactVolume& contact, int shape, 
 /// What chapter 4 (or 3) claims, and whether it holds here.
 struct Claim {
   std::string where, claim, here;
-  enum class Verdict { holds, fails, not_measured } verdict = Verdict::not_measured;
+  enum class Verdict { holds, fails, too_few_hands, not_measured } verdict = Verdict::not_measured;
 };
+const char* name_of(Claim::Verdict verdict);  ///< "does not hold", "too few hands to tell"
+/// Below so many hands nothing is said of what is rare.
+constexpr int min_hands = 10;
 std::vector<Claim> claims_of(const Comparison& comparison);
 
 /// Mean, and range, of a figure over the closed loops of an algorithm.

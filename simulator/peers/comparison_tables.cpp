@@ -74,10 +74,6 @@ std::string meshes_csv(const Comparison& c) {
   return text;
 }
 
-const char* name_of(Claim::Verdict v) {
-  return v == Claim::Verdict::holds ? "holds" : v == Claim::Verdict::fails ? "does not hold" : "not measured";
-}
-
 std::string json_text(const Comparison& c, const std::string& version) {
   Json j = {{"trephine_compare", 1},
             {"version", version},

@@ -18,6 +18,15 @@ double mean_of(const std::vector<double>& v) {
   return sum / double(v.size());
 }
 
+// Of so few no test tells anything of the groups that they come from.
+constexpr std::size_t few = 3;
+void note_few(Comparison& c) {
+  for (const Sample& s : c.samples)
+    if (!s.values.empty() && s.values.size() < few)
+      c.notes.push_back(fmt::format("{} has {} value{}: this says nothing of others like {}", s.name, s.values.size(),
+                                    s.values.size() == 1 ? "" : "s", s.values.size() == 1 ? "it" : "them"));
+}
+
 void tell_means(Comparison& c, std::size_t averaged) {
   if (averaged > 0)
     c.notes.push_back(fmt::format("{} {} stand{} for the mean of several rows of one participant", averaged,
@@ -81,6 +90,7 @@ Comparison compare_groups(const Observations& all, std::size_t measure, const st
     if (c.samples.back().values.empty()) c.notes.push_back("group " + group + " has no value here");
   }
   tell_means(c, averaged);
+  note_few(c);
   if (all.has_participants && !all.by_participant(params))
     c.notes.push_back("rows are taken as independent; where a participant has several, p is too small");
   std::vector<std::vector<double>> groups;
@@ -130,6 +140,7 @@ Comparison compare_within(const Observations& all, std::size_t measure, const st
     c.samples.back().summary = summarised(c.samples.back().values, params.confidence_ratio);
   }
   tell_means(c, averaged);
+  note_few(c);
   // Of phases all pairs; of attempts the first against the second and the last, as a trend has its own test.
   std::vector<std::pair<std::size_t, std::size_t>> chosen;
   if (by == "attempt") {

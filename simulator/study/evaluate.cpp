@@ -16,6 +16,7 @@ using detail::Observations;
 // Whose rows lack a value, and how often the rest says the same.
 void tell_values(const Observations& all, std::size_t measure, MeasureStudy& study) {
   std::vector<std::string> whose;
+  std::set<std::string> named;
   std::set<double> different;
   for (const Observation& o : all.rows) {
     if (o.measures[measure]) {
@@ -24,7 +25,7 @@ void tell_values(const Observations& all, std::size_t measure, MeasureStudy& stu
       continue;
     }
     const std::string who = o.participant.empty() ? "line " + std::to_string(o.line) : o.participant;
-    if (std::find(whose.begin(), whose.end(), who) == whose.end()) whose.push_back(who);
+    if (named.insert(who).second) whose.push_back(who);
   }
   if (const std::size_t missing = all.rows.size() - study.values_count; missing > 0)
     study.notes.push_back(fmt::format("{} of {} rows {} no value, and {} left out: {}", missing, all.rows.size(),
@@ -73,6 +74,8 @@ Study evaluate(const Table& table, const StudyParams& params) {
   if (all.rows.empty()) study.notes.push_back("no row is left: nothing can be evaluated");
   for (std::size_t m = 0; m < all.measures.size(); ++m) study.measures.push_back(study_of(all, m, params));
   if (!params.acceptable.empty()) study.acceptable = detail::acceptable_of(all, params);
+  if (!params.acceptable.empty() && all.has_participants)
+    study.acceptable_changes = detail::acceptable_changes_of(all, params);
   if (study.measures.size() > 1)
     study.notes.push_back(
         fmt::format("{} measures are evaluated; p values are corrected within a comparison, not over "
@@ -109,6 +112,41 @@ std::vector<AcceptableRow> acceptable_of(const Observations& all, const StudyPar
   const std::vector<double> by_all = corrected(p, params.correction);
   for (std::size_t n = 1; n < rows.size(); ++n) rows[n].corrected_p = by_all[n - 1];
   return rows;
+}
+
+std::vector<AcceptableChange> acceptable_changes_of(const Observations& all, const StudyParams& params) {
+  std::map<std::string, std::map<std::string, std::vector<bool>>> of;  // by phase and participant
+  for (const Observation& o : all.rows)
+    if (o.acceptable) of[o.phase][o.participant].push_back(*o.acceptable);
+  std::vector<AcceptableChange> changes;
+  std::vector<double> p;
+  for (std::size_t a = 0; a < all.phases.size(); ++a)
+    for (std::size_t b = a + 1; b < all.phases.size(); ++b) {
+      AcceptableChange change;
+      change.from = all.phases[a];
+      change.to = all.phases[b];
+      for (const auto& [participant, before] : of[change.from]) {
+        const auto after = of[change.to].find(participant);
+        if (after == of[change.to].end()) continue;
+        if (before.size() > 1 || after->second.size() > 1) {
+          ++change.several;
+          continue;
+        }
+        ++change.pairs_count;
+        change.gained += !before[0] && after->second[0];
+        change.lost += before[0] && !after->second[0];
+      }
+      if (change.gained + change.lost > 0) {
+        change.mcnemar_p = mcnemar_p(change.gained, change.lost);
+        p.push_back(*change.mcnemar_p);
+      }
+      changes.push_back(change);
+    }
+  const std::vector<double> by_all = corrected(p, params.correction);
+  std::size_t n = 0;
+  for (AcceptableChange& change : changes)
+    if (change.mcnemar_p) change.corrected_p = by_all[n++];
+  return changes;
 }
 
 }  // namespace detail

@@ -133,6 +133,15 @@ double fisher_p(std::size_t some_first, std::size_t all_first, std::size_t some_
   return std::min(1.0, p);
 }
 
+double mcnemar_p(std::size_t gained, std::size_t lost) {
+  const std::size_t all = gained + lost;
+  double p = 0;
+  for (std::size_t k = 0; k <= std::min(gained, lost); ++k)
+    p += std::exp(std::lgamma(double(all) + 1) - std::lgamma(double(k) + 1) - std::lgamma(double(all - k) + 1) -
+                  double(all) * std::log(2.0));
+  return std::min(1.0, 2 * p);
+}
+
 std::optional<double> slope_of(const std::vector<std::pair<double, double>>& points) {
   double mx = 0, my = 0, xx = 0, xy = 0;
   for (const auto& [x, y] : points) mx += x / double(points.size()), my += y / double(points.size());

@@ -50,12 +50,12 @@ TestResult one_sample_t(const std::vector<double>& values, double confidence_rat
 /// Welch's t. Effect: Cohen's d by the pooled standard deviation, its interval by the noncentral t distribution with
 /// n1 + n2 - 2 degrees of freedom.
 TestResult welch_t(const std::vector<double>& first, const std::vector<double>& second, double confidence_ratio);
-/// Statistic: U, the count of pairs in which the second is larger (ties half). Exact without ties below 50 values in
-/// each, else by the normal distribution with correction for ties and continuity. Effect: Cliff's delta with his
+/// Statistic: U, the count of pairs in which the second is larger (ties half). Exact below 50 values in each, given
+/// the ties, else by the normal distribution with correction for ties and continuity. Effect: Cliff's delta with his
 /// asymmetric interval [Cliff1993].
 TestResult mann_whitney(const std::vector<double>& first, const std::vector<double>& second, double confidence_ratio);
 /// Statistic: V, the sum of ranks of the positive differences second - first. Pairs without a difference do not count,
-/// which the note says. Exact without ties or such pairs below 50 pairs. Effect: the matched-pairs rank-biserial
+/// which the note says. Exact below 50 pairs, given the ties. Effect: the matched-pairs rank-biserial
 /// correlation.
 TestResult signed_rank(const std::vector<double>& first, const std::vector<double>& second);
 /// Statistic: H, corrected for ties. Effect: epsilon squared, H / (n - 1), its interval by the noncentral chi-squared
@@ -78,6 +78,9 @@ std::vector<DunnPair> dunn(const std::vector<std::vector<double>>& groups);
 Interval share_interval(std::size_t some, std::size_t all, double confidence_ratio);
 /// Fisher's exact test of two shares, two-sided: the tables that are at most as likely.
 double fisher_p(std::size_t some_first, std::size_t all_first, std::size_t some_second, std::size_t all_second);
+
+/// McNemar's exact test of paired shares, two-sided, by those who changed alone: the binomial distribution of one half.
+double mcnemar_p(std::size_t gained, std::size_t lost);
 
 /// The slope of y over x by least squares; nothing where all x are equal.
 std::optional<double> slope_of(const std::vector<std::pair<double, double>>& points);

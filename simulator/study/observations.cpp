@@ -2,6 +2,7 @@
 #include "study/observations.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -33,11 +34,18 @@ std::optional<std::size_t> found(const Table& table, const char* parameter, cons
   return at;
 }
 
+// "inf" and "-nan" are meant as numbers, and refused where they are read.
+bool is_not_finite(std::string cell) {
+  if (!cell.empty() && (cell[0] == '-' || cell[0] == '+')) cell.erase(0, 1);
+  for (char& c : cell) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return cell == "inf" || cell == "infinity" || cell == "nan";
+}
+
 bool are_numbers(const Table& table, std::size_t column) {
   bool some = false;
   for (const auto& row : table.rows) {
     if (is_missing(row[column])) continue;
-    if (!parse_number(row[column])) return false;
+    if (!parse_number(row[column]) && !is_not_finite(row[column])) return false;
     some = true;
   }
   return some;

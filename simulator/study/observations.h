@@ -42,5 +42,6 @@ Comparison compare_within(const Observations& all, std::size_t measure, const st
                           const std::vector<std::string>& levels, const StudyParams& params);
 LearningCurve curve_of(const Observations& all, std::size_t measure, const StudyParams& params);
 std::vector<AcceptableRow> acceptable_of(const Observations& all, const StudyParams& params);
+std::vector<AcceptableChange> acceptable_changes_of(const Observations& all, const StudyParams& params);
 
 }  // namespace trephine::study::detail

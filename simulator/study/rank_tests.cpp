@@ -13,18 +13,27 @@ constexpr std::size_t max_exact = 49;  // values in a sample, as R has it
 
 double sign(double v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 
+// Of how many of the sorted values `v` is larger, less of how many it is smaller.
+double dominance(const std::vector<double>& sorted, double v) {
+  const auto [low, high] = std::equal_range(sorted.begin(), sorted.end(), v);
+  return double(low - sorted.begin()) - double(sorted.end() - high);
+}
+
 // Cliff's delta, second over first, with his asymmetric interval by an unbiased variance [Cliff1993, equations 9, 12].
+// Sums over all pairs are taken from sorted values, for there are many pairs.
 Estimate cliff_delta(const std::vector<double>& first, const std::vector<double>& second, double confidence_ratio) {
   const double m = double(first.size()), n = double(second.size());
-  std::vector<double> rows(first.size()), columns(second.size());
-  double delta = 0;
-  for (std::size_t i = 0; i < first.size(); ++i)
-    for (std::size_t j = 0; j < second.size(); ++j) {
-      const double d = sign(second[j] - first[i]);
-      rows[i] += d / n;
-      columns[j] += d / m;
-      delta += d / (m * n);
-    }
+  std::vector<double> sorted_first = first, sorted_second = second, rows, columns;
+  std::sort(sorted_first.begin(), sorted_first.end());
+  std::sort(sorted_second.begin(), sorted_second.end());
+  double delta = 0, unequal = 0;
+  for (const double v : first) {
+    const auto [low, high] = std::equal_range(sorted_second.begin(), sorted_second.end(), v);
+    unequal += n - double(high - low);
+    rows.push_back(-dominance(sorted_second, v) / n);
+    delta += rows.back() / m;
+  }
+  for (const double v : second) columns.push_back(dominance(sorted_first, v) / m);
   const double z = detail::normal_quantile(0.5 + confidence_ratio / 2);
   if (std::abs(delta) >= 1 - 1e-12) {
     // No pair says otherwise: the interval of Feng and Cliff (2004) for samples that do not overlap.
@@ -32,16 +41,10 @@ Estimate cliff_delta(const std::vector<double>& first, const std::vector<double>
     return {sign(delta), delta > 0 ? Interval{end, 1} : Interval{-1, -end}};
   }
   if (first.size() < 2 || second.size() < 2) return {delta, {}};
-  double a = 0, b = 0, c = 0;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    a += (rows[i] - delta) * (rows[i] - delta);
-    for (std::size_t j = 0; j < second.size(); ++j) {
-      const double d = sign(second[j] - first[i]) - delta;
-      c += d * d;
-    }
-  }
-  for (std::size_t j = 0; j < second.size(); ++j) b += (columns[j] - delta) * (columns[j] - delta);
-  const double square = delta * delta;
+  double a = 0, b = 0;
+  for (const double row : rows) a += (row - delta) * (row - delta);
+  for (const double column : columns) b += (column - delta) * (column - delta);
+  const double square = delta * delta, c = unequal - m * n * square;  // of (sign - delta)^2 over all pairs
   const double variance =
       std::max((n * n * a + m * m * b - c) / (m * n * (m - 1) * (n - 1)), (1 - square) / (m * n - 1));
   const double half = z * std::sqrt(variance) * std::sqrt((1 - square) * (1 - square) + z * z * variance);
@@ -77,9 +80,10 @@ TestResult mann_whitney(const std::vector<double>& first, const std::vector<doub
   const double n1 = double(first.size()), n2 = double(second.size()), middle = n1 * n2 / 2;
   TestResult r;
   r.statistic = all.sums[1] - n2 * (n2 + 1) / 2;
-  if (all.ranks.ties == 0 && first.size() <= max_exact && second.size() <= max_exact) {
-    r.p = detail::two_sided(detail::mann_whitney_ways(first.size(), second.size()), r.statistic);
-    r.note = "exact";
+  if (first.size() <= max_exact && second.size() <= max_exact) {
+    r.p = all.ranks.ties == 0 ? detail::two_sided(detail::mann_whitney_ways(first.size(), second.size()), r.statistic)
+                              : detail::two_sided_sum(all.ranks.of, first.size(), all.sums[0]);
+    r.note = all.ranks.ties == 0 ? "exact" : "exact, given the ties";
   } else {
     const double n = all.count;
     const double sigma = std::sqrt(n1 * n2 / 12 * ((n + 1) - all.ranks.ties / (n * (n - 1))));
@@ -104,16 +108,17 @@ TestResult signed_rank(const std::vector<double>& first, const std::vector<doubl
   const double n = double(differences.size()), total = n * (n + 1) / 2;
   TestResult r;
   for (std::size_t k = 0; k < differences.size(); ++k) r.statistic += differences[k] > 0 ? ranks.of[k] : 0;
-  if (ranks.ties == 0 && equal == 0 && differences.size() <= max_exact) {
-    r.p = detail::two_sided(detail::signed_rank_ways(differences.size()), r.statistic);
-    r.note = "exact";
+  if (differences.size() <= max_exact) {
+    r.p = ranks.ties == 0 ? detail::two_sided(detail::signed_rank_ways(differences.size()), r.statistic)
+                          : detail::two_sided_sum(ranks.of, {}, r.statistic);
+    r.note = ranks.ties == 0 ? "exact" : "exact, given the ties";
   } else {
     const double sigma = std::sqrt(n * (n + 1) * (2 * n + 1) / 24 - ranks.ties / 48), off = r.statistic - total / 2;
     r.p = detail::normal_p((off - sign(off) * 0.5) / sigma);
     r.note = ranks.ties > 0 ? "normal, for differences are tied" : "normal";
-    if (equal > 0)
-      r.note += "; " + std::to_string(equal) + (equal == 1 ? " pair is" : " pairs are") + " equal and do not count";
   }
+  if (equal > 0)
+    r.note += "; " + std::to_string(equal) + (equal == 1 ? " pair is" : " pairs are") + " equal and do not count";
   r.effect = Estimate{(2 * r.statistic - total) / total, {}};
   return r;
 }

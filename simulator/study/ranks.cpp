@@ -2,6 +2,7 @@
 #include "study/ranks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace trephine::study::detail {
@@ -48,6 +49,32 @@ double two_sided(const std::vector<double>& ways, double statistic) {
     if (double(n) <= tail) some += ways[n];
   }
   return std::min(1.0, 2 * some / all);
+}
+
+double two_sided_sum(const std::vector<double>& ranks, std::optional<std::size_t> chosen, double sum) {
+  // Twice a rank is a whole number. ways[i][s]: in how many ways i of the ranks so far give the sum s.
+  std::size_t most = 0;
+  for (const double rank : ranks) most += std::size_t(std::lround(2 * rank));
+  const std::size_t levels = chosen ? *chosen : 0;
+  std::vector<std::vector<double>> ways(levels + 1, std::vector<double>(most + 1));
+  ways[0][0] = 1;
+  std::size_t reached = 0;
+  for (const double rank : ranks) {
+    const auto twice = std::size_t(std::lround(2 * rank));
+    reached += twice;
+    for (std::size_t i = levels + 1; i-- > 0;)
+      for (std::size_t s = reached + 1; s-- > twice;) {
+        if (!chosen) ways[0][s] += ways[0][s - twice];
+        if (chosen && i > 0) ways[i][s] += ways[i - 1][s - twice];
+      }
+  }
+  double below = 0, above = 0, all = 0;
+  for (std::size_t s = 0; s <= most; ++s) {
+    all += ways[levels][s];
+    if (double(s) <= 2 * sum) below += ways[levels][s];
+    if (double(s) >= 2 * sum) above += ways[levels][s];
+  }
+  return std::min(1.0, 2 * std::min(below, above) / all);
 }
 
 }  // namespace trephine::study::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace trephine::study::detail {
@@ -19,5 +20,8 @@ std::vector<double> mann_whitney_ways(std::size_t first, std::size_t second);
 std::vector<double> signed_rank_ways(std::size_t n);
 /// Twice the smaller tail of a statistic whose distribution is symmetric, by the counts of ways.
 double two_sided(const std::vector<double>& ways, double statistic);
+/// The same of the sum of some of these ranks, ties at their mean: of any `chosen` of them, or of any number. Given the
+/// ties it is exact [Lehmann1975].
+double two_sided_sum(const std::vector<double>& ranks, std::optional<std::size_t> chosen, double sum);
 
 }  // namespace trephine::study::detail

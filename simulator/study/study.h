@@ -104,12 +104,21 @@ struct AcceptableRow {
   std::optional<double> fisher_p, corrected_p;  ///< against the first group
 };
 
+/// The same participants' results in two phases, each acceptable or not.
+struct AcceptableChange {
+  std::string from, to;
+  std::size_t pairs_count = 0, gained = 0, lost = 0;  ///< participants with one result in both; of these, who changed
+  std::optional<double> mcnemar_p, corrected_p;       ///< none where nobody changed
+  std::size_t several = 0;  ///< participants with several results in a phase, who are left out
+};
+
 struct Study {
   StudyParams params;
   std::size_t rows_count = 0, participants_count = 0;
   std::vector<std::string> notes;
   std::vector<MeasureStudy> measures;
   std::vector<AcceptableRow> acceptable;
+  std::vector<AcceptableChange> acceptable_changes;  ///< of each two phases
 };
 
 /// Throws Error 64 where a named column is not there; 65 naming line and column where a participant is no token, is in

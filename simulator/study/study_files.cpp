@@ -115,6 +115,14 @@ std::string study_json(const Study& study) {
               {"notes", study.notes},
               {"measures", measures}};
   if (!study.acceptable.empty()) out["acceptable"] = acceptable;
+  for (const AcceptableChange& c : study.acceptable_changes)
+    out["acceptable_changes"].push_back({{"from", c.from},
+                                         {"to", c.to},
+                                         {"pairs", c.pairs_count},
+                                         {"gained", c.gained},
+                                         {"lost", c.lost},
+                                         {"mcnemar_p", json_of(c.mcnemar_p)},
+                                         {"corrected_p", json_of(c.corrected_p)}});
   return out.dump(1) + "\n";
 }
 

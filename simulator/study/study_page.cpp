@@ -103,6 +103,8 @@ std::string study_page(const Study& study, const std::vector<std::pair<StudyPlot
       out += "</tr>\n";
     }
     out += "</table></div>\n";
+    for (const AcceptableChange& change : study.acceptable_changes)
+      out += "<p>" + html_text(sentence(change)) + "</p>\n";
   }
   for (const MeasureStudy& m : study.measures) {
     out += "<h2>" + html_text(m.name) + "</h2>\n" + notes_html(m.notes) + "<div class=\"plots\">\n";

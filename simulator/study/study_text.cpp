@@ -62,6 +62,7 @@ std::string study_text(const Study& study) {
     std::vector<std::vector<std::string>> rows = {acceptable_head()};
     for (const AcceptableRow& r : study.acceptable) rows.push_back(acceptable_cells(r));
     out += text_table(rows, "lrrllrrr");
+    for (const AcceptableChange& c : study.acceptable_changes) out += "  " + sentence(c) + "\n";
   }
   return out;
 }
@@ -117,6 +118,18 @@ std::vector<std::string> acceptable_cells(const AcceptableRow& r) {
           r.fisher_p ? p_text(*r.fisher_p) : "",
           r.corrected_p ? p_text(*r.corrected_p) : "",
           std::to_string(r.all)};
+}
+
+std::string sentence(const AcceptableChange& c) {
+  std::string out =
+      fmt::format("{} to {}, {} pair{}: {} became acceptable, {} no more, {} as before; McNemar: ", c.from, c.to,
+                  c.pairs_count, c.pairs_count == 1 ? "" : "s", c.gained, c.lost, c.pairs_count - c.gained - c.lost);
+  out += c.mcnemar_p ? p_text(*c.mcnemar_p) : "not tested: nobody changed";
+  if (c.corrected_p && *c.corrected_p != *c.mcnemar_p) out += ", corrected " + p_text(*c.corrected_p);
+  if (c.several > 0)
+    out += fmt::format(" ({} participant{} with several results in a phase {} left out)", c.several,
+                       c.several == 1 ? "" : "s", c.several == 1 ? "is" : "are");
+  return out;
 }
 
 }  // namespace trephine::study

@@ -19,5 +19,7 @@ std::string pair_title(const Comparison& c, const PairTests& p);
 /// The table of acceptable results, as Table XVI of the dissertation.
 std::vector<std::string> acceptable_head();
 std::vector<std::string> acceptable_cells(const AcceptableRow& row);
+/// "before to after, 12 pairs: 5 became acceptable, 1 no more, 6 as before; McNemar: p = 0.2188".
+std::string sentence(const AcceptableChange& change);
 
 }  // namespace trephine::study

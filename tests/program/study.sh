@@ -44,6 +44,17 @@ mkdir "$work/empty"
 expect 66 'holds no report of a lesson' "${study[@]}" "$work/empty"
 printf 'participant,points\nr-1,3\nr-2,3\n' >"$work/equal.csv"
 "${study[@]}" "$work/equal.csv" | grep -q 'all values are equal (3): there is nothing to compare' || fail "equal values are not said"
+# What is not finite is refused where it stands, and not left out without a word.
+printf 'participant,points\nr-1,3\nr-2,inf\nr-3,NaN\n' >"$work/infinite.csv"
+expect 65 'line 3, points: is no finite number' "${study[@]}" "$work/infinite.csv"
+# Acceptable or not before and after, by McNemar; one against one says nothing of others.
+printf 'participant,group,phase,points,fine\n' >"$work/phases.csv"
+for n in 1 2 3 4 5 6; do printf 'r-%d,a,before,%d,0\nr-%d,a,after,%d,1\n' $n $n $n $((n + 2)); done >>"$work/phases.csv"
+printf 'r-7,b,before,5,1\n' >>"$work/phases.csv"
+"${study[@]}" "$work/phases.csv" --acceptable fine >"$work/text"
+grep -q 'before to after, 6 pairs: 6 became acceptable, 0 no more, 0 as before; McNemar: p = 0.0312' "$work/text" &&
+  grep -q 'signed rank: 21, p = 0.0312, .*(exact, given the ties)' "$work/text" &&
+  grep -q 'note: b has 1 value: this says nothing of others like it' "$work/text" || { cat "$work/text"; fail "six tied pairs"; }
 
 # R itself, where it is installed.
 command -v Rscript >/dev/null || skip "R is not installed (Debian: r-base-core)"
