@@ -23,6 +23,10 @@ skull jaw || { cat "$work/said" >&2; fail "the jaw was refused"; }
 grep -q 'nothing says that a head was scanned' "$work/said" || { cat "$work/said" >&2; fail "no warning of the jaw"; }
 is_doubtful jaw
 
+# A head is no spine, and is told so before anything is looked for in it.
+code=0; "$TREPHINE" run configs/ct_spine_bone.yaml --series sample_dicom --out "$library" --case spineless --quiet >"$work/out" 2>"$work/said" || code=$?
+[[ $code == 80 ]] && grep -q 'body_part: .*a head is seen .*configs/ct_head.yaml makes a head' "$work/said" || { cat "$work/said" >&2; fail "a head as a spine: $code"; }
+
 code=0; skull spine || code=$?
 [[ $code == 80 ]] || { cat "$work/said" >&2; fail "a spine as a skull: exit code $code"; }
 grep -q 'a spine is seen, and no head.*--set body_part.refuse=false makes it' "$work/said" || { cat "$work/said" >&2; fail "no remedy"; }
