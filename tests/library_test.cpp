@@ -115,6 +115,34 @@ TEST_F(Library, SampleLibraryIsWhatTheDissertationHad) {
     EXPECT_NO_THROW(library::read_case_settings(one, {}, true, "p 1")) << one.token;
 }
 
+// A path that no configuration has is found when the case's configuration is read; it is named where the library has
+// it.
+TEST_F(Library, AFaultOfASettingHasItsPlace) {
+  fs::copy(source / "pipelines/ventriculostomy.yaml", scratch_.path() / "p.yaml");
+  scratch_.write("s.yaml", "trephine: 1\nanatomies: {skull: {max_triangles: 5000}}\n");
+  scratch_.write("c.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
+  const auto said = [&](const library::LibraryOverrides& overrides) {
+    const library::LibraryConfig c = read(
+        "config: c.yaml\nset: {skull.smoth.iterations_count: 3}\ncases:\n  - {case: a, series: s, set: "
+        "{skull.segment.lower_hu: much}}\n",
+        overrides);
+    try {
+      library::read_case_settings(c.cases.at(0), {}, true, "p 1");
+    } catch (const ErrorList& e) {
+      std::string all;
+      for (const Error& one : e.all()) all += one.line("t") + "\n";
+      return all;
+    }
+    return std::string();
+  };
+  const std::string all = said({});
+  EXPECT_NE(all.find("l.yaml:3:7: skull.smoth.iterations_count: no such parameter, did you mean"), std::string::npos)
+      << all;
+  EXPECT_NE(all.find("l.yaml:5:34: skull.segment.lower_hu: "), std::string::npos) << all;
+  const std::string replaced = said({{"skull.segment.lower_hu=more"}, {}, {}});
+  EXPECT_NE(replaced.find("--set skull.segment.lower_hu: "), std::string::npos) << replaced;
+}
+
 TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
   fs::copy(source / "pipelines/ventriculostomy.yaml", scratch_.path() / "p.yaml");
   const auto scene = [&](const std::string& text) { scratch_.write("s.yaml", "trephine: 1\n" + text); };

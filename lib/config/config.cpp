@@ -279,6 +279,12 @@ class Reader {
     for (const std::string& text : trade.choice.point.settings) r_.values.set_from_text(text, origin, r_.faults);
   }
 
+  ValueOrigin origin_of_override(const std::string& path) const {
+    const auto in_library = r_.overrides.set_in_library.find(path);
+    if (in_library == r_.overrides.set_in_library.end()) return {ValueSource::command_line, "--set", {}};
+    return {ValueSource::library, in_library->second, {}};
+  }
+
   void set_values() {
     // Without a recipe nothing is known of its paths.
     const bool known = !r_.out.anatomies.empty();
@@ -293,7 +299,7 @@ class Reader {
     }
     for (const std::string& text : r_.overrides.set)
       if (known || text.rfind("import.", 0) == 0 || text.find('=') == std::string::npos)
-        r_.values.set_from_text(text, {ValueSource::command_line, "--set", {}}, r_.faults);
+        r_.values.set_from_text(text, origin_of_override(text.substr(0, text.find('='))), r_.faults);
   }
 
   // Makes file names absolute: a name in a file is relative to that file, a name on the command line to the working
@@ -311,7 +317,8 @@ class Reader {
     const std::string text = std::get<std::string>(params.get(p));
     if (text.empty()) return;
     const ValueOrigin& origin = r_.values.origin(path);
-    const bool from_command_line = origin.source == ValueSource::command_line;
+    // A library has looked at its paths itself.
+    const bool from_command_line = origin.source == ValueSource::command_line || origin.source == ValueSource::library;
     std::string what;
     fs::path file;
     if (from_command_line) {

@@ -140,9 +140,11 @@ struct ConfigOverrides {
   std::vector<std::pair<std::string, std::filesystem::path>> scans;  ///< the same, of further scans by name
   std::filesystem::path landmarks;  ///< a file of 3D Slicer; its points replace those of the configuration
   std::string case_token;
-  std::string profile;                       ///< replaces the rule of the configuration
-  bool without_rule = false;                 ///< the rule of the configuration is ignored
-  std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
+  std::string profile;           ///< replaces the rule of the configuration
+  bool without_rule = false;     ///< the rule of the configuration is ignored
+  std::vector<std::string> set;  ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
+  /// By path, where a library's file has that setting: "library.yaml:5:64". Those of the command line are not in it.
+  std::map<std::string, std::string> set_in_library;
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 

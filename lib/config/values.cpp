@@ -98,6 +98,8 @@ const char* to_text(ValueSource source) {
       return "scene";
     case ValueSource::set:
       return "set";
+    case ValueSource::library:
+      return "library";
     case ValueSource::command_line:
       return "--set";
     case ValueSource::rule:

@@ -20,6 +20,7 @@ enum class ValueSource {
   trade,         ///< the point of a measured front that a rule of the case chose
   scene,         ///< the scene's file, with its limits on deviation and triangles
   set,           ///< the case's own file
+  library,       ///< the file of a library, for its cases
   command_line,  ///< --set
   rule,          ///< the accuracy that the case asks for, which holds whatever other sources say
 };

@@ -113,23 +113,32 @@ class Reader {
     }
   }
 
-  // Settings as --set takes them. A path in one is relative to this file.
-  std::vector<std::string> set_of(const Named<config::SaidValue>& values, const std::string& where) {
-    std::vector<std::string> all;
+  // path=value of each, as --set takes it, and where the file has it. A path in a value is relative to this file.
+  struct Settings {
+    std::vector<std::string> set;
+    std::map<std::string, std::string> in_file;
+  };
+  Settings set_of(const Named<config::SaidValue>& values, const std::string& where) {
+    Settings all;
     for (const auto& [path, value] : values) {
       const std::string one = where + "." + path;
       const bool is_file = names_file(path) && !value.text.empty();
-      all.push_back(path + "=" + (is_file ? path_at(at_.at(one), one, value.text).string() : value.text));
+      const config::YamlNode& key = at_.key(one);
+      all.in_file[path] = out_.file.string() + ":" + std::to_string(key.line) + ":" + std::to_string(key.column);
+      all.set.push_back(path + "=" + (is_file ? path_at(at_.at(one), one, value.text).string() : value.text));
     }
     return all;
   }
 
   // Adds the cases of one patient: a case of its own configuration, or of each configuration of the library.
   void add_cases(LibraryCase one, const fs::path& own_config, const config::YamlNode& at, const std::string& where,
-                 const std::vector<std::string>& own_set) {
-    one.set = shared_set_;
-    one.set.insert(one.set.end(), own_set.begin(), own_set.end());
+                 const Settings& own) {
+    one.set = shared_set_.set;
+    one.set.insert(one.set.end(), own.set.begin(), own.set.end());
     one.set.insert(one.set.end(), overrides_.set.begin(), overrides_.set.end());
+    one.set_in_file = own.in_file;
+    one.set_in_file.insert(shared_set_.in_file.begin(), shared_set_.in_file.end());
+    for (const std::string& text : overrides_.set) one.set_in_file.erase(text.substr(0, text.find('=')));
     std::vector<std::pair<std::string, fs::path>> configs = configs_;
     if (!own_config.empty()) configs = {{"", own_config}};
     if (configs.empty()) faults_.add(out_.file, at, where, "has no configuration: give config here or for the library");
@@ -235,7 +244,7 @@ class Reader {
   config::ConfigFaults faults_;
   LibraryConfig out_;
   std::vector<std::pair<std::string, fs::path>> configs_;  // suffix, file
-  std::vector<std::string> shared_set_;
+  Settings shared_set_;
   std::set<std::string> tokens_, said_once_;
 };
 

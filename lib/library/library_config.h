@@ -24,7 +24,8 @@ struct LibraryCase {
   std::filesystem::path config;  ///< configuration of the case: recipe and scene
   std::filesystem::path landmarks;
   std::vector<std::string>
-      set;             ///< path=value, from the library, then the case, then the command line: the last one wins
+      set;  ///< path=value, from the library, then the case, then the command line: the last one wins
+  std::map<std::string, std::string> set_in_file;  ///< by path, where the file has it: "library.yaml:5:64"
   std::string origin;  ///< "series[0] folder 3": its name in messages while it has no token; never a folder's name
 };
 

@@ -50,6 +50,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
                                 const std::string& program_version, const pipeline::HashOfScan& hash_of_scan) {
   config::ConfigOverrides overrides;
   overrides.set = one.set;
+  overrides.set_in_library = one.set_in_file;
   overrides.roots = roots;
   overrides.landmarks = one.landmarks;
   const config::CaseConfig config = config::read_case_config(one.config, overrides);
