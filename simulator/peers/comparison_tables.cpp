@@ -237,8 +237,14 @@ std::string comparison_page(const Comparison& c, const std::vector<std::string>&
       "The experiments of chapter 4 of the dissertation, by `trephine-sim compare`. All algorithms feel the same "
       "surface with the same plain spring, without friction and damping; the device gives at most {:g} N. Where "
       "triangles are felt, they are the shape's surface of {} triangles, parted or reduced. Times are CPU times of "
-      "the thread; the machine has {} cores and its load was {:.1f}.\n\n## What holds\n\n",
-      c.case_token, c.shape, device_most_n, grouped(c.felt_triangles), c.cores, c.load);
+      "the thread; the machine has {} cores and its load was {:.1f}.\n\n"
+      "The peers are historical: algorithms of 1995 to 2004, written anew from their papers, as the dissertation "
+      "compared "
+      "them. They say nothing of libraries of today. {}\n\n## What holds\n\n",
+      c.case_token, c.shape, device_most_n, grouped(c.felt_triangles), c.cores, c.load,
+      std::any_of(c.kinds.begin(), c.kinds.end(), [](const AlgorithmKind& k) { return k.name.rfind("chai3d", 0) == 0; })
+          ? "CHAI3D, given by --peer, is the library itself."
+          : "CHAI3D itself is not among them here; --peer gives it.");
   text += table_head({"where", "claim", "here", ""});
   for (const Claim& claim : claims_of(c))
     text += fmt::format("| {} | {} | {} | **{}** |\n", claim.where, claim.claim, claim.here, name_of(claim.verdict));
