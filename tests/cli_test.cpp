@@ -352,5 +352,38 @@ TEST_F(Cli, BashCompletes) {
   EXPECT_EQ(complete("prog --v"), "--version\n");
 }
 
+// Each shell reads its script, and offers the flag; where the shell is not installed nothing is known of it.
+TEST_F(Cli, ZshAndFishComplete) {
+  const auto said_by = [&](const std::string& command) {
+    std::string out;
+    FILE* pipe = ::popen(("cd " + scratch_.path().string() + " && " + command).c_str(), "r");
+    char buffer[256];
+    while (pipe && std::fgets(buffer, sizeof buffer, pipe)) out += buffer;
+    EXPECT_EQ(::pclose(pipe), 0) << command << ": " << out;
+    return out;
+  };
+  const auto is_there = [](const std::string& shell) {
+    return std::system(("command -v " + shell + " >/dev/null").c_str()) == 0;
+  };
+  ASSERT_EQ(run({"completion", "fish"}), 0);
+  const std::string fish = scratch_.write("prog.fish", stdout_).string();
+  if (is_there("fish")) {
+    const auto complete = [&](const std::string& words) {
+      return said_by("HOME=. fish --no-config -c 'source " + fish + "; complete -C \"" + words + "\"'");
+    };
+    EXPECT_EQ(complete("prog red").rfind("reduce\t", 0), 0u) << complete("prog red");
+    EXPECT_EQ(complete("prog reduce --max-d").rfind("--max-deviation-mm\t", 0), 0u) << complete("prog reduce --max-d");
+    EXPECT_EQ(complete("prog reduce --way q").rfind("quick", 0), 0u) << complete("prog reduce --way q");
+  }
+  ASSERT_EQ(run({"completion", "zsh"}), 0);
+  const std::string zsh = scratch_.write("prog.zsh", stdout_).string();
+  if (is_there("zsh"))
+    EXPECT_EQ(said_by("HOME=. zsh -f -c 'source " + zsh +
+                      "; COMP_WORDS=(prog reduce --way q) COMP_CWORD=3; _prog_completion; echo $COMPREPLY'"),
+              "quick\n");
+  if (std::getenv("TREPHINE_CHECK"))
+    EXPECT_TRUE(is_there("fish") && is_there("zsh")) << "packages-check.txt names both";
+}
+
 }  // namespace
 }  // namespace trephine

@@ -174,5 +174,7 @@ std::string json_schema_of_written(const ParameterSet& set);
 
 /// A script for bash's programmable completion of the program.
 std::string bash_completion(const Program& program);
+std::string zsh_completion(const Program& program);
+std::string fish_completion(const Program& program);
 
 }  // namespace trephine::cli

@@ -48,12 +48,17 @@ Command page_command(const Program& program, const std::string& name, const std:
 void add_own_commands(Program& program) {
   Command completion;
   completion.name = "completion";
-  completion.summary = "prints the script for bash's completion";
+  completion.summary = "prints the script by which a shell completes";
   completion.description = "Completes commands, flags and the values of flags that have choices.";
-  completion.examples = {"eval \"$(" + program.name + " completion bash)\""};
-  completion.arguments = {{"shell", Argument::Kind::choice, "Which shell.", true, true, false, {"bash"}}};
-  completion.run = [&program](const ParsedCommand&) {
-    std::cout << bash_completion(program);
+  completion.examples = {"eval \"$(" + program.name + " completion bash)\"",
+                         "eval \"$(" + program.name + " completion zsh)\"", program.name + " completion fish | source"};
+  completion.arguments = {
+      {"shell", Argument::Kind::choice, "Which shell.", true, true, false, {"bash", "zsh", "fish"}}};
+  completion.run = [&program](const ParsedCommand& parsed) {
+    const std::string shell = parsed.text("shell");
+    std::cout << (shell == "fish"  ? fish_completion(program)
+                  : shell == "zsh" ? zsh_completion(program)
+                                   : bash_completion(program));
     return ExitCode::ok;
   };
   program.commands.push_back(page_command(program, "reference", "Write the reference pages", reference_pages));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "study/distributions.h"
 
+#include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/hypergeometric.hpp>
 #include <boost/math/distributions/non_central_chi_squared.hpp>
@@ -65,6 +66,9 @@ Interval noncentral_chi_squared_interval(double value, double degrees, double co
   return {of(1 - rest), of(rest)};
 }
 
+double binomial_half_below(std::size_t most, std::size_t all) {
+  return bm::cdf(bm::binomial_distribution<double, Policy>(double(all), 0.5), double(most));
+}
 double hypergeometric_share(unsigned drawn_marked, unsigned marked, unsigned drawn, unsigned all) {
   return bm::pdf(bm::hypergeometric_distribution<double, Policy>(marked, drawn, all), drawn_marked);
 }

@@ -15,6 +15,8 @@ double chi_squared_above(double value, double degrees);
 /// the confidence.
 Interval noncentral_t_interval(double t, double degrees, double confidence_ratio);
 Interval noncentral_chi_squared_interval(double value, double degrees, double confidence_ratio);
+/// Of `all` throws of a coin, the share of those that show it at most so often.
+double binomial_half_below(std::size_t most, std::size_t all);
 double hypergeometric_share(unsigned drawn_marked, unsigned marked, unsigned drawn, unsigned all);
 
 }  // namespace trephine::study::detail

@@ -134,12 +134,7 @@ double fisher_p(std::size_t some_first, std::size_t all_first, std::size_t some_
 }
 
 double mcnemar_p(std::size_t gained, std::size_t lost) {
-  const std::size_t all = gained + lost;
-  double p = 0;
-  for (std::size_t k = 0; k <= std::min(gained, lost); ++k)
-    p += std::exp(std::lgamma(double(all) + 1) - std::lgamma(double(k) + 1) - std::lgamma(double(all - k) + 1) -
-                  double(all) * std::log(2.0));
-  return std::min(1.0, 2 * p);
+  return std::min(1.0, 2 * detail::binomial_half_below(std::min(gained, lost), gained + lost));
 }
 
 std::optional<double> slope_of(const std::vector<std::pair<double, double>>& points) {
