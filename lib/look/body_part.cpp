@@ -33,8 +33,8 @@ constexpr double lung_ratio = 0.35, lung_ml = 150, lung_tissue_ml = 2000, lung_w
 // A spine alone: its canal, which holds tissue, and hardly any bone away from it.
 constexpr double spine_mm = 80, spine_low_hu = -100, spine_high_hu = 250, spine_bone_ratio = 0.9;
 
-// How far below a cranial cavity a scan must go to show a whole vertebra with pedicles (the atlas has none, the axis ends
-// some 45 mm down), or a clavicle.
+// How far below a cranial cavity a scan must go to show a whole vertebra with pedicles (the atlas has none, the axis
+// ends some 45 mm down), or a clavicle.
 constexpr double vertebra_mm = 45, clavicle_mm = 50;
 
 double ml(const mask::BitMask& m) { return double(m.count()) * m.lattice().voxel_volume_mm3() / 1000; }
