@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """force_changes.py PROGRAM EXERCISES OUT [LESSON=CASE ...]: how often the force changes, and by how much, in whole lessons.
 
-PROGRAM is trephine-sim; EXERCISES the library of exercises that docs/lessons.md makes. Each lesson is done by the script of
-examples/lessons, its recording replayed, and a row of docs/haptics.md printed. Recordings stay in OUT. No figure depends on
+PROGRAM is trephine-sim; EXERCISES the library of exercises that docs/how-to/teach-a-group.md makes. Each lesson is done by the script of
+examples/lessons, its recording replayed, and a row of docs/validation/haptics.md printed. Recordings stay in OUT. No figure depends on
 what else the machine does."""
 import json
 import pathlib

@@ -3,7 +3,7 @@
 """The smallest shift of a second scan that the check of a given transform finds, by how much of the head lies in both scans.
 
 A phantom's MR is cut to a slab of the upper head and moved along an axis; the true transform of the scan as it was is given. Prints
-a table for docs/more-than-one-scan.md: the share of the head in both, the shift, how far the images say that they lie apart, and the
+a table for docs/validation/second-scan.md: the share of the head in both, the shift, how far the images say that they lie apart, and the
 exit code (0 taken, 80 refused).
 
     bench/given_shift.py --trephine build/release/bin/trephine --overlaps 1 0.6 0.4 0.25 --shifts-mm 0 0.5 1 2 4"""

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""sizes.py [ROOT] [--check PAGE]: lines of C++ by room, file and function, as docs/architecture.md has them. Functions with a body, of
+"""sizes.py [ROOT] [--check PAGE]: lines of C++ by room, file and function, as docs/developers/architecture.md has them. Functions with a body, of
 one line or more, in namespaces and classes; a lambda belongs to the function around it. With --check it fails where a figure of that
 table is more than a tenth off what is counted."""
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scans of docs/strangers-scans.md, made again and run: strangers.py TREPHINE FOLDER [--data DIR] [NAME...]
+"""The scans of docs/validation/strangers.md, made again and run: strangers.py TREPHINE FOLDER [--data DIR] [NAME...]
 
     bench/strangers.py build/release/bin/trephine /tmp/strangers --data /data
 

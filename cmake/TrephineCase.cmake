@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The CMake package TrephineCase: what reads a case, for other people's simulators (docs/case-package.md). Static
+# The CMake package TrephineCase: what reads a case, for other people's simulators (docs/reference/case-package.md). Static
 # libraries and their headers; component `development`.
 include(CMakePackageConfigHelpers)
 set(case_modules base json grid surface voxel contact cases)

@@ -66,7 +66,7 @@ endif()
 
 # trephine_module(NAME [LIGHT] [DEPENDS modules] [PUBLIC targets] [PRIVATE targets])
 # Every .cpp of the folder is compiled into the static library trephine_NAME. DEPENDS names modules above it in
-# docs/architecture.md; third-party libraries go to PRIVATE, so that their headers reach nobody else.
+# docs/developers/architecture.md; third-party libraries go to PRIVATE, so that their headers reach nobody else.
 function(trephine_module name)
   cmake_parse_arguments(M "LIGHT" "" "DEPENDS;PUBLIC;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)

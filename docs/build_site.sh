@@ -17,7 +17,7 @@ import re, shutil, sys
 from pathlib import Path
 root, work = Path(sys.argv[1]), Path(sys.argv[2])
 pages = work / "pages"
-shutil.copytree(root / "docs", pages, ignore=shutil.ignore_patterns("*.sh"))
+shutil.copytree(root / "docs", pages, ignore=shutil.ignore_patterns("*.sh", "*.js"))
 tops = {"README.md": "index.md", "CONTRIBUTING.md": "CONTRIBUTING.md", "CHANGELOG.md": "CHANGELOG.md"}
 for name, page in tops.items():
     shutil.copy(root / name, pages / page)
@@ -67,4 +67,19 @@ PY
 SOURCE_DATE_EPOCH=0 mkdocs build --strict --clean --config-file "$work/mkdocs.yml" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 rm -f "$out"/sitemap.xml "$out"/sitemap.xml.gz  # dates, and links of a server that there is not
 sed -i -z 's/<!--\nMkDocs version : [^\n]*\nBuild Date UTC : [^\n]*\n-->\n//' "$out/index.html"
+# The search works from a folder too: docs/search.js, and the index as a script, a section a line.
+python3 - "$out/search" <<'PY'
+import json, sys
+from pathlib import Path
+folder = Path(sys.argv[1])
+docs = json.loads((folder / "search_index.json").read_text(encoding="utf-8"))["docs"]
+pages = {d["location"]: d["title"] for d in docs if "#" not in d["location"]}
+# A page's own entry repeats its sections: only pages without sections keep theirs.
+parted = {d["location"].partition("#")[0] for d in docs if "#" in d["location"]}
+lines = [json.dumps([d["location"], pages[d["location"].partition("#")[0]], d["title"], d["text"]], ensure_ascii=False)
+         for d in docs if "#" in d["location"] or d["location"] not in parted]
+(folder / "index.js").write_text("window.search_sections = [\n" + ",\n".join(lines) + "\n];\n", encoding="utf-8")
+PY
+rm -f "$out"/search/{search_index.json,lunr.js,worker.js}
+cp "$root/docs/search.js" "$out/search/main.js"
 python3 "$root/tests/house/links.py" --site "$out"

@@ -116,10 +116,11 @@ Read read(const Scan& scan) {
 }
 
 TEST(DicomAttributes, TheTableOfTheDocsIsTheOneOfTheCode) {
-  std::ifstream file(std::string(TREPHINE_SOURCE_DIR) + "/docs/dicom.md");
+  std::ifstream file(std::string(TREPHINE_SOURCE_DIR) + "/docs/reference/dicom.md");
   const std::string page{std::istreambuf_iterator<char>(file), {}};
-  EXPECT_NE(page.find(dicom::attributes_table()), std::string::npos) << "docs/dicom.md must hold this table:\n"
-                                                                     << dicom::attributes_table();
+  EXPECT_NE(page.find(dicom::attributes_table()), std::string::npos)
+      << "docs/reference/dicom.md must hold this table:\n"
+      << dicom::attributes_table();
 }
 
 TEST(DicomAttributes, OneSliceThatSaysOtherwiseIsNeverReadInSilence) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Every stage at the ends of its parameters and of its input; `extremes_test --write docs/extremes.md` writes the table.
+# Every stage at the ends of its parameters and of its input; `extremes_test --write docs/validation/extremes.md` writes the table.
 if(TARGET trephine_stages)
 file(GLOB extremes CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/extremes/*.cpp)
 add_executable(extremes_test ${extremes})

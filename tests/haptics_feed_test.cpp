@@ -58,8 +58,8 @@ TEST(HapticsFeed, AStallIsReported) {
   EXPECT_LT(is.depth_mm, 1);
 }
 
-// docs/haptics.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller force is left:
-// 0.8 at least; of a matchstick in voxels of 1 mm 0.76 was measured once.
+// docs/validation/drilling.md has this table. Forces ascend, so `least` is how much of the largest feed of a smaller
+// force is left: 0.8 at least; of a matchstick in voxels of 1 mm 0.76 was measured once.
 TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
   struct Row {
     const char* kind;

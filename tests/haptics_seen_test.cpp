@@ -120,7 +120,7 @@ TEST(HapticsSeen, ADrilledHoleIsFeltWhereItIsSeen) {
   EXPECT_GT(row.ball.at(0.01), -0.1) << "it is seen within the wall";
 }
 
-// docs/haptics.md has this table.
+// docs/validation/drilling.md has this table.
 TEST(LongHapticsSeen, OfEveryBallAndVoxel) {
   for (const double diameter_mm : {2.0, 3.0, 5.0, 7.0, 14.0})
     for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) {

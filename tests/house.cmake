@@ -10,7 +10,7 @@ add_test(NAME house.one_definition_selftest
 add_test(NAME house.sizes COMMAND python3 ${house}/sizes.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.py)
 add_test(NAME house.sizes_table
-         COMMAND python3 ${PROJECT_SOURCE_DIR}/bench/sizes.py ${PROJECT_SOURCE_DIR} --check ${PROJECT_SOURCE_DIR}/docs/architecture.md)
+         COMMAND python3 ${PROJECT_SOURCE_DIR}/bench/sizes.py ${PROJECT_SOURCE_DIR} --check ${PROJECT_SOURCE_DIR}/docs/developers/architecture.md)
 add_test(NAME house.tidy_selftest COMMAND bash ${house}/tidy_selftest.sh ${house}/tidy.sh)
 add_test(NAME house.anatomies COMMAND bash ${house}/anatomies.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.anatomies_selftest COMMAND bash ${house}/anatomies_selftest.sh ${house}/anatomies.sh)
@@ -40,7 +40,7 @@ if(TARGET trephine)
 endif()
 if(TARGET trephine-sim)
   add_test(NAME house.reference_sim
-           COMMAND bash ${house}/reference.sh $<TARGET_FILE:trephine-sim> ${PROJECT_SOURCE_DIR} docs/reference-sim)
+           COMMAND bash ${house}/reference.sh $<TARGET_FILE:trephine-sim> ${PROJECT_SOURCE_DIR} docs/reference/trephine-sim)
 endif()
 add_test(NAME house.schemas COMMAND /usr/bin/python3 ${house}/schemas.py ${PROJECT_SOURCE_DIR})
 set_tests_properties(house.schemas PROPERTIES SKIP_RETURN_CODE 77)

@@ -77,7 +77,7 @@ TEST(VolumeSource, AFaultInAnArchiveNamesTheArchive) {
                         {{"s/s.mrml", scene_of("a.nrrd")}, {"s/a.nrrd", std::string(whole.begin(), whole.end() - 9)}}));
   const Error e = fault([&] { dicom::import_series(scene, any_values()); });
   EXPECT_EQ(e.code(), ExitCode::bad_input);
-  EXPECT_EQ(e.file().rfind("scan (", 0), 0u) << e.file();  // never by its name (docs/privacy.md)
+  EXPECT_EQ(e.file().rfind("scan (", 0), 0u) << e.file();  // never by its name (docs/explanation/privacy.md)
 }
 
 TEST(VolumeSource, DicomOfAnyNameIsNoVolumeFile) {

@@ -83,7 +83,7 @@ inline bool drains_again(const lessons::LessonScore& now, const lessons::LessonS
   return true;
 }
 
-// `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/lessons.md.
+// `spoilt(0)` is the perfect one, `spoilt(9)` the worst. Prints a line of the table in docs/validation/lessons.md.
 inline void check(const std::string& lesson, const std::string& axis,
                   const std::function<lessons::LessonScore(int)>& spoilt, bool ends_completed) {
   std::string sums;

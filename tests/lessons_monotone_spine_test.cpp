@@ -154,7 +154,7 @@ TEST(LongLessonsMonotone, OtherPedicles) {
   }
 }
 
-// TREPHINE_LESSON_CASES=library/spine:...; docs/lessons.md has what came of it.
+// TREPHINE_LESSON_CASES=library/spine:...; docs/validation/lessons.md has what came of it.
 TEST(LongLessonsMonotone, SpinesOfALibrary) {
   const SpineInUse phantom = spine_in_use();
   const auto cases = library_cases("canal");

@@ -268,7 +268,7 @@ TEST(LongLessonsMonotone, ChestsOfALibrary) {
   if (cases.empty()) GTEST_SKIP() << "no chest in TREPHINE_LESSON_CASES";
 }
 
-// TREPHINE_LESSON_CASES=library/head:...; docs/lessons.md has what came of it.
+// TREPHINE_LESSON_CASES=library/head:...; docs/validation/lessons.md has what came of it.
 TEST(LongLessonsMonotone, HeadsOfALibrary) {
   const auto cases = library_cases("ventricles");
   in_a_case() = true;

@@ -65,7 +65,7 @@ inline std::string said_of(const lessons::LessonScore& now, const lessons::Lesso
 
 /// Does the excess at each of these places (0 before, 1 during, 2 after the right thing) in its first `most` degrees,
 /// beside the same lesson without it. Each must lose points, and a worse one never wins any back; both are lost in
-/// silence where no row and no critical error says why. Prints a line of the table in docs/lessons.md for each place.
+/// silence where no row and no critical error says why. Prints a line of docs/validation/lessons.md for each place.
 inline void check_excess(const RightLesson& lesson, const Excess& excess, const std::vector<int>& places,
                          std::size_t most) {
   constexpr const char* names[] = {"before", "during", "after"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// All that was done to the patient is judged, whenever it was done (docs/lessons.md has the table).
+// All that was done to the patient is judged, whenever it was done (docs/validation/lessons.md has the table).
 #include "lessons_spoilt.h"
 
 #include "lessons_chest.h"

@@ -13,7 +13,7 @@
 #include "grid/nrrd_header.h"
 #include "surface/trimesh.h"
 
-/// A case's page read back from its HTML by docs/case-page.md, with no code of the room that writes it.
+/// A case's page read back from its HTML by docs/reference/case-page.md, with no code of the room that writes it.
 namespace page_reading {
 
 using namespace trephine;

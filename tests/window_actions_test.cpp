@@ -17,7 +17,7 @@ using namespace trephine;
 
 namespace {
 
-const std::string page_file = std::string(TREPHINE_SOURCE_DIR) + "/docs/play.md";
+const std::string page_file = std::string(TREPHINE_SOURCE_DIR) + "/docs/reference/window.md";
 
 std::string page_text() {
   std::ostringstream text;
@@ -103,7 +103,7 @@ TEST(Actions, ThePageHasTheTablesThatTheProgramWrites) {
       {"lines of the remote", window::remote_table()}};
   for (const auto& [name, table] : tables) {
     page = with_table(page, name, table);
-    ASSERT_FALSE(page.empty()) << "docs/play.md has no place for the table: " << name;
+    ASSERT_FALSE(page.empty()) << "docs/reference/window.md has no place for the table: " << name;
   }
   if (std::getenv("TREPHINE_WRITE")) std::ofstream(page_file) << page;
   EXPECT_EQ(page_text(), page) << "run: TREPHINE_WRITE=1 build/release/bin/window_test --gtest_filter='Actions.*'";

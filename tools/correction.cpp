@@ -33,7 +33,7 @@ const cli::OwnCommand correction_command([] {
       "the "
       "voxels that were added or removed, and nothing else. The stage `correct` applies them, also to a segmentation "
       "that was made anew meanwhile; a case's configuration names them by anatomy: corrections: {skull: FILE}. "
-      "docs/other-programs.md goes through it step by step.";
+      "docs/how-to/paint.md goes through it step by step.";
   c.examples = {"trephine correction labels.seg.nrrd painted.seg.nrrd --label skull --output skull_correction.nrrd",
                 "trephine correction labels.nii.gz painted.nii.gz --label 2 --output skull_correction.nrrd"};
   const cli::Argument before = cli::positional_argument(

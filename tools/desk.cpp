@@ -73,7 +73,7 @@ const cli::OwnCommand desk_command([] {
       "holes by mouse, corrections by brush, approval. Whatever is done by hand becomes a line of the case's "
       "configuration or a file beside it, which the next build repeats. Nothing is fetched from outside. Ctrl-C ends "
       "it. "
-      "docs/desk.md shows every page.";
+      "docs/how-to/desk.md shows every page.";
   c.examples = {"trephine desk library --config LIBRARY.yaml",
                 "trephine desk library --config LIBRARY.yaml --no-browser"};
   cli::Argument root =

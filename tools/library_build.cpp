@@ -51,7 +51,8 @@ const cli::OwnCommand library_build_command([] {
       "by `trephine run` on one thread, as many at a time as fit into memory. A case that fails keeps its last valid "
       "state and does not stop the others. A build that was stopped or killed is continued by the next one. With "
       "--engine "
-      "slurm, or engine: in LIBRARY.yaml, a cluster builds them (docs/site.md). The exit status is that of the first "
+      "slurm, or engine: in LIBRARY.yaml, a cluster builds them (docs/how-to/cluster.md). The exit status is that of "
+      "the first "
       "case that failed.";
   c.examples = {"trephine library build configs/library.yaml --out library",
                 "trephine library build LIBRARY.yaml --out library --dry-run",

@@ -19,7 +19,8 @@ const cli::OwnCommand rubric_command([] {
   c.description =
       "A rubric (configs/rubrics/*.yaml) gives the limits by which `trephine-sim score` judges a recorded lesson, and "
       "says of each whether it is the dissertation's or ours, and why. The simulator reads no YAML: it takes the JSON "
-      "that this command writes, which is checked and carries the SHA-256 of what it says. docs/lessons.md tells what "
+      "that this command writes, which is checked and carries the SHA-256 of what it says. docs/explanation/lessons.md "
+      "tells what "
       "each row measures.";
   c.examples = {"trephine rubric configs/rubrics/ventriculostomy.yaml --output ventriculostomy.rubric.json"};
   const cli::Argument file = cli::positional_argument("config", Kind::in_file, "The rubric (.yaml).");

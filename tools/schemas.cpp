@@ -58,7 +58,8 @@ std::string written_table(const ParameterSet& set, const std::string& prefix) {
 
 std::string case_page() {
   return "# case.json\n\nEvery key of `case.json` in format " + cases::case_version() +
-         ", from the declarations in the program (`trephine reference --out docs/reference`). `[]` stands for each "
+         ", from the declarations in the program (`trephine reference --out docs/reference/trephine`). `[]` stands for "
+         "each "
          "item "
          "of a list. [The case package](../case-package.md) says how the file is read and what the other files of a "
          "case hold.\n\n| Key | Value | Meaning |\n|---|---|---|\n"
@@ -101,7 +102,8 @@ std::string keys_page() {
   };
   return "# Files\n\nEvery key of the files that Trephine reads, from the declarations in the program (`trephine "
          "reference "
-         "--out docs/reference`). NAME stands for a name that the file gives, a number for an item of a list. How the "
+         "--out docs/reference/trephine`). NAME stands for a name that the file gives, a number for an item of a list. "
+         "How the "
          "files "
          "work together is told in [configurations](../configurations.md).\n" +
          section("A case (configs/\\*.yaml)", AnyParams::make<config::CaseFileParams>()) +

@@ -1,5 +1,5 @@
 // The data of a case's page. All files of a page become one script (lib/page/CMakeLists.txt); nothing is fetched, and
-// texts of the case only ever become text nodes. docs/case-page.md describes the data.
+// texts of the case only ever become text nodes. docs/reference/case-page.md describes the data.
 const again = 'Make it again: trephine page CASE.'
 const tell = text => {
   const box = $('problem')

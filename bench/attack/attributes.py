@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every attribute that says what pixels mean or where they lie, changed in one slice (first, middle, last) and in all.
 
-The attributes and what must happen are read from the table in docs/dicom.md. A slice that says otherwise must be refused with one
+The attributes and what must happen are read from the table in docs/reference/dicom.md. A slice that says otherwise must be refused with one
 line, or be told of; where the rule is `own`, the volume must be the one before and nothing be told."""
 import hashlib
 import pathlib
@@ -13,7 +13,7 @@ import struct
 import common
 import dicom
 
-TABLE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "dicom.md"
+TABLE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "dicom.md"
 VALUES = {
     "ImageType": ["DERIVED\\SECONDARY\\AXIAL", "ORIGINAL\\PRIMARY\\LOCALIZER", "DERIVED\\PRIMARY\\MPR"],
     "SOPClassUID": ["1.2.840.10008.5.1.4.1.1.4", "1.2.840.10008.5.1.4.1.1.7", "1.2.3.4"],
@@ -38,7 +38,7 @@ VALUES = {
 
 def rows():
     found = re.findall(r"^\| (\w+) \| \(([0-9A-F]{4}),([0-9A-F]{4})\) \| (\w\w) \| [^|]+ \| (\w+) \|", TABLE.read_text(), re.M)
-    assert len(found) > 80, "the table of docs/dicom.md was not found"
+    assert len(found) > 80, "the table of docs/reference/dicom.md was not found"
     return [(name, (int(g, 16), int(e, 16)), vr, rule) for name, g, e, vr, rule in found]
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a case of Trephine with numpy and the standard library; docs/case-package.md is the specification.
+"""Reads a case of Trephine with numpy and the standard library; docs/reference/case-package.md is the specification.
 
     python3 read_case.py CASE            lists what is in the case
     case = read_case.load("CASE")        for programs: see Case

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads a recorded session of trephine-sim with the standard library alone, from the recording itself (docs/haptics.md,
+"""Reads a recorded session of trephine-sim with the standard library alone, from the recording itself (docs/reference/recordings.md,
 "Recordings") or from the JSON of `trephine-sim export-recording --json`.
 
     python3 read_recording.py FILE            says what is in it

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
- * A haptic device for `trephine-sim servo CASE --device udp`, version 2 of its packets (docs/haptics.md), C99 and POSIX:
+ * A haptic device for `trephine-sim servo CASE --device udp`, version 2 of its packets (docs/reference/udp-device.md), C99 and POSIX:
  *   cc -std=c99 -o udp_client udp_client.c -lm
  *   udp_client ADDRESS PORT SECONDS X Y Z DX DY DZ DEPTH_MM [LOG [PEDALS]]
  * Here the device is a mass that a spring draws from X Y Z (mm, LPS) along DX DY DZ, DEPTH_MM far, while the hand turns

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A haptic device for `trephine-sim servo CASE --device udp`, version 2 of its packets (docs/haptics.md), in Python's own library.
+"""A haptic device for `trephine-sim servo CASE --device udp`, version 2 of its packets (docs/reference/udp-device.md), in Python's own library.
 
     udp_client.py ADDRESS PORT SECONDS X Y Z DX DY DZ DEPTH_MM [LOG [PEDALS]]
 

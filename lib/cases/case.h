@@ -17,9 +17,9 @@
 
 namespace trephine::cases {
 
-/// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
-/// Positions are DICOM patient LPS, mm. What these structs declare is what case.json holds, in this order: its reader,
-/// writer, checks, schema and reference page come from here.
+/// The case package: a folder with case.json and what it names; docs/reference/case-package.md specifies it for other
+/// programs. Positions are DICOM patient LPS, mm. What these structs declare is what case.json holds, in this order:
+/// its reader, writer, checks, schema and reference page come from here.
 
 /// A member that comes raises the minor version where a case may lack it (not_always()), else the major one, and so
 /// does what takes a member away or changes what it means. Cases of another major version are refused.

@@ -23,9 +23,9 @@ struct LandmarkRange {
 };
 
 /// The ranges that are checked: our own choice, wide on purpose, for they are to find what is grossly wrong and nothing
-/// else. They lie a fifth or more to either side of the same lengths of the real heads in docs/accuracy.md, and of
-/// adult means where a survey has them (bitragion breadth and tragion to top of head [Gordon2014], tragion to nasion
-/// [Young1993], nasion to bregma on bone [Howells1973]).
+/// else. They lie a fifth or more to either side of the same lengths of the real heads in
+/// docs/validation/real-scans.md, and of adult means where a survey has them (bitragion breadth and tragion to top of
+/// head [Gordon2014], tragion to nasion [Young1993], nasion to bregma on bone [Howells1973]).
 const std::vector<LandmarkRange>& landmark_ranges();
 
 /// Judges them together: which pairs and angles are out of range, and which landmark is to blame. That is the one which

@@ -9,8 +9,8 @@ namespace trephine::desk {
 
 struct DeskState;
 
-/// The technician's desk (docs/desk.md): answers the requests of its pages. It is a consumer of the rooms below as the
-/// commands are, and computes nothing of its own. answer() may be called from several threads.
+/// The technician's desk (docs/how-to/desk.md): answers the requests of its pages. It is a consumer of the rooms below
+/// as the commands are, and computes nothing of its own. answer() may be called from several threads.
 class Desk {
  public:
   explicit Desk(DeskOptions options);

@@ -29,7 +29,7 @@ struct Attribute {
 
 /// All attributes of the modules CT Image (C.8.2.1), Image Pixel (C.7.6.3), General Image (C.7.6.1), Image Plane
 /// (C.7.6.2) and Modality LUT (C.11.1) that a CT image can have, and those of General Series, General Equipment,
-/// Frame of Reference and Patient Study on which the same depends. docs/dicom.md holds this table, and a test compares.
+/// Frame of Reference and Patient Study on which the same depends. docs/reference/dicom.md holds this table (tested).
 const std::vector<Attribute>& attributes();
 
 /// The place in attributes(), or -1.
@@ -41,7 +41,7 @@ const char* to_text(AttributeRule rule);
 /// stands for what is not said. Numbers are equal whose decimals mean the same; padding does not count.
 std::uint64_t digest_of(std::string_view value, std::string_view vr);
 
-/// The table as Markdown, as it stands in docs/dicom.md.
+/// The table as Markdown, as it stands in docs/reference/dicom.md.
 std::string attributes_table();
 
 }  // namespace trephine::dicom

@@ -22,7 +22,7 @@ bool may_be_nifti(std::string_view bytes);
 /// Reads a NIfTI file. The file's RAS becomes LPS; metres and micrometres become mm; scl_slope and scl_inter are
 /// applied. The sform is used where it has a code, else the qform, else only the voxels' size. Memory is allocated only
 /// for data that exists, and that `limit` allows where it is compressed; what else the header says is in
-/// docs/volume-files.md. Throws Error 70 where there is too little memory; Error 65 naming the field, without a file:
+/// reference/volume-files.md. Throws Error 70 where memory is too little; Error 65 naming the field, without a file:
 /// not NIfTI, a pair of header and image, a datatype of colours or complex numbers, more than one volume, axes that are
 /// not orthogonal, sizes that the bytes do not fill or exceed, a place beyond 1 km, a voxel that is not finite.
 ///

@@ -108,8 +108,8 @@ struct LandmarksResult {
   }
 };
 
-/// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. docs/landmarks.md
-/// says how each is found and how its confidence (0 to 1) is computed; from 0.5 on it is reliable.
+/// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. How each is
+/// found, and how its confidence (0 to 1; reliable from 0.5 on) is computed, is in docs/reference/landmarks.md.
 /// - midsagittal plane: mirror symmetry of skull and skin, then of the structures on the midline; from nasion, inion
 ///   (or vertex) and tragi where those are given
 /// - nasion: the point of greatest concavity of the midline skin between brow and nose

@@ -35,7 +35,7 @@ std::string head_of(const std::filesystem::path& file);
 /// ElementSpacing, Offset (or Position, Origin), TransformMatrix (or Rotation, Orientation), ElementType or
 /// ElementDataFile missing or given twice; not 3 dimensions; several channels; a data file elsewhere or a list of
 /// files; bytes that are not as many as the voxels need; compressed ones that would grow beyond what a scan's do; keys
-/// that would scale the values or the space, or contradict another (docs/volume-files.md has all keys).
+/// that would scale the values or the space, or contradict another (docs/reference/volume-files.md has all keys).
 VolumeHeader check_meta_header(std::string_view head, const std::filesystem::path& file);
 
 /// The text header of a NRRD that ITK is to read. Throws Error 65: a data file elsewhere or several, skipped lines or

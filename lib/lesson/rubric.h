@@ -44,7 +44,7 @@ struct CriticalRule {
   static void describe(V& v) {
     using P = CriticalRule;
     using From = RubricLimit::From;
-    v.text(&P::error, "error", "The critical error, by a name that the lesson knows (docs/lessons.md).").is_required();
+    v.text(&P::error, "error", "The critical error, by a name that the lesson knows.").is_required();
     v.number(&P::limit, "limit", Range{0, 1e6}, "More than this is the error, where its name ends in a unit.");
     v.choice(&P::from, "from", {{"thesis", From::thesis}, {"ours", From::ours}},
              "Where it comes from: the dissertation, or our own choice.")

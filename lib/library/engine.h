@@ -25,7 +25,7 @@ struct EngineClassParams {
   }
 };
 
-/// `engine:` of LIBRARY.yaml (docs/site.md).
+/// `engine:` of LIBRARY.yaml (docs/how-to/cluster.md).
 struct EngineParams {
   Engine name = Engine::ninja;
   std::string partition, account;

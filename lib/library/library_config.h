@@ -43,9 +43,9 @@ struct LibraryOverrides {
   std::vector<std::filesystem::path> roots;
 };
 
-/// Reads LIBRARY.yaml; docs/library.md says what it holds. Paths are relative to it and may not leave its root, as for
-/// a case's configuration. The cases' own configurations are not read yet. Throws ErrorList with every fault at once:
-/// 78 with file:line:column, 64 for an override; 66 where the file or a folder is missing.
+/// Reads LIBRARY.yaml; docs/how-to/library.md says what it holds. Paths are relative to it and may not leave its root,
+/// as for a case's configuration. The cases' own configurations are not read yet. Throws ErrorList with every fault at
+/// once: 78 with file:line:column, 64 for an override; 66 where the file or a folder is missing.
 LibraryConfig read_library_config(const std::filesystem::path& file, const LibraryOverrides& overrides = {});
 
 /// What LIBRARY.yaml may hold, for its schema.

@@ -12,11 +12,11 @@
 
 namespace trephine::library {
 
-/// A library build by Slurm (docs/site.md). Stale cases become job arrays: first those that others wait for (phantoms;
-/// of one patient's cases the first), parted by classes of memory and time, in chunks that the cluster accepts. A task
-/// is one `trephine run` in the node's own temporary folder, whose case is then published in the library. A last job
-/// submits again what was lost, with more memory or time where it was ended for want of it, verifies every byte, and
-/// makes the index.
+/// A library build by Slurm (docs/how-to/cluster.md). Stale cases become job arrays: first those that others wait for
+/// (phantoms; of one patient's cases the first), parted by classes of memory and time, in chunks that the cluster
+/// accepts. A task is one `trephine run` in the node's own temporary folder, whose case is then published in the
+/// library. A last job submits again what was lost, with more memory or time where it was ended for want of it,
+/// verifies every byte, and makes the index.
 
 /// The batch that does these jobs, with its jobs' waves and classes; nothing is written and nothing submitted. A job
 /// without a class that is large enough gets the largest.

@@ -11,7 +11,7 @@
 
 namespace trephine::mask {
 
-/// From which measure on a scan is doubtful or unsuited. docs/accuracy.md says on which phantoms they were chosen.
+/// From which measure on a scan is doubtful or unsuited; chosen on phantoms (docs/validation/scan-quality.md).
 struct ScanLimits {
   double doubtful_cube_noise_hu = 13, unsuited_cube_noise_hu = 23;
   double doubtful_noise_hu = 40, unsuited_noise_hu = 80;

@@ -22,12 +22,12 @@ struct PageParams {
 };
 
 /// The page of a case: one HTML file that shows its surfaces in 3D beside the slices, with its figures, and needs no
-/// server, no network and no other file (docs/case-page.md; web/ holds its script). Slices show the case's CT where it
-/// has one, else the haptic volume. A shape without a surface of its own is contoured coarsely from the haptic volume,
-/// and the page says so. Slices have at most
-/// 256 voxels a side, and fewer where the page would exceed `max_mb`; it may exceed it all the same where surfaces, or
-/// slices on voxels twice as large, do. It holds nothing but what the case and the notes hold. The same input gives the
-/// same bytes, whatever the thread count. Throws Error 70 where the deviations are not one a point.
+/// server, no network and no other file (docs/reference/case-page.md; web/ holds its script). Slices show the case's CT
+/// where it has one, else the haptic volume. A shape without a surface of its own is contoured coarsely from the haptic
+/// volume, and the page says so. Slices have at most 256 voxels a side, and fewer where the page would exceed `max_mb`;
+/// it may exceed it all the same where surfaces, or slices on voxels twice as large, do. It holds nothing but what the
+/// case and the notes hold. The same input gives the same bytes, whatever the thread count. Throws Error 70 where the
+/// deviations are not one a point.
 std::string make_case_page(const cases::LoadedCase& loaded, const PageNotes& notes, const PageParams& params = {},
                            const Progress& progress = {});
 

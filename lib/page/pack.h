@@ -12,8 +12,8 @@
 
 namespace trephine::page {
 
-/// Surfaces and volumes as a page holds them (docs/case-page.md): small, and quick to decode in a browser. A page is to
-/// be looked at; the case's own files stay what is computed with.
+/// Surfaces and volumes as a page holds them (docs/reference/case-page.md): small, and quick to decode in a browser. A
+/// page is to be looked at; the case's own files stay what is computed with.
 
 /// The points are numbered anew in the order in which the triangles first use them. Varints (7 bits a byte, lowest
 /// first): for each corner of a triangle how far back its point is (0: the next new one); then for each point and

@@ -13,8 +13,8 @@
 namespace trephine::publish {
 
 /// What building one case needs, by the number of its scan's voxels and of the anatomies that are shown or felt: an
-/// estimate from measured cases. Memory is mostly right within 20 % (docs/speed.md), disk to about a factor of two.
-/// Noise, and the triangles that the anatomies may have, change it.
+/// estimate from measured cases. Memory is mostly right within 20 % (docs/validation/speed.md), disk to about a factor
+/// of two. Noise, and the triangles that the anatomies may have, change it.
 struct CaseNeeds {
   double memory_mb = 0, disk_mb = 0;
   double cache_mb = 0;  ///< on disk as well, but the cache has a limit

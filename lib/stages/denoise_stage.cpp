@@ -14,7 +14,7 @@ StageType denoise_stage() {
       "Curvature anisotropic diffusion, the bilateral filter, the median or a Gaussian, by ITK, or non-local means. In "
       "a recipe it stands "
       "before the stage that reads its output, so that nothing else does. It helps where noise is what is wrong, and "
-      "moves edges where it is not: docs/more-than-one-scan.md says what was measured.";
+      "moves edges where it is not: docs/how-to/noisy-scan.md says what was measured.";
   s.examples = {"trephine denoise head.nrrd --sigma-mm 1 --edge-hu 80 --output calm.nrrd",
                 "trephine denoise head.nrrd --method median --within brain.nrrd --output calm.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),

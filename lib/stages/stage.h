@@ -76,7 +76,7 @@ enum class From {
 };
 
 /// The seconds that a stage takes, for the time left until an earlier run of the case tells: sums of these, fitted to
-/// seven heads, a chest and a lumbar spine on two quiet cores (docs/strangers-scans.md, "The time left").
+/// seven heads, a chest and a lumbar spine on two quiet cores (docs/validation/strangers.md, "The time left").
 struct TypicalTime {
   double base_s = 0.5;
   double per_million_voxels_s = 0;     ///< of its largest field or volume

@@ -87,8 +87,8 @@ grid::Lattice haptic_lattice(const surface::Bounds& region_mm, const Mat3& direc
 /// Makes the haptic volume of the shapes, numbered from 1 in the given order. The occupancy of a voxel is 1/2 - d / (2
 /// r), limited to 0 and 1, where d is the signed distance of its centre to the surface and r is the reach of its
 /// neighbours along that direction n, sum |n_a| spacing_a. Therefore trilinear interpolation reproduces planes of every
-/// direction (bias and RMS are in docs/accuracy.md). A wall as thick as a voxel along its normal is felt everywhere, a
-/// thinner one only where voxel centres lie well inside it.
+/// direction (bias and RMS are in docs/validation/surfaces.md). A wall as thick as a voxel along its normal is felt
+/// everywhere, a thinner one only where voxel centres lie well inside it.
 ///
 /// A voxel keeps its largest share. It also keeps its second share where the neighbours' rule of haptic_volume.h gives
 /// the rest to that shape and this is nearer to the truth than EMPTY. A gap of less than a quarter of a voxel between

@@ -195,7 +195,8 @@ const cli::OwnCommand check_command([] {
   c.name = "check";
   c.summary = "loads a case as the simulator does, verifies all of it and prints what is in it";
   c.description =
-      "Every size, checksum and value is checked before use (docs/case-package.md says which). Exit code 66 says that "
+      "Every size, checksum and value is checked before use (docs/reference/case-package.md says which). Exit code 66 "
+      "says that "
       "a file is missing. Exit code 65, with one line that names the file, says that one is damaged or contradicts "
       "case.json, or that the case has another major version.\n\n"
       "With --after the recording of a session in which the tool cut is run again, and the case as it was at its end "

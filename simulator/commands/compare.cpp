@@ -100,7 +100,7 @@ const cli::OwnCommand compare_command([] {
       "shape of the case: servo time by number of polygons, forces of varied hands in a closed loop and of one "
       "recording's poses, thin walls, and the client thread's time by number of polygons. The folder gets compare.md "
       "with what holds of the dissertation's claims, compare.json, a CSV for each table, and the figures "
-      "(docs/compare.md). Exit code 78 says that the path meets no surface.\n\n"
+      "(docs/how-to/compare-algorithms.md). Exit code 78 says that the path meets no surface.\n\n"
       "Times are CPU times of the thread that is measured. Forces, falls and meshes are the same at each run.";
   cli::Argument recording = cli::argument("recording", cli::Argument::Kind::in_file,
                                           "Recording of a session with the case, for the open loop; else our own "

@@ -69,7 +69,7 @@ const cli::OwnCommand fluoro_command([] {
   c.description =
       "Follows X-rays through the CT that the case holds (a scene asks for it by `ct: {}`), for any place of a C-arm, "
       "and adds a needle by the length of each ray in it. Bone and metal are bright, or dark with --metal dark. "
-      "docs/lessons.md says how good the "
+      "docs/validation/fluoroscopy.md says how good the "
       "pictures are.";
   const cli::Argument folder = cli::positional_argument("case", Kind::in_folder, "Folder of the case.");
   const cli::Argument output = cli::required_argument("output", Kind::out_file, "Write the picture (.png) here.");

@@ -77,7 +77,8 @@ const cli::OwnCommand lesson_command([] {
   c.name = "lesson";
   c.summary = "does a lesson in a case by a script, through the haptic loop, and records it";
   c.description =
-      "A simulated hand does what a script says (docs/lessons.md), such as to mark the skin, cut it, drill and pass a "
+      "A simulated hand does what a script says (docs/how-to/lesson-by-script.md), such as to mark the skin, cut it, "
+      "drill and pass a "
       "catheter, with all forces and all tissue of the case, as fast as it goes. Every tick is recorded, with the tool "
       "in hand, the pedal and the commands, so `trephine-sim replay` runs it again bit for bit, and `trephine-sim "
       "score` judges it.";

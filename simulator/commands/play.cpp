@@ -149,11 +149,11 @@ const cli::OwnCommand play_command([] {
   c.summary = "opens a window in which a case is seen, felt and cut";
   c.description =
       "The servo loop runs as `trephine-sim servo` runs it, and the window shows the patient, the tool, and bone as it "
-      "is drilled. Mouse and keyboard hold the tool (docs/play.md lists what they do), or --device does: " +
+      "is drilled. Mouse and keyboard hold the tool (docs/reference/window.md lists what they do), or --device does: " +
       devices_text() +
       ". With --playback a recording is shown instead, at any time and in both directions. --remote takes the same "
       "commands as lines on a socket. Tools drill where the case can be drilled; --no-drill keeps it whole. With "
-      "--lesson a lesson is done (docs/lessons.md): its tools, "
+      "--lesson a lesson is done (docs/explanation/lessons.md): its tools, "
       "pedal and commands, then its score, its report and a review; until then nothing is shown that a surgeon would "
       "not see. Exit code "
       "74 says that there is no display, no OpenGL 4.3, or that the driver lost its context; what was recorded until "

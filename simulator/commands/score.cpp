@@ -58,7 +58,8 @@ const cli::OwnCommand score_command([] {
       "these are the "
       "dissertation's or ours, and the moment at which it was decided. What the case leaves doubtful is not judged. "
       "The same recording, case and rubric give the same bytes, so a session can be judged again years later, by "
-      "another rubric as well. Exit code 80 says that it does not replay bit for bit. docs/lessons.md says what each "
+      "another rubric as well. Exit code 80 says that it does not replay bit for bit. docs/explanation/lessons.md says "
+      "what each "
       "row measures.";
   cli::Argument recording = cli::argument("recording", Kind::in_file, "The recording of a lesson.");
   recording.positional = recording.required = true;

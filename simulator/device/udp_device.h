@@ -30,9 +30,9 @@ struct UdpParams {
   }
 };
 
-/// A device at the other end of a socket (docs/haptics.md; examples/udp_client is such a client). A thread of its own
-/// receives and sends. A mailbox in each direction lies between it and the servo thread, whose calls therefore make no
-/// system call, lock or allocation. Each pose that a tick took is answered once, with that tick's force.
+/// A device at the other end of a socket (docs/reference/udp-device.md; a client: examples/udp_client). A thread of its
+/// own receives and sends. A mailbox in each direction lies between it and the servo thread, whose calls therefore make
+/// no system call, lock or allocation. Each pose that a tick took is answered once, with that tick's force.
 ///
 /// The first client that sends a pose holds the session. After timeout_ms without a pose the device is silent, until
 /// the same client sends another; after resume_s more, or when another client takes over, it is lost and stays lost.

@@ -8,8 +8,8 @@
 
 namespace trephine::device {
 
-/// The two packets of the UDP device, versions 1 and 2, little endian, without gaps (docs/haptics.md): a pose to the
-/// servo, and the force that answers it. A pose is answered in its own version.
+/// The two packets of the UDP device, versions 1 and 2, little endian, without gaps (docs/reference/udp-device.md): a
+/// pose to the servo, and the force that answers it. A pose is answered in its own version.
 constexpr int udp_version = 2;
 
 struct UdpPose {

@@ -6,8 +6,8 @@
 
 namespace trephine::haptics {
 
-/// One tick of the servo loop as it is recorded, little endian, without gaps (docs/haptics.md): 200 bytes where the
-/// device knows how the tool is turned about its axis, else without the last 24.
+/// One tick of the servo loop as it is recorded, little endian, without gaps (docs/reference/recordings.md): 200 bytes
+/// where the device knows how the tool is turned about its axis, else without the last 24.
 struct ServoFrame {
   std::uint64_t tick = 0;
   double time_s = 0, dt_s = 0;

@@ -53,7 +53,7 @@ struct HapticState {
   int face = 0;         ///< 1 front, 2 back, 0 without contact
   int inside = 0;       ///< the shape that the proxy's tip is in, of round tools the middle of their end; 0 for none
   int held_by = 0;      ///< count of the surfaces that press
-  bool locked = false;  ///< whether the tool's orientation is locked (docs/haptics.md, Tools)
+  bool locked = false;  ///< whether the tool's orientation is locked (docs/reference/hand-tools.md, Tools)
   std::uint32_t events = 0, faults = 0;
 };
 

@@ -67,8 +67,8 @@ std::string choice_name(const P& params, const char* name) {
 }
 
 /// A kind of tool: what it can do and how it is felt and drawn. It is declared once, in tool_kinds.cpp; whatever asks
-/// what a tool can do asks its kind, and no other source knows a tool by its name. docs/haptics.md says where the
-/// measures come from. Without more than a name, it is a point at the tip alone that does nothing.
+/// what a tool can do asks its kind, and no other source knows a tool by its name. docs/reference/hand-tools.md says
+/// where the measures come from. Without more than a name, it is a point at the tip alone that does nothing.
 struct ToolKind {
   /// What it removes while the pedal is down: what a rotating ball, cylinder or cylinder with a round end meets; or, of
   /// an incision, only what no rotating tool removes, such as skin.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The tools that a hand may hold. Whoever adds one adds an entry to all_tool_kinds(), and a row to the table of
-// docs/haptics.md; nothing else knows a tool by its name.
+// docs/reference/hand-tools.md; nothing else knows a tool by its name.
 #include "base/error.h"
 #include "haptics/tool.h"
 

@@ -10,7 +10,7 @@
 
 namespace trephine::lessons {
 
-/// The columns of a log of attempts with one line of help each, in their order (docs/lessons.md): those of every
+/// The columns of a log of attempts with a line of help each, in order (docs/reference/attempts.md): those of every
 /// lesson, the rows, and the module's own. A name ends in its unit; what was not judged or never happened is empty.
 std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonType& module);
 

@@ -8,7 +8,7 @@
 
 namespace trephine::lessons {
 
-/// A lesson as a simulated hand is to do it: a JSON file of steps (docs/lessons.md).
+/// A lesson as a simulated hand is to do it: a JSON file of steps (docs/how-to/lesson-by-script.md).
 
 /// A place on or in the head. It begins at a landmark, target or burr hole of the case. From there it goes along the
 /// midline of the skin, away from the nasion, then to the side over the skin, then by an offset.

@@ -51,8 +51,8 @@ constexpr Wording tool_colours[] = {{{"grey", "grau"}}, {{"orange", "orange"}}, 
 constexpr Wording motion_words{{"How the hand moved", "Wie die Hand sich bewegte"}};
 constexpr Wording motion_heads[] = {{{"figure", "Größe"}}, {{"measured", "gemessen"}}, {{"experts", "Erfahrene"}}};
 constexpr Wording to_word{{"to", "bis"}};
-constexpr Wording motion_note{{"These figures score nothing. docs/study.md says how they are measured.",
-                               "Diese Größen geben keine Punkte. docs/study.md sagt, wie sie gemessen werden."}};
+constexpr Wording motion_note{{"These figures score nothing. docs/how-to/study.md says how they are measured.",
+                               "Diese Größen geben keine Punkte. docs/how-to/study.md sagt, wie sie gemessen werden."}};
 constexpr Wording advice_words{{"Next time", "Beim nächsten Mal"}};
 constexpr Wording title_words{{"{} in {}: {} of {} points, {}", "{} in {}: {} von {} Punkten, {}"}};
 constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · not a medical device",

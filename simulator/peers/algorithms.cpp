@@ -24,7 +24,7 @@ AlgorithmKind kind(const std::string& name, const std::string& title, const std:
 
 std::vector<AlgorithmKind> all_algorithms() {
   std::vector<AlgorithmKind> all = {
-      kind<VolumeProxy>("ours", "Trephine", "docs/haptics.md", false),
+      kind<VolumeProxy>("ours", "Trephine", "docs/explanation/contact-and-force.md", false),
       kind<SteppedProxy>("stepped", "IR, as in chapter 3", "Rizzi, chapter 3", false),
       kind<ScalarSurface>("scalar_surface", "scalar surface (VHTK)", "Lundin2002", false),
       kind<GodObject>("god_object", "god-object, bare", "Zilles1995", true),

@@ -78,7 +78,7 @@ void servo_claims(const Comparison& c, std::vector<Claim>& out) {
   Claim chai{
       "4.5.2, figure 11", "CHAI3D takes more than 1 ms a tick from 185 thousand polygons on.",
       "CHAI3D is not here (--peer). With CHAI3D 3.3 on another machine it was not reproduced: at most 0.41 ms in "
-      "the 99th percentile, at 2 m/s on 1.5 million triangles (docs/compare.md)",
+      "the 99th percentile, at 2 m/s on 1.5 million triangles (docs/validation/compare.md)",
       Verdict::not_measured};
   if (const AlgorithmKind* kind = kind_of(c, "chai3d")) {
     double least = 1e300, most = 0;

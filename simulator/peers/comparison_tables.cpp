@@ -273,7 +273,7 @@ std::string comparison_page(const Comparison& c, const std::vector<std::string>&
               "\n## Thin walls\n\nPokes straight through, of {}: how often the proxy was beyond the wall. The device "
               "rests up to 60 mm away, then goes at once at that speed, up to 60 degrees from the wall's normal, until "
               "it is 6 mm behind it. 1 mm a tick is 1 m/s, as of a hand that slips; 10 and 100 mm is what a loop that "
-              "stood still sees. docs/compare.md says why who falls.\n\n",
+              "stood still sees. docs/validation/compare.md says why who falls.\n\n",
               c.falls.empty() ? 0 : c.falls.front().pokes) +
           fall_table(c);
   text += "\n## Client thread\n\n" + client_table(c);

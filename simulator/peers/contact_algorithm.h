@@ -73,7 +73,7 @@ struct PeerParams {
 struct AlgorithmKind {
   std::string name;        ///< for tables: a-z and _
   std::string title;       ///< for people
-  std::string from;        ///< its source, as docs/bibliography.md names it
+  std::string from;        ///< its source, as docs/developers/bibliography.md names it
   bool feels_mesh = true;  ///< triangles; else voxels, and the number of polygons is that of what is shown alone
   std::function<std::unique_ptr<ContactAlgorithm>(const PeerScene&, const PeerParams&)> make;
 };

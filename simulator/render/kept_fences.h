@@ -10,7 +10,7 @@ namespace trephine::render {
 ///
 /// llvmpipe counts a fence as signalled a moment before the thread that signals it has unlocked the fence's mutex. A
 /// caller that asks just then frees the fence, and the thread writes into freed memory, which may end the program on
-/// a busy machine (measured in Mesa 22.3.6, src/gallium/drivers/llvmpipe/lp_fence.c; docs/decisions.md). A
+/// a busy machine (measured in Mesa 22.3.6, src/gallium/drivers/llvmpipe/lp_fence.c; docs/developers/decisions.md). A
 /// sync object of OpenGL holds the fence of the pass before it. So one is made after every pass, and it is deleted two
 /// pictures later, when the thread has long finished work that came after it. Other drivers need none of this: with
 /// `software` false nothing is done.

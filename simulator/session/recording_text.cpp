@@ -137,7 +137,7 @@ std::vector<std::pair<std::string, std::string>> recording_columns(const Recordi
                      {"tool", "in the hand, which takes another one in the open alone"},
                      {"command", "of a lesson, in the tick that has it"},
                      {"lifted", "1 where the tool was taken away in this tick"},
-                     {"buttons", "all bits, as docs/haptics.md has them"},
+                     {"buttons", "all bits, as docs/reference/recordings.md has them"},
                      {"events", "with + between them"},
                      {"faults", "with + between them"},
                      {"late_us", "how late the tick woke"}});

@@ -81,7 +81,7 @@ struct Gesture {
 };
 
 /// What a user can do, declared once, in actions.cpp. Keys, buttons, the remote's lines, the help of the panels and the
-/// tables of docs/play.md come from there.
+/// tables of docs/reference/window.md come from there.
 struct Action {
   enum class Group { work, lesson, arm };
   std::string name, arguments;  ///< of the remote's line; an action without a name has none
@@ -111,7 +111,7 @@ std::string key_name(int key, texts::Language language);
 std::string keys_text(const Action& action, texts::Language language);
 /// What keys do that do something now, a line each.
 std::string keys_help(const Player& player, texts::Language language);
-/// The tables of docs/play.md: by key, of a group; and the remote's lines.
+/// The tables of docs/reference/window.md: by key, of a group; and the remote's lines.
 std::string keys_table(Action::Group group);
 std::string remote_table();
 

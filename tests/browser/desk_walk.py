@@ -2,7 +2,7 @@
 """desk_walk.py [--zip SERIES.zip] [--config CASE.yaml] [--work FOLDER] [--pictures FOLDER]: the whole way in chromium with real clicks, from
 a ZIP in an empty library to an approved case with a landmark moved, a burr hole placed, a horn of the ventricles painted and a snake grown in it;
 then the written configuration makes the same bytes in an empty folder. By default on the sample phantom. With --pictures it leaves a picture of every page
-there (docs/desk.md). TREPHINE is the program."""
+there (docs/how-to/desk.md). TREPHINE is the program."""
 import argparse
 import contextlib
 import json

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The extremes of every stage, as tests and as a table. Usage: extremes_test [--write docs/extremes.md [--long]
-// [SECTION]]
+// The extremes of every stage, as tests and as a table. Usage: extremes_test [--write docs/validation/extremes.md
+// [--long] [SECTION]]
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ namespace {
 const char* const preamble =
     "# Extremes\n\n"
     "What every stage does at the ends of its parameters and of its input, and past them. `extremes_test --write "
-    "docs/extremes.md` wrote this; the tests `extremes.*` fail where the program does something else today. A result "
+    "docs/validation/extremes.md` wrote this; the tests `extremes.*` fail where the program does something else today. "
+    "A result "
     "is "
     "finite, and a surface closed, 2-manifold and free of self-intersections; a refusal is a code and one line; there "
     "is "
@@ -60,7 +61,7 @@ std::string top_of(const Section& s) {
 
 // The committed table, section by section: its lines as they stand.
 std::map<std::string, std::string> committed() {
-  std::ifstream file(TREPHINE_SOURCE_DIR "/docs/extremes.md");
+  std::ifstream file(TREPHINE_SOURCE_DIR "/docs/validation/extremes.md");
   std::map<std::string, std::string> sections;
   std::string line, heading;
   while (std::getline(file, line)) {
@@ -87,13 +88,13 @@ class Extremes : public testing::TestWithParam<std::size_t> {};
 void check(std::size_t index, Which which) {
   const Section& section = all_sections()[index];
   const std::string table = committed()[section.heading];
-  ASSERT_FALSE(table.empty()) << "docs/extremes.md has no section " << section.heading
-                              << "; write it anew: extremes_test --write docs/extremes.md";
+  ASSERT_FALSE(table.empty()) << "docs/validation/extremes.md has no section " << section.heading
+                              << "; write it anew: extremes_test --write docs/validation/extremes.md";
   std::string rows;
   for (const Case& c : section.cases()) {
     const std::string was = committed_row(table, key_of(c));
     rows += was;
-    EXPECT_NE(was, "") << "not in docs/extremes.md: " << c.extreme;
+    EXPECT_NE(was, "") << "not in docs/validation/extremes.md: " << c.extreme;
     if (c.slow != (which == Which::slow)) continue;
     const std::string outcome = outcome_of(section.heading + ": " + c.extreme, c.run);
     EXPECT_NE(outcome.substr(0, 5), "FAULT") << section.heading << ": " << c.extreme << ": " << outcome;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""bibliography.py ROOT: fails where a source cites a work that docs/bibliography.md does not list, or the other way round.
+"""bibliography.py ROOT: fails where a source cites a work that docs/developers/bibliography.md does not list, or the other way round.
 
 Sources cite a work by its key in brackets, such as [Dempster1977] or [Rizzi, chapter 5].
 """
@@ -25,9 +25,9 @@ def joined(text):
 
 def main():
     root = Path(sys.argv[1])
-    bibliography = root / "docs" / "bibliography.md"
+    bibliography = root / "docs" / "developers" / "bibliography.md"
     keys = keys_of(bibliography)
-    faults = [f"docs/bibliography.md: {key} is listed twice" for key in set(keys) if keys.count(key) > 1]
+    faults = [f"docs/developers/bibliography.md: {key} is listed twice" for key in set(keys) if keys.count(key) > 1]
     cited = set()
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*")):
@@ -38,10 +38,10 @@ def main():
                 cited.add(key)
                 # Of the words without a year only Rizzi is a citation beyond doubt: brackets have other uses as well.
                 if key not in keys and (key[-1].isdigit() or key.startswith("Rizzi")):
-                    faults.append(f"{path.relative_to(root)}: [{key}] is not in docs/bibliography.md")
-    faults += [f"docs/bibliography.md: nothing cites {key}" for key in keys if key not in cited]
+                    faults.append(f"{path.relative_to(root)}: [{key}] is not in docs/developers/bibliography.md")
+    faults += [f"docs/developers/bibliography.md: nothing cites {key}" for key in keys if key not in cited]
     if not keys:
-        faults.append("docs/bibliography.md: lists no work")
+        faults.append("docs/developers/bibliography.md: lists no work")
     print("\n".join(faults) if faults else f"{len(keys)} works, all of them cited")
     return 1 if faults else 0
 

@@ -18,13 +18,13 @@ ROOT = Path(sys.argv[1])
 
 def known_names():
     names = set()
-    for page in list((ROOT / "docs/reference").glob("*.md")) + list((ROOT / "docs/reference-sim").glob("*.md")):
+    for page in list((ROOT / "docs/reference/trephine").glob("*.md")) + list((ROOT / "docs/reference/trephine-sim").glob("*.md")):
         names.add(page.stem.replace("-", "_"))
         for name in re.findall(r"`--(?:\[no-\])?([a-z][a-z0-9-]*)", page.read_text(encoding="utf-8")):
             names.add(name.replace("-", "_"))
         for name in re.findall(r"`([a-z][a-z0-9_]*)`", page.read_text(encoding="utf-8")):
             names.add(name)
-    for schema in (ROOT / "docs/reference").glob("*.json"):
+    for schema in (ROOT / "docs/reference/trephine").glob("*.json"):
         names.update(re.findall(r'"([a-z][a-z0-9_]*)"\s*:\s*\{', schema.read_text(encoding="utf-8")))
     return names
 

@@ -58,7 +58,7 @@ def with_key(tree, path, key, value):
 
 failed, seen, refused = 0, set(), 0
 for kind, pattern in KINDS:
-    schema = json.loads((ROOT / "docs/reference" / f"{kind}.schema.json").read_text())
+    schema = json.loads((ROOT / "docs/reference/trephine" / f"{kind}.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
     files = [f for f in sorted(ROOT.glob(pattern)) if f not in seen]
     if not files:

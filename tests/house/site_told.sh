@@ -9,6 +9,6 @@ for tool in bash dirname readlink; do ln -s "$(command -v "$tool")" "$bin/$tool"
 status=0
 said=$(env -u TREPHINE_CHECK PATH="$bin" "$bin/bash" "$root/docs/build_site.sh" "$bin/site" 2>&1) || status=$?
 [[ $status == 77 && $said == *"apt install mkdocs"* ]] || { echo "without mkdocs: $status, $said" >&2; exit 1; }
-for page in README.md docs/own-scan.md; do
-  grep -q "other-programs.md" "$root/$page" || { echo "$page does not link to other-programs.md" >&2; exit 1; }
+for page in README.md docs/how-to/own-scan.md; do
+  grep -q "paint.md" "$root/$page" || { echo "$page does not link to paint.md" >&2; exit 1; }
 done

@@ -15,7 +15,7 @@ reported() {
 # example PAGE TEXT: the example of that page which holds the text.
 example() {
   local line
-  line=$(sed -n '/^## Examples/,$p' "$SOURCE/docs/reference/$1.md" | grep -E "^trephine $1 " | grep -F -m 1 -- "$2") ||
+  line=$(sed -n '/^## Examples/,$p' "$SOURCE/docs/reference/trephine/$1.md" | grep -E "^trephine $1 " | grep -F -m 1 -- "$2") ||
     fail "$1.md has no example with '$2'"
   eval "reported $line"
 }

@@ -37,8 +37,8 @@ dpkg-deb -c "$deb" >"$work/list"
   -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs)\.so' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
-  -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z0-9_.-]+\.(md|json)' \
-  -e '\./usr/share/doc/trephine/((README|CONTRIBUTING|CHANGELOG)\.md|CITATION\.cff|LICENSE|copyright|changelog\.gz|docs/[a-z-]+\.(md|schema\.json|svg)|docs/pictures/[a-z_]+\.(png|svg))' \
+  -e '\./usr/share/doc/trephine/docs/reference/trephine(-sim)?/[a-z0-9_.-]+\.(md|json)' \
+  -e '\./usr/share/doc/trephine/((README|CONTRIBUTING|CHANGELOG)\.md|CITATION\.cff|LICENSE|copyright|changelog\.gz|docs/(tutorials|how-to|reference|explanation|developers|validation)/[a-z-]+\.md|docs/pictures/[a-z_]+\.(png|svg))' \
   -e '\./usr/share/man/man1/trephine[a-z0-9-]*\.1\.gz' \
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The shipped library of exercises, from nothing to results, by the commands of docs/lessons.md: heads of four classes, spines, and
+# The shipped library of exercises, from nothing to results, by the commands of docs/how-to/teach-a-group.md: heads of four classes, spines, and
 # chests.
 . "$(dirname "$0")/common.sh"
 : "${SIM:?}"
 PATH=$(dirname "$TREPHINE"):$(dirname "$SIM"):$PATH
 cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/examples" "$SOURCE/trephine.root" "$work"
 cd "$work"
-sed -n '/^## A library to begin with/,/^## The spine needle/p' "$SOURCE/docs/lessons.md" | sed -n 's/^    //p' >commands.sh
+sed -n '/^## A library to begin with/,/^## A curriculum/p' "$SOURCE/docs/how-to/teach-a-group.md" | sed -n 's/^    //p' >commands.sh
 [[ $(grep -c trephine commands.sh) -ge 6 ]] || fail "the page shows no commands"
 bash -euo pipefail commands.sh >text || { cat text; fail "the page's commands fail"; }
 # In turn by class, each done, and none left out but the spines, which are no heads.

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The first lesson of docs/lessons.md by its keys: it begins straight before the open hole, which lies in the middle of the window, and
+# The first lesson of docs/tutorials/first-lesson.md by its keys: it begins straight before the open hole, which lies in the middle of the window, and
 # ends as a success.
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/window.sh"

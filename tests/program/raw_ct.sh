@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A raw CT without segmentation, by the scene that docs/haptics.md prints: felt, drawn and drilled. A window of HU has a whole surface,
+# A raw CT without segmentation, by the scene that docs/how-to/raw-ct.md prints: felt, drawn and drilled. A window of HU has a whole surface,
 # the picture of the drilled bone is that of the volume, and the recording gives the same bits again.
 . "$(dirname "$0")/common.sh"
 root=$work/root
 mkdir -p "$root" && touch "$root/trephine.root"
 cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$root"
-sed -n '/^A raw CT can be felt/,$p' "$SOURCE/docs/haptics.md" | sed -n '/^```yaml/,/^```$/p' | sed '1d;/^```$/,$d' >"$root/configs/scenes/raw.yaml"
-grep -q 'encoding: hu' "$root/configs/scenes/raw.yaml" || fail "docs/haptics.md holds no scene of a raw CT"
+sed -n '/^A raw CT can be felt/,$p' "$SOURCE/docs/how-to/raw-ct.md" | sed -n '/^```yaml/,/^```$/p' | sed '1d;/^```$/,$d' >"$root/configs/scenes/raw.yaml"
+grep -q 'encoding: hu' "$root/configs/scenes/raw.yaml" || fail "docs/how-to/raw-ct.md holds no scene of a raw CT"
 printf 'trephine: 1\ncase: raw\npipeline: ../pipelines/ventriculostomy.yaml\nscene: scenes/raw.yaml\nlandmarks: {kocher_right: [-25, -38, 116]}\n' \
   >"$root/configs/raw.yaml"
 make() {  # CASE FLAGS...

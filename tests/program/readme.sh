@@ -16,10 +16,10 @@ ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
 
 pages=("$SOURCE/README.md")
-for page in own-scan configurations single-tools install; do pages+=("$SOURCE/docs/$page.md"); done
+for page in how-to/own-scan reference/configurations how-to/single-tools how-to/install; do pages+=("$SOURCE/docs/$page.md"); done
 
 # Blocks: one a line, FOLDER and LIBRARY filled in.
-sed -E '/<!-- (chain|package|own) -->/,/<!-- end -->/d' "${pages[@]}" "$SOURCE/docs/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
+sed -E '/<!-- (chain|package|own) -->/,/<!-- end -->/d' "${pages[@]}" "$SOURCE/docs/how-to/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
   sed 's,FOLDER,sample_dicom,; s,LIBRARY,library,g' >blocks.sh
 grep -q 'trephine run' blocks.sh || fail "the pages show no run"
 grep -q 'library build' blocks.sh || fail "the pages show no library"
@@ -31,7 +31,7 @@ case_digest library/head-01 >/dev/null
 home=$(mktemp -d)
 trap 'rm -rf "$work" "$home"' EXIT
 ln -s "$work" "$home/trephine"
-sed -n '/<!-- own -->/,/<!-- end -->/p' "$SOURCE/docs/library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' >own.sh
+sed -n '/<!-- own -->/,/<!-- end -->/p' "$SOURCE/docs/tutorials/own-library.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' >own.sh
 HOME=$home bash -euo pipefail own.sh >own.said 2>&1 || { cat own.said; fail "the library of one's own"; }
 [[ -s $home/patients/library/index.html ]] && grep -q 'skin.decimate.max_deviation_mm.*0\.3' own.said &&
   grep -q '^1 of 1 cases would be built' own.said || { cat own.said; fail "what is stale is not said"; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # case.json and all that it names are the same bytes with 1 and 2 threads, in another folder, time zone and locale, and the
-# chain of single tools in docs/single-tools.md gives the surfaces of `run`, bit for bit. LONG=1: on the scan's own voxels.
+# chain of single tools in docs/how-to/single-tools.md gives the surfaces of `run`, bit for bit. LONG=1: on the scan's own voxels.
 . "$(dirname "$0")/common.sh"
 config=$SOURCE/configs/sample_drilled.yaml
 felt_mm=$( ((LONG)) && echo 1.6,1.6,1.6 || echo 2,2,2)
@@ -23,8 +23,8 @@ if ((LONG == 0)); then
   "$TREPHINE" resample volume.nrrd --spacing-mm 2.5,2.5,2.5 --output coarse.nrrd --quiet
   cmp coarse.nrrd kept/resample.nrrd || fail "the resampled volume differs"
 fi
-sed -n '/<!-- chain -->/,/<!-- end -->/p' "$SOURCE/docs/single-tools.md" | sed -n '/^```sh/,/^```$/p' | sed '/^```/d' >chain.sh
-grep -q 'trephine normals' chain.sh || fail "docs/single-tools.md holds no chain of single tools"
+sed -n '/<!-- chain -->/,/<!-- end -->/p' "$SOURCE/docs/how-to/single-tools.md" | sed -n '/^```sh/,/^```$/p' | sed '/^```/d' >chain.sh
+grep -q 'trephine normals' chain.sh || fail "docs/how-to/single-tools.md holds no chain of single tools"
 if ((LONG == 0)); then
   mv coarse.nrrd volume.nrrd
   sed -i '/^trephine import /d' chain.sh

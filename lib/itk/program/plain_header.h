@@ -9,7 +9,7 @@
 namespace trephine::itk {
 
 /// Our own look at formats of which ITK passes over what changes voxels or their places, before it reads them
-/// (docs/volume-files.md has all keys). The geometry is what the file says; require_same compares ITK's with it.
+/// (docs/reference/volume-files.md). The geometry is what the file says; require_same compares ITK's with it.
 
 /// A legacy VTK image (VTK User's Guide, "Legacy File Formats"): its header's lines, and that one array of as many
 /// scalars as the header says is all that follows. Throws Error 65 naming the key: one is missing or given twice, says

@@ -24,7 +24,7 @@ struct DuraFacts {
   double burr_first_s = -1;   ///< when it first did; -1: never
   bool breached = false;      ///< with more than the dura bears (pop_through_n of its material), for breach_s on end
 };
-/// A shorter press is none that cuts: decision 20 of docs/decisions.md.
+/// A shorter press is none that cuts: decision 20 of docs/developers/decisions.md.
 constexpr double breach_s = 0.01;
 
 /// Watches the dura, frame by frame.
