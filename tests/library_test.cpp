@@ -138,7 +138,7 @@ TEST_F(Library, AFaultOfASettingHasItsPlace) {
   const std::string all = said({});
   EXPECT_NE(all.find("l.yaml:3:7: skull.smoth.iterations_count: no such parameter, did you mean"), std::string::npos)
       << all;
-  EXPECT_NE(all.find("l.yaml:5:34: skull.segment.lower_hu: "), std::string::npos) << all;
+  EXPECT_NE(all.find("l.yaml:5:32: skull.segment.lower_hu: "), std::string::npos) << all;
   const std::string replaced = said({{"skull.segment.lower_hu=more"}, {}, {}});
   EXPECT_NE(replaced.find("--set skull.segment.lower_hu: "), std::string::npos) << replaced;
 }
