@@ -102,7 +102,7 @@ TEST(DicomIdentity, WhatIsAbsentIsTold) {
   const dicom::ImportResult id = imported(twelve(kinds[0].tag, "LO", [](int) { return "H-4711"; }));
   EXPECT_EQ(std::get<std::string>(*printed(id.folder).find("patient_said_by")), "PatientID");
   EXPECT_TRUE(warns(imported(twelve(kinds[3].tag, "DA", [](int k) { return k < 9 ? "19610203" : ""; })).report(),
-                    "PatientBirthDate is said by 9 of 12 slices"));
+                    "PatientBirthDate is given by 9 of 12 slices"));
 }
 
 TEST(DicomIdentity, TwoSeriesAreComparedByEveryAttribute) {

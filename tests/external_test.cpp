@@ -139,7 +139,7 @@ TEST(External, WhatGoesWrongIsSaid) {
       {"grid", "labels_file: 24 x 20 x 8 voxels, the scan has 24 x 20 x 16", ExitCode::quality},
       {"moved", "lie up to 0.4 voxels off the scan's", ExitCode::quality},
       {"empty", "holds no label", ExitCode::quality},
-      {"code", "external_program ended with code 3; it said last: no model: ?[31mweights missing", ExitCode::internal},
+      {"code", "external_program ended with code 3; its last line: no model: ?[31mweights missing", ExitCode::internal},
       {"crash", "was killed by signal 11", ExitCode::internal}};
   for (const auto& c : cases) {
     const Refused is = refused(params_of(c.mode));

@@ -32,6 +32,8 @@ add_test(NAME house.sinks_selftest COMMAND python3 ${house}/sinks.py ${PROJECT_S
 add_test(NAME house.face_gate COMMAND python3 ${house}/face_gate.py ${PROJECT_SOURCE_DIR})
 add_test(NAME house.face_gate_selftest COMMAND python3 ${house}/face_gate.py ${PROJECT_SOURCE_DIR} --selftest)
 add_test(NAME house.links COMMAND python3 ${house}/links.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house.words COMMAND python3 ${house}/words.py ${PROJECT_SOURCE_DIR})
+add_test(NAME house.words_selftest COMMAND python3 ${house}/words.py --selftest)
 add_test(NAME house.site COMMAND bash ${PROJECT_SOURCE_DIR}/docs/build_site.sh ${CMAKE_CURRENT_BINARY_DIR}/site)
 set_tests_properties(house.site PROPERTIES SKIP_RETURN_CODE 77)
 add_test(NAME house.site_told COMMAND bash ${house}/site_told.sh ${PROJECT_SOURCE_DIR})

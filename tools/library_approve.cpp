@@ -29,7 +29,7 @@ struct ApproveParams {
 void tell_lessons(const std::filesystem::path& case_folder) {
   const std::filesystem::path simulator = own_file({"trephine-sim"});
   if (simulator.empty()) {
-    std::cout << "which lessons it serves is not said: trephine-sim does not lie beside trephine\n";
+    std::cout << "which lessons it serves is not known: trephine-sim is not beside trephine\n";
     return;
   }
   std::cout << std::flush;
@@ -62,7 +62,8 @@ const cli::OwnCommand library_approve_command([] {
   c.description =
       "Writes approved.json beside the case, with the reviewer's token, the case's difficulty and the SHA-256 of "
       "case.json: when the case changes, the approval is void. `trephine-sim exercise` uses approved cases only. The "
-      "case is checked as a simulator checks it, and it is said which lessons it can serve, and why others it cannot. "
+      "case is checked as a simulator checks it, and the lessons that it can serve are listed, with the reason for "
+      "each that it cannot. "
       "A case that cannot serve a lesson is refused with exit code 80 unless --accept says why that is right; the "
       "reasons are kept in approved.json.";
   c.examples = {

@@ -105,7 +105,7 @@ std::string keys_page() {
          "--out docs/reference/trephine`). NAME stands for a name that the file gives, a number for an item of a list. "
          "How the "
          "files "
-         "work together is told in [configurations](../configurations.md).\n" +
+         "work together is explained in [configurations](../configurations.md).\n" +
          section("A case (configs/\\*.yaml)", AnyParams::make<config::CaseFileParams>()) +
          section("A scene (configs/scenes/\\*.yaml)", AnyParams::make<config::SceneFileParams>()) +
          "\n## A recipe (pipelines/\\*.yaml)\n\n"

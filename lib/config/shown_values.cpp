@@ -20,12 +20,12 @@ void add_fixed(ConfigValues& values, const std::string& prefix, const P& params,
 }  // namespace
 
 void add_shown_values(ConfigReading& r) {
-  const std::string by_recipe = "is said by the recipe, change it there";
+  const std::string by_recipe = "is set by the recipe, change it there";
   for (const RecipeAnatomy& anatomy : r.out.anatomies)
     add_fixed(r.values, anatomy.name, static_cast<const RecipeAnatomyParams&>(anatomy), by_recipe);
   add_fixed(r.values, "", r.out.roles, by_recipe);
   for (const auto& [name, material] : r.materials)
-    add_fixed(r.values, "materials." + name, material, "is said by the scene's file of materials, change it there");
+    add_fixed(r.values, "materials." + name, material, "is set by the scene's file of materials, change it there");
 }
 
 void add_given_landmarks(ConfigReading& r) {

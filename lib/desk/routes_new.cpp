@@ -57,7 +57,7 @@ void require_usable(const DeskLibrary& library, const fs::path& recipe, const fs
     if (further.series.empty())
       throw Error(
           ExitCode::usage, recipe.filename().string(), "scans." + further.name + ".series",
-          "is not said: it needs a further scan; write the folder of it into a copy of the recipe, and choose that");
+          "is not set: it needs a further scan; write the folder of it into a copy of the recipe, and choose that");
 }
 
 Reply folders(DeskState& desk, const Request& request) {

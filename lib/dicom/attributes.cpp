@@ -23,7 +23,7 @@ std::vector<Attribute> all_attributes() {
                        *frame = "Frame of Reference", *person = "Patient Study", *contrast = "Contrast/Bolus";
   constexpr auto at = make_tag;
   std::vector<Attribute> all = {
-      {t_image_type, "ImageType", "CS", image, R::told, "its first three values; a localizer is left out and told"},
+      {t_image_type, "ImageType", "CS", image, R::told, "its first three values; a localizer is left out and noted"},
       {t_sop_class, "SOPClassUID", "UI", image, R::parted, "only CT storage classes are read"},
       {at(0x0008, 0x0022), "AcquisitionDate", "DA", image, R::told, ""},
       {at(0x0008, 0x0023), "ContentDate", "DA", image, R::own, ""},
@@ -60,7 +60,7 @@ std::vector<Attribute> all_attributes() {
       {at(0x0018, 0x1160), "FilterType", "SH", ct, R::told, ""},
       {at(0x0018, 0x1170), "GeneratorPower", "IS", ct, R::own, ""},
       {at(0x0018, 0x1190), "FocalSpots", "DS", ct, R::told, ""},
-      {t_kernel, "ConvolutionKernel", "SH", ct, R::parted, "where kernels lie within each other; slabs are told"},
+      {t_kernel, "ConvolutionKernel", "SH", ct, R::parted, "where kernels lie within each other; slabs are noted"},
       {t_patient_position, "PatientPosition", "CS", series, R::told, ""},
       {at(0x0018, 0x9305), "RevolutionTime", "FD", ct, R::own, ""},
       {at(0x0018, 0x9306), "SingleCollimationWidth", "FD", ct, R::told, ""},
@@ -74,13 +74,13 @@ std::vector<Attribute> all_attributes() {
       {at(0x0018, 0x9345), "CTDIvol", "FD", ct, R::own, ""},
       {at(0x0018, 0x9353), "EnergyWeightingFactor", "FL", ct, R::told, ""},
       {at(0x0018, 0x9361), "MultienergyCTAcquisition", "CS", ct, R::told, ""},
-      {t_series, "SeriesInstanceUID", "UI", series, R::parted, "one or two slices that continue a series are told"},
-      {t_acquisition, "AcquisitionNumber", "IS", image, R::parted, "where they lie within each other; slabs are told"},
+      {t_series, "SeriesInstanceUID", "UI", series, R::parted, "one or two slices that continue a series are noted"},
+      {t_acquisition, "AcquisitionNumber", "IS", image, R::parted, "where they lie within each other; slabs are noted"},
       {at(0x0020, 0x0013), "InstanceNumber", "IS", image, R::own, "not used: positions count"},
       {at(0x0020, 0x0020), "PatientOrientation", "CS", image, R::told, "not used: ImageOrientationPatient counts"},
       {t_position, "ImagePositionPatient", "DS", plane, R::own, "checked: see Geometry"},
       {t_orientation, "ImageOrientationPatient", "DS", plane, R::parted, ""},
-      {t_frame_uid, "FrameOfReferenceUID", "UI", frame, R::parted, "told where each slice has its own"},
+      {t_frame_uid, "FrameOfReferenceUID", "UI", frame, R::parted, "noted where each slice has its own"},
       {at(0x0020, 0x1002), "ImagesInAcquisition", "IS", image, R::own, ""},
       {at(0x0020, 0x1040), "PositionReferenceIndicator", "LO", frame, R::told, ""},
       {at(0x0020, 0x1041), "SliceLocation", "DS", plane, R::own, "not used: positions count"},
@@ -151,7 +151,7 @@ const char* to_text(AttributeRule rule) {
     case AttributeRule::own:
       return "own";
     case AttributeRule::told:
-      return "told";
+      return "warned";
     case AttributeRule::applied:
       return "applied";
     case AttributeRule::parted:

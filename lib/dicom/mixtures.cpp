@@ -160,7 +160,7 @@ void refuse_several_patients(const Series& s) {
   const auto absent = static_cast<std::size_t>(said.absent[static_cast<std::size_t>(first.which)]);
   throw Error(ExitCode::bad_input, first.odd->header->name, tag_name(identity_tag(first.which)),
               (first.values > 1 ? fmt::format("{} values within the series", first.values)
-                                : fmt::format("said by {} of {} slices", s.slices.size() - absent, s.slices.size())) +
+                                : fmt::format("given by {} of {} slices", s.slices.size() - absent, s.slices.size())) +
                   ": slices of several patients; take the files of the others out, or, where it is one patient after "
                   "all, say why with same_patient_reason");
 }
@@ -188,7 +188,7 @@ void warn_of_identity(const Series& s, Warnings& warnings) {
     const auto absent = static_cast<std::size_t>(said.absent[static_cast<std::size_t>(which)]);
     if (absent > 0 && absent < s.slices.size())
       warnings.push_back({"identity_of_some",
-                          "{attribute} is said by {count} of {slices_count} slices: that the others are of the same "
+                          "{attribute} is given by {count} of {slices_count} slices: that the others are of the same "
                           "patient is taken on trust",
                           {{"attribute", identity_keyword(which)},
                            {"count", static_cast<std::int64_t>(s.slices.size() - absent)},

@@ -47,15 +47,15 @@ void say_otherwise(ImportResult& result, const ImportParams& params) {
   if (params.offset_hu != 0) {
     f.offset_hu = params.offset_hu;
     result.warnings.push_back({"offset_added",
-                               "{offset_hu:g} was added to every value, as whoever reads it said",
+                               "{offset_hu:g} was added to every value, as the option asks",
                                {{"offset_hu", params.offset_hu}}});
   }
   if (!params.axes.empty()) {
     result.volume = grid::with_axes(std::move(result.volume), params.axes);
     f.axes = params.axes;
     result.warnings.push_back({"axes_given",
-                               "columns, rows and slices rise to {axes} as whoever reads it said, whatever the files "
-                               "say",
+                               "columns, rows and slices rise to {axes} as the option asks, whatever the files "
+                               "contain",
                                {{"axes", params.axes}}});
   }
   const auto note = [](std::optional<std::string>& figure, const std::string& reason) {

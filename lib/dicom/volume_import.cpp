@@ -112,7 +112,7 @@ ImportResult imported(itk::VolumeFile read, const ImportParams& params) {
   for (const std::string& w : read.warnings) result.warnings.push_back({"volume_file", w, {}});
   if (hu)
     result.warnings.push_back({"hu_by_word",
-                               "a {format} file cannot say that its values are HU: whoever gave it said so",
+                               "a {format} file cannot say that its values are HU: it is taken from the option",
                                {{"format", read.format}}});
   result.volume = std::move(read.volume);
   say_otherwise(result, params);

@@ -237,7 +237,7 @@ class Run {
     const auto fail = [&](const std::string& what) {
       const std::vector<std::string> said = said_lines();
       throw Error(ExitCode::internal, "", "program",
-                  when + name + " " + what + (said.empty() ? "" : "; it said last: " + said.back()));
+                  when + name + " " + what + (said.empty() ? "" : "; its last line: " + said.back()));
     };
     if (!r.not_started.empty()) fail("could not be started: " + r.not_started);
     if (r.timed_out) fail("reached its time limit of " + to_text(params_.time_limit_s) + " s and was ended");

@@ -30,17 +30,18 @@ struct FindingsParams {
              "From this on soft tissue inside the skull is as dense as fresh blood, where brain has 30 HU.");
     v.number(&P::most_blood_hu, "most_blood_hu", Range{50, 200},
              "What is denser than this is no blood: calcification, contrast medium, metal.");
-    v.number(&P::min_blood_ml, "min_blood_ml", Range{0.2, 100}, "Less of it is not told.");
+    v.number(&P::min_blood_ml, "min_blood_ml", Range{0.2, 100}, "Less of it is not reported.");
     v.number(&P::dark_hu, "dark_hu", Range{8, 29},
              "Below this brain tissue is dark (oedema, an old infarct, a cyst), where brain has 30 HU.");
-    v.number(&P::min_dark_ml, "min_dark_ml", Range{0.5, 500}, "Less of it is not told.");
-    v.number(&P::min_shift_mm, "min_shift_mm", Range{0.5, 50}, "A smaller shift of the midline is not told.");
+    v.number(&P::min_dark_ml, "min_dark_ml", Range{0.5, 500}, "Less of it is not reported.");
+    v.number(&P::min_shift_mm, "min_shift_mm", Range{0.5, 50}, "A smaller shift of the midline is not reported.");
     v.number(&P::wide_evans_ratio, "wide_evans_ratio", Range{0.1, 1},
-             "Ventricles of a larger Evans' index are told to be wide.");
-    v.number(&P::min_gap_cm2, "min_gap_cm2", Range{0.2, 400}, "A smaller gap in the bone of the vault is not told.");
+             "Ventricles of a larger Evans' index are reported as wide.");
+    v.number(&P::min_gap_cm2, "min_gap_cm2", Range{0.2, 400},
+             "A smaller gap in the bone of the vault is not reported.");
     v.number(&P::metal_hu, "metal_hu", Range{1500, 30000}, "From this on something is metal.");
     v.number(&P::tube_hu, "tube_hu", Range{60, 2000}, "A tube inside the brain is denser than this.");
-    v.number(&P::min_tube_mm, "min_tube_mm", Range{5, 200}, "A shorter one is not told.");
+    v.number(&P::min_tube_mm, "min_tube_mm", Range{5, 200}, "A shorter one is not reported.");
   }
   std::string fault() const { return blood_hu >= most_blood_hu ? "blood_hu: is not below most_blood_hu" : ""; }
 };

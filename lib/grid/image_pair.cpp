@@ -94,7 +94,7 @@ void say_place(Header& h, const std::string& axes, std::vector<std::string>& war
   h.put<std::int16_t>(254, 1);
   h.put<std::uint8_t>(123, 2);  // mm
   warnings.push_back("Analyze does not say which side is left: it is taken as " + axes +
-                     ", as was said; nor where it lies: its first voxel is taken as 0");
+                     ", as the option asks; nor where it lies: its first voxel is taken as 0");
   const auto slope = h.get<float>(112), offset = h.get<float>(116);
   if (!std::isfinite(slope) || !std::isfinite(offset)) refuse("funused1", "the scale is not finite");
   if (slope == 0 && offset != 0) refuse("funused2", "is an offset without a scale");

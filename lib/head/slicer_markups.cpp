@@ -159,7 +159,7 @@ std::vector<cases::CaseLandmark> parse_slicer_fcsv(std::string_view text) {
       }
       continue;
     }
-    if (!ras) refuse("CoordinateSystem", "is not said before the first point");
+    if (!ras) refuse("CoordinateSystem", "is missing before the first point");
     const std::vector<std::string> fields = fields_of(line, where);
     const auto field = [&](const char* name) {
       const auto at = std::find(columns.begin(), columns.end(), name);

@@ -146,7 +146,7 @@ void check_cube_noise(double hu, double smoothed_mm) {
   constexpr double clear_of_it = 0.75;
   if (!(hu > max_hu)) return;
   const std::string what = fmt::format(
-      "noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart", hu, max_hu);
+      "noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue cannot be distinguished", hu, max_hu);
   const Remedy series{"take a series of a smoother kernel or of thicker slices (`import --list` shows all)"};
   const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * max_hu);
   if (!(s <= max_smoothing_mm)) throw refusal("volume", what, series);

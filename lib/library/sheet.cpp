@@ -54,7 +54,7 @@ void paste(const picture::Image& from, picture::Image& to, int x0, int y0) {
 
 std::vector<std::string> lines_of(const CaseRow& row) {
   if (!row.fault.empty()) return {row.token, row.fault};
-  std::string patient = row.patient_class.empty() ? "class not said" : row.patient_class;
+  std::string patient = row.patient_class.empty() ? "class not known" : row.patient_class;
   if (const std::string ml = figure_text(row, row.classed_by() + "_ml", 1); !ml.empty())
     patient += ", " + row.classed_by() + " " + ml + " ml";
   std::string indices;

@@ -136,7 +136,7 @@ BodyPartSeen body_part_of(const grid::HuVolume& volume, const Progress& progress
 namespace {
 
 // Whether a head is seen, or at least a skull that is small, open or cut.
-const Message made_all_the_same = Message(Setting{"refuse", "false"}) + " makes it, told as doubtful";
+const Message made_all_the_same = Message(Setting{"refuse", "false"}) + " makes it, and the verdict calls it doubtful";
 
 bool shows_head(const BodyPartSeen& seen) {
   if (seen.head) return true;

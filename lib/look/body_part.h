@@ -22,7 +22,7 @@ struct BodyPartParams {
              "What is made of the scan. With `any` it is measured, and nothing is refused.");
     v.flag(&BodyPartParams::refuse, "refuse",
            "Whether a scan that shows another part of the body is refused. If not, that is a warning, and what is made "
-           "of the scan is told as doubtful.");
+           "of the scan is called doubtful.");
   }
 };
 

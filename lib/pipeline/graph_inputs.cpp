@@ -117,7 +117,7 @@ int GraphBuilder::scan_named(const std::string& name, const std::string& reader)
                 name + ", the case has no such scan: name it, scans: {" + name + ": {modality: ..., series: ...}}");
   if (scan->series.empty())
     throw Error(ExitCode::usage, "", "scans." + name + ".series",
-                "is not said, and " + reader + " reads it: give --scan " + name + "=PATH");
+                "is not set, and " + reader + " reads it: give --scan " + name + "=PATH");
   const dicom::SeriesChoice series{scan->series, scan->import.as<dicom::ImportParams>()};
   const std::string hash = with_field("scans." + name, [&] {
     return hash_of_scan_ ? hash_of_scan_(name, series)

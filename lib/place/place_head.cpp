@@ -390,7 +390,7 @@ Warnings warnings_of(const HeadPlace& place) {
   if (place.sure) return {};
   return {{"unsure_place",
            "the cranial cavity found is not of a head's shape, or less than half of it was scanned: ventricles and "
-           "cisterns are told apart by their place in the scan alone, which holds for straight heads",
+           "cisterns are distinguished by their place in the scan alone, which holds for straight heads",
            {}}};
 }
 

@@ -16,7 +16,7 @@ StageType head_region_stage() {
   s.description =
       "Finds the cranial cavity and the foramen magnum, and keeps the head with a part of the neck, on the same "
       "voxels. "
-      "What the scan does not show of the head (vertex, base, a side outside of the field of view) is said.";
+      "What the scan does not show of the head (vertex, base, a side outside of the field of view) is reported.";
   s.examples = {"trephine head-region neck.nrrd --output head.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;

@@ -94,7 +94,7 @@ const cli::OwnCommand group_command([] {
       "Reads the plans and reports that `exercise` leaves in a folder, and writes one HTML page: who did what, points "
       "by phase and over attempts, rows of the score, critical errors and by whom, what was kept until a later test, "
       "the pass mark that two contrasting levels set, and figures of motion beside those of experts. Reports that are "
-      "damaged and recordings that are gone are told. With --cases and --rubric all is scored anew from the "
+      "damaged and recordings that are gone are listed. With --cases and --rubric all is scored anew from the "
       "recordings, "
       "and a report that says something else is refused (80); reports by several rubrics are not shown together. --csv "
       "writes the same results as a table for `study`.";

@@ -35,7 +35,7 @@ struct PlayParams {
               "then printed; -1: none.");
     v.flag(&P::remote_tells_all, "remote_tells_all",
            "In a lesson, answer `state` with what the tip is in, what it touches and how deep it lies, which a trainee "
-           "is not told: for a teacher's program and for tests.");
+           "does not see: for a teacher's program and for tests.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
               "Port of the loopback interface on which a tracker says where the user's head is; 0: any that is free; "
               "-1: none.");

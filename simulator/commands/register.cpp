@@ -63,7 +63,7 @@ const cli::OwnCommand register_command([] {
   c.description =
       "Marks on the screen are touched with the device one after the other, as they are seen (in the mirror), each "
       "with button 1 held. The rigid transform that meets them best is written to --out, for `trephine-sim play "
-      "--screen`; how far the marks are missed is told, and a registration that misses one by more than "
+      "--screen`; how far the marks are missed is printed, and a registration that misses one by more than "
       "--largest-residual-mm is refused (80). --sheet writes a page with the marks, to be shown on the whole screen.";
   c.arguments = measuring_arguments();
   c.arguments.push_back(

@@ -262,7 +262,7 @@ const cli::OwnCommand servo_command([] {
       ". docs/explanation/contact-and-force.md describes contact, forces, and the recording, which `trephine-sim "
       "replay` reads. Ctrl-C ends "
       "the session: what was recorded and counted until then is written, and the exit code is 130. A fault (a lost "
-      "device, a pose that is no number) is said when it happens, and the exit code is 74.\n\n"
+      "device, a pose that is no number) is reported when it happens, and the exit code is 74.\n\n"
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
       "or limits (ulimit -r, -l) that allow them.";
   c.arguments = servo_arguments();

@@ -86,7 +86,7 @@ const cli::OwnCommand study_command([] {
       "attempts within participants by the paired t test and the signed-rank test, with p values corrected by Holm or "
       "Bonferroni, effect sizes with intervals, and the learning curve. Of acceptable and other results it makes the "
       "table of the dissertation's last experiment. Participants are tokens. What is missing, too little or equal is "
-      "said, never left out in silence. docs/how-to/study.md tells of each number.\n\n"
+      "listed, never left out silently. docs/how-to/study.md explains each number.\n\n"
       "With --out it writes study.html, study.json, tests.csv, table.csv, and box plots, histograms and learning "
       "curves as plots/*.svg.";
   c.arguments = {

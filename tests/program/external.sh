@@ -90,7 +90,7 @@ expect 78 'labeller\.external: version: the program says .labeller 1\.7' "${run[
 recipe partial 1.7
 expect 65 'labeller\.external: labels_file: labels\.nii\.gz is no map of labels: data' "${run[@]}" --allow-external
 recipe code 1.7
-expect 70 'labeller\.external: program: external_program ended with code 3; it said last: no model' "${run[@]}" --allow-external
+expect 70 'labeller\.external: program: external_program ended with code 3; its last line: no model' "${run[@]}" --allow-external
 [[ $(case_digest "$work/out/labelled") == "$digest" ]] || fail "a failed run changed the case"
 
 # Ctrl-C ends the program and all that it started.

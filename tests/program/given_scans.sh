@@ -38,7 +38,7 @@ refuses 81 'mr_skin: shows the patient.s face' "$TREPHINE" run root/configs/mr_s
   --scan mr=head/second/scan.nrrd --out out3 --quiet --no-pictures --no-page
 
 # What is wrong is told where it stands.
-expect 64 'scans.mr.series: is not said' both
+expect 64 'scans.mr.series: is not set' both
 expect 64 'scan: mri, the configuration has no such scan, did you mean mr' both --scan mri=head/second/scan.nrrd
 sed 's/modality: mr,/modality: mr, import: {volume_values: any},/' root/configs/both.yaml >root/configs/twice.yaml
 expect 78 'twice.yaml:.*scans.mr.*follow from the scan' "$TREPHINE" run root/configs/twice.yaml --series head/dicom --out out
