@@ -38,7 +38,7 @@ struct PortParams {
              "The device's own damping, which a delay is measured against; 0: what the device reports.");
     v.flag(&P::allow_undamped, "allow_undamped",
            "Start with a delay where the device's damping is not known. No wall is stable there: the force is kept so "
-           "small that the hand is given no energy, and a wall that is pressed for long gives way.");
+           "small that the hand is given no energy, and a wall yields to a lasting press.");
   }
   /// Whether the delay bounds what can be felt (delayed_walls.h). Otherwise, with a delay, Passivity lowers the force.
   bool bounds_walls() const { return device_delay_ms > 0 && device_own_damping_n_s_per_mm > 0; }

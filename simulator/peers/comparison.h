@@ -95,7 +95,7 @@ struct Claim {
   std::string where, claim, here;
   enum class Verdict { holds, fails, too_few_hands, not_measured } verdict = Verdict::not_measured;
 };
-const char* name_of(Claim::Verdict verdict);  ///< "does not hold", "too few hands to tell"
+const char* name_of(Claim::Verdict verdict);  ///< "does not hold", "too few hands to decide"
 /// Below so many hands nothing is said of what is rare.
 constexpr int min_hands = 10;
 std::vector<Claim> claims_of(const Comparison& comparison);

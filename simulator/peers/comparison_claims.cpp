@@ -190,7 +190,7 @@ const char* name_of(Claim::Verdict v) {
     case Verdict::fails:
       return "does not hold";
     case Verdict::too_few_hands:
-      return "too few hands to tell";
+      return "too few hands to decide";
     case Verdict::not_measured:
       break;
   }

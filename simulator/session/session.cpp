@@ -52,7 +52,7 @@ haptics::PortParams port_of(haptics::PortParams port, const device::Device& devi
     throw Error(ExitCode::usage, "", "--device-delay-ms",
                 fmt::format("{:g}, and the device's damping is not known: no wall is stable behind a delay without it. "
                             "Give it with --device-own-damping-n-s-per-mm (its maker says it), or start with "
-                            "--allow-undamped, where a wall that is pressed for long gives way",
+                            "--allow-undamped, where a wall yields to a lasting press",
                             port.device_delay_ms));
   return port;
 }

@@ -28,7 +28,7 @@ constexpr Row table[] = {
      {{"all that is touched has {} of its stiffness, since the device answers after {} ms and damps by {} N s/m",
        "alles Berührte hat das {}-fache seiner Steife, denn das Gerät antwortet nach {} ms und dämpft mit {} N s/m"}}},
     {NoteId::undamped_device,
-     {{"the device's damping is not known: a wall that is pressed for long gives way",
+     {{"the device's damping is not known: a wall yields to a lasting press",
        "die Dämpfung des Geräts ist nicht bekannt: Eine lang gedrückte Wand gibt nach"}}},
     {NoteId::holding_mouse_3d, {{"holding a 3D mouse", "eine 3D-Maus hält das Instrument"}}},
     {NoteId::holding, {{"holding {}", "{} hält das Instrument"}}},

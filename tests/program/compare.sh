@@ -22,7 +22,7 @@ grep -q '^ours,plate of 0.5 mm,1,10,0$' "$work/out/falls.csv" || fail "ours fall
 
 # The page says what was measured, and what was not.
 grep -q 'The peers are historical: .* CHAI3D itself is not among them here' "$work/out/compare.md" || fail "the peers' age"
-grep -q 'IR gives smooth forces in all cases.*too few hands to tell' "$work/out/compare.md" || fail "few hands settle what is rare"
+grep -q 'IR gives smooth forces in all cases.*too few hands to decide' "$work/out/compare.md" || fail "few hands settle what is rare"
 grep -q 'CHAI3D takes more than 1 ms .*not measured' "$work/out/compare.md" || fail "CHAI3D is claimed"
 grep -Eq '^(holds|does not hold): A step of at most' "$work/text" || fail "the verdicts are not printed"
 python3 - "$work/out/compare.json" <<'PY' || fail "compare.json is wrong"
