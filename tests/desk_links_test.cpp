@@ -153,6 +153,15 @@ TEST_F(DeskLinks, WhatWasDroppedAndIsNotUsedGoes) {
   EXPECT_FALSE(fs::exists(left));
 }
 
+// What a stranger calls a folder is a text like any other.
+TEST_F(DeskLinks, TextsOfOthersTurnNoDirection) {
+  const DeskOptions options = one_case();
+  fs::create_directories(folder.path() / "root/skull\u202egpj.exe");
+  const std::string body = Desk(options).answer(get("api/folders", {{"path", "0"}})).body;
+  EXPECT_NE(body.find("skull?gpj.exe"), std::string::npos) << body;
+  EXPECT_EQ(body.find("\u202e"), std::string::npos) << body;
+}
+
 TEST_F(DeskLinks, WhatItKeepsIsForItsOwnerAlone) {
   const DeskOptions options = one_case();
   Request keep = post("api/keep", {});

@@ -117,6 +117,8 @@ TEST(Page, HostileTextsStayText) {
   EXPECT_EQ(count_of(page, "<!--"), 0u);
   EXPECT_EQ(count_of(page, "<img"), 0u);
   EXPECT_EQ(read_page(page).data["warnings"][0], hostile.warnings[0].text);
+  hostile.warnings[0].text = "a\u202egpj.exe";  // reads as "aexe.jpg"
+  EXPECT_EQ(read_page(page::make_case_page(c, hostile)).data["warnings"][0], "a?gpj.exe");
 }
 
 TEST(Page, TemplateIsFilledOnce) {

@@ -9,6 +9,7 @@ import sys
 import tempfile
 
 CANARY = "CANARYZEBRA"
+PROGRESS = re.compile(r"(\d+ % of all|\S+ \d+ %)( \(|,| \||$)")
 KNOWN_CODES = {0, 64, 65, 66, 70, 73, 74, 75, 78, 80, 81, 130}
 
 
@@ -32,11 +33,11 @@ class Attack:
         self.findings.append(what)
         print("FINDING: " + what, flush=True)
 
-    def run(self, what, *words, program=None, allowed=KNOWN_CODES - {70}):
+    def run(self, what, *words, program=None, allowed=KNOWN_CODES - {70}, cwd=None):
         """Runs the program. A crash, an unknown code, more than one line of why, a canary, or a run without end is a finding."""
         command = [program or self.args.trephine, *map(str, words)]
         try:
-            done = subprocess.run(command, capture_output=True, timeout=self.args.timeout_s)
+            done = subprocess.run(command, capture_output=True, timeout=self.args.timeout_s, cwd=cwd)
         except subprocess.TimeoutExpired:
             self.find(f"{what}: no end after {self.args.timeout_s} s")
             return 124, "", ""
@@ -48,10 +49,16 @@ class Attack:
         if CANARY in out + err:
             self.find(f"{what}: an identifier is told: {err.strip()[-300:]}")
         # On a busy machine a program also says how far it is.
-        lines = [line for line in err.splitlines() if "warning" not in line and line.strip() and not re.match(r"\S+ \d+ % \(", line)]
+        lines = [line for line in err.splitlines() if "warning" not in line and line.strip() and not PROGRESS.match(line)]
         if code in (65, 66, 80, 81) and len(lines) != 1:
             self.find(f"{what}: {len(lines)} lines of why")
         return code, out, err
+
+    def sample(self, name, kind):
+        """A case that the tests use, made by the program that lies beside the attacked one in a build."""
+        folder = self.work / name
+        subprocess.run([pathlib.Path(self.args.trephine).resolve().parent / "write_sample_case", folder, kind], check=True)
+        return folder
 
     def end(self):
         for key in sorted(self.outcomes, key=self.outcomes.get, reverse=True)[:40]:

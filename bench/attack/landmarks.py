@@ -7,6 +7,7 @@ published. With --points a person says where the face is: places on the skin of 
 in mm, LPS, of which none may have anything but air within --clear-mm. Without them it is where the found landmarks alone say: the gate
 is asked with them about the surface of the volume that was made with the given ones."""
 import array
+import gzip
 import json
 import math
 import sys
@@ -17,12 +18,14 @@ FACE = ["nasion", "tragus_left", "tragus_right"]
 
 
 class Volume:
-    """A NRRD as the program writes it without compression: int16 or float, of which single voxels are looked at."""
+    """A NRRD as the program writes it: int16 or float, of which single voxels are looked at."""
 
     def __init__(self, path):
         head, _, self.body = path.read_bytes().partition(b"\n\n")
         keys = dict(line.split(": ", 1) for line in head.decode().split("\n") if ": " in line)
-        assert keys["encoding"] == "raw" and sys.byteorder == "little", keys
+        if keys["encoding"] == "gzip":
+            self.body = gzip.decompress(self.body)
+        assert keys["encoding"] in ("raw", "gzip") and sys.byteorder == "little", keys
         self.values = array.array({"short": "h", "int16": "h", "float": "f"}[keys["type"]])
         self.values.frombytes(self.body)
         self.size = [int(n) for n in keys["sizes"].split()]

@@ -119,6 +119,8 @@ def vtk(rnd):
     if rnd.random() < 0.3:
         tail, good = rnd.choice([(b"x", False), (b"\n", True), (b"\nMETADATA\nINFORMATION 0\n\n", True), (b"\nSCALARS b short\n", False), (DATA, False)])
         sound, what = sound and good, what + f", then {tail[:9]!r}"
+        if tail == DATA and line == "SCALARS s int 1":
+            tail = DATA[2:]  # else it is a sound file of other voxels, of twice the bytes
     head = "# vtk DataFile Version 3.0\na scan\nBINARY\nDATASET STRUCTURED_POINTS\n" + "\n".join(lines) + "\n"
     return head.encode() + big + tail, sound, what
 

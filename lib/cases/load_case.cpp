@@ -12,6 +12,7 @@
 #include "base/write_file.h"
 #include "cases/case_names.h"
 #include "cases/glb.h"
+#include "cases/load_hashed.h"
 #include "grid/nrrd.h"
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
@@ -260,6 +261,17 @@ LoadedCase load_case(const std::filesystem::path& case_folder, LoadParts parts) 
     return read_file(case_folder / name, max_bytes);
   };
   return Loader(read, (case_folder / "").string(), parts).load();
+}
+
+HashedCase load_hashed_case(const std::filesystem::path& case_folder, LoadParts parts) {
+  HashedCase out;
+  const CaseFileReader read = [&](const std::string& name, std::uint64_t max_bytes) {
+    std::vector<char> bytes = read_file(case_folder / name, max_bytes);
+    if (name == detail::manifest_name) out.sha256 = sha256_of_bytes({bytes.data(), bytes.size()});
+    return bytes;
+  };
+  out.loaded = Loader(read, (case_folder / "").string(), parts).load();
+  return out;
 }
 
 LoadedCase load_case_through(const CaseFileReader& read, LoadParts parts) { return Loader(read, "", parts).load(); }

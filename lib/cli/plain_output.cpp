@@ -5,25 +5,12 @@
 #include <streambuf>
 #include <string>
 
-#include "base/text.h"
+#include "base/printable_lines.h"
 
 namespace trephine::cli {
 namespace {
 
 constexpr std::size_t longest_wait = 1 << 16;  // of a text without an end of line
-
-// The text with what may stay in it: printable takes one line, and knows no tabs.
-std::string plain(const std::string& text) {
-  std::string out;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = text.find_first_of("\n\t", at);
-    out += printable(std::string_view(text).substr(at, end == std::string::npos ? end : end - at));
-    if (end == std::string::npos) break;
-    out += text[end];
-    at = end + 1;
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -52,7 +39,7 @@ class PlainOutput::Filter : public std::streambuf {
 
  private:
   bool pass(std::size_t count) {
-    const std::string text = plain(waiting_.substr(0, count));
+    const std::string text = printable_lines(waiting_.substr(0, count));
     waiting_.erase(0, count);
     return to_->sputn(text.data(), static_cast<std::streamsize>(text.size())) ==
            static_cast<std::streamsize>(text.size());

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "base/secret.h"
+
 namespace trephine::desk {
 
 /// What of a request is looked at before anything else of it is read. Lists, since a name may be sent twice.
@@ -10,11 +12,6 @@ struct RequestHead {
   std::string method, target;
   std::vector<std::string> hosts, origins, sites, destinations, keys, content_types, encodings;
 };
-
-/// 32 hexadecimal digits of the system's entropy.
-std::string random_secret();
-/// Whether they are equal, in a time that does not depend on where they differ.
-bool same_secret(const std::string& a, const std::string& b);
 
 /// Decides who may ask the desk. Another user of the machine does not know the token; a page of another origin that is
 /// open in the same browser neither knows it nor passes as this origin; a name that was rebound to the loopback is not

@@ -4,15 +4,17 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/html_text.h"
 #include "desk/message.h"
 
 namespace trephine::desk {
 
 using Json = nlohmann::ordered_json;
 
+/// Every text of a case, a scan or a configuration that the desk shows comes this way.
 inline Reply json_reply(const Json& json) {
   Reply reply;
-  reply.body = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  reply.body = html_json(json.dump(-1, ' ', false, Json::error_handler_t::replace));
   return reply;
 }
 

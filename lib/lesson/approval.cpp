@@ -39,9 +39,9 @@ void validate_token(const std::string& token, const std::string& flag) {
     throw Error(ExitCode::usage, "", flag, "must be 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name");
 }
 
-void write_approval(const std::filesystem::path& folder, const std::string& by, int difficulty_level,
-                    const std::vector<AcceptedLesson>& accepted) {
-  const ApprovalFile file{1, sha256_of_file(folder / "case.json"), by, difficulty_level, accepted};
+void write_approval(const std::filesystem::path& folder, const std::string& case_sha256, const std::string& by,
+                    int difficulty_level, const std::vector<AcceptedLesson>& accepted) {
+  const ApprovalFile file{1, case_sha256, by, difficulty_level, accepted};
   write_file(folder / approval_file, json::declared_json(AnyParams::make<ApprovalFile>(file)) + "\n");
 }
 

@@ -30,9 +30,9 @@ struct AcceptedLesson {
   }
 };
 
-/// Throws Error 66 where the folder has no case.json, 73 and 74.
-void write_approval(const std::filesystem::path& case_folder, const std::string& by, int difficulty_level,
-                    const std::vector<AcceptedLesson>& accepted = {});
+/// Approves the case.json of that SHA-256, whatever lies in the folder by now. Throws Error 73 and 74.
+void write_approval(const std::filesystem::path& case_folder, const std::string& case_sha256, const std::string& by,
+                    int difficulty_level, const std::vector<AcceptedLesson>& accepted = {});
 /// Nothing where the case was never approved. Throws Error 65 where the file is damaged.
 std::optional<CaseApproval> read_approval(const std::filesystem::path& case_folder);
 /// Whether there was one.

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "base/refusal.h"
-#include "cases/load_case.h"
+#include "cases/load_hashed.h"
 #include "library/lesson_uses.h"
 #include "publish/case_lock.h"
 
@@ -45,10 +45,11 @@ std::string approve_case(const std::filesystem::path& case_folder, const std::st
                          const std::vector<lesson::AcceptedLesson>& accepted) {
   lesson::validate_token(by, "--by");
   const auto lock = lock_of(case_folder);
-  const cases::LoadedCase loaded = cases::load_case(case_folder, cases::whole_case);
-  if (const auto uses = lesson_uses(case_folder)) require_accepted(*uses, accepted);
-  lesson::write_approval(case_folder, by, difficulty_level, accepted);
-  return loaded.manifest.case_token + ": approved by " + by + ", difficulty " + std::to_string(difficulty_level);
+  const cases::HashedCase checked = cases::load_hashed_case(case_folder, cases::whole_case);
+  if (const auto uses = lesson_uses(case_folder, checked.sha256)) require_accepted(*uses, accepted);
+  lesson::write_approval(case_folder, checked.sha256, by, difficulty_level, accepted);
+  return checked.loaded.manifest.case_token + ": approved by " + by + ", difficulty " +
+         std::to_string(difficulty_level);
 }
 
 std::string withdraw_approval(const std::filesystem::path& case_folder, const std::string& by) {

@@ -12,7 +12,8 @@
 
 namespace trephine::library {
 
-std::optional<std::vector<LessonUse>> lesson_uses(const std::filesystem::path& case_folder) {
+std::optional<std::vector<LessonUse>> lesson_uses(const std::filesystem::path& case_folder,
+                                                  const std::string& case_sha256) {
   const std::filesystem::path simulator = own_file({"trephine-sim"});
   if (simulator.empty()) return {};
   const TemporaryFolder temporary;
@@ -26,6 +27,9 @@ std::optional<std::vector<LessonUse>> lesson_uses(const std::filesystem::path& c
   std::vector<LessonUse> uses;
   try {
     const auto all = nlohmann::ordered_json::parse(said.begin(), said.end());
+    if (!case_sha256.empty() && all.at("case_sha256") != case_sha256)
+      throw Error(ExitCode::bad_input, (case_folder / "case.json").string(), "",
+                  "changed while it was read; try again");
     for (const auto& lesson : all.at("lessons")) {
       LessonUse use{lesson.at("name"), lesson.at("tasks"), {}, lesson.at("why_not")};
       for (const auto& [task, why] : lesson.at("doubtful").items()) use.doubtful.emplace_back(task, why);

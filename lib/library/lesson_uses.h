@@ -17,7 +17,9 @@ struct LessonUse {
 };
 
 /// Of every lesson, as `trephine-sim lessons --json` says it, for the simulator alone knows the lessons; nothing where
-/// it does not lie beside this program. Throws Error 65 with what it says where it cannot read the case.
-std::optional<std::vector<LessonUse>> lesson_uses(const std::filesystem::path& case_folder);
+/// it does not lie beside this program. Throws Error 65 with what it says where it cannot read the case, and where it
+/// read another case.json than the one of that SHA-256, if one is given.
+std::optional<std::vector<LessonUse>> lesson_uses(const std::filesystem::path& case_folder,
+                                                  const std::string& case_sha256 = "");
 
 }  // namespace trephine::library

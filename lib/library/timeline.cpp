@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/html_text.h"
 #include "base/log.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -24,19 +25,13 @@ constexpr const char *other_colour = "#bab0ac", *failed_colour = "#c00000";
 
 std::string px(double v) { return fixed_text(v, 2); }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : printable(text))
-    out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '"' ? "&quot;" : std::string(1, c);
-  return out;
-}
-
 std::string text_at(double x, double y, const std::string& text, const char* anchor = "start") {
-  return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" + anchor + "\">" + escaped(text) + "</text>\n";
+  return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" + anchor + "\">" + html_text(text) +
+         "</text>\n";
 }
 std::string box(double x, double y, double w, double h, const std::string& colour, const std::string& title = "") {
   return "<rect x=\"" + px(x) + "\" y=\"" + px(y) + "\" width=\"" + px(std::max(w, 0.5)) + "\" height=\"" + px(h) +
-         "\" fill=\"" + colour + "\">" + (title.empty() ? "" : "<title>" + escaped(title) + "</title>") + "</rect>\n";
+         "\" fill=\"" + colour + "\">" + (title.empty() ? "" : "<title>" + html_text(title) + "</title>") + "</rect>\n";
 }
 
 // Steps of 1, 2 or 5 times a power of ten, so that there are about ten.

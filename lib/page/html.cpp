@@ -5,6 +5,7 @@
 
 #include "base/base64.h"
 #include "base/error.h"
+#include "base/html_text.h"
 #include "grid/nrrd_header.h"
 
 namespace trephine::page {
@@ -19,18 +20,6 @@ void require_harmless(std::string_view text, const char* what) {
   for (const char* end : {"</script", "</style", "<!--"})
     if (lower.find(end) != std::string::npos)
       throw Error(ExitCode::internal, "", what, std::string("holds ") + end + ", which ends its element");
-}
-
-std::string escaped_json(const std::string& json) {
-  std::string out;
-  out.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<')
-      out += "\\u003c";
-    else
-      out += c;
-  }
-  return out;
 }
 
 std::string blocks_html(const std::vector<PageBlock>& blocks) {
@@ -75,7 +64,7 @@ std::string html_page(std::string_view html, std::string_view style, std::string
     else if (place == "SCRIPT_HASH")
       out += policy_hash(script);
     else if (place == "DATA")
-      out += escaped_json(json);
+      out += html_json(json);
     else if (place == "BLOCKS")
       out += blocks_html(blocks);
     else

@@ -22,9 +22,9 @@ PageBlock page_block(std::string id, const std::string& bytes, bool noise = fals
 /// @STYLE@,
 /// @SCRIPT@, @DATA@ and @BLOCKS@, which are filled in one pass, so that nothing in the data can name a place.
 /// @STYLE_HASH@ and @SCRIPT_HASH@ become their hashes for the page's content security policy. `json` becomes the text
-/// of a script element that no browser executes: every '<' in it is written as an escape, so that no text can end it.
-/// The blocks stand in base64. The same input gives the same bytes. Throws Error 70 where style or script would end
-/// their own element, or the template names another place.
+/// of a script element that no browser executes, as html_json (base/html_text.h) writes it. The blocks stand in base64.
+/// The same input gives the same bytes. Throws Error 70 where style or script would end their own element, or the
+/// template names another place.
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
                       const std::vector<PageBlock>& blocks);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
@@ -46,8 +47,9 @@ void print_text(const cases::CaseManifest& manifest) {
   }
 }
 
-void print_json(const cases::CaseManifest& manifest) {
-  nlohmann::ordered_json out = {{"case", manifest.case_token}, {"lessons", nlohmann::ordered_json::array()}};
+void print_json(const cases::CaseManifest& manifest, const std::string& sha256) {
+  nlohmann::ordered_json out = {
+      {"case", manifest.case_token}, {"case_sha256", sha256}, {"lessons", nlohmann::ordered_json::array()}};
   for (const lessons::LessonType& type : lessons::lesson_types()) {
     const lessons::LessonUse use = lessons::use_of(type, manifest);
     nlohmann::ordered_json doubtful = nlohmann::ordered_json::object();
@@ -60,12 +62,14 @@ void print_json(const cases::CaseManifest& manifest) {
 
 ExitCode run_lessons(const cli::ParsedCommand& parsed) {
   const std::filesystem::path file = parsed.path("case") / "case.json";
+  std::string sha256;
   const cases::CaseManifest manifest = with_file(file.string(), [&] {
     const std::vector<char> bytes = read_file(file, 1 << 26);
+    sha256 = sha256_of_bytes({bytes.data(), bytes.size()});
     return cases::parse_case_json({bytes.data(), bytes.size()});
   });
   if (parsed.params<LessonsParams>().json)
-    print_json(manifest);
+    print_json(manifest, sha256);
   else
     print_text(manifest);
   return ExitCode::ok;

@@ -31,14 +31,14 @@ struct PlayParams {
     using P = PlayParams;
     v.number(&P::seconds, "seconds", Range{0, 86400}, "End by itself after so long; 0: when the window is closed.");
     v.integer(&P::remote, "remote", Range{-1, 65535},
-              "Port of the loopback interface on which lines of the remote are taken; 0: any that is free, which is "
-              "then printed; -1: none.");
+              "Port of the loopback interface on which lines of the remote are taken, of whoever sends the token that "
+              "is printed with the port; 0: any port that is free; -1: none.");
     v.flag(&P::remote_tells_all, "remote_tells_all",
            "In a lesson, answer `state` with what the tip is in, what it touches and how deep it lies, which a trainee "
            "does not see: for a teacher's program and for tests.");
     v.integer(&P::head_port, "head_port", Range{-1, 65535},
-              "Port of the loopback interface on which a tracker says where the user's head is; 0: any that is free; "
-              "-1: none.");
+              "Port of the loopback interface on which a tracker that sends the printed token says where the user's "
+              "head is; 0: any port that is free; -1: none.");
   }
 };
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/png.h"
+#include "base/secret.h"
 #include "base/write_file.h"
 #include "window/controls.h"
 #include "window/glfw_window.h"
@@ -163,13 +164,14 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   std::optional<Remote> remote;
   std::optional<HeadReceiver> head;
   try {
+    const std::string secret = random_secret();
     if (remote_port >= 0) {
-      remote.emplace(remote_port);
-      say(fmt::format("remote on port {}", remote->port()));
+      remote.emplace(remote_port, secret);
+      say(fmt::format("remote on port {}, token {}", remote->port(), secret));
     }
     if (options.head_port >= 0) {
-      head.emplace(options.head_port);
-      say(fmt::format("head on port {}", head->port()));
+      head.emplace(options.head_port, secret);
+      say(fmt::format("head on port {}, token {}", head->port(), secret));
     }
     window.emplace("trephine-sim", params.window_width, params.window_height, true, quad, params.screen_number);
     render::driver_facts();

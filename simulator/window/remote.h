@@ -8,12 +8,14 @@
 
 namespace trephine::window {
 
-/// A line protocol on the loopback interface: whoever connects sends a line and gets one line back. Nothing blocks;
-/// the window looks for lines between two pictures. At most 8 at a time may be connected.
+/// A line protocol on the loopback interface: whoever connects sends `token SECRET`, then a line at a time, and gets
+/// one line back for each. Who sends something else first, such as another user of the machine or a page in a browser,
+/// is disconnected without an answer. Nothing blocks; the window looks for lines between two pictures. At most 8 that
+/// sent the secret may be connected at a time, and as many that did not yet, of whom the oldest leaves for a new one.
 class Remote {
  public:
   /// Throws Error 74 where the port cannot be had. Port 0: any that is free.
-  explicit Remote(int port);
+  Remote(int port, std::string secret);
   ~Remote();
   Remote(const Remote&) = delete;
   Remote& operator=(const Remote&) = delete;
@@ -24,19 +26,23 @@ class Remote {
  private:
   struct Client {
     int socket;
+    bool is_known;
     std::string received;
   };
   bool serve(Client& client, const std::function<std::string(const std::string& line)>& answer);
+  int count(bool known) const;
+  const std::string secret_;
   int socket_ = -1, port_ = 0;
   std::vector<Client> clients_;
 };
 
-/// Where the user's head is, as a tracker sends it: a datagram of text with three numbers, mm to the right of the
-/// middle of the window, up, and towards the user from where the camera stands. What is no such text is ignored.
+/// Where the user's head is, as a tracker sends it: a datagram of text with the secret and three numbers, mm to the
+/// right of the middle of the window, up, and towards the user from where the camera stands. What is no such text is
+/// ignored.
 class HeadReceiver {
  public:
   /// Throws Error 74 where the port of the loopback interface cannot be had. Port 0: any that is free.
-  explicit HeadReceiver(int port);
+  HeadReceiver(int port, std::string secret);
   ~HeadReceiver();
   HeadReceiver(const HeadReceiver&) = delete;
   HeadReceiver& operator=(const HeadReceiver&) = delete;
@@ -45,6 +51,7 @@ class HeadReceiver {
   void poll(Vec3& head_mm);
 
  private:
+  const std::string secret_;
   int socket_ = -1, port_ = 0;
 };
 

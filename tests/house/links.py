@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fails where a link leads nowhere.
 
-links.py ROOT          README.md, CONTRIBUTING.md, CHANGELOG.md and docs/**/*.md of the repository: every relative link and
-                       picture, and every #anchor as GitHub makes it of a heading
+links.py ROOT          README.md, CONTRIBUTING.md, CHANGELOG.md, SECURITY.md and docs/**/*.md of the repository: every relative
+                       link and picture, and every #anchor as GitHub makes it of a heading; and that each promise of
+                       SECURITY.md names tests that exist
 links.py --site OUT    every link, picture and #anchor of a site that docs/build_site.sh has built
 """
 import html.parser
@@ -47,8 +48,30 @@ def anchors_of(path):
     return found
 
 
+def check_promises(root):
+    """The last column of a table that is headed "tested by": tests by their names, of CTest, of GoogleTest, or generators of attacks."""
+    lists = "\n".join(p.read_text(encoding="utf-8") for p in root.glob("tests/*.cmake"))
+    sources = "\n".join(p.read_text(encoding="utf-8") for p in root.glob("tests/*_test.cpp"))
+    faults, tested = [], False
+    for number, line in enumerate((root / "SECURITY.md").read_text(encoding="utf-8").split("\n"), 1):
+        tested = line.startswith("|") and (tested or line.endswith("| tested by |"))
+        if not tested or line.endswith(("| tested by |", "---|")):
+            continue
+        names = re.findall(r"`([^`]+)`", line.split("|")[-2])
+        if not names:
+            faults.append(f"SECURITY.md:{number}: names no test")
+        for name in names:
+            room, _, test = name.partition(".")
+            there = (root / name).is_file() if "/" in name else \
+                re.search(rf"\b{test}\b", lists) if room in ("program", "browser", "house") else \
+                re.search(rf"\bTEST(?:_[FP])?\(\s*{room},\s*{test}\)", sources)
+            if not there:
+                faults.append(f"SECURITY.md:{number}: {name}: there is no such test")
+    return faults
+
+
 def check_repository(root):
-    pages = [root / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")] + sorted(root.glob("docs/**/*.md"))
+    pages = [root / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")] + sorted(root.glob("docs/**/*.md"))
     faults, count = [], 0
     for page in pages:
         if not page.is_file():
@@ -115,10 +138,12 @@ def main():
     if len(sys.argv) == 3 and sys.argv[1] == "--site":
         faults, count = check_site(Path(sys.argv[2]).resolve())
     elif len(sys.argv) == 2:
-        faults, count = check_repository(Path(sys.argv[1]).resolve())
+        root = Path(sys.argv[1]).resolve()
+        faults, count = check_repository(root)
+        faults += check_promises(root)
     else:
         sys.exit(__doc__)
-    print("\n".join(faults + [f"{count} links, {len(faults)} of them dead"]))
+    print("\n".join(faults + [f"{count} links, {len(faults)} faults"]))
     sys.exit(1 if faults else 0)
 
 

@@ -37,6 +37,30 @@ grep -qx 'ventriculostomy: serves: right, left' "$work/approved" &&
   grep -q '^spine_needle: cannot serve: landmarks: the lesson needs a pedicle' "$work/approved" || { cat "$work/approved"; fail "lessons that the case serves"; }
 "$OFFLINE" library approve "$library/head-drilled" --by prof-1 --difficulty-level 2 "${head[@]}" >/dev/null
 cp "$library/head-drilled/approved.json" "$library/copy"
+# What is approved is what was checked: a case.json that takes its place meanwhile is not, here while the simulator is asked.
+mkdir "$work/bin"
+cp "$(dirname "$OFFLINE")"/{trephine,trephine-sim} "$work/bin" && mv "$work/bin/trephine-sim" "$work/bin/asked"
+"$WRITE_CASE" "$work/other" spine
+cat >"$work/bin/trephine-sim" <<SH
+#!/bin/sh
+[ "\$SWAP" = before ] && cp "$work/other/case.json" "$work/swapped/case.json"
+"$work/bin/asked" "\$@"
+cp "$work/other/case.json" "$work/swapped/case.json"
+SH
+chmod 755 "$work/bin/trephine-sim"
+for SWAP in before after; do
+  export SWAP
+  rm -rf "$work/swapped" && cp -r "$library/head" "$work/swapped" && rm -f "$work/swapped/approved.json"
+  checked=$(sha256sum <"$work/swapped/case.json")
+  code=0
+  "$work/bin/trephine" library approve "$work/swapped" --by prof-1 "${head[@]}" --quiet 2>"$work/fault" || code=$?
+  if [[ $SWAP == before ]]; then
+    [[ $code == 65 && ! -e $work/swapped/approved.json ]] && grep -q 'case.json: changed while it was read' "$work/fault" ||
+      fail "the simulator was asked of another case: $code: $(cat "$work/fault")"
+  else
+    [[ $code == 0 ]] && grep -q "\"case_sha256\": \"${checked%% *}\"" "$work/swapped/approved.json" || fail "approved: $code: $(cat "$work/swapped/approved.json")"
+  fi
+done
 # Not while a run may publish another case there.
 expect 75 'another run builds this case' flock "$library/head/.lock" "$OFFLINE" library approve "$library/head" --by prof-2
 grep -q prof-1 "$library/head/approved.json" || fail "the approval changed under a run"

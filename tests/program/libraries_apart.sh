@@ -55,7 +55,15 @@ if [[ $(id -u) == 0 ]]; then
   mv "$installed/dicom_codecs.so" "$installed/real.so" && ln -s real.so "$installed/dicom_codecs.so"
   phantom linked || fail "a link of root's own"
   chown -h nobody "$installed/dicom_codecs.so" && refused "a link of another user"
+  rm "$installed/dicom_codecs.so"
+  # A link to a link that another user may put elsewhere, and a folder behind such a one.
+  mkdir "$work/between" && ln -s "$installed/real.so" "$work/between/link" && chown -h nobody "$work/between/link"
+  ln -s "$work/between/link" "$installed/dicom_codecs.so" && refused "a link of another user on the way"
   rm "$installed/dicom_codecs.so" && mv "$installed/real.so" "$installed/dicom_codecs.so"
+  mv "$installed" "$work/alone/lib/real" && ln -s "$work/alone/lib/real" "$work/between/folder"
+  chown nobody "$work/between" && ln -s "$work/between/folder" "$installed"
+  refused "a folder behind a link that another user may exchange"
+  rm "$installed" && mv "$work/alone/lib/real" "$installed"
 fi
 # The same holds for the program that reads with ITK.
 cp "$BIN/trephine-itk" "$work/alone/bin/" && chmod go+w "$work/alone/bin/trephine-itk"
@@ -63,7 +71,7 @@ printf '%s\n' 'ObjectType = Image' 'NDims = 3' 'BinaryData = True' 'BinaryDataBy
   'Offset = 0 0 0' 'ElementSpacing = 1 1 1' 'DimSize = 8 8 8' 'ElementType = MET_SHORT' 'ElementDataFile = LOCAL' >"$work/v.mha"
 head -c 1024 /dev/zero >>"$work/v.mha"
 code=0; said=$("$work/alone/bin/trephine" import "$work/v.mha" --volume-values hu --output "$work/v.nrrd" --quiet 2>&1) || code=$?
-[[ $code == 70 && $said == *': owner: '*bin/trephine-itk* ]] || fail "a program that others may write: $code: $said"
+[[ $code == 70 && $said == *': owner: trephine-itk '*bin/trephine-itk* ]] || fail "a program that others may write: $code: $said"
 rm "$work/alone/bin/trephine-itk"
 
 mv "$work/alone/lib/trephine/dicom_codecs.so" "$work/alone/bin/"

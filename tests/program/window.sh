@@ -34,7 +34,10 @@ open_window() {
   "$@" --remote 0 >"$work/said" 2>"$work/fault" &
   sim=$!
   until_said '^first picture'
-  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
+  local port token
+  read -r port token < <(sed -nE 's/^remote on port ([0-9]+), token ([0-9a-f]{32})$/\1 \2/p' "$work/said")
+  exec 4<>"/dev/tcp/127.0.0.1/$port"
+  ok "token $token"
 }
 # ask LINE: what the remote answers, into `answer`.
 ask() {
