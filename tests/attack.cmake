@@ -23,7 +23,7 @@ add_test(NAME program.LongAttack_stranger COMMAND python3 ${attack}/stranger.py 
 add_test(NAME program.LongAttack_server COMMAND python3 ${attack}/server.py ${attack_programs} --seed 21 --count 200)
 add_test(NAME program.LongAttack_links COMMAND python3 ${attack}/links.py ${attack_programs} --seed 21 --count 40)
 add_test(NAME program.LongAttack_faces
-  COMMAND python3 ${attack}/faces.py ${attack_programs} --seed 21 --count 8 --head ${CMAKE_CURRENT_BINARY_DIR}/head_with_mr)
+  COMMAND python3 ${attack}/faces.py ${attack_programs} --timeout-s 600 --seed 21 --count 8 --head ${CMAKE_CURRENT_BINARY_DIR}/head_with_mr)
 set_tests_properties(program.LongAttack_faces PROPERTIES FIXTURES_REQUIRED head_with_mr)
 set(beside_attacks program.LongAttack_beside program.LongAttack_signatures program.LongAttack_stranger program.LongAttack_server
   program.LongAttack_links program.LongAttack_faces)

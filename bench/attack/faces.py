@@ -9,7 +9,6 @@ import json
 import math
 import pathlib
 import shutil
-import struct
 import subprocess
 
 import common
@@ -19,14 +18,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 NEAR_MM = 1.5  # of the skin: decimation may move a surface by less
 
 
-def ply_points(path):
-    head, _, body = path.read_bytes().partition(b"end_header\n")
-    lines = head.decode().split("\n")
-    count = int(next(line for line in lines if line.startswith("element vertex")).split()[2])
-    properties = [line.split() for line in lines[lines.index(f"element vertex {count}") + 1:] if line.startswith("property")]
-    form = "<" + "".join({"float": "f", "float32": "f", "uchar": "B", "uint8": "B", "double": "d"}[p[1]] for p in properties if p[1] != "list")
-    size = struct.calcsize(form)
-    return [struct.unpack_from(form, body, n * size)[:3] for n in range(count)]
+def points_of(path):
+    """The vertices of an OBJ file."""
+    return [tuple(map(float, line.split()[1:4])) for line in path.read_text().split("\n") if line.startswith("v ")]
 
 
 class Near:
@@ -57,9 +51,9 @@ def prepare(attack):
                "--output", skin, "--quiet", **quiet)
     attack.run("skin", "contour", skin, "--output", work / "skin.vtp", "--quiet", **quiet)
     attack.run("skin", "decimate", work / "skin.vtp", "--max-deviation-mm", 0.3, "--output", work / "small.vtp", "--quiet", **quiet)
-    attack.run("skin", "export", work / "small.vtp", "--format", "ply", "--out", work / "ply", "--quiet", **quiet)
+    attack.run("skin", "export", work / "small.vtp", "--format", "obj", "--out", work / "obj", "--quiet", **quiet)
     n = truth["nasion"]
-    face = [p for p in ply_points(next((work / "ply").glob("*.ply"))) if abs(p[0] - n[0]) < 22 and p[1] < n[1] + 15 and -62 < p[2] - n[2] < -8]
+    face = [p for p in points_of(next((work / "obj").glob("*.obj"))) if abs(p[0] - n[0]) < 22 and p[1] < n[1] + 15 and -62 < p[2] - n[2] < -8]
     three = {name: truth[name] for name in ("nasion", "tragus_left", "tragus_right")}
     (work / "marks.json").write_text(json.dumps({"midsagittal": {"point_mm": n, "normal": [1, 0, 0], "confidence": 1}, "landmarks": [
         {"name": name, "position_mm": p, "confidence": 1, "source": "found"} for name, p in three.items()]}))
@@ -131,11 +125,11 @@ def main():
         if code == 0:
             case = work / "out/face"
             manifest = json.loads((case / "case.json").read_text())
-            shutil.rmtree(work / "ply", ignore_errors=True)
-            attack.run(what + ": export", "export", case, "--format", "ply", "--out", work / "ply", "--quiet", allowed={0})
+            shutil.rmtree(work / "obj", ignore_errors=True)
+            attack.run(what + ": export", "export", case, "--format", "obj", "--out", work / "obj", "--quiet", allowed={0})
             most = 0.6 if bare else 0.05
-            for file in sorted((work / "ply").glob("*.ply")):
-                near = Near(ply_points(file), NEAR_MM)
+            for file in sorted((work / "obj").glob("*.obj")):
+                near = Near(points_of(file), NEAR_MM)
                 share = sum(near.holds(p) for p in face) / len(face)
                 if share > most:
                     attack.find(f"{what}: {file.stem} shows {100 * share:.0f} % of the face")
