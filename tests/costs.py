@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""costs.py BUILD [--write]: the ten tests that took longest in BUILD's runs of ctest. With --write, tests/costs.ctest is written anew from
-them: a first run of ctest in a new build then begins the longest tests first, and `ctest --preset quick` passes them over."""
+"""costs.py BUILD [--write]: the ten tests that took longest in BUILD's runs of ctest. With --write, tests/costs.txt is written from
+them: a first run of ctest in a new build then begins the longest tests first, and `ctest --preset quick` leaves them out."""
 import pathlib
 import sys
 
@@ -18,9 +18,9 @@ def main():
         print(f"{seconds:8.1f}  {name}")
     if "--write" in sys.argv:
         slow = sorted((name, round(s)) for s, name in slowest if s >= SLOW_S)
-        pathlib.Path(__file__).with_name("costs.ctest").write_text(
-            f"# Written by tests/costs.py --write: tests of {SLOW_S} s and more, and their seconds on two cores. ctest reads it.\n" +
-            "".join(f"set_tests_properties({name} PROPERTIES COST {s} LABELS slow)\n" for name, s in slow))
+        pathlib.Path(__file__).with_name("costs.txt").write_text(
+            f"# Written by tests/costs.py --write: tests of {SLOW_S} s and more, and their seconds on two cores.\n" +
+            "".join(f"{name} {s}\n" for name, s in slow if " " not in name))
 
 
 main()
