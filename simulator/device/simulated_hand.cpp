@@ -6,9 +6,6 @@
 
 namespace trephine::device {
 
-// How many times faster than along its path an aim runs on until the arm presses.
-constexpr int most_ahead = 20;
-
 double ForceHold::share(double age_s) const {
   if (age_s <= hold_s) return 1;
   return decay_s > 0 ? std::exp((hold_s - age_s) / decay_s) : 0;
@@ -62,19 +59,25 @@ Vec3 SimulatedHand::aim(double path_s, double time_s) const {
   return p;
 }
 
+// Where something is touched, the arm presses along the tool with press_n, as deep as its path goes at most.
+Vec3 SimulatedHand::pressed(Vec3 on_path) const {
+  const double stiffness = params_.arm_stiffness_n_per_mm, deeper_mm = dot(body_.position_mm - path_mm_.back(), axis);
+  if (!(press_n > 0) || !(stiffness > 0) || norm(body_.force_n) == 0 || deeper_mm <= 0) return on_path;
+  return on_path + axis * (dot(body_.position_mm - on_path, axis) - press_n / stiffness);
+}
+
 bool SimulatedHand::read(double dt_s, DeviceReading& out) {
   // The aim a millisecond at a time, the mass in steps that are fine beside the servo's own.
   for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
     const double part = std::min(left, 0.001);
     left -= part;
     time_s_ += part;
-    const auto to = [&] { return aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s); };
-    const auto pull_n = [&] { return norm(to() - body_.position_mm) * params_.arm_stiffness_n_per_mm; };
+    const auto on_path = [&] { return aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s); };
     const double most_n = press_n > 0 ? press_n : feed_force_n;
-    if (!(most_n > 0) || pull_n() <= most_n) path_s_ += part;
-    if (press_n > 0 && norm(body_.force_n) > 0)
-      for (int n = 0; n < most_ahead && pull_n() < press_n; ++n) path_s_ += part;
-    body_.pull(params_, hold, to(), part);
+    // Where it presses, what counts is the pull across the tool.
+    const Vec3 off = on_path() - body_.position_mm, across = press_n > 0 ? off - axis * dot(off, axis) : off;
+    if (!(most_n > 0) || norm(across) * params_.arm_stiffness_n_per_mm <= most_n) path_s_ += part;
+    body_.pull(params_, hold, pressed(on_path()), part);
   }
   out = {};
   out.tip_mm = body_.position_mm;

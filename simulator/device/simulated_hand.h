@@ -55,12 +55,12 @@ class SimulatedHand : public Device {
   Vec3 axis{0, 0, 1};       ///< of the tool that it holds and does not turn
   bool drills = false;      ///< it marks an incision at the start, then holds the pedal down
   double feed_force_n = 0;  ///< while the arm pulls more than that it waits on its path; 0: never
-  /// What the arm pulls with where something is touched: its aim runs on along the path until it does; 0: see
-  /// feed_force_n.
+  /// What the arm presses with along the tool where something is touched, until its path's end; 0: see feed_force_n.
   double press_n = 0;
 
  private:
   Vec3 aim(double path_s, double time_s) const;
+  Vec3 pressed(Vec3 on_path) const;
   HandParams params_;
   std::vector<Vec3> path_mm_;
   std::vector<double> length_mm_;  ///< from the path's begin to each point

@@ -30,6 +30,17 @@ PY
 grep -q '^the drilled volume is the same$' "$work/text" || fail "another volume"
 grep -q '^replayed bit for bit$' "$work/text" || fail "not the same"
 
+# A hand presses with what it says, and what it felt and how fast it went on is reported.
+for press in 0.5 1; do
+  "${servo[@]}" --tool ball --tool-diameter-mm 4 --drill "${hand[@]}" --seconds 10 --press-n $press --json "$work/$press.json" >"$work/text"
+  grep -Eq '^while it cut: [0-9.]+ N felt, [0-9.]+ mm/s along its axis$' "$work/text" || { cat "$work/text"; fail "no feed"; }
+  python3 -c '
+import json, sys
+press, d = float(sys.argv[1]), json.load(open(sys.argv[2]))["drilled"]
+assert abs(d["force_felt_n"] / press - 1) < 0.25 and d["feed_mm_per_s"] > 1 and d["cutting_s"] > 0.1, d' $press "$work/$press.json" ||
+    fail "pressed with another force than $press N"
+done
+
 # The case as it is at the end.
 "$TREPHINE" check "$work/sample" --json >"$work/before.json"
 "$TREPHINE" check "$work/sample" --after "$work/hole.servo" --out "$work/after" --json >"$work/after.json" || fail "no case"
