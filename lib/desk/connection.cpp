@@ -70,7 +70,6 @@ void Connection::look_for_head(const Server::Door& door, std::size_t from) {
   const std::size_t head_bytes = end + 4;
   if (const int status = begin(door, std::string_view(in_).substr(0, head_bytes)); status != 0) return refuse(status);
   const std::size_t here = std::min<std::size_t>(in_.size() - head_bytes, head_.body_bytes);
-  request_.body.reserve(head_.body_bytes);
   request_.body.assign(in_, head_bytes, here);
   in_.erase(0, head_bytes + here);
   become(here == head_.body_bytes ? State::answering : State::body, stalled_s);
@@ -93,31 +92,34 @@ int Connection::begin(const Server::Door& door, std::string_view head) {
 }
 
 // What follows a refused head may be anything: nothing more of it is read as a request.
-void Connection::refuse(int status) { send(answer_text(plain(status), false), false); }
+void Connection::refuse(int status) { send(plain(status), false); }
 
 void Connection::answer(const Reply& reply, const Server::Door& door) {
-  send(answer_text(reply, head_.keep_alive), head_.keep_alive);
+  send(reply, head_.keep_alive);
   request_ = {};
   write(door);
 }
 
-void Connection::send(std::string text, bool keep_alive) {
+void Connection::send(const Reply& reply, bool keep_alive) {
   head_.keep_alive = keep_alive;
   if (!keep_alive) in_.clear();
-  out_ = std::move(text);
+  out_ = answer_text(reply, keep_alive);
+  lasting_ = reply.lasting;
   sent_ = 0;
   become(State::writing, stalled_s);
 }
 
 void Connection::write(const Server::Door& door) {
-  const ssize_t sent = ::send(socket_.get(), out_.data() + sent_, out_.size() - sent_, MSG_DONTWAIT | MSG_NOSIGNAL);
+  const std::string_view left =
+      sent_ < out_.size() ? std::string_view(out_).substr(sent_) : lasting_.substr(sent_ - out_.size());
+  const ssize_t sent = ::send(socket_.get(), left.data(), left.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent < 0) {
     if (errno != EAGAIN && errno != EINTR) close();
     return;
   }
   sent_ += static_cast<std::size_t>(sent);
   until_ = Clock::now() + std::chrono::seconds(stalled_s);
-  if (sent_ < out_.size()) return;
+  if (sent_ < out_.size() + lasting_.size()) return;
   out_ = std::string();
   if (!head_.keep_alive) {
     ::shutdown(socket_.get(), SHUT_WR);

@@ -41,13 +41,14 @@ class Connection {
   void look_for_head(const Server::Door& door, std::size_t from);
   int begin(const Server::Door& door, std::string_view head);
   void refuse(int status);
-  void send(std::string text, bool keep_alive);
+  void send(const Reply& reply, bool keep_alive);
   std::size_t receive(char* to, std::size_t most);
 
   FileDescriptor socket_;
   State state_ = State::head;
   Clock::time_point since_, until_;
   std::string in_, out_;
+  std::string_view lasting_;
   std::size_t sent_ = 0, drained_ = 0;
   HttpHead head_;
   Request request_;

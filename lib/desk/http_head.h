@@ -24,7 +24,7 @@ int parse_head(std::string_view text, HttpHead& head);
 /// What a target says behind its question mark: the last of each name.
 std::map<std::string, std::string> query_of(const std::string& target);
 
-/// The whole answer, with what no page of anybody else may do with it.
+/// The answer but for its `lasting` bytes, with what no page of anybody else may do with it.
 std::string answer_text(const Reply& reply, bool keep_alive);
 
 }  // namespace trephine::desk

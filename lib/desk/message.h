@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace trephine::desk {
 
@@ -22,7 +23,8 @@ struct Reply {
   int status = 200;
   std::string content_type = "application/json";
   std::string body;
-  std::string policy;  ///< content security policy; empty: what is sent may load, run and show nothing
+  std::string_view lasting;  ///< sent behind `body`: what lasts as long as the program, and is never copied
+  std::string policy;        ///< content security policy; empty: what is sent may load, run and show nothing
 };
 
 }  // namespace trephine::desk

@@ -7,6 +7,7 @@
 
 #include "base/base64.h"
 #include "base/file_descriptor.h"
+#include "base/hash.h"
 #include "base/open_beneath.h"
 #include "base/parallel.h"
 #include "base/text.h"
@@ -55,21 +56,23 @@ Json json_of(const fs::path& library, const library::CaseRow& row) {
     if (const ParameterValue* value = row.figure(name)) out["figures"][name] = json_of(*value);
   try {
     if (const auto approval = lesson::read_approval(library / row.token))
-      out["approval"] = {
-          {"by", approval->by}, {"difficulty_level", approval->difficulty_level}, {"holds", approval->holds}};
+      out["approval"] = {{"by", approval->by},
+                         {"difficulty_level", approval->difficulty_level},
+                         {"holds", approval->case_sha256 == sha256_of_file(library / row.token / "case.json")}};
   } catch (const Error& e) {
     out["warnings"].push_back(std::string("approval: ") + e.what());
   }
   return out;
 }
 
-// Anybody may ask for it, as often as he likes: so it is made once.
+// Anybody may ask for it, as often as he likes, and read none of it: so there is one of it.
 Reply desk_page(DeskState& desk, const Request&) {
   static const std::string html = page::html_page(web::desk_html, web::desk_css, web::desk_js, "{}", {});
   static const std::string own =
       "default-src 'none'; script-src '" + policy_hash(web::desk_js) + "'; style-src '" + policy_hash(web::desk_css) +
       "'; img-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-  Reply reply = bytes_reply(html, "text/html; charset=utf-8");
+  Reply reply = bytes_reply({}, "text/html; charset=utf-8");
+  reply.lasting = html;
   reply.policy = own + "; frame-src http://127.0.0.1:" + std::to_string(desk.library.options().page_port);
   return reply;
 }

@@ -176,13 +176,16 @@ class Server::State {
     }
   }
 
-  // The one goes that has waited longest; what passed the door and is not answered yet stays.
+  // The one goes that has waited longest, of those that passed the door only where there is no other; what is being
+  // answered stays.
   bool make_room() {
+    const auto goes_before = [](const Connection& a, const Connection& b) {
+      const bool a_passed = a.state() == At::body, b_passed = b.state() == At::body;
+      return a_passed != b_passed ? b_passed : a.since() < b.since();
+    };
     auto oldest = connections_.end();
-    for (auto c = connections_.begin(); c != connections_.end(); ++c) {
-      if (c->state() == At::body || c->state() == At::answering) continue;
-      if (oldest == connections_.end() || c->since() < oldest->since()) oldest = c;
-    }
+    for (auto c = connections_.begin(); c != connections_.end(); ++c)
+      if (c->state() != At::answering && (oldest == connections_.end() || goes_before(*c, *oldest))) oldest = c;
     if (oldest == connections_.end()) return false;
     connections_.erase(oldest);
     return true;

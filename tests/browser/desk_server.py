@@ -98,6 +98,8 @@ def framing(check, desk):
                        "a body of a GET": desk.head("GET", "api/status", **kind),
                        "two lengths": desk.head("POST", "api/stop", content_length=0, **kind),
                        "a length and chunks": desk.head("POST", "api/stop", Transfer_Encoding="chunked", **kind),
+                       "a folded length": desk.head("POST", "api/stop", **{**kind, "Content_Length": f"\r\n {len(hidden)}"}),
+                       "a length folded by a tab": desk.head("POST", "api/stop", **{**kind, "Content_Length": f"\r\n\t{len(hidden)}"}),
                        "no length": desk.head("POST", "api/stop", **{**kind, "Content_Length": None})}.items():
         said = desk.raw(head, later=hidden)
         check(said.count(b"HTTP/1.1 ") == 1 and said.startswith(b"HTTP/1.1 4"), f"{what}: nothing behind a refused head is a request: {said[:60]}, {said.count(b'HTTP/1.1 ')} answers")
@@ -111,10 +113,12 @@ def places(check, desk):
     kind = {"Content_Type": "application/json", "Content_Length": 1000000}
     for what, count, first in (("heads", 40, b"GET / HTTP/1.1\r\nX: "), ("heads", 600, b"GET / HTTP/1.1\r\nX: "), ("silence", 600, b""),
                                ("pages that nobody reads", 600, desk.head("GET", "", Connection="keep-alive", Trephine_Desk=None) * 40),
-                               ("bodies", 40, desk.head("POST", "api/stop", **kind))):
+                               ("bodies", 600, desk.head("POST", "api/stop", **kind))):
+        before = most_mb(desk)
         with Slow(desk.port, count, first):
             for _ in range(3):
                 check(answered(desk), f"the owner is answered beside {count} connections of slow {what}")
+        check(most_mb(desk) < before + 40, f"{count} connections of slow {what} took {most_mb(desk) - before:.0f} MB")
 
 
 def main():
