@@ -9,7 +9,7 @@ import tempfile
 import time
 
 from desk import Desk, Page, make_root, no_console_errors, run
-from desk_hand import LEFT_HOLE, SCENE
+from desk_hand import SCENE
 from webdriver import Browser, Checks
 
 TOOLS = ("cross", "measure", "profile", "entry", "target", "add", "remove", "erase", "fill", "grow", "region", "snake", "cut", "smooth")
@@ -84,8 +84,6 @@ def main():
         folder = pathlib.Path(folder)
         root, library = make_root(folder, ("skull_drilled", FULL)), folder / "library"
         (root / "configs/scenes/skull_drilled.yaml").write_text(SCENE)
-        coarse = root / "configs/coarse.yaml"
-        coarse.write_text(coarse.read_text() + LEFT_HOLE)
         run("phantom", folder / "phantom", "--columns-count", size, "--rows-count", size, "--slices-count", count, "--slice-step-mm", 200 / count, "--quiet")
         (folder / "phantom/dicom").rename(root / "big")
         listed = root / "configs/LIBRARY.yaml"
