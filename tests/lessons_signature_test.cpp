@@ -48,18 +48,18 @@ TEST_F(SignedRecordings, WhatWasReadIsLookedFor) {
   lessons::sign_recording(seen, key);
   const haptics::Recording read = haptics::read_recording(mine);
   EXPECT_EQ(read.sha256, sha256_of_file(mine));
-  EXPECT_EQ(lessons::signature_state(read.sha256, mine, open_key), "not signed");
+  EXPECT_EQ(lessons::signature_of(read.sha256, mine, open_key), lessons::Signature::absent);
   // The signed one takes its place after it was read, and its signature the place beside it.
   fs::rename(seen, mine);
   fs::rename(lessons::signature_file(seen), lessons::signature_file(mine));
   try {
-    lessons::signature_state(read.sha256, mine, open_key);
-    FAIL() << "it is said to be signed";
+    lessons::require_no_misfit(lessons::signature_of(read.sha256, mine, open_key), mine);
+    FAIL() << "a signature of other bytes fits";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
     EXPECT_EQ(e.field(), "recording_sha256");
   }
-  EXPECT_EQ(lessons::signature_state(haptics::read_recording(mine).sha256, mine, open_key), "signed");
+  EXPECT_EQ(lessons::signature_of(haptics::read_recording(mine).sha256, mine, open_key), lessons::Signature::fits);
 }
 
 TEST_F(SignedRecordings, ALinkInPlaceOfTheSignatureIsReplaced) {
@@ -69,7 +69,7 @@ TEST_F(SignedRecordings, ALinkInPlaceOfTheSignatureIsReplaced) {
   EXPECT_FALSE(fs::is_symlink(lessons::signature_file(mine)));
   std::ifstream in(other);
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "of the teacher");
-  EXPECT_EQ(lessons::signature_state(haptics::read_recording(mine).sha256, mine, open_key), "signed");
+  EXPECT_EQ(lessons::signature_of(haptics::read_recording(mine).sha256, mine, open_key), lessons::Signature::fits);
 }
 
 }  // namespace

@@ -18,7 +18,10 @@ std::vector<cli::Argument> anew_arguments() {
                         "Score the attempts anew from their recordings, in the cases of this library; needs --rubric."),
           cli::argument("rubric", Kind::in_file, "The rubric by which they are scored anew (.json)."),
           cli::argument("scores_cache", Kind::out_folder,
-                        "Keep here what was scored anew, by digest; nobody else should be able to write there.")};
+                        "Keep here what was scored anew, by digest; nobody else should be able to write there."),
+          cli::argument("signed_by", Kind::in_file,
+                        "The teacher's public key (.pem): each attempt is then called signed or not signed; needs "
+                        "--cases and --rubric, since only points that come from a signed recording are signed.")};
 }
 
 void score_anew(lessons::Results& results, const cli::ParsedCommand& parsed) {
@@ -26,14 +29,16 @@ void score_anew(lessons::Results& results, const cli::ParsedCommand& parsed) {
     throw Error(ExitCode::usage, "", parsed.has("cases") ? "--rubric" : "--cases",
                 "is missing: attempts are scored anew by both");
   if (parsed.has("cases")) {
-    lessons::ScoreAnew anew{parsed.path("cases"), lessons::read_rubric_file(parsed.path("rubric")), {}};
+    lessons::ScoreAnew anew{parsed.path("cases"), lessons::read_rubric_file(parsed.path("rubric"))};
+    if (parsed.has("signed_by")) anew.public_key = parsed.path("signed_by");
     if (parsed.has("scores_cache")) {
       anew.cache = parsed.path("scores_cache");
       make_output_folder(anew.cache);
     }
     lessons::score_anew(results, anew);
-  } else if (parsed.has("scores_cache")) {
-    throw Error(ExitCode::usage, "", "--scores-cache", "needs --cases and --rubric");
+  } else if (parsed.has("scores_cache") || parsed.has("signed_by")) {
+    throw Error(ExitCode::usage, "", parsed.has("signed_by") ? "--signed-by" : "--scores-cache",
+                "needs --cases and --rubric");
   }
   lessons::require_one_rubric(results);
 }
@@ -54,6 +59,7 @@ study::Table table_of(const lessons::Results& results) {
                                                             {"task", r.task},
                                                             {"outcome", r.outcome},
                                                             {"critical_errors", critical},
+                                                            {"signature", lessons::name_of(r.signature)},
                                                             {"points", std::to_string(r.points)},
                                                             {"most_points", std::to_string(r.most_points)},
                                                             {"completed", r.outcome.empty()          ? ""

@@ -6,7 +6,7 @@
 
 namespace trephine::commands {
 
-/// The arguments `cases`, `rubric` and `scores_cache` of commands that read results.
+/// The arguments `cases`, `rubric`, `scores_cache` and `signed_by` of commands that read results.
 std::vector<cli::Argument> anew_arguments();
 /// Scores the results anew where those were given, and refuses a mixture of rubrics. Throws Error 64 where one of the
 /// first two is missing; else as score_anew and require_one_rubric do.

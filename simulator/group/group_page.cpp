@@ -23,7 +23,7 @@ h3 { font-size: 1em; margin: 1.4em 0 .3em } .faint, figcaption { color: var(--fa
 table { border-collapse: collapse; margin: .4em 0 } td, th { text-align: left; vertical-align: top; padding: .25em .9em .25em 0; border-bottom: 1px solid var(--line) }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums } .wide { overflow-x: auto }
 .plots { display: flex; flex-wrap: wrap; gap: 1em } figure { margin: 0; flex: 1 1 26em; max-width: 40em } img { width: 100%; background: #fff }
-.note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } :lang(de) .note::before { content: "Hinweis: " } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) }
+.note { margin: .2em 0 } .note::before { content: "note: "; color: var(--faint) } :lang(de) .note::before { content: "Hinweis: " } .bad { color: var(--bad); font-weight: bold } .good { color: var(--good) } .large { font-size: 1.3em; font-weight: bold }
 )";
 
 // Of a pass mark, after "By".
@@ -60,10 +60,31 @@ std::string phase_title(const std::string& phase, texts::Language l) {
   return group_word(l, phase.empty() ? "all" : phase);
 }
 
+bool signature_asked(const ModuleView& m) {
+  return std::any_of(m.attempts.begin(), m.attempts.end(),
+                     [](const auto& a) { return a.signature != lessons::Signature::not_asked; });
+}
+
+// Whether a teacher signed what the points come from, in large letters.
+std::string signed_html(const ModuleView& m, texts::Language l) {
+  if (!signature_asked(m))
+    return std::string("<p class=\"faint\">") + group_word(l, "Signatures were not asked for.") + "</p>\n";
+  const auto count = std::size_t(std::count_if(m.attempts.begin(), m.attempts.end(),
+                                               [](const auto& a) { return a.signature == lessons::Signature::fits; }));
+  if (count == m.attempts.size())
+    return std::string("<p class=\"large good\">") + group_word(l, "Signed: every attempt.") + "</p>\n";
+  return std::string("<p class=\"large bad\">") +
+         fmt::format(fmt::runtime(group_word(l, "Not signed: {} of {} attempts.")), m.attempts.size() - count,
+                     m.attempts.size()) +
+         "</p>\n";
+}
+
 std::string participants_html(const ModuleView& m, texts::Language l) {
   std::vector<std::string> heads;
   for (const char* head : {"participant", "group", "level", "done of planned", "completed", "failed"})
     heads.push_back(group_word(l, head));
+  const bool asked = signature_asked(m);
+  if (asked) heads.push_back(group_word(l, "signed"));
   for (const std::string& phase : shown_phases(m)) heads.push_back(phase_title(phase, l));
   heads.insert(heads.end(), {group_word(l, "first"), group_word(l, "last"), group_word(l, "kept")});
   std::string out = table_begin(heads, 3);
@@ -73,6 +94,9 @@ std::string participants_html(const ModuleView& m, texts::Language l) {
                               : std::to_string(p.done),
                 p.done < p.planned ? "n faint" : "n");
     out += cell(std::to_string(p.completed)) + cell(std::to_string(p.failed), p.failed > 0 ? "n bad" : "n");
+    if (asked)
+      out += cell(fmt::format(fmt::runtime(group_word(l, "{} of {}")), p.signed_count, p.done),
+                  p.signed_count < p.done ? "n bad" : "n");
     for (const std::string& phase : shown_phases(m)) {
       const auto at = p.share_by_phase.find(phase);
       out += cell(at == p.share_by_phase.end() ? "" : percent(at->second));
@@ -242,7 +266,8 @@ std::string group_page(const GroupView& view, const GroupPageParts& parts, texts
          "</h1>\n<p class=\"faint\">" + group_word(l, "not a medical device") + "</p>\n";
   for (const texts::Phrase& note : view.notes) out += "<p class=\"note\">" + html_text(group_words(l, note)) + "</p>\n";
   for (const ModuleView& m : view.modules) {
-    out += "<h2>" + html_text(lessons::lesson_title(m.module, l)) + "</h2>\n" + participants_html(m, l);
+    out += "<h2>" + html_text(lessons::lesson_title(m.module, l)) + "</h2>\n" + signed_html(m, l) +
+           participants_html(m, l);
     if (const auto at = parts.pictures.find(m.module); at != parts.pictures.end()) {
       out += "<div class=\"plots\">\n";
       for (const auto& [title, svg] : at->second)

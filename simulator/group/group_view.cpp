@@ -39,6 +39,7 @@ ParticipantView participant_of(const std::vector<const AttemptResult*>& attempts
   for (const AttemptResult* r : attempts) {
     ++p.done;
     p.completed += r->outcome == "completed";
+    p.signed_count += r->signature == lessons::Signature::fits;
     p.failed += r->outcome == "failed";
     shares[r->phase].push_back(share_of(*r));
     p.completed_by_phase[r->phase] = p.completed_by_phase["all"] = r->outcome == "completed";

@@ -30,7 +30,7 @@ struct GroupParams {
 /// What a participant did in one lesson. Shares are of the points that could be had, as means over attempts.
 struct ParticipantView {
   std::string participant, group, level;
-  std::size_t planned = 0, done = 0, completed = 0, failed = 0;
+  std::size_t planned = 0, done = 0, completed = 0, failed = 0, signed_count = 0;
   std::map<std::string, double> share_by_phase;    ///< "" where the plan has no phases
   std::map<std::string, bool> completed_by_phase;  ///< the last attempt of the phase, and of all under "all"
   double first_share = 0, last_share = 0, mean_share = 0;

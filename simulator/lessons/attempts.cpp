@@ -132,7 +132,7 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
   for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
   line += "," + head.motion_sha256 + "," + head.checked() + "," + repeats;
   line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical + "," + haptics::name_of(head.seal) + "," +
-          head.signature;
+          name_of(head.signature);
   return line;
 }
 
@@ -172,7 +172,7 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
       if (known == 0) known = int(parse_integer(cells[attempt_at]).value_or(0));
       // Scored by another rubric, replayed after it was trusted, or signed since, it is the same attempt.
       there = there || (cells[rubric_at] == head.rubric_sha256 && (!by_motion || cells[checked_at] == head.checked()) &&
-                        (head.signature.empty() || cells[signature_at] == head.signature));
+                        (head.signature == Signature::not_asked || cells[signature_at] == name_of(head.signature)));
     }
     text = old;
   }

@@ -24,6 +24,7 @@ body { font: 14px/1.45 system-ui, sans-serif; max-width: 62em; margin: 1em auto;
 h1 { font-size: 1.3em; margin: 0 } h2 { font-size: 1em; margin: 1.6em 0 .4em; color: var(--faint) }
 table { border-collapse: collapse; width: 100% } td, th { text-align: left; vertical-align: top; padding: .3em .6em .3em 0; border-bottom: 1px solid var(--line) }
 .failed { border-left: .4em solid var(--target); padding-left: .6em; font-size: 1.15em }
+.signed { border-left: .4em solid var(--expert); padding-left: .6em; font-size: 1.15em }
 .score { font-size: 1.3em; white-space: nowrap } td.faint { white-space: nowrap } .faint, figcaption { color: var(--faint); font-size: .85em }
 .slices { display: flex; gap: .5em } figure { margin: 0; flex: 1 } svg { width: 100%; background: #000 }
 polyline, line { fill: none } circle { fill: none; stroke-width: 1 }
@@ -60,11 +61,12 @@ constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · 
 constexpr Wording task_words{{"Task: ", "Aufgabe: "}};
 constexpr Wording trusted_words{
     {"Trusted: the recording was not replayed.", "Geglaubt: die Aufnahme wurde nicht nachgespielt."}};
+constexpr Wording signed_words{{"Signed", "Unterschrieben"}}, unsigned_words{{"Not signed", "Nicht unterschrieben"}};
 constexpr Wording undone_words{
     {"What was cut was taken back {} times.", "Was geschnitten war, wurde {} mal zurückgenommen."}};
 constexpr Wording made_words{{"Made of", "Gemacht aus"}};
-constexpr Wording made_of_words{{"recording {} ({}, {})<br>motion {}<br>haptic volume {}<br>rubric {}",
-                                 "Aufnahme {} ({}, {})<br>Bewegung {}<br>haptisches Volumen {}<br>Bewertungsbogen {}"}};
+constexpr Wording made_of_words{{"recording {} ({}, {})<br>motion {}<br>case {}<br>rubric {}",
+                                 "Aufnahme {} ({}, {})<br>Bewegung {}<br>Fall {}<br>Bewertungsbogen {}"}};
 
 // A rubric's reason, in German where its author wrote that too.
 template <class Rule>
@@ -216,6 +218,11 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
                                               escaped(aim_of(task_of(module, loaded.manifest, facts.task), language)));
   out += critical_html(score, language);
   if (!head.replayed) out += std::string("<p class=\"failed\"><b>") + say(trusted_words) + "</b></p>\n";
+  if (head.signature != Signature::not_asked) {
+    const bool fits = head.signature == Signature::fits;
+    out += fmt::format("<p class=\"{}\"><b>{}</b></p>\n", fits ? "signed" : "failed",
+                       say(fits ? signed_words : unsigned_words));
+  }
   if (facts.undone > 0) out += "<p><b>" + fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "</b></p>\n";
   out += rows_html(score, language) + advice_html(score, language);
   out += steps_html(guide_of(module, facts), language);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lessons/exercise_plan.h"
+#include "lessons/signature.h"
 
 namespace trephine::lessons {
 
@@ -34,6 +35,8 @@ struct AttemptResult {
   std::vector<std::pair<std::string, double>> motion;  ///< those of them that are of the hand's motion
   std::filesystem::path folder;
   bool recording_is_there = false;  ///< beside the report
+  Signature signature =
+      Signature::not_asked;  ///< asked by score_anew() alone; `fits`: these points are of what is signed
   std::optional<double> figure(const std::string& name) const;
 };
 

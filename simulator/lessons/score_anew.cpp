@@ -94,6 +94,11 @@ void score_anew(Results& results, const ScoreAnew& params) {
       require_same(r, now);
     else
       results.notes.push_back({"{}: was scored by another rubric, and is scored anew", {r.report}});
+    now.signature = signature_of(now.recording_sha256, recording, params.public_key);
+    if (now.signature == Signature::of_other_bytes)
+      results.notes.push_back({"{}: its signature is of another recording: not signed", {r.report}});
+    if (now.signature == Signature::by_another_key)
+      results.notes.push_back({"{}: its signature is not by the owner of the public key: not signed", {r.report}});
     now.report = r.report;
     now.folder = r.folder;
     now.recording_is_there = true;

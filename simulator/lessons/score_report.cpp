@@ -118,8 +118,8 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
               {"motion_sha256", head.motion_sha256},
               {"checked", head.checked()},
               {"seal", haptics::name_of(head.seal)},
-              {"signature", head.signature.empty() ? Json(nullptr) : Json(head.signature)},
-              {"haptic_sha256", head.case_sha256},
+              {"signature", head.signature == Signature::not_asked ? Json(nullptr) : Json(name_of(head.signature))},
+              {"case_sha256", head.case_sha256},
               {"rubric_sha256", head.rubric_sha256},
               {"task", facts.task},
               {"outcome", name_of(score.outcome())},
@@ -169,7 +169,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (!head.replayed) text += std::string(say(trusted_words)) + "\n";
   if (head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
   if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";
-  if (!head.signature.empty()) text += head.signature + "\n";
+  if (head.signature != Signature::not_asked) text += std::string(name_of(head.signature)) + "\n";
   for (const Advice& a : score.advice) text += a.of(language) + "\n";
   for (const std::string& sentence : motion_advice(head.motion, head.experts, language)) text += sentence + "\n";
   text += headline_of(score, language) + "\n";

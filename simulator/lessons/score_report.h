@@ -6,20 +6,21 @@
 #include "lessons/lesson.h"
 #include "lessons/motion_figures.h"
 #include "lessons/score.h"
+#include "lessons/signature.h"
 
 namespace trephine::lessons {
 
 /// What a report says beside the scores.
 struct ReportHead {
   std::string case_token, module, participant;
-  std::string recording_sha256, rubric_sha256, case_sha256;  ///< of the files; case: of its haptic volume
+  std::string recording_sha256, rubric_sha256, case_sha256;  ///< of the files; case: of its case.json
   std::string motion_sha256 = {};                            ///< motion_digest()
   bool replayed = false;                                     ///< else the recording's answers were trusted
   haptics::Seal seal = haptics::Seal::absent;                ///< of the recording
-  std::string signature = {};                                ///< signature_state()
-  std::vector<std::pair<std::string, double>> motion = {};   ///< motion_figures()
-  std::vector<ExpertBand> experts = {};                      ///< beside which they are shown; none: by themselves
-  texts::Language language = texts::Language::english;       ///< of page and table; the JSON is for programs
+  Signature signature = Signature::not_asked;
+  std::vector<std::pair<std::string, double>> motion = {};  ///< motion_figures()
+  std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
+  texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs
   const char* checked() const { return replayed ? "replayed" : "trusted"; }
 };
 

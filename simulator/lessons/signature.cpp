@@ -43,23 +43,43 @@ void sign_recording(const std::filesystem::path& recording, const std::filesyste
   write_file(signature_file(recording), json::declared_json(AnyParams::make<SignatureFile>(s)) + "\n", Links::replaced);
 }
 
-std::string signature_state(const std::string& recording_sha256, const std::filesystem::path& recording,
-                            const std::filesystem::path& public_key) {
-  if (public_key.empty()) return "";
+const char* name_of(Signature signature) {
+  switch (signature) {
+    case Signature::not_asked:
+      return "";
+    case Signature::fits:
+      return "signed";
+    case Signature::absent:
+    case Signature::of_other_bytes:
+    case Signature::by_another_key:
+      break;
+  }
+  return "not signed";
+}
+
+Signature signature_of(const std::string& recording_sha256, const std::filesystem::path& recording,
+                       const std::filesystem::path& public_key) {
+  if (public_key.empty()) return Signature::not_asked;
   const std::filesystem::path file = signature_file(recording);
-  if (!std::filesystem::exists(file)) return "not signed";
+  if (!std::filesystem::exists(file)) return Signature::absent;
   SignatureFile s;
   with_file(file.string(), [&] {
     const std::vector<char> bytes = read_file(file, 1 << 16);
     json::read_declared_json({bytes.data(), bytes.size()}, parameters_of<SignatureFile>(), &s);
   });
-  const Remedy remedy{"let the teacher `sign` it anew, or take the .sig away: it is then judged as not signed"};
-  if (s.recording_sha256 != recording_sha256)
-    throw refusal("recording_sha256", "is not of the recording beside it, which was changed or replaced", remedy)
-        .in_file(file.string());
-  if (!is_signed(signed_words(s.recording_sha256), s.signature, public_key))
-    throw refusal("signature", "is not by the owner of the public key", remedy).in_file(file.string());
-  return "signed";
+  if (s.recording_sha256 != recording_sha256) return Signature::of_other_bytes;
+  return is_signed(signed_words(s.recording_sha256), s.signature, public_key) ? Signature::fits
+                                                                              : Signature::by_another_key;
+}
+
+void require_no_misfit(Signature signature, const std::filesystem::path& recording) {
+  const bool other_bytes = signature == Signature::of_other_bytes;
+  if (!other_bytes && signature != Signature::by_another_key) return;
+  throw refusal(other_bytes ? "recording_sha256" : "signature",
+                other_bytes ? "is not of the recording beside it, which was changed or replaced"
+                            : "is not by the owner of the public key",
+                {"ask the teacher who saw the attempt to `sign` it"})
+      .in_file(signature_file(recording).string());
 }
 
 }  // namespace trephine::lessons

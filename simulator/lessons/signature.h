@@ -15,10 +15,17 @@ std::filesystem::path signature_file(const std::filesystem::path& recording);
 /// write_file do.
 void sign_recording(const std::filesystem::path& recording, const std::filesystem::path& private_key);
 
-/// "signed", or "not signed" where there is no signature beside the recording; empty where `public_key` is, as nobody
-/// asks. `recording_sha256` is of the bytes that were read (Recording::sha256), whatever lies at the path by now.
-/// Throws Error 80 where the signature is not by that key or not of these bytes; 65 where its file is damaged.
-std::string signature_state(const std::string& recording_sha256, const std::filesystem::path& recording,
-                            const std::filesystem::path& public_key);
+/// What lies beside a recording, for whoever has a public key; `fits`: a signature by its owner of these very bytes.
+enum class Signature { not_asked, absent, of_other_bytes, by_another_key, fits };
+/// "signed"; "not signed" for all else; empty where nobody asked.
+const char* name_of(Signature signature);
+
+/// `not_asked` where `public_key` is empty. `recording_sha256` is of the bytes that were read (Recording::sha256),
+/// whatever lies at the path by now. Throws Error 65 where the file of the signature is damaged.
+Signature signature_of(const std::string& recording_sha256, const std::filesystem::path& recording,
+                       const std::filesystem::path& public_key);
+
+/// Throws Error 80, naming the signature's file, where there is one that does not fit.
+void require_no_misfit(Signature signature, const std::filesystem::path& recording);
 
 }  // namespace trephine::lessons

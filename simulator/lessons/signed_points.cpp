@@ -67,7 +67,9 @@ const char* to_text(SignedState state) {
 SignedState signed_state(const SignedAttempt& attempt, const fs::path& case_folder,
                          const lesson::CompiledRubric* rubric, const fs::path& public_key) {
   const haptics::Recording recording = haptics::read_recording(attempt.recording);
-  if (signature_state(recording.sha256, attempt.recording, public_key) != "signed") return SignedState::not_signed;
+  const Signature signature = signature_of(recording.sha256, attempt.recording, public_key);
+  require_no_misfit(signature, attempt.recording);
+  if (signature != Signature::fits) return SignedState::not_signed;
   require_same(attempt.recording, "participant", recording.header.participant, attempt.participant);
   require_same(attempt.recording, "lesson", recording.header.lesson, attempt.module);
   require_same(attempt.recording, "case", recording.header.case_token, attempt.case_token);
