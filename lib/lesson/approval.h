@@ -13,11 +13,11 @@ namespace trephine::lesson {
 void validate_token(const std::string& token, const std::string& flag);
 
 /// What a reviewer said of a case: that lessons may use it, and how difficult it is. It lies beside the case
-/// (approved.json) and holds the SHA-256 of case.json, so it is void when the case changes.
+/// (approved.json) and is void for a case.json of another hash: compare it with that of the bytes that are parsed.
 struct CaseApproval {
   std::string by;            ///< the reviewer's token
   int difficulty_level = 3;  ///< 1 easy to 5 hard
-  bool holds = false;        ///< the case is as it was approved
+  std::string case_sha256;   ///< of case.json as it was approved
 };
 
 /// A lesson that the case cannot serve, and why it is approved all the same.

@@ -57,9 +57,9 @@ std::vector<haptics::ServoFrame> poses_of(const cli::ParsedCommand& parsed, cons
   if (!parsed.has("recording")) return {};
   haptics::Recording recording = haptics::read_recording(parsed.path("recording"));
   haptics::require_seal(recording, parsed.path("recording"));
-  if (recording.header.haptic_sha256 != felt.header().haptic_sha256)
-    throw Error(ExitCode::bad_input, parsed.text("recording"), "haptic_sha256",
-                "was made with another haptic volume than the case's");
+  if (recording.header.case_sha256 != felt.case_sha256)
+    throw Error(ExitCode::bad_input, parsed.text("recording"), "case_sha256",
+                "was made with another case.json than the case's");
   if (recording.frames.empty()) throw Error(ExitCode::bad_input, parsed.text("recording"), "frames", "has none");
   return std::move(recording.frames);
 }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -171,6 +172,10 @@ class Exercise {
       // The report is last: what is there is done.
       lessons::ScoredLesson scored =
           lessons::score_recording(recording, c->folder, *rubric_, lessons::Answers::replayed, public_key());
+      if (scored.head.case_sha256 != c->case_sha256)
+        throw refusal("case.json", "was exchanged while the lesson ran: it is no longer the one that was approved",
+                      {"look at the case, approve it anew, and run `exercise` again: the recording is kept"})
+            .in_file(c->folder.string());
       scored.head.language = params_.language;
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);

@@ -18,7 +18,7 @@ namespace trephine::haptics {
 
 /// The one version that is written and read. Whatever changes forces, the header or the frames raises it and removes
 /// what it replaces.
-constexpr int recording_version = 11;
+constexpr int recording_version = 12;
 
 /// What was cut.
 struct RecordedCutting {
@@ -47,8 +47,8 @@ struct RecordedCutting {
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
-  std::string case_token, haptic_sha256;  ///< of the case, and of its haptic volume's file
-  std::string feel_sha256;                ///< feel_digest()
+  std::string case_token, case_sha256;  ///< and of its case.json, which holds the hash of all else
+  std::string feel_sha256;              ///< feel_digest()
   std::string device;
   double rate_hz = 1000;
   bool knows_across = false;  ///< Device::knows_across(); frames then hold it, and are longer
@@ -71,7 +71,7 @@ struct RecordingHeader {
   static void describe(V& v) {
     using P = RecordingHeader;
     v.text(&P::case_token, "case", "The case.");
-    v.text(&P::haptic_sha256, "haptic_sha256", "SHA-256 of the file of its haptic volume.");
+    v.text(&P::case_sha256, "case_sha256", "SHA-256 of its case.json, which holds the hash of every file.");
     v.text(&P::feel_sha256, "feel_sha256", "Digest of its materials.");
     v.text(&P::device, "device", "Who held the tool.");
     v.number(&P::rate_hz, "rate_hz", Range{}, "Ticks in each second, as they were asked for.");

@@ -35,12 +35,11 @@ std::string chance_of(const CurriculumCase& c, const CurriculumParams& params) {
   return Sha256().integer(params.order_seed).text(c.token).hex();
 }
 
-std::string why_left_out(const fs::path& folder, const LessonType& module, CurriculumCase& out) {
+std::string why_left_out(const fs::path& folder, const cases::CaseManifest& m, const LessonType& module,
+                         CurriculumCase& out) {
   const std::optional<lesson::CaseApproval> approval = lesson::read_approval(folder);
   if (!approval) return "not approved";
-  if (!approval->holds) return "changed since " + approval->by + " approved it";
-  const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
-  const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
+  if (approval->case_sha256 != out.case_sha256) return "changed since " + approval->by + " approved it";
   module.require(m);
   if (!module.classes.empty()) out.patient_class = class_of(m);
   if (const std::string fault = class_fault(module, out.patient_class); !fault.empty()) return fault;
@@ -54,9 +53,7 @@ std::string why_left_out(const fs::path& folder, const LessonType& module, Curri
 }
 
 // A chest is no head that failed: only what could have served is named with the reason.
-bool is_of_another_lesson(const fs::path& folder, const LessonType& module) {
-  const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
-  const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
+bool is_of_another_lesson(const cases::CaseManifest& m, const LessonType& module) {
   try {
     module.require(m);
     return false;
@@ -82,11 +79,14 @@ LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module
     CurriculumCase c;
     std::string why;
     try {
-      if (is_of_another_lesson(folder, module)) {
+      const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
+      const cases::CaseManifest m = cases::parse_case_json({bytes.data(), bytes.size()});
+      if (is_of_another_lesson(m, module)) {
         ++out.of_other_lessons;
         continue;
       }
-      why = why_left_out(folder, module, c);
+      c.case_sha256 = sha256_of_bytes({bytes.data(), bytes.size()});
+      why = why_left_out(folder, m, module, c);
     } catch (const Error& e) {  // one damaged case must not keep a class from its lesson
       why = e.what();
     }

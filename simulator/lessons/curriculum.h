@@ -43,6 +43,7 @@ struct CurriculumParams {
 
 struct CurriculumCase {
   std::string token, patient_class, approved_by;
+  std::string case_sha256;         ///< of the case.json that is approved
   std::vector<std::string> tasks;  ///< the usual one first
   int difficulty_level = 3;
   std::filesystem::path folder;

@@ -25,7 +25,8 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   ScoredLesson s;
   s.recording = haptics::read_recording(file);
   const haptics::RecordingHeader& h = s.recording.header;
-  const std::string signature = signature_state(s.recording.sha256, file, public_key);
+  const Signature signature = signature_of(s.recording.sha256, file, public_key);
+  require_no_misfit(signature, file);
   if (answers == Answers::replayed) haptics::require_seal(s.recording, file);
   session::FeltCase felt = session::felt_again(case_folder, file.string(), h);
   with_file(file.string(), [&] {
@@ -47,7 +48,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
             h.participant,
             s.recording.sha256,
             rubric.sha256,
-            h.haptic_sha256,
+            h.case_sha256,
             motion_digest(s.recording.frames),
             answers == Answers::replayed,
             s.recording.seal,

@@ -22,8 +22,8 @@ struct ScoredLesson {
 lesson::CompiledRubric read_rubric_file(const std::filesystem::path& file);
 
 /// Reads and scores the recording in its case, and looks whether it is signed by the owner of `public_key` where one is
-/// given. Throws as read_recording, felt_again, facts_of_recording, signature_state and the module do; 80 where it does
-/// not replay bit for bit and is not trusted; Error 65 where the rubric is of another lesson.
+/// given. Throws as read_recording, felt_again, facts_of_recording, require_no_misfit and the module do; 80 where it
+/// does not replay bit for bit and is not trusted; Error 65 where the rubric is of another lesson.
 ScoredLesson score_recording(const std::filesystem::path& recording, const std::filesystem::path& case_folder,
                              const lesson::CompiledRubric& rubric, Answers answers = Answers::replayed,
                              const std::filesystem::path& public_key = {});

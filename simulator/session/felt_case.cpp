@@ -2,12 +2,17 @@
 #include "session/felt_case.h"
 
 #include "base/error.h"
+#include "cases/load_hashed.h"
 #include "haptics/delayed_walls.h"
 
 namespace trephine::session {
 
 FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape, cases::LoadParts parts)
-    : loaded(cases::load_case(folder, parts)), feels(haptics::feels_of(loaded.manifest.haptic)), felt_shape(shape) {
+    : felt_shape(shape) {
+  cases::HashedCase read = cases::load_hashed_case(folder, parts);
+  loaded = std::move(read.loaded);
+  case_sha256 = std::move(read.sha256);
+  feels = haptics::feels_of(loaded.manifest.haptic);
   if (!loaded.has_haptic())
     throw Error(ExitCode::bad_input, folder.string(), "haptic", "the case has no haptic volume");
   if (shape.empty()) return;
@@ -45,8 +50,7 @@ std::unique_ptr<haptics::Drilling> FeltCase::drilling_of(const haptics::Recordin
 haptics::RecordingHeader FeltCase::header() const {
   haptics::RecordingHeader h;
   h.case_token = loaded.manifest.case_token;
-  const cases::CaseFile* file = loaded.manifest.find_file(loaded.manifest.haptic.file);
-  h.haptic_sha256 = file ? file->sha256 : "";
+  h.case_sha256 = case_sha256;
   h.feel_sha256 = haptics::feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
@@ -92,8 +96,9 @@ FeltCase felt_again(const std::filesystem::path& folder, const std::string& file
   try {
     FeltCase felt(folder, h.felt_shape, parts);
     const haptics::RecordingHeader now = felt.header();
-    if (now.haptic_sha256 != h.haptic_sha256)
-      refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");
+    if (now.case_sha256 != h.case_sha256)
+      refuse("case_sha256", "the recording is of another case.json (case " + h.case_token +
+                                "): take the case as it was when this was recorded");
     if (now.feel_sha256 != h.feel_sha256) refuse("feel_sha256", "the case's materials are not those of the recording");
     return felt;
   } catch (const Error& e) {

@@ -15,7 +15,7 @@ namespace trephine::session {
 struct FeltCase {
   cases::LoadedCase loaded;
   haptics::Feels feels;
-  std::string felt_shape;
+  std::string felt_shape, case_sha256;  ///< the second of the very case.json that was loaded
 
   /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
   /// shape is given, no other can be touched.

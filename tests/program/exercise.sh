@@ -168,6 +168,29 @@ for program in group study; do
   declare -n one=$program
   expect 80 'head.json: outcome: says completed, and its recording gives not completed: it was changed' "${one[@]}" "${anew[@]}"
 done
+# The page, the table and the notes say which points come from a recording that the teacher signed: of two attempts one, whatever
+# signature the other borrows.
+for borrowed in none other_bytes other_key; do
+  case $borrowed in
+    other_bytes) cp "$seen.sig" "$unseen.sig" ;;
+    other_key) "$TREPHINE" sign "$unseen" --key "$work/other.key" >/dev/null ;;
+  esac
+  cp "$work/report.json" "$report"
+  "${group[@]}" "${anew[@]}" --signed-by "$work/teacher.pub" --csv "$work/signed.csv" >/dev/null 2>"$work/notes" || { cat "$work/notes"; fail "$borrowed: the group"; }
+  grep -q '<p class="large bad">Not signed: 1 of 2 attempts.</p>' "$work/group.html" || fail "$borrowed: the page does not say that one is not signed"
+  python3 - "$work/signed.csv" <<'PY' || fail "$borrowed: the table"
+import csv, sys
+rows = {r["case"]: r["signature"] for r in csv.DictReader(open(sys.argv[1]))}
+assert rows == {"head-drilled": "signed", "head": "not signed"}, rows
+PY
+  case $borrowed in
+    none) ! grep -q signature "$work/notes" ;;
+    other_bytes) grep -q '02-head: its signature is of another recording: not signed' "$work/notes" ;;
+    other_key) grep -q '02-head: its signature is not by the owner of the public key: not signed' "$work/notes" ;;
+  esac || { cat "$work/notes"; fail "$borrowed: the note"; }
+done
+rm "$unseen.sig"
+expect 64 'signed-by: needs --cases' "${group[@]}" --signed-by "$work/teacher.pub"
 # A rubric of which the critical errors were deleted is another one.
 python3 - "$SOURCE/configs/rubrics/ventriculostomy.yaml" "$work/soft.yaml" <<'PY'
 import sys
@@ -183,6 +206,46 @@ done
 "${group[@]}" "${anew[@]}" >/dev/null 2>"$work/notes" || fail "by one rubric they stand together"
 grep -q 'r-01-ventriculostomy-02-head: was scored by another rubric, and is scored anew' "$work/notes" || { cat "$work/notes"; fail "it is not told"; }
 cp "$work/report.json" "$report"
+
+# Sides that are exchanged in a case, with its checksum mended, make another case: of that nothing recorded before is scored.
+other_sides() {
+  python3 - "$1/case.json" <<'PY'
+import hashlib, re, sys
+text = open(sys.argv[1]).read()
+text = re.sub(r'"monro_(left|right)"', lambda m: '"monro_%s"' % {"left": "right", "right": "left"}[m[1]], text)
+body = text[:text.rindex(',\n "checksum"')]
+open(sys.argv[1], "w").write(body + ',\n "checksum": "' + hashlib.sha256(body.encode()).hexdigest() + '"\n}\n')
+PY
+}
+cp -r "$library" "$work/others"
+other_sides "$work/others/head"
+"$TREPHINE" check "$work/others/head" >/dev/null || fail "the other case is none"
+expect 65 'head.lesson: case_sha256: the recording is of another case.json' "$TREPHINE" score "$unseen" --case "$work/others/head" --rubric "$work/rubric.json"
+expect 65 'head.lesson: case_sha256: the recording is of another case.json' "${group[@]}" --cases "$work/others" --rubric "$work/rubric.json"
+# Nor is a lesson scored whose case was exchanged since it was found approved. Its first line comes after that; the program then waits in
+# the middle of what it prints until the other case has taken the place.
+mkdir "$work/late" && cp -r "$library/head" "$work/late/head"
+for n in $(seq 100); do
+  folder=$work/late/$(printf 'damaged%0180d' "$n")
+  mkdir "$folder" && echo '{}' >"$folder/case.json"
+done
+code=0
+python3 - "$work" "$TREPHINE" >"$work/text" 2>"$work/fault" <<'PY' || code=$?
+import fcntl, os, shutil, subprocess, sys
+work, program = sys.argv[1:]
+out, into = os.pipe()
+fcntl.fcntl(into, fcntl.F_SETPIPE_SZ, 4096)
+run = subprocess.Popen([program, "exercise", work + "/late", "--participant", "r-05", "--out", work + "/late-results", "--script",
+                        work + "/script.json", "--rubric", work + "/rubric.json"], stdout=into)
+os.close(into)
+os.read(out, 1)
+shutil.copy(work + "/others/head/case.json", work + "/late/head/case.json")
+while os.read(out, 4096):
+    pass
+sys.exit(run.wait())
+PY
+[[ $code == 80 ]] && grep -q 'late/head: case.json: was exchanged while the lesson ran' "$work/fault" || fail "an exchanged case is scored: $code: $(cat "$work/fault")"
+[[ -z $(find "$work/late-results" -name '*head.json') ]] || fail "an exchanged case has a report"
 
 # A report that was lost is made again of the recording; an approval is void once the case is another.
 rm "$work/results/r-01-ventriculostomy-02-head.json"

@@ -22,7 +22,7 @@ assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["m
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
-assert (magic, version, length) == (b"TREPHSRV", 11, 8192)
+assert (magic, version, length) == (b"TREPHSRV", 12, 8192)
 header = json.loads(data[16:16 + length])
 assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
 frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
@@ -131,7 +131,7 @@ def write(name, change):
     open(f"{sys.argv[2]}/{name}", "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
 write("material.servo", lambda h: h.update(feel_sha256="0" * 64))
 write("shape.servo", lambda h: h.update(felt_shape="liver"))
-write("lacks.servo", lambda h: h.pop("haptic_sha256"))
+write("lacks.servo", lambda h: h.pop("case_sha256"))
 frame = 16 + 8192 + 100 * 176
 open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
 cut = 16 + 8192 + 1000 * 176
@@ -146,14 +146,14 @@ expect 65 'wide\.servo: tool_spacing_mm: gives more than' "$TREPHINE" replay "$w
 expect 65 'cut\.servo: frames: 5500, were 6000' "$TREPHINE" replay "$work/sample" "$work/cut.servo"
 expect 65 'feel_sha256: the case.s materials are not' "$TREPHINE" replay "$work/sample" "$work/material.servo"
 expect 65 'felt_shape: liver' "$TREPHINE" replay "$work/sample" "$work/shape.servo"
-expect 65 'haptic_sha256: is missing' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
+expect 65 'case_sha256: is missing' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
 expect 65 'frames: tick and time_s of frame 100 must be above' "$TREPHINE" replay "$work/sample" "$work/ticks.servo"
 expect 80 'differ when replayed' "$TREPHINE" replay "$work/sample" "$work/gap.servo"
 grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that frames are missing"
 # A recording of another version is refused, and both are named.
 cp "$work/a.servo" "$work/other.servo"
 printf '\x09' | dd of="$work/other.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 9, this program reads version 11: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
+expect 65 'version: 9, this program reads version 12: record it anew' "$TREPHINE" replay "$work/sample" "$work/other.servo"
 expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
 
 # A tool of somebody's own points; its recording holds a replay to the same file.

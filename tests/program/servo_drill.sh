@@ -55,7 +55,7 @@ assert hole["cut"] == ["skull"] and 7 < hole["diameter_mm"] < 10, hole
 assert 3 < hole["figures"]["bone_thickness_mm"] < 9, hole
 PY
 "$TREPHINE" servo "$work/after" --seconds 0.2 --no-paced --approach-mm 1 --radius-mm 1 >/dev/null || fail "the drilled case is not felt"
-expect 65 'haptic_sha256: the recording is of another' "$TREPHINE" replay "$work/after" "$work/hole.servo"
+expect 65 'case_sha256: the recording is of another' "$TREPHINE" replay "$work/after" "$work/hole.servo"
 expect 64 'given together' "$TREPHINE" check "$work/sample" --after "$work/hole.servo"
 
 # A recording whose volume is said to be another. Its seal is taken off, or the seal would be refused first.
