@@ -306,13 +306,13 @@ TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   bad.token = "b";
   bad.fault = "was never built";
   scratch.write("a/report/view.html", "page");
-  scratch.write("a/report/skull.png", "picture");
+  scratch.write("a/report/cut.png", "picture");
   const auto row = [&](std::size_t i) { return i == 1 ? bad : good; };
   const auto [png, page] = library::sheet_of(scratch.path(), 2, row);
   EXPECT_EQ(page.find("<script>alert"), std::string::npos);
   EXPECT_NE(page.find("\\u003cscript>alert(1)\\u003c/script>"), std::string::npos);
   EXPECT_NE(page.find("12345"), std::string::npos);
-  EXPECT_NE(page.find("\"pictures\":[\"report/skull.png\"],\"page\":true"), std::string::npos);
+  EXPECT_NE(page.find("\"pictures\":[\"report/cut.png\"],\"page\":true"), std::string::npos);
   EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(page.find("was never built"), std::string::npos);
   EXPECT_GT(picture::decode_png(png).width, 400);

@@ -167,20 +167,14 @@ struct Layout {
 std::vector<std::string> overview_pictures(const fs::path& library, const CaseRow& row) {
   std::vector<std::string> out;
   std::error_code ignored;
-  const auto add_first = [&](const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
+  // Those of a case that an older program made are collages, and small ones here.
+  for (const std::vector<const char*>& names : {std::vector<const char*>{"cut", "overview"}, {"middle", "axial"}})
+    for (const char* name : names) {
       const std::string file = row.token + "/report/" + name + ".png";
-      if (row.fault.empty() && fs::exists(library / file, ignored)) {
-        out.push_back(file);
-        return;
-      }
+      if (!row.fault.empty() || !fs::exists(library / file, ignored)) continue;
+      out.push_back(file);
+      break;
     }
-  };
-  // The anatomy by which the case is classed, else the one that the recipe makes last, which lies within the others.
-  std::vector<std::string> anatomies = {row.classed_by()};
-  for (auto a = row.manifest.anatomies.rbegin(); a != row.manifest.anatomies.rend(); ++a) anatomies.push_back(a->name);
-  add_first(anatomies);
-  add_first({"axial"});
   return out;
 }
 

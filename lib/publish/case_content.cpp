@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -16,7 +17,6 @@
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
 #include "metrics/measure.h"
-#include "picture/render.h"
 #include "publish/ct_content.h"
 #include "publish/findings_content.h"
 #include "publish/haptic_content.h"
@@ -41,9 +41,9 @@ class Builder {
           const std::vector<pipeline::NodeResult>& results)
       : config_(config), graph_(graph), results_(results), parts_(parts_of(graph, results)) {}
 
-  CaseContent build(const std::string& program_version, const std::string& input_sha256, PicturesOf pictures,
+  CaseContent build(const std::string& program_version, const std::string& input_sha256, PictureWish pictures,
                     const Progress& progress) {
-    const Progress surfaces = progress.part(0, pictures == PicturesOf::nothing ? 0.8 : 0.3);
+    const Progress surfaces = progress.part(0, pictures.of == PicturesOf::nothing ? 0.8 : 0.3);
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     manifest().face_policy = config_.face.empty() ? "none" : config_.face;
@@ -61,7 +61,7 @@ class Builder {
     if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
     for (const int hole : graph_.results(stages::DataKind::cutters)) add_burr_hole(hole);
-    if (pictures != PicturesOf::nothing) add_pictures(pictures, progress.part(0.4, 1));
+    if (pictures.of != PicturesOf::nothing) add_pictures(pictures, progress.part(0.4, 1));
     progress.report(1);
     return std::move(out_);
   }
@@ -324,35 +324,24 @@ class Builder {
     return std::get<std::shared_ptr<const grid::HuVolume>>(at(node).loaded());
   }
 
-  // The surface as the simulator will show it, capped where the volume ends.
-  surface::TriMesh felt_surface(int number) const {
-    return meshing::contour_to_look_at(voxel::shape_field(haptic(), number));
-  }
-
-  void add_pictures(PicturesOf pictures, const Progress& progress) {
+  void add_pictures(PictureWish pictures, const Progress& progress) {
     std::vector<PictureAnatomy> shown;
     for (const pipeline::Graph::Anatomy& a : graph_.anatomies) {
       const config::RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
       shown.push_back({a.name, &mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
     }
-    // Felt shapes without a surface of their own, as the simulator will show them.
-    std::vector<surface::TriMesh> felt;
-    felt.reserve(manifest().haptic.shapes.size());
-    for (const cases::CaseShape& shape : manifest().haptic.shapes)
-      if (shape.displayed == "haptic") {
-        progress.check();
-        felt.push_back(felt_surface(shape.number));
-        picture::give_normals(felt.back());  // once for all pictures
-        shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
-      }
-    if (pictures == PicturesOf::surfaces) {
-      out_.pictures = make_case_pictures(nullptr, shown, manifest().landmarks, progress);
-      return;
-    }
+    std::list<surface::TriMesh> felt;
+    if (haptic_ >= 0) show_felt(manifest(), haptic(), felt, shown, progress);
+    if (pictures.all_sides) out_.pictures = make_side_pictures(shown, progress.silent());
+    const auto add = [&](std::vector<CasePicture> more) {
+      std::move(more.begin(), more.end(), std::back_inserter(out_.pictures));
+    };
+    if (pictures.of == PicturesOf::surfaces)
+      return add(make_case_pictures(nullptr, shown, manifest().landmarks, progress));
     std::optional<CasePicture> found;
     {
       const auto scan = volume(graph_.scan);
-      out_.pictures = make_case_pictures(scan.get(), shown, manifest().landmarks, progress);
+      add(make_case_pictures(scan.get(), shown, manifest().landmarks, progress));
       if (examination_ >= 0)
         found = make_findings_picture(*scan, *std::get<std::shared_ptr<const grid::LabelFile>>(at(examination_).data),
                                       manifest().findings, progress.silent());
@@ -389,7 +378,7 @@ std::vector<int> wanted_nodes(const pipeline::Graph& graph, bool pictures, bool 
 
 CaseContent make_case_content(const config::CaseConfig& config, const pipeline::Graph& graph,
                               const std::vector<pipeline::NodeResult>& results, const std::string& program_version,
-                              const std::string& input_sha256, PicturesOf pictures, const Progress& progress) {
+                              const std::string& input_sha256, PictureWish pictures, const Progress& progress) {
   return Builder(config, graph, results).build(program_version, input_sha256, pictures, progress);
 }
 

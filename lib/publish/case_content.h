@@ -28,6 +28,10 @@ struct CaseContent {
 
 /// Of what a case has pictures (face_clearance.h).
 enum class PicturesOf { nothing, surfaces, surfaces_and_scan };
+struct PictureWish {
+  PicturesOf of = PicturesOf::nothing;
+  bool all_sides = false;  ///< also each surface from six sides
+};
 
 /// The nodes whose data or report the case needs, and those that its pictures and its page need beside. Only these and
 /// their sources are computed.
@@ -37,6 +41,6 @@ std::vector<int> wanted_nodes(const pipeline::Graph& graph, bool pictures, bool 
 /// where a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
 CaseContent make_case_content(const config::CaseConfig& config, const pipeline::Graph& graph,
                               const std::vector<pipeline::NodeResult>& results, const std::string& program_version,
-                              const std::string& input_sha256, PicturesOf pictures, const Progress& progress);
+                              const std::string& input_sha256, PictureWish pictures, const Progress& progress);
 
 }  // namespace trephine::publish

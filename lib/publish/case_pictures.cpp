@@ -11,12 +11,14 @@
 
 #include "base/parallel.h"
 #include "boolean/cutter.h"
+#include "meshing/contour.h"
 #include "picture/image.h"
 #include "picture/palette.h"
 #include "picture/render.h"
 #include "picture/slice.h"
 #include "stages/stage.h"
 #include "surface/bounds.h"
+#include "voxel/shape_field.h"
 
 namespace trephine::publish {
 namespace {
@@ -182,7 +184,37 @@ Sheet landmarks_sheet(Sheets& sheets, const grid::HuVolume& volume, const std::v
   return sheet;
 }
 
+std::size_t side(Sheets& sheets, const PictureAnatomy& a, picture::View from, const Progress& progress) {
+  return sheets.image([&a, from, &progress] {
+    return shaded({{a.surface, a.colour_rgb, 1}}, from, a.name, {}, progress);
+  });
+}
+
 }  // namespace
+
+void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& haptic,
+               std::list<surface::TriMesh>& kept, std::vector<PictureAnatomy>& shown, const Progress& progress) {
+  for (const cases::CaseShape& shape : manifest.haptic.shapes) {
+    if (shape.displayed != "haptic") continue;
+    progress.check();
+    kept.push_back(meshing::contour_to_look_at(voxel::shape_field(haptic, shape.number)));
+    picture::give_normals(kept.back());  // once for all pictures
+    shown.push_back({shape.name, &kept.back(), shape.material.colour_rgb, 1});
+  }
+}
+
+std::vector<CasePicture> make_side_pictures(const std::vector<PictureAnatomy>& anatomies, const Progress& whole) {
+  const Progress progress = whole.silent();
+  Sheets sheets;
+  for (const PictureAnatomy& a : anatomies) {
+    Sheet sides{a.name + ".png", {}};
+    for (const picture::View v : {picture::View::oblique_left, picture::View::oblique_right, picture::View::front,
+                                  picture::View::left, picture::View::back, picture::View::top})
+      sides.cells.push_back(side(sheets, a, v, progress));
+    sheets.add(std::move(sides));
+  }
+  return sheets.make(whole);
+}
 
 std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<cases::CaseLandmark>& landmarks, const Progress& whole) {
@@ -206,24 +238,19 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
   if (anatomies.size() > 1)  // with one anatomy it is that anatomy's own picture
     overview.cells.push_back(sheets.image(
         [&] { return shaded(see_through(anatomies), picture::View::oblique_left, "all", frame, progress); }));
-  if (!anatomies.empty())
+  if (!anatomies.empty()) {
     overview.cells.push_back(sheets.image([&] {
       picture::ClipPlane front_half;
       front_half.point_mm = focus.at;
       front_half.normal = {0, -1, 0};
       return shaded(solid, picture::View::front, "cut", frame, progress, front_half);
     }));
+    sheets.add({"cut.png", {overview.cells.back()}});
+  }
 
   for (const PictureAnatomy& a : anatomies) {
-    Sheet sides{a.name + ".png", {}};
-    for (const picture::View v : {picture::View::oblique_left, picture::View::oblique_right, picture::View::front,
-                                  picture::View::left, picture::View::back, picture::View::top})
-      sides.cells.push_back(sheets.image([&a, v, &progress] {
-        return shaded({{a.surface, a.colour_rgb, 1}}, v, a.name, {}, progress);
-      }));
-    overview.cells.push_back(sides.cells[0]);
-    if (anatomies.size() == 1) overview.cells.push_back(sides.cells[1]);
-    sheets.add(std::move(sides));
+    overview.cells.push_back(side(sheets, a, picture::View::oblique_left, progress));
+    if (anatomies.size() == 1) overview.cells.push_back(side(sheets, a, picture::View::oblique_right, progress));
   }
 
   const std::vector<picture::OverlayShape> shapes = outlines_of(anatomies, true);
@@ -253,6 +280,7 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
     params.position_mm = std::clamp(focus.at[axis], range[0], range[1]);
     params.note = focus.note;
     overview.cells.push_back(slice());
+    if (p == 0) sheets.add({"middle.png", {overview.cells.back()}});
     sheets.add(std::move(sheet));
   }
   sheets.add(std::move(overview));

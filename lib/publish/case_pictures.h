@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "cases/case.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
+#include "voxel/haptic_volume.h"
 
 namespace trephine::publish {
 
@@ -24,14 +26,24 @@ struct CasePicture {
   std::string png;   ///< the file's bytes
 };
 
-/// The pictures that a technician looks at before a case is used: overview.png (everything on one page), <anatomy>.png
-/// (one surface from several sides), axial.png, coronal.png and sagittal.png (the CT with the exact cuts of the
-/// surfaces). Where there are landmarks, landmarks.png shows them as balls of 3 mm on the largest shape, greener with
-/// more confidence, and the slices through each. The pictures are made in memory, so that they can be written when
-/// nothing can fail any more. Without a volume there are only those of surfaces, without anatomies only those of the
-/// volume. The same input gives the same bytes.
+/// The pictures that a technician looks at before a case is used: overview.png (everything on one page), axial.png,
+/// coronal.png and sagittal.png (the CT with the exact cuts of the surfaces); and two of the overview by themselves, by
+/// which a library shows the case: cut.png (all surfaces, cut open) and middle.png (an axial slice). Where there are
+/// landmarks, landmarks.png shows them as balls of 3 mm on the largest shape, greener with more confidence, and the
+/// slices through each. The pictures are made in memory, so that they can be written when nothing can fail any more.
+/// Without a volume there are only those of surfaces, without anatomies only those of the volume. The same input gives
+/// the same bytes.
 std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<cases::CaseLandmark>& landmarks,
+                                            const Progress& progress = {});
+
+/// Adds to `shown` the shapes that are felt and have no surface of their own, as the simulator will show them: capped
+/// where the volume ends. `kept` holds their surfaces.
+void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& haptic,
+               std::list<surface::TriMesh>& kept, std::vector<PictureAnatomy>& shown, const Progress& progress = {});
+
+/// Of each anatomy <anatomy>.png: its surface from six sides.
+std::vector<CasePicture> make_side_pictures(const std::vector<PictureAnatomy>& anatomies,
                                             const Progress& progress = {});
 
 /// What a stage took off the scan: removed_by_NAME.png, slices of the scan before with the outline of what is missing

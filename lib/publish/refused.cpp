@@ -120,6 +120,7 @@ std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal
   const std::vector<cases::CaseLandmark> landmarks =
       marks && whole ? marks->landmarks : std::vector<cases::CaseLandmark>();
   std::vector<CasePicture> pictures = make_case_pictures(whole ? seen.get() : nullptr, shown, landmarks);
+  for (CasePicture& p : make_side_pictures(shown)) pictures.push_back(std::move(p));
   if (const auto* anatomy = dynamic_cast<const consistency::AnatomyError*>(&refusal); anatomy && whole)
     if (!anatomy->picture_png.empty()) pictures.push_back({"fault.png", anatomy->picture_png});
   return pictures;

@@ -262,8 +262,9 @@ CaseContent compute(const RunRequest& request, config::CaseConfig& config, Serie
       const PicturesOf of = !pictures                  ? PicturesOf::nothing
                             : cleared.scan_may_be_seen ? PicturesOf::surfaces_and_scan
                                                        : PicturesOf::surfaces;
-      CaseContent content = make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
-                                              series.input(config), of, progress);
+      CaseContent content =
+          make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
+                            series.input(config), {of, request.params.report == DrawnReport::full}, progress);
       sort_as(wanted, made.without);
       content.manifest.missing = made.without.missing;
       content.manifest.stand_ins = made.without.stand_ins;

@@ -14,12 +14,16 @@
 
 namespace trephine::publish {
 
+/// How much of a case is drawn; `full`: each surface from six sides too (trephine pictures makes those later).
+enum class DrawnReport { brief, full };
+
 /// The parameters of `trephine run`, without its files and folders.
 struct RunParams {
   std::string case_token;
   std::string profile;
   bool use_cache = true;
   std::int64_t cache_limit_mb = 8192;
+  DrawnReport report = DrawnReport::brief;
   bool pictures = true, page = true, check_disk = true, allow_external = false;
 
   template <class V>
@@ -35,6 +39,9 @@ struct RunParams {
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
               "Largest size of the cache after the run, in MB; the entries used longest ago go first.");
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
+    v.choice(&P::report, "report", {{"brief", DrawnReport::brief}, {"full", DrawnReport::full}},
+             "brief: the overview, slices with outlines, landmarks and whatever a warning names; full: each surface "
+             "from six sides too. trephine pictures makes those later.");
     v.flag(&P::page, "page",
            "Make the case's page, report/view.html, which shows it in a browser; trephine page makes it later.");
     v.flag(&P::check_disk, "check_disk",

@@ -224,8 +224,7 @@ class Sweep {
     for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node);
     return store_.keep(key, measure_work(repeats_, [&] {
                          const publish::CaseContent content = publish::make_case_content(
-                             p.config, p.graph, results, "trephine " + request_.program_version, p.input_sha256,
-                             publish::PicturesOf::nothing,
+                             p.config, p.graph, results, "trephine " + request_.program_version, p.input_sha256, {},
                              Progress([this](double done) { tell("publish", done); }, &cancel_requested()));
                          Published out;
                          for (const publish::CaseContent::File& f : content.files) out.bytes += f.bytes.size();

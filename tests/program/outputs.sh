@@ -21,8 +21,17 @@ expect_no_old_files() {
 scene 'skin: , skull: '
 "${run[@]}"
 expect_no_old_files
-[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/removed_by_body.png report/sagittal.png report/skin.png report/skull.png" ]] ||
+[[ $(pictures) == "report/axial.png report/coronal.png report/cut.png report/middle.png report/overview.png report/removed_by_body.png report/sagittal.png" ]] ||
   fail "pictures: $(pictures)"
+# Six sides of each surface are drawn for whoever asks, by the run or of the case.
+"$TREPHINE" pictures "$case" --quiet
+made=$(pictures)
+[[ $made == *"report/skin.png report/skull.png" ]] || fail "pictures of the sides: $made"
+"${run[@]}"
+[[ $(pictures) != *skull.png* ]] || fail "pictures of an older run are left: $(pictures)"
+"${run[@]}" --report full
+[[ $(pictures) == "$made" ]] || fail "a full report: $(pictures)"
+expect 64 '[-]-report' "${run[@]}" --report whole
 
 # Refused by the scene's limit after all was computed: the old case and its pictures stay as they were, and the warnings,
 # here of a file that is cut short, are told all the same.
@@ -42,7 +51,7 @@ rm "$work/series/cut"
 scene 'skull: '
 "${run[@]}"
 expect_no_old_files
-[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/removed_by_body.png report/sagittal.png report/skull.png" ]] ||
+[[ $(pictures) == "report/axial.png report/coronal.png report/cut.png report/middle.png report/overview.png report/removed_by_body.png report/sagittal.png" ]] ||
   fail "pictures: $(pictures)"
 first=$(case_digest "$case")
 echo note >"$work/series/notes.txt"

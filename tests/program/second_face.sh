@@ -55,5 +55,5 @@ face deep more "$given"
 face deep bare ''
 "${run[@]}" >said 2>&1 || fail "bone: $(cat said)"
 grep -q 'no pictures of the scan' said || fail "not said: $(cat said)"
-[[ -e out/face/report/deep.png && ! -e out/face/report/sagittal.png && ! -e out/face/report/landmarks.png ]] ||
+[[ -e out/face/report/cut.png && ! -e out/face/report/sagittal.png && ! -e out/face/report/landmarks.png ]] ||
   fail "pictures: $(ls out/face/report)"
