@@ -1,23 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# docs/build_site.sh OUT: the pages as a site to browse, OUT/index.html first. Needs mkdocs; without it the exit code is 77.
+# docs/build_site.sh OUT [REFERENCE]: the pages as a site to browse, OUT/index.html first. REFERENCE is what the build made of the commands,
+# build/release/docs/reference where it is not given. Needs mkdocs; without it the exit code is 77.
 # A link that leads nowhere is an error. The same pages give the same bytes: the site holds no time.
 set -euo pipefail
 root=$(cd "$(dirname "$(readlink -f "$0")")/.." && pwd)
-(($# == 1)) || { echo "usage: docs/build_site.sh OUT" >&2; exit 64; }
+(($# == 1 || $# == 2)) || { echo "usage: docs/build_site.sh OUT [REFERENCE]" >&2; exit 64; }
+reference=${2:-$root/build/release/docs/reference}
 command -v mkdocs >/dev/null || { echo "skipped: no mkdocs; install it with: apt install mkdocs" >&2; [[ ${TREPHINE_CHECK:-} != 1 ]] || exit 1; exit 77; }
+for program in trephine trephine-sim; do
+  [[ -e $reference/$program/index.md ]] || { echo "$reference/$program is missing: build Trephine first, which makes it" >&2; exit 66; }
+done
 mkdir -p "$1"
 out=$(cd "$1" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 # Pages as mkdocs wants them: in one folder, with the files of the repository that they link to beside them.
-python3 - "$root" "$work" "$out" <<'PY'
+python3 - "$root" "$work" "$out" "$reference" <<'PY'
 import re, shutil, sys
 from pathlib import Path
 root, work = Path(sys.argv[1]), Path(sys.argv[2])
 pages = work / "pages"
 shutil.copytree(root / "docs", pages, ignore=shutil.ignore_patterns("*.sh", "*.js"))
+shutil.copytree(sys.argv[4], pages / "reference", dirs_exist_ok=True)
 tops = {"README.md": "index.md", "CONTRIBUTING.md": "CONTRIBUTING.md", "CHANGELOG.md": "CHANGELOG.md"}
 for name, page in tops.items():
     shutil.copy(root / name, pages / page)
@@ -44,7 +50,7 @@ for page in pages.glob("**/*.md"):
         continue
     name = str(page.relative_to(pages))
     source = root / {v: k for k, v in tops.items()}.get(name, "docs/" + name)
-    text = source.read_text(encoding="utf-8")
+    text = (source if source.exists() else page).read_text(encoding="utf-8")  # the reference has no source here
     text = re.sub(r"(\]\()([^)\s]+)(\))", lambda m: m[1] + moved(source, page, m[2]) + m[3], text)
     # Lists without an empty line before them are lists on GitHub, but not to mkdocs.
     text = re.sub(r"(?m)^(?!\s*(?:[-*|#>]|\d+\.)|\s*$|```)(.*)\n(?=(?:[-*]|\d+\.) )", r"\1\n\n", text)

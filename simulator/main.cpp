@@ -9,7 +9,6 @@ cli::Program declare() {
   program.name = "trephine-sim";
   program.version = TREPHINE_VERSION;
   program.summary = "runs surgical simulations on the cases that trephine makes";
-  program.reference_folder = "docs/reference/trephine-sim";
   program.commands = cli::OwnCommand::all();
   return program;
 }

@@ -13,7 +13,6 @@ cli::Program declare() {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.reference_folder = "docs/reference/trephine";
   program.commands = cli::OwnCommand::all();
   // Stages as their declarations say, except those whose commands do more than run the stage.
   for (const stages::StageType& stage : stages::stage_types())

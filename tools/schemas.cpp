@@ -58,10 +58,8 @@ std::string written_table(const ParameterSet& set, const std::string& prefix) {
 
 std::string case_page() {
   return "# case.json\n\nEvery key of `case.json` in format " + cases::case_version() +
-         ", from the declarations in the program (`trephine reference --out docs/reference/trephine`). `[]` stands for "
-         "each "
-         "item "
-         "of a list. [The case package](../case-package.md) says how the file is read and what the other files of a "
+         ", from the declarations in the program. `[]` stands for each item of a list. [The case "
+         "package](../case-package.md) says how the file is read and what the other files of a "
          "case hold.\n\n| Key | Value | Meaning |\n|---|---|---|\n"
          "| `format` | text | `trephine-case " +
          cases::case_version() + "`, the first key of the file. |\n" +
@@ -100,9 +98,8 @@ std::string keys_page() {
   const auto section = [&](const std::string& title, const AnyParams& defaults) {
     return "\n## " + title + "\n\n" + head + keys_table("", defaults);
   };
-  return "# Files\n\nEvery key of the files that Trephine reads, from the declarations in the program (`trephine "
-         "reference "
-         "--out docs/reference/trephine`). NAME stands for a name that the file gives, a number for an item of a list. "
+  return "# Files\n\nEvery key of the files that Trephine reads, from the declarations in the program. NAME stands for "
+         "a name that the file gives, a number for an item of a list. "
          "How the "
          "files "
          "work together is explained in [configurations](../configurations.md).\n" +

@@ -134,7 +134,6 @@ struct CommonParams {
 struct Program {
   std::string name, version, summary;
   std::vector<Command> commands;
-  std::string reference_folder = "docs/reference";  ///< the folder's name in its own pages
   /// The files that the manual page lists: (path, description).
   std::vector<std::pair<std::string, std::string>> files;
   /// More generated files for the reference folder: (file name, content).

@@ -54,8 +54,7 @@ std::string command_page(const Program& program, const Command& c) {
 
 std::string index_page(const Program& program) {
   std::string page = "# " + program.name + "\n\n" + sentence(program.summary) + "\n\n";
-  page += "These pages are generated from the program (`" + program.name + " reference --out " +
-          program.reference_folder + "`); do not edit them.\n";
+  page += "The program wrote these pages (`" + program.name + " reference --out FOLDER`).\n";
   page += "A parameter has one name: `--max-gap-mm` on the command line is `max_gap_mm` in YAML and in manifests.\n\n";
   page += "| Command | Purpose |\n|---|---|\n";
   for (const Command& c : program.commands)

@@ -2,29 +2,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every refusal (exit code 80) says what to do about it, with names that exist.
 
-refusals.py ROOT
+refusals.py ROOT REFERENCE
 
 An Error of code 80 is made by refusal() of base/refusal.h alone, which wants a Remedy. Here every remedy of the sources is
-read: it must name a key, a stage or an option of the reference in backticks, or say which series to take, or name a
+read: it must name a key, a stage or an option of the reference (a folder that the build makes) in backticks, or say which series to take, or name a
 configuration that is shipped; and each name in backticks and each configuration must exist.
 """
+import os
 import re
 import sys
 from pathlib import Path
 
 # Keys of scenes, cases and libraries that stand in schemas, beside the parameters of stages in the pages.
-ROOT = Path(sys.argv[1])
+ROOT, REFERENCE = Path(sys.argv[1]), Path(sys.argv[2])
+if not (REFERENCE / "trephine/index.md").exists() or not (REFERENCE / "trephine-sim/index.md").exists():
+    print(f"skipped: the build has made no reference of both programs in {REFERENCE}")
+    sys.exit(1 if os.environ.get("TREPHINE_CHECK") == "1" else 77)
 
 
 def known_names():
     names = set()
-    for page in list((ROOT / "docs/reference/trephine").glob("*.md")) + list((ROOT / "docs/reference/trephine-sim").glob("*.md")):
+    for page in REFERENCE.glob("*/*.md"):
         names.add(page.stem.replace("-", "_"))
         for name in re.findall(r"`--(?:\[no-\])?([a-z][a-z0-9-]*)", page.read_text(encoding="utf-8")):
             names.add(name.replace("-", "_"))
         for name in re.findall(r"`([a-z][a-z0-9_]*)`", page.read_text(encoding="utf-8")):
             names.add(name)
-    for schema in (ROOT / "docs/reference/trephine").glob("*.json"):
+    for schema in (REFERENCE / "trephine").glob("*.json"):
         names.update(re.findall(r'"([a-z][a-z0-9_]*)"\s*:\s*\{', schema.read_text(encoding="utf-8")))
     return names
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""schemas.py ROOT: every YAML file that comes with the program is as its schema says, and each schema refuses what the
+"""schemas.py ROOT REFERENCE: every YAML file that comes with the program is as its schema says, and each schema refuses what the
 program refuses: a key that nobody knows, a required one that is missing, a value of another kind."""
 import copy
 import json
@@ -58,7 +58,7 @@ def with_key(tree, path, key, value):
 
 failed, seen, refused = 0, set(), 0
 for kind, pattern in KINDS:
-    schema = json.loads((ROOT / "docs/reference/trephine" / f"{kind}.schema.json").read_text())
+    schema = json.loads((Path(sys.argv[2]) / "trephine" / f"{kind}.schema.json").read_text())
     jsonschema.Draft202012Validator.check_schema(schema)
     files = [f for f in sorted(ROOT.glob(pattern)) if f not in seen]
     if not files:

@@ -6,6 +6,7 @@
 here=$(cd "$(dirname "$0")" && pwd)
 trephine() { "$TREPHINE" "$@"; }
 cd "$work"
+trephine reference --out reference
 trephine import "$SOURCE/sample_dicom" --output head.nrrd --quiet
 
 # reported NAME COMMAND...: it works; its report in report.json, its warnings in the file `stderr`.
@@ -15,7 +16,7 @@ reported() {
 # example PAGE TEXT: the example of that page which holds the text.
 example() {
   local line
-  line=$(sed -n '/^## Examples/,$p' "$SOURCE/docs/reference/trephine/$1.md" | grep -E "^trephine $1 " | grep -F -m 1 -- "$2") ||
+  line=$(sed -n '/^## Examples/,$p' "reference/$1.md" | grep -E "^trephine $1 " | grep -F -m 1 -- "$2") ||
     fail "$1.md has no example with '$2'"
   eval "reported $line"
 }
