@@ -73,9 +73,8 @@ TEST(LessonsAdvice, AcrossALineTheTwoPartsMakeTheWholeMiss) {
   const std::vector<NamedPart> parts = lessons::parts_across(axes, line, miss, 0);
   double squares = 0;
   for (const NamedPart& p : parts) squares += p.size * p.size;
-  if (parts.size() == 2) {
-    EXPECT_NEAR(squares, 144, 1e-9);
-  }
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_NEAR(squares, 144, 1e-9);
   // 10 mm after 100 mm are atan(0.1).
   EXPECT_NEAR(lessons::as_turns({{NamedPart::medial, 10}}, 100)[0].size, std::atan(0.1) * 180 / M_PI, 1e-12);
   EXPECT_EQ(lessons::more_words({{NamedPart::medial, 4.2}, {NamedPart::anterior, 1.4}}, lessons::PartUnit::degrees,

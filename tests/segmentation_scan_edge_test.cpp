@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "report_of.h"
 #include "segmentation/segment.h"
 
@@ -91,16 +92,16 @@ TEST(ScanEdge, WhereItIsNotRefusedItIsStillTold) {
 TEST(ScanEdge, TheRemedyWorks) {
   const grid::HuVolume scan = scanned(170, 110, 140, -2000, true);
   Report after;
-  std::string what;
+  std::vector<Setting> settings;
   try {
     segmentation::segment(scan, {}, skin());
   } catch (const Error& e) {
-    what = e.what();
+    settings = e.message().settings();
   }
-  const std::size_t at = what.find("set ");
-  ASSERT_NE(at, std::string::npos) << what;
+  ASSERT_EQ(settings.size(), 1u);
+  EXPECT_EQ(settings[0].parameter, "max_scan_edge_ratio");
   segmentation::SegmentParams p = skin();
-  p.max_scan_edge_ratio = std::stod(what.substr(at + 4));
+  p.max_scan_edge_ratio = parse_number(settings[0].value).value();
   EXPECT_NO_THROW(value_of(after, segmentation::segment(scan, {}, p)));
   EXPECT_EQ(after.warnings.size(), 1u);
 }

@@ -15,13 +15,17 @@ namespace trephine::publish {
 
 namespace {
 
+// With other limits decimation takes other steps, and may stop a little above or below what it stopped at.
+std::int64_t roomy(std::int64_t triangles) { return (triangles * 5 / 4 + 999) / 1000 * 1000; }
+
 void hold_triangles(const config::SceneAnatomy& limit, std::int64_t triangles, const std::string& stopped_by) {
   if (limit.max_triangles > 0 && triangles > limit.max_triangles)
-    throw refusal(limit.name,
-                  std::to_string(triangles) + " triangles, the scene allows " + std::to_string(limit.max_triangles) +
-                      "; decimation stopped by " + stopped_by,
-                  {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
-                   "smoother kernel"})
+    throw refusal(
+        limit.name,
+        std::to_string(triangles) + " triangles, the scene allows " + std::to_string(limit.max_triangles) +
+            "; decimation stopped by " + stopped_by,
+        {Message("raise `max_deviation_mm` of `decimate`, take a series of a smoother kernel, or allow more: ") +
+         Setting{"max_triangles", std::to_string(roomy(triangles)), "scene.anatomies." + limit.name}})
         .finds_fault_with({limit.name})
         .because(Cause::too_many_triangles);
 }

@@ -53,12 +53,13 @@ void check_scan_edge(const mask::HuView& hu, const FinishParams& params, Finishe
   const double ratio = scan_edge_ratio(hu, made.value);
   if (asked || ratio > told_unasked) made.result.scan_edge_ratio = ratio;
   if (ratio > params.max_scan_edge_ratio)
-    throw refusal("max_scan_edge_ratio",
-                  fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %", 100 * ratio,
-                              100 * params.max_scan_edge_ratio),
-                  {fmt::format("leave it out of the scene, take a scan with a wider field of view, or, where a surface "
-                               "that ends at the field will do, set {:.2f} for `max_scan_edge_ratio`",
-                               std::min(1.0, std::ceil(100 * ratio + 1) / 100))});
+    throw refusal(
+        "max_scan_edge_ratio",
+        fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %", 100 * ratio,
+                    100 * params.max_scan_edge_ratio),
+        {Message("leave it out of the scene, take a scan with a wider field of view, or, where a surface that "
+                 "ends at the field will do, raise `max_scan_edge_ratio`: ") +
+         Setting{"max_scan_edge_ratio", fmt::format("{:.2f}", std::min(1.0, std::ceil(100 * ratio + 1) / 100))}});
   if (ratio > (asked ? told : told_unasked))
     made.warnings.push_back(
         {"rim_is_scan_edge",

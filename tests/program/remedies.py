@@ -131,6 +131,9 @@ follow("wholly inside", "ct_spine.yaml", phantom("inside", *spine, "--field-of-v
 follow("noise", "ct_head.yaml", phantom("noisy", "--noise-hu", "45"), code=80, more=["--set", "scene.strict=true"], together=True)
 # Skin and bone too near to each other, as where the skin is taken for what it is not.
 follow("near", "ct_head.yaml", head, code=80, more=["--set", "anatomy.min_skin_skull_gap_mm=19"])
+# More triangles than the scene allows, which decimation may not take away.
+follow("triangles", "ct_skull.yaml", head, code=80,
+       more=["--set", "scene.anatomies.skull.max_triangles=5000", "--set", "skull.decimate.max_deviation_mm=0.05"])
 # A hole that lies behind the suture.
 drilled = (SOURCE / "configs/sample_drilled.yaml").read_text().replace(": ../", f": {SOURCE}/").replace("scene: ", f"scene: {SOURCE}/configs/")
 drilled = drilled.replace("  inion:", "  bregma: [0, -12, 126]\n  inion:").replace("at: kocher,", "at: kocher, along_mm: 170,")
