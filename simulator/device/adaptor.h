@@ -10,12 +10,9 @@
  *
  * The program opens one device, starts it, and then calls read and send, in turn, from one thread of its own, about
  * 2,000 times a second. They may take as long as the SDK takes; the servo loop does not wait for them. Functions return
- * 0 where they succeed, unless said otherwise. How they map to SDKs:
- *   Force Dimension   count dhdGetDeviceCount, open dhdOpenID, read dhdGetPositionAndOrientationFrame and
- * dhdGetButtonMask, send dhdSetForceAndTorqueAndGripperForce, close dhdClose 3D Systems        open hdInitDevice, start
- * hdEnable(HD_FORCE_OUTPUT) and hdStartScheduler, read hdGetDoublev of HD_CURRENT_TRANSFORM within hdBeginFrame, send
- * hdSetDoublev(HD_CURRENT_FORCE), hdEndFrame Haply             open the serial port, read and send in one
- * cursor_effector exchange, kept between the two calls */
+ * 0 where they succeed, unless said otherwise. simulator/adaptors holds those for Force Dimension's and
+ * 3D Systems' libraries. For Haply: open the serial port; read and send are one cursor_effector exchange, kept between
+ * the two calls. */
 
 #ifdef __cplusplus
 extern "C" {

