@@ -26,7 +26,7 @@ struct FrameGroups {
 
 struct RawSegmentation {
   std::string sop_class, type;
-  int rows = 0, columns = 0, frames = 0, allocated = 0;
+  int rows = 0, columns = 0, frames = 1, allocated = 0;
   struct Named {
     int number = 0;
     std::string label;

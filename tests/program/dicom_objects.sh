@@ -10,6 +10,7 @@ for p in python3 /usr/bin/python3; do
   "$p" -c 'import numpy, pydicom' 2>/dev/null && { python=$p; break; }
 done
 [[ -n $python ]] || skip "no python3-pydicom"
+coarsest=(--set "resample.spacing_mm=[3.5,3.5,3.5]")  # in the long suite too, but for the upright case
 export_() { "$TREPHINE" export --quiet "$@" 2>>"$work/log" || { cat "$work/log" >&2; fail "export $*"; }; }
 
 # The sample's slices as a tilted gantry places them, and every second one of the upper half left out.
@@ -34,7 +35,7 @@ case_of() {
   printf 'trephine: 1\nanatomies: {skin: {}, brain: {}}\n%sface: {policy: keep, reason: a phantom}\n' "$2" >"$work/scene.yaml"
   sed "s,^scene: .*,scene: scene.yaml,; s,: \.\./,: $SOURCE/,; s,^series: .*,series: $3," "$SOURCE/configs/sample.yaml" >"$work/config.yaml"
   "$TREPHINE" run --quiet "$work/config.yaml" --root / --out "$work/library" --case "$1" --no-pictures --no-page \
-    "${coarsest[@]:0:2}" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case to export"; }
+    "${coarsest[@]}" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case to export"; }
 }
 case_of tilted $'ct: {}\n' "$work/tilted"
 case=$work/library/tilted scan=$work/tilted
@@ -261,3 +262,108 @@ expect 65 'SegmentationType|SOPClassUID' "$TREPHINE" labels --quiet "$work/volum
 case_of bare '' "$scan"
 refused 65 'ct: .*--source-uids' "$TREPHINE" export --quiet "$work/library/bare" --format dicom-seg --series "$scan"
 export_ "$work/library/bare" --format dicom-seg,dicom-stl --series "$scan" --source-uids --out "$work/bare_out"
+((LONG == 1)) || exit 0
+
+# Upright slices on the scan's own voxels: the CT is the scan's HU, and a correction painted on the segmentation comes back.
+coarsest=()
+mkdir "$work/upright"
+for f in "$SOURCE"/sample_dicom/*.dcm; do dcmdjpls "$f" "$work/upright/$(basename "$f")"; done
+case_of upright $'ct: {}\n' "$work/upright"
+case=$work/library/upright scan=$work/upright
+export_ "$case" --format $all --series "$scan" --out "$work/u"
+export_ "$case" --format stl --out "$work/ustl"
+"$python" "$work/check.py" "$case" "$work/u" "$scan" "$work/ustl" exact
+"$python" - "$work/u/upright.seg.dcm" "$work/painted.dcm" <<'PY'
+import numpy as np, pydicom, sys
+d = pydicom.dcmread(sys.argv[1])
+brain = [s.SegmentNumber for s in d.SegmentSequence if s.SegmentLabel == "brain"][0]
+bits = np.unpackbits(np.frombuffer(d.PixelData, np.uint8), bitorder="little")
+frames = bits[:d.NumberOfFrames * d.Rows * d.Columns].reshape(-1, d.Rows, d.Columns)
+mine = [n for n, f in enumerate(d.PerFrameFunctionalGroupsSequence)
+        if f.SegmentIdentificationSequence[0].ReferencedSegmentNumber == brain]
+added = removed = 0
+for n in mine[len(mine) // 2:len(mine) // 2 + 3]:
+    box = frames[n, d.Rows // 2 - 4:d.Rows // 2 + 4, d.Columns // 2 - 6:d.Columns // 2 + 6]
+    removed += int(box.sum())
+    box[:] = 0
+    corner = frames[n, :4, :4]
+    added += int((corner == 0).sum())
+    corner[:] = 1
+d.PixelData = np.packbits(bits, bitorder="little").tobytes()
+d.save_as(sys.argv[2])
+print(f"{added} {removed}", file=open(sys.argv[2] + ".txt", "w"))
+PY
+"$TREPHINE" correction --quiet "$work/u/upright.seg.dcm" "$work/painted.dcm" --label brain --output "$work/correction.nrrd" \
+  --report "$work/correction.json" 2>>"$work/log" || { cat "$work/log" >&2; fail "no correction of a painted segmentation"; }
+python3 - "$work/correction.json" "$work/painted.dcm.txt" <<'PY'
+import json, sys
+said, (added, removed) = json.load(open(sys.argv[1])), map(int, open(sys.argv[2]).read().split())
+assert (said["added_voxels_count"], said["removed_voxels_count"]) == (added, removed) and added and removed, (said, added, removed)
+PY
+
+# A face that the case's policy took off is not in the images either: they are read back and asked of the gate.
+"$TREPHINE" phantom "$work/face" --quiet --encoding none --tilt-deg 12 --slice-step-mm 2 --upper-step-mm 3 --slice-thickness-mm 2 \
+  --columns-count 200 --rows-count 230 --pixel-mm 1.15 --slices-count 90 >/dev/null
+python3 - "$work" "$SOURCE" <<'PY'
+import json, pathlib, sys
+work, source = pathlib.Path(sys.argv[1]), sys.argv[2]
+marks = json.loads((work / "face/truth/truth.json").read_text())["landmarks_mm"]
+three = {name: marks[name] for name in ("nasion", "tragus_left", "tragus_right")}
+(work / "face_scene.yaml").write_text("trephine: 1\nanatomies: {brain: {}}\nct: {margin_mm: 200}\nface: {policy: deface}\n")
+(work / "face.yaml").write_text(f"trephine: 1\ncase: face\nseries: {work}/face/dicom\npipeline: {source}/pipelines/ventriculostomy.yaml\n"
+                                f"scene: face_scene.yaml\nlandmarks: {json.dumps(three)}\n")
+(work / "marks.json").write_text(json.dumps({
+    "midsagittal": {"point_mm": three["nasion"], "normal": [1, 0, 0], "confidence": 1},
+    "landmarks": [{"name": n, "position_mm": p, "confidence": 1, "source": "found"} for n, p in three.items()]}))
+PY
+"$TREPHINE" run --quiet "$work/face.yaml" --root / --out "$work/library" --no-pictures --no-page >"$work/run.log" 2>&1 ||
+  { cat "$work/run.log" >&2; fail "no defaced case"; }
+export_ "$work/library/face" --format dicom-ct --series "$work/face/dicom" --out "$work/f"
+"$TREPHINE" import --quiet "$work/face/dicom" --output "$work/original.nrrd" 2>/dev/null
+"$TREPHINE" import --quiet "$work/f/dicom-ct" --output "$work/exported.nrrd" 2>/dev/null
+"$TREPHINE" segment --quiet "$work/original.nrrd" --lower-hu -475 --open-mm 3 --components largest --fill cavities --fill-close-mm 6 \
+  --output "$work/skin.nrrd" 2>/dev/null
+expect 81 'the CT' "$TREPHINE" face-gate --quiet "$work/skin.nrrd" --landmarks "$work/marks.json" --ct "$work/original.nrrd"
+"$TREPHINE" face-gate --quiet "$work/skin.nrrd" --landmarks "$work/marks.json" --ct "$work/exported.nrrd" --report "$work/gate.json" ||
+  fail "dicom-ct shows the face that the case does not"
+grep face_distance "$work/gate.json"
+
+# An archive that stores the objects gives them back as they were.
+command -v Orthanc >/dev/null || skip "no Orthanc (package orthanc)"
+"$python" - "$work" <<'PY'
+import json, pathlib, socket, subprocess, sys, time, urllib.request
+work = pathlib.Path(sys.argv[1])
+free = []
+for _ in range(2):
+    s = socket.socket()
+    s.bind(("127.0.0.1", 0))
+    free.append(s)
+http, dicom = (s.getsockname()[1] for s in free)
+for s in free:
+    s.close()
+(work / "orthanc").mkdir()
+(work / "orthanc.json").write_text(json.dumps({
+    "Name": "test", "StorageDirectory": str(work / "orthanc"), "IndexDirectory": str(work / "orthanc"), "HttpPort": http,
+    "DicomPort": dicom, "RemoteAccessAllowed": False, "AuthenticationEnabled": False, "Plugins": []}))
+server = subprocess.Popen(["Orthanc", str(work / "orthanc.json")], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+ask = lambda path, data=None: urllib.request.urlopen(f"http://127.0.0.1:{http}{path}", data, 60).read()
+try:
+    for _ in range(100):
+        try:
+            ask("/system")
+            break
+        except OSError:
+            time.sleep(0.2)
+    files = sorted((work / "u").rglob("*.dcm"))
+    for f in files:
+        stored = json.loads(ask("/instances", f.read_bytes()))
+        assert stored["Status"] == "Success", (f, stored)
+        assert ask(f"/instances/{stored['ID']}/file") == f.read_bytes(), f
+    assert len(json.loads(ask("/patients"))) == len(json.loads(ask("/studies"))) == 1
+    kinds = sorted(json.loads(ask(f"/series/{s}"))["MainDicomTags"]["Modality"] for s in json.loads(ask("/series")))
+    assert kinds == ["CT", "M3D", "M3D", "RTSTRUCT", "SEG"], kinds
+    print(f"Orthanc stored {len(files)} objects of one study and gave them back")
+finally:
+    server.terminate()
+    server.wait(20)
+PY
