@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "grid/labels.h"
 #include "pacs/anatomy_codes.h"
+#include "pacs/removed_face.h"
 #include "pacs_samples.h"
 #include "surface/inside.h"
 #include "surface_shapes.h"
@@ -208,6 +209,34 @@ TEST(DicomCt, VoxelsOfTheCtAreCopiedAndOthersInterpolated) {
       }
   }
   EXPECT_GT(inside, 500u);
+}
+
+TEST(DicomCt, OfAFaceThatWasRemovedTheSlicesShowNothingNearer) {
+  const pacs::SliceSet own = slices_at(uniform_mm);
+  grid::Lattice lattice = own.lattice_of(0);
+  lattice.size[2] = 10;
+  lattice.spacing_mm.z = 2;
+  grid::Grid<std::int16_t> ct(lattice, 40);
+  for (int k = 0; k < 10; ++k)
+    for (int j = 0; j < 29; ++j)
+      for (int i = 0; i < 12; ++i) ct.at(i, j, k) = -1000;  // a face
+  ct.at(30, 20, 5) = -1000;                                 // a voxel of air by chance
+  EXPECT_EQ(pacs::with_room_around_removed(ct, own), ct);
+  pacs::SliceSet tilted = slices_at({0.4, 3.1, 5.8, 8.5, 11.2, 13.9, 16.6}, 0.2);
+  const auto changed = pacs::with_room_around_removed(ct, tilted);
+  EXPECT_EQ(changed.at(30, 20, 5), -1000);
+  EXPECT_EQ(changed.at(29, 20, 5), 40);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(changed.at(13, 14, k), -1000);  // two pixels more
+    EXPECT_EQ(changed.at(14, 14, k), 40);
+  }
+  // A lid over the face alone: two slices more.
+  for (int k = 0; k < 10; ++k)
+    for (int j = 0; j < 29; ++j)
+      for (int i = 0; i < 37; ++i) ct.at(i, j, k) = k < 3 ? -1000 : 40;
+  const auto lid = pacs::with_room_around_removed(ct, tilted);
+  EXPECT_EQ(lid.at(18, 14, 5), -1000);
+  EXPECT_EQ(lid.at(18, 14, 6), 40);
 }
 
 }  // namespace

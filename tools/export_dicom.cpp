@@ -13,6 +13,7 @@
 #include "meshio/export_format.h"
 #include "pacs/object.h"
 #include "pacs/original_slices.h"
+#include "pacs/removed_face.h"
 #include "voxel/shape_field.h"
 
 namespace trephine::tools {
@@ -219,7 +220,9 @@ DicomExport export_dicom(const cli::ParsedCommand& parsed, const DicomFormats& f
   DicomExport made;
   if (needs_ct && (formats.ct || !source_uids)) {
     pacs::SliceSet on = slices;
-    add_ct(made, identity, loaded.ct, on, progress.part(0.2, 0.4));
+    const bool faceless = m.face_policy == "deface" || m.face_policy == "crop";
+    add_ct(made, identity, faceless ? pacs::with_room_around_removed(loaded.ct, on, progress) : loaded.ct, on,
+           progress.part(0.2, 0.4));
     if (!source_uids) slices = std::move(on);
   }
   const CaseShapes shapes(loaded, items_of(parsed, "anatomy"), progress.part(0.4, 0.5));

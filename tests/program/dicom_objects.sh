@@ -303,20 +303,21 @@ PY
 
 # A face that the case's policy took off is not in the images either: they are read back and asked of the gate.
 "$TREPHINE" phantom "$work/face" --quiet --encoding none --tilt-deg 12 --slice-step-mm 2 --upper-step-mm 3 --slice-thickness-mm 2 \
-  --columns-count 200 --rows-count 230 --pixel-mm 1.15 --slices-count 90 >/dev/null
+  --columns-count 160 --rows-count 184 --pixel-mm 1.45 --slices-count 90 >/dev/null
 python3 - "$work" "$SOURCE" <<'PY'
 import json, pathlib, sys
 work, source = pathlib.Path(sys.argv[1]), sys.argv[2]
 marks = json.loads((work / "face/truth/truth.json").read_text())["landmarks_mm"]
 three = {name: marks[name] for name in ("nasion", "tragus_left", "tragus_right")}
-(work / "face_scene.yaml").write_text("trephine: 1\nanatomies: {brain: {}}\nct: {margin_mm: 200}\nface: {policy: deface}\n")
+(work / "face_scene.yaml").write_text("trephine: 1\nanatomies: {brain: {}}\nct: {margin_mm: 200}\nface: {policy: deface, believe: given, believe_reason: a phantom}\n")
 (work / "face.yaml").write_text(f"trephine: 1\ncase: face\nseries: {work}/face/dicom\npipeline: {source}/pipelines/ventriculostomy.yaml\n"
                                 f"scene: face_scene.yaml\nlandmarks: {json.dumps(three)}\n")
 (work / "marks.json").write_text(json.dumps({
     "midsagittal": {"point_mm": three["nasion"], "normal": [1, 0, 0], "confidence": 1},
     "landmarks": [{"name": n, "position_mm": p, "confidence": 1, "source": "found"} for n, p in three.items()]}))
 PY
-"$TREPHINE" run --quiet "$work/face.yaml" --root / --out "$work/library" --no-pictures --no-page >"$work/run.log" 2>&1 ||
+"$TREPHINE" run --quiet "$work/face.yaml" --root / --out "$work/library" --no-pictures --no-page \
+  --set "resample.spacing_mm=[2,2,2]" >"$work/run.log" 2>&1 ||
   { cat "$work/run.log" >&2; fail "no defaced case"; }
 export_ "$work/library/face" --format dicom-ct --series "$work/face/dicom" --out "$work/f"
 "$TREPHINE" import --quiet "$work/face/dicom" --output "$work/original.nrrd" 2>/dev/null
@@ -326,7 +327,6 @@ export_ "$work/library/face" --format dicom-ct --series "$work/face/dicom" --out
 expect 81 'the CT' "$TREPHINE" face-gate --quiet "$work/skin.nrrd" --landmarks "$work/marks.json" --ct "$work/original.nrrd"
 "$TREPHINE" face-gate --quiet "$work/skin.nrrd" --landmarks "$work/marks.json" --ct "$work/exported.nrrd" --report "$work/gate.json" ||
   fail "dicom-ct shows the face that the case does not"
-grep face_distance "$work/gate.json"
 
 # An archive that stores the objects gives them back as they were.
 command -v Orthanc >/dev/null || skip "no Orthanc (package orthanc)"
