@@ -2,7 +2,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
-#include "itk/volume_write.h"
+#include "pacs/label_objects.h"
 #include "segmentation/correct.h"
 #include "stage_command.h"
 
@@ -46,7 +46,7 @@ const cli::OwnCommand correction_command([] {
     const auto& params = parsed.params<CorrectionParams>();
     run_with_report(parsed, [&](const Progress&) {
       const auto made = segmentation::correction_between(
-          itk::read_label_file(parsed.path("before")), itk::read_label_file(parsed.path("after")), params.label,
+          pacs::read_label_file(parsed.path("before")), pacs::read_label_file(parsed.path("after")), params.label,
           params.painted_label.empty() ? params.label : params.painted_label);
       write_file(parsed.path("output"), grid::encode_labels(made.value));
       return printed(made);

@@ -12,6 +12,7 @@
 #include "cli/argument.h"
 #include "cli/command.h"
 #include "cli/progress_display.h"
+#include "export_dicom.h"
 #include "export_parts.h"
 #include "head/head_landmarks.h"
 #include "meshio/export_format.h"
@@ -35,6 +36,7 @@ std::vector<std::string> format_choices() {
   for (const meshio::ExportFormat& f : meshio::format_types()) names.emplace_back(f.name);
   for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
   names.emplace_back(markups_format);
+  for (const std::string& name : dicom_format_names()) names.push_back(name);
   return names;
 }
 
@@ -62,6 +64,7 @@ struct Formats {
   std::vector<const meshio::ExportFormat*> surfaces;
   std::vector<const meshio::LabelFormat*> labels;
   bool markups = false;
+  DicomFormats dicom;
 };
 
 template <class Format>
@@ -76,6 +79,7 @@ Formats formats_of(const cli::ParsedCommand& parsed) {
     const auto labels = std::find_if(all_labels.begin(), all_labels.end(),
                                      [&](const meshio::LabelFormat& f) { return name == f.name; });
     const meshio::ExportFormat* surface = meshio::find_export_format(name);
+    if (formats.dicom.take(name)) continue;
     if (name == markups_format)
       formats.markups = true;
     else if (labels != all_labels.end())
@@ -193,6 +197,7 @@ void check_combination(const cli::ParsedCommand& parsed, const Formats& formats)
     for (const meshio::LabelFormat& f : meshio::all_label_formats()) names.emplace_back(f.name);
     export_usage("--labels", "and --format " + with_commas(names) + " belong together");
   }
+  check_dicom(parsed, formats.dicom);
   if (formats.markups && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
     export_usage("INPUT", std::string("must be a case's folder for ") + markups_format);
   if (!formats.surfaces.empty() && !parsed.has("input"))
@@ -248,7 +253,13 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     labels = printed(made);
     map = std::move(made.value);
   }
+  DicomExport dicom;
+  if (formats.dicom.any()) {
+    dicom = export_dicom(parsed, formats.dicom, params.name, report, progress.part(0.8, 0.95));
+    text += "object                              MB   holds\n" + dicom.table;
+  }
   make_output_folder(out);
+  write_dicom(out, dicom);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -279,7 +290,8 @@ std::string formats_text() {
   return text +
          "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
          "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
-         "(trajectory-NAME.mrk.json).";
+         "(trajectory-NAME.mrk.json).\n\n" +
+         dicom_formats_help;
 }
 
 }  // namespace
@@ -297,6 +309,7 @@ const cli::OwnCommand export_command([] {
                 "trephine export library/head-01 --format x3d --together --out exported",
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export library/head-01 --format mrk.json --out exported",
+                "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
     cli::Argument a;
@@ -321,9 +334,13 @@ const cli::OwnCommand export_command([] {
   cli::Argument labels =
       argument("labels", cli::Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
   anatomy.repeated = texture.repeated = labels.repeated = true;
-  c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};
+  const cli::Argument series =
+      argument("series", cli::Argument::Kind::in_path,
+               "For dicom-seg, dicom-rtss and dicom-ct: the folder or archive of the scan that "
+               "the case was made of; another one is refused (65).");
+  c.arguments = {input, format, out, anatomy, texture, labels, series, report_argument()};
   c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
-              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups")};
+              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"), cli::ParameterGroup::of<DicomParams>("DICOM")};
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

@@ -33,7 +33,7 @@ class SharedLibrary {
 };
 
 /// What version() of a library of ours gives; raised where a function of one changes.
-constexpr int own_library_version = 1;
+constexpr int own_library_version = 2;
 
 /// A library of this program's own, which is loaded when it is first needed, for what it links takes long to load
 /// (cmake/modules.cmake, trephine_library_on_demand). It lies in ../lib/trephine from the program's folder, or in that

@@ -11,6 +11,7 @@ const Codecs& codecs() {
     Codecs c{};
     library.find("decode", c.decode);
     library.find("write", c.write);
+    library.find("write_object", c.write_object);
     return c;
   }();
   return loaded;

@@ -15,11 +15,12 @@ struct CodedFrame {
   bool is_signed = false;
 };
 
-/// An element of a file with its value as bytes of even length.
+/// An element of a file with its value as bytes of even length, or with the items of a sequence (VR SQ).
 struct FileElement {
   std::uint16_t group = 0, element = 0;
   std::string vr;  ///< two letters
   std::string value;
+  std::vector<std::vector<FileElement>> items{};
 };
 
 /// Functions that return false say why in `fault`.
@@ -29,6 +30,9 @@ struct Codecs {
   /// A DICOM file of these elements and this frame, whose pixels are little endian, in the frame's transfer syntax.
   bool (*write)(const std::vector<FileElement>* elements, const CodedFrame* frame, const std::vector<char>* pixels,
                 std::string* file, std::string* fault);
+  /// A DICOM file of these elements as they are, pixels among them, in an uncompressed little endian transfer syntax.
+  bool (*write_object)(const std::vector<FileElement>* elements, const std::string* syntax_uid, std::string* file,
+                       std::string* fault);
 };
 /// Throws Error 70 where the library is missing.
 const Codecs& codecs();

@@ -19,7 +19,10 @@ struct LabelParams {
   template <class V>
   static void describe(V& v) {
     using P = LabelParams;
-    v.text(&P::file, "file", "Labels to read: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .mnc, .gipl, .vtk.").names("file");
+    v.text(
+         &P::file, "file",
+         "Labels to read: .nrrd, .seg.nrrd, .nii, .nii.gz, .mha, .mnc, .gipl, .vtk, a DICOM SEG, an RT structure set.")
+        .names("file");
     v.text(&P::label, "label",
            "Which label to take: its value, or a segment's name or ID; several with commas between them; empty for "
            "everything that is not 0.");

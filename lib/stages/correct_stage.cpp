@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "pacs/label_objects.h"
 #include "segmentation/edit_list.h"
 #include "stages/stage.h"
 
@@ -70,7 +71,7 @@ StageType correct_stage() {
                 {{}, {}, r.added_ml, r.removed_ml, r.already_ratio, {}, static_cast<std::int64_t>(r.edits_count)},
                 std::move(made.warnings)};
       }
-      auto made = segmentation::corrected(field, grid::lattice_of(volume), grid::read_labels(p.file), progress);
+      auto made = segmentation::corrected(field, grid::lattice_of(volume), pacs::read_label_file(p.file), progress);
       const auto& r = made.result;
       const auto& c = r.changed;
       return {std::move(made.value),

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "grid/bounded_read.h"
-#include "itk/volume_write.h"
 #include "json/declared_json.h"
 #include "meshio/vtp.h"
+#include "pacs/label_objects.h"
 #include "voxel/haptic_file.h"
 
 namespace trephine::stages {
@@ -109,7 +109,7 @@ StageData load_data(const std::filesystem::path& file, DataKind kind, DataOf who
     case DataKind::landmarks:
       return std::make_shared<const head::HeadLandmarks>(head::read_head_landmarks(file));
     case DataKind::labels:
-      return std::make_shared<const grid::LabelFile>(itk::read_label_file(file));
+      return std::make_shared<const grid::LabelFile>(pacs::read_label_file(file));
     case DataKind::nothing:
       break;
   }

@@ -2,7 +2,7 @@
 #include "segmentation/labels.h"
 
 #include "base/error.h"
-#include "itk/volume_write.h"
+#include "pacs/label_objects.h"
 #include "stages/stage.h"
 
 namespace trephine::stages {
@@ -13,7 +13,9 @@ StageType labels_stage() {
   s.version = 3;
   s.summary = "takes one anatomy from labels that another program made";
   s.description =
-      "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator), takes "
+      "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator, a "
+      "binary "
+      "DICOM SEG, the closed contours of an RT structure set), takes "
       "one label of it and gives what segment gives: a field on the volume's voxels, positive inside. Labels on the "
       "volume's own voxels stay as they are, with their steps smoothed. Other labels are resampled so that they keep "
       "their volume. A label that lies outside of the volume or in air is refused.";
@@ -31,7 +33,7 @@ StageType labels_stage() {
     }
     if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the labels to read");
     return stage_outcome(with_file(p.file, [&] {
-      return segmentation::label_field(*in.get<grid::HuVolume>("volume"), itk::read_label_file(p.file), p, progress);
+      return segmentation::label_field(*in.get<grid::HuVolume>("volume"), pacs::read_label_file(p.file), p, progress);
     }));
   };
   return s;

@@ -6,6 +6,7 @@
 #include <gdcmImage.h>
 #include <gdcmImageChangeTransferSyntax.h>
 #include <gdcmSequenceOfFragments.h>
+#include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
 #include <gdcmWriter.h>
 
@@ -33,6 +34,36 @@ void prepare(gdcm::Image& image, const CodedFrame& frame, const gdcm::TransferSy
 bool refused(std::string* fault, std::string what) {
   *fault = std::move(what);
   return false;
+}
+
+void put(gdcm::DataSet& set, const std::vector<FileElement>& elements) {
+  for (const FileElement& e : elements) {
+    gdcm::DataElement element(gdcm::Tag(e.group, e.element), 0, gdcm::VR::GetVRType(e.vr.c_str()));
+    if (e.vr == "SQ") {
+      gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = new gdcm::SequenceOfItems;
+      sequence->SetLengthToUndefined();
+      for (const std::vector<FileElement>& own : e.items) {
+        gdcm::Item item;
+        item.SetVLToUndefined();
+        put(item.GetNestedDataSet(), own);
+        sequence->AddItem(item);
+      }
+      element.SetValue(*sequence);
+      element.SetVLToUndefined();
+    } else {
+      element.SetByteValue(e.value.data(), static_cast<std::uint32_t>(e.value.size()));
+    }
+    set.Replace(element);
+  }
+}
+
+bool written(gdcm::Writer& writer, const gdcm::TransferSyntax& syntax, std::string* file, std::string* fault) {
+  writer.GetFile().GetHeader().SetDataSetTransferSyntax(syntax);
+  std::ostringstream stream(std::ios::binary);
+  writer.SetStream(stream);
+  if (!writer.Write()) return refused(fault, "the file could not be encoded");
+  *file = stream.str();
+  return true;
 }
 
 }  // namespace
@@ -71,11 +102,7 @@ GIVEN bool trephine_dicom_write(const std::vector<FileElement>* elements, const 
                                 const std::vector<char>* pixels, std::string* file, std::string* fault) {
   gdcm::Writer writer;
   gdcm::DataSet& set = writer.GetFile().GetDataSet();
-  for (const FileElement& e : *elements) {
-    gdcm::DataElement element(gdcm::Tag(e.group, e.element), 0, gdcm::VR::GetVRType(e.vr.c_str()));
-    element.SetByteValue(e.value.data(), static_cast<std::uint32_t>(e.value.size()));
-    set.Replace(element);
-  }
+  put(set, *elements);
   gdcm::DataElement raw(gdcm::Tag(0x7fe0, 0x0010), 0, gdcm::VR::OW);
   raw.SetByteValue(pixels->data(), static_cast<std::uint32_t>(pixels->size()));
   const gdcm::TransferSyntax plain = gdcm::TransferSyntax::ExplicitVRLittleEndian;
@@ -92,12 +119,14 @@ GIVEN bool trephine_dicom_write(const std::vector<FileElement>* elements, const 
     if (!change.Change()) return refused(fault, "the encoder failed");
     set.Replace(change.GetOutput().GetDataElement());
   }
-  writer.GetFile().GetHeader().SetDataSetTransferSyntax(syntax);
-  std::ostringstream stream(std::ios::binary);
-  writer.SetStream(stream);
-  if (!writer.Write()) return refused(fault, "the file could not be encoded");
-  *file = stream.str();
-  return true;
+  return written(writer, syntax, file, fault);
+}
+
+GIVEN bool trephine_dicom_write_object(const std::vector<FileElement>* elements, const std::string* syntax_uid,
+                                       std::string* file, std::string* fault) {
+  gdcm::Writer writer;
+  put(writer.GetFile().GetDataSet(), *elements);
+  return written(writer, gdcm::TransferSyntax::GetTSType(syntax_uid->c_str()), file, fault);
 }
 
 }  // namespace trephine::codecs

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Reading of elements, for the sources of this room that read objects.
+#include <string>
+#include <vector>
+
+#include "dicom/elements.h"
+#include "pacs/label_objects.h"
+
+namespace trephine::pacs {
+
+/// Throws Error 65.
+[[noreturn]] void refuse(const std::string& field, const std::string& what);
+
+/// The value of an element of at most 64 MB, and what it says. They throw Error 65 naming the tag.
+std::string text_of(dicom::ByteSource& source, const dicom::Element& e);
+std::vector<double> numbers_of(dicom::ByteSource& source, const dicom::Element& e);
+int word_of(dicom::ByteSource& source, const dicom::Element& e);
+Vec3 vector_of(const std::vector<double>& v, std::size_t at, std::uint32_t tag);
+
+/// What follows the file meta information.
+struct DataSet {
+  std::uint64_t begin = 0;
+  bool explicit_vr = true;
+};
+DataSet data_set_of(dicom::ByteSource& source);
+
+LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set);
+LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set);
+
+}  // namespace trephine::pacs

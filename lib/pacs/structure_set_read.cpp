@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pacs/object_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "pacs/contours.h"
+#include "pacs/tags.h"
+
+namespace trephine::pacs {
+namespace {
+
+using dicom::Element;
+using dicom::Level;
+
+struct RawRoi {
+  std::string name;
+  std::vector<std::vector<Vec3>> contours;
+};
+
+std::vector<RawRoi> read_structure_set(dicom::ByteSource& source, const DataSet& set) {
+  struct Contour {
+    std::string type;
+    std::vector<Vec3> points;
+  };
+  std::map<int, std::string> names;
+  std::vector<std::pair<int, std::string>> named;           // of StructureSetROISequence, by item
+  std::vector<std::pair<int, std::vector<Contour>>> drawn;  // of ROIContourSequence, by item
+  const auto into = [](std::uint32_t tag) { return tag == t_rois || tag == t_roi_contours || tag == t_contours; };
+  const auto number = [&](const Element& e) {
+    const auto v = numbers_of(source, e);
+    return v.empty() ? 0 : int(v[0]);
+  };
+  dicom::walk_elements(source, set.begin, source.size(), set.explicit_vr, into,
+                       [&](const Element& e, const std::vector<Level>& levels) {
+                         if (levels.empty()) return;
+                         const std::size_t item = std::size_t(levels[0].item);
+                         if (item >= 65535) refuse(dicom::tag_name(levels[0].tag), "has too many items");
+                         if (levels[0].tag == t_rois && levels.size() == 1) {
+                           if (item >= named.size()) named.resize(item + 1);
+                           if (e.tag == t_roi_number) named[item].first = number(e);
+                           if (e.tag == t_roi_name) named[item].second = text_of(source, e);
+                         }
+                         if (levels[0].tag != t_roi_contours) return;
+                         if (item >= drawn.size()) drawn.resize(item + 1);
+                         if (levels.size() == 1 && e.tag == t_referenced_roi) drawn[item].first = number(e);
+                         if (levels.size() != 2 || levels[1].tag != t_contours) return;
+                         auto& contours = drawn[item].second;
+                         const std::size_t at = std::size_t(levels[1].item);
+                         if (at >= 1000000) refuse(dicom::tag_name(t_contours), "has too many items");
+                         if (at >= contours.size()) contours.resize(at + 1);
+                         if (e.tag == t_contour_type) contours[at].type = text_of(source, e);
+                         if (e.tag == t_contour_data) {
+                           const auto v = numbers_of(source, e);
+                           if (v.size() % 3) refuse(dicom::tag_name(e.tag), "is not triples of numbers");
+                           for (std::size_t i = 0; i < v.size(); i += 3)
+                             contours[at].points.push_back({v[i], v[i + 1], v[i + 2]});
+                         }
+                       });
+  std::vector<RawRoi> rois;
+  for (const auto& [own, contours] : drawn) {
+    RawRoi roi;
+    for (const auto& [n, name] : named)
+      if (n == own) roi.name = name;
+    for (const Contour& c : contours)
+      if ((c.type == "CLOSED_PLANAR" || c.type == "CLOSEDPLANAR_XOR") && c.points.size() >= 3)
+        roi.contours.push_back(c.points);
+    if (!roi.contours.empty()) rois.push_back(std::move(roi));
+  }
+  if (rois.empty()) refuse(dicom::tag_name(t_roi_contours), "holds no closed contour");
+  return rois;
+}
+
+Vec3 normal_of(const std::vector<Vec3>& points) {
+  Vec3 sum;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) sum += cross(points[i] - points[0], points[i + 1] - points[0]);
+  return sum;
+}
+
+// The plane of the contour with the largest area, with its normal towards the head, the back or the left.
+void choose_axes(const std::vector<RawRoi>& rois, SliceSet& s) {
+  Vec3 n;
+  for (const RawRoi& roi : rois)
+    for (const auto& points : roi.contours)
+      if (const Vec3 own = normal_of(points); norm(own) > norm(n)) n = own;
+  if (!(norm(n) > 1e-6)) refuse(dicom::tag_name(t_contour_data), "no contour encloses anything");
+  n = normalized(n);
+  int most = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(n[a]) > std::abs(n[most])) most = a;
+  if (n[most] < 0) n = -n;
+  const Vec3 along = most == 0 ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+  s.u = normalized(along - n * dot(along, n));
+  s.v = cross(n, s.u);
+}
+
+}  // namespace
+
+LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
+  constexpr double pixel_mm = 0.5, same_plane_mm = 0.01, planar_mm = 0.1;
+  constexpr int most_pixels = 2048, margin = 2;
+  const std::vector<RawRoi> rois = read_structure_set(source, set);
+  LabelObject out;
+  out.format = "RT structure set";
+  SliceSet& s = out.slices;
+  choose_axes(rois, s);
+  double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
+  std::vector<double> heights;
+  for (const RawRoi& roi : rois)
+    for (const auto& points : roi.contours) {
+      const double at = dot(points[0], s.normal());
+      heights.push_back(at);
+      for (const Vec3& p : points) {
+        if (!(std::abs(dot(p, s.normal()) - at) <= planar_mm))
+          refuse(dicom::tag_name(t_contour_data), "a contour is not planar, or not parallel to the others");
+        const double q[2] = {dot(p, s.u), dot(p, s.v)};
+        for (int a = 0; a < 2; ++a) {
+          low[a] = std::min(low[a], q[a]);
+          high[a] = std::max(high[a], q[a]);
+        }
+      }
+    }
+  s.dx_mm = s.dy_mm = std::max({pixel_mm, (high[0] - low[0]) / most_pixels, (high[1] - low[1]) / most_pixels});
+  s.columns = int((high[0] - low[0]) / s.dx_mm) + 2 * margin + 1;
+  s.rows = int((high[1] - low[1]) / s.dy_mm) + 2 * margin + 1;
+  const double first[2] = {low[0] - margin * s.dx_mm, low[1] - margin * s.dy_mm};
+  std::sort(heights.begin(), heights.end());
+  std::vector<double> levels;
+  for (const double h : heights)
+    if (levels.empty() || h - levels.back() > same_plane_mm) levels.push_back(h);
+  for (const double h : levels) s.origins_mm.push_back(s.u * first[0] + s.v * first[1] + s.normal() * h);
+  s.thickness_mm = levels.size() > 1 ? (levels.back() - levels.front()) / double(levels.size() - 1) : 1;
+  for (const RawRoi& roi : rois) {
+    std::vector<std::vector<PlaneLine>> lines(levels.size());
+    for (const auto& points : roi.contours) {
+      const double at = dot(points[0], s.normal());
+      const auto above = std::upper_bound(levels.begin(), levels.end(), at);
+      PlaneLine line;
+      for (const Vec3& p : points) line.push_back({dot(p, s.u) - first[0], dot(p, s.v) - first[1]});
+      lines[std::size_t(above - levels.begin()) - 1].push_back(std::move(line));
+    }
+    Segment segment{roi.name, {}, SliceBits(levels.size())};
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      const auto pixels = filled(lines[k], s.columns, s.rows, s.dx_mm, s.dy_mm);
+      if (std::none_of(pixels.begin(), pixels.end(), [](std::uint8_t v) { return v != 0; })) continue;
+      segment.bits[k] = packed(pixels);
+    }
+    out.segments.push_back(std::move(segment));
+  }
+  return out;
+}
+
+}  // namespace trephine::pacs
