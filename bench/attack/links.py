@@ -11,6 +11,7 @@ import desk_of_one
 from desk_of_one import CASE, exchange
 
 CANARY = "canary-61c0de"
+PATIENCE_S = 120  # a page of a case is made meanwhile, on a machine that may be busy
 OUTSIDE = ["case.json", "approved.json", "journal.json", "axial.png", "view", "skull", "a.yaml", "desk-build.log", f"case.{CASE}.log",
            f"{CASE}.result.json"]
 GETS = ["library", "plan", "status", "log?C", "case?C", "open?C", "draft?C&what=view", "draft?C&what=skull", "lessons?C",
@@ -79,14 +80,14 @@ def main():
     (outside / "below/view").write_text(CANARY)
     with Desk(root, library) as desk:
         for request in requests_of(desk, rnd):
-            exchange(desk.port, [request], 20)  # so that all of its own folders are there
+            exchange(desk.port, [request], PATIENCE_S)  # so that all of its own folders are there
         shutil.copytree(root, good, symlinks=True)
         for n in range(attack.args.count):
             restore(root, good)
             what = f"{n}: " + ", ".join(put_link(rnd, root, outside) for _ in range(rnd.choice([1, 1, 2])))
             before = desk_of_one.state_of(outside)
             for request in requests_of(desk, rnd):
-                got = exchange(desk.port, [request], 20)
+                got = exchange(desk.port, [request], PATIENCE_S)
                 desk_of_one.status_of(attack, got)
                 asked = request.split(b" HTTP")[0].decode()
                 if not got:

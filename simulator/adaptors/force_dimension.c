@@ -20,12 +20,13 @@ static struct {
   int (*pose)(double*, double*, double*, double[3][3], char);
   unsigned int (*buttons)(char);
   int (*set_force)(double, double, double, double, double, double, double, char);
-  double (*max_force)(char); /* not in old versions */
+  double (*max_force)(char);        /* this one and the next are not in old versions */
+  unsigned char (*has_wrist)(char); /* a bool of C++ */
   const char* (*last_error)(void);
 } dhd;
 
 typedef struct {
-  int is_open;
+  int is_open, has_wrist;
   char id;
 } handle;
 static handle handles[max_devices];
@@ -45,17 +46,17 @@ static int load(void) {
     return 1;
   void* optional = dlsym(found, "dhdGetMaxForce");
   memcpy(&dhd.max_force, &optional, sizeof optional);
+  optional = dlsym(found, "dhdHasWrist");
+  memcpy(&dhd.has_wrist, &optional, sizeof optional);
   dhd.library = found;
   return 0;
 }
 
 static int failed_call(const char* what) { return fail(what, dhd.last_error()); }
 
-/* A device tells its name once it is open, so it stays open from then on. */
 static handle* opened(int index) {
   if (load() || index < 0 || index >= max_devices) return NULL;
   handle* h = &handles[index];
-  if (h->is_open) return h;
   const int id = dhd.open_id((char)index);
   if (id < 0) {
     failed_call("dhdOpenID");
@@ -63,6 +64,7 @@ static handle* opened(int index) {
   }
   h->is_open = 1;
   h->id = (char)id;
+  h->has_wrist = !dhd.has_wrist || dhd.has_wrist(h->id);
   return h;
 }
 
@@ -76,10 +78,16 @@ int trephine_adaptor_count(void) {
 }
 
 int trephine_adaptor_name(int index, char* out, int size) {
-  const handle* h = opened(index);
+  /* A device tells its name while it is open. */
+  const int was_open = index >= 0 && index < max_devices && handles[index].is_open;
+  handle* h = was_open ? &handles[index] : opened(index);
   if (!h) return 1;
   const char* name = dhd.name(h->id);
   snprintf(out, (size_t)size, "%s", name ? name : "Force Dimension");
+  if (!was_open) {
+    dhd.close(h->id);
+    h->is_open = 0;
+  }
   return 0;
 }
 
@@ -95,7 +103,7 @@ int trephine_adaptor_limits(void* device, trephine_adaptor_limits_t* out) {
   const char* name = dhd.name(id);
   memset(out, 0, sizeof *out);
   for (size_t n = 0; name && n < sizeof known / sizeof *known; ++n)
-    if (strncmp(name, known[n].name, strlen(known[n].name)) == 0) out->max_force_n = known[n].force_n;
+    if (strstr(name, known[n].name)) out->max_force_n = known[n].force_n;
   const double limit = dhd.max_force ? dhd.max_force(id) : -1;
   if (limit > 0 && (out->max_force_n == 0 || limit < out->max_force_n)) out->max_force_n = limit;
   return 0;
@@ -106,13 +114,14 @@ int trephine_adaptor_start(void* device) {
 }
 
 int trephine_adaptor_read(void* device, trephine_adaptor_pose* out) {
-  const char id = ((handle*)device)->id;
+  const handle* h = device;
+  const char id = h->id;
   double p[3], frame[3][3]; /* by rows; its columns are the tool's own axes */
   if (dhd.pose(&p[0], &p[1], &p[2], frame, id) < 0) return failed_call("dhdGetPositionAndOrientationFrame");
   for (int a = 0; a < 3; ++a) {
     out->tip_mm[a] = 1000 * p[a];
-    out->axis[a] = frame[a][0]; /* x: to the operator, where the tail is */
-    out->across[a] = frame[a][2];
+    out->axis[a] = frame[a][0];                      /* x: to the operator, where the tail is */
+    out->across[a] = h->has_wrist ? frame[a][2] : 0; /* else the frame never turns */
   }
   out->buttons = dhd.buttons(id);
   return 0;

@@ -38,7 +38,7 @@ enum {
 #define HD_INVALID_HANDLE 0xFFFFFFFFu
 
 enum { max_devices = 8, name_size = 64 };
-static const double stale_s = 0.05, no_frame_s = 0.1;
+static const double stale_s = 0.05, no_frame_s = 0.2;
 
 static struct {
   void* library;
@@ -146,7 +146,6 @@ static handle* opened(int index) {
   char name[name_size];
   if (load() || index < 0 || index >= max_devices || !configured(index, name)) return NULL;
   handle* h = &handles[index];
-  if (h->is_open) return h;
   h->device = hd.init(*name ? name : NULL);
   const int fault = device_failed("hdInitDevice");
   if (h->device == HD_INVALID_HANDLE) {
@@ -189,23 +188,31 @@ static unsigned int exchange(void* of) {
 
 int trephine_adaptor_version(void) { return TREPHINE_ADAPTOR_VERSION; }
 
+/* HDAPI says of a device whether it is there, and what it is, while it is held. 0 where it is not. */
+static int looked_at(int index, char* out, int size) {
+  const int was_open = index >= 0 && index < max_devices && handles[index].is_open;
+  handle* h = was_open ? &handles[index] : opened(index);
+  if (!h) return 0;
+  hd.make_current(h->device);
+  const char* model = hd.get_string(hd_device_model_type);
+  if (out) snprintf(out, (size_t)size, "%s", model && *model ? model : "OpenHaptics");
+  device_failed("hdGetString");
+  if (!was_open) {
+    hd.disable_device(h->device);
+    memset(h, 0, sizeof *h);
+  }
+  return 1;
+}
+
 int trephine_adaptor_count(void) {
   char name[name_size];
   if (load()) return -1;
   int count = 0;
   while (count < max_devices && configured(count, name)) ++count;
-  if (count == 1 && !*name) return opened(0) ? 1 : 0; /* whether the default one is there, HDAPI says by holding it */
-  return count;
+  return count > 1 || looked_at(0, NULL, 0) ? count : 0;
 }
 
-int trephine_adaptor_name(int index, char* out, int size) {
-  handle* h = opened(index);
-  if (!h) return 1;
-  hd.make_current(h->device);
-  const char* model = hd.get_string(hd_device_model_type);
-  snprintf(out, (size_t)size, "%s", model && *model ? model : "OpenHaptics");
-  return 0;
-}
+int trephine_adaptor_name(int index, char* out, int size) { return !looked_at(index, out, size); }
 
 void* trephine_adaptor_open(int index) { return opened(index); }
 

@@ -22,7 +22,7 @@ static void* vendor_library(const char* variable, const char* const* names, cons
   const char* own = getenv(variable);
   if (own && *own) {
     void* found = dlopen(own, RTLD_NOW | RTLD_LOCAL);
-    if (!found) fail(variable, dlerror());
+    if (!found) snprintf(failed, sizeof failed, "%s of %s cannot be loaded; it comes with %s", own, variable, source);
     return found;
   }
   for (const char* const* name = names; *name; ++name) {
