@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A case as DICOM objects, on tilted and uneven slices: read by pydicom and dcmtk, checked by dicom3tools, and compared with the
+# D23 to D25. A case as DICOM objects, on tilted and uneven slices: read by pydicom and dcmtk, checked by dicom3tools, and compared with the
 # surfaces by this script's own arithmetic. LONG=1: also on upright slices, with a correction that is painted on them, and
 # through an archive (Orthanc).
 . "$(dirname "$0")/common.sh"
@@ -222,6 +222,11 @@ print(f"{name}: {pixels} pixels of segments are the surfaces'; contours {off_pla
 PY
 "$python" "$work/check.py" "$case" "$work/a" "$scan" "$work/stl"
 python3 "$canaries" seek "$scan" "$work/a" || fail "the objects hold something of the patient"
+
+# The example shows what lies on a slice.
+"$python" "$SOURCE/examples/dicom_overlay/overlay.py" "$work/a" 20 "$work/overlay.ppm" >"$work/shown"
+grep -q '^brain: Brain (SCT 12738006), [1-9]' "$work/shown" || fail "the example shows $(cat "$work/shown")"
+[[ $(head -c 2 "$work/overlay.ppm") == P6 ]] || fail "no picture of the example"
 
 # The source's own UIDs only where they are asked for, and then no CT is written.
 export_ "$case" --format dicom-seg --series "$scan" --source-uids --out "$work/own"
