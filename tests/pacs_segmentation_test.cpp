@@ -148,6 +148,10 @@ TEST(Segmentation, WhatIsNoBinarySegmentationIsRefusedNamingTheTag) {
   pacs::encode_ct(identity(), grid::Grid<std::int16_t>(slices.lattice_of(0)), images,
                   [&](std::size_t, const std::string& bytes) { ct = bytes; });
   EXPECT_EQ(fault_of(ct).substr(0, 26), "65 SOPClassUID (0008,0016)");
+  pacs::SliceSet far = slices;
+  far.origins_mm[3].z = 1e9;
+  EXPECT_NE(fault_of(pacs::encode_segmentation(identity(), far, {noise("skin", far, 0)}).bytes).find("kilometres"),
+            std::string::npos);
   // Whatever byte of the header is damaged, it is read or refused.
   const std::size_t header = good.size() - slices.pixels() * 8 / 8;
   for (std::size_t at = 132; at < header; at += 7) {

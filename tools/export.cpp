@@ -335,7 +335,7 @@ const cli::OwnCommand export_command([] {
       argument("labels", cli::Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
   anatomy.repeated = texture.repeated = labels.repeated = true;
   const cli::Argument series =
-      argument("series", cli::Argument::Kind::in_path,
+      argument("series", cli::Argument::Kind::in_scan,
                "For dicom-seg, dicom-rtss and dicom-ct: the folder or archive of the scan that "
                "the case was made of; another one is refused (65).");
   c.arguments = {input, format, out, anatomy, texture, labels, series, report_argument()};

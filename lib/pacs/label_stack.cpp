@@ -236,6 +236,7 @@ grid::LabelFile label_file_of(const LabelObject& object, const Progress& progres
   out.format = object.format;
   out.lattice = g.target;
   const std::size_t plane = std::size_t(g.target.size[0]) * std::size_t(g.target.size[1]), count = g.target.count();
+  require_memory(3 * std::uint64_t{count}, "labels of a DICOM object");
   std::vector<std::vector<std::uint8_t>> layers;
   if (object.segments.size() > 255)
     throw Error(ExitCode::bad_input, "", "SegmentSequence", "has more than 255 segments");

@@ -9,6 +9,9 @@
 
 namespace trephine::pacs {
 
+/// No place of a patient lies farther from the frame's origin.
+constexpr double farthest_mm = 1e6;
+
 /// Throws Error 65.
 [[noreturn]] void refuse(const std::string& field, const std::string& what);
 

@@ -161,6 +161,7 @@ LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set) {
     const auto u = g.u ? g.u : raw.shared.u, v = g.v ? g.v : raw.shared.v;
     const auto spacing = g.spacing ? g.spacing : raw.shared.spacing;
     if (!position) refuse(dicom::tag_name(t_position), "missing in a frame");
+    if (!(norm(*position) < farthest_mm)) refuse(dicom::tag_name(t_position), "lies kilometres away");
     if (!u || !v || !(std::abs(norm(*u) - 1) < 1e-3 && std::abs(norm(*v) - 1) < 1e-3 && std::abs(dot(*u, *v)) < 1e-3))
       refuse(dicom::tag_name(t_orientation), "missing, or not orthonormal");
     if (!spacing) refuse(dicom::tag_name(t_spacing), "missing");

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "pacs/contours.h"
 #include "pacs/tags.h"
 
@@ -103,6 +104,7 @@ void choose_axes(const std::vector<RawRoi>& rois, SliceSet& s) {
 LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
   constexpr double pixel_mm = 0.5, same_plane_mm = 0.01, planar_mm = 0.1;
   constexpr int most_pixels = 2048, margin = 2;
+  constexpr std::size_t most_planes = 10000;
   const std::vector<RawRoi> rois = read_structure_set(source, set);
   LabelObject out;
   out.format = "RT structure set";
@@ -115,6 +117,7 @@ LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
       const double at = dot(points[0], s.normal());
       heights.push_back(at);
       for (const Vec3& p : points) {
+        if (!(norm(p) < farthest_mm)) refuse(dicom::tag_name(t_contour_data), "lies kilometres away");
         if (!(std::abs(dot(p, s.normal()) - at) <= planar_mm))
           refuse(dicom::tag_name(t_contour_data), "a contour is not planar, or not parallel to the others");
         const double q[2] = {dot(p, s.u), dot(p, s.v)};
@@ -132,6 +135,10 @@ LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
   std::vector<double> levels;
   for (const double h : heights)
     if (levels.empty() || h - levels.back() > same_plane_mm) levels.push_back(h);
+  if (levels.size() > most_planes)
+    refuse(dicom::tag_name(t_contour_data),
+           fmt::format("{} planes, at most {} make sense", levels.size(), most_planes));
+  require_memory(levels.size() * s.pixels() / 8 * rois.size(), "contours on pixels");
   for (const double h : levels) s.origins_mm.push_back(s.u * first[0] + s.v * first[1] + s.normal() * h);
   s.thickness_mm = levels.size() > 1 ? (levels.back() - levels.front()) / double(levels.size() - 1) : 1;
   for (const RawRoi& roi : rois) {
