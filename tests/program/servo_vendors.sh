@@ -185,10 +185,12 @@ else:
 for b in bad[:8]: os.write(screen, f"FAILED: {what} {fake}: {b}\n".encode())
 sys.exit(1 if bad else 0)
 PY
-for fake in '' ${LONG:+two falcon timeguard}; do
+((LONG)) && fakes=(two falcon timeguard) || fakes=()
+for fake in '' "${fakes[@]}"; do
   TREPHINE_FAKE=$fake timeout 120 python3 "$work/straight.py" dhd "$fake" "$DHD_ADAPTOR" "$DHD_FAKE" "$work/said" || failed=1
 done
-for fake in '' ${LONG:+two update}; do
+((LONG)) && fakes=(two update)
+for fake in '' "${fakes[@]}"; do
   TREPHINE_FAKE=$fake timeout 120 python3 "$work/straight.py" hd "$fake" "$HD_ADAPTOR" "$HD_FAKE" "$work/said" || failed=1
 done
 
@@ -201,7 +203,7 @@ holds 'dhd' 'f["enabled"] and f["id"] == 0'
 holds 'dhd' "$up"
 holds 'dhd' "$as_given"
 holds 'dhd' 'f["sends"] >= d["device_counts"]["forces"]'
-if [[ ${LONG:-} ]]; then
+if ((LONG)); then
 for fake in timeguard saturated falcon; do
   runs dhd $fake
   holds "dhd $fake" "$up"
@@ -236,7 +238,7 @@ as_given='0.9 * min(d["most_force_n"], 2.1) <= size(f["largest_n"]) <= 1.001 * m
 holds 'hd' 'f["enabled"] and f["frames"] > 500'
 holds 'hd' "$up"
 holds 'hd' "$as_given"
-if [[ ${LONG:-} ]]; then
+if ((LONG)); then
 for fake in warm exceeded update; do
   runs hd $fake
   holds "hd $fake" "$up"
