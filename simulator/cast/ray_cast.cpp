@@ -79,6 +79,7 @@ class Caster {
     if (!(begin < end)) return seen;
     double light = 1;
     bool clear = true;  // the sample before this one
+    bool cut = false;   // the ray began within what is seen
     for (auto n = std::int64_t(begin / step_mm_); double(n) * step_mm_ < end; ++n) {
       double low = std::max(begin, double(n) * step_mm_);
       const double high = std::min(end, double(n + 1) * step_mm_);
@@ -100,11 +101,13 @@ class Caster {
         low = first(along, std::max(begin, at - step_mm_), at);
         at = (low + high) / 2;
         e = entry(along, at);
+        cut = cut || low == begin;
         if (seen.begins_mm == nowhere) seen.begins_mm = low;
       }
       clear = false;
       const double alpha = 1 - std::pow(std::max(1e-6, 1.0 - double(e[3])), high - low);
-      const std::array<double, 3> lit = lit_colour(e, along, at, direction);
+      const std::array<double, 3> lit =
+          lit_colour(e, along, at, direction, cut ? std::min(1.0, (at - begin) / (cut_steps * step_mm_)) : 1);
       for (std::size_t c = 0; c < 3; ++c) seen.rgba[c] += float(light * alpha * lit[c]);
       light *= 1 - alpha;
       if (light <= 0.5 && seen.hides_mm == nowhere) seen.hides_mm = low;
@@ -142,7 +145,8 @@ class Caster {
     return leaves;
   }
 
-  std::array<double, 3> lit_colour(const CastTable::Entry& e, Vec3 along, double t, Vec3 direction) const {
+  std::array<double, 3> lit_colour(const CastTable::Entry& e, Vec3 along, double t, Vec3 direction,
+                                   double lit_share) const {
     const Vec3 at = from_ + along * t;
     Vec3 gradient;  // HU/mm along the lattice's axes
     for (int a = 0; a < 3; ++a) {
@@ -151,7 +155,7 @@ class Caster {
       gradient[a] = (trilinear(voxels_, at + one) - trilinear(voxels_, at - one)) / (2 * voxels_.spacing_mm[a]);
     }
     const double steep = norm(gradient);
-    const double share = std::min(1.0, steep / unlit_hu_per_mm);
+    const double share = lit_share * std::min(1.0, steep / unlit_hu_per_mm);
     const Vec3 world = voxels_.direction * gradient, to_eye = seen_by_eye(-direction);
     Vec3 n = seen_by_eye(world) * (-1 / std::max(1e-6, steep));
     if (dot(n, to_eye) < 0) n = -n;

@@ -33,13 +33,15 @@ struct CastPicture {
 /// and those of the outermost voxels in the half voxel beyond them. Samples lie at (n + 1/2) steps from the eye; where
 /// the first one behind clear ones is not clear, the place where opacity begins is found by halving, to a 32nd of a
 /// step. A layer of s mm lets (1 - opacity)^s through. Light falls as on surfaces (render/shaders.cpp), by the gradient
-/// over two voxels; where it is below 50 HU/mm the light has no direction [Levoy1988]. A ray ends where less than 1/100
-/// of the light is left. The same bytes whatever the thread count. render/cast_shader.cpp does the same in GLSL.
+/// over two voxels; where it is below 50 HU/mm the light has no direction [Levoy1988], nor has it at the face of a cut,
+/// a box or the volume's end, where the gradient is not that of what is seen. A ray ends where less than 1/100 of the
+/// light is left. The same bytes whatever the thread count. render/cast_shader.cpp does the same in GLSL.
 CastPicture cast_rays(const grid::Grid<std::int16_t>& voxels, const CastTable& table, const CastBricks& bricks,
                       const scene::EyeView& eye, int width, int height, const CastParams& params = {});
 
 constexpr double least_light = 0.01;    ///< a ray ends where less is left
 constexpr double unlit_hu_per_mm = 50;  ///< below that gradient the light has no direction
 constexpr int halvings = 5;
+constexpr double cut_steps = 4;  ///< behind the face of a cut, over which light comes to have a direction
 
 }  // namespace trephine::cast

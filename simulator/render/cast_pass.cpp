@@ -22,9 +22,11 @@ std::string definitions() {
   return fmt::format(
       "#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n#define TABLE_LOW ({:.1f})\n#define "
       "TABLE_COUNT "
-      "{}\n#define BRICK {:.1f}\n#define UNLIT {:.1f}\n#define HALVINGS {}\n#define LEAST {:.6f}\n",
+      "{}\n#define BRICK {:.1f}\n#define UNLIT {:.1f}\n#define HALVINGS {}\n#define CUT_STEPS {:.1f}\n#define LEAST "
+      "{:.6f}\n",
       scene::key_light[0], scene::key_light[1], scene::key_light[2], double(cast::CastTable::low_hu),
-      cast::CastTable::count, double(cast::CastBricks::side), cast::unlit_hu_per_mm, cast::halvings, cast::least_light);
+      cast::CastTable::count, double(cast::CastBricks::side), cast::unlit_hu_per_mm, cast::halvings, cast::cut_steps,
+      cast::least_light);
 }
 
 bool equal(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }

@@ -46,10 +46,10 @@ void between(float start, float along, float low, float high, inout float begin,
   end = min(end, max(a, b));
 }
 
-vec3 lit(vec3 base, vec3 at, vec3 to_viewer) {
+vec3 lit(vec3 base, vec3 at, vec3 to_viewer, float lit_share) {
   vec3 g = vec3(hu_at(at + vec3(1, 0, 0)) - hu_at(at - vec3(1, 0, 0)), hu_at(at + vec3(0, 1, 0)) - hu_at(at - vec3(0, 1, 0)),
                 hu_at(at + vec3(0, 0, 1)) - hu_at(at - vec3(0, 0, 1))) / (2 * spacing_mm);
-  float steep = length(g), share = min(1.0, steep / UNLIT);
+  float steep = length(g), share = lit_share * min(1.0, steep / UNLIT);
   vec3 n = mat3(to_eye) * g * (-1 / max(1e-6, steep));
   if (dot(n, to_viewer) < 0) n = -n;
   const vec3 key = normalize(KEY_LIGHT), fill = normalize(vec3(0.80, 0.05, 0.45)),
@@ -76,7 +76,7 @@ void main() {
   between(cut.w, dot(cut.xyz, d), -1e30, 0, begin, end);
   vec3 sum = vec3(0);
   float light = 1, hidden = 1e6;
-  bool clear = true;
+  bool clear = true, cut_in = false;
   int n = int(begin / step_mm);
   while (begin < end && n * step_mm < end && light >= LEAST) {
     float low = max(begin, n * step_mm), high = min(end, (n + 1) * step_mm), t = (low + high) / 2;
@@ -105,12 +105,14 @@ void main() {
             low = there ? low : middle;
           }
           low = until;
-          at = from + along * ((low + high) / 2);
+          t = (low + high) / 2;
+          at = from + along * t;
           e = entry(at);
+          cut_in = cut_in || low == begin;
         }
         clear = false;
         float alpha = 1 - pow(max(1e-6, 1 - e.a), high - low);
-        sum += light * alpha * lit(e.rgb, at, -d);
+        sum += light * alpha * lit(e.rgb, at, -d, cut_in ? min(1, (t - begin) / (CUT_STEPS * step_mm)) : 1);
         light *= 1 - alpha;
         hidden = light <= 0.5 && hidden >= 1e6 ? low : hidden;
       }
