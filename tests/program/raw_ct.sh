@@ -90,4 +90,22 @@ assert said["faults"] == 0 and said["drilled"]["removed_mm3"]["bone"] > 50, said
 PY
 "$TREPHINE" replay "$work/out/bone" "$work/hole.servo" >"$work/said" || { cat "$work/said"; fail "no replay"; }
 grep -q '^the drilled volume is the same$' "$work/said" && grep -q '^replayed bit for bit$' "$work/said" || { cat "$work/said"; fail "replay"; }
+
+# In a window: what is cast, and by which function, changes while it is open.
+. "$(dirname "$0")/window.sh"
+open_window "$TREPHINE" play "$work/out/ramp" --window-width 480 --window-height 360 --no-realtime --no-panels --max-step-s 3600 \
+  --cast haptic --view back --shots "$work/shots"
+until_is state 'time [1-9]|time 0\.[1-9]'
+shot() { ok shot; until_file "$work/shots/picture-00$1.png"; }
+shot 1
+ok 'cast none'; shot 2
+ok 'cast haptic bone'; shot 3
+! cmp -s "$work/shots/picture-001.png" "$work/shots/picture-002.png" && ! cmp -s "$work/shots/picture-001.png" "$work/shots/picture-003.png" ||
+  fail "the picture does not change with what is cast"
+ask 'cast haptic bones'
+[[ $answer == 'error: --transfer: bones: must be a preset (bone, skin, vessels)'* ]] || fail "no such preset: $answer"
+ask 'cast ct'
+[[ $answer == *'the case has no CT'* ]] || fail "there is no CT: $answer"
+ask 'cast mri'
+[[ $answer == 'error: cast: must be none, ct or haptic' ]] || fail "another volume: $answer"
 echo ok
