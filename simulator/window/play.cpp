@@ -101,6 +101,7 @@ class Loop {
   void adapt(double ms) {
     if (player_.view().stage().coarse_comes()) return;
     tell_reduced();
+    if (player_.view().stage().renderer().rays().scale() > 0) return;  // rays fit themselves to the time they have
     if (pictures_ > first_pictures && reduction_.look(ms)) reduce();
   }
 
