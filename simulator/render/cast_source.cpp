@@ -34,10 +34,6 @@ bool holds_nothing(const voxel::HapticVolume& volume, std::int16_t value) {
 
 }  // namespace
 
-CastSource::CastSource(const cases::LoadedCase& loaded, const grid::Grid<std::int16_t>* uncut) : loaded_(loaded) {
-  if (loaded.has_ct() && loaded.has_haptic()) uncut_ = uncut ? *uncut : loaded.haptic.voxels;
-}
-
 void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer) {
   std::vector<voxel::TransferFunction> functions;
   if (!transfer.empty()) functions = {voxel::transfer_from_text(transfer, "--transfer")};

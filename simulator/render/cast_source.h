@@ -13,8 +13,8 @@ namespace trephine::render {
 /// The volume of a case that rays are cast through, as it is now: what was cut away is not seen.
 class CastSource {
  public:
-  /// `loaded` must outlive it; `uncut`: its voxels as the case has them, where some were cut before.
-  CastSource(const cases::LoadedCase& loaded, const grid::Grid<std::int16_t>* uncut);
+  /// Both must outlive it. `uncut`: the haptic volume's voxels as the case has them; without voxels where it has no CT.
+  CastSource(const cases::LoadedCase& loaded, const grid::Grid<std::int16_t>& uncut) : loaded_(loaded), uncut_(uncut) {}
   /// Throws Error 64 where the case has no such volume, or the text is no transfer function.
   void show(Renderer& renderer, scene::ViewParams::Cast what, const std::string& transfer);
   /// The marked bricks of the haptic volume have changed.
@@ -24,7 +24,8 @@ class CastSource {
   grid::Box follow_ct(const grid::Box& haptic_box);  ///< returns the voxels of the CT that it looked at
 
   const cases::LoadedCase& loaded_;
-  grid::Grid<std::int16_t> uncut_, ct_;  // where the CT is cast
+  const grid::Grid<std::int16_t>& uncut_;
+  grid::Grid<std::int16_t> ct_;  // where it is cast
   scene::ViewParams::Cast what_ = scene::ViewParams::Cast::none;
 };
 

@@ -31,7 +31,7 @@ Stage::Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params, c
       params_(params),
       driver_(driver_facts()),
       scene_(scene::scene_of(loaded)),
-      cast_source_(loaded, uncut) {
+      cast_source_(loaded, before_.voxels) {
   renderer_ = std::make_unique<Renderer>(without_triangles(scene_), quality_of(params));
   bool incised = false;
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
@@ -41,7 +41,7 @@ Stage::Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params, c
     surfaces_by_ = renderer_->set_live(int(n), loaded.haptic, s.shape, params.surface_by);
   }
   fit_memory();
-  if (incised && loaded.haptic.encoding == voxel::HapticEncoding::occupancy) {
+  if (loaded.has_ct() || (incised && loaded.haptic.encoding == voxel::HapticEncoding::occupancy)) {
     before_.voxels = uncut ? *uncut : loaded.haptic.voxels;
     before_.shapes = loaded.haptic.shapes;
   }
@@ -97,6 +97,7 @@ void Stage::cast(scene::ViewParams::Cast what, const std::string& transfer) {
 
 void Stage::show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count) {
   if (count == shown_incisions_ || before_.voxels.voxels.empty()) return;
+  if (loaded_.haptic.encoding != voxel::HapticEncoding::occupancy) return;
   if (count < shown_incisions_) {
     renderer_->clear_incisions();
     shown_incisions_ = 0;

@@ -111,7 +111,7 @@ class Stage {
   DriverFacts driver_;
   scene::SceneData scene_;
   std::string surfaces_by_;
-  voxel::HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
+  voxel::HapticVolume before_;  ///< as it was, for the walls of incisions and what is cut of a CT; else empty
   CastSource cast_source_;
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
