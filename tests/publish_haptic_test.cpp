@@ -132,6 +132,37 @@ TEST(HapticScene, WindowsOfRawHu) {
   EXPECT_EQ(g.nodes[g.result(stages::DataKind::haptic)].sources, (std::map<std::string, int>{{"volume", 0}}));
 }
 
+TEST(HapticScene, OneFunctionSaysWhatIsSeenAndTouched) {
+  const std::string hu =
+      with(with(live, "  region_of: brain\n", "  encoding: hu\n"),
+           "skin: {material: skin, clear_of: brain, clear_mm: 5}", "tooth: {material: bone, window_hu: [1500, 3000]}");
+  const std::string ramp =
+      "{points: [{hu: 100, opacity: 0, colour_rgb: [1, 1, 1]}, {hu: 300, opacity: 1, colour_rgb: [1, 1, 1]}, "
+      "{hu: 1400, opacity: 1, colour_rgb: [1, 1, 1]}, {hu: 1500, opacity: 0, colour_rgb: [1, 1, 1]}], "
+      "touched_from_opacity: 0.75}";
+  const config::CaseConfig c = read(beginning, with(hu, "cuttable: true", "cuttable: true, transfer: " + ramp));
+  EXPECT_EQ(stage_of(c).shapes[0].second.window_hu, (std::array<double, 2>{250, 1425}));
+  ASSERT_TRUE(c.haptic.shapes[0].transfer);
+  EXPECT_EQ(c.haptic.shapes[0].transfer->points.size(), 4u);
+  EXPECT_EQ(c.haptic.shapes[0].transfer->touched_from_opacity, 0.75);
+  EXPECT_FALSE(c.haptic.shapes[1].transfer);
+
+  const std::string at = "haptic.shapes.skull.";
+  EXPECT_TRUE(has(fault(beginning, with(hu, "cuttable: true", "transfer: {preset: bone}")),
+                  "tooth.window_hu: 1500 to 3000 HU are touched, and skull is touched from 228 to 32767 HU"));
+  EXPECT_TRUE(has(fault(beginning, with(hu, "cuttable: true", "transfer: {preset: bones}")), "preset"));
+  EXPECT_TRUE(has(fault(beginning, with(hu, "cuttable: true", "window_hu: [300, 400], transfer: {preset: bone}")),
+                  "skull.window_hu: is there beside transfer"));
+  EXPECT_TRUE(has(fault(beginning, with(live, "cuttable: true", "transfer: {preset: bone}")),
+                  "skull.transfer: is of HU, and needs encoding: hu"));
+  EXPECT_TRUE(has(fault(beginning, with(hu, "cuttable: true",
+                                        "transfer: {points: [{hu: 10, opacity: 0.2, colour_rgb: [1, 1, 1]}, {hu: 300, "
+                                        "opacity: 1, colour_rgb: [1, 1, 1]}]}")),
+                  at + "transfer.points[0].opacity: 0.2, must be 0"));
+  EXPECT_TRUE(has(fault(beginning, with(hu, "cuttable: true", "transfer: {points: [{hu: 10, opacity: 0}]}")),
+                  "colour_rgb: is missing"));
+}
+
 TEST(Scene, DoesWithoutWhatMayBeMissing) {
   const std::string scene =
       with(live, "anatomies: {skin: {max_triangles: 90000}}",

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "base/vec3.h"
 #include "cases/case_finding.h"
 #include "cases/material.h"
+#include "voxel/transfer.h"
 
 namespace trephine::cases {
 
@@ -145,9 +147,15 @@ struct CaseMismatch {
 /// used.
 struct ShapeParams {
   bool cuttable = false;
+  std::optional<voxel::TransferFunction> transfer;
   template <class V>
   static void describe(V& v) {
     v.flag(&ShapeParams::cuttable, "cuttable", "Whether a tool of the simulator may remove the shape.");
+    v.group(
+         &ShapeParams::transfer, "transfer",
+         "With encoding hu: how the shape is seen by ray casting, and what of it is touched. Without it, it is opaque "
+         "in its window, and has the colour of its material.")
+        .not_always();
   }
 };
 

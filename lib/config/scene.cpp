@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "config/reading.h"
@@ -24,6 +26,14 @@ std::string fault_of_material(const ConfigReading& r, const std::string& name) {
   std::vector<std::string> known;
   for (const auto& m : r.materials) known.push_back(m.first);
   return name + ", no such material" + did_you_mean(name, known);
+}
+
+// The HU that are touched, for they are the shape.
+std::array<double, 2> window_of(const SceneShapeParams& shape) {
+  const bool window = shape.window_hu != stages::HapticShapeParams().window_hu;
+  if (!shape.transfer || window || !shape.transfer->fault().empty()) return shape.window_hu;
+  const auto touched = voxel::touched_hu(voxel::resolved(*shape.transfer));
+  return touched ? std::array<double, 2>{double((*touched)[0]), double((*touched)[1])} : shape.window_hu;
 }
 
 class SceneReader {
@@ -85,8 +95,25 @@ class SceneReader {
     if (said.face && said.face->policy != FacePolicy::keep && !(r_.out.face_step() && r_.out.landmarks_step()))
       fault("face", "face.policy", "crop and deface need `landmarks` and `deface` in the pipeline");
     if (!said.haptic) return;
+    check_windows(*said.haptic, fault);
     for (const auto& [name, shape] : said.haptic->shapes)
       if (shape.clear_of == name) fault("haptic", "haptic.shapes." + name + ".clear_of", "is the shape itself");
+  }
+
+  // Of raw HU: what is touched of two shapes may not be the same.
+  template <class Fault>
+  static void check_windows(const SceneHapticParams& haptic, const Fault& fault) {
+    if (haptic.encoding != voxel::HapticEncoding::hu) return;
+    for (std::size_t n = 0; n < haptic.shapes.size(); ++n)
+      for (std::size_t m = 0; m < n; ++m) {
+        const auto& [name, shape] = haptic.shapes[n];
+        const auto& [other, before] = haptic.shapes[m];
+        const std::array<double, 2> a = window_of(shape), b = window_of(before);
+        if (a[0] > b[1] || b[0] > a[1] || !(shape.transfer || before.transfer)) continue;
+        fault("haptic", "haptic.shapes." + name + (shape.transfer ? ".transfer" : ".window_hu"),
+              fmt::format("{:g} to {:g} HU are touched, and {} is touched from {:g} to {:g} HU: they must not overlap",
+                          a[0], a[1], other, b[0], b[1]));
+      }
   }
 
   ConfigReading& r_;
@@ -111,9 +138,15 @@ std::string FacePolicyParams::fault() const {
 std::string SceneHapticParams::fault() const {
   if ((hardness_low_hu != 0 || hardness_high_hu != 0) && !(hardness_low_hu < hardness_high_hu))
     return "hardness_high_hu: must exceed hardness_low_hu";
-  if (encoding == voxel::HapticEncoding::hu)
-    for (const auto& [name, shape] : shapes)
-      if (shape.window_hu == stages::HapticShapeParams().window_hu) return "shapes." + name + ".window_hu: is missing";
+  for (const auto& [name, shape] : shapes) {
+    const bool window = shape.window_hu != stages::HapticShapeParams().window_hu;
+    if (shape.transfer && encoding != voxel::HapticEncoding::hu)
+      return "shapes." + name + ".transfer: is of HU, and needs encoding: hu";
+    if (shape.transfer && window)
+      return "shapes." + name + ".window_hu: is there beside transfer, which says what is touched: give one of the two";
+    if (encoding == voxel::HapticEncoding::hu && !window && !shape.transfer)
+      return "shapes." + name + ".window_hu: is missing: give it, or transfer";
+  }
   return "";
 }
 
@@ -161,9 +194,11 @@ void derive_scene(ConfigReading& r) {
   static_cast<stages::HapticVolumeParams&>(stage) = *said.haptic;
   for (const auto& [name, shape] : said.haptic->shapes) {
     stage.shapes.emplace_back(name, shape);
+    stage.shapes.back().second.window_hu = window_of(shape);
     if (const stages::DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
     SceneShape& felt = out.haptic.shapes.emplace_back();
     static_cast<cases::ShapeParams&>(felt) = shape;
+    if (felt.transfer) felt.transfer = voxel::resolved(*felt.transfer);
     felt.name = name;
     if (const cases::MaterialParams* material = find_item(r.materials, shape.material)) {
       static_cast<cases::MaterialParams&>(felt.material) = *material;

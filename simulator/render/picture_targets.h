@@ -20,6 +20,8 @@ class PictureTargets {
   void resolve(GLbitfield what, KeptFences& kept) const;
   /// Darkens what is near behind something, within that distance; leaves frame() bound.
   void darken(const scene::EyeView& eye, double occlusion_mm, KeptFences& kept);
+  /// Of the picture itself, after resolve(GL_DEPTH_BUFFER_BIT).
+  GLuint depth() const { return one_depth_; }
   /// See Renderer::present.
   void present(int x, int y, int width, int height, int mask) const;
   std::size_t bytes() const;

@@ -120,6 +120,8 @@ void Renderer::set_tool(const scene::Solid& solid) {
 void Renderer::set_ct(const grid::Grid<std::int16_t>& ct) { impl_->planes.set_ct(ct, impl_->centre_mm); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }
 
+VolumeRays& Renderer::rays() { return impl_->rays; }
+
 int Renderer::max_ct_side() {
   GLint most = 0;
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
@@ -164,7 +166,7 @@ std::size_t Renderer::drawn_triangles() const {
 std::size_t Renderer::graphics_bytes() const { return scene_bytes() + impl_->targets.bytes(); }
 
 std::size_t Renderer::scene_bytes() const {
-  std::size_t n = impl_->planes.ct_bytes();
+  std::size_t n = impl_->planes.ct_bytes() + (impl_->rays.pass ? impl_->rays.pass->bytes() : 0);
   for (const Impl::Item& item : impl_->items) n += item.buffer ? item.buffer->bytes() : 0;
   for (const Impl::Wall& wall : impl_->walls) n += wall.bytes;
   return n;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cast/cast_table.h"
 #include "render/context.h"
 #include "render/surface_parts.h"
 #include "scene/picture.h"
@@ -28,6 +29,9 @@ struct RenderQuality {
   /// Samples of the tool's shadow a pixel, 0 to 5; 0: it casts none.
   int shadow_taps = 5;
   Coarseness coarse = {};
+  /// While anything moves, rays through a volume take about so long, and they become more from picture to picture while
+  /// nothing does; 0: each picture has a ray for every pixel.
+  double cast_ms = 0;
 };
 
 /// The wall of an incision: what is seen of the surface's own thickness where a ball was taken out of it.
@@ -36,6 +40,19 @@ struct IncisionWall {
   int surface = 0;                      ///< in SceneData::surfaces
   grid::Lattice lattice;                ///< around the ball
   std::vector<std::uint8_t> occupancy;  ///< of the surface's shape before the cut, 0 to 255
+};
+
+/// The rays through a volume, which a renderer casts after its opaque surfaces (cast/ray_cast.h).
+class VolumeRays {
+ public:
+  virtual ~VolumeRays() = default;
+  /// Casts them through the volume, which must outlive the renderer or the next call; null: there are none. Throws
+  /// Error 74 where the graphics memory does not suffice, or a side of the volume is longer than max_ct_side().
+  virtual void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) = 0;
+  /// Voxels of the box have changed.
+  virtual void follow(const grid::Box& box) = 0;
+  /// Of the last picture's sides, that share had rays of its own; 0: nothing is cast.
+  virtual double scale() const = 0;
 };
 
 /// Draws a scene with OpenGL 4.3 core into a texture of its own. All calls come from the thread of the context that was
@@ -72,6 +89,7 @@ class Renderer {
   /// Its sides must be at most max_ct_side().
   void set_ct(const grid::Grid<std::int16_t>& ct);
   static int max_ct_side();
+  VolumeRays& rays();
   /// Of more than max_incisions the oldest are no longer drawn.
   void add_incision(const IncisionWall& wall);
   void clear_incisions();

@@ -322,6 +322,7 @@ void Renderer::Impl::draw(const scene::EyeView& eye, const scene::SceneState& st
   begin_surface(eye, state, false);
   draw_solids(state);
   if (quality.occlusion) targets.darken(eye, quality.occlusion_mm, kept);
+  if (rays.pass) rays.pass->draw(targets, kept, eye, state, w, h, quality.cast_ms);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
   begin_surface(eye, state);
   draw_transparent(state);

@@ -3,6 +3,7 @@
 #include <bitset>
 #include <map>
 
+#include "render/cast_pass.h"
 #include "render/drawn_planes.h"
 #include "render/dust_texture.h"
 #include "render/kept_fences.h"
@@ -72,6 +73,17 @@ struct Renderer::Impl {
   GlProgram box;
   GlObject empty_array, noise;
   DrawnPlanes planes;
+  struct Rays : VolumeRays {
+    void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) override {
+      pass = voxels ? std::make_unique<CastPass>(*voxels, table) : nullptr;
+    }
+    void follow(const grid::Box& box) override {
+      if (pass) pass->follow(box);
+    }
+    double scale() const override { return pass ? pass->scale() : 0; }
+    std::unique_ptr<CastPass> pass;
+  };
+  Rays rays;
   DustTexture dust;
   ToolShadow shadow;
   struct Wall {

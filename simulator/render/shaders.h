@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <array>
+#include "scene/picture.h"
 
 namespace trephine::render::shaders {
 
-/// Where the key light comes from, in the viewer's axes; the fragment shader gets it as KEY_LIGHT.
-constexpr std::array<float, 3> key_light{-0.45f, 0.62f, 0.64f};
+using scene::key_light;  ///< the fragment shader gets it as KEY_LIGHT
 
 // GLSL 4.30. Positions are mm from the scene's centre until to_camera; colours are linear after the vertex shader.
 extern const char* const surface_vertex;
@@ -30,6 +29,8 @@ extern const char* const screen_vertex;
 extern const char* const openness_fragment;  ///< how much light reaches a pixel past its surroundings
 extern const char *const smooth_fragment, *const darken_fragment;
 extern const char* const present_fragment;
+/// Casts rays through a volume, and lays that over the picture: without a version, and with definitions before them.
+extern const char *const cast_fragment, *const cast_over_fragment;
 /// Makes the triangles of bricks: the head, then definitions (COUNT: only counts them), then the rest.
 extern const char *const brick_head, *const brick_compute;
 

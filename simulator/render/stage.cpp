@@ -30,7 +30,8 @@ Stage::Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params, c
       budget_bytes_(std::size_t(params.graphics_budget_mb * 1e6)),
       params_(params),
       driver_(driver_facts()),
-      scene_(scene::scene_of(loaded)) {
+      scene_(scene::scene_of(loaded)),
+      cast_source_(loaded, before_.voxels) {
   renderer_ = std::make_unique<Renderer>(without_triangles(scene_), quality_of(params));
   bool incised = false;
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
@@ -40,18 +41,19 @@ Stage::Stage(const cases::LoadedCase& loaded, const scene::ViewParams& params, c
     surfaces_by_ = renderer_->set_live(int(n), loaded.haptic, s.shape, params.surface_by);
   }
   fit_memory();
-  if (incised && loaded.haptic.encoding == voxel::HapticEncoding::occupancy) {
+  if (loaded.has_ct() || (incised && loaded.haptic.encoding == voxel::HapticEncoding::occupancy)) {
     before_.voxels = uncut ? *uncut : loaded.haptic.voxels;
     before_.shapes = loaded.haptic.shapes;
   }
   state.opacity = scene::opacities_of(scene_, params.opacity);
   set_view(params);
+  if (params.cast != scene::ViewParams::Cast::none || !params.transfer.empty()) cast(params.cast, params.transfer);
 }
 
 RenderQuality Stage::quality_of(const scene::ViewParams& p) const {
   return {samples_of(p), p.occlusion,      p.occlusion_mm,
           p.grain,       driver_.software, !p.shadow ? 0 : driver_.software ? 1 : 5,
-          coarse_};
+          coarse_,       cast_ms_};
 }
 
 void Stage::set_view(const scene::ViewParams& params) {
@@ -59,6 +61,7 @@ void Stage::set_view(const scene::ViewParams& params) {
   samples_ = samples_of(params);
   renderer_->set_quality(quality_of(params));
   state.cut = scene::cut_of(params, scene_);
+  state.cast_box = scene::cast_box_of(params, scene_);
   state.insets = params.insets;
   state.cut_shows_ct = params.cut_ct;
   state.ct_low_hu = params.ct_low_hu;
@@ -79,11 +82,22 @@ void Stage::set_tool(const haptics::ToolParams& own_tool, const std::optional<st
 std::size_t Stage::follow(drill::DirtyBricks& marks) {
   marked_.clear();
   marks.take(marked_);
-  return marked_.empty() ? 0 : renderer_->follow(marked_);
+  if (marked_.empty()) return 0;
+  cast_source_.follow(*renderer_, marked_);
+  return renderer_->follow(marked_);
+}
+
+void Stage::cast(scene::ViewParams::Cast what, const std::string& transfer) {
+  const auto opacity = scene::opacities_of(scene_, params_.opacity, what != scene::ViewParams::Cast::none);
+  cast_source_.show(*renderer_, what, transfer);
+  params_.cast = what;
+  params_.transfer = transfer;
+  state.opacity = opacity;
 }
 
 void Stage::show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count) {
   if (count == shown_incisions_ || before_.voxels.voxels.empty()) return;
+  if (loaded_.haptic.encoding != voxel::HapticEncoding::occupancy) return;
   if (count < shown_incisions_) {
     renderer_->clear_incisions();
     shown_incisions_ = 0;

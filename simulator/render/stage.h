@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/cast_source.h"
 #include "render/coarse_worker.h"
 #include "render/renderer.h"
 #include "scene/view_params.h"
@@ -36,8 +37,8 @@ class Stage {
   const scene::ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
   /// Coarser triangles are made in a thread of their own; until follow_coarse() has taken them, surfaces are drawn as
-  /// they were.
-  void set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse = {});
+  /// they were. `cast_ms` as in RenderQuality.
+  void set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse = {}, double cast_ms = 0);
   /// Takes what was made of coarser triangles, and uploads a part that holds no picture up. The notes say of each
   /// surface that becomes coarser by how much. Throws what making them threw. To be called for each picture.
   void follow_coarse();
@@ -48,8 +49,11 @@ class Stage {
   /// `colour_rgb`: of all of it but the blood in a syringe, in place of its own.
   void set_tool(const haptics::ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {},
                 bool blood = false);
-  /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
+  /// Makes live surfaces and a volume that is cast follow the marked bricks; returns how many surfaces' were made anew.
   std::size_t follow(drill::DirtyBricks& marks);
+  /// Casts rays through a volume of the case, and draws what `opacity` of the view names of the anatomies alone.
+  /// Throws as CastSource::show.
+  void cast(scene::ViewParams::Cast what, const std::string& transfer);
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::max_incisions the oldest
   /// look closed.
   void show_incisions(const std::vector<session::IncisionMark>& all, std::size_t count);
@@ -94,7 +98,6 @@ class Stage {
   void show_coarse(CoarseMade made);
   void fit_incisions(std::size_t of_newest);
   double picture_scale(int width, int height);
-  std::size_t room() const;  ///< for a picture
   int samples_of(const scene::ViewParams& params) const;
   bool fits(std::size_t bytes) const;
   RenderQuality quality_of(const scene::ViewParams& params) const;
@@ -108,7 +111,8 @@ class Stage {
   DriverFacts driver_;
   scene::SceneData scene_;
   std::string surfaces_by_;
-  voxel::HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
+  voxel::HapticVolume before_;  ///< as it was, for the walls of incisions and what is cut of a CT; else empty
+  CastSource cast_source_;
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
   std::size_t shown_incisions_ = 0;
@@ -118,7 +122,7 @@ class Stage {
   std::vector<double> needed_mm_, shown_mm_;
   /// By surface, the triangles as coarse as memory demands, and those that the worker was given to coarsen.
   std::vector<std::shared_ptr<const SurfaceParts>> needed_, given_;
-  double scale_ = 1;
+  double scale_ = 1, cast_ms_ = 0;
   int samples_ = 1;  ///< of the pictures that are drawn now
   Coarseness coarse_;
   bool uploading_ = false;

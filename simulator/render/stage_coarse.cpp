@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "render/memory.h"
 #include "render/stage.h"
 
 namespace trephine::render {
@@ -14,9 +15,10 @@ constexpr std::size_t slice_bytes = 1 << 20;  // that are uploaded between two p
 
 }  // namespace
 
-void Stage::set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse) {
+void Stage::set_quality(const scene::ViewParams& params, double scale, const Coarseness& coarse, double cast_ms) {
   const bool other = coarse.within_mm != coarse_.within_mm;
   coarse_ = coarse;
+  cast_ms_ = cast_ms;
   scale_ = scale;
   samples_ = samples_of(params);
   renderer_->set_quality(quality_of(params));
@@ -43,7 +45,8 @@ void Stage::begin_coarse() {
   }
   std::size_t max_bytes = std::numeric_limits<std::size_t>::max();
   if (budget_bytes_ > 0) {
-    const std::size_t used = renderer_->scene_bytes() - renderer_->coarse_bytes() + room();
+    const std::size_t used =
+        renderer_->scene_bytes() - renderer_->coarse_bytes() + room_for_picture(samples_of(params_));
     max_bytes = budget_bytes_ > used ? budget_bytes_ - used : 0;
   }
   worker_.begin(coarse_.within_mm, max_bytes, std::move(asks));
@@ -98,7 +101,7 @@ void Stage::show_coarse(CoarseMade made) {
     values.insert(values.begin(), fmt::format("{:.0f}", coarse_.fine_mm));
     tell({texts::NoteId::coarse_beyond, values});
   }
-  const bool fits_beside = fits(renderer_->scene_bytes() + room() + made.facts.bytes);
+  const bool fits_beside = fits(renderer_->scene_bytes() + room_for_picture(samples_of(params_)) + made.facts.bytes);
   renderer_->set_coarse(made.surface, std::move(made.beside), fits_beside);
 }
 

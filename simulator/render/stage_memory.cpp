@@ -15,9 +15,6 @@ namespace {
 
 constexpr int max_halvings = 2;  // of the CT; after them there is none
 
-// Of the picture that a screen shows.
-std::size_t room_for_picture(int samples) { return picture_bytes(1920, 1080, samples); }
-
 std::array<int, 3> halved_size(std::array<int, 3> size, int times) {
   for (; times > 0; --times)
     for (int& n : size) n = (n + 1) / 2;
@@ -72,8 +69,6 @@ std::size_t fit_surfaces(const scene::SceneData& scene, const std::vector<double
 
 }  // namespace
 
-std::size_t Stage::room() const { return room_for_picture(samples_of(params_)); }
-
 int Stage::samples_of(const scene::ViewParams& p) const {
   return std::min(max_samples_, p.samples > 0 ? p.samples : driver_.software ? 1 : 4);
 }
@@ -91,7 +86,7 @@ void Stage::fit_memory() {
   const auto try_it = [&](int halvings, bool may_be_coarse) {
     const std::size_t ct =
         loaded_.has_ct() && halvings <= max_halvings ? ct_bytes(halved_size(loaded_.ct.size, halvings)) : 0;
-    const std::size_t rest = live + room() + ct;
+    const std::size_t rest = live + room_for_picture(samples_of(params_)) + ct;
     const std::size_t left = budget_bytes_ == 0     ? std::numeric_limits<std::size_t>::max()
                              : budget_bytes_ > rest ? budget_bytes_ - rest
                                                     : 0;
@@ -149,7 +144,7 @@ void Stage::show_ct(int halvings) {
 
 // The newest incision is what somebody looks at: older ones go for it.
 void Stage::fit_incisions(std::size_t of_newest) {
-  const auto over = [&] { return !fits(renderer_->scene_bytes() + room()); };
+  const auto over = [&] { return !fits(renderer_->scene_bytes() + room_for_picture(samples_of(params_))); };
   bool dropped = false;
   while (over() && renderer_->incisions() > of_newest) {
     renderer_->drop_oldest_incision();
@@ -158,7 +153,8 @@ void Stage::fit_incisions(std::size_t of_newest) {
   if (dropped && !std::exchange(told_incisions_, true)) notes_.push_back(texts::NoteId::memory_old_incisions);
   if (over() && !std::exchange(told_over_, true))
     notes_.push_back({texts::NoteId::memory_new_incision,
-                      {fmt::format("{:.2f}", 1e-6 * double(renderer_->scene_bytes() + room() - budget_bytes_))}});
+                      {fmt::format("{:.2f}", 1e-6 * double(renderer_->scene_bytes() +
+                                                           room_for_picture(samples_of(params_)) - budget_bytes_))}});
 }
 
 // A window may be larger than the screen that was reckoned with: it then has fewer pixels.
@@ -172,7 +168,8 @@ double Stage::picture_scale(int width, int height) {
   };
   const std::size_t used = renderer_->scene_bytes();
   if (fits(used + bytes(scale_))) return scale_;
-  const std::size_t left = std::max(room(), budget_bytes_ > used ? budget_bytes_ - used : 0);
+  const std::size_t left =
+      std::max(room_for_picture(samples_of(params_)), budget_bytes_ > used ? budget_bytes_ - used : 0);
   double scale = std::min(scale_, std::sqrt(double(left) / double(bytes(1))));
   while (bytes(scale) > left && scale > 0.01) scale *= 0.99;
   if (std::exchange(told_picture_, {width, height}) != std::pair(width, height))

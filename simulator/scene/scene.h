@@ -83,6 +83,7 @@ class BoneDust;
 struct SceneState {
   std::vector<double> opacity;  ///< by surface; 0: not drawn
   std::optional<CutPlane> cut;
+  std::optional<surface::Bounds> cast_box;  ///< nothing of a volume that is cast is seen beyond it; world
   bool cut_shows_ct = true;  ///< where the case has a CT; else, and where false, the cut has the surface's colour
   bool tool_shown = false;
   Vec3 tip_mm, axis{0, 0, 1};      ///< of the tool: the proxy's

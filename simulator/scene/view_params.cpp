@@ -8,9 +8,9 @@
 
 namespace trephine::scene {
 
-std::vector<double> opacities_of(const SceneData& scene, const std::string& text) {
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text, bool only_named) {
   std::vector<double> all;
-  for (const SceneSurface& s : scene.surfaces) all.push_back(s.opacity);
+  for (const SceneSurface& s : scene.surfaces) all.push_back(only_named ? 0 : s.opacity);
   const auto refuse = [](const std::string& item, const std::string& what) {
     throw Error(ExitCode::usage, "", "--opacity", item + ": " + what);
   };
@@ -52,6 +52,14 @@ std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene)
   }
   const Vec3 middle = (scene.bounds.min_mm + scene.bounds.max_mm) / 2;
   return CutPlane{middle + normal * params.cut_mm, normal};
+}
+
+std::optional<surface::Bounds> cast_box_of(const ViewParams& params, const SceneData& scene) {
+  const ViewParams whole;
+  if (params.box_low_mm == whole.box_low_mm && params.box_high_mm == whole.box_high_mm) return std::nullopt;
+  const Vec3 middle = (scene.bounds.min_mm + scene.bounds.max_mm) / 2;
+  const auto &low = params.box_low_mm, &high = params.box_high_mm;
+  return surface::Bounds{middle + Vec3{low[0], low[1], low[2]}, middle + Vec3{high[0], high[1], high[2]}};
 }
 
 std::vector<Marker> places_of(const cases::CaseManifest& m) {

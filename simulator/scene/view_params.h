@@ -12,6 +12,7 @@ namespace trephine::scene {
 struct ViewParams {
   enum class Stereo { none, side_by_side, top_bottom, anaglyph, quad_buffer };
   enum class Cut { none, axial, coronal, sagittal };
+  enum class Cast { none, ct, haptic };
   enum class SurfaceBy { measured, processor, graphics };
   ViewPreset view = ViewPreset::surgeon;
   std::string view_site = "kocher_right", opacity;
@@ -24,6 +25,9 @@ struct ViewParams {
   double ct_low_hu = -160, ct_high_hu = 240;
   int samples = 0;
   bool occlusion = true, shadow = true, grain = true, dust = true;
+  Cast cast = Cast::none;
+  std::string transfer;
+  std::array<double, 3> box_low_mm{-1000, -1000, -1000}, box_high_mm{1000, 1000, 1000};
   SurfaceBy surface_by = SurfaceBy::measured;
   double occlusion_mm = 20, coarse_mm = 0, graphics_budget_mb = 2048;
   template <class V>
@@ -74,15 +78,32 @@ struct ViewParams {
         "Where pictures take too long or the graphics memory does not suffice, surfaces are drawn with triangles of "
         "about that size, and the program says by how much they are off; 0: 0.5, 1, 1.5 or 2.5 mm, the finest that "
         "does.");
+    v.choice(
+        &P::cast, "cast", {{"none", Cast::none}, {"ct", Cast::ct}, {"haptic", Cast::haptic}},
+        "Cast rays through a volume, as a transfer function shows it: the CT, or a haptic volume of raw HU. Of the "
+        "anatomies, only those are drawn then that `opacity` names.");
+    v.text(
+        &P::transfer, "transfer",
+        "What the rays see of HU: bone, skin or vessels, or points HU:OPACITY:RRGGBB with commas between them, such as "
+        "150:0:e0c8a8,300:0.9:f0e8d0. Empty: what the case says of its haptic volume, and bone for the CT.");
+    v.numbers(&P::box_low_mm, "box_low_mm", Range{-1000, 1000},
+              "Of the volume, nothing is seen below these places along LPS, mm from the scene's middle.");
+    v.numbers(&P::box_high_mm, "box_high_mm", Range{-1000, 1000}, "Nor above these.");
     v.flag(&P::dust, "dust", "Bone dust where a drill works, and the saline that wets it and washes it away.");
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
-  std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }
+  std::string fault() const {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (!(box_low_mm[a] < box_high_mm[a])) return "box_high_mm: must be above box_low_mm along each axis";
+    return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu";
+  }
 };
 
-/// One opacity for each surface: the case's own, and over them those of the text. Throws Error 64 where the text names
-/// no anatomy of the scene, or a number is missing.
-std::vector<double> opacities_of(const SceneData& scene, const std::string& text);
+/// One opacity for each surface: the case's own, and over them those of the text; with `only_named` 0 in place of the
+/// case's. Throws Error 64 where the text names no anatomy of the scene, or a number is missing.
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text, bool only_named = false);
+/// The box of the parameters; none where it holds all.
+std::optional<surface::Bounds> cast_box_of(const ViewParams& params, const SceneData& scene);
 /// The plane of the parameters; none where they want none.
 std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene);
 /// Landmarks (amber), burr holes (green) and targets (blue).

@@ -43,6 +43,26 @@ Reply zoom(Player& p, Words& w) {
   return {};
 }
 
+Reply cast_volume(Player& p, Words& w) {
+  using Cast = scene::ViewParams::Cast;
+  const std::string what = w.word();
+  const std::string transfer = w.more() ? w.word() : "";
+  if (what != "none" && what != "ct" && what != "haptic")
+    throw Error(ExitCode::usage, "", w.verb(), "must be none, ct or haptic");
+  p.view().stage().cast(what == "ct" ? Cast::ct : what == "haptic" ? Cast::haptic : Cast::none, transfer);
+  return {};
+}
+
+std::vector<std::string> cast_choices(const Player& p) {
+  const cases::LoadedCase& loaded = p.view().stage().loaded();
+  std::vector<std::string> all;
+  if (loaded.has_haptic() && loaded.haptic.encoding == voxel::HapticEncoding::hu) all.push_back("haptic");
+  if (loaded.has_ct())
+    for (const char* preset : {"bone", "skin", "vessels"}) all.push_back(std::string("ct ") + preset);
+  if (!all.empty()) all.insert(all.begin(), "none");
+  return all;
+}
+
 Reply notes(Player& p, Screen& s, Words& w) {
   if (!w.more()) return notes_line(p.notes, answered_notes, s.language);
   const std::string asked = w.word();

@@ -10,6 +10,9 @@ Reply move_arm(Player& p, Words& w);
 Reply pause(Player& p, Words& w);
 Reply opacity(Player& p, Words& w);
 Reply zoom(Player& p, Words& w);
+Reply cast_volume(Player& p, Words& w);
+/// What of the case can be cast, as words of the action; empty where nothing is.
+std::vector<std::string> cast_choices(const Player& p);
 Reply notes(Player& p, Screen& s, Words& w);
 
 }  // namespace trephine::window

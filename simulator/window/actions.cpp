@@ -230,6 +230,13 @@ void view_actions(Entries e) {
     bool& shown = p.view().stage().state.insets;
     shown = w.on(shown);
   });
+  e.add("cast", "none|ct|haptic [TRANSFER]",
+        {{"rays through the CT or a haptic volume of raw HU, in place of surfaces; TRANSFER is bone, skin, vessels, or "
+          "points as of `--transfer`",
+          "Strahlen durch das CT oder ein haptisches Volumen aus HU, an Stelle von Flächen"}},
+        outside_lesson);
+  e->choices = cast_choices;
+  e->run = does(cast_volume);
   e.add("places", "on|off|toggle", {{"landmarks, burr holes and targets", "Landmarken, Bohrlöcher und Ziele"}},
         outside_lesson);
   e->label = {{"Landmarks and targets", "Landmarken und Ziele"}};

@@ -142,6 +142,10 @@ void Hud::patient_panel(Player& player, Screen& screen) {
     if (ImGui::SliderFloat(say(Text::move_plane), &moved, -5, 5, "%.1f")) player.view().move_cut(moved);
     ImGui::Checkbox(say(Text::shows_ct), &stage.state.cut_shows_ct);
   }
+  if (!action_of("cast").choices(player).empty()) {
+    ImGui::TextColored(sky, "%s", say(Text::cast));
+    choice_buttons("cast", player, screen);
+  }
   if (player.live()) {
     ImGui::TextColored(sky, "%s", say(Text::tool));
     choice_buttons("tool", player, screen, player.tool());

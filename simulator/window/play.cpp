@@ -25,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 constexpr std::size_t kept_times = 200;
+constexpr double cast_ms = 120;  // of rays while the view moves: at least five pictures a second with the rest
 constexpr std::uint64_t first_pictures = 3;  // that compile shaders
 
 double median(std::deque<double> values) {
@@ -91,7 +92,7 @@ class Loop {
  private:
   void reduce() {
     stages_ = player_.stages();
-    player_.view().stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
+    player_.view().stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse(), cast_ms);
     told_reduced_ = false;
     if (!player_.view().stage().coarse_comes()) tell_reduced();
   }
@@ -100,6 +101,7 @@ class Loop {
   void adapt(double ms) {
     if (player_.view().stage().coarse_comes()) return;
     tell_reduced();
+    if (player_.view().stage().renderer().rays().scale() > 0) return;  // rays fit themselves to the time they have
     if (pictures_ > first_pictures && reduction_.look(ms)) reduce();
   }
 

@@ -49,6 +49,8 @@ void Player::set_stage() {
   if (lesson_) {  // nothing is seen that a surgeon would not see
     params.view_site = params.opacity = "";
     params.cut = scene::ViewParams::Cut::none;
+    params.cast = scene::ViewParams::Cast::none;
+    params.transfer = "";
     params.places = params.insets = false;
   }
   make_view(patient_, params);

@@ -19,6 +19,7 @@ constexpr Row table[] = {
     {Text::anatomies, {{"Anatomies", "Anatomie"}}},
     {Text::view, {{"View", "Ansicht"}}},
     {Text::cut_away, {{"Cut away", "Schnittebene"}}},
+    {Text::cast, {{"Ray casting", "Strahlen"}}},
     {Text::shows_ct, {{"CT on the cut", "CT im Schnitt"}}},
     {Text::move_plane, {{"Move, mm", "Verschieben, mm"}}},
     {Text::tool, {{"Tool", "Instrument"}}},
@@ -75,10 +76,11 @@ constexpr Row table[] = {
 
 // Of views, cuts and places of the C-arm; a tool brings its own.
 constexpr texts::Wording names[] = {
-    {{"surgeon", "Chirurg"}}, {{"front", "vorn"}},       {{"back", "hinten"}},       {{"left", "links"}},
-    {{"right", "rechts"}},    {{"top", "oben"}},         {{"bottom", "unten"}},      {{"oblique", "schräg"}},
-    {{"ap", "a.-p."}},        {{"lateral", "seitlich"}}, {{"none", "keine"}},        {{"tool", "Instrument"}},
-    {{"axial", "axial"}},     {{"coronal", "koronal"}},  {{"sagittal", "sagittal"}},
+    {{"surgeon", "Chirurg"}}, {{"front", "vorn"}},         {{"back", "hinten"}},       {{"left", "links"}},
+    {{"right", "rechts"}},    {{"top", "oben"}},           {{"bottom", "unten"}},      {{"oblique", "schräg"}},
+    {{"ap", "a.-p."}},        {{"lateral", "seitlich"}},   {{"none", "keine"}},        {{"tool", "Instrument"}},
+    {{"haptic", "haptisch"}}, {{"ct bone", "CT Knochen"}}, {{"ct skin", "CT Haut"}},   {{"ct vessels", "CT Gefäße"}},
+    {{"axial", "axial"}},     {{"coronal", "koronal"}},    {{"sagittal", "sagittal"}},
 };
 
 constexpr bool complete() {

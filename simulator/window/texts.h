@@ -14,6 +14,7 @@ enum class Text {
   anatomies,
   view,
   cut_away,
+  cast,
   shows_ct,
   move_plane,
   tool,

@@ -19,10 +19,10 @@ make raw
 grep -q '2 bone .*cuttable' "$work/said" || { cat "$work/said"; fail "bone is not said to be cuttable"; }
 
 # How much of the picture the surface covers between its own left and right ends, row by row: rings leave most of it open.
-cover() {
-  "$TREPHINE" render "$work/out/raw" --out "$work/pictures" --view back --opacity "$1" --width 320 --height 240 --no-places >"$work/said" 2>&1 ||
+cover() {  # SHARE CASE FLAGS...
+  "$TREPHINE" render "$work/out/$2" --out "$work/pictures" --view back --width 320 --height 240 --no-places "${@:3}" >"$work/said" 2>&1 ||
     { cat "$work/said"; grep -q 'OpenGL' "$work/said" && skip "no OpenGL here"; fail "render"; }
-  python3 - "$work/pictures/frame-00001.png" "$2" <<'PY'
+  python3 - "$work/pictures/frame-00001.png" "$1" <<'PY'
 import struct, sys, zlib
 data, at, packed = open(sys.argv[1], "rb").read(), 8, b""
 while at < len(data):
@@ -52,8 +52,30 @@ for line in rows[h // 4:h // 2]:  # the vault
 assert spanned > 2000 and covered > float(sys.argv[2]) * spanned, (covered, spanned)
 PY
 }
-cover skin=0 0.99 || fail "soft tissue is not drawn whole"
-cover skin=0,soft=0 0.99 || fail "bone is not drawn whole"
+cover 0.99 raw --opacity skin=0 || fail "soft tissue is not drawn whole"
+cover 0.99 raw --opacity skin=0,soft=0 || fail "bone is not drawn whole"
+cover 0.99 raw --cast haptic || fail "rays do not see soft tissue whole"
+
+# One function for sight and touch, as the page prints it: bone is the HU that are at least half opaque.
+python3 - "$SOURCE/docs/how-to/raw-ct.md" "$root/configs/scenes/raw.yaml" <<'PY'
+import re, sys
+bone = re.findall(r"```yaml\n(    bone:\n.*?)```", open(sys.argv[1]).read(), re.S)
+assert len(bone) == 1, bone
+scene = open(sys.argv[2]).read()
+with_function, count = re.subn(r"    bone: \{.*\}\n", bone[0], scene)
+assert count == 1
+open(sys.argv[2] + ".ramp", "w").write(with_function)
+PY
+cp "$root/configs/scenes/raw.yaml" "$work/raw.yaml"
+mv "$root/configs/scenes/raw.yaml.ramp" "$root/configs/scenes/raw.yaml"
+make ramp
+python3 - "$work/out/ramp/case.json" <<'PY'
+import json, sys
+bone = [s for s in json.load(open(sys.argv[1]))["haptic"]["shapes"] if s["name"] == "bone"][0]
+assert bone["window"][0] == 256 and len(bone["transfer"]["points"]) == 3 and bone["cuttable"], bone
+PY
+cover 0.99 ramp --cast haptic --transfer bone || fail "rays do not see bone whole"
+cp "$work/raw.yaml" "$root/configs/scenes/raw.yaml"
 
 # Drilled, with bone alone: soft tissue is in the way of the hand otherwise, as it is in a patient.
 sed -i '/^    soft:/d' "$root/configs/scenes/raw.yaml"
@@ -68,4 +90,22 @@ assert said["faults"] == 0 and said["drilled"]["removed_mm3"]["bone"] > 50, said
 PY
 "$TREPHINE" replay "$work/out/bone" "$work/hole.servo" >"$work/said" || { cat "$work/said"; fail "no replay"; }
 grep -q '^the drilled volume is the same$' "$work/said" && grep -q '^replayed bit for bit$' "$work/said" || { cat "$work/said"; fail "replay"; }
+
+# In a window: what is cast, and by which function, changes while it is open.
+. "$(dirname "$0")/window.sh"
+open_window "$TREPHINE" play "$work/out/ramp" --window-width 480 --window-height 360 --no-realtime --no-panels --max-step-s 3600 \
+  --cast haptic --view back --shots "$work/shots"
+until_is state 'time [1-9]|time 0\.[1-9]'
+shot() { ok shot; until_file "$work/shots/picture-00$1.png"; }
+shot 1
+ok 'cast none'; shot 2
+ok 'cast haptic bone'; shot 3
+! cmp -s "$work/shots/picture-001.png" "$work/shots/picture-002.png" && ! cmp -s "$work/shots/picture-001.png" "$work/shots/picture-003.png" ||
+  fail "the picture does not change with what is cast"
+ask 'cast haptic bones'
+[[ $answer == 'error: --transfer: bones: must be a preset (bone, skin, vessels)'* ]] || fail "no such preset: $answer"
+ask 'cast ct'
+[[ $answer == *'the case has no CT'* ]] || fail "there is no CT: $answer"
+ask 'cast mri'
+[[ $answer == 'error: cast: must be none, ct or haptic' ]] || fail "another volume: $answer"
 echo ok

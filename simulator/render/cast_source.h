@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cases/load_case.h"
+#include "drill/bricks.h"
+#include "render/renderer.h"
+#include "scene/view_params.h"
+
+namespace trephine::render {
+
+/// The volume of a case that rays are cast through, as it is now: what was cut away is not seen.
+class CastSource {
+ public:
+  /// Both must outlive it. `uncut`: the haptic volume's voxels as the case has them; without voxels where it has no CT.
+  CastSource(const cases::LoadedCase& loaded, const grid::Grid<std::int16_t>& uncut) : loaded_(loaded), uncut_(uncut) {}
+  /// Throws Error 64 where the case has no such volume, or the text is no transfer function.
+  void show(Renderer& renderer, scene::ViewParams::Cast what, const std::string& transfer);
+  /// The marked bricks of the haptic volume have changed.
+  void follow(Renderer& renderer, const std::vector<std::size_t>& marked);
+
+ private:
+  grid::Box follow_ct(const grid::Box& haptic_box);  ///< returns the voxels of the CT that it looked at
+
+  const cases::LoadedCase& loaded_;
+  const grid::Grid<std::int16_t>& uncut_;
+  grid::Grid<std::int16_t> ct_;  // where it is cast
+  scene::ViewParams::Cast what_ = scene::ViewParams::Cast::none;
+};
+
+}  // namespace trephine::render
