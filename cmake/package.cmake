@@ -11,7 +11,7 @@ install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs PA
 install(DIRECTORY examples/case_reader examples/contact examples/udp_client examples/python_reader examples/dicom_overlay DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/trephine-dev/examples
         COMPONENT development)
 
-# Manual pages, the reference and bash's completion come from the commands' declarations, when a program is linked.
+# Manual pages and bash's completion come from the commands' declarations, when a program is linked.
 set(generated ${PROJECT_BINARY_DIR}/package)
 foreach(program trephine trephine-sim)
   if(NOT TARGET ${program} OR TREPHINE_SANITIZE)
@@ -19,12 +19,10 @@ foreach(program trephine trephine-sim)
   endif()
   set(man ${generated}/${program}/man1)
   set(completion ${generated}/${program}/completions)
-  set(reference ${PROJECT_BINARY_DIR}/docs/reference/${program})
   add_custom_command(OUTPUT ${generated}/${program}.stamp
-    COMMAND ${CMAKE_COMMAND} -E rm -rf ${man} ${completion} ${reference}
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${man} ${completion}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${man} ${completion}
     COMMAND ${program} man --out ${man}
-    COMMAND ${program} reference --out ${reference}
     COMMAND sh -c "gzip -9n \"$0\"/*.1" ${man}
     COMMAND sh -c "\"$0\" completion bash >\"$1\"" $<TARGET_FILE:${program}> ${completion}/${program}
     COMMAND ${CMAKE_COMMAND} -E touch ${generated}/${program}.stamp

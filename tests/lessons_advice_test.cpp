@@ -69,7 +69,8 @@ TEST(LessonsAdvice, DirectionsAreOfTheSideThatIsTreated) {
 TEST(LessonsAdvice, AcrossALineTheTwoPartsMakeTheWholeMiss) {
   const BodyAxes axes = lessons::body_axes(true, {1, 0, 0}, {0, -1, 0});
   const Vec3 line = normalized(Vec3{-0.3, 0.4, -1});
-  const Vec3 miss = normalized(cross(line, Vec3{0.2, 1, 0.4})) * 12;
+  const Vec3 across = normalized(cross(line, Vec3{0.2, 1, 0.4}));
+  const Vec3 miss = normalized(across + cross(line, across)) * 12;  // a smaller part of less than a third is left out
   const std::vector<NamedPart> parts = lessons::parts_across(axes, line, miss, 0);
   double squares = 0;
   for (const NamedPart& p : parts) squares += p.size * p.size;

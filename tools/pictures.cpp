@@ -33,7 +33,7 @@ const cli::OwnCommand pictures_command([] {
   c.name = "pictures";
   c.summary = "draws each surface of a case from six sides";
   c.description =
-      "Writes ANATOMY.png for every surface of the case, and for every shape that is felt and has none, as the "
+      "Writes ANATOMY_sides.png for every surface of the case, and for every shape that is felt and has none, as the "
       "simulator shows it. `run` makes them with --report full; this makes them for a case that has none. The case is "
       "checked as a simulator checks it. The next run of the case takes them away, since they are of this one.";
   c.examples = {"trephine pictures library/head-01", "trephine pictures library/head-01 --output pictures"};

@@ -207,7 +207,7 @@ std::vector<CasePicture> make_side_pictures(const std::vector<PictureAnatomy>& a
   const Progress progress = whole.silent();
   Sheets sheets;
   for (const PictureAnatomy& a : anatomies) {
-    Sheet sides{a.name + ".png", {}};
+    Sheet sides{a.name + "_sides.png", {}};  // no name of the pictures above
     for (const picture::View v : {picture::View::oblique_left, picture::View::oblique_right, picture::View::front,
                                   picture::View::left, picture::View::back, picture::View::top})
       sides.cells.push_back(side(sheets, a, v, progress));

@@ -42,7 +42,7 @@ std::vector<CasePicture> make_case_pictures(const grid::HuVolume* volume, const 
 void show_felt(const cases::CaseManifest& manifest, const voxel::HapticVolume& haptic,
                std::list<surface::TriMesh>& kept, std::vector<PictureAnatomy>& shown, const Progress& progress = {});
 
-/// Of each anatomy <anatomy>.png: its surface from six sides.
+/// Of each anatomy <anatomy>_sides.png: its surface from six sides.
 std::vector<CasePicture> make_side_pictures(const std::vector<PictureAnatomy>& anatomies,
                                             const Progress& progress = {});
 

@@ -70,6 +70,7 @@ typedef struct {
   trephine_adaptor_pose pose;
   double force_n[3], sent_s, frame_s;
   int frames, is_lost, is_closing;
+  char fault[96];
 } handle;
 static handle handles[max_devices];
 
@@ -116,16 +117,17 @@ static int load(void) {
   return 0;
 }
 
-/* Takes the errors off the library's stack; 1, with `failed` set, where one is of the device. Warm motors and limits
- * that were exceeded are of a force, which the library then lowers by itself. */
-static int device_failed(const char* what) {
-  int fault = 0;
+/* Takes the errors off the library's stack; what the device fails by, NULL where none is of the device. Warm motors and
+ * limits that were exceeded are of a force, which the library then lowers by itself. */
+static const char* device_fault(void) {
+  const char* fault = NULL;
   for (hd_error e = hd.get_error(); e.code != 0; e = hd.get_error())
-    if (e.code < 0x0200 || e.code > 0x02ff) {
-      fail(what, hd.error_string(e.code));
-      fault = 1;
-    }
+    if (e.code < 0x0200 || e.code > 0x02ff) fault = hd.error_string(e.code);
   return fault;
+}
+static int device_failed(const char* what) {
+  const char* fault = device_fault();
+  return fault ? fail(what, fault) : 0;
 }
 
 /* The name of a device in TREPHINE_HD_DEVICES; empty for the default one. 0 where there is none of that index. */
@@ -166,20 +168,24 @@ static unsigned int exchange(void* of) {
   hd.get_double(hd_current_transform, t);
   hd.get_integer(hd_current_buttons, &buttons);
   pthread_mutex_lock(&h->mutex);
-  const int old = h->is_closing || now_s() - h->sent_s > stale_s; /* nobody sends any more: no force is held */
+  /* Nobody sends any more: no force is held. */
+  const int old = h->is_closing || h->is_lost || now_s() - h->sent_s > stale_s;
   const double force_n[3] = {old ? 0 : h->force_n[0], old ? 0 : h->force_n[1], old ? 0 : h->force_n[2]};
-  for (int a = 0; a < 3; ++a) {
-    h->pose.tip_mm[a] = t[12 + a];
-    h->pose.axis[a] = t[8 + a]; /* z: from the stylus's tip to its tail */
-    h->pose.across[a] = t[a];
-  }
-  h->pose.buttons = (uint32_t)buttons;
   pthread_mutex_unlock(&h->mutex);
   hd.set_double(hd_current_force, force_n);
   hd.end_frame(h->device);
-  const int fault = device_failed("libHD");
+  const char* fault = device_fault();
   pthread_mutex_lock(&h->mutex);
+  if (fault && !h->is_lost) snprintf(h->fault, sizeof h->fault, "%s", fault);
   h->is_lost = h->is_lost || fault;
+  if (!h->is_lost) { /* what a frame read that failed is no pose */
+    for (int a = 0; a < 3; ++a) {
+      h->pose.tip_mm[a] = t[12 + a];
+      h->pose.axis[a] = t[8 + a]; /* z: from the stylus's tip to its tail */
+      h->pose.across[a] = t[a];
+    }
+    h->pose.buttons = (uint32_t)buttons;
+  }
   h->frame_s = now_s();
   ++h->frames;
   pthread_mutex_unlock(&h->mutex);
@@ -255,6 +261,7 @@ int trephine_adaptor_read(void* device, trephine_adaptor_pose* out) {
     *out = h->pose;
     const int frames = h->frames, lost = h->is_lost;
     const double age_s = now_s() - h->frame_s;
+    if (lost) fail("libHD", h->fault);
     pthread_mutex_unlock(&h->mutex);
     if (lost) return 1;
     if (frames > 0) return age_s > no_frame_s ? fail("libHD", "its scheduler gives no frame") : 0;

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/command.h"
@@ -172,10 +171,7 @@ class Exercise {
       // The report is last: what is there is done.
       lessons::ScoredLesson scored =
           lessons::score_recording(recording, c->folder, *rubric_, lessons::Answers::replayed, public_key());
-      if (scored.head.case_sha256 != c->case_sha256)
-        throw refusal("case.json", "was exchanged while the lesson ran: it is no longer the one that was approved",
-                      {"look at the case, approve it anew, and run `exercise` again: the recording is kept"})
-            .in_file(c->folder.string());
+      lessons::require_approved(c->folder, scored.head.case_sha256, c->case_sha256);
       scored.head.language = params_.language;
       const std::string repeats = lessons::write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       if (!repeats.empty()) std::cout << fmt::format("{}: the motion is that of {}\n", plan_.cases[n].token, repeats);
@@ -188,9 +184,9 @@ class Exercise {
   void play_case(const lessons::CurriculumCase& c, const std::string& task, const fs::path& recording) {
 #ifdef TREPHINE_WITH_DISPLAY
     const cli::Command play = cli::OwnCommand::named("play");
-    std::vector<std::string> words = {c.folder.string(),      "--lesson",          params_.module,
-                                      "--participant",        params_.participant, "--rubric",
-                                      parsed_.text("rubric"), "--record",          recording.string()};
+    std::vector<std::string> words = {c.folder.string(),   "--lesson",          params_.module,         "--participant",
+                                      params_.participant, "--rubric",          parsed_.text("rubric"), "--record",
+                                      recording.string(),  "--approved-sha256", c.case_sha256};
     if (!task.empty()) words.insert(words.end(), {"--task", task});
     if (params_.language == texts::Language::german) words.insert(words.end(), {"--language", "de"});
     if (parsed_.has("settings")) words.insert(words.end(), {"--settings", parsed_.text("settings")});

@@ -50,6 +50,7 @@ window::LessonPlay lesson_of(const cli::ParsedCommand& parsed) {
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   lesson::validate_token(l.participant, "--participant");
   l.task = parsed.text("task");
+  l.approved_sha256 = parsed.text("approved_sha256");
   for (const char* other : {"playback", "before", "shape"})
     if (parsed.has(other)) throw Error(ExitCode::usage, "", std::string("--lesson, --") + other, "do not go together");
   if (!parsed.has("rubric")) throw Error(ExitCode::usage, "", "--rubric", "is needed with --lesson");
@@ -94,7 +95,7 @@ ExitCode run_play(const cli::ParsedCommand& given) {
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
-  for (const char* own : {"participant", "task", "rubric", "out"})
+  for (const char* own : {"participant", "task", "rubric", "out", "approved_sha256"})
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");
   if (parsed.has("screen")) {
@@ -175,6 +176,9 @@ const cli::OwnCommand play_command([] {
                     "What is asked for in the lesson, as `right` or `pedicle_2_left`; by default the usual."));
   c.arguments.push_back(cli::argument("participant", cli::Argument::Kind::text,
                                       "Anonymous token of who does the lesson: a-z, 0-9, _ and -; never a name."));
+  c.arguments.push_back(cli::argument("approved_sha256", cli::Argument::Kind::text,
+                                      "SHA-256 of the case.json that was approved, as `exercise` gives it: the lesson "
+                                      "is refused (80) where the case is another by now."));
   c.arguments.push_back(
       cli::argument("out", cli::Argument::Kind::out_folder,
                     "Folder of the lesson's recording, report and log; or --record FILE, and the report is "

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
@@ -96,6 +97,13 @@ LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module
       out.left_out.emplace_back(folder.filename().string(), why);
   }
   return out;
+}
+
+void require_approved(const fs::path& case_folder, const std::string& case_sha256, const std::string& approved_sha256) {
+  if (case_sha256 == approved_sha256) return;
+  throw refusal("case.json", "was exchanged while the lesson ran: it is no longer the one that was approved",
+                {"look at the case, approve it anew, and run `exercise` again: the recording is kept"})
+      .in_file(case_folder.string());
 }
 
 std::string assigned_task(const CurriculumCase& c, const CurriculumParams& params) {

@@ -61,6 +61,10 @@ struct LibraryCases {
 /// or not known. Throws Error 66 where the folder cannot be listed.
 LibraryCases cases_for_lessons(const std::filesystem::path& library, const LessonType& module);
 
+/// Throws Error 80 where the case that was loaded is not the one of that hash, which a reviewer approved.
+void require_approved(const std::filesystem::path& case_folder, const std::string& case_sha256,
+                      const std::string& approved_sha256);
+
 /// What is asked for in the case; empty where it holds no task. Throws Error 64 where it does not hold the task that is
 /// named.
 std::string assigned_task(const CurriculumCase& one, const CurriculumParams& params);

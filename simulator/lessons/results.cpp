@@ -101,7 +101,8 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
-// The attempts of a participant in a module are numbered in their order; the same motion is one attempt.
+}  // namespace
+
 void number_attempts(Results& all) {
   std::map<std::pair<std::string, std::string>, int> counts;
   std::map<std::string, std::string> motions;
@@ -119,8 +120,6 @@ void number_attempts(Results& all) {
   }
   all.attempts = kept;
 }
-
-}  // namespace
 
 std::optional<double> AttemptResult::figure(const std::string& name) const {
   for (const auto& [known, value] : figures)

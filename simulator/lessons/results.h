@@ -47,6 +47,10 @@ struct Results {
   std::vector<texts::Phrase> notes;  ///< reports that are left out and why, recordings that are gone
 };
 
+/// Numbers the attempts of each participant in a module, in their order. Of several with one motion the first stands,
+/// and the others are left out and noted.
+void number_attempts(Results& all);
+
 /// Reads one report. Throws Error 65 where it is none, 66.
 AttemptResult read_report(const std::filesystem::path& file);
 

@@ -56,6 +56,7 @@ void require_same(const AttemptResult& report, const AttemptResult& now) {
     if (is != gives) differs(field, is.empty() ? "nothing" : is, gives.empty() ? "nothing" : gives);
   };
   same("recording_sha256", report.recording_sha256, now.recording_sha256);
+  same("motion_sha256", report.motion_sha256, now.motion_sha256);
   same("participant", report.participant, now.participant);
   same("case", report.case_token, now.case_token);
   same("task", report.task, now.task);
@@ -106,6 +107,7 @@ void score_anew(Results& results, const ScoreAnew& params) {
     kept.push_back(now);
   }
   results.attempts = kept;
+  number_attempts(results);  // by the motions that the recordings have, whatever the reports said
 }
 
 }  // namespace trephine::lessons

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "fluoro/fluoroscope.h"
 #include "lesson/approval.h"
+#include "lessons/curriculum.h"
 #include "lessons/lesson_guide.h"
 
 namespace trephine::window {
@@ -50,6 +51,8 @@ LessonController::LessonController(const LessonPlay& play, const session::Patien
       rubric_(rubric_of(play)),
       manifest_(patient.felt.loaded.manifest) {
   const cases::LoadedCase& loaded = patient.felt.loaded;
+  if (!play.approved_sha256.empty())
+    lessons::require_approved(case_folder_, patient.felt.case_sha256, play.approved_sha256);
   with_file((o.case_folder / "case.json").string(), [&] {
     before_ = voxel::copy_without_hardness(loaded.haptic);
     module_.require(loaded.manifest);

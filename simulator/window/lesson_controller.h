@@ -19,6 +19,7 @@ struct LessonPlay {
   std::string task;                                     ///< what is asked for; empty: what is usual in the case
   std::filesystem::path rubric;                         ///< as `trephine rubric` compiled it
   std::filesystem::path recording;                      ///< must not be there yet
+  std::string approved_sha256;                          ///< of the case.json that is approved; empty: any case
   lessons::ReportFiles report;                          ///< what of it has no path is not written
   texts::Language language = texts::Language::english;  ///< of the report's page
 };

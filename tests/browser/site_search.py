@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""site_search.py ROOT: the site that docs/build_site.sh makes, opened from its folder: a search finds pages and links to them, from a page
+"""site_search.py ROOT REFERENCE: the site that docs/build_site.sh makes, opened from its folder: a search finds pages and links to them, from a page
 within a folder too, and the menu shows the parts of the manual."""
 import subprocess
 import sys
@@ -25,7 +25,7 @@ def search(browser, words):
 def main():
     check = Checks()
     with tempfile.TemporaryDirectory() as folder:
-        made = subprocess.run(["bash", sys.argv[1] + "/docs/build_site.sh", folder], capture_output=True, text=True)
+        made = subprocess.run(["bash", sys.argv[1] + "/docs/build_site.sh", folder, sys.argv[2]], capture_output=True, text=True)
         if made.returncode == 77:
             skip("no mkdocs")
         check(made.returncode == 0, f"the site is made: {made.stdout[-400:]}")

@@ -9,7 +9,7 @@ import pathlib
 import re
 import sys
 
-PUBLISHES = re.compile(r"\b(?:write_case_file|publish_case|make_case_pictures|make_findings_picture|make_removed_picture|make_case_page|"
+PUBLISHES = re.compile(r"\b(?:write_case_file|publish_case|make_case_pictures|make_side_pictures|make_findings_picture|make_removed_picture|make_case_page|"
                        r"make_page_files|draw_preview|pacs::encode_\w+)\s*\(|"
                        r"\bget(?:_if)?<\s*std::shared_ptr<const (?:grid::HuVolume|surface::TriMesh|voxel::HapticVolume)>")
 ASKS = re.compile(r"\b(?:require_no_face|shows_no_skin|require_made_without_face)\s*\(")
@@ -27,6 +27,7 @@ KNOWN = {
     "tools/boolean.cpp": ("cuts files that its user names", ""),
     "tools/export_dicom.cpp": ("makes objects of a case that a run published: its surfaces and its CT, and of the scan the slices' place alone", ""),
     "tools/page.cpp": ("makes the page of a case that a run published", ""),
+    "tools/pictures.cpp": ("draws surfaces of a case that a run published", ""),
     "tools/preview.cpp": ("draws files that its user names", ""),
     "tools/voxelize.cpp": ("makes a volume of files that its user names", ""),
     "simulator/commands/drilled_case.cpp": ("takes material off a case that a run published", ""),

@@ -33,6 +33,9 @@ done
 # Every file has a place that is known, everybody may read it, and nobody but root owns it.
 dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
+for page in trephine/{run.md,configuration.schema.json} trephine-sim/play.md; do
+  grep -q " \./usr/share/doc/trephine/docs/reference/$page$" "$work/list" || fail "the reference lacks $page"
+done
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
   -e '\./usr/lib/trephine/(mesh_formats|dicom_codecs|force_dimension|open_haptics)\.so' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade|configs/rubrics|examples/lessons)/[a-z_]+\.(yaml|json)|configs/same_place\.tfm|sample_dicom/slice_[0-9]{4}\.dcm)' \

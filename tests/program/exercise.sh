@@ -190,6 +190,16 @@ PY
   esac || { cat "$work/notes"; fail "$borrowed: the note"; }
 done
 rm "$unseen.sig"
+# One recording is one attempt, however often it is copied, and whatever the copy's report leaves out.
+copy=$work/results/r-01-ventriculostomy-03-head-drilled
+for ending in lesson lesson.sig; do cp "${seen%.lesson}.$ending" "$copy.$ending"; done
+sed '/"motion_sha256"/d' "${seen%.lesson}.json" >"$copy.json"
+expect 80 'motion_sha256: says nothing, and its recording gives' "${group[@]}" "${anew[@]}"
+sed 's/"rubric_sha256": "[0-9a-f]*"/"rubric_sha256": ""/' "$copy.json" >"$work/x" && mv "$work/x" "$copy.json"
+"${group[@]}" "${anew[@]}" --csv "$work/signed.csv" >/dev/null 2>"$work/notes" || { cat "$work/notes"; fail "a copy of another rubric"; }
+[[ $(wc -l <"$work/signed.csv") == 3 ]] && grep -q '03-head-drilled: its motion is that of r-01-ventriculostomy-01-head-drilled' "$work/notes" ||
+  { cat "$work/notes" "$work/signed.csv"; fail "a copy is an attempt of its own"; }
+rm "$copy".*
 expect 64 'signed-by: needs --cases' "${group[@]}" --signed-by "$work/teacher.pub"
 # A rubric of which the critical errors were deleted is another one.
 python3 - "$SOURCE/configs/rubrics/ventriculostomy.yaml" "$work/soft.yaml" <<'PY'

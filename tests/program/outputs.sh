@@ -26,9 +26,9 @@ expect_no_old_files
 # Six sides of each surface are drawn for whoever asks, by the run or of the case.
 "$TREPHINE" pictures "$case" --quiet
 made=$(pictures)
-[[ $made == *"report/skin.png report/skull.png" ]] || fail "pictures of the sides: $made"
+[[ $made == *"report/skin_sides.png report/skull_sides.png" ]] || fail "pictures of the sides: $made"
 "${run[@]}"
-[[ $(pictures) != *skull.png* ]] || fail "pictures of an older run are left: $(pictures)"
+[[ $(pictures) != *_sides.png* ]] || fail "pictures of an older run are left: $(pictures)"
 "${run[@]}" --report full
 [[ $(pictures) == "$made" ]] || fail "a full report: $(pictures)"
 expect 64 '[-]-report' "${run[@]}" --report whole

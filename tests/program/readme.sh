@@ -47,6 +47,7 @@ while read -r line; do
     'trephine phantom head') eval "$line ${small[*]} --quiet" ;;
     'trephine measure skull.vtp --truth '*) ;;  # after the loop: it needs the phantom
     'trephine import --list FOLDER') trephine import --list sample_dicom --quiet | grep -q usable ;;
+    'trephine export LIBRARY/head-01 --format dicom-'*) ;;  # dicom_objects.sh runs it: it needs the case's scan
     'trephine export LIBRARY/head-01 --format mrk.json '*)
       eval "${line/LIBRARY/library} --quiet" && [[ -s exported/landmarks.mrk.json ]] ;;
     'trephine diff OLD'*)
@@ -56,7 +57,7 @@ while read -r line; do
       mkdir -p exported
       eval "${line/LIBRARY/library} --quiet" && [[ -s exported/brain.stl && -s exported/skin.x3d ]] ;;
     'trephine diff OLD NEW' | 'trephine diff OLD/head-01 NEW/head-01') trephine diff library/head-01 library/head-01 >/dev/null ;;
-    'trephine pictures out/CASE') trephine pictures library/head-01 --output sides --quiet && [[ -s sides/skin.png ]] ;;
+    'trephine pictures out/CASE') trephine pictures library/head-01 --output sides --quiet && [[ -s sides/skin_sides.png ]] ;;
     'trephine schema '*) eval "$line" | tee schema.said >/dev/null && [[ -s schema.said || -s configuration.schema.json ]] ;;
     'trephine denoise') trephine denoise --help >/dev/null ;;
     'trephine import head.nii.gz '* | 'trephine register '*) ;;  # second_scan.sh runs them: they need other scans
@@ -67,7 +68,7 @@ while read -r line; do
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 16 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
+[[ $seen == 17 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok

@@ -24,8 +24,8 @@ refused 'set [0-9]+ for `max_near_mm2` of the stage `anatomy`' run "${strict[@]}
 kept=$library/a.refused
 [[ $(stat -c %a "$kept") == 700 ]] || fail "the folder is open to others: $(stat -c %a "$kept")"
 [[ ! -e $library/a ]] || fail "a refused run left a case"
-for picture in fault overview skin skull axial sagittal; do [[ -s $kept/$picture.png ]] || fail "no $picture.png"; done
-cmp -s "$kept/skin.png" "$kept/skull.png" && fail "one anatomy's picture is another's"
+for picture in fault overview skin_sides skull_sides axial sagittal; do [[ -s $kept/$picture.png ]] || fail "no $picture.png"; done
+cmp -s "$kept/skin_sides.png" "$kept/skull_sides.png" && fail "one anatomy's picture is another's"
 [[ -z $(find "$kept" -type f ! -name '*.png' ! -name message.txt) ]] || fail "more than pictures: $(ls "$kept")"
 grep -q 'nearer than the 19 mm asked for' "$kept/message.txt" || fail "the message is not in message.txt"
 ! grep -q -e "$work" -e sample_dicom "$kept/message.txt" || fail "message.txt holds a path"
@@ -36,7 +36,7 @@ code=0
   "${coarse[@]}" "${strict[@]}" >"$work/early" 2>&1 || code=$?
 ((code == 80)) || { cat "$work/early" >&2; fail "exit code $code instead of 80"; }
 ! grep -Eq '^brain\.' "$work/early" || { cat "$work/early" >&2; fail "a brain was made for a fault of skin and skull"; }
-[[ -s $library/early.refused/skull.png && ! -e $library/early.refused/brain.png ]] || fail "pictures: $(ls "$library/early.refused")"
+[[ -s $library/early.refused/skull_sides.png && ! -e $library/early.refused/brain_sides.png ]] || fail "pictures: $(ls "$library/early.refused")"
 rm -rf "$library/early.refused"
 
 # Again: the same words, and nothing is computed. The pictures of the run that made them stay.
@@ -54,7 +54,7 @@ stamp=$(tail -1 "$kept/message.txt")
 refused . run --set anatomy.min_skin_skull_gap_mm=18
 [[ $(tail -1 "$kept/message.txt") != "$stamp" ]] || fail "other values, the same stamp"
 refused . run "${strict[@]}"
-[[ $(tail -1 "$kept/message.txt") == "$stamp" && ! -e $kept/fault.png && -s $kept/skull.png ]] ||
+[[ $(tail -1 "$kept/message.txt") == "$stamp" && ! -e $kept/fault.png && -s $kept/skull_sides.png ]] ||
   fail "pictures of another run stay: $(ls "$kept")"
 
 # No program takes it for a case.
@@ -89,10 +89,10 @@ print("landmarks:", json.dumps({"nasion": marks["nasion"], "tragus_left": [77, -
 PY
 refused 'max_near_mm2' "$TREPHINE" run "$work/defaced.yaml" --root "$SOURCE" --series sample_dicom --out "$library" --case b --quiet \
   "${coarse[@]}" --set anatomy.min_skull_brain_gap_mm=19
-for picture in skin axial coronal sagittal fault landmarks; do
+for picture in skin_sides axial coronal sagittal fault landmarks; do
   [[ ! -e $library/b.refused/$picture.png ]] || fail "$picture.png may show a face"
 done
-[[ -s $library/b.refused/message.txt && -s $library/b.refused/brain.png ]] || fail "message or brain missing: $(ls "$library/b.refused")"
+[[ -s $library/b.refused/message.txt && -s $library/b.refused/brain_sides.png ]] || fail "message or brain missing: $(ls "$library/b.refused")"
 
 # The library's gc removes it.
 "$TREPHINE" library gc "$library" | grep -q '1 folders without a case' || fail "gc does not count it"
