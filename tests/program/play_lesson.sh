@@ -65,8 +65,8 @@ expect 64 '[-]-out: or --record is needed' "${play[@]}" --rubric "$work/ventricu
 expect 64 '[-]-participant: must be' "${play[@]}" --rubric "$work/ventriculostomy.json" --out "$work/out" --participant "Jane Doe"
 expect 64 'is of a --lesson' "$TREPHINE" play "$work/head_drilled" --participant r-01
 # A case that is another than the one that was found approved: no lesson begins.
-expect 80 'head_drilled: case.json: was exchanged while the lesson ran' "${play[@]}" --rubric "$work/ventriculostomy.json" --out "$work/out" --approved-sha256 "$(printf '0%.0s' {1..64})"
-[[ -z $(ls "$work/out" 2>/dev/null) ]] || fail "a refused lesson leaves $(ls "$work/out")"
+expect 80 'head_drilled: case.json: was exchanged while the lesson ran' "${play[@]}" --rubric "$work/ventriculostomy.json" --out "$work/exchanged" --approved-sha256 "$(printf '0%.0s' {1..64})"
+[[ -z $(ls "$work/exchanged" 2>/dev/null) ]] || fail "a refused lesson leaves $(ls "$work/exchanged")"
 "$WRITE_CASE" "$work/sample" play
 expect 65 'case.json: haptic.shapes: the lesson needs' "$TREPHINE" play "$work/sample" --lesson ventriculostomy --rubric "$work/ventriculostomy.json" --out "$work/out"
 [[ $LONG == 1 ]] || exit 0
