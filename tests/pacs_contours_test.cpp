@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contours lie on the surface, and fill to what lies in it.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pacs/contours.h"
+#include "pacs/elements.h"
+#include "pacs/tags.h"
 #include "pacs_samples.h"
 #include "surface_shapes.h"
 
@@ -113,6 +116,40 @@ TEST(Contours, OfAnotherKindOrNonsenseAreRefused) {
     const std::string fault = fault_of(bytes);
     EXPECT_TRUE(fault.empty() || fault.substr(0, 2) == "65") << at << " " << fault;
   }
+}
+
+// A structure set of squares of 20 mm, as another program might write it.
+struct Squares {
+  std::string name;
+  std::vector<double> heights_mm{};
+  double warp_mm = 0;  ///< of one corner, out of the plane
+  std::string number{};
+};
+std::string squares_file(const std::vector<Squares>& rois) {
+  std::vector<pacs::Elements> named, drawn;
+  for (const Squares& r : rois) {
+    const std::string number = r.number.empty() ? std::to_string(named.size() + 1) : r.number;
+    std::vector<pacs::Elements> contours;
+    for (const double z : r.heights_mm)
+      contours.push_back(pacs::Elements()
+                             .text(pacs::t_contour_type, "CS", "CLOSED_PLANAR")
+                             .text(pacs::t_contour_points, "IS", "4")
+                             .text(pacs::t_contour_data, "DS",
+                                   fmt::format("0\\0\\{0}\\20\\0\\{0}\\20\\20\\{0}\\0\\20\\{1}", z, z + r.warp_mm)));
+    named.push_back(pacs::Elements().text(pacs::t_roi_number, "IS", number).text(pacs::t_roi_name, "LO", r.name));
+    drawn.push_back(
+        pacs::Elements().text(pacs::t_referenced_roi, "IS", number).sequence(pacs::t_contours, std::move(contours)));
+  }
+  pacs::Elements e = pacs::described(identity(), "RTSTRUCT", 3, "Squares");
+  e.sequence(pacs::t_rois, std::move(named)).sequence(pacs::t_roi_contours, std::move(drawn));
+  return pacs::encode_object(std::move(e), pacs::class_rtss, "", false).bytes;
+}
+
+TEST(Contours, NumbersAndCountsOfRoisBeyondTheirLimitsAreRefused) {
+  EXPECT_EQ(fault_of(squares_file({{"a", {0, 3, 6}, 0, "2147483647"}})), "");
+  const std::string fault = fault_of(squares_file({{"a", {0, 3, 6}, 0, "1e30"}}));
+  EXPECT_EQ(fault.substr(0, 12), "65 ROINumber") << fault;
+  EXPECT_NE(fault_of(squares_file(std::vector<Squares>(256, {"a", {0, 3, 6}}))).find("at most 255"), std::string::npos);
 }
 
 TEST(EncapsulatedStl, HoldsTheFileBitForBit) {

@@ -11,6 +11,9 @@ namespace trephine::pacs {
 
 /// No place of a patient lies farther from the frame's origin.
 constexpr double farthest_mm = 1e6;
+/// A label has one byte.
+constexpr std::size_t most_segments = 255;
+constexpr std::size_t most_planes = 10000;
 
 /// Throws Error 65.
 [[noreturn]] void refuse(const std::string& field, const std::string& what);

@@ -34,7 +34,11 @@ std::vector<RawRoi> read_structure_set(dicom::ByteSource& source, const DataSet&
   const auto into = [](std::uint32_t tag) { return tag == t_rois || tag == t_roi_contours || tag == t_contours; };
   const auto number = [&](const Element& e) {
     const auto v = numbers_of(source, e);
-    return v.empty() ? 0 : int(v[0]);
+    if (v.empty()) return 0;
+    if (!(v[0] >= -2147483648.0 && v[0] <= 2147483647.0 && v[0] == std::floor(v[0])))
+      refuse(e.tag == t_roi_number ? "ROINumber (3006,0022)" : "ReferencedROINumber (3006,0084)",
+             "must be a whole number of 32 bits");
+    return int(v[0]);
   };
   dicom::walk_elements(source, set.begin, source.size(), set.explicit_vr, into,
                        [&](const Element& e, const std::vector<Level>& levels) {
@@ -73,6 +77,9 @@ std::vector<RawRoi> read_structure_set(dicom::ByteSource& source, const DataSet&
     if (!roi.contours.empty()) rois.push_back(std::move(roi));
   }
   if (rois.empty()) refuse(dicom::tag_name(t_roi_contours), "holds no closed contour");
+  if (rois.size() > most_segments)
+    refuse("ROIContourSequence (3006,0039)",
+           fmt::format("has {} regions with contours, at most {} can be read", rois.size(), most_segments));
   return rois;
 }
 
@@ -104,7 +111,6 @@ void choose_axes(const std::vector<RawRoi>& rois, SliceSet& s) {
 LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
   constexpr double pixel_mm = 0.5, same_plane_mm = 0.01, planar_mm = 0.1;
   constexpr int most_pixels = 2048, margin = 2;
-  constexpr std::size_t most_planes = 10000;
   const std::vector<RawRoi> rois = read_structure_set(source, set);
   LabelObject out;
   out.format = "RT structure set";
@@ -138,7 +144,7 @@ LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set) {
   if (levels.size() > most_planes)
     refuse(dicom::tag_name(t_contour_data),
            fmt::format("{} planes, at most {} make sense", levels.size(), most_planes));
-  require_memory(levels.size() * s.pixels() / 8 * rois.size(), "contours on pixels");
+  require_memory(rois.size() * levels.size() * (sizeof(std::string) + (s.pixels() + 7) / 8), "contours on pixels");
   for (const double h : levels) s.origins_mm.push_back(s.u * first[0] + s.v * first[1] + s.normal() * h);
   s.thickness_mm = levels.size() > 1 ? (levels.back() - levels.front()) / double(levels.size() - 1) : 1;
   for (const RawRoi& roi : rois) {
