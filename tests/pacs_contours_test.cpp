@@ -144,6 +144,42 @@ std::string squares_file(const std::vector<Squares>& rois) {
   e.sequence(pacs::t_rois, std::move(named)).sequence(pacs::t_roi_contours, std::move(drawn));
   return pacs::encode_object(std::move(e), pacs::class_rtss, "", false).bytes;
 }
+// The height over which the label fills the middle of the squares, from the counts of its voxels there.
+double filled_mm(const std::string& bytes, const std::string& name) {
+  const grid::Mask mask = grid::pick_label(pacs::label_file_of(decoded(bytes)), name).mask;
+  double filled = 0;
+  for (int k = 0; k < mask.size[2]; ++k) filled += mask.at(mask.size[0] / 2, mask.size[1] / 2, k) * mask.spacing_mm.z;
+  return filled;
+}
+
+TEST(Contours, WhatAnRoiIsBetweenItsOwnPlanesIsWhateverPlanesOthersHave) {
+  const Squares coarse{"coarse", {0, 6, 12, 18}}, fine{"fine", {0, 3, 6, 9, 12, 15, 18}};
+  const std::string both = squares_file({coarse, fine});
+  EXPECT_NEAR(filled_mm(both, "coarse"), 18, 3.1);
+  EXPECT_NEAR(filled_mm(both, "fine"), 18, 3.1);
+  const pacs::LabelObject read = decoded(both);
+  ASSERT_EQ(read.slices.origins_mm.size(), 7u);
+  EXPECT_EQ(read.segments[0].bits, read.segments[1].bits);  // equal squares, so that each plane between is one too
+  // Two pieces that lie far apart for their own steps are two, with another's planes between them and without.
+  const Squares pieces{"pieces", {0, 3, 6, 9, 30, 33, 36, 39}};
+  Squares all{"all", {}};
+  for (int k = 0; k < 14; ++k) all.heights_mm.push_back(3 * k);
+  for (const auto& set : {squares_file({pieces}), squares_file({pieces, all})})
+    EXPECT_NEAR(filled_mm(set, "pieces"), 18, 6.1);
+  EXPECT_NEAR(filled_mm(squares_file({pieces, all}), "all"), 39, 3.1);
+}
+
+TEST(Contours, PlanesWhoseHeightsDifferByLessThanAContourMayBeOffAreOne) {
+  Squares a{"a", {0, 3, 6, 9}}, b{"b", {0.05, 3.06, 6.04, 9.05}, 0.04};
+  const std::string both = squares_file({a, b});
+  EXPECT_EQ(decoded(both).slices.origins_mm.size(), 4u);
+  EXPECT_NEAR(filled_mm(both, "a"), 9, 3.1);
+  EXPECT_NEAR(filled_mm(both, "b"), 9, 3.1);
+  // Planes of one ROI that lie so near cannot be distinguished from that.
+  Squares thin{"thin", {}};
+  for (int k = 0; k < 20; ++k) thin.heights_mm.push_back(0.05 * k);
+  EXPECT_NE(fault_of(squares_file({thin})).find("ContourData (3006,0050)"), std::string::npos);
+}
 
 TEST(Contours, NumbersAndCountsOfRoisBeyondTheirLimitsAreRefused) {
   EXPECT_EQ(fault_of(squares_file({{"a", {0, 3, 6}, 0, "2147483647"}})), "");

@@ -31,6 +31,11 @@ struct DataSet {
 };
 DataSet data_set_of(dicom::ByteSource& source);
 
+/// A shape between two slices that both have pixels, at parts of the distance from the lower to the upper one: the
+/// linear interpolation of their signed distances [Raya1990]. Empty where nothing of it is left.
+std::vector<std::string> bits_between(const std::string& lower, const std::string& upper,
+                                      const std::vector<double>& parts, const SliceSet& slices);
+
 LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set);
 LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set);
 
