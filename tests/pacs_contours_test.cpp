@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contours lie on the surface, and fill to what lies in it.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pacs/contours.h"
+#include "pacs/elements.h"
+#include "pacs/tags.h"
 #include "pacs_samples.h"
 #include "surface_shapes.h"
 
@@ -113,6 +116,76 @@ TEST(Contours, OfAnotherKindOrNonsenseAreRefused) {
     const std::string fault = fault_of(bytes);
     EXPECT_TRUE(fault.empty() || fault.substr(0, 2) == "65") << at << " " << fault;
   }
+}
+
+// A structure set of squares of 20 mm, as another program might write it.
+struct Squares {
+  std::string name;
+  std::vector<double> heights_mm{};
+  double warp_mm = 0;  ///< of one corner, out of the plane
+  std::string number{};
+};
+std::string squares_file(const std::vector<Squares>& rois) {
+  std::vector<pacs::Elements> named, drawn;
+  for (const Squares& r : rois) {
+    const std::string number = r.number.empty() ? std::to_string(named.size() + 1) : r.number;
+    std::vector<pacs::Elements> contours;
+    for (const double z : r.heights_mm)
+      contours.push_back(pacs::Elements()
+                             .text(pacs::t_contour_type, "CS", "CLOSED_PLANAR")
+                             .text(pacs::t_contour_points, "IS", "4")
+                             .text(pacs::t_contour_data, "DS",
+                                   fmt::format("0\\0\\{0}\\20\\0\\{0}\\20\\20\\{0}\\0\\20\\{1}", z, z + r.warp_mm)));
+    named.push_back(pacs::Elements().text(pacs::t_roi_number, "IS", number).text(pacs::t_roi_name, "LO", r.name));
+    drawn.push_back(
+        pacs::Elements().text(pacs::t_referenced_roi, "IS", number).sequence(pacs::t_contours, std::move(contours)));
+  }
+  pacs::Elements e = pacs::described(identity(), "RTSTRUCT", 3, "Squares");
+  e.sequence(pacs::t_rois, std::move(named)).sequence(pacs::t_roi_contours, std::move(drawn));
+  return pacs::encode_object(std::move(e), pacs::class_rtss, "", false).bytes;
+}
+// The height over which the label fills the middle of the squares, from the counts of its voxels there.
+double filled_mm(const std::string& bytes, const std::string& name) {
+  const grid::Mask mask = grid::pick_label(pacs::label_file_of(decoded(bytes)), name).mask;
+  double filled = 0;
+  for (int k = 0; k < mask.size[2]; ++k) filled += mask.at(mask.size[0] / 2, mask.size[1] / 2, k) * mask.spacing_mm.z;
+  return filled;
+}
+
+TEST(Contours, WhatAnRoiIsBetweenItsOwnPlanesIsWhateverPlanesOthersHave) {
+  const Squares coarse{"coarse", {0, 6, 12, 18}}, fine{"fine", {0, 3, 6, 9, 12, 15, 18}};
+  const std::string both = squares_file({coarse, fine});
+  EXPECT_NEAR(filled_mm(both, "coarse"), 18, 3.1);
+  EXPECT_NEAR(filled_mm(both, "fine"), 18, 3.1);
+  const pacs::LabelObject read = decoded(both);
+  ASSERT_EQ(read.slices.origins_mm.size(), 7u);
+  EXPECT_EQ(read.segments[0].bits, read.segments[1].bits);  // equal squares, so that each plane between is one too
+  // Two pieces that lie far apart for their own steps are two, with another's planes between them and without.
+  const Squares pieces{"pieces", {0, 3, 6, 9, 30, 33, 36, 39}};
+  Squares all{"all", {}};
+  for (int k = 0; k < 14; ++k) all.heights_mm.push_back(3 * k);
+  for (const auto& set : {squares_file({pieces}), squares_file({pieces, all})})
+    EXPECT_NEAR(filled_mm(set, "pieces"), 18, 6.1);
+  EXPECT_NEAR(filled_mm(squares_file({pieces, all}), "all"), 39, 3.1);
+}
+
+TEST(Contours, PlanesWhoseHeightsDifferByLessThanAContourMayBeOffAreOne) {
+  Squares a{"a", {0, 3, 6, 9}}, b{"b", {0.05, 3.06, 6.04, 9.05}, 0.04};
+  const std::string both = squares_file({a, b});
+  EXPECT_EQ(decoded(both).slices.origins_mm.size(), 4u);
+  EXPECT_NEAR(filled_mm(both, "a"), 9, 3.1);
+  EXPECT_NEAR(filled_mm(both, "b"), 9, 3.1);
+  // Planes of one ROI that lie so near cannot be distinguished from that.
+  Squares thin{"thin", {}};
+  for (int k = 0; k < 20; ++k) thin.heights_mm.push_back(0.05 * k);
+  EXPECT_NE(fault_of(squares_file({thin})).find("ContourData (3006,0050)"), std::string::npos);
+}
+
+TEST(Contours, NumbersAndCountsOfRoisBeyondTheirLimitsAreRefused) {
+  EXPECT_EQ(fault_of(squares_file({{"a", {0, 3, 6}, 0, "2147483647"}})), "");
+  const std::string fault = fault_of(squares_file({{"a", {0, 3, 6}, 0, "1e30"}}));
+  EXPECT_EQ(fault.substr(0, 12), "65 ROINumber") << fault;
+  EXPECT_NE(fault_of(squares_file(std::vector<Squares>(256, {"a", {0, 3, 6}}))).find("at most 255"), std::string::npos);
 }
 
 TEST(EncapsulatedStl, HoldsTheFileBitForBit) {

@@ -162,6 +162,47 @@ TEST(Segmentation, WhatIsNoBinarySegmentationIsRefusedNamingTheTag) {
   }
 }
 
+TEST(Segmentation, FramesBesideEachOtherAtOneHeightAreRefused) {
+  pacs::SliceSet slices = slices_at({0, 2, 4, 4});
+  slices.origins_mm[3].x += 50;
+  pacs::Segment one = noise("skin", slices, 3), other = one;
+  one.bits[3].clear();
+  other.bits[3] = other.bits[2];
+  other.bits[2].clear();
+  const std::string fault = fault_of(pacs::encode_segmentation(identity(), slices, {one, other}).bytes);
+  EXPECT_EQ(fault.substr(0, 39), "65 ImagePositionPatient (0020,0032): fr") << fault;
+  EXPECT_NE(fault.find("50.000 mm apart"), std::string::npos) << fault;
+}
+
+TEST(Segmentation, CountsAndSizesBeyondTheirLimitsAreRefusedBeforeAnythingIsMadeOfThem) {
+  const pacs::SliceSet slices = slices_at(uniform_mm);
+  const std::vector<pacs::Segment> most(255, noise("skin", slices, 1));
+  EXPECT_EQ(fault_of(pacs::encode_segmentation(identity(), slices, most).bytes), "");
+  const std::vector<pacs::Segment> many(256, noise("skin", slices, 1));
+  EXPECT_NE(fault_of(pacs::encode_segmentation(identity(), slices, many).bytes).find("at most 255"), std::string::npos);
+  // A few frames, and their step, that make 998 empty slices of each gap.
+  for (const std::size_t gaps : {9, 12}) {
+    pacs::SliceSet fine = slices;
+    fine.origins_mm.clear();
+    for (std::size_t k = 0; k <= gaps * 998; ++k) fine.origins_mm.push_back({0, 0, 0.02 * double(k)});
+    pacs::Segment sparse{"skin", {}, pacs::SliceBits(fine.origins_mm.size())};
+    for (std::size_t k = 0; k <= gaps; ++k) sparse.bits[k * 998] = std::string((slices.pixels() + 7) / 8, '\1');
+    std::string bytes = pacs::encode_segmentation(identity(), fine, {sparse}).bytes;
+    const std::string fault = fault_of(bytes);
+    if (gaps < 10)
+      EXPECT_EQ(fault, "");
+    else
+      EXPECT_NE(fault.find("at most 10000"), std::string::npos) << fault;
+  }
+  for (const double spacing : {1e-4, 2e3}) {
+    pacs::SliceSet strange = slices;
+    strange.dx_mm = spacing;
+    const std::string fault =
+        fault_of(pacs::encode_segmentation(identity(), strange, {noise("skin", slices, 1)}).bytes);
+    EXPECT_EQ(fault.substr(0, 28), "65 PixelSpacing (0028,0030):") << fault;
+  }
+}
+
 TEST(Segmentation, ColoursAreThoseOfDicom) {
   EXPECT_EQ(pacs::lab_of({1, 1, 1}), (std::array<int, 3>{65535, 32896, 32896}));
   EXPECT_EQ(pacs::lab_of({0, 0, 0}), (std::array<int, 3>{0, 32896, 32896}));

@@ -17,9 +17,12 @@ struct LabelObject {
 
 /// Reads a BINARY segmentation as it is stored, or the closed contours of an RT structure set, filled by parity on
 /// pixels of 0.5 mm (larger ones where more than 2,048 were needed). Contours of one plane that lie within each other
-/// are holes. The bytes are not trusted: lengths are checked before anything is read (dicom/elements.h). Throws Error
-/// 65 naming the tag: another kind of object, a fractional segmentation or one of labels, compressed pixels, planes
-/// that are not parallel.
+/// are holes. Planes within 0.1 mm are one. Between its own planes a region is interpolated by its shape where other
+/// regions have planes there; where a step is more than three times those beside it, its pieces are separate. The bytes
+/// are not trusted: lengths are checked before anything is read (dicom/elements.h). Throws Error 65 naming the tag:
+/// another kind of object, a fractional segmentation or one of labels, compressed pixels, planes that are not parallel,
+/// frames beside each other on one plane, more than 255 segments or 10,000 slices. Throws Error 70 where there is too
+/// little memory for them.
 LabelObject decode_label_object(const dicom::Origin& origin);
 
 /// The labels on an upright uniform lattice, as import_series makes it of the slices: those on such slices as they are,

@@ -6,7 +6,7 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "dicom/geometry.h"
-#include "pacs/label_objects.h"
+#include "pacs/object_reader.h"
 
 namespace trephine::pacs {
 namespace {
@@ -225,6 +225,26 @@ dicom::SliceStack stack_of(const SliceSet& s, std::size_t& padded) {
 }
 
 }  // namespace
+
+std::vector<std::string> bits_between(const std::string& lower, const std::string& upper,
+                                      const std::vector<double>& parts, const SliceSet& s) {
+  const Window w = window_of({"", {}, {lower, upper}}, s);
+  const Plane p = plane_of(lower, w, s), q = plane_of(upper, w, s);
+  std::vector<std::string> out;
+  for (const double part : parts) {
+    std::vector<std::uint8_t> pixels(s.pixels(), 0);
+    bool any = false;
+    for (int y = std::max(0, w.j0); y < std::min(s.rows, w.j0 + w.nj); ++y)
+      for (int x = std::max(0, w.i0); x < std::min(s.columns, w.i0 + w.ni); ++x) {
+        const std::size_t at = std::size_t(y - w.j0) * std::size_t(w.ni) + std::size_t(x - w.i0);
+        if (!((1 - part) * p.distance[at] + part * q.distance[at] > 0)) continue;
+        pixels[std::size_t(y) * std::size_t(s.columns) + std::size_t(x)] = 1;
+        any = true;
+      }
+    out.push_back(any ? packed(pixels) : std::string());
+  }
+  return out;
+}
 
 grid::LabelFile label_file_of(const LabelObject& object, const Progress& progress) {
   if (object.slices.origins_mm.empty()) throw Error(ExitCode::bad_input, "", "", "holds no slice");

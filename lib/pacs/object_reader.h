@@ -11,6 +11,9 @@ namespace trephine::pacs {
 
 /// No place of a patient lies farther from the frame's origin.
 constexpr double farthest_mm = 1e6;
+/// A label has one byte.
+constexpr std::size_t most_segments = 255;
+constexpr std::size_t most_planes = 10000;
 
 /// Throws Error 65.
 [[noreturn]] void refuse(const std::string& field, const std::string& what);
@@ -27,6 +30,11 @@ struct DataSet {
   bool explicit_vr = true;
 };
 DataSet data_set_of(dicom::ByteSource& source);
+
+/// A shape between two slices that both have pixels, at parts of the distance from the lower to the upper one: the
+/// linear interpolation of their signed distances [Raya1990]. Empty where nothing of it is left.
+std::vector<std::string> bits_between(const std::string& lower, const std::string& upper,
+                                      const std::vector<double>& parts, const SliceSet& slices);
 
 LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set);
 LabelObject structure_set_of(dicom::ByteSource& source, const DataSet& set);

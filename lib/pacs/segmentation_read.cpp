@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "pacs/tags.h"
 
 namespace trephine::pacs {
@@ -51,7 +52,9 @@ void take_group(dicom::ByteSource& source, const Element& e, FrameGroups& g) {
     }
     case t_spacing: {
       const auto v = numbers_of(source, e);
-      if (v.size() != 2 || !(v[0] > 0 && v[1] > 0)) refuse(dicom::tag_name(e.tag), "must be two numbers above 0");
+      const auto is_possible = [](double mm) { return mm >= 1e-3 && mm <= 1e3; };
+      if (v.size() != 2 || !is_possible(v[0]) || !is_possible(v[1]))
+        refuse("PixelSpacing (0028,0030)", "must be two numbers from 0.001 to 1000 mm");
       g.spacing = {v[1], v[0]};
       break;
     }
@@ -89,7 +92,9 @@ RawSegmentation read_segmentation(dicom::ByteSource& source, const DataSet& set)
         }
         const std::size_t item = std::size_t(levels[0].item);
         if (levels[0].tag == t_segments && levels.size() == 1) {
-          if (item >= 65535) refuse(dicom::tag_name(t_segments), "has too many items");
+          if (item >= most_segments)
+            refuse("SegmentSequence (0062,0002)",
+                   fmt::format("has more segments than can be read, at most {}", most_segments));
           if (item >= raw.segments.size()) raw.segments.resize(item + 1);
           if (e.tag == t_segment_number) raw.segments[item].number = word_of(source, e);
           if (e.tag == t_segment_label) raw.segments[item].label = text_of(source, e);
@@ -138,6 +143,38 @@ struct Placed {
   std::size_t frame = 0;
 };
 
+// The slices of the sorted frames, and for each of these the index of its slice. Slices on which nothing lies are often
+// left out; where their step is known they are known to be empty.
+std::vector<std::size_t> place_slices(const std::vector<Placed>& placed, const std::vector<Vec3>& positions,
+                                      double step, SliceSet& s) {
+  std::vector<std::size_t> slice_of;
+  double last = -1e300;
+  for (const Placed& p : placed) {
+    if (p.along - last > 0.01) {
+      const double gap = p.along - last, parts = step > 0 && !s.origins_mm.empty() ? std::round(gap / step) : 1;
+      const bool is_filled = parts > 1 && parts < 1000 && std::abs(gap - parts * step) < 0.01 * step;
+      if (s.origins_mm.size() + (is_filled ? std::size_t(parts) : 1) > most_planes)
+        refuse("ImagePositionPatient (0020,0032)",
+               fmt::format("has more slices than can be read, at most {}", most_planes));
+      if (is_filled) {
+        const Vec3 from = s.origins_mm.back(), whole = positions[p.frame] - from;
+        for (int k = 1; k < int(parts); ++k) s.origins_mm.push_back(from + whole * (k / parts));
+      }
+      s.origins_mm.push_back(positions[p.frame]);
+      last = p.along;
+    } else if (const Vec3 apart = positions[p.frame] - s.origins_mm.back(), n = s.normal();
+               norm(apart - n * dot(apart, n)) > 0.01) {
+      refuse(
+          "ImagePositionPatient (0020,0032)",
+          fmt::format("frames lie beside each other, {:.3f} mm apart, on one plane: save each place's segments as an "
+                      "object of its own",
+                      norm(apart)));
+    }
+    slice_of.push_back(s.origins_mm.size() - 1);
+  }
+  return slice_of;
+}
+
 }  // namespace
 
 LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set) {
@@ -181,30 +218,21 @@ LabelObject segmentation_of(dicom::ByteSource& source, const DataSet& set) {
   }
   std::stable_sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) { return a.along < b.along; });
   const double step = raw.shared.step.value_or(0);
-  double last = -1e300;
-  for (const Placed& p : placed) {
-    if (p.along - last > 0.01) {
-      // Slices on which nothing lies are often left out; where their step is told they are known to be empty.
-      if (!s.origins_mm.empty() && step > 0)
-        if (const double gap = p.along - last, parts = std::round(gap / step);
-            parts > 1 && parts < 1000 && std::abs(gap - parts * step) < 0.01 * step) {
-          const Vec3 from = s.origins_mm.back(), way = positions[p.frame] - from;
-          for (int k = 1; k < int(parts); ++k) s.origins_mm.push_back(from + way * (k / parts));
-        }
-      s.origins_mm.push_back(positions[p.frame]);
-      last = p.along;
-    }
+  const std::vector<std::size_t> slice_of = place_slices(placed, positions, step, s);
+  require_memory(
+      out.segments.size() * s.origins_mm.size() * sizeof(std::string) + raw.each.size() * ((s.pixels() + 7) / 8),
+      "a segmentation");
+  for (Segment& segment : out.segments) segment.bits.resize(s.origins_mm.size());
+  for (std::size_t n = 0; n < placed.size(); ++n) {
+    const Placed& p = placed[n];
     const int number = raw.each[p.frame].segment ? raw.each[p.frame].segment : raw.shared.segment;
     const auto known = by_number.find(number);
     if (known == by_number.end()) refuse("(0062,000B)", fmt::format("{}: there is no segment of that number", number));
-    SliceBits& bits = out.segments[known->second].bits;
-    bits.resize(s.origins_mm.size());
+    std::string& bits = out.segments[known->second].bits[slice_of[n]];
     std::string frame = frame_bits(source, raw, p.frame);
-    for (std::size_t i = 0; i < bits.back().size() && i < frame.size(); ++i)
-      frame[i] = static_cast<char>(frame[i] | bits.back()[i]);
-    if (!frame.empty()) bits.back() = std::move(frame);
+    for (std::size_t i = 0; i < bits.size() && i < frame.size(); ++i) frame[i] = static_cast<char>(frame[i] | bits[i]);
+    if (!frame.empty()) bits = std::move(frame);
   }
-  for (Segment& segment : out.segments) segment.bits.resize(s.origins_mm.size());
   return out;
 }
 
