@@ -89,7 +89,8 @@ void CastPass::upload_bricks() {
   set_filter(GL_TEXTURE_3D, GL_NEAREST, GL_CLAMP_TO_EDGE);
 }
 
-void CastPass::follow(const grid::Box& box) {
+void CastPass::follow(const grid::Box& changed) {
+  const grid::Box box = grid::grown(changed, 0, voxels_);
   if (box.empty()) return;
   std::vector<std::int16_t> part;
   const int size[3] = {box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]};
