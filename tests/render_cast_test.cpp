@@ -231,6 +231,31 @@ TEST_F(RenderCast, RefinesWhenTheViewStandsStill) {
   EXPECT_EQ(still.rgb, drawn(whole, eye_of_picture(p, sides[0]), state).rgb);
 }
 
+// However slowly a tool goes, rays are cast anew when it has left where it was when they were.
+TEST_F(RenderCast, SeesAToolThatCreeps) {
+  const Phantom p = hard();
+  render::RenderQuality quality;
+  quality.samples = 1;
+  quality.cast_ms = 1;
+  scene::SceneState state;
+  state.opacity = {0};
+  state.tool_shown = true;
+  state.axis = {0, 0, 1};
+  state.tip_mm = casting::middle_of(p.voxels);
+  render::Renderer renderer(scene_of(p), quality);
+  renderer.rays().show(&p.voxels, cast::CastTable(p.functions));
+  const scene::EyeView eye = eye_of_picture(p, sides[0]);
+  for (int n = 0; n < 8; ++n) drawn(renderer, eye, state);
+  ASSERT_EQ(renderer.rays().scale(), 1);
+  int moved = 0;
+  for (int n = 0; n < 9; ++n) {
+    state.tip_mm.x += 0.02;
+    drawn(renderer, eye, state);
+    moved += renderer.rays().scale() < 1;
+  }
+  EXPECT_GE(moved, 3);  // each 0.06 mm
+}
+
 // The case of a window's tests, with a CT in which all that is felt is bone.
 class RenderCastStage : public PlayCase {
  protected:
