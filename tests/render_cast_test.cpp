@@ -198,9 +198,9 @@ TEST_F(RenderCast, FollowsCuts) {
   render::Renderer anew(scene_of(p), quality);
   anew.rays().show(&p.voxels, table);
   EXPECT_EQ(drawn(anew, eye, state).rgb, after.rgb);
-  // And filling it again puts it back.
+  // And filling it again puts it back; what of a box lies beyond the volume is left out.
   p.voxels = hard().voxels;
-  renderer.rays().follow(box);
+  renderer.rays().follow({{-30, 16, 18}, {33, 90, 4000}});
   EXPECT_EQ(drawn(renderer, eye, state).rgb, before.rgb);
 }
 
@@ -229,6 +229,31 @@ TEST_F(RenderCast, RefinesWhenTheViewStandsStill) {
   EXPECT_EQ(renderer.rays().scale(), 1);
   EXPECT_NE(still.rgb, moving.rgb);
   EXPECT_EQ(still.rgb, drawn(whole, eye_of_picture(p, sides[0]), state).rgb);
+}
+
+// However slowly a tool goes, rays are cast anew when it has left where it was when they were.
+TEST_F(RenderCast, SeesAToolThatCreeps) {
+  const Phantom p = hard();
+  render::RenderQuality quality;
+  quality.samples = 1;
+  quality.cast_ms = 1;
+  scene::SceneState state;
+  state.opacity = {0};
+  state.tool_shown = true;
+  state.axis = {0, 0, 1};
+  state.tip_mm = casting::middle_of(p.voxels);
+  render::Renderer renderer(scene_of(p), quality);
+  renderer.rays().show(&p.voxels, cast::CastTable(p.functions));
+  const scene::EyeView eye = eye_of_picture(p, sides[0]);
+  for (int n = 0; n < 8; ++n) drawn(renderer, eye, state);
+  ASSERT_EQ(renderer.rays().scale(), 1);
+  int moved = 0;
+  for (int n = 0; n < 9; ++n) {
+    state.tip_mm.x += 0.02;
+    drawn(renderer, eye, state);
+    moved += renderer.rays().scale() < 1;
+  }
+  EXPECT_GE(moved, 3);  // each 0.06 mm
 }
 
 // The case of a window's tests, with a CT in which all that is felt is bone.
@@ -271,6 +296,31 @@ TEST_F(RenderCastStage, TheCtFollowsWhatIsCut) {
   EXPECT_EQ(shot(later, camera).rgb, after.rgb);
   cut(false);
   EXPECT_EQ(shot(stage, camera).rgb, before.rgb);
+}
+
+// What is refused leaves the rays as they were, and they follow cuts as before.
+TEST_F(RenderCastStage, FollowsCutsAfterARefusal) {
+  render::Stage stage(loaded_, view_);
+  const scene::OrbitCamera camera = scene::camera_of(view_, loaded_.manifest, stage.scene());
+  const trephine::scene::Picture before = shot(stage, camera);
+  for (const auto& [what, transfer] :
+       {std::pair(scene::ViewParams::Cast::haptic, ""), std::pair(scene::ViewParams::Cast::none, "bones")})
+    EXPECT_THROW(stage.cast(what, transfer), Error);
+  EXPECT_EQ(shot(stage, camera).rgb, before.rgb);
+  drill::DirtyBricks marks(loaded_.haptic.voxels);
+  for (int k = 30; k < 44; ++k)
+    for (int j = 0; j < 30; ++j)
+      for (int i = 28; i < 46; ++i) {
+        loaded_.haptic.voxels.at(i, j, k) = voxel::haptic_empty;
+        marks.mark_voxel(i, j, k);
+      }
+  stage.follow(marks);
+  const trephine::scene::Picture after = shot(stage, camera);
+  EXPECT_NE(after.rgb, before.rgb);
+  // Nor is what is no longer cast followed, and it is as it was cut where it is cast again.
+  stage.cast(scene::ViewParams::Cast::none, "");
+  stage.cast(scene::ViewParams::Cast::ct, "");
+  EXPECT_EQ(shot(stage, camera).rgb, after.rgb);
 }
 
 TEST_F(RenderCastStage, OnlyNamedAnatomiesAreDrawnBesideIt) {

@@ -89,7 +89,8 @@ void CastPass::upload_bricks() {
   set_filter(GL_TEXTURE_3D, GL_NEAREST, GL_CLAMP_TO_EDGE);
 }
 
-void CastPass::follow(const grid::Box& box) {
+void CastPass::follow(const grid::Box& changed) {
+  const grid::Box box = grid::grown(changed, 0, voxels_);
   if (box.empty()) return;
   std::vector<std::int16_t> part;
   const int size[3] = {box.end[0] - box.begin[0], box.end[1] - box.begin[1], box.end[2] - box.begin[2]};
@@ -144,11 +145,11 @@ void CastPass::draw(const PictureTargets& targets, KeptFences& kept, const scene
                     const scene::SceneState& state, int width, int height, double ms) {
   Sight sight{eye, state.cut, state.cast_box, state.opacity, state.tip_mm, state.axis, state.tool_shown, width, height};
   const bool moved = std::exchange(changed_, false) || !same(sight, sight_);
-  sight_ = sight;
   const bool whole = !(ms > 0);
   const double next = whole ? 1 : moved ? moving_scale_ : std::min(1.0, 2 * scale_);
   if (whole || moved || next > scale_) {
     scale_ = next;
+    sight_ = sight;  // not where nothing is cast: what creeps would never have moved
     make_target(std::max(1, int(std::lround(width * scale_))), std::max(1, int(std::lround(height * scale_))));
     if (!whole) wait_for_driver();
     const auto begin = std::chrono::steady_clock::now();

@@ -37,7 +37,7 @@ bool holds_nothing(const voxel::HapticVolume& volume, std::int16_t value) {
 void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer) {
   std::vector<voxel::TransferFunction> functions;
   if (!transfer.empty()) functions = {voxel::transfer_from_text(transfer, "--transfer")};
-  what_ = what;
+  // Until the new rays are there, the old ones are cast through their own volume, and follow its cuts.
   if (what == Cast::none) {
     renderer.rays().show(nullptr, {});
   } else if (what == Cast::ct) {
@@ -53,6 +53,8 @@ void CastSource::show(Renderer& renderer, Cast what, const std::string& transfer
     if (functions.empty()) functions = cast::functions_of(loaded_.manifest.haptic);
     renderer.rays().show(&loaded_.haptic.voxels, cast::CastTable(functions));
   }
+  if (what != Cast::ct) ct_ = {};
+  what_ = what;
 }
 
 void CastSource::follow(Renderer& renderer, const std::vector<std::size_t>& marked) {

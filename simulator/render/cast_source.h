@@ -15,7 +15,8 @@ class CastSource {
  public:
   /// Both must outlive it. `uncut`: the haptic volume's voxels as the case has them; without voxels where it has no CT.
   CastSource(const cases::LoadedCase& loaded, const grid::Grid<std::int16_t>& uncut) : loaded_(loaded), uncut_(uncut) {}
-  /// Throws Error 64 where the case has no such volume, or the text is no transfer function.
+  /// Throws Error 64 where the case has no such volume, or the text is no transfer function; Error 74 as
+  /// VolumeRays::show. What was cast before is then cast on, and follows cuts.
   void show(Renderer& renderer, scene::ViewParams::Cast what, const std::string& transfer);
   /// The marked bricks of the haptic volume have changed.
   void follow(Renderer& renderer, const std::vector<std::size_t>& marked);

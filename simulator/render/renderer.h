@@ -49,7 +49,7 @@ class VolumeRays {
   /// Casts them through the volume, which must outlive the renderer or the next call; null: there are none. Throws
   /// Error 74 where the graphics memory does not suffice, or a side of the volume is longer than max_ct_side().
   virtual void show(const grid::Grid<std::int16_t>* voxels, const cast::CastTable& table) = 0;
-  /// Voxels of the box have changed.
+  /// Voxels of the box have changed; what of it lies beyond the volume is left out.
   virtual void follow(const grid::Box& box) = 0;
   /// Of the last picture's sides, that share had rays of its own; 0: nothing is cast.
   virtual double scale() const = 0;
