@@ -186,6 +186,10 @@ void check_dicom(const cli::ParsedCommand& parsed, const DicomFormats& formats) 
                  "is needed for dicom-seg and dicom-rtss: the folder of the scan that the case was made of, "
                  "on whose slices they lie; seg.nrrd and stl need none");
   if (source_uids && !formats.on_slices()) export_usage("--source-uids", "is for dicom-seg and dicom-rtss");
+  if (source_uids && (formats.ct || formats.stl))
+    export_usage("--source-uids",
+                 "is for dicom-seg and dicom-rtss alone: dicom-ct and dicom-stl would be images and surfaces in the "
+                 "patient's own study; export them by themselves, without it");
 }
 
 DicomExport export_dicom(const cli::ParsedCommand& parsed, const DicomFormats& formats, const std::string& name,
@@ -218,12 +222,12 @@ DicomExport export_dicom(const cli::ParsedCommand& parsed, const DicomFormats& f
   }
   const std::string stem = name.empty() ? m.case_token : name;
   DicomExport made;
-  if (needs_ct && (formats.ct || !source_uids)) {
+  if (needs_ct) {
     pacs::SliceSet on = slices;
     const bool faceless = m.face_policy == "deface" || m.face_policy == "crop";
     add_ct(made, identity, faceless ? pacs::with_room_around_removed(loaded.ct, on, progress) : loaded.ct, on,
            progress.part(0.2, 0.4));
-    if (!source_uids) slices = std::move(on);
+    slices = std::move(on);
   }
   const CaseShapes shapes(loaded, items_of(parsed, "anatomy"), progress.part(0.4, 0.5));
   if (shapes.all().empty() && (formats.seg || formats.stl || formats.rtss))

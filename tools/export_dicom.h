@@ -32,7 +32,7 @@ struct DicomParams {
         &DicomParams::source_uids, "source_uids",
         "dicom-seg, dicom-rtss: refer to the images of --series by their own UIDs, instead of to a dicom-ct written "
         "beside them. UIDs identify the patient's study: who has access to the archive finds the patient by them, so "
-        "such objects must go nowhere else.");
+        "such objects must go nowhere else. It does not go with dicom-ct and dicom-stl.");
   }
 };
 

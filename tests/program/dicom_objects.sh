@@ -264,6 +264,9 @@ refused() { expect "$@" --out "$work/no"; cat "$work/stderr" >>"$work/printed/st
 refused 65 'series: .*input_sha256' "$TREPHINE" export --quiet "$case" --format dicom-seg --series "$SOURCE/sample_dicom"
 refused 64 '--series: is needed for dicom-seg and dicom-rtss' "$TREPHINE" export --quiet "$case" --format dicom-rtss
 refused 64 '--source-uids' "$TREPHINE" export --quiet "$case" --format dicom-stl --source-uids
+for beside in dicom-ct dicom-stl; do
+  refused 64 "--source-uids: .*$beside" "$TREPHINE" export --quiet "$case" --format "dicom-seg,$beside" --series "$scan" --source-uids
+done
 refused 64 '--series: is for dicom-seg' "$TREPHINE" export --quiet "$case" --format stl --series "$scan"
 refused 64 'INPUT: must be a case' "$TREPHINE" export --quiet "$work/stl/skin.stl" --format dicom-stl
 refused 66 'series: not found' "$TREPHINE" export --quiet "$case" --format dicom-seg --series "$work/CANARYNONE"
@@ -271,7 +274,7 @@ expect 65 'SegmentationType|SOPClassUID' "$TREPHINE" labels --quiet "$work/volum
   --label skin --output "$work/x.nrrd"
 case_of bare '' "$scan"
 refused 65 'ct: .*--source-uids' "$TREPHINE" export --quiet "$work/library/bare" --format dicom-seg --series "$scan"
-export_ "$work/library/bare" --format dicom-seg,dicom-stl --series "$scan" --source-uids --out "$work/bare_out"
+export_ "$work/library/bare" --format dicom-seg,dicom-rtss --series "$scan" --source-uids --out "$work/bare_out"
 cp "$work/log" "$work/printed/" && python3 "$canaries" seek "$scan" "$work/printed" || fail "what is printed holds something of the patient"
 ((LONG == 1)) || exit 0
 
