@@ -8,7 +8,7 @@ set(base_headers error exit_code parallel parameter params progress report resul
 set(json_headers declared_json json_bounds)
 set(grid_headers grid gzip_limit nrrd)
 set(surface_headers bvh distance_function inside mesh_array point_to_mesh point_triangle trimesh)
-set(voxel_headers cut decode haptic_file haptic_volume mismatch voxelize)
+set(voxel_headers cut decode haptic_file haptic_volume mismatch transfer voxelize)
 set(contact_headers contact contact_c)
 set(cases_headers case case_finding case_values glb load_case material)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/TrephineCase)
