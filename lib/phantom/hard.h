@@ -15,6 +15,7 @@ struct HardParams {
   bool mask = false, couch = false, clamps = false, board = false, shoulders = false;
   bool burr_hole = false, craniectomy = false, shunt = false, plexus = false, contrast = false, clip = false;
   Blood blood = Blood::none;
+  double blood_ml = 0;
   double asymmetry_ratio = 0, motion_mm = 0, motion_z_mm = 45;
   int fillings_count = 1;
   double sharpen_ratio = 0, second_kernel_mm = 0, second_sharpen_ratio = 2;
@@ -42,6 +43,9 @@ struct HardParams {
               {"subdural", Blood::subdural},
               {"intraventricular", Blood::intraventricular}},
              "Level hard: fresh blood.");
+    v.number(
+        &P::blood_ml, "blood_ml", Range{0, 120},
+        "Level hard: about how much fresh blood there is, as far as its place holds so much; 0: what is usual there.");
     v.number(&P::asymmetry_ratio, "asymmetry_ratio", Range{0, 0.6},
              "Level hard: by how much one lateral ventricle is thinner than the other; the seed says which.");
     v.number(&P::motion_mm, "motion_mm", Range{0, 10},

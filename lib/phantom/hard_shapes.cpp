@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What level hard changes in the head's shapes, and where its things lie.
+#include <algorithm>
+#include <functional>
+
 #include "base/pi.h"
 #include "phantom/apparatus.h"
 #include "phantom/random.h"
@@ -32,6 +35,29 @@ S scaled_capsule(const Point<S>& p, const Model::Node& a, const Model::Node& b, 
   return root(x * x + y * y + z * z + S(1e-12)) - (S(a.radius) + t * S(b.radius - a.radius)) * ratio;
 }
 
+constexpr double subdural_reach_mm = 62, subdural_thick_mm = 8;  // of the usual one, thinner towards its rim
+
+/// Gives the blood the volume that is asked for.
+void size_blood(Model& model) {
+  Model::Hard& hard = model.hard;
+  const double ml = hard.is.blood_ml / (model.scale.x * model.scale.y * model.scale.z);
+  const Vec3 r = hard.bleed_radii;
+  hard.bleed_radii = r * std::cbrt(ml * 1000 / (4.0 / 3 * pi * r.x * r.y * r.z));
+  // A cap whose thickness falls with the square of the distance has half the volume of a disc.
+  const double usual_ml = 0.5 * pi * subdural_reach_mm * subdural_reach_mm * subdural_thick_mm / 1000;
+  hard.subdural_scale = std::cbrt(ml / usual_ml);
+  if (hard.is.blood != Blood::intraventricular) return;
+  constexpr double step_mm = 1;
+  std::vector<double> y;
+  for (double z = 0; z < 110; z += step_mm)
+    for (double x = -60; x < 60; x += step_mm)
+      for (double at = -70; at < 80; at += step_mm)
+        if (model.ventricles(PointD{x, at, z}) < 0) y.push_back(at);
+  const std::size_t n = std::min(y.size(), std::size_t(ml * 1000 / (step_mm * step_mm * step_mm)));
+  std::sort(y.begin(), y.end(), std::greater<>());
+  if (n > 0) hard.settled_y = y[n - 1];
+}
+
 }  // namespace
 
 void Model::make_hard(const HeadParams& params) {
@@ -60,6 +86,8 @@ void Model::make_hard(const HeadParams& params) {
   hard.subdural_centre = {draw(0, 1) < 0 ? -50.0 : 50.0, draw(-10, 10), 88};
   hard.bleed_centre = {draw(0, 1) < 0 ? -34.0 : 34.0, draw(0, 14), draw(74, 6)};
   hard.bleed_radii = {draw(13, 3), draw(18, 4), draw(13, 3)};
+  hard.settled_y = lateral[5].at.y + 2;  // it settles in the occipital horns
+  if (is.blood_ml > 0) size_blood(*this);
 
   if (is.shunt) {
     // From the frontal horn along the hole's axis, then under the scalp to a valve above the right ear.
@@ -152,8 +180,9 @@ template <class S>
 S Model::subdural_mm(const Base<S>& b) const {
   if (hard.is.blood != Blood::subdural) return S(0.0);
   const Point<S> q = b.p - hard.subdural_centre;
-  const S in = clamped(S(S(1.0) - (q.x * q.x + q.y * q.y + q.z * q.z) * S(1 / (62.0 * 62.0))), 0, 1);
-  return in * S(8.0);
+  const double reach_mm = subdural_reach_mm * hard.subdural_scale;
+  const S in = clamped(S(S(1.0) - (q.x * q.x + q.y * q.y + q.z * q.z) * S(1 / (reach_mm * reach_mm))), 0, 1);
+  return in * S(subdural_thick_mm * hard.subdural_scale);
 }
 
 template <class S>

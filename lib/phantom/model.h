@@ -56,6 +56,7 @@ struct Model {
     std::vector<Tube> holes;       ///< through the bone
     Vec3 flap_centre, flap_radii;  ///< an ellipsoid without bone
     Vec3 subdural_centre, bleed_centre, bleed_radii;
+    double subdural_scale = 1, settled_y = 0;  ///< what lies behind the latter in the ventricles is blood
     std::vector<Tube> vessels, catheter;
     std::vector<Ball> calcified, metal, markers;
     double couch_mm = 0;  ///< y of the couch's plate, behind the head

@@ -77,8 +77,7 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   b.paint(csf, model.passages(base.p));
   if (!model.hard.on) return;
   const double ventricles = model.ventricles(base.p);
-  if (life.blood == Blood::intraventricular)  // it settles in the occipital horns
-    b.paint(clot, std::max(ventricles, model.lateral[5].at.y + 2 - base.p.y));
+  if (life.blood == Blood::intraventricular) b.paint(clot, std::max(ventricles, model.hard.settled_y - base.p.y));
   if (life.contrast) {
     b.paint(opacified, std::max(model.vessels(base), base.cavity + 0.4));
     for (const double side : {-1.0, 1.0})
