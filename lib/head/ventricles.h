@@ -42,6 +42,7 @@ struct VentriclesResult {
   std::optional<TissueLevel> level;  ///< with edge half_maximum
   double tissue_noise_hu_mm1_5 = 0;
   place::PlaceFigures place;
+  std::optional<double> blood_ml;           ///< what in them is as dense as fresh blood
   double upper_hu = 0;                      ///< the edge that was used
   std::optional<std::int64_t> horns_count;  ///< with edge half_maximum: traced as tubes
   std::size_t cut_voxels_count = 0;         ///< where the mask ends inside fluid
@@ -54,6 +55,7 @@ struct VentriclesResult {
     v.all_of(&P::level);
     v.number(&P::tissue_noise_hu_mm1_5, "tissue_noise_hu_mm1_5", Range{}, "Noise of the brain's tissue.");
     v.all_of(&P::place);
+    v.number(&P::blood_ml, "blood_ml", "What in the ventricles is as dense as fresh blood.");
     v.number(&P::upper_hu, "upper_hu", Range{}, "The edge between CSF and white matter that was used.");
     v.integer(&P::horns_count, "horns_count", "Horns that were traced as tubes.");
     v.integer(&P::cut_voxels_count, "cut_voxels_count", Range{}, "Voxels where the mask ends inside fluid.");
@@ -75,7 +77,9 @@ struct VentriclesResult {
 /// compressed (ventricle_parts.h). Where the template is not sure to fit, it warns, and the head must not be tilted by
 /// more than about 15 degrees.
 ///
-/// This is a first automatic estimate; blood or a tumour in the ventricles and wide outlets mislead it.
+/// Blood in the ventricles (ventricle_blood.h) belongs to them, and a warning says how much there is.
+///
+/// This is a first automatic estimate; a tumour in the ventricles and wide outlets mislead it.
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 64 where no brain is given; 80
 /// also where all voxels have one value or the brain is empty.
