@@ -20,12 +20,13 @@ namespace {
 
 constexpr double cell_mm = 1.0;  ///< at most; size of the cells on which the brain is found
 constexpr double sheet_mm_per_noise =
-    0.04;  ///< sigma of the means along sulci for each unit of noise, mm per HU mm^1.5
-constexpr double min_sheet_mm = 0.4, max_sheet_mm = 1.8;
+    0.08;  ///< sigma of the means along sulci for each unit of noise, mm per HU mm^1.5
+constexpr double min_sheet_mm = 0.4, max_sheet_mm = 3;
 constexpr double strength_ratio = 0.13;  ///< strength of denoising for each unit of noise that is left, mm^-0.5
 constexpr double blur_mm = 0.7;          ///< sigma of the total blur: kernel, cells, means and denoising
 constexpr double sharpened_mm =
     2;  ///< how far from dark voxels of the unsharpened image a sulcus may go on in the sharpened one
+constexpr std::size_t speck_voxels = 3;  ///< no more of them together are noise
 constexpr float thin_bone_hu = 226;
 constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not reliable
 constexpr double bone_margin_mm = 1.0;  ///< the brain never comes nearer to bone than this: dura and a film of CSF
@@ -56,10 +57,16 @@ struct Tissue {
 
 Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::CoarseRaster& raster, mask::BitMask known,
                  const BrainParams& p, BrainResult& result, const Progress& progress) {
-  known &= mask::make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
+  mask::BitMask beyond = mask::make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
     const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
-    for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
+    for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = !(hu(start + i) > -100 && hu(start + i) < 160);
   });
+  beyond &= known;
+  // A few voxels at a place are beyond by noise, and the mean of the rest would be wrong without them.
+  const mask::Components pieces = mask::components(beyond);
+  std::vector<char> large;
+  for (const mask::Component& c : pieces.list) large.push_back(c.voxels > speck_voxels);
+  known.remove(mask::select(pieces, large));
   grid::Grid<float> v = mask::coarse_mean(hu, known, raster, -1000);
   known = mask::coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0)

@@ -7,9 +7,10 @@
 namespace trephine::head {
 
 /// What noise alone has cut into the brain. `cut` is what is to be taken from `shape` (the brain with its sulci closed)
-/// as sulci and cisterns. Each piece of it more than a millimetre deep is held against `hu` (levelled, not denoised):
-/// it stays where tissue is darker there, summed over the piece, than `noise` (tissue_noise()) explains; where noise is
-/// locally stronger, as in streaks, by so much more. Pieces that noise explains are returned.
+/// as sulci and cisterns. What of it lies more than a millimetre deep is held against `hu` (levelled, not denoised) and
+/// its noise (`noise`, of tissue_noise(); locally stronger where streaks are): it remains where means along edges and
+/// sulci, wide enough for that noise, are darker than tissue by 3 standard deviations, and 2 mm about such places;
+/// of the rest, pieces that are as a whole darker by 9. All else of it is returned.
 mask::BitMask noise_pits(const mask::BitMask& cut, const mask::BitMask& shape, const grid::Grid<float>& hu,
                          const mask::BitMask& known, double noise, const Progress& progress = {});
 

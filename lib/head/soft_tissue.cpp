@@ -181,9 +181,10 @@ void check_scan_noise(const grid::HuVolume& volume,
 }
 
 double tissue_noise(const grid::Grid<float>& hu, const mask::BitMask& known, const Progress& progress) {
-  constexpr double off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
+  constexpr double specks_mm = 1.5, off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
   const grid::Lattice& l = hu;
-  const mask::BitMask deep = mask::eroded(known, off_edges_mm, progress);
+  // Strong noise takes single voxels out of what is known.
+  const mask::BitMask deep = mask::eroded(mask::closed(known, specks_mm, progress), off_edges_mm, progress);
   const grid::Grid<float> fine = mask::masked_gaussian(hu, known, fine_mm, -1000, 0.02, progress),
                           coarse = mask::masked_gaussian(hu, known, coarse_mm, -1000, 0.02, progress);
   std::vector<float> centres, spread;

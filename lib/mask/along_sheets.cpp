@@ -13,9 +13,11 @@
 namespace trephine::mask {
 namespace {
 
-constexpr double edge_sigma_mm = 1.0;    ///< sigma of the gradients
-constexpr double tensor_sigma_mm = 2.0;  ///< sigma of the mean of their products
-constexpr double block_mm = 2;           ///< the planes are found on this raster
+constexpr double min_edge_mm = 1.0;  ///< sigma of the gradients, at least
+constexpr double edge_ratio =
+    0.67;  ///< of the mean along the planes, for strong noise turns planes that are found from little
+constexpr double tensor_ratio = 2.0;  ///< sigma of the mean of their products to that of the gradients
+constexpr double block_mm = 2;        ///< the planes are found on this raster
 constexpr double across_mm = 0.35;
 constexpr int planes_count = 144;
 
@@ -54,7 +56,7 @@ std::vector<Tap> disc(const grid::Lattice& l, Vec3 normal, double sigma_mm) {
 }
 
 /// The products of gradients, summed over blocks and then averaged.
-Tensor structure_of(const grid::Grid<float>& smooth, const BitMask& known, const CoarseRaster& r,
+Tensor structure_of(const grid::Grid<float>& smooth, const BitMask& known, const CoarseRaster& r, double tensor_mm,
                     const Progress& progress) {
   Tensor t;
   for (auto& g : t) g = grid::Grid<float>(r.cells);
@@ -86,7 +88,7 @@ Tensor structure_of(const grid::Grid<float>& smooth, const BitMask& known, const
             t[5].voxels[b] += g[1] * g[2];
           }
   });
-  for (auto& g : t) gaussian(g, tensor_sigma_mm, progress);
+  for (auto& g : t) gaussian(g, tensor_mm, progress);
   return t;
 }
 
@@ -120,9 +122,10 @@ grid::Grid<float> averaged_along_sheets(const grid::Grid<float>& hu, const BitMa
   std::vector<std::vector<Tap>> discs;
   for (const Vec3& n : normals) discs.push_back(disc(l, n, sigma_mm));
   const CoarseRaster blocks = coarse_raster(l, block_mm);
-  const grid::Grid<std::uint8_t> plane =
-      planes_of(structure_of(masked_gaussian(hu, known, edge_sigma_mm, 0, 0.02, progress), known, blocks, progress),
-                normals, progress);
+  const double edge_mm = std::max(min_edge_mm, edge_ratio * sigma_mm);
+  const grid::Grid<std::uint8_t> plane = planes_of(structure_of(masked_gaussian(hu, known, edge_mm, 0, 0.02, progress),
+                                                                known, blocks, tensor_ratio * edge_mm, progress),
+                                                   normals, progress);
   grid::Grid<float> out = hu;
   parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     progress.check();
