@@ -18,8 +18,7 @@ constexpr double skin_mm = 1.1;  ///< what lies less deep is no pit
 /// as reach_mm from there.
 constexpr double mean_noise_hu = 2, min_mean_mm = 0.4, max_mean_mm = 4, across_mm = 1.2;
 constexpr double shown_evidence = 3, shown_piece_evidence = 4.5, reach_mm = 2;
-/// Of the mean over a whole piece; noise that was sought out has 3 to 7.
-constexpr double piece_evidence = 9;
+constexpr double piece_evidence = 9;  ///< of the mean over a whole piece; noise that was sought out has 3 to 7
 constexpr double fine_mm = 1.0, wide_mm = 3.0, local_mm = 7;
 constexpr double max_local = 4;  ///< how much stronger noise may be in a place
 constexpr float tissue_from_hu = 18, tissue_to_hu = 45;
@@ -86,8 +85,7 @@ mask::BitMask noise_pits(const mask::BitMask& cut, const mask::BitMask& shape, c
     for (int i = 0; i < hu.size[0]; ++i)
       row[i] = tissue_level_hu - mean.at(i, j, k) > shown_evidence * mean_noise * double(local.at(i, j, k));
   });
-  shown &= deep;
-  shown &= known;
+  (shown &= deep) &= known;
   const mask::BitMask sulci =
       mask::grown_within(evident(shown, hu, known, local, noise, shown_piece_evidence), deep, reach_mm, progress);
   // What is not shown anywhere near may be shown by the whole of a piece.

@@ -51,14 +51,6 @@ void check_scan_noise(const grid::HuVolume& volume,
                       const std::function<mask::ScanFigures(const Progress& progress)>& measured = {},
                       const Progress& progress = {});
 
-/// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
-/// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the
-/// result is the global optimum of region competition for that threshold, where a mm^2 of surface costs `strength`
-/// [Chan2006]. Edges stay where they are, and structures smaller than 2 strength / contrast vanish. Values outside the
-/// domain neither change nor have an effect.
-void total_variation(grid::Grid<float>& hu, const mask::BitMask& domain, double strength_hu_mm, int iterations,
-                     const Progress& progress = {});
-
 /// The image in which brain and ventricles are found, and its noise as tissue_noise() measures it.
 struct SoftTissue {
   grid::Grid<float> image;
