@@ -26,7 +26,7 @@ constexpr double strength_ratio = 0.13;  ///< strength of denoising for each uni
 constexpr double blur_mm = 0.7;          ///< sigma of the total blur: kernel, cells, means and denoising
 constexpr double sharpened_mm =
     2;  ///< how far from dark voxels of the unsharpened image a sulcus may go on in the sharpened one
-constexpr double speck_voxels = 3.5;  ///< fewer of them together are noise
+constexpr double speck_voxels = 3.5, speck_mm3 = 8;  ///< fewer of them together are noise
 constexpr float thin_bone_hu = 226;
 constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not reliable
 constexpr double bone_margin_mm = 1.0;  ///< the brain never comes nearer to bone than this: dura and a film of CSF
@@ -63,7 +63,8 @@ Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::Coars
   });
   beyond &= known;
   // A few voxels at a place are beyond by noise, and the mean of the rest would be wrong without them.
-  known.remove(mask::at_least_ml(mask::components(beyond), speck_voxels * raster.fine.voxel_volume_mm3() / 1000));
+  known.remove(mask::at_least_ml(mask::components(beyond),
+                                 std::min(speck_mm3, speck_voxels * raster.fine.voxel_volume_mm3()) / 1000));
   grid::Grid<float> v = mask::coarse_mean(hu, known, raster, -1000);
   known = mask::coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0)

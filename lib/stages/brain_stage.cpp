@@ -9,7 +9,7 @@ namespace trephine::stages {
 StageType brain_stage() {
   StageType s;
   s.name = "brain";
-  s.version = 7;
+  s.version = 8;
   s.typical.base_s = 0.3;
   s.typical.per_million_voxels_s = 0.075;
   s.typical.surface_million = 0.9;

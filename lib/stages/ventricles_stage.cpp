@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType ventricles_stage() {
   StageType s;
   s.name = "ventricles";
-  s.version = 5;
+  s.version = 6;
   s.typical.base_s = 1;
   s.typical.per_million_voxels_s = 0.065;
   s.typical.surface_million = 0.07;
