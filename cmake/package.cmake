@@ -87,14 +87,16 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "reading Trephine's cases in other simu
 Static libraries and headers that load and verify a case of trephine, and
 decode and cut its haptic volume: find_package(TrephineCase) in CMake.")
 
-set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-trephine)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-math(EXPR next_python "${Python_VERSION_MINOR} + 1")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next_python}), python3-numpy")
-set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Trephine's cases, stages and haptic sessions in Python
+if(TREPHINE_PYTHON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-trephine)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Trephine's cases, stages and haptic sessions in Python
 The package trephine reads a case as numpy arrays, runs the stages of the
 toolchain on arrays, and moves a tool in a case: contact, force and drilling,
 also as an environment with the interface of Gymnasium.")
+endif()
 include(CPack)

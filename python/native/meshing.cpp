@@ -127,9 +127,9 @@ py::tuple contour(const py::array& voxels, const py::tuple& place, bool field, c
 /// A stage that takes a surface and gives one.
 template <class P, class R>
 py::tuple on_mesh(Outcome<surface::TriMesh, R> (*function)(const surface::TriMesh&, const P&, const Progress&),
-                  const MeshPointer& mesh, const std::string& params_json) {
+                  const Mesh& mesh, const std::string& params_json) {
   const auto params = params_of<P>(params_json);
-  return answer(run_long([&](const Progress& p) { return function(near_origin(*mesh), params, p); }));
+  return answer(run_long([&](const Progress& p) { return function(near_origin(mesh), params, p); }));
 }
 
 Outcome<surface::TriMesh, meshing::NormalsResult> with_normals(const surface::TriMesh& mesh,
@@ -140,15 +140,15 @@ Outcome<surface::TriMesh, meshing::NormalsResult> with_normals(const surface::Tr
   return made;
 }
 
-py::tuple smooth(const MeshPointer& mesh, const MeshPointer& reference, const std::string& params_json) {
+py::tuple smooth(const Mesh& mesh, const MeshPointer& reference, const std::string& params_json) {
   const auto params = params_of<meshing::SmoothParams>(params_json);
   return answer(run_long([&](const Progress& p) {
     const surface::TriMesh beside = reference ? near_origin(*reference) : surface::TriMesh();
-    return meshing::smooth(near_origin(*mesh), params, p, reference ? &beside : nullptr);
+    return meshing::smooth(near_origin(mesh), params, p, reference ? &beside : nullptr);
   }));
 }
 
-py::tuple cut(const MeshPointer& mesh, const std::string& cutters_json, const std::vector<MeshPointer>& solids,
+py::tuple cut(const Mesh& mesh, const std::string& cutters_json, const std::vector<MeshPointer>& solids,
               const std::string& params_json) {
   const auto params = params_of<boolean::CutSurfaceParams>(params_json);
   std::vector<boolean::Cutter> cutters = boolean::parse_cutters_json(cutters_json);
@@ -156,43 +156,44 @@ py::tuple cut(const MeshPointer& mesh, const std::string& cutters_json, const st
   auto solid = solids.begin();
   for (boolean::Cutter& c : cutters)
     if (c.kind == boolean::Cutter::Kind::mesh) {
-      if (solid == solids.end()) refuse("cutters: a cutter of kind mesh has no mesh");
+      if (solid == solids.end() || !*solid) refuse("cutters: a cutter of kind mesh has no mesh");
       c.mesh = std::make_shared<surface::TriMesh>(near_origin(**solid++));
     }
   return answer(
-      run_long([&](const Progress& p) { return boolean::cut_surface(near_origin(*mesh), cutters, params, p); }));
+      run_long([&](const Progress& p) { return boolean::cut_surface(near_origin(mesh), cutters, params, p); }));
 }
 
-py::tuple burr_hole(const MeshPointer& bone, const MeshPointer& over, const std::string& params_json) {
+py::tuple burr_hole(const Mesh& bone, const MeshPointer& over, const std::string& params_json) {
   auto params = params_of<boolean::BurrHoleParams>(params_json);
   boolean::check_request(params, ExitCode::bad_input);
   if (params.at != boolean::BurrHoleRequest::At::position)
     throw Error(ExitCode::bad_input, "", "at",
                 "must be position: Kocher's point is measured and checked by `trephine burrhole`");
+  if (!params.avoid.empty()) throw Error(ExitCode::bad_input, "", "avoid", "is looked at by `trephine burrhole` alone");
   const boolean::BurrHoleRequest request = boolean::request_of(params, {}, ExitCode::bad_input);
   auto made = run_long([&](const Progress&) {
     const surface::TriMesh skin = over ? near_origin(*over) : surface::TriMesh();
-    auto hole = boolean::place_burr_hole(request, {}, over ? &skin : nullptr, near_origin(*bone));
+    auto hole = boolean::place_burr_hole(request, {}, over ? &skin : nullptr, near_origin(bone));
     boolean::check_cutter(hole.value.cutter, ExitCode::bad_input);
     return hole;
   });
   return answer(py::cast(boolean::cutters_json({made.value.cutter})), made.result, made.warnings);
 }
 
-py::tuple measure(const MeshPointer& mesh, const MeshPointer& reference, const std::string& params_json) {
+py::tuple measure(const Mesh& mesh, const MeshPointer& reference, const std::string& params_json) {
   const auto params = params_of<metrics::MeasureParams>(params_json);
   const auto made = run_long([&](const Progress& p) {
     metrics::MeasureReference to;
     const surface::TriMesh beside = reference ? near_origin(*reference) : surface::TriMesh();
     if (reference) to = metrics::MeshReference{&beside};
-    return metrics::measure_surface(near_origin(*mesh), to, params, p);
+    return metrics::measure_surface(near_origin(mesh), to, params, p);
   });
   return answer(py::none(), made.result, made.warnings);
 }
 
 // Of the points as they are, not about another origin.
-py::tuple check(const MeshPointer& mesh) {
-  const meshing::Validity v = run_long([&](const Progress& p) { return meshing::check_validity(mesh->mesh(), p); });
+py::tuple check(const Mesh& mesh) {
+  const meshing::Validity v = run_long([&](const Progress& p) { return meshing::check_validity(mesh.mesh(), p); });
   return py::make_tuple(v.valid(), v.text());
 }
 
@@ -219,12 +220,11 @@ void bind_meshing(py::module_& m) {
       .def_property_readonly("volume_mm3", [](const Mesh& mesh) { return surface::volume_mm3(mesh.mesh()); })
       .def_property_readonly("area_mm2", [](const Mesh& mesh) { return surface::area_mm2(mesh.mesh()); });
   using Text = const std::string&;
-  using Pointer = const MeshPointer&;
   m.def("contour", &contour);
-  m.def("decimate", [](Pointer mesh, Text p) { return on_mesh(&meshing::decimate, mesh, p); });
-  m.def("repair", [](Pointer mesh, Text p) { return on_mesh(&meshing::repair, mesh, p); });
-  m.def("remesh", [](Pointer mesh, Text p) { return on_mesh(&meshing::remesh, mesh, p); });
-  m.def("normals", [](Pointer mesh, Text p) { return on_mesh(&with_normals, mesh, p); });
+  m.def("decimate", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::decimate, mesh, p); });
+  m.def("repair", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::repair, mesh, p); });
+  m.def("remesh", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::remesh, mesh, p); });
+  m.def("normals", [](const Mesh& mesh, Text p) { return on_mesh(&with_normals, mesh, p); });
   m.def("smooth", &smooth);
   m.def("cut", &cut);
   m.def("burr_hole", &burr_hole);

@@ -106,8 +106,7 @@ py::dict removed_mm3(Hand& hand) {
   py::dict out;
   const voxel::HapticVolume& volume = hand.loaded().haptic;
   for (const voxel::HapticShape& s : volume.shapes)
-    out[py::str(s.name)] =
-        double(hand.removed_units(s.number)) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
+    out[py::str(s.name)] = double(hand.removed_units(s.number)) / voxel::haptic_full * volume.voxels.voxel_volume_mm3();
   return out;
 }
 

@@ -31,6 +31,7 @@ class Session:
     def __init__(self, case: Union[Case, Path], *, record: Optional[Path] = None, **params: Any):
         folder = case.folder if isinstance(case, Case) else os.fspath(case)
         self._hand = _native.Hand(folder, to_json(params), _text(record))
+        self._records = record is not None
         self.header: Dict[str, Any] = json.loads(self._hand.header)
         if isinstance(case, Case) and self.header["case_sha256"] != case.sha256:
             raise ValueError(f"{folder}: the case was changed since it was loaded")
@@ -51,10 +52,12 @@ class Session:
         return self._hand.run(tip_mm, axis, buttons, across)
 
     def reset(self, record: Optional[Path] = None) -> None:
-        """Finishes the session, and begins another one with the patient as the case has it."""
-        self.finish()
+        """Completes the recording, where there is one, and begins another session with the patient as the case has it."""
+        if self._records:
+            self.finish()
+        self._records = False
         self._hand.reset(_text(record))
-        self.outcome = None
+        self._records, self.outcome = record is not None, None
 
     def finish(self) -> Dict[str, Any]:
         """Ends the session and completes the recording; what was cut, where something can be."""
