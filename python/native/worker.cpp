@@ -9,16 +9,21 @@
 #include "meshing/repair.h"
 
 namespace {
-// The workers are registered where these are defined, and the linker takes what is used.
-template <class... F>
-bool linked(F*... functions) {
-  return (... && (functions != nullptr));
+// The workers are registered where these are defined, and the linker takes what is used. Volatile, or the compiler sees
+// that nobody reads it.
+template <class F>
+void link(F* function) {
+  static F* volatile linked;
+  linked = function;
 }
 }  // namespace
 
 int main(int argc, char** argv) {
   using namespace trephine;
-  if (linked(&boolean::corefine_difference, &meshing::repair, &meshing::remesh)) run_child_if_asked(argc, argv);
+  link(&boolean::corefine_difference);
+  link(&meshing::repair);
+  link(&meshing::remesh);
+  run_child_if_asked(argc, argv);
   std::fputs("trephine-worker is started by the Python package trephine, and does nothing by itself\n", stderr);
   return static_cast<int>(ExitCode::usage);
 }

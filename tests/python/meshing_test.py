@@ -45,7 +45,7 @@ class Stages(common.Case):
         self.assertAlmostEqual(even.volume_mm3 - drilled.value.volume_mm3, removed, delta=0.01 * removed)
         measured = trephine.measure(trephine.normals(drilled.value).value, reference=full)
         self.assertTrue(measured["valid"])
-        self.assertAlmostEqual(measured["deviation_max_mm"], 5, delta=1)
+        self.assertAlmostEqual(measured["deviation_max_mm"], 10, delta=0.3)  # the middle of the hole's floor
         # A solid of one's own: a smaller ball, moved into the side.
         inner = trephine.Mesh(full.points_mm * 0.3 + [20, 0, 70], full.triangles)
         bitten = trephine.cut(even, [{"kind": "mesh", "name": "bite", "mesh": inner}]).value
@@ -85,7 +85,7 @@ class Stages(common.Case):
         self.refuses(80, "", trephine.decimate, open_one)
         mended = trephine.repair(open_one).value
         self.assertTrue(trephine.check(mended)[0])
-        self.assertAlmostEqual(mended.volume_mm3, full.volume_mm3, delta=1)
+        self.assertAlmostEqual(mended.volume_mm3, full.volume_mm3, delta=5)
         even = trephine.remesh(full, edge_mm=4).value
         self.assertTrue(trephine.check(even)[0])
 
