@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What is installed beside the programs, and the Debian packages: `cpack -G DEB --config build/release/CPackConfig.cmake`
-# makes trephine (component `programs`) and trephine-dev (component `development`).
+# makes trephine (component `programs`), trephine-dev (component `development`) and, with TREPHINE_PYTHON, python3-trephine (`python`).
 
 # The configurations find each other, and the sample, below the installed trephine.root as they do below the source's.
 install(DIRECTORY pipelines configs sample_dicom DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
@@ -36,7 +36,12 @@ add_custom_target(manual ALL DEPENDS ${stamps})
 file(MAKE_DIRECTORY ${generated})
 execute_process(COMMAND gzip -9nc ${PROJECT_SOURCE_DIR}/cmake/debian/changelog OUTPUT_FILE ${generated}/changelog.gz)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS cmake/debian/changelog)
-foreach(component_folder programs:trephine development:trephine-dev)
+set(packages programs:trephine development:trephine-dev)
+if(TREPHINE_PYTHON)
+  list(APPEND packages python:python3-trephine)
+  install(DIRECTORY examples/python DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-trephine/examples COMPONENT python)
+endif()
+foreach(component_folder ${packages})
   string(REGEX MATCH "(.*):(.*)" _ ${component_folder})
   install(FILES cmake/debian/copyright ${generated}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${CMAKE_MATCH_2}
           COMPONENT ${CMAKE_MATCH_1})
@@ -54,7 +59,7 @@ set(TREPHINE_SOURCE_DIR ${PROJECT_SOURCE_DIR})
 configure_file(cmake/debian/date.cmake.in ${generated}/date.cmake @ONLY)
 set(CPACK_PROJECT_CONFIG_FILE ${generated}/date.cmake)
 
-set(CPACK_COMPONENTS_ALL programs development)
+string(REGEX REPLACE ":[^;]*" "" CPACK_COMPONENTS_ALL "${packages}")
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
@@ -81,4 +86,17 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libfmt-dev, libssl-dev, libtbb-dev
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "reading Trephine's cases in other simulators
 Static libraries and headers that load and verify a case of trephine, and
 decode and cut its haptic volume: find_package(TrephineCase) in CMake.")
+
+if(TREPHINE_PYTHON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-trephine)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Trephine's cases, stages and haptic sessions in Python
+The package trephine reads a case as numpy arrays, runs the stages of the
+toolchain on arrays, and moves a tool in a case: contact, force and drilling,
+also as an environment with the interface of Gymnasium.")
+endif()
 include(CPack)

@@ -86,6 +86,11 @@ void write_all(const std::string& worker, int fd, std::string_view bytes) {
   }
 }
 
+std::filesystem::path& own_child_program() {
+  static std::filesystem::path file = "/proc/self/exe";
+  return file;
+}
+
 // A running child. However the scope is left, no process of the child remains.
 class Process {
  public:
@@ -131,7 +136,7 @@ pid_t start(const std::string& worker, const ChildLimits& limits, const ChildPro
             int pipe) {
   static_assert(child_request_fd == 3 && child_result_fd == 4 && child_pipe_fd == 5);
   SpawnRequest s;
-  s.program = program.file.empty() ? "/proc/self/exe" : program.file.string();
+  s.program = (program.file.empty() ? own_child_program() : program.file).string();
   s.argv = {"trephine",
             child_argument,
             worker,
@@ -254,6 +259,8 @@ ChildResult& ChildResult::operator=(ChildResult&& other) noexcept {
 ChildResult::~ChildResult() {
   if (data_) ::munmap(const_cast<char*>(data_), size_);
 }
+
+void set_child_program(const std::filesystem::path& file) { own_child_program() = file; }
 
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress, const ChildProgram& program) {

@@ -70,6 +70,10 @@ struct ChildProgram {
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress = {}, const ChildProgram& program = {});
 
+/// From now on workers run in that program where run_child names none: for a library of ours in a process of somebody
+/// else's, such as a Python module. To be called before any worker runs.
+void set_child_program(const std::filesystem::path& file);
+
 /// In the child: runs the worker and ends the process. In the parent: returns.
 void run_child_if_asked(int argc, char** argv);
 

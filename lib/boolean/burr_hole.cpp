@@ -16,6 +16,9 @@
 namespace trephine::boolean {
 namespace {
 
+// The thickness of the scalp and an unsteady hand; a position further away is more likely a mistake.
+constexpr double far_position_mm = 15;
+
 using namespace detail;
 using Landmarks = std::map<std::string, Vec3>;
 
@@ -247,7 +250,13 @@ Outcome<BurrHole, BurrHoleResult> place_burr_hole(const BurrHoleRequest& asked, 
                                                   const surface::TriMesh* skin, const surface::TriMesh& skull) {
   BurrHoleRequest request = asked;
   if (request.name.empty()) request.name = "burr_hole_1";
-  return with_field("burr_holes." + request.name, [&] { return place(request, landmarks_mm, skin, skull); });
+  auto made = with_field("burr_holes." + request.name, [&] { return place(request, landmarks_mm, skin, skull); });
+  const double moved_mm = norm(made.value.position_mm - request.position_mm);
+  if (request.at == BurrHoleRequest::At::position && moved_mm > far_position_mm)
+    made.warnings.push_back({"bone_far_from_position",
+                             "the bone lies {moved_mm} mm from position_mm",
+                             {{"moved_mm", to_text(ParameterValue(std::round(moved_mm)))}}});
+  return made;
 }
 
 }  // namespace trephine::boolean

@@ -15,9 +15,6 @@
 namespace trephine::stages {
 namespace {
 
-// The thickness of the scalp and an unsteady hand; a position further away is more likely a mistake.
-constexpr double far_position_mm = 15;
-
 struct PlacedHoleResult {
   boolean::BurrHoleResult hole;
   std::optional<double> before_suture_mm;  ///< Kocher's point, where the suture is seen
@@ -173,14 +170,8 @@ StageType burrhole_stage() {
     Placed placed{{hole.cutter}, {made.result, {}, {}, {}}, made.warnings};
     if (request.at == boolean::BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, placed);
     check_zones(params, hole, in, placed);
-    if (request.at == boolean::BurrHoleRequest::At::position) {
-      const double moved_mm = norm(hole.position_mm - request.position_mm);
-      placed.result.entry_from_position_mm = moved_mm;
-      if (moved_mm > far_position_mm)
-        placed.warnings.push_back({"bone_far_from_position",
-                                   "the bone lies {moved_mm} mm from position_mm",
-                                   {{"moved_mm", trephine::to_text(ParameterValue(std::round(moved_mm)))}}});
-    }
+    if (request.at == boolean::BurrHoleRequest::At::position)
+      placed.result.entry_from_position_mm = norm(hole.position_mm - request.position_mm);
     // Checks that the cutter lies no further from the frame's origin than a surface can lie.
     with_field(params.name, [&] { boolean::check_cutter(hole.cutter, ExitCode::bad_input); });
     return stage_outcome(std::move(placed));

@@ -81,13 +81,14 @@ class Servo {
   /// What lies between the device and the tool; it must outlive the loop. Without one, a silent device is lost.
   void set_port(DevicePort* port) { port_ = port; }
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
+  /// One tick of the loop, for a caller who has a clock of his own.
+  void tick(double dt_s, double late_ns);
   const ServoStatistics& statistics() const { return statistics_; }
   /// Ticks done and faults latched so far, for another thread to show.
   std::uint64_t ticks_done() const { return done_.load(std::memory_order_relaxed); }
   std::uint32_t faults() const { return faults_.load(std::memory_order_relaxed); }
 
  private:
-  void tick(double dt_s, double late_ns);
   Proxy* proxy_ = nullptr;    // either this
   ToolBelt* belt_ = nullptr;  // or this
   device::Device& device_;

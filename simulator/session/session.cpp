@@ -31,7 +31,7 @@ std::unique_ptr<haptics::RecordingWriter> recording_of(const SessionOptions& opt
 
 std::uint64_t ticks_of(const SessionOptions& options) {
   const double ticks = std::max(1.0, std::round(options.seconds * options.servo.rate_hz));
-  if (!options.servo.paced && ticks > max_kept_ticks)
+  if (!options.servo.paced && !options.stepped && ticks > max_kept_ticks)
     throw Error(ExitCode::usage, "", "--seconds", "is too long without --paced");
   return std::uint64_t(ticks);
 }
@@ -170,7 +170,7 @@ haptics::RecordingHeader Session::header_of(const SessionOptions& options) const
 }
 
 std::size_t Session::queue_size() const {
-  if (!recording_ && !options_.watched) return 64;
+  if (options_.stepped || (!recording_ && !options_.watched)) return 64;
   return options_.servo.paced ? std::size_t(1) << 16 : std::size_t(ticks_);
 }
 
@@ -193,6 +193,12 @@ const haptics::RealtimeGrant& Session::start() {
   });
   grant_ = granted.get();
   return grant_;
+}
+
+const haptics::ServoFrame& Session::step() {
+  servo_->tick(1 / options_.servo.rate_hz, 0);
+  drain();
+  return frames_.back();
 }
 
 void Session::drain() {

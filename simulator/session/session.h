@@ -49,6 +49,7 @@ struct SessionOptions {
   std::optional<device::HandBegin> begin;                   ///< where a hand that is led begins, in the case
   std::string begins_sha256;  ///< of the voxels of the patient that is given, where it was cut before; else empty
   bool watched = false;       ///< take_frames() gives every frame, also without a recording
+  bool stepped = false;       ///< the caller makes each tick by step(), and never calls start()
   device::WorkspaceParams workspace;
   /// Of a mirror workbench: the device is brought before the screen, and moves as the view that `screen_view` tells.
   std::optional<device::ScreenRegistration> screen;
@@ -108,6 +109,9 @@ class Session {
   /// Starts the loop, and returns when it is known what the system grants.
   const haptics::RealtimeGrant& start();
   bool running() const { return thread_.joinable() && !done_; }
+  /// One tick in the calling thread, of a session that is stepped and watched; `seconds` does not end it. The frame is
+  /// valid until the next call. Throws Error 74 where it cannot be recorded.
+  const haptics::ServoFrame& step();
   /// Writes the frames that were recorded since the last call. Throws Error 74. Without a clock it does nothing,
   /// because all frames wait for finish().
   void write_frames();

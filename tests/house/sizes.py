@@ -115,7 +115,7 @@ def functions_of(script):
 
 
 faults = []
-folders = [ROOT / f for f in ("lib", "simulator", "tools", "bench", "tests") if (ROOT / f).is_dir()]
+folders = [ROOT / f for f in ("lib", "simulator", "tools", "python", "bench", "tests") if (ROOT / f).is_dir()]
 if not folders:
     sys.exit(f"{ROOT}: no folder of sources")
 rooms, classes, outside = {}, {}, {}

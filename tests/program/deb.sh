@@ -9,7 +9,10 @@ umask 077  # which must not show inside
 pack packages
 deb=$(echo "$work"/packages/trephine_*.deb)
 dev=$(echo "$work"/packages/trephine-dev_*.deb)
-[[ $(ls "$work"/packages/*.deb | wc -l) == 2 && -f $deb && -f $dev ]] || fail "not two packages"
+python=$(echo "$work"/packages/python3-trephine_*.deb)  # of a build with TREPHINE_PYTHON
+packages=("$deb" "$dev")
+[[ ! -e $BUILD/python/trephine/trephine-worker ]] || packages+=("$python")
+[[ $(ls "$work"/packages/*.deb | wc -l) == "${#packages[@]}" ]] && ls "${packages[@]}" >/dev/null || fail "not these packages: ${packages[*]}"
 root=$work/root
 dpkg-deb -x "$deb" "$root"
 date=$(stat -c %Y "$root/usr/bin/trephine")
@@ -17,7 +20,7 @@ if [[ -e $SOURCE/.git ]] && command -v git >/dev/null; then
   git -C "$SOURCE" log --format=%ct | grep -x "$date" >/dev/null || fail "dated $date, which is no commit's date"
 fi
 (export TZ=Asia/Tokyo LC_ALL=C SOURCE_DATE_EPOCH="$date"; pack again)
-for f in "$deb" "$dev"; do cmp "$f" "$work/again/${f##*/}" || fail "packed again, other bytes"; done
+for f in "${packages[@]}"; do cmp "$f" "$work/again/${f##*/}" || fail "packed again, other bytes"; done
 
 # What apt reads.
 version=$(dpkg-deb -f "$deb" Version)
@@ -47,6 +50,29 @@ done
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
   -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
   -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(case_reader|contact|dicom_overlay|python_reader|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
+
+# The Python package, from an empty folder, by the Python that it is for.
+if ((${#packages[@]} > 2)); then
+  dpkg-deb -f "$python" Depends >"$work/depends"
+  for library in 'python3 (>= 3\.' 'python3 (<< 3\.' python3-numpy libc6 libfmt libssl; do
+    grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "python3-trephine does not depend on $library"; }
+  done
+  ! grep -E 'libvtk|libgdcm|libinsighttoolkit|libassimp' "$work/depends" || fail "python3-trephine depends on these"
+  ! dpkg-deb -c "$python" | awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' | grep . || fail "owner or mode"
+  ! dpkg-deb -c "$python" | awk '!/\/$/ { print $6 }' | grep -vxE \
+    -e '\./usr/lib/python3/dist-packages/trephine/([a-z_]+\.pyi?|py\.typed|trephine-worker|_native\.cpython-[0-9]+-[a-z0-9_-]+\.so)' \
+    -e '\./usr/share/doc/python3-trephine/(copyright|changelog\.gz|examples/python/[a-z_]+\.py)' || fail "these do not belong there"
+  dpkg-deb -x "$python" "$work/python"
+  installed=$work/python/usr/lib/python3/dist-packages
+  for file in "$installed"/trephine/{trephine-worker,_native.*.so}; do
+    is_hardened "$file"
+    ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$file" || fail "$file knows where it was built"
+  done
+  chmod -R a-w "$work/python"
+  (cd "$work" && env -i PATH=/usr/bin:/bin PYTHONDONTWRITEBYTECODE=1 PYTHONPATH="$installed" \
+    /usr/bin/python3 "$work/python/usr/share/doc/python3-trephine/examples/python/own_surface.py" own.npz >said) || fail "the Python package does not work"
+  grep -q '^closed, 2-manifold, no self-intersections$' "$work/said" || { cat "$work/said"; fail "no valid surface by Python"; }
+fi
 
 for file in "$SOURCE"/{pipelines,configs,sample_dicom}; do
   diff -r "$file" "$root/usr/share/trephine/${file##*/}" || fail "$file"
