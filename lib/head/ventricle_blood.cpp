@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "base/parallel.h"
 #include "head/soft_tissue.h"
 #include "mask/filters.h"
 
@@ -23,19 +22,16 @@ double ventricles_mm(Vec3 t) {
                    place::place_mm(Place::third, t)});
 }
 
-}  // namespace
-
-mask::BitMask blood_in_ventricles(const grid::Grid<float>& soft, const mask::BitMask& envelope,
-                                  const mask::BitMask& fluid, const place::HeadPlace& place, const Progress& progress) {
-  const grid::Lattice& l = envelope.lattice();
-  if (!place.sure) return mask::BitMask(l);
+mask::BitMask blood_of(const grid::Grid<float>& soft, const BloodPlace& where, const place::HeadPlace& place,
+                       const Progress& progress) {
+  const grid::Lattice& l = soft;
   mask::BitMask dense = mask::make_mask(soft, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > blood_from_hu && soft.at(i, j, k) < blood_to_hu;
   });
-  dense &= envelope;
+  dense &= where.envelope;
   dense = mask::both(mask::dilated(mask::eroded(dense, core_mm, progress), core_mm + 0.5, progress), dense);
   const mask::Components pieces = mask::components(dense);
-  const std::vector<char> settled = mask::touching(pieces, mask::dilated(fluid, beside_fluid_mm, progress));
+  const std::vector<char> settled = mask::touching(pieces, mask::dilated(where.wide, beside_fluid_mm, progress));
   std::vector<double> in_place(pieces.list.size(), 0);
   mask::for_each_voxel(pieces, [&](int c, int i, int j, int k) {
     const Vec3 t = place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
@@ -50,30 +46,32 @@ mask::BitMask blood_in_ventricles(const grid::Grid<float>& soft, const mask::Bit
   return mask::select(pieces, keep);
 }
 
-void show_blood_as_fluid(grid::Grid<float>& hu, const mask::BitMask& blood, const mask::BitMask& fluid,
-                         const Progress& progress) {
-  const grid::Lattice& l = hu;
+}  // namespace
+
+double show_blood_as_fluid(grid::Grid<float>& hu, const grid::Grid<float>& soft, const BloodPlace& where,
+                           const place::HeadPlace& place, const Progress& progress) {
+  if (!place.sure) return 0;
+  const mask::BitMask blood = blood_of(soft, where, place, progress);
+  if (!blood.any()) return 0;
+  mask::BitMask fluid = mask::make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < soft.size[0]; ++i)
+      row[i] = soft.at(i, j, k) > where.csf_from_hu && soft.at(i, j, k) < where.csf_to_hu;
+  });
+  fluid &= where.known;
   std::vector<float> inside;
-  const mask::BitMask core = mask::eroded(blood, 1, progress);
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i)
-        if (core.get(i, j, k)) inside.push_back(hu.at(i, j, k));
+  mask::for_each_voxel(mask::components(mask::eroded(blood, 1, progress)),
+                       [&](int, int i, int j, int k) { inside.push_back(hu.at(i, j, k)); });
   const float tissue = float(tissue_level_hu), blood_hu = mask::median(inside, blood_from_hu);
   const float ratio = (tissue - fluid_hu) / std::max(blood_hu - tissue, 1.f);
   const mask::BitMask about = mask::dilated(blood, edge_mm, progress);
   // Between blood and CSF lie all values from one to the other, those of tissue too.
   const mask::BitMask between = mask::both(about, mask::dilated(fluid, edge_mm, progress));
-  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < to; ++k)
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i) {
-          if (!about.get(i, j, k)) continue;
-          float& v = hu.at(i, j, k);
-          if (v > tissue) v = tissue - (v - tissue) * ratio;
-          if (between.get(i, j, k)) v = std::min(v, fluid_hu);
-        }
+  mask::for_each_voxel(mask::components(about), [&](int, int i, int j, int k) {
+    float& v = hu.at(i, j, k);
+    if (v > tissue) v = tissue - (v - tissue) * ratio;
+    if (between.get(i, j, k)) v = std::min(v, fluid_hu);
   });
+  return double(blood.count()) * hu.voxel_volume_mm3() / 1000;
 }
 
 }  // namespace trephine::head

@@ -157,21 +157,17 @@ Outcome<grid::Field, VentriclesResult> ventricles_in(const mask::HuView& hu, con
   mask::BitMask others, cut_off;
   mask::BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
   place::HeadPlace place = place::place_head(envelope, &wide, hu.lattice(), progress);
-  // Blood in the ventricles belongs to them, and without it they do not lie where the template has them.
-  const mask::BitMask blood = blood_in_ventricles(soft, envelope, wide, place, progress);
-  if (blood.any()) {
-    result.blood_ml = double(blood.count()) * l.voxel_volume_mm3() / 1000;
-    mask::BitMask fluid = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > lower && soft.at(i, j, k) < upper;
-    });
-    show_blood_as_fluid(raw, blood, fluid &= known, progress);
+  // Without its blood they do not lie where the template has them.
+  if (const double ml = show_blood_as_fluid(raw, soft, {envelope, known, wide, lower, upper}, place, progress);
+      ml > 0) {
+    result.blood_ml = ml;
     soft = soft_tissue(raw, known, strength_ratio, 1000, progress).image;
     wide = wide_csf(soft, envelope, lower, upper, progress);
     place = place::place_head(envelope, &wide, hu.lattice(), progress);
   }
   result.place = figures_of(place);
   Warnings warnings = warnings_of(place);
-  if (blood.any())
+  if (result.blood_ml)
     warnings.push_back({"blood_in_ventricles",
                         "{blood_ml:.1f} ml in the ventricles are as dense as fresh blood, and belong to them here",
                         {{"blood_ml", *result.blood_ml}}});
