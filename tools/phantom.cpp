@@ -34,6 +34,7 @@ const cli::OwnCommand phantom_command([] {
   c.groups = {cli::ParameterGroup::of<phantom::BodyParams>("Body"),
               cli::ParameterGroup::of<phantom::HeadParams>("Head"),
               cli::ParameterGroup::of<phantom::HardParams>("Hard"),
+              cli::ParameterGroup::of<phantom::ImplantParams>("Implants"),
               cli::ParameterGroup::of<phantom::ScanParams>("Scanner"),
               cli::ParameterGroup::of<phantom::SeriesParams>("Series"),
               cli::ParameterGroup::of<phantom::TruthParams>("Truth"),
@@ -43,6 +44,7 @@ const cli::OwnCommand phantom_command([] {
     params.body = parsed.params<phantom::BodyParams>();
     params.head = parsed.params<phantom::HeadParams>();
     params.head.hard = parsed.params<phantom::HardParams>();
+    params.head.implants = parsed.params<phantom::ImplantParams>();
     params.scan = parsed.params<phantom::ScanParams>();
     params.series = parsed.params<phantom::SeriesParams>();
     params.truth = parsed.params<phantom::TruthParams>();

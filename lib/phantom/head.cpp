@@ -89,8 +89,12 @@ const char* name_of(Anatomy anatomy) {
   return "";
 }
 
-Head::Head(const HeadParams& params) : params_(params), model_(std::make_shared<const Model>(params)) {
-  landmarks_ = std::make_shared<const Landmarks>(find_landmarks(*this, *model_));
+Head::Head(const HeadParams& params) : params_(params) {
+  const auto model = std::make_shared<Model>(params);
+  model_ = model;
+  landmarks_ = std::make_shared<const Landmarks>(find_landmarks(*this, *model));
+  if (params.level == Level::hard && params.implants.implants != Implants::none)
+    model->add_implants(params.implants, *landmarks_);
 }
 
 double Head::implicit_mm(Anatomy anatomy, Vec3 p) const { return model_->solid(anatomy, point<double>(p)); }
@@ -173,12 +177,16 @@ std::vector<std::pair<std::string, Vec3>> Head::things_mm() const {
   for (const Model::Tube& t : hard.holes)
     out.emplace_back("burr_hole", model_->to_world(t.from + (t.to - t.from) * (16.0 / 41)));
   if (hard.is.craniectomy) out.emplace_back("craniectomy", model_->to_world(hard.flap_centre));
-  if (!hard.catheter.empty()) out.emplace_back("shunt_tip", model_->to_world(hard.catheter.front().from));
+  if (hard.is.shunt) out.emplace_back("shunt_tip", model_->to_world(hard.catheter.front().from));
   if (hard.is.blood == Blood::intracerebral) out.emplace_back("blood", model_->to_world(hard.bleed_centre));
   if (hard.is.blood == Blood::subdural) out.emplace_back("blood", model_->to_world(hard.subdural_centre));
+  for (const ImplantTruth& t : model_->implants)
+    if (t.has_catheter) out.emplace_back("catheter_tip", t.tip_mm);
   for (const Model::Ball& b : hard.metal) out.emplace_back("metal", model_->to_world(b.centre));
   return out;
 }
+
+const std::vector<ImplantTruth>& Head::implants() const { return model_->implants; }
 
 double Head::label_clearance_mm(Vec3 p) const {
   const double plane = std::fabs(model_->to_model(point<double>(p)).z - foramen_magnum_z);

@@ -10,6 +10,7 @@
 #include "base/params.h"
 #include "base/vec3.h"
 #include "phantom/hard.h"
+#include "phantom/implants.h"
 
 namespace trephine::phantom {
 
@@ -20,7 +21,8 @@ struct HeadParams {
   Variant variant = Variant::normal;
   std::int64_t seed = 1;
   Level level = Level::simple;
-  HardParams hard;  ///< a declaration of its own; must be as by default at other levels
+  HardParams hard;  ///< declarations of their own; must be as by default at other levels
+  ImplantParams implants;
 
   template <class V>
   static void describe(V& v) {
@@ -104,6 +106,8 @@ class Head {
   Thing thing(Vec3 lps_mm) const;
   /// Named places of things (LPS mm): burr_hole and craniectomy (on the skull's outside), shunt_tip, blood; level hard.
   std::vector<std::pair<std::string, Vec3>> things_mm() const;
+  /// What was put in; level hard.
+  const std::vector<ImplantTruth>& implants() const;
   /// The label does not change nearer than that (a lower bound).
   double label_clearance_mm(Vec3 lps_mm) const;
 

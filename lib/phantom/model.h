@@ -58,10 +58,14 @@ struct Model {
     Vec3 subdural_centre, bleed_centre, bleed_radii;
     double subdural_scale = 1, settled_y = 0;  ///< what lies behind the latter in the ventricles is blood
     std::vector<Tube> vessels, catheter;
-    std::vector<Ball> calcified, metal, markers;
-    double couch_mm = 0;  ///< y of the couch's plate, behind the head
+    std::vector<Ball> calcified, metal, markers, air;
+    double catheter_hu = 330;  ///< of its wall
+    double couch_mm = 0;       ///< y of the couch's plate, behind the head
   } hard;
   void make_hard(const HeadParams& params);  ///< after everything else is drawn
+  std::vector<ImplantTruth> implants;
+  /// Holes, catheters, air and staples; `landmarks` are those of the head without them.
+  void add_implants(const ImplantParams& params, const Landmarks& landmarks);
 
   template <class S>
   Point<S> to_model(const Point<S>& p) const {

@@ -29,6 +29,14 @@ void check_hard(const PhantomParams& params) {
   for (const Parameter& p : parameters_of<HardParams>().parameters)
     if (params.head.level != Level::hard && p.get(&params.head.hard) != p.get(&fresh))
       throw Error(ExitCode::usage, "", p.name, "has no effect at this level; add " + Setting{"level", "hard"});
+  const ImplantParams nothing;
+  for (const Parameter& p : parameters_of<ImplantParams>().parameters)
+    if (params.head.implants.implants == Implants::none || params.head.level != Level::hard)
+      if (p.get(&params.head.implants) != p.get(&nothing))
+        throw Error(ExitCode::usage, "", p.name,
+                    params.head.level == Level::hard
+                        ? Message("has no effect where nothing is put in; add " + Setting{"implants", "catheter"})
+                        : Message("has no effect at this level; add " + Setting{"level", "hard"}));
   const HardParams& hard = params.head.hard;
   const bool supine =
       params.scan.position == Position::head_first_supine || params.scan.position == Position::feet_first_supine;
@@ -56,6 +64,7 @@ void check_body(const PhantomParams& params) {
   const char* why = "but on a head";
   check_default(params.head, why);
   check_default(params.head.hard, why);
+  check_default(params.head.implants, why);
   check_default(params.second, why);
   if (params.scan.contents != Contents::head)
     throw Error(ExitCode::usage, "", "contents", "only a head is scanned with marks");
@@ -94,6 +103,7 @@ std::string identity_of(const PhantomParams& params) {
   append(text, params.scan);
   append(text, params.series);
   if (params.head.level == Level::hard) append(text, params.head.hard);
+  if (params.head.implants.implants != Implants::none) append(text, params.head.implants);
   return text;
 }
 

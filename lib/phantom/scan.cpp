@@ -85,6 +85,8 @@ class Exposure {
   Exposure(const Head& head, const ScanParams& params, const SlicePose& pose, SliceImage& out)
       : head_(head),
         pose_(pose),
+        to_head_(itk::inverse(head_pose(params))),
+        lies_otherwise_(has_pose(params)),
         out_(out),
         pixel_(pixel_spacing_mm(params)),
         thickness_(params.slice_thickness_mm),
@@ -121,7 +123,7 @@ class Exposure {
     return pose_.origin_mm + pose_.row * (i * pixel_) + pose_.column * (j * pixel_) + normal_ * depth;
   }
   double hu_at(Vec3 p, double& clearance) const {
-    const Head::Sample s = head_.sample(p, width_);
+    const Head::Sample s = head_.sample(lies_otherwise_ ? to_head_(p) : p, width_);
     clearance = s.clearance_mm;
     if (!table_ || s.air_share <= 0) return s.hu;
     clearance = std::min(clearance, holder_clearance(p, prone_) - 0.5 * width_);
@@ -140,6 +142,8 @@ class Exposure {
 
   const Head& head_;
   const SlicePose& pose_;
+  const itk::LinearMap to_head_;
+  const bool lies_otherwise_;
   SliceImage& out_;
   double pixel_, thickness_, width_ = 0;
   bool table_, prone_;
@@ -206,8 +210,19 @@ std::vector<SlicePose> slice_poses(const ScanParams& p) {
   return poses;
 }
 
+itk::LinearMap head_pose(const ScanParams& p) {
+  return itk::rigid_map({p.head_turn_deg[0], p.head_turn_deg[1], p.head_turn_deg[2]},
+                        {p.head_shift_mm[0], p.head_shift_mm[1], p.head_shift_mm[2]}, {0, -10, 35});
+}
+
+bool has_pose(const ScanParams& p) {
+  const std::array<double, 3> none{0, 0, 0};
+  return p.head_turn_deg != none || p.head_shift_mm != none;
+}
+
 bool has_lattice(const ScanParams& p) {
-  return p.tilt_deg == 0 && p.jitter_mm == 0 && (p.upper_step_mm == 0 || p.upper_step_mm == p.slice_step_mm);
+  return !has_pose(p) && p.tilt_deg == 0 && p.jitter_mm == 0 &&
+         (p.upper_step_mm == 0 || p.upper_step_mm == p.slice_step_mm);
 }
 
 grid::Lattice lattice_of(const Scan& s) {
@@ -240,6 +255,9 @@ Scan scan(const Head& head, const ScanParams& params, const Kernel& kernel, cons
   const bool clinical = head.params().level != Level::simple, hard = head.params().level == Level::hard;
   const std::vector<Fiducial> marks =
       params.contents == Contents::head ? std::vector<Fiducial>{} : fiducials_of(params);
+  std::vector<Vec3> metal_mm = head.metal_mm();
+  if (has_pose(params))
+    for (Vec3& p : metal_mm) p = head_pose(params)(p);
   const double sigma_px = kernel.width_mm / fwhm_per_sigma / out.pixel_mm;
   const double first_sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
   const double slices_in_one = params.slice_thickness_mm / params.slice_step_mm;
@@ -260,8 +278,8 @@ Scan scan(const Head& head, const ScanParams& params, const Kernel& kernel, cons
         if (hard) sharpen(image, sigma_px, kernel.sharpen_ratio);
         if (clinical) {
           add_cupping(image, pose, out.pixel_mm, params.cupping_hu);
-          for (std::size_t m = 0; m < head.metal_mm().size(); ++m)
-            add_streaks(image, pose, out.pixel_mm, head.metal_mm()[m], params.streak_hu,
+          for (std::size_t m = 0; m < metal_mm.size(); ++m)
+            add_streaks(image, pose, out.pixel_mm, metal_mm[m], params.streak_hu,
                         static_cast<std::uint64_t>(head.params().seed) + m);
         }
       }

@@ -7,6 +7,7 @@
 #include "base/params.h"
 #include "base/progress.h"
 #include "grid/grid.h"
+#include "itk/transform.h"
 #include "phantom/head.h"
 
 namespace trephine::phantom {
@@ -25,6 +26,7 @@ struct ScanParams {
   double tilt_deg = 0;
   Plane plane = Plane::axial;
   std::array<double, 3> rotation_deg{0, 0, 0};
+  std::array<double, 3> head_turn_deg{0, 0, 0}, head_shift_mm{0, 0, 0};
   Position position = Position::head_first_supine;
   double kernel_mm = 1.0, noise_hu = 12, cupping_hu = 15, streak_hu = 150;
   bool table = true, round_field = false;
@@ -57,6 +59,11 @@ struct ScanParams {
     v.choice(&P::plane, "plane", {{"axial", Plane::axial}, {"sagittal", Plane::sagittal}, {"coronal", Plane::coronal}},
              "Plane of the slices.");
     v.numbers(&P::rotation_deg, "rotation_deg", Range{-180, 180}, "Oblique slices: turned about x, then y, then z.");
+    v.numbers(&P::head_turn_deg, "head_turn_deg", Range{-180, 180},
+              "How the head lies in the scanner, as on another day: turned about x, then y, then z through its middle. "
+              "The truth keeps the head's own frame, and says how it lies.")
+        .is_later();
+    v.numbers(&P::head_shift_mm, "head_shift_mm", Range{-200, 200}, "And shifted by that.").is_later();
     v.choice(&P::position, "position",
              {{"head_first_supine", Position::head_first_supine},
               {"head_first_prone", Position::head_first_prone},
@@ -116,11 +123,16 @@ std::vector<Fiducial> fiducials_of(const ScanParams& params);
 /// Of a slice's rows and columns.
 double pixel_spacing_mm(const ScanParams& params);
 
-/// The planes alone.
+/// The planes alone, in the scanner's frame.
 std::vector<SlicePose> slice_poses(const ScanParams& params);
+
+/// From a place of the head, in its own frame, to the same place in the scanner's.
+itk::LinearMap head_pose(const ScanParams& params);
+bool has_pose(const ScanParams& params);  ///< the head lies otherwise than in its own frame
 
 /// The lattice of the scan where it is one: no tilt, jitter or change of step. Throws Error 64 elsewhere.
 grid::Lattice lattice_of(const Scan& scan);
+/// Whether it is one, in the head's own frame.
 bool has_lattice(const ScanParams& params);
 
 /// A reconstruction kernel: a Gaussian in the slice, and edge enhancement (HardParams).

@@ -13,7 +13,7 @@ constexpr double air = -1000, skin_hu = 40, fat = -90, muscle = 55, cortical = 1
                  csf = 8, grey = 37, white = 29, vitreous = 12, lens = 75, nerve = 35, mucosa = 50, suture = 250,
                  cell = -900, metal = 6000;
 // Fresh blood is as dense as its haemoglobin makes it; contrast agent as in a venous phase; a catheter holds barium.
-constexpr double clot = 68, oedema = 20, opacified = 190, enhanced_plexus = 75, calcified = 320, silicone = 330;
+constexpr double clot = 68, oedema = 20, opacified = 190, enhanced_plexus = 75, calcified = 320;
 constexpr double under_bone_mm = 1.4, table_mm = 1.8;
 
 /// The brush: paints a tissue and keeps the distance to the nearest edge seen.
@@ -88,7 +88,7 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   for (const Model::Ball& ball : model.hard.calcified) b.paint(calcified, sphere(base.p, ball.centre, ball.radius));
 }
 
-/// Vertebrae, catheter and other metal.
+/// Vertebrae, air under the bone, catheter and other metal.
 void paint_hard(Brush& b, const Model& model, const Model::Base<double>& base, double skin) {
   if (skin < b.width) {
     const double column = std::max(model.vertebrae(base), skin + 4);
@@ -97,10 +97,12 @@ void paint_hard(Brush& b, const Model& model, const Model::Base<double>& base, d
     // Only the bone's edges are painted: what is cut out of it must be known as an edge too.
     b.clearance = std::min(b.clearance, std::fabs(model.defects(base)) / 1.2);
   }
+  for (const Model::Ball& ball : model.hard.air)
+    b.paint(air, std::max(sphere(base.p, ball.centre, ball.radius), base.cavity + 0.8));
   for (const Model::Tube& t : model.hard.catheter) {
     const double tube = capsule(base.p, t.from, t.to, t.radius_from, t.radius_to);
-    b.paint(silicone, tube);
-    b.paint(csf, tube + 0.65);
+    b.paint(model.hard.catheter_hu, tube);
+    b.paint(csf, tube + 0.52 * std::min(t.radius_from, 1.25));
   }
   for (const Model::Ball& ball : model.hard.metal) b.paint(metal, sphere(base.p, ball.centre, ball.radius));
 }

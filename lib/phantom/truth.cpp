@@ -20,6 +20,18 @@ Json to_json(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 Json to_json(const ParameterValue& value) {
   return std::visit([](const auto& v) { return Json(v); }, value);
 }
+Json to_json(const ImplantTruth& t) {
+  Json out = {{"side", t.on_left ? "left" : "right"},
+              {"hole_mm", to_json(t.hole_mm)},
+              {"hole_out", to_json(t.hole_out)},
+              {"hole_diameter_mm", t.hole_diameter_mm}};
+  if (!t.has_catheter) return out;
+  out["catheter_diameter_mm"] = t.catheter_diameter_mm;
+  out["tip_mm"] = to_json(t.tip_mm);
+  out["course_mm"] = Json::array();
+  for (const Vec3& p : t.course_mm) out["course_mm"].push_back(to_json(p));
+  return out;
+}
 template <class P>
 Json params_to_json(const P& params) {
   Json out = Json::object();
@@ -72,6 +84,7 @@ template <class P>
 P params_from_json(const Json& j) {
   P params;
   for (const Parameter& p : parameters_of<P>().parameters) {
+    if (p.came_later && j.is_object() && !j.contains(p.name)) continue;  // of an older program
     const Json& v = member(j, p.name);
     ParameterValue value;
     const auto text_of = [](const Json& j) { return j.is_string() ? j.get<std::string>() : j.dump(); };
@@ -133,6 +146,19 @@ Named<double> write_truth(const std::filesystem::path& folder, const Head& head,
   json["head"] = params_to_json(head.params());
   const bool hard = head.params().level == Level::hard;
   if (hard) json["hard"] = params_to_json(head.params().hard);
+  if (!head.implants().empty()) {
+    json["implants"] = params_to_json(head.params().implants);
+    json["put_in"] = Json::array();
+    for (const ImplantTruth& t : head.implants()) json["put_in"].push_back(to_json(t));
+  }
+  if (has_pose(scan_params)) {
+    const itk::LinearMap pose = head_pose(scan_params);
+    const Mat3& m = pose.matrix;
+    Json rows = Json::array();
+    for (int a = 0; a < 3; ++a)
+      rows.push_back(Json::array({m.column[0][a], m.column[1][a], m.column[2][a], pose.offset_mm[a]}));
+    json["head_to_scan"] = rows;
+  }
   json["scan"] = params_to_json(scan_params);
   json["box_mm"] = Json::array({to_json(box.min_mm), to_json(box.max_mm)});
   if (has_lattice(scan_params)) {
@@ -189,6 +215,8 @@ Truth read_truth(const std::filesystem::path& file) {
                   to_text(version) + ", this program reads version 1");
     HeadParams of_head = params_from_json<HeadParams>(member(json, "head"));
     if (of_head.level == Level::hard) of_head.hard = params_from_json<HardParams>(member(json, "hard"));
+    if (of_head.level == Level::hard && json.contains("implants"))
+      of_head.implants = params_from_json<ImplantParams>(json["implants"]);
     Truth truth{Head(of_head), {}, {}};
     const Json& box = member(json, "box_mm");
     if (!box.is_array() || box.size() != 2) throw Error(ExitCode::bad_input, "", "box_mm", "must be two corners");

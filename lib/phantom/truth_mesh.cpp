@@ -182,7 +182,11 @@ surface::TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegi
 }
 
 ScannedRegion scanned_region(const ScanParams& params) {
-  const std::vector<SlicePose> slices = slice_poses(params);
+  std::vector<SlicePose> slices = slice_poses(params);
+  if (has_pose(params)) {
+    const itk::LinearMap to_head = itk::inverse(head_pose(params));
+    for (SlicePose& s : slices) s = {to_head(s.origin_mm), to_head.matrix * s.row, to_head.matrix * s.column};
+  }
   const double pixel_mm = pixel_spacing_mm(params);
   std::vector<Vec3> corners;
   for (const SlicePose& s : slices)

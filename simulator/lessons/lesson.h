@@ -6,6 +6,7 @@
 
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
+#include "lesson/outcome_record.h"
 
 namespace trephine::lessons {
 
@@ -23,7 +24,10 @@ struct LessonFacts {
   int pauses = 0;
   int undone = 0;  ///< how often the last stroke or incision was to be taken back, or all that was cut
   double max_bone_c = 0, heat_dose_min = 0;  ///< BoneHeat, where the one who watches cuts again; else 0
-  LessonEnd end = LessonEnd::running;        ///< running: the recording ends before the lesson did
+  /// What a CT after a procedure shows is all that is known: no times, forces, traces or passes.
+  bool from_scan = false;
+  lesson::Sighting seen = lesson::Sighting::none;  ///< then: of the instrument that was put in
+  LessonEnd end = LessonEnd::running;              ///< running: the recording ends before the lesson did
   double most_force_n = 0;
   double fastest_mm_per_s = 0, fastest_s = 0;  ///< how fast a tool went forward in the patient at most, and when
 

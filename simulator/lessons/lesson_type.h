@@ -126,6 +126,9 @@ struct LessonType {
                             const AnyParams&)>
       score;
 
+  /// What a CT after a procedure shows as this lesson's facts, so that score() judges it; empty: no CT shows enough.
+  std::function<std::shared_ptr<LessonFacts>(const lesson::OutcomeRecord&, const cases::LoadedCase&)> facts_of_outcome;
+
   /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
   /// what a marker drew and nobody erased. Each may be empty.
   std::vector<LessonText> texts;

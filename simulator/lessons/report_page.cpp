@@ -58,6 +58,9 @@ constexpr Wording advice_words{{"Next time", "Beim nächsten Mal"}};
 constexpr Wording title_words{{"{} in {}: {} of {} points, {}", "{} in {}: {} von {} Punkten, {}"}};
 constexpr Wording participant_words{{"participant {} · {} · {:.1f} s · {} · not a medical device",
                                      "Teilnehmer {} · {} · {:.1f} s · {} · kein Medizinprodukt"}};
+constexpr Wording measured_words{
+    {"participant {} · measured on a CT after the procedure, in the anatomy of the case · {} · not for clinical use",
+     "Teilnehmer {} · gemessen auf einem CT nach dem Eingriff, in der Anatomie davor · {} · nicht für die Klinik"}};
 constexpr Wording task_words{{"Task: ", "Aufgabe: "}};
 constexpr Wording trusted_words{
     {"Trusted: the recording was not replayed.", "Geglaubt: die Aufnahme wurde nicht nachgespielt."}};
@@ -208,16 +211,19 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
       language == Language::german ? "de" : "en", policy_hash(style), style);
   out += "<h1>" + fmt::format(fmt::runtime(say(title_words)), escaped(head.module), escaped(head.case_token),
                               sum.points, sum.most, words(name_of(score.outcome())));
-  out += "</h1>\n<p class=\"faint\">" + fmt::format(fmt::runtime(say(participant_words)), escaped(head.participant),
-                                                    words(name_of(facts.end)), facts.procedure_s(),
-                                                    words(module.headline(facts, score)));
+  const std::string who = escaped(head.participant), headline = words(module.headline(facts, score));
+  out += "</h1>\n<p class=\"faint\">";
+  out += facts.from_scan ? fmt::format(fmt::runtime(say(measured_words)), who, headline)
+                         : fmt::format(fmt::runtime(say(participant_words)), who, words(name_of(facts.end)),
+                                       facts.procedure_s(), headline);
   out += fmt::format("</p>\n<p class=\"{}\"><b>{}</b>{}</p>\n",
                      score.outcome() == LessonOutcome::failed ? "failed" : "", escaped(headline_of(score, language)),
                      facts.task.empty() ? ""
                                         : std::string("<br>") + say(task_words) +
                                               escaped(aim_of(task_of(module, loaded.manifest, facts.task), language)));
   out += critical_html(score, language);
-  if (!head.replayed) out += std::string("<p class=\"failed\"><b>") + say(trusted_words) + "</b></p>\n";
+  if (!head.replayed && !head.measured)
+    out += std::string("<p class=\"failed\"><b>") + say(trusted_words) + "</b></p>\n";
   if (head.signature != Signature::not_asked) {
     const bool fits = head.signature == Signature::fits;
     out += fmt::format("<p class=\"{}\"><b>{}</b></p>\n", fits ? "signed" : "failed",
@@ -225,7 +231,7 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
   }
   if (facts.undone > 0) out += "<p><b>" + fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "</b></p>\n";
   out += rows_html(score, language) + advice_html(score, language);
-  out += steps_html(guide_of(module, facts), language);
+  if (!facts.from_scan) out += steps_html(guide_of(module, facts), language);
   if (!recording.frames.empty())
     out += std::string("<h2>") + say(forces_words) + "</h2>\n" + forces_html(score, recording, language);
   out += motion_html(head);

@@ -52,6 +52,11 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
               {"most_force_n", f.most_force_n},
               {"fastest_mm_per_s", f.fastest_mm_per_s},
               {"fastest_s", f.fastest_s}};
+  out["from_scan"] = f.from_scan;
+  if (f.from_scan)  // nothing of these was seen
+    for (const char* name : {"begin_s", "end_s", "procedure_s", "paused_s", "pauses", "undone", "max_bone_c",
+                             "heat_dose_min", "most_force_n", "fastest_mm_per_s", "fastest_s"})
+      out[name] = nullptr;
   out.update(module.facts_json(f));
   return out;
 }
@@ -62,6 +67,8 @@ constexpr texts::Wording at_words{{", at {:.1f} s", ", bei {:.1f} s"}}, critical
                 "Knochen höchstens {:.1f} Grad, wie {:.2g} Minuten bei 43"}},
     undone_words{{"TAKEN BACK: {} times what was cut", "ZURÜCKGENOMMEN: {} mal, was geschnitten war"}},
     trusted_words{{"TRUSTED: the recording was not replayed", "GEGLAUBT: die Aufnahme wurde nicht nachgespielt"}},
+    measured_words{{"MEASURED on a CT after the procedure, in the case's anatomy; not for clinical use",
+                    "GEMESSEN auf einem CT nach dem Eingriff, in der Anatomie davor; nicht für die Klinik"}},
     unsealed_words{{"NOT SEALED: made into a pipe or by an older program",
                     "OHNE SIEGEL: in eine Pipe oder von einem älteren Programm gemacht"}},
     broken_words{{"BROKEN SEAL: the recording was changed after it was written",
@@ -166,8 +173,9 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   if (facts.max_bone_c > 0)
     text += fmt::format(fmt::runtime(say(heat_words)), facts.max_bone_c, facts.heat_dose_min) + "\n";
   if (facts.undone > 0) text += fmt::format(fmt::runtime(say(undone_words)), facts.undone) + "\n";
-  if (!head.replayed) text += std::string(say(trusted_words)) + "\n";
-  if (head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
+  if (head.measured) text += std::string(say(measured_words)) + "\n";
+  if (!head.measured && !head.replayed) text += std::string(say(trusted_words)) + "\n";
+  if (!head.measured && head.seal == haptics::Seal::absent) text += std::string(say(unsealed_words)) + "\n";
   if (head.seal == haptics::Seal::broken) text += std::string(say(broken_words)) + "\n";
   if (head.signature != Signature::not_asked) text += std::string(name_of(head.signature)) + "\n";
   for (const Advice& a : score.advice) text += a.of(language) + "\n";
@@ -175,7 +183,7 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
   text += headline_of(score, language) + "\n";
   text += fmt::format(fmt::runtime(say(points_words)), sum.points, sum.most,
                       sum.beside ? fmt::format(fmt::runtime(say(table_words)), sum.of_table, sum.max_of_table) : "",
-                      words(name_of(score.outcome())), words(name_of(facts.end)),
+                      words(name_of(score.outcome())), facts.from_scan ? head.checked() : words(name_of(facts.end)),
                       words(lesson_type(head.module).outcome(facts, score)));
   return text + "\n";
 }

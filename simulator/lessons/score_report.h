@@ -21,7 +21,8 @@ struct ReportHead {
   std::vector<std::pair<std::string, double>> motion = {};  ///< motion_figures()
   std::vector<ExpertBand> experts = {};                     ///< beside which they are shown; none: by themselves
   texts::Language language = texts::Language::english;      ///< of page and table; the JSON is for programs
-  const char* checked() const { return replayed ? "replayed" : "trusted"; }
+  bool measured = false;  ///< on a CT after a procedure (LessonFacts::from_scan): there is no recording
+  const char* checked() const { return measured ? "measured" : replayed ? "replayed" : "trusted"; }
 };
 
 /// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened; in

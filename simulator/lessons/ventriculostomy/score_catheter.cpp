@@ -11,6 +11,13 @@ namespace trephine::lessons::detail {
 namespace {
 
 const char* no_catheter = "no catheter lies in the brain";
+
+// Why a row of the catheter cannot be judged by a CT; empty where it can.
+texts::Phrase unseen(const Scoring& s) {
+  if (!s.facts.from_scan || !s.facts.passes.empty()) return "";
+  return s.facts.seen == lesson::Sighting::doubtful ? "what the CT shows of a catheter is doubtful"
+                                                    : "the CT shows no catheter";
+}
 constexpr double outside_most_mm = 10;  // farther from the ventricles it is said no more exactly
 constexpr double directed_mm = 20;      // of brain, after which a pass that was drawn out again has a direction
 constexpr double beyond_doubt_mm = 5;   // of the midline: nearer to it a side is none
@@ -148,7 +155,8 @@ ScoreRow score_trajectory(const Scoring& s) {
     for (const PassPoint& p : pass.path) across = std::max(across, -own_side * s.frame.left_of_midline_mm(p.tip_mm));
   if (!s.facts.passes.empty()) row.measured = {{"beyond_midline_mm", across}};
   // Doubt comes before all else: a case that does not know counts for nobody, whatever was done or left.
-  row.why = s.foramen_doubt();
+  row.why = unseen(s);
+  if (row.why.empty()) row.why = s.foramen_doubt();
   if (!row.why.empty()) return row;
   if (s.facts.passes.empty()) {
     row.score = 1;
@@ -192,6 +200,8 @@ ScoreRow score_depth(const Scoring& s) {
   ScoreRow row{"depth", "Depth of catheter insertion", {}, "", {}, {}, {}};
   row.limits = {{"least_mm", r.least_mm},           {"low_mm", r.low_mm},   {"ideal_low_mm", r.ideal_low_mm},
                 {"ideal_high_mm", r.ideal_high_mm}, {"high_mm", r.high_mm}, {"most_mm", r.most_mm}};
+  row.why = unseen(s);
+  if (!row.why.empty()) return row;
   const CatheterPass* pass = s.final_pass();
   if (!pass) {
     row.score = 1;
@@ -235,7 +245,8 @@ ScoreRow score_tip(const Scoring& s) {
     row.measured = {{"outside_ventricles_mm", inside ? 0 : distance_to_ventricles_mm(s, tip, outside_most_mm)}};
     if (target) row.measured.emplace_back("foramen_off_mm", norm(tip - *target));
   }
-  row.why = s.foramen_doubt();
+  row.why = unseen(s);
+  if (row.why.empty()) row.why = s.foramen_doubt();
   if (!row.why.empty()) return row;
   if (!pass) return decide(1, no_catheter);
   const PassPoint& end = pass->path.back();
@@ -253,6 +264,11 @@ ScoreRow score_passes(const Scoring& s, bool harmed) {
   const int count = int(s.facts.passes.size());
   ScoreRow row{"passes", "Passes, holes and incisions", 1, "no catheter entered the brain", {}, {}, {}};
   row.beside = true;
+  if (s.facts.from_scan) {
+    row.score.reset();
+    row.why = not_in_a_scan;
+    return row;
+  }
   row.measured = {{"passes_count", double(count)},
                   {"incisions_count", double(s.facts.incisions.size())},
                   {"holes_count", double(s.facts.holes.size())}};
@@ -275,6 +291,7 @@ bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPo
 }
 
 texts::Phrase unreached_goal(const Scoring& s) {
+  if (const texts::Phrase why = unseen(s); !why.empty()) return why;
   if (s.facts.end != LessonEnd::finished) return name_of(s.facts.end);
   if (const texts::Phrase why = misplaced(s); !why.empty()) return why;
   return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";
@@ -335,6 +352,10 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const cases
                    {"first_pass", first_pass},
                    {"contralateral", contralateral},
                    {"third_ventricle", third_ventricle}};
+  if (facts.from_scan)
+    for (LessonFigure& figure : score.figures)
+      if (facts.passes.empty() || figure.name == "passes_count" || figure.name == "first_pass")
+        figure.value = std::monostate{};
   const auto of_dura = [&](const char* name, auto value) {
     score.figures.push_back({name, std::monostate{}});
     if (facts.dura) score.figures.back().value = value(*facts.dura);

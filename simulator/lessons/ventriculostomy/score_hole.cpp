@@ -76,7 +76,7 @@ const BoneHole& worst_hole(const Scoring& s, const cases::CaseLandmark& kocher) 
 }
 
 ScoreRow score_landmarks(const Scoring& s) {
-  ScoreRow row{"landmarks", "Anatomy and landmarks", {}, doubt_of(s), {}, {}, {}};
+  ScoreRow row{"landmarks", "Anatomy and landmarks", {}, s.facts.from_scan ? not_in_a_scan : doubt_of(s), {}, {}, {}};
   if (!row.why.empty()) return row;
   const LandmarksRubric& r = s.rubric.landmarks;
   const BestTrace midline = best_midline(s), suture = best_suture(s);
@@ -115,6 +115,10 @@ ScoreRow score_burr_hole(const Scoring& s) {
   const cases::CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
   if (!kocher || kocher->confidence < r.least_confidence_ratio.limit) {
     row.why = kocher ? doubtful("Kocher's point") : "the case has no Kocher's point";
+    return row;
+  }
+  if (s.facts.from_scan && !s.facts.hole) {
+    row.why = "the CT shows no hole that is sure";
     return row;
   }
   if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");

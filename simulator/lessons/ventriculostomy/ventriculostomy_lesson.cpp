@@ -7,6 +7,7 @@
 #include "lessons/lesson_type.h"
 #include "lessons/report_pictures.h"
 #include "lessons/ventriculostomy/head_moves.h"
+#include "lessons/ventriculostomy/scan_facts.h"
 #include "lessons/ventriculostomy/ventriculostomy_score.h"
 
 namespace trephine::lessons {
@@ -211,7 +212,14 @@ LessonFluid fluid_of(const VentriculostomyFacts& f, const cases::CaseManifest& m
                                                                                       : LessonFluid::none;
 }
 
-texts::Phrase outcome(const LessonFacts&, const LessonScore& score) {
+texts::Phrase outcome(const LessonFacts& facts, const LessonScore& score) {
+  if (facts.from_scan)
+    return facts.seen == lesson::Sighting::doubtful ? "what the CT shows of a catheter is doubtful"
+           : !score.known("in_ventricle")           ? "the CT shows no catheter"
+           : score.flag("third_ventricle")          ? "the catheter lies in the third ventricle"
+           : score.flag("contralateral")            ? "the catheter lies in the contralateral ventricle"
+           : score.flag("in_ventricle")             ? "the catheter lies in a ventricle"
+                                                    : "the catheter lies in no ventricle";
   return {"catheter passes: {}, {}",
           {std::to_string(score.count("passes_count")),
            score.flag("third_ventricle") ? "the catheter lies in the third ventricle"
@@ -311,7 +319,9 @@ LessonType ventriculostomy_lesson() {
   m.ink = [](const LessonFacts& facts) { return ink_of(own(facts)); };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;
-  m.headline = [](const LessonFacts&, const LessonScore& score) {
+  m.facts_of_outcome = facts_of_scan;
+  m.headline = [](const LessonFacts& facts, const LessonScore& score) {
+    if (facts.from_scan) return outcome(facts, score);
     return texts::Phrase("passes of the catheter: {}", {std::to_string(score.count("passes_count"))});
   };
   m.pictures = [](const LessonFacts& facts, const cases::LoadedCase& loaded, texts::Language language) {

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "outcome/find_courses.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "base/pi.h"
+#include "mask/filters.h"
+
+namespace trephine::outcome {
+namespace {
+
+constexpr float dense_hu = 160;    ///< a catheter inside the brain is denser, in thick slices too
+constexpr double least_mm = 12;    ///< length of what is followed, of the dense voxels alone
+constexpr double straight_mm = 4;  ///< standard deviation across it at most
+constexpr double step_mm = 0.5;    ///< along it
+constexpr double disc_mm = 3.6, ring_from_mm = 4.4, ring_to_mm = 6, grid_mm = 0.4;
+constexpr double gone_ratio = 0.3;  ///< of what is dense across it: less is its end
+constexpr double thick_ratio = 2;   ///< more is bone, or something else
+constexpr double most_width_mm = 6.5;
+constexpr double cap_mm = 0.3;     ///< by which a rounded end of 2.5 mm is farther out than a flat one of its volume
+constexpr double to_bone_mm = 30;  ///< from the end that was seen to the bone at most
+
+struct Frame {
+  Vec3 u, a, b;  ///< along, and two across
+  explicit Frame(Vec3 along) : u(normalized(along)) {
+    a = normalized(cross(u, std::abs(u.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+    b = cross(u, a);
+  }
+};
+
+/// What is denser than tissue across a line.
+struct Section {
+  bool beyond = false;
+  double sum = 0;   ///< HU mm^2
+  double peak = 0;  ///< HU above what is around
+  Vec3 middle_mm;
+};
+Section section_of(const ScanView& scan, Vec3 at, const Frame& f) {
+  Section s;
+  std::vector<float> ring;
+  for (int n = 0; n < 24; ++n) {
+    const double turn = 2 * pi * n / 24, r = n % 2 ? ring_from_mm : ring_to_mm;
+    const double v = scan(at + f.a * (r * std::cos(turn)) + f.b * (r * std::sin(turn)));
+    if (v <= ScanView::beyond_hu / 2) return s.beyond = true, s;
+    ring.push_back(float(v));
+  }
+  const double around = std::clamp(double(mask::median(ring, 0)), -20.0, 80.0);  // not of air or bone beside it
+  const int n = int(disc_mm / grid_mm);
+  double weight = 0;
+  Vec3 sum;
+  std::vector<std::pair<Vec3, double>> all;
+  for (int i = -n; i <= n; ++i)
+    for (int j = -n; j <= n; ++j) {
+      const Vec3 off = f.a * (i * grid_mm) + f.b * (j * grid_mm);
+      if (norm(off) > disc_mm) continue;
+      const double v = scan(at + off);
+      if (v <= ScanView::beyond_hu / 2) return s.beyond = true, s;
+      const double above = std::max(0.0, v - around);
+      s.peak = std::max(s.peak, above);
+      s.sum += (v > around - 60 ? v - around : 0) * grid_mm * grid_mm;
+      all.emplace_back(off, above);
+    }
+  for (const auto& [off, above] : all) {
+    const double w = above > 0.2 * s.peak ? above : 0;
+    weight += w;
+    sum += off * w;
+  }
+  s.middle_mm = weight > 0 ? at + sum * (1 / weight) : at;
+  return s;
+}
+
+struct Step {
+  Vec3 at_mm;
+  Section section;
+};
+
+double median_sum(const std::vector<Step>& steps, std::size_t most) {
+  std::vector<float> sums;
+  for (std::size_t n = steps.size() - std::min(most, steps.size()); n < steps.size(); ++n)
+    sums.push_back(float(steps[n].section.sum));
+  return double(mask::median(sums, 0));
+}
+
+// From a place on it to its end, in scan coordinates.
+std::vector<Step> followed(const ScanView& scan, Vec3 from, Vec3 way, double reference) {
+  std::vector<Step> steps;
+  Vec3 at = from, u = normalized(way);
+  for (int n = 0; n < 400; ++n) {
+    const Section s = section_of(scan, at, Frame(u));
+    if (s.beyond || s.sum < gone_ratio * reference || s.sum > thick_ratio * reference) break;
+    const Vec3 moved = s.middle_mm - at;
+    const Vec3 off = moved - u * dot(moved, u);
+    if (norm(off) > 1.6) break;
+    at += off * 0.7;
+    steps.push_back({at, s});
+    if (steps.size() > 8) u = normalized(u * 0.6 + normalized(at - steps[steps.size() - 9].at_mm) * 0.4);
+    at += u * step_mm;
+  }
+  return steps;
+}
+
+struct Line {
+  Vec3 at_mm, way;
+  double off_mm = 0;  ///< the farthest point
+};
+Line line_through(const std::vector<Vec3>& points) {
+  Line line;
+  for (const Vec3& p : points) line.at_mm += p * (1.0 / double(points.size()));
+  Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : points) {
+    const Vec3 d = p - line.at_mm;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    c += v * v.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(c);
+  const Eigen::Vector3d v = axes.eigenvectors().col(2);
+  line.way = normalized(Vec3{v.x(), v.y(), v.z()});
+  if (dot(line.way, points.back() - points.front()) < 0) line.way = -line.way;
+  for (const Vec3& p : points) {
+    const Vec3 d = p - line.at_mm;
+    line.off_mm = std::max(line.off_mm, norm(d - line.way * dot(d, line.way)));
+  }
+  return line;
+}
+
+/// Of a component's voxels: its middle, direction, length and standard deviation across.
+struct Rod {
+  Line line;
+  double length_mm = 0, across_mm = 0;
+};
+Rod rod_of(const std::vector<Vec3>& points) {
+  Rod rod;
+  rod.line = line_through(points);
+  double low = 0, high = 0, sum = 0;
+  for (const Vec3& p : points) {
+    const Vec3 d = p - rod.line.at_mm;
+    const double along = dot(d, rod.line.way);
+    low = std::min(low, along), high = std::max(high, along);
+    const double across = norm(d - rod.line.way * along);
+    sum += across * across;
+  }
+  rod.length_mm = high - low;
+  rod.across_mm = std::sqrt(sum / double(points.size()));
+  return rod;
+}
+
+// Where what is dense across the course drops to half beyond its last steps, from the last but some on.
+Vec3 tip_of(const ScanView& scan, const std::vector<Step>& towards_tip) {
+  std::vector<Vec3> last;
+  const std::size_t n = towards_tip.size(), skip = std::min<std::size_t>(4, n / 4),
+                    take = std::min<std::size_t>(24, n - skip);
+  for (std::size_t k = n - skip - take; k < n - skip; ++k) last.push_back(towards_tip[k].at_mm);
+  const Line line = line_through(last);
+  const Frame frame(line.way);
+  const Vec3 begin = line.at_mm + line.way * dot(last.back() - line.at_mm, line.way);
+  std::vector<float> sums;
+  for (double s = -8; s <= -2; s += 0.5) sums.push_back(float(section_of(scan, begin + line.way * s, frame).sum));
+  const double half = 0.5 * double(mask::median(sums, 0));
+  double before = section_of(scan, begin - line.way * 2, frame).sum;
+  for (double s = -1.8; s < 8; s += 0.2) {
+    const double now = section_of(scan, begin + line.way * s, frame).sum;
+    if (now < half) {
+      const double at = s - 0.2 * (now == before ? 0 : (half - now) / (before - now));
+      return begin + line.way * (at + cap_mm);
+    }
+    before = now;
+  }
+  return towards_tip.back().at_mm;
+}
+
+std::optional<lesson::OutcomeCourse> course_of(const CaseHead& head, const ScanView& scan, const itk::LinearMap& back,
+                                               const Rod& rod) {
+  Vec3 from = rod.line.at_mm;
+  for (int round = 0; round < 3; ++round) {
+    const Section s = section_of(scan, from, Frame(rod.line.way));
+    if (s.beyond) return {};
+    from = s.middle_mm;
+  }
+  std::vector<Step> middle;
+  for (double d = -4; d <= 4; d += 1)
+    middle.push_back({{}, section_of(scan, from + rod.line.way * d, Frame(rod.line.way))});
+  const double reference = median_sum(middle, middle.size());
+  if (reference <= 0) return {};
+  std::vector<Step> one = followed(scan, from, rod.line.way, reference),
+                    other = followed(scan, from, -rod.line.way, reference);
+  if (one.size() + other.size() < 20) return {};
+  // Outwards leads what passes the case's bone, or ends before it; what passes it at both ends is no catheter.
+  const auto passes_bone = [&](const std::vector<Step>& steps) {
+    return std::any_of(steps.begin(), steps.end(),
+                       [&](const Step& s) { return head.decoder.trilinear(head.bone, back(s.at_mm)) >= 0.5; });
+  };
+  const auto bone_ahead_mm = [&](const std::vector<Step>& steps, Vec3 way) {
+    if (steps.empty()) return 1e9;
+    const auto passage = passage_of(head, back(steps.back().at_mm), normalized(back.matrix * way), 120);
+    return passage ? passage->inner_mm : 1e9;
+  };
+  const bool one_passes = passes_bone(one), other_passes = passes_bone(other);
+  if (one_passes && other_passes) return {};
+  if (other_passes || (!one_passes && bone_ahead_mm(one, rod.line.way) > bone_ahead_mm(other, -rod.line.way)))
+    std::swap(one, other);
+  // `one` leads outwards now.
+  std::reverse(one.begin(), one.end());
+  if (!other.empty()) one.insert(one.end(), other.begin() + 1, other.end());
+  const std::vector<Step>& all = one;  // from outside to the tip
+  lesson::OutcomeCourse c;
+  std::vector<float> hu, width;
+  std::vector<Vec3> in_head;
+  for (const Step& s : all) {
+    hu.push_back(float(scan(s.at_mm)));
+    width.push_back(float(std::sqrt(std::max(0.0, s.section.sum / s.section.peak / 1.133))));
+  }
+  c.mean_hu = double(mask::median(hu, 0));
+  c.width_mm = double(mask::median(width, 0));
+  c.tip_mm = back(tip_of(scan, all));
+  // In the head: what lies on the inner side of the bone, from the tip outwards.
+  std::vector<Vec3> points;
+  for (const Step& s : all) points.push_back(back(s.at_mm));
+  std::reverse(points.begin(), points.end());
+  while (points.size() > 2 &&
+         dot(points.front() - c.tip_mm, c.tip_mm - points[std::min<std::size_t>(10, points.size() - 1)]) > 0)
+    points.erase(points.begin());
+  std::size_t first_bone = points.size();
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (head.decoder.trilinear(head.bone, points[n]) >= 0.5) {
+      first_bone = n;
+      break;
+    }
+  in_head.assign(points.begin(), points.begin() + std::ptrdiff_t(first_bone));
+  if (in_head.size() < 20) return {};
+  in_head.insert(in_head.begin(), c.tip_mm);
+  const Line line = line_through(in_head);
+  c.axis = -line.way;
+  c.bend_mm = line.off_mm;
+  c.seen_mm = norm(in_head.back() - c.tip_mm);
+  // To the bone: straight on by the last centimetres.
+  const std::size_t last = std::min<std::size_t>(30, in_head.size() - 1);
+  const Line outwards = line_through({in_head.end() - std::ptrdiff_t(last), in_head.end()});
+  const Vec3 end = in_head.back();
+  const auto passage = passage_of(head, end, outwards.way, to_bone_mm + 30);
+  const bool to_bone = passage && passage->inner_mm <= to_bone_mm;
+  c.inner_mm = to_bone ? end + outwards.way * passage->inner_mm : end;
+  c.outer_mm = to_bone ? end + outwards.way * passage->outer_mm : end;
+  for (std::size_t n = 0; n < in_head.size(); n += 2) c.course.push_back({in_head[n]});
+  if (to_bone) {
+    c.course.push_back({c.inner_mm});
+    c.course.push_back({c.outer_mm});
+  }
+  for (std::size_t n = 0; n + 1 < c.course.size() - (to_bone ? 1 : 0); ++n)
+    c.length_mm += norm(c.course[n + 1].at_mm - c.course[n].at_mm);
+  c.side = head.side_of(c.outer_mm);
+  c.confidence = mask::ramp(c.seen_mm, 12, 25) * mask::ramp(c.mean_hu, 100, 220) * (to_bone ? 1 : 0.3) *
+                 mask::ramp(c.width_mm, most_width_mm, 4.5) * mask::ramp(c.bend_mm, 12, 7);
+  return c;
+}
+
+}  // namespace
+
+std::vector<lesson::OutcomeCourse> find_courses(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
+                                                const Progress& progress) {
+  const itk::LinearMap back = itk::inverse(map);
+  const grid::Lattice& l = scan.lattice();
+  const mask::HuView& hu = scan.voxels();
+  const mask::BitMask dense = mask::make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i)
+      row[i] = hu(i, j, k) >= dense_hu && head.is_inside(back(l.to_world_mm({double(i), double(j), double(k)})));
+  });
+  progress.report(0.5);
+  const mask::Components pieces = mask::components(dense, true);
+  std::vector<std::vector<Vec3>> of(pieces.list.size());
+  mask::for_each_voxel(pieces, [&](int c, int i, int j, int k) {
+    if (pieces.list[std::size_t(c)].voxels >= 8)
+      of[std::size_t(c)].push_back(l.to_world_mm({double(i), double(j), double(k)}));
+  });
+  std::vector<lesson::OutcomeCourse> found;
+  for (const std::vector<Vec3>& points : of) {
+    if (points.size() < 8) continue;
+    progress.check();
+    const Rod rod = rod_of(points);
+    if (rod.length_mm < least_mm || rod.across_mm > straight_mm) continue;
+    const std::optional<lesson::OutcomeCourse> c = course_of(head, scan, back, rod);
+    if (!c || c->confidence <= 0.05) continue;
+    // Two pieces of one catheter are followed to the same ends.
+    if (std::any_of(found.begin(), found.end(),
+                    [&](const lesson::OutcomeCourse& f) { return norm(f.tip_mm - c->tip_mm) < 4; }))
+      continue;
+    found.push_back(*c);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.confidence > b.confidence; });
+  progress.report(1);
+  return found;
+}
+
+}  // namespace trephine::outcome

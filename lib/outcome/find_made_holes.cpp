@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "outcome/find_made_holes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/pi.h"
+#include "mask/filters.h"
+
+namespace trephine::outcome {
+namespace {
+
+constexpr int rays = 24000;
+constexpr double lowest_z = -0.15;  ///< of a ray: below it bone is thin and full of holes
+constexpr double least_bone_mm = 2, most_bone_mm = 16;
+constexpr double no_bone_ratio = 0.4;  ///< of what is usual beside it
+constexpr double tissue_hu = 40;
+constexpr double course_mm = 2.6;  ///< about a course nothing is known
+constexpr double least_area_mm2 = 10, sure_area_mm2 = 25;
+constexpr double grid_mm = 0.5, beside_mm = 5;
+constexpr double doubtful = 0.4;
+constexpr double least_shown_ratio = 0.7;  ///< of the stretch is bone in the case's CT too, and no frontal sinus
+constexpr double scalp_mm = 2.5, air_hu = -500;
+constexpr double inside_mm = 0.4;  ///< off both tables, where HU are half of something else
+
+double to_segment_mm(Vec3 p, Vec3 a, Vec3 b) {
+  const Vec3 d = b - a;
+  const double t = std::clamp(dot(p - a, d) / std::max(1e-9, dot(d, d)), 0.0, 1.0);
+  return norm(p - a - d * t);
+}
+
+/// The mean HU of the scan over a stretch of the case's bone.
+struct Stretch {
+  bool known = false, at_course = false;
+  double mean_hu = 0, air_ratio = 0;
+  Vec3 outer_mm, inner_mm;
+};
+
+class BoneView {
+ public:
+  BoneView(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
+           const std::vector<lesson::OutcomeCourse>& courses)
+      : head_(head), scan_(scan), map_(map), courses_(courses) {}
+  Stretch along(Vec3 from, Vec3 way, double reach_mm) const {
+    Stretch s;
+    const auto passage = passage_of(head_, from, way, reach_mm, least_bone_mm);
+    if (!passage || passage->outer_mm - passage->inner_mm > most_bone_mm) return s;
+    s.inner_mm = from + way * passage->inner_mm;
+    s.outer_mm = from + way * passage->outer_mm;
+    int count = 0, bone = 0;
+    for (double d = passage->inner_mm + inside_mm; d <= passage->outer_mm - inside_mm; d += 0.4) {
+      const double v = scan_(map_(from + way * d));
+      if (v <= ScanView::beyond_hu / 2) return s;
+      s.mean_hu += std::max(-100.0, v);
+      s.air_ratio += v < air_hu;
+      bone += head_.shows_bone(from + way * d);
+      ++count;
+    }
+    // Beyond the scan, where no slice covers it, there is air, and no scalp on the bone.
+    if (count == 0 || bone < least_shown_ratio * count || scan_(map_(s.outer_mm + way * scalp_mm)) < air_hu) return s;
+    s.known = true;
+    s.mean_hu /= count;
+    s.air_ratio /= count;
+    const Vec3 middle = (s.inner_mm + s.outer_mm) * 0.5;
+    for (const lesson::OutcomeCourse& c : courses_) {
+      const Vec3 on = normalized(c.outer_mm - c.inner_mm);
+      if (norm(c.outer_mm - c.inner_mm) > 0.1 &&
+          to_segment_mm(middle, c.inner_mm - on * 8, c.outer_mm + on * 12) < course_mm)
+        s.at_course = true;
+    }
+    return s;
+  }
+
+ private:
+  const CaseHead& head_;
+  const ScanView& scan_;
+  const itk::LinearMap& map_;
+  const std::vector<lesson::OutcomeCourse>& courses_;
+};
+
+Vec3 out_of_bone(const CaseHead& head, Vec3 outer_mm) {
+  Vec3 sum;
+  for (int a = 0; a < 3; ++a)
+    for (const double d : {-3.0, 0.0, 3.0}) {
+      Vec3 p = outer_mm;
+      p[a] += d;
+      sum -= head.decoder.gradient(head.bone, p);
+    }
+  return norm(sum) > 1e-6 ? normalized(sum) : normalized(outer_mm - head.middle_mm);
+}
+
+/// The gap about a place, by rays along one axis.
+std::optional<lesson::OutcomeHole> measured(const CaseHead& head, const BoneView& view, Vec3 outer_mm, double radius_mm,
+                                            double slice_mm) {
+  Vec3 centre = outer_mm, out = out_of_bone(head, outer_mm);
+  if (dot(out, centre - head.middle_mm) < 0) return {};
+  double area = 0, air = 0, spread[2] = {0, 0};
+  for (int round = 0; round < 3; ++round) {
+    const Vec3 a = normalized(cross(out, std::abs(out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})), b = cross(out, a);
+    const double reach = radius_mm + 2 * beside_mm;
+    const int n = int(reach / grid_mm);
+    std::vector<std::pair<Vec3, Stretch>> all;
+    std::vector<float> usual;
+    for (int i = -n; i <= n; ++i)
+      for (int j = -n; j <= n; ++j) {
+        const Vec3 off = a * (i * grid_mm) + b * (j * grid_mm);
+        if (norm(off) > reach) continue;
+        const Stretch s = view.along(centre + off - out * 22, out, 34);
+        if (!s.known) continue;
+        all.emplace_back(off, s);
+        if (norm(off) > radius_mm + beside_mm && !s.at_course) usual.push_back(float(s.mean_hu));
+      }
+    if (usual.size() < 20) return {};
+    const double bone_hu = double(mask::median(usual, 1000));
+    air = 0;
+    double sum = 0, aa = 0, bb = 0, ab = 0;
+    Vec3 middle;
+    for (const auto& [off, s] : all) {
+      if (norm(off) > radius_mm + beside_mm) continue;
+      double share = std::clamp((bone_hu - s.mean_hu) / std::max(1.0, bone_hu - tissue_hu), 0.0, 1.0);
+      if (s.at_course && norm(off) < radius_mm + 1) share = 1;
+      if (share < 0.3) continue;  // bone is uneven
+      sum += share;
+      air += share * s.air_ratio;
+      middle += off * share;
+      const double x = dot(off, a), y = dot(off, b);
+      aa += share * x * x, bb += share * y * y, ab += share * x * y;
+    }
+    area = sum * grid_mm * grid_mm;
+    if (sum < 1) return {};
+    air /= sum;
+    middle = middle * (1 / sum);
+    const double mx = dot(middle, a), my = dot(middle, b);
+    aa = aa / sum - mx * mx, bb = bb / sum - my * my, ab = ab / sum - mx * my;
+    const double half = 0.5 * (aa + bb), root = std::sqrt(std::max(0.0, 0.25 * (aa - bb) * (aa - bb) + ab * ab));
+    spread[0] = std::sqrt(std::max(0.0, half + root)), spread[1] = std::sqrt(std::max(0.0, half - root));
+    centre += middle;
+    if (const auto p = passage_of(head, centre - out * 22, out, 34, least_bone_mm))
+      centre = centre - out * (22 - p->outer_mm);
+    out = out_of_bone(head, centre);
+    radius_mm = std::max(2.0, std::sqrt(area / pi));
+  }
+  if (area < least_area_mm2) return {};
+  lesson::OutcomeHole hole;
+  hole.outer_mm = centre;
+  hole.out = out;
+  const auto p = passage_of(head, centre - out * 22, out, 34, least_bone_mm);
+  if (!p) return {};
+  hole.inner_mm = centre - out * (p->outer_mm - p->inner_mm);
+  hole.bone_mm = p->outer_mm - p->inner_mm;
+  hole.area_mm2 = area;
+  hole.diameter_mm = 2 * std::sqrt(area / pi);
+  hole.side = head.side_of(centre);
+  // Round, or so wide that it is no thin place; several slices wide.
+  const double round = spread[0] > 0 ? spread[1] / spread[0] : 0;
+  hole.confidence = mask::ramp(area, least_area_mm2, sure_area_mm2) *
+                    std::max(mask::ramp(round, 0.3, 0.6), mask::ramp(hole.diameter_mm, 15, 30)) *
+                    mask::ramp(hole.diameter_mm / slice_mm, 0.8, 1.6);
+  // A case without a CT does not say whether its bone there is an air cell, such as a frontal sinus.
+  if (!head.loaded.has_ct() && air > 0.4) hole.confidence = std::min(hole.confidence, doubtful);
+  return hole;
+}
+
+}  // namespace
+
+std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
+                                                 const std::vector<lesson::OutcomeCourse>& courses,
+                                                 const Progress& progress) {
+  const BoneView view(head, scan, map, courses);
+  std::vector<Stretch> seen;
+  std::vector<float> all;
+  for (int n = 0; n < rays; ++n) {  // evenly over the sphere, along a spiral
+    if (n % 1000 == 0) progress.report(0.8 * n / rays);
+    const double z = 1 - 2 * (n + 0.5) / rays, r = std::sqrt(1 - z * z), turn = pi * (3 - std::sqrt(5.0)) * n;
+    if (z < lowest_z) break;
+    const Stretch s = view.along(head.middle_mm, {r * std::cos(turn), r * std::sin(turn), z}, 140);
+    if (!s.known) continue;
+    seen.push_back(s);
+    if (!s.at_course) all.push_back(float(s.mean_hu));
+  }
+  if (all.size() < 500) return {};
+  const double usual = double(mask::median(all, 1000));
+  std::vector<Vec3> gap;
+  for (const Stretch& s : seen)
+    if (!s.at_course && s.mean_hu < tissue_hu + no_bone_ratio * (usual - tissue_hu)) gap.push_back(s.outer_mm);
+  // Places that lie beside each other are one gap; a course may part them.
+  const double near_mm = 2 * course_mm + 1.5;
+  std::vector<char> used(gap.size(), 0);
+  std::vector<lesson::OutcomeHole> holes;
+  const Vec3 spacing = scan.lattice().spacing_mm;
+  const double slice_mm = std::max({spacing.x, spacing.y, spacing.z});
+  for (std::size_t first = 0; first < gap.size(); ++first) {
+    if (used[first]) continue;
+    std::vector<std::size_t> members{first};
+    used[first] = 1;
+    for (std::size_t m = 0; m < members.size(); ++m)
+      for (std::size_t o = 0; o < gap.size(); ++o)
+        if (!used[o] && norm(gap[o] - gap[members[m]]) < near_mm) used[o] = 1, members.push_back(o);
+    if (members.size() < 3) continue;
+    Vec3 middle;
+    for (const std::size_t m : members) middle += gap[m] * (1.0 / double(members.size()));
+    double radius = 2;
+    for (const std::size_t m : members) radius = std::max(radius, norm(gap[m] - middle));
+    const auto hole = measured(head, view, middle, radius, slice_mm);
+    if (!hole) continue;
+    if (std::any_of(holes.begin(), holes.end(), [&](const lesson::OutcomeHole& h) {
+          return norm(h.outer_mm - hole->outer_mm) < 0.5 * (h.diameter_mm + hole->diameter_mm);
+        }))
+      continue;
+    holes.push_back(*hole);
+  }
+  std::stable_sort(holes.begin(), holes.end(), [](const auto& a, const auto& b) { return a.area_mm2 > b.area_mm2; });
+  progress.report(1);
+  return holes;
+}
+
+}  // namespace trephine::outcome

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "lesson/outcome_record.h"
+#include "outcome/case_head.h"
+
+namespace trephine::outcome {
+
+/// Finds where the case has bone and the scan has none, the largest first: along rays from the brain the mean HU over
+/// the case's bone, as a share of what is usual beside it. What lies within the width of a course does not count, for a
+/// catheter fills part of its hole. `map` leads from the case to the scan. error_mm is the caller's. Cancelled.
+std::vector<lesson::OutcomeHole> find_made_holes(const CaseHead& head, const ScanView& scan, const itk::LinearMap& map,
+                                                 const std::vector<lesson::OutcomeCourse>& courses,
+                                                 const Progress& progress = {});
+
+}  // namespace trephine::outcome

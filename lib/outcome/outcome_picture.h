@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "cases/load_case.h"
+#include "lesson/outcome_record.h"
+#include "picture/image.h"
+
+namespace trephine::outcome {
+
+/// Slices of the case's own CT through the surest course's tip and through its hole, with every course and hole on
+/// them: nothing of the second scan is in it but these. Needs the case's CT; an image without pixels where there is
+/// neither course nor hole.
+picture::Image outcome_picture(const cases::LoadedCase& loaded, const lesson::OutcomeRecord& record);
+
+}  // namespace trephine::outcome

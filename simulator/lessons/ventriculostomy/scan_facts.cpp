@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/ventriculostomy/scan_facts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxel/decode.h"
+
+namespace trephine::lessons {
+namespace {
+
+constexpr double step_mm = 0.25;  ///< of a pass's path, as in a lesson
+constexpr double sure = 0.5;
+
+// Which shape holds the point, as a tool's tip would say it.
+int shape_at(const voxel::HapticDecoder& decoder, const HeadShapes& shapes, Vec3 p) {
+  for (const int number : {shapes.ventricles, shapes.bone, shapes.brain, shapes.skin})
+    if (number != 0 && decoder.trilinear(number, p) >= 0.5) return number;
+  return 0;
+}
+
+// From the bone to the tip.
+std::vector<Vec3> inwards(const lesson::OutcomeCourse& course) {
+  std::vector<Vec3> all;
+  for (std::size_t n = course.course.size(); n-- > 1;) {
+    const Vec3 from = course.course[n].at_mm, to = course.course[n - 1].at_mm;
+    const int steps = std::max(1, int(std::ceil(norm(to - from) / step_mm)));
+    for (int k = 0; k < steps; ++k) all.push_back(from + (to - from) * (double(k) / steps));
+  }
+  all.push_back(course.tip_mm);
+  return all;
+}
+
+std::optional<CatheterPass> pass_of(const lesson::OutcomeCourse& course, const voxel::HapticDecoder& decoder,
+                                    const HeadShapes& shapes) {
+  CatheterPass pass;
+  for (const Vec3& p : inwards(course)) {
+    const int inside = shape_at(decoder, shapes, p);
+    const bool in_brain = inside == shapes.brain || inside == shapes.ventricles;
+    if (pass.path.empty() && !in_brain) continue;
+    if (pass.path.empty()) pass.entry_mm = p;
+    pass.path.push_back({0, p, inside});
+  }
+  if (pass.path.size() < 2) return {};
+  pass.out = -course.axis;
+  pass.in_place = true;
+  return pass;
+}
+
+}  // namespace
+
+std::shared_ptr<LessonFacts> facts_of_scan(const lesson::OutcomeRecord& record, const cases::LoadedCase& loaded) {
+  auto facts = std::make_shared<VentriculostomyFacts>();
+  facts->from_scan = true;
+  facts->end = LessonEnd::finished;
+  facts->seen = record.catheter;
+  facts->drilled_beforehand = !loaded.manifest.burr_holes.empty();
+  const HeadShapes shapes = head_shapes_of(loaded.manifest);
+  const voxel::HapticDecoder decoder(loaded.haptic);
+  if (record.catheter == lesson::Sighting::found && !record.courses.empty()) {
+    if (const auto pass = pass_of(record.courses.front(), decoder, shapes))
+      facts->passes.push_back(*pass);
+    else
+      facts->seen = lesson::Sighting::doubtful;  // it lies in no brain of this case
+  }
+  if (facts->drilled_beforehand) {
+    if (!facts->passes.empty()) facts->hole = find_case_hole(loaded.manifest, facts->passes.front().entry_mm);
+    return facts;
+  }
+  if (record.hole != lesson::Sighting::found) return facts;
+  for (const lesson::OutcomeHole& h : record.holes) {
+    if (h.confidence < sure) continue;
+    BoneHole hole;
+    hole.outer_mm = h.outer_mm, hole.inner_mm = h.inner_mm, hole.out = h.out;
+    hole.radius_mm = h.diameter_mm / 2;
+    hole.removed_mm3 = h.area_mm2 * h.bone_mm;
+    hole.drilled = hole.through = true;
+    facts->holes.push_back(hole);
+  }
+  // Of several the one that the catheter goes through; else the largest, which comes first.
+  for (const BoneHole& hole : facts->holes) {
+    const auto off = [&](const BoneHole& h) {
+      const Vec3 d = facts->passes.front().entry_mm - h.outer_mm;
+      return norm(d - h.out * dot(d, h.out));
+    };
+    if (!facts->hole || (!facts->passes.empty() && off(hole) < off(*facts->hole))) facts->hole = hole;
+  }
+  return facts;
+}
+
+}  // namespace trephine::lessons
