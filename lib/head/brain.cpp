@@ -57,14 +57,17 @@ struct Tissue {
 
 Tissue tissue_of(const mask::HuView& hu, const grid::Box& box, const mask::CoarseRaster& raster, mask::BitMask known,
                  const BrainParams& p, BrainResult& result, const Progress& progress) {
-  mask::BitMask beyond = mask::make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
-    const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
-    for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = !(hu(start + i) > -100 && hu(start + i) < 160);
-  });
-  beyond &= known;
+  const auto beyond = [&](float low, float high) {
+    return mask::make_mask(raster.fine, [&, low, high](int j, int k, std::uint8_t* row) {
+      const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
+      for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = !(hu(start + i) > low && hu(start + i) < high);
+    });
+  };
   // A few voxels at a place are beyond by noise, and the mean of the rest would be wrong without them.
-  known.remove(mask::at_least_ml(mask::components(beyond),
-                                 std::min(speck_mm3, speck_voxels * raster.fine.voxel_volume_mm3()) / 1000));
+  const mask::BitMask strange = mask::both(beyond(-100, 160), known);
+  known.remove(beyond(-400, 460))
+      .remove(mask::at_least_ml(mask::components(strange),
+                                std::min(speck_mm3, speck_voxels * raster.fine.voxel_volume_mm3()) / 1000));
   grid::Grid<float> v = mask::coarse_mean(hu, known, raster, -1000);
   known = mask::coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0)

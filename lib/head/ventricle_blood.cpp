@@ -50,8 +50,7 @@ mask::BitMask blood_of(const grid::Grid<float>& soft, const BloodPlace& where, c
 
 double show_blood_as_fluid(grid::Grid<float>& hu, const grid::Grid<float>& soft, const BloodPlace& where,
                            const place::HeadPlace& place, const Progress& progress) {
-  if (!place.sure) return 0;
-  const mask::BitMask blood = blood_of(soft, where, place, progress);
+  const mask::BitMask blood = place.sure ? blood_of(soft, where, place, progress) : mask::BitMask(soft);
   if (!blood.any()) return 0;
   mask::BitMask fluid = mask::make_mask(soft, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < soft.size[0]; ++i)
@@ -64,8 +63,9 @@ double show_blood_as_fluid(grid::Grid<float>& hu, const grid::Grid<float>& soft,
   const float tissue = float(tissue_level_hu), blood_hu = mask::median(inside, blood_from_hu);
   const float ratio = (tissue - fluid_hu) / std::max(blood_hu - tissue, 1.f);
   const mask::BitMask about = mask::dilated(blood, edge_mm, progress);
-  // Between blood and CSF lie all values from one to the other, those of tissue too.
-  const mask::BitMask between = mask::both(about, mask::dilated(fluid, edge_mm, progress));
+  // Between blood and CSF lie all values from one to the other, those of tissue too; closed, lest the wall is taken.
+  mask::BitMask between = mask::both(about, mask::dilated(fluid, edge_mm, progress));
+  between &= mask::closed(fluid |= blood, edge_mm, progress);
   mask::for_each_voxel(mask::components(about), [&](int, int i, int j, int k) {
     float& v = hu.at(i, j, k);
     if (v > tissue) v = tissue - (v - tissue) * ratio;
