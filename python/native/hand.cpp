@@ -5,18 +5,24 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "lesson/approval.h"
 #include "lessons/lesson_type.h"
 
 namespace trephine::python {
 namespace {
 
-std::unique_lock<std::mutex> alone(std::mutex& used) {
-  std::unique_lock<std::mutex> lock(used, std::try_to_lock);
-  if (!lock) throw std::runtime_error("another thread uses this session");
-  return lock;
+void require_lesson(bool given, const char* field) {
+  if (given)
+    throw Error(ExitCode::usage, "", field, "is of a lesson, and none is given: give lesson as well, or leave it");
 }
 
 }  // namespace
+
+std::unique_lock<std::mutex> Hand::alone() {
+  std::unique_lock<std::mutex> lock(used_, std::try_to_lock);
+  if (!lock) throw std::runtime_error("another thread uses this session");
+  return lock;
+}
 
 session::SessionOptions Hand::options_of(const HandParams& p) const {
   session::SessionOptions o;
@@ -34,7 +40,12 @@ session::SessionOptions Hand::options_of(const HandParams& p) const {
   o.shaft = p.shaft;
   o.drilling = p.drilling;
   o.law = p.law;
-  if (p.lesson.empty()) return o;
+  if (p.lesson.empty()) {
+    require_lesson(p.participant != HandParams().participant, "participant");
+    require_lesson(!p.task.empty(), "task");
+    return o;
+  }
+  lesson::validate_token(p.participant, "participant");
   if (p.tool.tool != haptics::ToolParams().tool || p.drilling.drill)
     throw Error(ExitCode::bad_input, "", p.drilling.drill ? "drill" : "tool",
                 "is the lesson's own: give one of the two");
@@ -52,7 +63,9 @@ session::SessionOptions Hand::options_of(const HandParams& p) const {
 }
 
 Hand::Hand(const std::string& folder, const HandParams& params, const std::string& record)
-    : patient_(std::make_shared<session::Patient>(folder, params.shape, params.contact)), options_(options_of(params)) {
+    : patient_(std::make_shared<session::Patient>(folder, params.shape, params.contact)),
+      options_(options_of(params)),
+      knows_across_(params.knows_across) {
   options_.case_folder = folder;
   options_.own_device = [this, knows = params.knows_across](const device::DeviceScene&) {
     auto made = std::make_unique<PlacedDevice>(knows);
@@ -71,9 +84,9 @@ void Hand::begin(const std::string& record) {
 }
 
 void Hand::reset(const std::string& record) {
-  const auto lock = alone(used_);
-  device_ = nullptr;
-  session_.reset();
+  const auto lock = alone();
+  end();
+  removed_units_.clear();
   // In place, for arrays are views of the voxels.
   if (!uncut_.empty()) {
     grid::Grid<std::int16_t>& voxels = patient_->felt.loaded.haptic.voxels;
@@ -92,14 +105,14 @@ session::Session& Hand::session() {
 }
 
 haptics::ServoFrame Hand::step(const device::DeviceReading& pose) {
-  const auto lock = alone(used_);
+  const auto lock = alone();
   session::Session& s = session();
   device_->now = pose;
   return s.step();
 }
 
 std::vector<haptics::ServoFrame> Hand::run(const std::vector<device::DeviceReading>& poses, const Progress& progress) {
-  const auto lock = alone(used_);
+  const auto lock = alone();
   session::Session& s = session();
   std::vector<haptics::ServoFrame> frames;
   frames.reserve(poses.size());
@@ -112,28 +125,35 @@ std::vector<haptics::ServoFrame> Hand::run(const std::vector<device::DeviceReadi
 }
 
 Vec3 Hand::torque_n_mm() {
-  const auto lock = alone(used_);
+  const auto lock = alone();
   return session_ ? device_->torque_n_mm : Vec3{};
 }
 
 std::int64_t Hand::removed_units(int shape) {
-  const auto lock = alone(used_);
-  return session_ && session_->drilling() ? session_->drilling()->removed_units(shape) : 0;
+  const auto lock = alone();
+  if (session_) return session_->drilling() ? session_->drilling()->removed_units(shape) : 0;
+  const auto kept = removed_units_.find(shape);
+  return kept != removed_units_.end() ? kept->second : 0;
+}
+
+std::unique_ptr<session::Session> Hand::end() {
+  device_ = nullptr;
+  if (session_ && session_->drilling())
+    for (const voxel::HapticShape& s : loaded().haptic.shapes)
+      removed_units_[s.number] = session_->drilling()->removed_units(s.number);
+  return std::move(session_);
 }
 
 void Hand::drop() {
-  const auto lock = alone(used_);
-  device_ = nullptr;
-  session_.reset();
+  const auto lock = alone();
+  end();
 }
 
 std::optional<session::SessionResult> Hand::finish() {
-  const auto lock = alone(used_);
-  if (!session_) return {};
-  device_ = nullptr;
-  session::SessionResult result = session_->finish();
-  session_.reset();
-  return result;
+  const auto lock = alone();
+  const auto ended = end();
+  if (!ended) return {};
+  return ended->finish();
 }
 
 }  // namespace trephine::python

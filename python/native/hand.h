@@ -2,6 +2,7 @@
 #pragma once
 // A session of the simulator that is moved by its caller, tick by tick.
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -81,16 +82,21 @@ class Hand {
   /// Ends it without its recording.
   void drop();
 
+  /// To be held while what a tick may change is read: the volume and the header. Throws where another thread has it.
+  std::unique_lock<std::mutex> alone();
   const haptics::RecordingHeader& header() const { return header_; }
+  bool knows_across() const { return knows_across_; }
   const cases::LoadedCase& loaded() const { return patient_->felt.loaded; }
   const session::Patient& patient() const { return *patient_; }
   /// On the hand, about the tip; zero where the session has ended.
   Vec3 torque_n_mm();
-  /// Of 1/255 voxel, what was removed of the shape so far.
+  /// Of 1/255 voxel, what was removed of the shape so far, or by the end of the session.
   std::int64_t removed_units(int shape);
 
  private:
   void begin(const std::string& record);
+  /// The session that was there, which is then the caller's.
+  std::unique_ptr<session::Session> end();
   session::Session& session();
   session::SessionOptions options_of(const HandParams& params) const;
 
@@ -99,8 +105,10 @@ class Hand {
   std::vector<std::int16_t> uncut_;  // empty where nothing cuts
   session::SessionOptions options_;
   std::unique_ptr<session::Session> session_;
-  PlacedDevice* device_ = nullptr;  // the session's
+  PlacedDevice* device_ = nullptr;             // the session's
+  std::map<int, std::int64_t> removed_units_;  // by shape, of the session that has ended
   haptics::RecordingHeader header_;
+  const bool knows_across_;
   std::mutex used_;
 };
 

@@ -42,6 +42,20 @@ surface::TriMesh near_origin(const Mesh& mesh) {
   return near;
 }
 
+const Mesh& with_triangles(const Mesh& mesh, const char* name) {
+  if (mesh.mesh().triangles.empty()) throw Error(ExitCode::bad_input, "", name, "has no triangles");
+  return mesh;
+}
+
+// To a command a surface that is not valid is a fault of the stage before; here it is what the caller handed in.
+surface::TriMesh valid_near_origin(const Mesh& mesh, const char* name, const Progress& p) {
+  surface::TriMesh near = near_origin(with_triangles(mesh, name));
+  if (near.proven_valid()) return near;
+  const meshing::Validity v = meshing::check_validity(near, p);
+  if (!v.valid()) throw Error(ExitCode::bad_input, "", name, "is not valid: " + v.text() + "; repair() mends it");
+  return near;
+}
+
 std::vector<std::array<std::uint32_t, 3>> triangles_from(const py::handle& value, std::size_t points) {
   if (!py::isinstance<py::array>(value)) refuse("triangles must be a numpy array");
   const auto given = py::reinterpret_borrow<py::array>(value);
@@ -124,12 +138,18 @@ py::tuple contour(const py::array& voxels, const py::tuple& place, bool field, c
   return answer(run_long([&](const Progress& p) { return meshing::contour(given, params, p); }));
 }
 
+enum class Takes { any, valid };
+
 /// A stage that takes a surface and gives one.
-template <class P, class R>
+template <Takes takes, class P, class R>
 py::tuple on_mesh(Outcome<surface::TriMesh, R> (*function)(const surface::TriMesh&, const P&, const Progress&),
                   const Mesh& mesh, const std::string& params_json) {
   const auto params = params_of<P>(params_json);
-  return answer(run_long([&](const Progress& p) { return function(near_origin(mesh), params, p); }));
+  return answer(run_long([&](const Progress& p) {
+    return function(
+        takes == Takes::valid ? valid_near_origin(mesh, "mesh", p) : near_origin(with_triangles(mesh, "mesh")), params,
+        p);
+  }));
 }
 
 Outcome<surface::TriMesh, meshing::NormalsResult> with_normals(const surface::TriMesh& mesh,
@@ -143,8 +163,9 @@ Outcome<surface::TriMesh, meshing::NormalsResult> with_normals(const surface::Tr
 py::tuple smooth(const Mesh& mesh, const MeshPointer& reference, const std::string& params_json) {
   const auto params = params_of<meshing::SmoothParams>(params_json);
   return answer(run_long([&](const Progress& p) {
-    const surface::TriMesh beside = reference ? near_origin(*reference) : surface::TriMesh();
-    return meshing::smooth(near_origin(mesh), params, p, reference ? &beside : nullptr);
+    const surface::TriMesh beside =
+        reference ? near_origin(with_triangles(*reference, "reference")) : surface::TriMesh();
+    return meshing::smooth(valid_near_origin(mesh, "mesh", p), params, p, reference ? &beside : nullptr);
   }));
 }
 
@@ -153,14 +174,17 @@ py::tuple cut(const Mesh& mesh, const std::string& cutters_json, const std::vect
   const auto params = params_of<boolean::CutSurfaceParams>(params_json);
   std::vector<boolean::Cutter> cutters = boolean::parse_cutters_json(cutters_json);
   if (cutters.empty()) refuse("cutters: nothing to cut away");
-  auto solid = solids.begin();
-  for (boolean::Cutter& c : cutters)
-    if (c.kind == boolean::Cutter::Kind::mesh) {
-      if (solid == solids.end() || !*solid) refuse("cutters: a cutter of kind mesh has no mesh");
-      c.mesh = std::make_shared<surface::TriMesh>(near_origin(**solid++));
-    }
-  return answer(
-      run_long([&](const Progress& p) { return boolean::cut_surface(near_origin(mesh), cutters, params, p); }));
+  std::size_t meshes = 0;
+  for (const boolean::Cutter& c : cutters)
+    if (c.kind == boolean::Cutter::Kind::mesh && (meshes == solids.size() || !solids[meshes++]))
+      refuse("cutters: a cutter of kind mesh has no mesh");
+  return answer(run_long([&](const Progress& p) {
+    auto solid = solids.begin();
+    for (boolean::Cutter& c : cutters)
+      if (c.kind == boolean::Cutter::Kind::mesh)
+        c.mesh = std::make_shared<surface::TriMesh>(valid_near_origin(**solid++, "cutters: a mesh", p));
+    return boolean::cut_surface(valid_near_origin(mesh, "mesh", p), cutters, params, p);
+  }));
 }
 
 py::tuple burr_hole(const Mesh& bone, const MeshPointer& over, const std::string& params_json) {
@@ -172,8 +196,9 @@ py::tuple burr_hole(const Mesh& bone, const MeshPointer& over, const std::string
   if (!params.avoid.empty()) throw Error(ExitCode::bad_input, "", "avoid", "is looked at by `trephine burrhole` alone");
   const boolean::BurrHoleRequest request = boolean::request_of(params, {}, ExitCode::bad_input);
   auto made = run_long([&](const Progress&) {
-    const surface::TriMesh skin = over ? near_origin(*over) : surface::TriMesh();
-    auto hole = boolean::place_burr_hole(request, {}, over ? &skin : nullptr, near_origin(bone));
+    const surface::TriMesh skin = over ? near_origin(with_triangles(*over, "over")) : surface::TriMesh();
+    auto hole =
+        boolean::place_burr_hole(request, {}, over ? &skin : nullptr, near_origin(with_triangles(bone, "bone")));
     boolean::check_cutter(hole.value.cutter, ExitCode::bad_input);
     return hole;
   });
@@ -221,10 +246,10 @@ void bind_meshing(py::module_& m) {
       .def_property_readonly("area_mm2", [](const Mesh& mesh) { return surface::area_mm2(mesh.mesh()); });
   using Text = const std::string&;
   m.def("contour", &contour);
-  m.def("decimate", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::decimate, mesh, p); });
-  m.def("repair", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::repair, mesh, p); });
-  m.def("remesh", [](const Mesh& mesh, Text p) { return on_mesh(&meshing::remesh, mesh, p); });
-  m.def("normals", [](const Mesh& mesh, Text p) { return on_mesh(&with_normals, mesh, p); });
+  m.def("decimate", [](const Mesh& mesh, Text p) { return on_mesh<Takes::valid>(&meshing::decimate, mesh, p); });
+  m.def("repair", [](const Mesh& mesh, Text p) { return on_mesh<Takes::any>(&meshing::repair, mesh, p); });
+  m.def("remesh", [](const Mesh& mesh, Text p) { return on_mesh<Takes::valid>(&meshing::remesh, mesh, p); });
+  m.def("normals", [](const Mesh& mesh, Text p) { return on_mesh<Takes::any>(&with_normals, mesh, p); });
   m.def("smooth", &smooth);
   m.def("cut", &cut);
   m.def("burr_hole", &burr_hole);

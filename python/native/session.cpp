@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contact and drilling: a hand in a case, moved from Python.
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "native/binding.h"
@@ -26,7 +27,7 @@ DeviceReading pose_from(const Hand& hand, const py::object& tip, const py::objec
   pose.axis = vec3_from(axis, "axis");
   require_direction(pose.axis, "axis");
   pose.buttons = buttons;
-  if (across.is_none() == hand.header().knows_across)
+  if (across.is_none() == hand.knows_across())
     refuse(across.is_none() ? "across is missing: the session was made with knows_across"
                             : "across is not used: make the session with knows_across=True");
   if (!across.is_none()) {
@@ -50,13 +51,35 @@ std::vector<Vec3> directions_from(const py::object& value, std::size_t rows, con
   return all;
 }
 
+// A whole number from 0, of Python or numpy. Arrays come here too, and are refused as any other thing.
+std::uint32_t buttons_from(const py::object& value) {
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  const std::int64_t bits = whole ? PyLong_AsLongLong(whole.ptr()) : -1;
+  if (PyErr_Occurred()) PyErr_Clear();
+  if (bits < 0 || bits > std::numeric_limits<std::uint32_t>::max())
+    refuse("buttons must be a whole number from 0 to 4294967295");
+  return std::uint32_t(bits);
+}
+
+// One value for every row, or as many as there are.
 std::vector<std::uint32_t> buttons_from(const py::object& value, std::size_t rows) {
-  if (py::isinstance<py::int_>(value)) return std::vector<std::uint32_t>(rows, value.cast<std::uint32_t>());
-  const auto a = py::array_t<std::uint32_t, py::array::c_style>::ensure(value);
-  if (!a) PyErr_Clear();
-  if (!a || a.ndim() != 1 || std::size_t(a.shape(0)) != rows)
-    refuse("buttons must be a number, or an array of uint32 with one for each row of tip_mm");
-  return {a.data(), a.data() + rows};
+  if (!PySequence_Check(value.ptr())) return std::vector<std::uint32_t>(rows, buttons_from(value));
+  const auto given = py::array::ensure(value);
+  if (!given) PyErr_Clear();
+  if (given && given.ndim() == 0) return std::vector<std::uint32_t>(rows, buttons_from(value));
+  if (!given || (given.dtype().kind() != 'i' && given.dtype().kind() != 'u') || given.ndim() != 1 ||
+      std::size_t(given.shape(0)) != rows)
+    refuse("buttons must be a whole number, or an array of them with one for each row of tip_mm");
+  // What is beyond int64 becomes negative.
+  const auto a = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>(given);
+  std::vector<std::uint32_t> buttons(rows);
+  for (std::size_t n = 0; n < rows; ++n) {
+    const std::int64_t bits = a.data()[n];
+    if (bits < 0 || bits > std::numeric_limits<std::uint32_t>::max())
+      refuse("buttons: row " + std::to_string(n) + " is not from 0 to 4294967295");
+    buttons[n] = std::uint32_t(bits);
+  }
+  return buttons;
 }
 
 py::array run(Hand& hand, const py::object& tip, const py::object& axis, const py::object& buttons,
@@ -64,7 +87,7 @@ py::array run(Hand& hand, const py::object& tip, const py::object& axis, const p
   const std::vector<Vec3> tips = points_from(tip, "tip_mm");
   const std::vector<Vec3> axes = directions_from(axis, tips.size(), "axis");
   const std::vector<std::uint32_t> pressed = buttons_from(buttons, tips.size());
-  if (across.is_none() == hand.header().knows_across)
+  if (across.is_none() == hand.knows_across())
     pose_from(hand, py::cast(std::vector<double>{0, 0, 0}), py::cast(std::vector<double>{0, 0, 1}), 0, across);
   const std::vector<Vec3> turned =
       across.is_none() ? std::vector<Vec3>(tips.size()) : directions_from(across, tips.size(), "across");
@@ -85,8 +108,9 @@ py::array run(Hand& hand, const py::object& tip, const py::object& axis, const p
 }
 
 /// The raw voxels about a place, `size` along each axis of the volume; beyond it, what is read there.
-py::array patch(const Hand& hand, const py::object& place, int size) {
+py::array patch(Hand& hand, const py::object& place, int size) {
   if (size < 1 || size > 256) refuse("size must be from 1 to 256");
+  const auto lock = hand.alone();
   const voxel::HapticVolume& volume = hand.loaded().haptic;
   const grid::Grid<std::int16_t>& voxels = volume.voxels;
   const std::int16_t outside =
@@ -110,9 +134,11 @@ py::dict removed_mm3(Hand& hand) {
   return out;
 }
 
-py::object first_hit(const Hand& hand, const py::object& start, const py::object& end) {
-  const contact::Contact c = hand.patient().contact.intersect(vec3_from(start, "start_mm"), vec3_from(end, "end_mm"),
-                                                              haptics::touchable_of(hand.patient().felt.feels));
+py::object first_hit(Hand& hand, const py::object& start, const py::object& end) {
+  const Vec3 start_mm = vec3_from(start, "start_mm"), end_mm = vec3_from(end, "end_mm");
+  const auto lock = hand.alone();
+  const contact::Contact c =
+      hand.patient().contact.intersect(start_mm, end_mm, haptics::touchable_of(hand.patient().felt.feels));
   if (c.refused) refuse("start_mm and end_mm must lie within 1e9 mm");
   if (!c.hit) return py::none();
   return py::make_tuple(array_of(c.point_mm), array_of(c.normal), c.shape);
@@ -141,9 +167,9 @@ void bind_session(py::module_& m) {
       .def("reset",
            [](Hand& hand, const std::string& record) { run_long([&](const Progress&) { hand.reset(record); }); })
       .def("step",
-           [](Hand& hand, const py::object& tip, const py::object& axis, std::uint32_t buttons,
+           [](Hand& hand, const py::object& tip, const py::object& axis, const py::object& buttons,
               const py::object& across) {
-             return array_of_frame(hand.step(pose_from(hand, tip, axis, buttons, across)));
+             return array_of_frame(hand.step(pose_from(hand, tip, axis, buttons_from(buttons), across)));
            })
       .def("run", &run)
       .def("finish", &finish)
@@ -151,10 +177,16 @@ void bind_session(py::module_& m) {
       .def("first_hit", &first_hit)
       .def("patch", &patch)
       .def("shape_at",
-           [](const Hand& hand, const py::object& place) {
-             return hand.patient().contact.shape_at(vec3_from(place, "place_mm"));
+           [](Hand& hand, const py::object& place) {
+             const Vec3 place_mm = vec3_from(place, "place_mm");
+             const auto lock = hand.alone();
+             return hand.patient().contact.shape_at(place_mm);
            })
-      .def_property_readonly("header", [](const Hand& hand) { return json::json_of_value(hand.header()); })
+      .def_property_readonly("header",
+                             [](Hand& hand) {
+                               const auto lock = hand.alone();
+                               return json::json_of_value(hand.header());
+                             })
       .def_property_readonly("shapes", &shapes_of)
       .def_property_readonly("torque_n_mm", [](Hand& hand) { return array_of(hand.torque_n_mm()); })
       .def_property_readonly("removed_mm3", &removed_mm3)

@@ -35,7 +35,7 @@ class CaseEnv:
     An episode begins with the tip at begin_mm, moved by up to jitter_mm along each axis by the seed; where begin_mm is not given,
     10 mm before the surface that `axis` first meets on its way to the middle of the volume. It is terminated where a drill breaks
     through (`breach`), and truncated after max_steps. info has touched, removed_mm3 (of the episode), events and faults by name.
-    Other parameters are those of Session. reset(options={"record": FILE}) records the episode; close() or the next reset()
+    Other parameters are those of Session, but for those of lessons. reset(options={"record": FILE}) records the episode; close() or the next reset()
     completes the file."""
 
     metadata: Dict[str, Any] = {"render_modes": []}
@@ -48,14 +48,16 @@ class CaseEnv:
         for name, value in (("ticks_per_step", ticks_per_step), ("max_steps", max_steps), ("patch_size", patch_size)):
             if not (isinstance(value, int) and value >= 1):
                 raise ValueError(f"{name}: must be a whole number of 1 or more, not {value!r}")
+        if patch_size > 256:
+            raise ValueError(f"patch_size: must be 256 or less, not {patch_size}")
         for name, value in (("jitter_mm", jitter_mm), ("step_mm", step_mm), ("turn_rad", turn_rad)):
             if not 0 <= value < np.inf:
                 raise ValueError(f"{name}: must be 0 or more, not {value!r}")
-        if not params.get("lesson"):
-            params.update(tool=tool, drill=drill)
-        self.session = Session(case, **params)
+        for name in {"lesson", "participant", "task"} & params.keys():
+            raise ValueError(f"{name}: an action takes up no tool, and a lesson has several: make a Session of it")
+        self.session = Session(case, tool=tool, drill=drill, **params)
         self._axis = _unit(axis, "axis")
-        self._begin_mm = self._before_surface() if begin_mm is None else np.array(begin_mm, float)
+        self._begin_mm = self._before_surface() if begin_mm is None else _place(begin_mm, "begin_mm")
         self._jitter_mm, self._step_mm, self._turn_rad = float(jitter_mm), float(step_mm), float(turn_rad)
         self._ticks, self._max_steps, self._patch_size, self._reward = ticks_per_step, max_steps, patch_size, reward
         self._shares = np.arange(1, ticks_per_step + 1)[:, None] / ticks_per_step
@@ -111,7 +113,7 @@ class CaseEnv:
         return None
 
     def close(self) -> None:
-        self._steps = None
+        self._used, self._steps = True, None
         self.session.finish()
 
     def _observation(self, frames: np.ndarray) -> Dict[str, Any]:
@@ -136,10 +138,20 @@ class CaseEnv:
         return hit.point_mm + 10 * self._axis
 
 
-def _unit(vector: Any, name: str) -> np.ndarray:
-    out = np.array(vector, float)
-    if out.shape != (3,) or not np.isfinite(out).all() or not np.linalg.norm(out) > 0:
-        raise ValueError(f"{name}: must be a direction of three numbers, not {vector!r}")
+def _place(value: Any, name: str) -> np.ndarray:
+    try:
+        out = np.array(value, float)
+    except (TypeError, ValueError):
+        out = np.empty(0)
+    if out.shape != (3,) or not np.isfinite(out).all():
+        raise ValueError(f"{name}: must be three finite numbers, not {value!r}")
+    return out
+
+
+def _unit(value: Any, name: str) -> np.ndarray:
+    out = _place(value, name)
+    if not np.linalg.norm(out) > 0:
+        raise ValueError(f"{name}: must be a direction, not {value!r}")
     return out / np.linalg.norm(out)
 
 

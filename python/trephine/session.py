@@ -41,7 +41,7 @@ class Session:
         self.volume = Volume(voxels, *place)
         self.outcome: Optional[Dict[str, Any]] = None
 
-    def step(self, tip_mm: Any, axis: Any, buttons: int = 0, across: Any = None) -> np.void:
+    def step(self, tip_mm: Any, axis: Any, buttons: Any = 0, across: Any = None) -> np.void:
         """One tick with the tool there: axis points from tip to tail, and has length 1. Button 1 (bit 0) is the drill's pedal.
         Gives the tick as a recording has it (trephine.recording.FRAME): force_n on the hand, proxy_mm where the tool is shown,
         touched the number of the shape."""
@@ -82,7 +82,7 @@ class Session:
 
     @property
     def removed_mm3(self) -> Dict[str, float]:
-        """What was cut so far, by shape."""
+        """What was cut so far, by shape; once the session has ended, what was cut in it."""
         return self._hand.removed_mm3
 
     def patch(self, place_mm: Any, size: int = 16) -> np.ndarray:

@@ -16,11 +16,23 @@ class Volume:
     origin_mm: np.ndarray = field(default_factory=lambda: np.zeros(3))
     direction: np.ndarray = field(default_factory=lambda: np.eye(3))
 
+    def __post_init__(self) -> None:
+        for name, shape, what in (("spacing_mm", (3,), "three numbers"), ("origin_mm", (3,), "three numbers"),
+                                  ("direction", (3, 3), "a matrix of 3 x 3")):
+            value = getattr(self, name)
+            try:
+                array = np.asarray(value, float)
+            except (TypeError, ValueError):
+                array = np.empty(0)
+            if array.shape != shape:
+                raise ValueError(f"{name} must be {what}, not {value!r}")
+            object.__setattr__(self, name, array)
+
     @property
     def affine(self) -> np.ndarray:
         """4 x 4: takes (i, j, k, 1) to LPS mm."""
         out = np.eye(4)
-        out[:3, :3] = np.asarray(self.direction, float) * np.asarray(self.spacing_mm, float)
+        out[:3, :3] = self.direction * self.spacing_mm
         out[:3, 3] = self.origin_mm
         return out
 

@@ -11,7 +11,7 @@ deb=$(echo "$work"/packages/trephine_*.deb)
 dev=$(echo "$work"/packages/trephine-dev_*.deb)
 python=$(echo "$work"/packages/python3-trephine_*.deb)  # of a build with TREPHINE_PYTHON
 packages=("$deb" "$dev")
-[[ ! -e $BUILD/python/trephine/trephine-worker ]] || packages+=("$python")
+! grep -q '^set(CPACK_COMPONENTS_ALL "[^"]*python' "$BUILD/CPackConfig.cmake" || packages+=("$python")
 [[ $(ls "$work"/packages/*.deb | wc -l) == "${#packages[@]}" ]] && ls "${packages[@]}" >/dev/null || fail "not these packages: ${packages[*]}"
 root=$work/root
 dpkg-deb -x "$deb" "$root"

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import collections
 import gc
 import json
-import pathlib
+import shutil
 import threading
 import unittest
 
@@ -140,11 +141,17 @@ class Sessions(common.Case):
                 s.step((0, 0, 0), wrong)
             with self.assertRaisesRegex(ValueError, "axis must have length 1"):
                 s.run(tips, wrong)
-        for wrong in (-1, 2 ** 32, 1.5, "a"):
-            with self.assertRaises(TypeError):
+        for wrong in (-1, 2 ** 32, 2 ** 70, 1.5, "a", None, np.int64(-1), np.array([1.5] * 3), np.array([1, 2 ** 32, 1])):
+            with self.assertRaisesRegex(ValueError, "^buttons"):
                 s.step((0, 0, 0), self.up, wrong)
-            with self.assertRaises((TypeError, ValueError, RuntimeError)):
+            with self.assertRaisesRegex(ValueError, "^buttons"):
                 s.run(tips, self.up, wrong)
+        for right in (2 ** 32 - 1, np.int64(2 ** 32 - 1), np.uint32(2 ** 32 - 1), np.array(2 ** 32 - 1)):
+            self.assertEqual(s.step((0, 0, 900), self.up, right)["buttons"], 2 ** 32 - 1)
+            self.assertEqual(s.run(tips, self.up, right)["buttons"].tolist(), [2 ** 32 - 1] * 3)
+        for kind in (np.uint8, np.int16, np.int64, np.uint64, list):
+            row = [1, 0, 3] if kind is list else np.array([1, 0, 3], kind)
+            self.assertEqual(s.run(tips, self.up, row)["buttons"].tolist(), [1, 0, 3])
         with self.assertRaisesRegex(ValueError, "axis has 2 rows, tip_mm has 3"):
             s.run(tips, np.tile(self.up, (2, 1)))
         with self.assertRaisesRegex(ValueError, "buttons"):
@@ -165,7 +172,10 @@ class Sessions(common.Case):
         for code, pattern, params in ((65, "tool", dict(tool="spoon")), (65, "tool_diameter_mm", dict(tool_diameter_mm=-1)),
                                       (64, "", dict(tool="point", drill=True)), (65, "speed", dict(speed=3)),
                                       (65, "rate_hz", dict(rate_hz=1e9)), (64, "shape", dict(shape="none")),
-                                      (65, "lesson", dict(lesson="none")), (65, "tool", dict(lesson="ventriculostomy", tool="ball"))):
+                                      (65, "lesson", dict(lesson="none")), (65, "tool", dict(lesson="ventriculostomy", tool="ball")),
+                                      (64, "^trephine: participant: is of a lesson", dict(participant="r-07")),
+                                      (64, "^trephine: task: is of a lesson", dict(task="left")),
+                                      (64, "participant: must be 1 to 32", dict(lesson="ventriculostomy", participant="Jane Doe"))):
             self.refuses(code, pattern, trephine.Session, self.folder, **params)
         self.refuses(66, "none", trephine.Session, common.WORK / "none")
         self.refuses(73, "", trephine.Session, self.folder, record=common.WORK / "none" / "a.servo")
@@ -195,20 +205,60 @@ class Sessions(common.Case):
         s.reset()
         s.step((0, 0, 900), self.up)
 
+    def test_a_recording_that_cannot_be_completed(self):
+        folder = common.WORK / "removed"
+        folder.mkdir()
+        s = trephine.Session(self.folder, record=folder / "a.servo", **DRILL)
+        hit = s.first_hit((1, -20, 400), (1, -20, 300))
+        s.run(np.linspace(hit.point_mm + 5 * self.up, hit.point_mm - 3 * self.up, 1000), self.up, 1)
+        cut = s.removed_mm3
+        self.assertGreater(cut["skull"], 1)
+        shutil.rmtree(folder)
+        with self.assertRaises(trephine.Error):
+            s.finish()
+        self.assertEqual(s.torque_n_mm.tolist(), [0, 0, 0])
+        self.assertEqual(s.removed_mm3, cut)
+        for call in (lambda: s.step((0, 0, 900), self.up), lambda: s.run(np.zeros((3, 3)), self.up)):
+            with self.assertRaisesRegex(RuntimeError, "reset"):
+                call()
+        self.assertEqual(s.finish(), {})
+        s.reset()
+        self.assertEqual(s.removed_mm3["skull"], 0)
+        s.step((0, 0, 900), self.up)
+
     def test_one_thread_at_a_time(self):
         s = trephine.Session(self.folder, **DRILL)
-        tips = np.tile([1.0, -20, 309], (60000, 1))
-        worker = threading.Thread(target=s.run, args=(tips, self.up, 1))
-        worker.start()
-        refused = 0
-        while worker.is_alive():
+        tips = np.tile([1.0, -20, 309], (2000, 1))
+        calls = {"run": lambda: s.run(tips, self.up, 1), "step": lambda: s.step((0, 0, 900), self.up),
+                 "first_hit": lambda: s.first_hit((0, 0, 900), (0, 0, 0)), "patch": lambda: s.patch((0, 0, 0)),
+                 "shape_at": lambda: s.shape_at((0, 0, 0)), "removed_mm3": lambda: s.removed_mm3,
+                 "header": lambda: s._hand.header, "torque_n_mm": lambda: s.torque_n_mm}
+        others, refused, wrong = threading.Event(), collections.Counter(), []
+
+        def call(name):
             try:
-                s.step((0, 0, 900), self.up)
+                calls[name]()
             except RuntimeError as error:
-                self.assertIn("another thread", str(error))
-                refused += 1
+                refused[name] += 1
+                if "another thread" not in str(error):
+                    wrong.append(error)
+
+        def run():
+            while not others.is_set():
+                call("run")
+
+        worker = threading.Thread(target=run)
+        worker.start()
+        # Any of the two may be the one that is refused. So many calls take minutes.
+        for _ in range(1000000):
+            for name in calls.keys() - {"run"}:
+                call(name)
+            if all(refused[name] for name in calls.keys() - {"run"}):
+                break
+        others.set()
         worker.join()
-        self.assertGreater(refused, 0)
+        self.assertEqual(wrong, [])
+        self.assertEqual({name for name in calls if refused[name]} | {"run"}, set(calls))
 
     def test_places(self):
         s = trephine.Session(self.folder)
