@@ -141,7 +141,7 @@ TEST(Outcome, TwoCathetersAreDoubtful) {
   EXPECT_EQ(r.holes.size(), 2u);
 }
 
-TEST(Outcome, AnotherPatientIsRefusedOrDoubtful) {
+TEST(LongOutcome, AnotherPatientIsRefusedOrDoubtful) {
   for (const int seed : {5, 8, 13}) {
     const grid::HuVolume other = scanned(head_after(phantom::Implants::catheter, seed), scanner());
     try {
