@@ -265,6 +265,25 @@ TEST(HapticsServo, ItsTicksSleepAndMakeNoOtherSystemCall) {
 }
 
 // A tool that is turned while it presses; its recording replays bit for bit, and not with another tool.
+TEST(Recording, ReplacesARecordingAndNothingElse) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "a.servo", other = folder.path() / "case.json";
+  for (int n = 0; n < 2; ++n) {
+    haptics::RecordingWriter writer(file, {});
+    writer.finish();
+  }
+  EXPECT_EQ(haptics::read_recording(file).frames.size(), 0u);
+  write_file(other, "{}");
+  try {
+    haptics::RecordingWriter writer(other, {});
+    FAIL() << "a file that is no recording is replaced";
+  } catch (const Error& e) {
+    EXPECT_EQ(int(e.code()), 73);
+    EXPECT_NE(std::string(e.what()).find("no recording"), std::string::npos);
+  }
+  EXPECT_EQ(std::filesystem::file_size(other), 2u);
+}
+
 TEST(HapticsServo, ReplayWithAToolIsBitForBit) {
   Scene s;
   const contact::ContactVolume contact(s.volume);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <optional>
 
@@ -91,6 +92,18 @@ Seal seal_of(std::string_view head, std::string_view frames, const std::string& 
   return is == said ? Seal::whole : Seal::broken;
 }
 
+// A name typed wrongly (CASE/case.json) must not cost a file that is no recording.
+const std::filesystem::path& replaceable(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return file;
+  char begin[sizeof magic] = {};
+  std::ifstream(file, std::ios::binary).read(begin, 8);
+  if (begin[0] != 0 && std::memcmp(begin, magic, 8) != 0)
+    throw Error(ExitCode::cannot_create, file.string(), "",
+                "is there already and is no recording, so that it is not replaced; give another name");
+  return file;
+}
+
 }  // namespace
 
 struct RecordingWriter::Impl {
@@ -101,7 +114,7 @@ struct RecordingWriter::Impl {
 };
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
-    : impl_(new Impl{FileWriter(file), header}) {
+    : impl_(new Impl{FileWriter(replaceable(file)), header}) {
   impl_->out.write(fixed_text());
   impl_->out.write(header_text(header));
 }

@@ -102,8 +102,9 @@ struct RecordingHeader {
 std::string volume_digest(const voxel::HapticVolume& volume);
 RecordedCutting outcome_of(const voxel::HapticVolume& volume, const DrillingOutcome& outcome);
 
-/// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74; add() 65 for a
-/// frame whose time is not finite, which nobody could read.
+/// Writes through FileWriter: the file exists after finish(), or not at all. Another recording of that name is
+/// replaced; Error 73 for any other file, which is left as it is. Throws Error 73 and 74; add() 65 for a frame whose
+/// time is not finite, which nobody could read.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
