@@ -207,9 +207,9 @@ TEST(Outcome, LeavingPartsOutMovesWhatIsFarMost) {
   const auto fit = fit_bone(points, scan);
   ASSERT_TRUE(fit);
   const LeftOutFits fits(points, scan, *fit);
-  const LeftOut near = fits.at({0, -5, 60}), far = fits.at({0, -5, -240});
-  EXPECT_GT(near.standard_mm, 0);
-  EXPECT_GT(far.standard_mm, near.standard_mm);
+  const double near = fits.standard_error_mm({0, -5, 60}), far = fits.standard_error_mm({0, -5, -240});
+  EXPECT_GT(near, 0);
+  EXPECT_GT(far, near);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/pi.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
 
@@ -22,7 +23,7 @@ constexpr double cap_mm = 2, step_mm = 0.25;
 constexpr double nearest_share = 0.8;
 constexpr double least_scale_mm = 0.08;  ///< of Tukey's weights: below it edges are as good as they can be
 constexpr double radii_mm[] = {8, 6, 4, 3, 2.5, 2, 2, 2, 2, 2};
-constexpr double degree = 0.017453292519943295;
+constexpr double degree = pi / 180;
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -317,17 +318,14 @@ LeftOutFits::LeftOutFits(const std::vector<BonePoint>& points, const ScanView& s
   }
 }
 
-LeftOut LeftOutFits::at(Vec3 p) const {
-  LeftOut out;
+double LeftOutFits::standard_error_mm(Vec3 p) const {
   double sum = 0;
   for (const itk::LinearMap& map : without_) {
     const double moved = norm(map(p) - all_(p));
-    out.most_mm = std::max(out.most_mm, moved);
     sum += moved * moved;
   }
   const double n = double(std::max<std::size_t>(1, without_.size()));
-  out.standard_mm = std::sqrt((n - 1) / n * sum);
-  return out;
+  return std::sqrt((n - 1) / n * sum);
 }
 
 }  // namespace trephine::outcome

@@ -35,16 +35,13 @@ BoneFit refined_fit(const std::vector<BonePoint>& points, const ScanView& scan, 
 /// The same points mirrored at a plane across x through their middle: what a mirrored scan would show.
 std::vector<BonePoint> mirrored(std::vector<BonePoint> points);
 
-/// How far the place of `at_mm` moves when each eighth of the head in turn is left out of the fit: the jackknife's
-/// estimate of the standard error there, and the most that it moved.
-struct LeftOut {
-  double standard_mm = 0, most_mm = 0;
-};
+/// The fit made again without each eighth of the head in turn.
 class LeftOutFits {
  public:
   LeftOutFits(const std::vector<BonePoint>& points, const ScanView& scan, const BoneFit& all,
               const Progress& progress = {});
-  LeftOut at(Vec3 case_mm) const;
+  /// The standard error of where a place of the case lies: the jackknife's estimate, from how far it moves.
+  double standard_error_mm(Vec3 case_mm) const;
 
  private:
   itk::LinearMap all_;

@@ -112,8 +112,8 @@ lesson::OutcomeRecord measure_outcome(const cases::LoadedCase& loaded, const gri
   }
   std::stable_sort(r.courses.begin(), r.courses.end(),
                    [](const auto& a, const auto& b) { return a.confidence > b.confidence; });
-  for (lesson::OutcomeCourse& c : r.courses) c.error_mm = left_out.at(c.tip_mm).standard_mm;
-  for (lesson::OutcomeHole& h : r.holes) h.error_mm = left_out.at(h.outer_mm).standard_mm;
+  for (lesson::OutcomeCourse& c : r.courses) c.error_mm = left_out.standard_error_mm(c.tip_mm);
+  for (lesson::OutcomeHole& h : r.holes) h.error_mm = left_out.standard_error_mm(h.outer_mm);
   r.holes_beforehand = !loaded.manifest.burr_holes.empty();
   judge_catheter(r);
   const bool hole = std::any_of(r.holes.begin(), r.holes.end(), [](const auto& h) { return h.confidence >= sure; });
