@@ -229,6 +229,20 @@ TEST(Findings, AStreakInAFewSlicesIsNoSureTube) {
   }
 }
 
+TEST(Findings, ATubeStandsOutOfTheScansNoise) {
+  const Scene s({}, phantom::Variant::normal, 2, 5, [&](Scene& scene, const phantom::Head&) {
+    scene.brighten({-27, 8, 72}, {1.2, 1.2, 17}, 250);
+  });
+  for (const double noise_hu : {40.0, 100.0}) {
+    findings::FindingShapes shapes{&s.skull, &s.brain, &s.ventricles, nullptr};
+    shapes.voxel_noise_hu = noise_hu;
+    int count = 0;
+    for (const Finding& f : findings::find_findings(s.volume, shapes, {}).result.list)
+      count += f.kind == FindingKind::tube;
+    EXPECT_EQ(count, noise_hu < 70 ? 1 : 0) << noise_hu;
+  }
+}
+
 TEST(LongFindings, AShiftThatIsMeasuredInAPieceOfTheVentriclesIsDoubtful) {
   const auto shift_with = [](bool in_pieces) {
     const Scene s({}, phantom::Variant::shifted);

@@ -22,6 +22,7 @@ constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
 constexpr double round_ratio = 0.6, max_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
 constexpr double few_slices = 4, many_slices = 9;   ///< that a tube is long
+constexpr double brain_hu = 30, noise_above = 3;
 constexpr double flat_slices = 1, deep_slices = 5;  ///< through which it goes
 constexpr double flat_mm = 3, deep_mm = 9;          ///< likewise; a streak is as deep as the metal that casts it
 constexpr double suture_mm = 4;                     ///< a gap of bone that is narrower is a suture or a thin place
@@ -144,7 +145,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
   return all;
 }
 
-std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const FindingShapes& shapes,
                         const FindingsParams& params, const Progress& progress) {
   const mask::HuView hu(volume);
   const grid::Lattice& l = hu.lattice();
@@ -152,8 +153,9 @@ std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const gr
   // Dense, thin, long and straight, in the brain.
   const double slice = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   mask::BitMask deep = mask::fine_mask(in.envelope, in.raster);
-  deep.remove(mask::dilated(mask::positive(skull, l), std::max(off_bone_mm, 1.05 * slice), progress));
-  mask::BitMask dense = mask::above(hu, params.tube_hu);
+  deep.remove(mask::dilated(mask::positive(*shapes.skull, l), std::max(off_bone_mm, 1.05 * slice), progress));
+  // Voxels of the brain that a sharp kernel's noise takes above tube_hu hang together in lines.
+  mask::BitMask dense = mask::above(hu, std::max(params.tube_hu, brain_hu + noise_above * shapes.voxel_noise_hu));
   dense &= deep;
   const mask::Components pieces = mask::components(dense, true);
   std::vector<std::vector<Vec3>> of(pieces.list.size());

@@ -138,7 +138,7 @@ Findings find_findings(const grid::HuVolume& volume, const FindingShapes& shapes
   out.result.tissue_noise_hu = in.noise_hu;
   out.result.contrast_ml = in.contrast_ml;
   std::vector<Seen> implants = metal(in, volume, *shapes.skull, params, progress.part(0.5, 0.52));
-  for (Seen& s : tubes(in, volume, *shapes.skull, params, progress.part(0.52, 0.55))) implants.push_back(std::move(s));
+  for (Seen& s : tubes(in, volume, shapes, params, progress.part(0.52, 0.55))) implants.push_back(std::move(s));
   std::vector<Seen> all = dense_tissue(in, implants, params, progress.part(0.55, 0.6));
   const auto append = [&](std::vector<Seen> more) {
     for (Seen& s : more) all.push_back(std::move(s));

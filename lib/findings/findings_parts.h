@@ -55,7 +55,7 @@ std::vector<Seen> bone_gaps(const Inside& in, const grid::HuVolume& volume, cons
                             const FindingsParams& params);
 std::vector<Seen> metal(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
                         const FindingsParams& params, const Progress& progress);
-std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const grid::Field& skull,
+std::vector<Seen> tubes(const Inside& in, const grid::HuVolume& volume, const FindingShapes& shapes,
                         const FindingsParams& params, const Progress& progress);
 
 /// "1.2 ml", "34 ml".
