@@ -3,6 +3,8 @@
 // by bridges, behind them ribs and a spine, lung below, and a vein behind and below each clavicle.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "base/error.h"
 #include "report_of.h"
 #include "segmentation/segment.h"
@@ -305,6 +307,37 @@ TEST(Vein, ASideThatShowsNoLungIsSaid) {
   };
   EXPECT_TRUE(said("4 ml of the right lung"));
   EXPECT_FALSE(said("of the left lung"));
+}
+
+TEST(Vein, ALungOfWhichAPartIsMissingIsSaid) {
+  const Chest chest;
+  const grid::HuVolume volume = chest.volume(0);
+  const grid::Lattice l = grid::lattice_of(volume);
+  trunk::VeinParams estimated;
+  estimated.source = trunk::VeinSource::estimated;
+  const double bottom = l.to_world_mm({0, 0, 0}).z, top = l.to_world_mm({0, 0, l.size[2] - 1.0}).z;
+  // Two columns of lung; of the right one `missing` tells where there is none.
+  const auto warned = [&](const std::function<bool(double)>& missing) {
+    grid::Field lung(l, -1.f);
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+          if (std::abs(std::abs(p.x) - 60) < 35 && std::abs(p.y) < 25 && !(p.x < 0 && missing(p.z)))
+            lung.at(i, j, k) = 1;
+        }
+    std::vector<std::string> ids;
+    for (const Warning& w : trunk::find_vein(volume, bone_of(volume), estimated, {}, &lung).warnings)
+      if (w.id.rfind("lung", 0) == 0) ids.push_back(w.id);
+    return ids;
+  };
+  using Ids = std::vector<std::string>;
+  const double middle = (bottom + top) / 2;
+  EXPECT_EQ(warned([](double) { return false; }), Ids{});
+  EXPECT_EQ(warned([&](double z) { return std::abs(z - middle) < 5; }), Ids{"lung_interrupted"});
+  EXPECT_EQ(warned([&](double z) { return std::abs(z - middle) < 1; }), Ids{}) << "a slice is no part";
+  EXPECT_EQ(warned([&](double z) { return z < bottom + 65; }), Ids{"lung_ends_early"});
+  EXPECT_EQ(warned([&](double z) { return z < bottom + 40; }), Ids{}) << "as a liver raises it";
 }
 
 TEST(Vein, WithoutContrastIsEstimatedAndSaysSo) {

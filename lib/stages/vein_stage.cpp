@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType vein_stage() {
   StageType s;
   s.name = "vein";
-  s.version = 2;
+  s.version = 3;
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.017;
   s.typical.surface_million = 0.03;
@@ -23,7 +23,9 @@ StageType vein_stage() {
   s.ports = {
       port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
       port("bone", DataKind::field).help("all bone of the chest, filled"),
-      port("lung", DataKind::field).optional().help("the lungs: a side that shows less than 20 ml is warned of")};
+      port("lung", DataKind::field)
+          .optional()
+          .help("the lungs: a side that shows less than 20 ml, and a lung of which a part is missing, are warned of")};
   s.output = DataKind::field;
   s.declares<trunk::VeinParams, trunk::VeinResult>();
   s.run = [](const AnyParams& params, const StageInputs& in, const Progress& progress) {

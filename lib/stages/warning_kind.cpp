@@ -43,6 +43,7 @@ Kinds make_kinds() {
        "unsuited_scan"});
   add(k, Severity::wrong, {"ventricles", "third_ventricle"}, {"no_foramen", "no_third_ventricle"});
   add(k, Severity::wrong, {"clavicle", "vein"}, {"no_clavicle"});
+  add(k, Severity::wrong, {"lung", "pleura"}, {"lung_interrupted", "lung_ends_early"});
   add(k, Severity::note, {},
       {"isovalue_lowered",
        "axes_given",

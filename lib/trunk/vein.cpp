@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/error.h"
 #include "base/refusal.h"
@@ -81,30 +82,81 @@ Vein vein_of(const ClavicleCourse& clavicle, const mask::HuView& hu, const grid:
 }
 
 constexpr double min_lung_ml = 20;
+constexpr double half_sternum_mm = 20;  ///< from a clavicle's sternal end to the body's middle
+constexpr double sure_lung_mm2 = 1000, gap_ratio = 0.15, min_gap_mm = 5;
+constexpr double max_lower_end_mm = 60;  ///< the liver raises a lung's base by a third of this
 
-// How much lung lies on each clavicle's side of the body's middle.
+double middle_x_mm(const std::vector<ClavicleCourse>& clavicles) {
+  double sum = 0;
+  for (const ClavicleCourse& c : clavicles)
+    sum += c.points_mm.front().x + (c.side == BodySide::right ? half_sternum_mm : -half_sternum_mm);
+  return sum / double(clavicles.size());
+}
+
+/// The area of the lung on one side, slice by slice.
+std::vector<double> lung_areas_mm2(const grid::Field& lung, bool right, double middle_x) {
+  std::vector<double> area(std::size_t(lung.size[2]));
+  for (int k = 0; k < lung.size[2]; ++k)
+    for (int j = 0; j < lung.size[1]; ++j)
+      for (int i = 0; i < lung.size[0]; ++i)
+        if (lung.at(i, j, k) > 0 && right == (lung.to_world_mm({double(i), double(j), double(k)}).x < middle_x))
+          area[std::size_t(k)] += lung.spacing_mm.x * lung.spacing_mm.y;
+  return area;
+}
+
+/// The longest run of slices with next to no lung between slices with much of it, in indices; empty: {0, 0}.
+std::pair<int, int> gap_of(const std::vector<double>& area) {
+  const int n = int(area.size());
+  std::vector<double> below(area), above(area);
+  for (int k = 1; k < n; ++k) below[k] = std::max(below[k], below[k - 1]);
+  for (int k = n - 2; k >= 0; --k) above[k] = std::max(above[k], above[k + 1]);
+  std::pair<int, int> longest{0, 0};
+  for (int k = 0, from = 0; k <= n; ++k) {
+    const double least = k < n ? std::min(below[k], above[k]) : 0;
+    if (k < n && least >= sure_lung_mm2 && area[k] < gap_ratio * least) continue;
+    if (k - from > longest.second - longest.first) longest = {from, k};
+    from = k + 1;
+  }
+  return longest;
+}
+
+// How much lung lies on each clavicle's side, and whether a part of a lung is missing.
 void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const grid::Field& lung,
                   Outcome<grid::Field, VeinResult>& made) {
-  for (const ClavicleCourse& c : clavicles) {
-    const bool right = c.side == BodySide::right;
-    const double medial_x = c.points_mm.front().x;
-    double count = 0;
-    for (int k = 0; k < lung.size[2]; ++k)
-      for (int j = 0; j < lung.size[1]; ++j)
-        for (int i = 0; i < lung.size[0]; ++i)
-          if (lung.at(i, j, k) > 0) {
-            const double x = lung.to_world_mm({double(i), double(j), double(k)}).x;
-            count += right ? x < medial_x : x > medial_x;
-          }
+  const double middle_x = middle_x_mm(clavicles), step_mm = lung.spacing_mm.z;
+  const auto z_mm = [&](int k) { return lung.to_world_mm({0, 0, double(k)}).z; };
+  double lowest_mm[2] = {1e9, 1e9};
+  for (const bool right : {true, false}) {
+    const std::vector<double> area = lung_areas_mm2(lung, right, middle_x);
     const std::string name = right ? "right" : "left";
-    const double ml = count * lung.voxel_volume_mm3() / 1000;
+    const double ml = std::accumulate(area.begin(), area.end(), 0.0) * step_mm / 1000;
     made.result.lung_ml.emplace_back(name, ml);
-    if (ml < min_lung_ml)
+    for (int k = 0; k < lung.size[2]; ++k)
+      if (area[std::size_t(k)] >= sure_lung_mm2) lowest_mm[right] = std::min(lowest_mm[right], z_mm(k));
+    const bool has_clavicle = std::any_of(clavicles.begin(), clavicles.end(), [&](const ClavicleCourse& c) {
+      return right == (c.side == BodySide::right);
+    });
+    if (has_clavicle && ml < min_lung_ml)
       made.warnings.push_back({"little_lung",
                                "the scan shows {lung_ml:.0f} ml of the {side} lung, less than {least_ml:.0f}: a needle "
                                "to the {side} vein is not judged for lung and pleura",
                                {{"lung_ml", ml}, {"side", name}, {"least_ml", min_lung_ml}}});
+    const auto [from, to] = gap_of(area);
+    if ((to - from) * step_mm >= min_gap_mm)
+      made.warnings.push_back({"lung_interrupted",
+                               "the {side} lung is missing from z {from_mm:.0f} to {to_mm:.0f} mm, with lung below and "
+                               "above: look at the slices there, and paint what is missing",
+                               {{"side", name}, {"from_mm", z_mm(from)}, {"to_mm", z_mm(to - 1)}}});
   }
+  for (const bool right : {true, false})
+    if (lowest_mm[right] < 1e9 && lowest_mm[right] - lowest_mm[!right] > max_lower_end_mm)
+      made.warnings.push_back({"lung_ends_early",
+                               "the {side} lung ends at z {side_mm:.0f} mm, {longer_mm:.0f} mm above the other one: "
+                               "look at the slices below "
+                               "it, and paint what is missing",
+                               {{"side", right ? "right" : "left"},
+                                {"side_mm", lowest_mm[right]},
+                                {"longer_mm", lowest_mm[right] - lowest_mm[!right]}}});
 }
 
 }  // namespace

@@ -82,7 +82,8 @@ struct VeinResult {
 /// 65 where a raster differs; 80 where the bone is empty or no clavicle of the requested side is found; Cancelled.
 ///
 /// With the lungs (positive inside), warns where a side has less than 20 ml of them: a needle that goes to that vein
-/// meets neither lung nor pleura, and a lesson cannot judge whether it did.
+/// meets neither lung nor pleura, and a lesson cannot judge whether it did. Warns too where slices without a lung lie
+/// between slices that show much of it, and where one lung ends 60 mm above the other one.
 Outcome<grid::Field, VeinResult> find_vein(const grid::HuVolume& volume, const grid::Field& bone,
                                            const VeinParams& params, const Progress& progress = {},
                                            const grid::Field* lung = nullptr);
