@@ -253,22 +253,6 @@ TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
       }
 }
 
-TEST(LibraryLog, TheStageThatItNamesLast) {
-  const ScratchFolder folder;
-  const auto last = [&](const std::string& text) {
-    write_file(folder.path() / "case.a.log", "skin.segment: 1.2 s\n" + text + "\n");
-    return library::last_stage_in(folder.path() / "case.a.log");
-  };
-  EXPECT_EQ(last(""), "skin.segment");
-  EXPECT_EQ(last("skull.decimate 45 % (3.1 %/s, 18 s left)"), "skull.decimate");
-  EXPECT_EQ(last("76 % of all, about 7.4 s left | haptic.voxelize 81 % (14.8 %/s, 1.3 s left)"),
-            "haptic.voxelize, 76 % of the case");
-  EXPECT_EQ(last("4 % of all | skin.contour 10 % | brain.brain 3 %"), "brain.brain, 4 % of the case");
-  EXPECT_EQ(last("scan: 0.1 s, suited for brain"), "scan");
-  EXPECT_EQ(last("skin               488,928  90,000     81.6 %  11.7   1.62"), "skin.segment") << "a table names none";
-  EXPECT_EQ(last("warning: 12 % of the correction held without it"), "skin.segment");
-}
-
 TEST(LibraryPools, NinjaFileIsQuoted) {
   library::NinjaJob job;
   job.job.name = "case.a";

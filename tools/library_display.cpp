@@ -71,13 +71,16 @@ void LibraryDisplay::began(int jobs) {
 
 void LibraryDisplay::started(const std::string&) {}
 
-void LibraryDisplay::working(const std::vector<std::pair<std::string, std::string>>& running, int done, int failed,
-                             double seconds_left) {
+void LibraryDisplay::working(const Named<json::JobStatus>& running, int done, int failed, double seconds_left) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   std::string text = std::to_string(done) + " of " + std::to_string(state_->jobs) + " done";
   if (failed > 0) text += ", " + std::to_string(failed) + " failed";
   if (seconds_left >= 0) text += ", " + cli::duration_text(seconds_left) + " left";
-  for (const auto& [job, stage] : running) text += " | " + job.substr(job.find('.') + 1) + " " + stage;
+  for (const auto& [job, status] : running) {
+    text += " | " + job.substr(job.find('.') + 1);
+    if (!status.stages.empty()) text += " " + status.stages.back().name;
+    if (status.fraction >= 0) text += ", " + std::to_string(static_cast<int>(100 * status.fraction)) + " % of the case";
+  }
   state_->paint(text);
 }
 

@@ -16,8 +16,7 @@ class LibraryDisplay : public library::LibraryObserver {
   void planning(double fraction) override;
   void began(int jobs) override;
   void started(const std::string& job) override;
-  void working(const std::vector<std::pair<std::string, std::string>>& running, int done, int failed,
-               double seconds_left) override;
+  void working(const Named<json::JobStatus>& running, int done, int failed, double seconds_left) override;
   void finished(const std::string& job, const library::JobResult& result) override;
 
  private:

@@ -18,12 +18,13 @@
 
 #include "base/log.h"
 #include "base/text.h"
+#include "cli/job_status.h"
 
 namespace trephine::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double repaint_s = 0.2, plain_line_s = 5, longest_silence_s = 10;
+constexpr double repaint_s = 0.2, plain_line_s = 5, longest_silence_s = 10, status_s = 1;
 
 double seconds_between(Clock::time_point a, Clock::time_point b) {
   return std::chrono::duration<double>(b - a).count();
@@ -66,6 +67,7 @@ struct ProgressDisplay::State {
   double shown_fraction = 0;       ///< of the whole
   Clock::time_point began, spoke;  ///< when the plan was told; when the last line was written
   bool painted = false, ending = false;
+  Clock::time_point reported;  ///< when the status was written last
   std::condition_variable end;
   std::thread painter;
   LogSink log_before;
@@ -94,22 +96,37 @@ struct ProgressDisplay::State {
               " left)";
     return text;
   }
-  // Empty where nothing is planned.
-  std::string whole_text(Clock::time_point now) {
-    if (!(all_s > 0)) return "";
+  /// How many of the planned seconds are done.
+  double sum_s() const {
     double sum = done_s;
     for (const Stage& s : running)
       if (const auto e = expected_s.find(s.name); e != expected_s.end()) sum += e->second * s.fraction;
-    // The share that is shown never falls, though a further plan may hold more than the one before it; the time left
-    // follows the plan.
-    shown_fraction = std::max(shown_fraction, std::min(sum / all_s, 0.99));
+    return sum;
+  }
+  /// The share that is shown never falls, though a further plan may hold more than the one before it; the time left
+  /// follows the plan. Below 0 where nothing is planned.
+  double whole_fraction() {
+    if (!(all_s > 0)) return -1;
+    shown_fraction = std::max(shown_fraction, std::min(sum_s() / all_s, 0.99));
+    return shown_fraction;
+  }
+  // Empty where nothing is planned.
+  std::string whole_text(Clock::time_point now) {
+    const double fraction = whole_fraction(), sum = sum_s();
+    if (fraction < 0) return "";
     const double elapsed = seconds_between(began, now), left_s = std::max(all_s - sum, 0.01 * all_s);
-    std::string text = std::to_string(static_cast<int>(shown_fraction * 100)) + " % of all";
+    std::string text = std::to_string(static_cast<int>(fraction * 100)) + " % of all";
     // A stage that is slow to begin with says little of the others, so some seconds count as foreseen.
     const double held_s = std::max(10.0, 0.25 * all_s);
     if (sum > 0.05 * all_s && elapsed > 2)
       text += ", about " + duration_text(left_s * (elapsed + held_s) / (sum + held_s)) + " left";
     return text;
+  }
+  trephine::json::JobStatus status() {
+    trephine::json::JobStatus out;
+    out.fraction = whole_fraction();
+    for (const Stage& s : running) out.stages.push_back({s.name, s.fraction});
+    return out;
   }
   std::string running_text(Clock::time_point now) {
     std::string text = whole_text(now);
@@ -148,11 +165,12 @@ ProgressDisplay::ProgressDisplay(bool said_quiet, int fd, Style style) : state_(
   s.fd = fd;
   s.json = log_is_json();
   s.terminal = !quiet && !s.json && (style == Style::terminal || (style == Style::automatic && ::isatty(fd) == 1));
-  if (quiet) return;
-  s.log_before = set_log_sink([&s](const std::string& text) {
-    const std::lock_guard<std::mutex> lock(s.mutex);
-    s.line(text);
-  });
+  if (quiet && !has_job_status()) return;
+  if (!quiet)
+    s.log_before = set_log_sink([&s](const std::string& text) {
+      const std::lock_guard<std::mutex> lock(s.mutex);
+      s.line(text);
+    });
   s.spoke = Clock::now();
   s.painter = std::thread([&s] {
     std::unique_lock<std::mutex> lock(s.mutex);
@@ -160,23 +178,30 @@ ProgressDisplay::ProgressDisplay(bool said_quiet, int fd, Style style) : state_(
       const auto now = Clock::now();
       if (s.terminal)
         s.paint();
-      else if (!s.running.empty() && seconds_between(s.spoke, now) >= longest_silence_s)
+      else if (!s.quiet && !s.running.empty() && seconds_between(s.spoke, now) >= longest_silence_s)
         s.line(s.running_text(now));
+      if (!has_job_status() || seconds_between(s.reported, now) < status_s) continue;
+      s.reported = now;
+      const auto status = s.status();
+      lock.unlock();  // a slow disk holds up no stage
+      write_job_status(status);
+      lock.lock();
     }
   });
 }
 
 ProgressDisplay::~ProgressDisplay() {
   State& s = *state_;
-  if (s.quiet) return;
-  set_log_sink(s.log_before);
+  if (!s.painter.joinable()) return;
+  if (!s.quiet) set_log_sink(s.log_before);
   {
     const std::lock_guard<std::mutex> lock(s.mutex);
     s.ending = true;
     s.clear();
   }
   s.end.notify_all();
-  if (s.painter.joinable()) s.painter.join();
+  s.painter.join();
+  write_job_status(s.status());
 }
 
 void ProgressDisplay::plan(const std::vector<std::pair<std::string, double>>& expected_s) {

@@ -13,8 +13,9 @@ namespace trephine::cli {
 /// Shows how far several concurrent stages are. On a terminal it repaints one line with each running stage's share,
 /// rate and time left, and writes a line that stays for each finished stage. Elsewhere it writes plain lines, at most
 /// one every few seconds for each stage and at least one every ten seconds. A stage's share never falls. With `quiet`
-/// it shows nothing. While a display exists, log_line goes through it, so that a warning does not break its line. It is
-/// thread safe, and restores the terminal's line and the log when it is destroyed.
+/// it shows nothing. Whatever it shows, a program that another one started for its status (json/job_status.h) writes it
+/// there about once a second. While a display exists, log_line goes through it, so that a warning does not break its
+/// line. It is thread safe, and restores the terminal's line and the log when it is destroyed.
 class ProgressDisplay {
  public:
   enum class Style { automatic, terminal, plain };

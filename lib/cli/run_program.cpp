@@ -18,6 +18,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/declarations.h"
+#include "cli/job_status.h"
 #include "cli/plain_output.h"
 
 namespace trephine::cli {
@@ -218,13 +219,35 @@ std::vector<std::string> words_of(int argc, char** argv) {
   return bytes.empty() ? std::vector<std::string>{} : split_at(bytes, '\0');
 }
 
+// Without program and case, which who reads a status knows.
+std::string line_beside_case(const Error& e) {
+  std::string text;
+  for (const std::string* part : {&e.file(), &e.field()})
+    if (!part->empty()) text += *part + ": ";
+  return printable(text + e.what());
+}
+
 }  // namespace
 
 int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv) {
   std::string who = name;
+  json::JobStatus status;
+  const auto add = [&](const Error& e) {
+    log_error(e.line(who));
+    status.errors.push_back(line_beside_case(e));
+  };
+  const auto end = [&](ExitCode code, const std::string& line = "") {
+    if (!line.empty()) {
+      log_error(who + ": " + line);
+      status.errors.push_back(line);
+    }
+    write_job_status(status);
+    return number(code);
+  };
   try {
     leave_no_core_file();
     run_child_if_asked(argc, argv);
+    has_job_status();
     install_signal_handlers();
     const PlainOutput plain;
     Program program = declare();
@@ -234,22 +257,21 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
     flush_output();
     return number(code);
   } catch (const ErrorList& e) {
-    for (const Error& one : e.all()) log_error(one.line(who));
-    return number(e.code());
+    for (const Error& one : e.all()) add(one);
+    return end(e.code());
   } catch (const Error& e) {
-    log_error(e.line(who));
-    return number(e.code());
+    add(e);
+    return end(e.code());
   } catch (const Cancelled&) {
-    log_error(who + ": cancelled");
-    return number(ExitCode::cancelled);
+    return end(ExitCode::cancelled, "cancelled");
   } catch (const std::bad_alloc&) {
-    log_error(who + ": out of memory");
+    status.out_of_memory = true;
+    return end(ExitCode::internal, "out of memory");
   } catch (const std::exception& e) {
-    log_error(who + ": internal error: " + e.what());
+    return end(ExitCode::internal, std::string("internal error: ") + e.what());
   } catch (...) {
-    log_error(who + ": internal error of an unknown kind");
+    return end(ExitCode::internal, "internal error of an unknown kind");
   }
-  return number(ExitCode::internal);
 }
 
 }  // namespace trephine::cli

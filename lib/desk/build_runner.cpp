@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "desk/build_runner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <set>
 
 #include "base/error.h"
 #include "base/spawn.h"
@@ -31,21 +31,18 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return out;
 }
 
-/// The jobs whose log was begun after the build and which the build has not told of yet.
-std::vector<std::pair<std::string, std::string>> at_work(const library::LibraryState& state, fs::file_time_type since,
-                                                         const std::vector<std::string>& told) {
-  std::set<std::string> done;
-  for (const std::string& line : told) done.insert(line.substr(0, line.find(':')));
-  std::vector<std::pair<std::string, std::string>> out;
+/// The jobs that this build began and that have not ended: a status of before it is of a build that was killed.
+Named<json::JobStatus> at_work(const library::LibraryState& state, fs::file_time_type since) {
+  Named<json::JobStatus> out;
   std::error_code error;
   for (fs::directory_iterator it(state.folder() / "logs", error), end; !error && it != end; it.increment(error)) {
     std::error_code ignored;
-    const std::string job = it->path().stem().string(), name = job.substr(job.find('.') + 1);
-    if (name == job) continue;  // the log of ninja itself
+    if (it->path().extension() != library::LibraryState::status_suffix) continue;
     if (it->last_write_time(ignored) < since) continue;
-    if (done.count(job.rfind("phantom.", 0) == 0 ? "phantom " + name : name)) continue;
-    out.emplace_back(name, library::last_stage_in(it->path()));
+    const std::string job = it->path().stem().string();
+    if (const auto status = json::read_job_status(it->path())) out.emplace_back(job.substr(job.find('.') + 1), *status);
   }
+  std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   return out;
 }
 
@@ -77,7 +74,7 @@ BuildRunner::Status BuildRunner::status() const {
   if (out.running) {
     out.seconds = clock_s() - begin_s;
     const auto since = fs::file_time_type::clock::now() - std::chrono::milliseconds(int64_t(out.seconds * 1000));
-    out.at_work = at_work(library::LibraryState(options_.library), since, out.lines);
+    out.at_work = at_work(library::LibraryState(options_.library), since);
   }
   return out;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "desk/desk_library.h"
+#include "json/job_status.h"
 
 namespace trephine::desk {
 
@@ -24,11 +25,11 @@ class BuildRunner {
 
   struct Status {
     bool running = false, ever = false, stopping = false;
-    int code = 0;                                              ///< of the last build
-    double seconds = 0;                                        ///< since it began, or that it took
-    std::vector<std::string> only;                             ///< the cases that it was asked for; empty: all
-    std::vector<std::string> lines;                            ///< what it said
-    std::vector<std::pair<std::string, std::string>> at_work;  ///< case or phantom, and the stage that it named last
+    int code = 0;                    ///< of the last build
+    double seconds = 0;              ///< since it began, or that it took
+    std::vector<std::string> only;   ///< the cases that it was asked for; empty: all
+    std::vector<std::string> lines;  ///< what it said
+    Named<json::JobStatus> at_work;  ///< cases and phantoms, and how far each is
   };
   Status status() const;
 

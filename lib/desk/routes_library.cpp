@@ -150,7 +150,10 @@ Reply build_status(DeskState& desk, const Request&) {
   const BuildRunner::Status s = desk.builder.status();
   Json out = {{"running", s.running}, {"ever", s.ever}, {"stopping", s.stopping}, {"code", s.code},
               {"seconds", s.seconds}, {"only", s.only}, {"lines", s.lines},       {"at_work", Json::array()}};
-  for (const auto& [name, stage] : s.at_work) out["at_work"].push_back({{"case", name}, {"stage", stage}});
+  for (const auto& [name, status] : s.at_work)
+    out["at_work"].push_back({{"case", name},
+                              {"stage", status.stages.empty() ? "" : status.stages.back().name},
+                              {"fraction", status.fraction}});
   return json_reply(out);
 }
 

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <regex>
 #include <set>
 
 #include "base/log.h"
@@ -215,8 +214,9 @@ class Build {
   }
 
   void tick() {
-    std::vector<std::pair<std::string, std::string>> running;
-    for (const std::string& name : running_) running.emplace_back(name, last_stage_in(state_.log_file(name)));
+    Named<json::JobStatus> running;
+    for (const std::string& name : running_)
+      running.emplace_back(name, json::read_job_status(state_.status_file(name)).value_or(json::JobStatus{}));
     observer_.working(running, done_, failed_, seconds_left());
   }
 
@@ -369,28 +369,6 @@ class Build {
 };
 
 }  // namespace
-
-std::string last_stage_in(const fs::path& log) {
-  std::ifstream in(log, std::ios::binary);
-  in.seekg(0, std::ios::end);
-  const auto size = static_cast<long long>(in.tellg());
-  if (size <= 0) return "";
-  const long long from = std::max(0LL, size - 400);
-  in.seekg(from);
-  std::string text(static_cast<std::size_t>(size - from), '\0'), line, stage;
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
-    line = text.substr(at, end - at);
-    std::smatch found;
-    static const std::regex at_work("(?:(\\d+ %) of all[^|]*\\| )?(?:.* \\| )?([a-z][^ |]*) \\d+ %(?: \\(.*)?");
-    static const std::regex ended("([a-z][^ :]*): [\\d.,]+ (?:s|min|h)(?:,.*)?");
-    if (std::regex_match(line, found, at_work))
-      stage = found.str(2) + (found[1].matched ? ", " + found.str(1) + " of the case" : "");
-    else if (std::regex_match(line, found, ended))
-      stage = found.str(1);
-  }
-  return stage;
-}
 
 LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObserver& observer) {
   return Build(request, observer).run();

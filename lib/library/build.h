@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/params.h"
+#include "json/job_status.h"
 #include "library/plan.h"
 
 namespace trephine::library {
@@ -62,15 +63,10 @@ class LibraryObserver {
   virtual void planning(double fraction) = 0;
   virtual void began(int jobs) = 0;
   virtual void started(const std::string& job) = 0;
-  /// A few times a second: jobs at work and the stage that each named last.
-  virtual void working(const std::vector<std::pair<std::string, std::string>>& running, int done, int failed,
-                       double seconds_left) = 0;
+  /// A few times a second: jobs at work, by name, and how far each is.
+  virtual void working(const Named<json::JobStatus>& running, int done, int failed, double seconds_left) = 0;
   virtual void finished(const std::string& job, const JobResult& result) = 0;
 };
-
-/// The stage that a job's log names last, in a line such as "76 % of all, ... | skull.decimate 45 % ...", which becomes
-/// "skull.decimate, 76 % of the case", or "skull.decimate: 12.3 s"; empty where it names none.
-std::string last_stage_in(const std::filesystem::path& log);
 
 struct LibraryBuildResult {
   int cases = 0, fresh = 0, built = 0, failed = 0;

@@ -25,6 +25,7 @@
 #include "base/temporary_folder.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "json/job_status.h"
 #include "library/series_state.h"
 #include "publish/bring_case.h"
 
@@ -116,19 +117,16 @@ std::string clean_log(const fs::path& log, const fs::path& series) {
   return text;
 }
 
-// The errors with which the command ended, without the command's name; the last line where there is no error.
-std::string reason_in(const std::string& log, const std::string& tool, const std::string& token) {
-  std::istringstream lines(log);
-  std::string line, last, reason;
-  const std::string prefix = "trephine " + tool + ": ";
-  while (std::getline(lines, line)) {
-    if (!line.empty()) last = line;
-    if (line.rfind(prefix, 0) != 0) continue;
-    line.erase(0, prefix.size());
-    if (line.rfind(token + ": ", 0) == 0) line.erase(0, token.size() + 2);
-    reason += (reason.empty() ? "" : "; ") + line;
+// The errors with which the command ended; the last line of its log where it died without any.
+std::string reason_of(const json::JobStatus& status, const std::string& log) {
+  std::string reason;
+  for (const std::string& error : status.errors) reason += (reason.empty() ? "" : "; ") + error;
+  if (reason.empty()) {
+    std::istringstream lines(log);
+    for (std::string line; std::getline(lines, line);)
+      if (!line.empty()) reason = line;
   }
-  return printable(reason.empty() ? last : reason).substr(0, max_reason);
+  return printable(reason).substr(0, max_reason);
 }
 
 // What a program that is started with @3 reads as its command line: a file without a name.
@@ -144,13 +142,15 @@ FileDescriptor words_to_read(const std::vector<std::string>& words) {
 }
 
 // Runs the command once, within its time limit. Afterwards none of its processes runs any more.
-Ended run_once(const LibraryJob& job, const fs::path& log) {
+Ended run_once(const LibraryJob& job, const LibraryState& state) {
   SpawnRequest request;
   // The words hold the series' path, which may hold a patient's name: they do not stand in the list of processes.
   const FileDescriptor words = words_to_read(job.arguments);
   request.argv = {own_program().string(), "@3"};
   request.descriptors = {words.get()};
-  request.output = log;
+  request.output = state.log_file(job.name);
+  request.environment = {{json::job_status_variable, state.status_file(job.name)}};
+  json::write_job_status(state.status_file(job.name), {});
   const pid_t pid = spawn(request);
   const auto start = Clock::now();
   for (;;) {
@@ -167,10 +167,6 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
     if (end.code != 0 || end.signal) end.code = stopped;  // otherwise it ended successfully at that moment
     return end;
   }
-}
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 void record_phantom(const LibraryState& state, const LibraryJob& job) {
@@ -219,10 +215,12 @@ JobResult do_job(const LibraryJob& asked) {
   Ended end;
   const std::uint64_t killed_before = memory_kills();
   for (int attempt = 1;; ++attempt) {
-    end = run_once(job, log);
+    end = run_once(job, state);
     if (end.code != static_cast<int>(ExitCode::busy) || attempt == busy_tries || cancel_requested()) break;
     poll(nullptr, 0, static_cast<int>(1000 * busy_pause_s));
   }
+  const json::JobStatus status = json::read_job_status(state.status_file(job.name)).value_or(json::JobStatus{});
+  fs::remove(state.status_file(job.name), ignored);
   result.code = end.code;
   result.memory_mb = end.memory_mb;
   result.cpu_s = end.cpu_s;
@@ -239,7 +237,8 @@ JobResult do_job(const LibraryJob& asked) {
     }
   } else {
     if (node) publish::bring_refused(node->path(), job.library, job.token);
-    result.reason = reason_in(clean_log(log, job.series), job.arguments.front(), job.token);
+    result.reason = reason_of(status, clean_log(log, job.series));
+    replace_all(result.reason, job.series.string(), "SERIES");
     if (node) replace_all(result.reason, node->path().string() + "/", "");
     replace_all(result.reason, job.library.string() + "/", "");
     if (result.reason.empty()) result.reason = "failed; its log could not be written";
@@ -256,7 +255,7 @@ JobResult do_job(const LibraryJob& asked) {
     }
     const bool killed_for_memory = job.on_node && memory_kills() > killed_before;
     if (killed_for_memory) result.reason = "the kernel killed it for want of memory: " + result.reason;
-    if (killed_for_memory || ends_with(result.reason, ": out of memory")) result.lack = Lack::memory;
+    if (killed_for_memory || status.out_of_memory) result.lack = Lack::memory;
   }
   result.seconds = seconds_since(start);
   return result;

@@ -32,6 +32,9 @@ class LibraryState {
   std::filesystem::path series_file() const { return folder() / "series.json"; }
   std::filesystem::path timeline_file() const { return folder() / "timeline.json"; }
   std::filesystem::path log_file(const std::string& job) const { return folder() / "logs" / (job + ".log"); }
+  /// What a job at work writes of how far it is (json/job_status.h); gone once the job has ended.
+  std::filesystem::path status_file(const std::string& job) const { return folder() / "logs" / (job + status_suffix); }
+  static constexpr const char* status_suffix = ".status";
   std::filesystem::path phantom_folder(const std::string& name) const { return library_ / ".phantoms" / name; }
   std::filesystem::path phantom_record(const std::string& name) const {
     return folder() / "phantoms" / (name + ".json");

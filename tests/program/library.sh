@@ -97,6 +97,8 @@ printf 'x' >"$slice"
 code=0; build l.yaml --set skull.smooth.iterations_count=5 --json bad.json 2>said || code=$?
 [[ $code == 65 ]] || { cat said; fail "a bad case ends with $code"; }
 grep -q 'listed *65 ' said || { cat said; fail "the bad case is not named"; }
+! grep -qE 'listed *65 .*(trephine run|listed:)' said || { cat said; fail "the reason holds who gives it"; }
+[[ -z $(find "$work/out/.library" -name '*.status') ]] || fail "a job that has ended is still at work"
 [[ $(grep '^listed' <<<"$before") == "$(digests | grep '^listed')" ]] || fail "the bad case lost its last good state"
 [[ $(diff <(echo "$before") <(digests) | grep -c '^>') == 3 ]] || fail "the others were not built"
 "$TREPHINE" library list "$work/out" --failed | grep -q '^listed .*65' || fail "list --failed"
@@ -104,6 +106,23 @@ cp -p "$work/slice" "$slice"
 build l.yaml
 [[ $before == "$(digests)" ]] || fail "not as before"
 ! "$TREPHINE" library list "$work/out" --failed | grep -q '^listed' || fail "a mended case still counts as failed"
+
+# Who starts a run reads how far it is, and why it ended, as values.
+status() { TREPHINE_JOB_STATUS=$work/status "$TREPHINE" run c.yaml --out "$work/alone" --case one --quiet "$@" 2>/dev/null; }
+status --series scans/a
+python3 - "$work/status" <<'PY'
+import json, sys
+s = json.load(open(sys.argv[1]))
+assert 0 <= s["fraction"] < 1 and not s["errors"] and not s["out_of_memory"], s
+assert all(0 <= t["fraction"] <= 1 and t["name"] for t in s["stages"]), s
+PY
+! status --series scans/a --set skull.decimate.max_triangles=1 || fail "a skull of one triangle"
+python3 - "$work/status" <<'PY'
+import json, sys
+s = json.load(open(sys.argv[1]))
+assert len(s["errors"]) == 1 and "max_triangles" in s["errors"][0], s
+assert "one:" not in s["errors"][0] and "trephine" not in s["errors"][0], s
+PY
 
 # What is missing or damaged is built again; what only its bytes tell is for verify.
 rm "$work/out/first/case.json"

@@ -213,7 +213,7 @@ async function watchBuild(page) {
   }
   $('busy').textContent = s.running ? (s.stopping ? t('stopping') : t('working')) + ' ' + digits(s.seconds, 0) + ' s' : ''
   jobs.replaceChildren(
-    ...s.at_work.map(j => make('div', { class: 'job' }, make('span', { text: j.case }), faint(j.stage || '…')))
+    ...s.at_work.map(j => make('div', { class: 'job' }, make('span', { text: j.case }), faint(progressOf(j) || '…')))
   )
   log.hidden = !s.ever
   log.textContent = s.lines.join('\n') + (s.ever && !s.running ? `\n${endOf(s)}` : '')

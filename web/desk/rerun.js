@@ -7,6 +7,8 @@ const endOf = s =>
       ? t('ended_stopped')
       : `${t(ENDS[s.code] || 'ended_fault')} (${s.code})`
 
+const progressOf = job => job.stage + (job.fraction < 0 ? '' : ` ${digits(100 * job.fraction, 0)} %`)
+
 const caseOfPage = page => desk.cases.find(c => c.case === page.token) || {}
 const volumesNow = page => Object.fromEntries((caseOfPage(page).anatomies || []).map(a => [a.name, a]))
 
@@ -15,7 +17,7 @@ async function watchRerun(page) {
   clearTimeout(rerun.timer)
   if (desk.page !== page) return
   const s = await askJson('status')
-  const stage = s.at_work.map(j => ` · ${j.case} ${j.stage}`).join('')
+  const stage = s.at_work.map(j => ` · ${j.case} ${progressOf(j)}`).join('')
   $('busy').textContent = s.running ? `${s.stopping ? t('stopping') : t('working')} ${digits(s.seconds, 0)} s${stage}` : ''
   rerun.log = s.lines.join('\n')
   rerun.ended = s.ever && !s.running ? s : null
