@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "field_deviation.h"
@@ -240,6 +241,40 @@ TEST(SegmentThreshold, TheSkinsBrightRimIsNoBone) {
   EXPECT_TRUE(inside({32.8, 0, 0})) << "bone that reaches the skin";
   ASSERT_TRUE(report.find("bright_rim_ml"));
   ASSERT_EQ(report.warnings.size(), 1u);
+}
+
+// A vessel full of contrast medium beside bone is as bright as bone, and as even as the soft tissue about it.
+TEST(SegmentThreshold, BloodInWhatIsTakenForBoneIsSaid) {
+  const grid::Lattice l = lattice(80, 60, 50, {0.8, 0.8, 1.0});
+  for (const bool vessel : {false, true}) {
+    const auto hu = [&](Vec3 p) {
+      const double trabeculae = 90 * std::sin(2.1 * p.x) * std::sin(1.9 * p.y) * std::sin(2.3 * p.z);
+      const double to_bone = norm(p - Vec3{-12, 0, 0}), to_axis = std::hypot(p.x - 8, p.y);
+      if (to_bone < 11) return to_bone > 9 ? 700 : 330 + trabeculae;
+      return vessel && to_axis < 9.5 ? 320.0 : 40.0;
+    };
+    grid::HuVolume volume = rounded(sampled(l, hu));
+    std::mt19937 rng(7);
+    std::normal_distribution<double> noise(0, 12);
+    std::visit(
+        [&](auto& grid) {
+          for (auto& v : grid.voxels) v = std::decay_t<decltype(v)>(std::lround(v + noise(rng)));
+        },
+        volume);
+    segmentation::SegmentParams p;
+    p.lower_hu = 200;
+    p.seed_lower_hu = 350;
+    p.max_even_ml = 1;
+    const auto made = segmentation::segment(volume, {}, p);
+    ASSERT_TRUE(made.result.even_ml.has_value());
+    std::printf("  vessel %d: %.2f ml\n", int(vessel), *made.result.even_ml);
+    EXPECT_EQ(*made.result.even_ml > 1, vessel);
+    ASSERT_EQ(made.warnings.size(), vessel ? 1u : 0u);
+    if (vessel) {
+      EXPECT_EQ(made.warnings[0].id, "even_as_blood");
+      EXPECT_NEAR(std::get<double>(made.warnings[0].values.at(1).second), 320, 5);
+    }
+  }
 }
 
 }  // namespace

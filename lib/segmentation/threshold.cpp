@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
+#include "segmentation/even_core.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -125,6 +126,23 @@ mask::BitMask bright_rim(const mask::BitMask& shape, const mask::BitMask& body, 
   return rim;
 }
 
+void look_for_blood(const mask::BitMask& shape, const mask::HuView& hu, std::array<int, 3> begin,
+                    const SegmentParams& p, Made& made, const Progress& progress) {
+  const EvenCore core = even_core(shape, hu, begin, progress);
+  made.result.even_ml = core.ml;
+  if (core.ml > p.max_even_ml)
+    made.warnings.push_back(
+        {"even_as_blood",
+         "{even_ml:.1f} ml of {mean_hu:.0f} HU about ({x_mm:.0f}, {y_mm:.0f}, {z_mm:.0f}) are as even as blood, which "
+         "bone never is: vessels or organs with contrast medium are part of it; take a scan without, or paint them "
+         "away",
+         {{"even_ml", core.ml},
+          {"mean_hu", core.mean_hu},
+          {"x_mm", core.middle_mm.x},
+          {"y_mm", core.middle_mm.y},
+          {"z_mm", core.middle_mm.z}}});
+}
+
 }  // namespace
 
 Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, const SegmentMasks& masks,
@@ -168,6 +186,7 @@ Outcome<grid::Field, SegmentResult> segment_threshold(const mask::HuView& hu, co
     made.result.pieces_count = static_cast<std::int64_t>(pieces.list.size());
     shape = mask::select(pieces, chosen(pieces, p));
   }
+  if (p.max_even_ml > 0) look_for_blood(shape, hu, roi.begin, p, made, progress);
   if (p.close_mm > 0) shape = mask::closed(shape, p.close_mm, progress);
   const mask::FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
   if (p.fill != SegmentFill::none) {

@@ -8,7 +8,7 @@ namespace trephine::stages {
 StageType segment_stage() {
   StageType s;
   s.name = "segment";
-  s.version = 12;
+  s.version = 13;
   s.typical.base_s = 0.05;
   s.typical.per_million_voxels_s = 0.033;
   s.typical.surface_million = 0.9;

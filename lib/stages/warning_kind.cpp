@@ -31,6 +31,7 @@ Kinds make_kinds() {
        "unusual_canal",
        "unusual_content",
        "unusual_clavicle",
+       "even_as_blood",
        "vein_estimated",
        "vein_in_bone_or_lung",
        "unusual_third_ventricle",
