@@ -14,9 +14,11 @@ const lessons::LessonFigure& figure(const Head::Done& d, const char* name) { ret
 
 TEST(LessonsDura, ACatheterPopsThroughAndABurrStaysOutside) {
   Head head(Kind::whole, 1, true);
-  const Head::Done d = head.run(
-      std::string(perfect_marks) + "," + perfect_hole +
-      R"(, {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
+  const Head::Done d =
+      head.run(std::string(perfect_marks) +
+               // Wide, for a ball leaves a bowl, and the catheter slides along the ventricle's wall before it pops in.
+               R"(, {"take": {"tool": "burr"}}, {"drill": {"past_mm": 3, "hole_diameter_mm": 18, "feed_force_n": 1.5}},
+         {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
   ASSERT_TRUE(d.facts.dura.has_value());
   ASSERT_EQ(d.facts.dura->pops.size(), 1u);
   const lessons::DuraPop& pop = d.facts.dura->pops[0];

@@ -21,7 +21,7 @@ constexpr double scalp_mm = 4;
 constexpr double off_bone_mm = 2.5, straight_mm = 3, thick_mm = 4.5;
 constexpr double slices_doubtful = 2, slices_sure = 5;  ///< slices that a gap is wide
 constexpr double round_ratio = 0.6, max_of_hole = 0.75, hole_doubtful = 0.8, hole_sure = 1.6;
-constexpr double few_slices = 4, many_slices = 9;   ///< that a tube is long
+constexpr double few_slices = 4, many_slices = 9;  ///< that a tube is long
 constexpr double brain_hu = 30, noise_above = 3;
 constexpr double flat_slices = 1, deep_slices = 5;  ///< through which it goes
 constexpr double flat_mm = 3, deep_mm = 9;          ///< likewise; a streak is as deep as the metal that casts it

@@ -40,7 +40,8 @@ struct FindingsParams {
     v.number(&P::min_gap_cm2, "min_gap_cm2", Range{0.2, 400},
              "A smaller gap in the bone of the vault is not reported.");
     v.number(&P::metal_hu, "metal_hu", Range{1500, 30000}, "From this on something is metal.");
-    v.number(&P::tube_hu, "tube_hu", Range{60, 2000}, "A tube inside the brain is denser than this, and than brain by three times the scan's noise.");
+    v.number(&P::tube_hu, "tube_hu", Range{60, 2000},
+             "A tube inside the brain is denser than this, and than brain by three times the scan's noise.");
     v.number(&P::min_tube_mm, "min_tube_mm", Range{5, 200}, "A shorter one is not reported.");
   }
   std::string fault() const { return blood_hu >= most_blood_hu ? "blood_hu: is not below most_blood_hu" : ""; }

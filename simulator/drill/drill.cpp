@@ -78,7 +78,7 @@ const Removal& Drill::cut_way(const ToolPose& pose, Vec3 to_tip_mm, double wider
     from.tip_mm = was;
   end_ = {to_tip_mm, pose.frame};
   runs_ = true;
-  const double energy_j = power_w_ * std::clamp(power_ratio, 0.0, 1.0) * dt_s;
+  const double energy_j = power_w_ * std::max(power_ratio, 0.0) * dt_s;
   if (!(energy_j > 0 && dt_s > 0)) return go_ways(dt_s);
   const ToolWay way{from, to_tip_mm, wider_mm, dt_s, energy_j, 1, 0, held_};
   if (!ways_.join(way)) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "haptics/force_slew.h"
 #include "haptics/tool_belt.h"
 
 namespace trephine::haptics {
@@ -16,8 +17,9 @@ constexpr double min_depth_mm = 1;      // of a way through bone that counts as 
 
 // Of a bite in a tick; of what a cutter may be wider than its tool; how fast it becomes wider where it uses less than
 // that share of its power, and how much slower it becomes narrower again.
-constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
+constexpr double max_bite_voxels = 0.4, max_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3, breaking = 4,
                  idle_ratio = 0.6;
+constexpr double breaking_w = 1e4;     // so that nothing of what breaks is left by the power
 constexpr double usual_height_mm = 8;  // of a cylinder, where the tool's kind says nothing
 
 // "a, b or c".
@@ -29,6 +31,13 @@ std::string kinds_that_cut() {
   for (std::size_t n = 0; n < names.size(); ++n)
     text += (n == 0 ? "" : n + 1 < names.size() ? ", " : " or ") + names[n];
   return text;
+}
+
+std::uint64_t bone_of(const drill::DrillShapes& shapes) {
+  std::uint64_t bits = 0;
+  for (std::size_t n = 1; n < shapes.size(); ++n)
+    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
+  return bits;
 }
 
 double radius_of(const drill::Cutter& c) { return c.kind == drill::Cutter::Kind::ball ? c.radius_mm : c.semi_a_mm; }
@@ -45,13 +54,7 @@ drill::DrillShapes drill_shapes_of(const cases::CaseHaptic& haptic) {
   return out;
 }
 
-std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic) {
-  const drill::DrillShapes shapes = drill_shapes_of(haptic);
-  std::uint64_t bits = 0;
-  for (std::size_t n = 1; n < shapes.size(); ++n)
-    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
-  return bits;
-}
+std::uint64_t drilled_shapes(const cases::CaseHaptic& haptic) { return bone_of(drill_shapes_of(haptic)); }
 
 drill::Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   drill::Cutter c;
@@ -96,7 +99,9 @@ Drilling::Drilling(voxel::HapticVolume& volume, contact::ContactVolume& contact,
       before_decoder_(before_),
       drill_(volume, shapes, burrs_.front().cutter, law, marks),
       heat_(params, radius_of(burrs_.front().cutter)),
-      voxel_mm3_(volume.voxels.voxel_volume_mm3()) {
+      voxel_mm3_(volume.voxels.voxel_volume_mm3()),
+      letting_go_(contact, bone_of(shapes), params.rim_strength_n_per_mm2, ForceSlew::max_n_per_ms) {
+  for (const Burr& b : burrs_) letting_go_.add(b.cutter);
   for (std::size_t n = 1; n < burrs_.size(); ++n) drill_.add_cutter(burrs_[n].cutter);
   measure_burr();
   stands_.resize(std::size_t(params.undo_steps));
@@ -115,6 +120,7 @@ void Drilling::hold(int burr) {
   if (burr == burr_) return;
   burr_ = burr;
   drill_.hold(burr);
+  letting_go_.hold(burr);
   measure_burr();
   wider_voxels_ = 0;
 }
@@ -167,21 +173,27 @@ double Drilling::cut(const HapticInput& in, const HapticState& state) {
   }
   double max_w = power_w_;
   if (pressed && params_.reaction_ratio > 0) max_w = std::min(max_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
+  // Also where what lies behind the bone holds the tool already.
+  const bool breaks = state.touched != 0 && letting_go_.breaks();
+  if (breaks) max_w = breaking_w;
   Vec3 bite = in.tip_mm - state.proxy_mm;
-  if (const double length = norm(bite), most = max_bite_voxels * voxel_mm; length > most) bite = bite * (most / length);
+  const double most_mm = std::min(max_bite_voxels * voxel_mm, breaks ? letting_go_.most_mm() : 1e9);
+  if (const double length = norm(bite); length > most_mm) bite = bite * (most_mm / length);
   const drill::Removal& r = drill_.cut_way(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
                                            wider_voxels_ * voxel_mm, in.dt_s, max_w / power_w_);
-  const bool idle = pressed && r.power_w < idle_ratio * max_w;
-  wider_voxels_ =
-      std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, max_wider_voxels);
+  const bool idle = (pressed || breaks) && r.power_w < idle_ratio * std::min(max_w, power_w_);
+  const double change = (idle ? letting_go_.is_loose() ? breaking : 1 : -narrowing) * widening_voxels_per_s * in.dt_s;
+  wider_voxels_ = std::clamp(wider_voxels_ + change, 0.0, max_wider_voxels);
   count(r);
-  return r.power_w;
+  return breaks ? 0 : r.power_w;  // what breaks away takes none
 }
 
 void Drilling::prepare(HapticInput& in) const {
   in.extra_n = in.extra_n == Vec3{} ? force_ : in.extra_n + force_;
   in.drilling = in.buttons & pedal;
   in.breached = came_through_;
+  in.giving_way = letting_go_.breaks() ? letting_go_.bone() : 0;
+  in.held_ratio = letting_go_.ratio();
   in.away = putting_back();
 }
 
@@ -234,6 +246,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   const Vec3 spacing = before_.voxels.spacing_mm;
   const double ahead_mm = std::min({spacing.x, spacing.y, spacing.z}) / 2;
   watch_breach(in, state.proxy_mm - in.axis * ahead_mm);
+  let_go(in, state);
 
   const bool runs = (in.buttons & pedal) && !lifted;
   feel_heat(runs, in.dt_s);
@@ -266,13 +279,18 @@ void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   came_through_ = false;
   const bool runs = in.buttons & pedal, lifted = in.buttons & haptic_button::lifted;
   const bool is = !lifted && was_bone(tip);
-  if (is && !in_bone_) {
+  if (is && !in_bone_ && !letting_go_.is_through()) {  // else it is in again by the way on which it came through
     entry_mm_ = tip;
     pass_units_ = 0;
   }
+  if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) <= min_depth_mm) letting_go_.rest();
   if (runs && !lifted && !is && in_bone_ && dot(entry_mm_ - tip, in.axis) > min_depth_mm) {
     const bool first = !outcome_.breached;
-    came_through_ = first || double(pass_units_) > least_pass_units_;
+    // One that was left before it was free, and through which the tool now goes on, is still due.
+    due_ = first || double(pass_units_) > least_pass_units_ ||
+           (due_ && norm(tip - due_mm_) < radius_of(burrs_[std::size_t(burr_)].cutter));
+    due_mm_ = tip;
+    letting_go_.come_through();
     if (first) {
       outcome_.breached = true;
       outcome_.breach_time_s = time_s_;
@@ -280,6 +298,17 @@ void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
     }
   }
   in_bone_ = is;
+}
+
+// The breach is told once nothing of the bone is left under the cutter. Bone at which the drill stops holds it as
+// before.
+void Drilling::let_go(const HapticInput& in, const HapticState& state) {
+  const bool runs = (in.buttons & pedal) && !(in.buttons & haptic_button::lifted);
+  if (!runs) return letting_go_.rest();
+  if (!letting_go_.look(turned_pose(state.proxy_mm, state.axis, state.across), norm(state.force_n - force_), in.dt_s))
+    return;
+  came_through_ = due_;
+  due_ = false;
 }
 
 }  // namespace trephine::haptics

@@ -8,6 +8,7 @@
 #include "base/params.h"
 #include "cases/case.h"
 #include "drill/drill.h"
+#include "drill/letting_go.h"
 #include "haptics/bone_heat.h"
 #include "haptics/burrs.h"
 #include "haptics/feel.h"
@@ -25,7 +26,7 @@ struct DrillingParams : HeatParams {
   double cutter_height_mm = 0, cutter_width_ratio = 1, cutter_turn_deg = 0;
   double spindle_rpm = 60000, stall_force_n = 8, reaction_ratio = 0.5;
   double vibration_n = 0.05, vibration_hz = 200;
-  double incision_radius_mm = 15;
+  double incision_radius_mm = 15, rim_strength_n_per_mm2 = 0.2;
   std::int64_t undo_steps = 20;
   template <class V>
   static void describe(V& v) {
@@ -46,6 +47,8 @@ struct DrillingParams : HeatParams {
     v.number(&P::vibration_n, "vibration_n", Range{0, 5}, "Amplitude of the vibration at full power, across the tool.");
     v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
+    v.number(&P::rim_strength_n_per_mm2, "rim_strength_n_per_mm2", Range{0, 100},
+             "What is left of bone under a cutter whose tip is through breaks under more than this, by its area.");
     v.integer(&P::undo_steps, "undo_steps", Range{0, 1000},
               "How many strokes and incisions can be taken back, the last one first; 0: none, nor all at once.");
     v.template all_of<HeatParams>();
@@ -132,6 +135,7 @@ class Drilling {
   double cut(const HapticInput& in, const HapticState& state);
   drill::ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
   void watch_breach(const HapticInput& in, Vec3 tip_mm);
+  void let_go(const HapticInput& in, const HapticState& state);
   bool was_bone(Vec3 at_mm) const;
 
   contact::ContactVolume& contact_;
@@ -168,7 +172,10 @@ class Drilling {
   Stand back_to_;
   std::atomic<bool> putting_back_{false};
   bool begun_ = false, in_bone_ = false;
-  bool came_through_ = false;    ///< in this tick
+  drill::LettingGo letting_go_;
+  bool due_ = false;             ///< a breach that is told when the cutter is free
+  Vec3 due_mm_;                  ///< where its tip came through
+  bool came_through_ = false;    ///< in this tick the cutter came free
   std::int64_t pass_units_ = 0;  ///< of what a drill removes, since the tip is in bone
   double least_pass_units_ = 0;  ///< of a way through bone that is a breach
   Vec3 entry_mm_;

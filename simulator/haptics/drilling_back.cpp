@@ -16,6 +16,8 @@ void Drilling::go_back_to(const Stand& s) {
   outcome_.breach_time_s = s.breach_time_s;
   outcome_.breach_mm = s.breach_mm;
   in_bone_ = s.in_bone;
+  letting_go_.rest();
+  due_ = false;
   pass_units_ = s.pass_units;
   entry_mm_ = s.entry_mm;
   for (std::size_t n = 1; n < outcome_.units.size(); ++n)

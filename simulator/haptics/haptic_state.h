@@ -14,10 +14,12 @@ struct HapticInput {
   Vec3 across;         ///< unit, turns with the tool about its axis; zero: not known
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
-  bool drilling = false;  ///< the tool runs and may cut
-  bool breached = false;  ///< in the last tick the drill came through (Drilling)
-  bool away = false;      ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
-  double dt_s = 0.001;    ///< since the previous frame
+  bool drilling = false;         ///< the tool runs and may cut
+  bool breached = false;         ///< in the last tick the drill came free of bone that it went through (Drilling)
+  std::uint64_t giving_way = 0;  ///< shapes that let go of a drill (drill::LettingGo), bit n for shape n
+  double held_ratio = 1;         ///< and what is left of their stiffness
+  bool away = false;             ///< what the tool lies in changes: it feels nothing, and begins anew afterwards
+  double dt_s = 0.001;           ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 

@@ -92,6 +92,8 @@ const HapticState& Proxy::update(const HapticInput& given) {
   const HapticState before = state;
 
   note_motion(in);
+  ground_.giving_way = in.giving_way;
+  ground_.held_ratio = in.held_ratio;
   body_->follow(in);
   Vec3 force = force_of(in);
   const double size = norm(force);

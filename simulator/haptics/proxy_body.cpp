@@ -18,7 +18,11 @@ ProxyGround::ProxyGround(const contact::ContactVolume& volume, const Feels& all)
 HeldSurface ProxyGround::held(const contact::Contact& c) const {
   const ShapeFeel& shape = feels[std::size_t(c.shape)];
   const bool front = c.face == contact::ContactFace::front;
-  const cases::CaseFace& feel = front ? shape.front : shape.back;
+  cases::CaseFace feel = front ? shape.front : shape.back;
+  if (giving_way & shape_bit(c.shape)) {
+    feel.stiffness_n_per_mm *= held_ratio;
+    feel.damping_n_s_per_mm *= held_ratio;
+  }
   return {c.shape, front ? 1 : 2, c.into, feel, Grain(shape, feel), {}};
 }
 

@@ -29,7 +29,9 @@ struct ProxyGround {
   const contact::ContactVolume& contact;
   Feels feels;
   contact::TouchableFaces faces;
-  double margin_mm, step_mm;  ///< off a surface; over its roughness
+  double margin_mm, step_mm;     ///< off a surface; over its roughness
+  std::uint64_t giving_way = 0;  ///< HapticInput
+  double held_ratio = 1;
   HapticState state;
   HeldSurfaces surfaces;
   SlidingFriction friction;
