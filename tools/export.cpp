@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <iostream>
 
+#include "ambf/adf.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/text.h"
@@ -258,7 +259,7 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
     map = std::move(made.value);
   }
   const SceneExport scenes = export_scenes(parsed, formats.scenes, params.name, report, progress.part(0.8, 0.95));
-  if (!scenes.files.empty()) text += "scene                               MB   holds\n" + scenes.table;
+  if (!scenes.table.empty()) text += "scene                               MB   holds\n" + scenes.table;
   DicomExport dicom;
   if (formats.dicom.any()) {
     dicom = export_dicom(parsed, formats.dicom, params.name, report, progress.part(0.8, 0.95));
@@ -266,7 +267,7 @@ std::string run_export(const cli::ParsedCommand& parsed, Report& report, const P
   }
   make_output_folder(out);
   write_dicom(out, dicom);
-  meshio::write_export(out, scenes.files);
+  write_scenes(out, scenes);
   meshio::write_export(out, exported.files);
   meshio::write_export(out, markups);
   for (const meshio::LabelFormat* f : formats.labels)
@@ -317,6 +318,7 @@ const cli::OwnCommand export_command([] {
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export library/head-01 --format mrk.json --out exported",
                 "trephine export library/head-01 --format slicer-mrb --out exported",
+                "trephine export library/head-01 --format ambf --out volumetric_drilling/ADF",
                 "trephine export library/head-01 --format dicom-seg,dicom-rtss --series scan --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, cli::Argument::Kind kind, const std::string& help) {
@@ -348,7 +350,8 @@ const cli::OwnCommand export_command([] {
                "the case was made of; another one is refused (65).");
   c.arguments = {input, format, out, anatomy, texture, labels, series, report_argument()};
   c.groups = {cli::ParameterGroup::of<ExportParams>("Parameters"),
-              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"), cli::ParameterGroup::of<DicomParams>("DICOM")};
+              cli::ParameterGroup::of<meshio::MarkupsParams>("Markups"),
+              cli::ParameterGroup::of<ambf::AdfParams>("AMBF"), cli::ParameterGroup::of<DicomParams>("DICOM")};
   c.run = [](const cli::ParsedCommand& parsed) {
     Report report;
     std::string text;

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
+#include "ambf/adf.h"
 #include "base/error.h"
 #include "base/text.h"
+#include "base/write_file.h"
 #include "export_parts.h"
 #include "export_shapes.h"
 #include "meshio/export_format.h"
@@ -18,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double raster_mm = 1;  ///< of the segmentation of a case without CT
+constexpr const char* program = "trephine " TREPHINE_VERSION;
 
 // Where the segmentation lies: on the CT's voxels, so that the two agree to the voxel.
 grid::Lattice segmented_lattice(const cases::LoadedCase& loaded, const surface::Bounds& bounds) {
@@ -84,55 +88,98 @@ void add_holes(const cases::CaseManifest& manifest, slicer::CaseScene& scene) {
   }
 }
 
+void add_slicer_scene(const cli::ParsedCommand& parsed, const cases::LoadedCase& loaded, const std::string& name,
+                      SceneExport& made, Report& report, const Progress& progress) {
+  const CaseShapes shapes(loaded, items_of(parsed, "anatomy"), progress.part(0, 0.1));
+  if (shapes.all().empty()) throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
+  slicer::CaseScene scene;
+  scene.name = name;
+  scene.program = program;
+  add_models(shapes.all(), scene, report, progress.part(0.1, 0.7));
+  scene.segmented = segmented_lattice(loaded, scene.bounds_mm);
+  add_segments(shapes.all(), scene, report, progress.part(0.7, 1));
+  if (loaded.has_ct()) {
+    scene.ct = loaded.ct;
+    scene.ct_nrrd = cases::read_case_file(parsed.path("input"), *loaded.manifest.find_file(loaded.manifest.ct.file));
+  }
+  scene.markups = meshio::markups_of_case(loaded.manifest, parsed.params<meshio::MarkupsParams>());
+  add_holes(loaded.manifest, scene);
+  const std::string file = name + ".mrb";
+  made.files.push_back({file, slicer::encode_scene(scene)});
+  char line[200];
+  std::snprintf(line, sizeof line, "%-28s %9.1f   %zu models, %zu segments, %s, %zu markups\n", file.c_str(),
+                double(made.files.back().bytes.size()) / 1e6, scene.models.size(), scene.segments.size(),
+                loaded.has_ct() ? "the CT" : "no CT", scene.markups.size() + scene.holes.size());
+  made.table += line;
+}
+
+void add_ambf(const cli::ParsedCommand& parsed, const cases::LoadedCase& loaded, const std::string& name,
+              SceneExport& made, Report& report) {
+  made.of_ambf = with_file(parsed.text("input"),
+                           [&] { return ambf::encode_adf(loaded, parsed.params<ambf::AdfParams>(), program); });
+  made.ambf_folder = name + ".ambf";
+  std::size_t bytes = 0;
+  for (const meshio::ExportFile& f : made.of_ambf) bytes += f.bytes.size();
+  const auto& size = loaded.haptic.voxels.size;
+  report.add(made.ambf_folder + ".pictures_count", size[2]);
+  char line[200];
+  std::snprintf(line, sizeof line, "%-28s %9.1f   %d pictures of %d x %d\n", made.ambf_folder.c_str(),
+                double(bytes) / 1e6, size[2], size[0], size[1]);
+  made.table += line;
+}
+
 }  // namespace
 
 const std::vector<std::string>& scene_format_names() {
-  static const std::vector<std::string> names{"slicer-mrb"};
+  static const std::vector<std::string> names{"slicer-mrb", "ambf"};
   return names;
 }
 
 bool SceneFormats::take(const std::string& name) {
-  if (name != "slicer-mrb") return false;
-  return slicer_mrb = true;
+  if (name == "slicer-mrb") return slicer_mrb = true;
+  if (name == "ambf") return ambf = true;
+  return false;
 }
 
 const char* scene_formats_help =
     "Format slicer-mrb is a case as one scene for 3D Slicer (CASE.mrb): its surfaces as models with names, colours and "
     "opacities; a segmentation with SNOMED CT codes and colours, on the CT's voxels (of a case without CT on a raster "
     "of 1 mm); the case's CT, after its face policy; landmarks, targets, trajectories and burr holes as markups; and a "
-    "view of them. Files hold LPS and say so; lengths are mm.";
+    "view of them. Files hold LPS and say so; lengths are mm.\n\n"
+    "Format ambf is a case for AMBF with volumetric_drilling: a folder CASE.ambf, for that project's folder ADF, with "
+    "the haptic volume as a stack of pictures, the patient's frame, camera, burrs, landmarks, targets and burr holes, "
+    "in metres. `trephine drilled` reads back what was drilled there.";
 
 SceneExport export_scenes(const cli::ParsedCommand& parsed, const SceneFormats& formats, const std::string& name,
                           Report& report, const Progress& progress) {
   SceneExport made;
   if (!formats.any()) return made;
-  const fs::path folder = parsed.path("input");
   cases::LoadParts parts;
-  parts.ct = true;
-  const cases::LoadedCase loaded = cases::load_case(folder, parts);
-  const cases::CaseManifest& m = loaded.manifest;
-  const CaseShapes shapes(loaded, items_of(parsed, "anatomy"), progress.part(0, 0.1));
-  if (shapes.all().empty()) throw Error(ExitCode::bad_input, folder.string(), "", "holds no surface");
-  slicer::CaseScene scene;
-  scene.name = name.empty() ? m.case_token : name;
-  scene.program = "trephine " TREPHINE_VERSION;
-  add_models(shapes.all(), scene, report, progress.part(0.1, 0.7));
-  scene.segmented = segmented_lattice(loaded, scene.bounds_mm);
-  add_segments(shapes.all(), scene, report, progress.part(0.7, 0.9));
-  if (loaded.has_ct()) {
-    scene.ct = loaded.ct;
-    scene.ct_nrrd = cases::read_case_file(folder, *m.find_file(m.ct.file));
-  }
-  scene.markups = meshio::markups_of_case(m, parsed.params<meshio::MarkupsParams>());
-  add_holes(m, scene);
-  const std::string file = scene.name + ".mrb";
-  made.files.push_back({file, slicer::encode_scene(scene)});
-  char line[200];
-  std::snprintf(line, sizeof line, "%-28s %9.1f   %zu models, %zu segments, %s, %zu markups\n", file.c_str(),
-                double(made.files.back().bytes.size()) / 1e6, scene.models.size(), scene.segments.size(),
-                loaded.has_ct() ? "the CT" : "no CT", scene.markups.size() + scene.holes.size());
-  made.table = line;
+  parts.ct = formats.slicer_mrb;
+  const cases::LoadedCase loaded = cases::load_case(parsed.path("input"), parts);
+  const std::string& stem = name.empty() ? loaded.manifest.case_token : name;
+  if (formats.slicer_mrb) add_slicer_scene(parsed, loaded, stem, made, report, progress);
+  if (formats.ambf) add_ambf(parsed, loaded, stem, made, report);
   return made;
+}
+
+void write_scenes(const fs::path& out, const SceneExport& made) {
+  meshio::write_export(out, made.files);
+  if (made.of_ambf.empty()) return;
+  std::map<fs::path, std::vector<meshio::ExportFile>> folders;
+  for (const meshio::ExportFile& f : made.of_ambf) {
+    const fs::path name(f.name);
+    folders[name.parent_path()].push_back({name.filename().string(), f.bytes});
+  }
+  const fs::path scene = out / made.ambf_folder;
+  for (const auto& [folder, files] : folders) {
+    make_output_folder(scene / folder);
+    meshio::write_export(scene / folder, files);
+  }
+  std::error_code ignored;
+  for (std::size_t n = folders[ambf::stack_folder].size();
+       fs::remove(scene / ambf::stack_folder / ambf::picture_name(n), ignored); ++n) {
+  }
 }
 
 }  // namespace trephine::tools

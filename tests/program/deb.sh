@@ -50,7 +50,7 @@ done
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
   -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
-  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(case_reader|contact|dicom_overlay|python_reader|slicer_scene|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
+  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/(ambf_stack|case_reader|contact|dicom_overlay|python_reader|slicer_scene|udp_client)/[A-Za-z._]+)' || fail "these do not belong there"
 
 # The Python package, from an empty folder, by the Python that it is for.
 if ((${#packages[@]} > 2)); then
