@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "ambf/adf.h"
+#include "ambf/read_pictures.h"
 #include "base/error.h"
 #include "scratch_folder.h"
 #include "voxel/decode.h"
@@ -141,6 +142,12 @@ TEST(Ambf, StandsWhereTheCaseDoesOnAxesOfAnyDirection) {
       EXPECT_EQ(now.at(4, 3, 2), drilled ? 0 : 1);
       EXPECT_EQ(now.at(0, 0, 0), 1);
       const auto labels = ambf::drilled_labels(v, shown, now);
+      // The picture and the pixel that show that voxel, by CHAI3D's count of rows.
+      ambf::read_pictures({scratch.path() / (left_handed ? "plane000.png" : "plane002.png")}, 5, 4,
+                          [&](std::size_t, const std::uint8_t* pixels) {
+                            EXPECT_EQ(pixels[(0 * 5 + 4) * 4 + 3], drilled ? 0 : 255);
+                            EXPECT_EQ(pixels[(3 * 5 + 0) * 4 + 3], 0);
+                          });
       EXPECT_EQ(labels.shapes[0].removed, drilled ? 1U : 0U);
       EXPECT_EQ(labels.shapes[1].removed, 0U);
       EXPECT_EQ(grid::decode_labels(grid::encode_labels(labels.labels)).lattice.direction, l.direction);

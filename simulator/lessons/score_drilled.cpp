@@ -15,10 +15,22 @@
 namespace trephine::lessons {
 namespace {
 
+// Both have each voxel in the same place; directions that were written and read again may differ in the last digit.
+bool are_alike(const grid::Lattice& a, const grid::Lattice& b) {
+  constexpr double off_mm = 1e-3;
+  if (a.size != b.size) return false;
+  for (int corner = 0; corner < 4; ++corner) {
+    Vec3 at;  // the first voxel, and the last along each axis
+    if (corner > 0) at[corner - 1] = a.size[std::size_t(corner - 1)] - 1;
+    if (norm(a.to_world_mm(at) - b.to_world_mm(at)) > off_mm) return false;
+  }
+  return true;
+}
+
 // What was removed of each shape that the case lets a tool remove.
 grid::Mask removed_of(const grid::LabelFile& labels, const cases::LoadedCase& loaded) {
   const voxel::HapticVolume& volume = loaded.haptic;
-  if (labels.lattice != static_cast<const grid::Lattice&>(volume.voxels))
+  if (!are_alike(labels.lattice, volume.voxels))
     throw Error(ExitCode::bad_input, "", "lattice",
                 "is not that of the case's haptic volume; make the labels of this case by trephine drilled");
   grid::Mask removed(volume.voxels);

@@ -123,7 +123,7 @@ changed("more", lambda p: put(p, (0, 0), (255, 249, 219, 255)))
 changed("half", lambda p: put(p, (108, 108), p.getpixel((108, 108))[:3] + (128,)))
 changed("turned", lambda p: p.transpose(Image.FLIP_TOP_BOTTOM), 60)
 PY
-refused 65 'small/plane00108.png: ' small
+refused 65 'small/plane00108.png: has 215 x 216 pixels' small
 refused 65 'colour/plane00108.png: pixels: column 108, row 108' colour
 refused 65 'more/plane00108.png: pixels: column 0, row 0' more
 refused 65 'half/plane00108.png: pixels: column 108' half
@@ -134,6 +134,8 @@ cp -r right text && echo "no picture" >text/plane0050.png && refused 65 'text/pl
 # Labels of another case, of another lesson, and no such labels.
 read_back play ADF/play.ambf/volume other
 expect 65 'other.seg.nrrd: lattice: is not that' "$SIM" score-drilled other.seg.nrrd --case head --rubric rubric.json --participant r-01
+"$python" -c 'd = open("right.seg.nrrd", "rb").read(); e = d.replace(b"space origin: (-96.75,", b"space origin: (-96.25,"); assert e != d; open("moved.seg.nrrd", "wb").write(e)'
+expect 65 'moved.seg.nrrd: lattice: is not that' "$SIM" score-drilled moved.seg.nrrd --case head --rubric rubric.json --participant r-01
 "$TREPHINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output screw.json --quiet
 expect 64 'of which a drilled volume is not judged' "$SIM" score-drilled right.seg.nrrd --case head --rubric screw.json --participant r-01
 expect 64 'participant' "$SIM" score-drilled right.seg.nrrd --case head --rubric rubric.json --participant 'A Name'
