@@ -90,12 +90,12 @@ TEST(Ambf, RemovesFromHuAsCuttingDoes) {
   voxel::HapticVolume v;
   v.encoding = voxel::HapticEncoding::hu;
   v.voxels = grid::Grid<std::int16_t>(l);
-  v.voxels.voxels = {900, 700, -1000};
+  v.voxels.voxels = {900, 300, -1000};
   v.shapes = {{"skull", 1, 300, 2000}};
   EXPECT_EQ(voxel::shown_shapes(v).voxels, (std::vector<std::uint8_t>{1, 1, 0}));
   grid::Mask removed(l);
   removed.voxels = {1, 0, 0};
-  EXPECT_EQ(voxel::drilled_volume(v, removed).voxels.voxels, (std::vector<std::int16_t>{-1024, 700, -1000}));
+  EXPECT_EQ(voxel::drilled_volume(v, removed).voxels.voxels, (std::vector<std::int16_t>{-1024, 300, -1000}));
 }
 
 // By the rules of AMBF and CHAI3D, from the file's own words: where the middle of a voxel lies in the patient.

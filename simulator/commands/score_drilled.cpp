@@ -45,7 +45,7 @@ const cli::OwnCommand score_drilled_command([] {
       "Takes the labels that `trephine drilled` made of a stack which volumetric_drilling saved, and scores them by "
       "the same functions and the same rubric as a recorded lesson, in the anatomy of the case. What a drilled volume "
       "does not show (traces of landmarks, the catheter, time, passes) is not judged. The report holds each hole's "
-      "place, width and volume, and is one that `study` and `group` read beside those of lessons.";
+      "place and volume, and is one that `study` and `group` read beside those of lessons.";
   c.arguments = {
       cli::positional_argument("labels", Kind::in_file, "The labels (.seg.nrrd)."),
       cli::required_argument("case", Kind::in_folder, "Folder of the case that was drilled."),

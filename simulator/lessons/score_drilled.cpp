@@ -27,28 +27,31 @@ bool are_alike(const grid::Lattice& a, const grid::Lattice& b) {
   return true;
 }
 
-// What was removed of each shape that the case lets a tool remove.
+// What was removed; what was and what is left must be what the case shows, voxel by voxel.
 grid::Mask removed_of(const grid::LabelFile& labels, const cases::LoadedCase& loaded) {
   const voxel::HapticVolume& volume = loaded.haptic;
-  if (!are_alike(labels.lattice, volume.voxels))
-    throw Error(ExitCode::bad_input, "", "lattice",
-                "is not that of the case's haptic volume; make the labels of this case by trephine drilled");
-  grid::Mask removed(volume.voxels);
-  bool known = false;
-  for (const grid::LabelSegment& segment : labels.segments)
-    for (const cases::CaseShape& s : loaded.manifest.haptic.shapes) {
-      known = known || segment.name == s.name;
-      if (segment.name != s.name + voxel::removed_suffix) continue;
-      known = true;
-      const grid::PickedLabel picked = grid::pick_label(labels, segment.name);
-      if (!s.cuttable) {
-        log_warning(fmt::format("{}: {:.1f} mm3 were removed, and no tool of the simulator removes it: not judged",
-                                s.name, double(picked.voxels) * volume.voxels.voxel_volume_mm3()));
-        continue;
+  const auto refuse = [](const char* field, const std::string& what) {
+    throw Error(ExitCode::bad_input, "", field, what + "; make the labels of this case by trephine drilled");
+  };
+  if (!are_alike(labels.lattice, volume.voxels)) refuse("lattice", "is not that of the case's haptic volume");
+  grid::Mask removed(volume.voxels), all(volume.voxels);
+  for (const cases::CaseShape& s : loaded.manifest.haptic.shapes)
+    for (const bool is_left : {true, false}) {
+      const std::string name = is_left ? s.name : s.name + voxel::removed_suffix;
+      for (const grid::LabelSegment& segment : labels.segments) {
+        if (segment.name != name) continue;
+        const grid::PickedLabel picked = grid::pick_label(labels, name);
+        for (std::size_t i = 0; i < all.voxels.size(); ++i) {
+          if (!picked.mask.voxels[i]) continue;
+          all.voxels[i] = std::uint8_t(s.number);
+          removed.voxels[i] = std::uint8_t(!is_left);
+        }
+        if (!is_left && !s.cuttable)
+          log_warning(fmt::format("{}: {:.1f} mm3 were removed, and no tool of the simulator removes it: not judged",
+                                  s.name, double(picked.voxels) * volume.voxels.voxel_volume_mm3()));
       }
-      for (std::size_t i = 0; i < removed.voxels.size(); ++i) removed.voxels[i] |= picked.mask.voxels[i];
     }
-  if (!known) throw Error(ExitCode::bad_input, "", "segments", "name no shape of the case");
+  if (all.voxels != voxel::shown_shapes(volume).voxels) refuse("voxels", "are not those that the case shows");
   return removed;
 }
 

@@ -136,6 +136,13 @@ read_back play ADF/play.ambf/volume other
 expect 65 'other.seg.nrrd: lattice: is not that' "$SIM" score-drilled other.seg.nrrd --case head --rubric rubric.json --participant r-01
 "$python" -c 'd = open("right.seg.nrrd", "rb").read(); e = d.replace(b"space origin: (-96.75,", b"space origin: (-96.25,"); assert e != d; open("moved.seg.nrrd", "wb").write(e)'
 expect 65 'moved.seg.nrrd: lattice: is not that' "$SIM" score-drilled moved.seg.nrrd --case head --rubric rubric.json --participant r-01
+"$python" -c 'import gzip
+head, v = open("right.seg.nrrd", "rb").read().split(b"\n\n", 1)
+v = bytearray(gzip.decompress(v))
+assert v[0] == 0
+v[0] = 3
+open("more.seg.nrrd", "wb").write(head + b"\n\n" + gzip.compress(v))'
+expect 65 'more.seg.nrrd: voxels: are not those that the case shows' "$SIM" score-drilled more.seg.nrrd --case head --rubric rubric.json --participant r-01
 "$TREPHINE" rubric "$SOURCE/configs/rubrics/pedicle_screw.yaml" --output screw.json --quiet
 expect 64 'of which a drilled volume is not judged' "$SIM" score-drilled right.seg.nrrd --case head --rubric screw.json --participant r-01
 expect 64 'participant' "$SIM" score-drilled right.seg.nrrd --case head --rubric rubric.json --participant 'A Name'

@@ -25,6 +25,20 @@ grep -Eq '^volume ct: \([0-9, ]+\) voxels, HU' spine.txt || { cat spine.txt; fai
 grep -q '^landmarks kocher_right: -1.00 20.00 340.50 mm RAS$' play.txt || { cat play.txt; fail "no landmark in the example"; }
 [[ $(wc -l <"$SOURCE/examples/slicer_scene/list_scene.py") -lt 60 ]] || fail "the example is too long"
 
+# The CT comes back by our own reader of such scenes.
+"$TREPHINE" import spine.mrb --volume-values hu --output back.nrrd --quiet 2>>log || { cat log >&2; fail "import"; }
+"$python" - "$SOURCE/examples/python_reader" <<'PY' || fail "another CT"
+import sys
+import numpy as np
+sys.path.insert(0, sys.argv[1])
+import read_case
+header, voxels = open("back.nrrd", "rb").read().split(b"\n\n", 1)
+ct = read_case.load("spine").ct
+assert b"encoding: raw" in header and (np.frombuffer(voxels, "<i2").reshape(ct.voxels.shape) == ct.voxels).all()
+origin = [l for l in header.decode().splitlines() if l.startswith("space origin")][0]
+assert np.allclose([float(c) for c in origin.split("(")[1].rstrip(")").split(",")], ct.origin), origin
+PY
+
 # The same bytes again, wherever and with however many threads; names and anatomies as they are asked for.
 TZ=Asia/Tokyo LC_ALL=C.UTF-8 export_ spine --format slicer-mrb --threads 1 --out again
 cmp spine.mrb again/*.mrb || fail "two exports differ"
