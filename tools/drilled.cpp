@@ -11,6 +11,7 @@
 #include "cli/progress_display.h"
 #include "export_parts.h"
 #include "stage_command.h"
+#include "stages/data_files.h"
 #include "voxel/drilled.h"
 
 namespace trephine::tools {

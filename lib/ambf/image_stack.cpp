@@ -72,6 +72,7 @@ grid::Mask read_stack(const fs::path& folder, const grid::Mask& shown, const Pal
                 "must be " + std::to_string(wanted) + " PNG files, numbered from 0, for the case's haptic volume; " +
                     std::to_string(found.size()) + " are there");
   std::vector<fs::path> files;
+  files.reserve(found.size());
   for (const auto& item : found) files.push_back(item.second);
   grid::Mask now(shown);
   std::fill(now.voxels.begin(), now.voxels.end(), std::uint8_t{0});

@@ -24,14 +24,14 @@ void Mrml::element(const std::string& tag, const std::string& id, const std::str
 
 std::string Mrml::add(const std::string& tag, const std::string& node_class, const std::string& name,
                       const Attributes& attributes) {
-  const std::string id = node_class + std::to_string(++numbers_[node_class]);
+  std::string id = node_class + std::to_string(++numbers_[node_class]);
   element(tag, id, name, "", tag != "Camera", attributes);
   return id;
 }
 
 std::string Mrml::add_singleton(const std::string& tag, const std::string& node_class, const std::string& singleton,
                                 const std::string& name, const Attributes& attributes) {
-  const std::string id = node_class + singleton;
+  std::string id = node_class + singleton;
   element(tag, id, name, singleton, tag != "View" && tag != "Slice", attributes);
   return id;
 }
@@ -39,7 +39,7 @@ std::string Mrml::add_singleton(const std::string& tag, const std::string& node_
 std::string Mrml::add_data(const std::string& tag, const std::string& node_class, const std::string& name,
                            const std::string& display, const std::string& storage, const Attributes& attributes,
                            const std::string& more) {
-  const std::string id = node_class + std::to_string(++numbers_[node_class]);
+  std::string id = node_class + std::to_string(++numbers_[node_class]);
   Attributes all{{"displayNodeRef", display},
                  {"storageNodeRef", storage},
                  {"references", "display:" + display + ";storage:" + storage + ";" + more}};
